@@ -1,0 +1,157 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proto/error.hpp"
+
+namespace strake {
+
+/// Options of one key declaration. Values before the call are the defaults (those of preset "improved");
+/// `paper` is the value under preset = "paper". Precedence: default < preset < case file < --set.
+struct NumberKey {
+  std::string unit = "1";
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool exclusive = false;  // min itself is refused
+  bool required = false;
+  std::optional<double> paper;
+  std::string help;
+};
+struct IntegerKey {
+  int min = std::numeric_limits<int>::min(), max = std::numeric_limits<int>::max();
+  bool required = false;
+  std::optional<int> paper;
+  std::string help;
+};
+struct FlagKey {
+  std::optional<bool> paper;
+  std::string help;
+};
+struct TextKey {
+  bool required = false;
+  std::optional<std::string> paper;
+  std::string help;
+};
+struct ChoiceKey {
+  bool required = false;
+  bool or_path = false;  // a value with '/' is accepted: a program of the user's
+  std::optional<std::string> paper;
+  std::vector<std::string> not_built;  // choices of the design that are refused by name, "not built yet"
+  std::string help;
+};
+struct VectorKey {
+  std::string unit = "1";
+  bool required = false;
+  std::string help;
+};
+
+/// Axis-aligned box.
+struct Box {
+  Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  // [m]
+};
+
+/// What one declaration says: `explain`, the resolved echo and the reference are made from these.
+struct KeyInfo {
+  std::string path;         // "fluid.scheme.radius.density"; tables of an array: "output.probe[].name"
+  std::string type;         // "number" | "integer" | "flag" | "text" | "choice" | "vector" | "box" | "table" | "file"
+  std::string unit, range, default_value, paper_value, value, origin, help;  // origin: default | preset | case | --set
+  std::vector<std::string> choices;
+};
+
+class CaseTable;
+
+/// A case file with positions. Reading a key declares it; `refuse_unknown` then names every key nobody declared.
+class CaseFile {
+ public:
+  /// Reads FILE and applies the --set strings in order (V is read as TOML, else as text). Throws Error(case_file).
+  static CaseFile load(const std::filesystem::path& file, const std::vector<std::string>& sets = {});
+  /// A case from text, for tests; `name` stands where the path would in messages.
+  static CaseFile parse(const std::string& text, const std::string& name = "case.toml",
+                        const std::vector<std::string>& sets = {});
+  /// No file: every declaration is recorded, nothing is required, an array of tables has one empty element.
+  static CaseFile declarations_only();
+
+  CaseTable root();
+  /// Error for every key below `prefix` ("fluid"; empty: the whole file) that no declaration has touched,
+  /// with did-you-mean. Call after all reading.
+  void refuse_unknown(const std::string& prefix = {}) const;
+  const std::vector<KeyInfo>& declared() const;
+  /// Resolved TOML of the declared keys below `prefix`, each marked with its origin.
+  std::string echo(const std::string& prefix = {}) const;
+  /// SHA-256 of the file's bytes, each --set string, and the bytes of every existing file that a text value names.
+  std::array<std::uint8_t, 32> hash() const;
+  std::filesystem::path path() const;
+  std::filesystem::path folder() const;  // relative paths in the case are relative to it
+  const std::string& preset() const;     // "paper" | "improved"
+
+  struct Document;
+
+ private:
+  explicit CaseFile(std::shared_ptr<Document>);
+  std::shared_ptr<Document> document_;
+};
+
+/// A view of one table. Each call declares one key: reads it, checks it, records it.
+class CaseTable {
+ public:
+  void number(const std::string& name, double& value, const NumberKey&);
+  void integer(const std::string& name, int& value, const IntegerKey&);
+  void flag(const std::string& name, bool& value, const FlagKey&);
+  void text(const std::string& name, std::string& value, const TextKey&);
+  /// A file that must exist and be readable; stored absolute.
+  void file(const std::string& name, std::filesystem::path& value, const TextKey&);
+  void choice(const std::string& name, std::string& value, const std::vector<std::string>& choices, const ChoiceKey&);
+  /// Choice straight into an enumerator.
+  template <class Enum>
+  void choice(const std::string& name, Enum& value, const std::vector<std::pair<std::string, Enum>>& choices,
+              const ChoiceKey& key) {
+    std::vector<std::string> names;
+    std::string text;
+    for (const auto& [n, e] : choices) {
+      names.push_back(n);
+      if (e == value) text = n;
+    }
+    choice(name, text, names, key);
+    for (const auto& [n, e] : choices)
+      if (n == text) value = e;
+  }
+  void vector(const std::string& name, Eigen::Vector3d& value, const VectorKey&);    // [x, y, z] or [x, y]
+  void box(const std::string& name, Box& value, const VectorKey&);                    // [[…], […]], min < max
+  void texts(const std::string& name, std::vector<std::string>& value, const TextKey&);
+  /// A key of the design that is not built yet: refused by name, with that reason.
+  void not_built(const std::string& name, const std::string& help);
+
+  CaseTable table(const std::string& name, const std::string& help = {});                // empty view if absent
+  std::vector<CaseTable> tables(const std::string& name, const std::string& help = {});  // [[name]]
+  /// Every key below this table is accepted unread (a user's own program).
+  void accept_all();
+  std::vector<std::string> keys() const;  // as they stand in the file, without declaring them
+
+  bool has(const std::string& name) const;  // given in the file or by --set
+  bool present() const;                      // the table itself is
+  /// "case.toml:40:9: structure.material.young = 0", for Error::where of a check across keys.
+  std::string where(const std::string& name) const;
+  /// The error that a wrong value of `name` deserves, with line and caret.
+  Error error(const std::string& name, const std::string& expected, const std::string& fix = {}) const;
+
+ private:
+  friend class CaseFile;
+  CaseTable(std::shared_ptr<CaseFile::Document>, std::string path);
+  std::shared_ptr<CaseFile::Document> document_;
+  std::string path_;
+};
+
+/// JSON array of declarations, as `strake-fluid --keys` prints it, and back.
+std::string to_json(const std::vector<KeyInfo>&);
+std::vector<KeyInfo> keys_from_json(const std::string&);
+
+}  // namespace strake

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "proto/interface.hpp"
+
+namespace strake {
+
+/// A column file: one header line `name [unit],…`, then rows; flushed after each row. Numbers in the C locale,
+/// 17 significant digits, so that equal results are equal bytes. Throws Error(cannot_write).
+class History {
+ public:
+  History(const std::filesystem::path&, std::vector<Column> columns);
+  ~History();
+  History(const History&) = delete;
+  History& operator=(const History&) = delete;
+  void append(const std::vector<double>& row);  // one value per column; NaN is written as an empty cell
+  const std::vector<Column>& columns() const { return columns_; }
+
+ private:
+  std::filesystem::path path_;
+  std::vector<Column> columns_;
+  std::FILE* file_ = nullptr;
+};
+
+/// A column file read back. A last line without its newline (a killed run) is left out.
+struct Table {
+  std::vector<Column> columns;
+  std::vector<std::vector<double>> value;  // one vector per column; NaN for an empty cell
+  std::size_t rows() const { return value.empty() ? 0 : value.front().size(); }
+  /// The column of that name; throws Error naming the file's columns.
+  const std::vector<double>& column(const std::string& name) const;
+};
+/// Throws Error(case_file) with file:line for a bad header, a bad number or a row of wrong length.
+Table read_table(const std::filesystem::path&);
+
+}  // namespace strake

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// 3×n, one column per point. Two-dimensional cases keep z = 0 and speak per metre of depth.
+using Points = Eigen::Matrix3Xd;
+
+/// The wet surface (or, for volume coupling, all solid points) of one participant in its reference configuration.
+struct InterfaceMesh {
+  std::string name;
+  int dimension = 3;      // 2: faces are segments, per metre of depth; 3: triangles
+  Points position;        // 3×n [m], reference configuration X
+  Eigen::MatrixXi faces;  // dimension×m, point indices, normal into the fluid; none: volume coupling
+                          // 2-D: for a segment (a, b) the normal into the fluid is (t_y, -t_x), t = x_b - x_a,
+                          // that is, a closed body is walked counter-clockwise
+  Eigen::VectorXd mass;   // n [kg], optional: inertia the fluid's pressure equation may use
+};
+
+/// One quantity on the points of a mesh.
+struct Field {
+  std::string quantity;       // "displacement", "velocity", "force", "traction", "pressure", "area", …
+  std::string unit;           // "m", "m/s", "N", …
+  bool conservative = false;  // true: mapped with the transpose, so that sums are kept (forces)
+  Eigen::MatrixXd value;      // components×n
+};
+
+/// The field of that quantity, or nullptr.
+const Field* find(const std::vector<Field>&, const std::string& quantity);
+
+struct Sample {
+  double time = 0;  // [s] absolute, in [t, t + dt]
+  std::vector<Field> fields;
+};
+struct Input {
+  std::vector<Sample> samples;  // one: held (force) or end value (motion); more: a history over the window
+};
+struct Window {
+  double t = 0, dt = 0;  // [s]
+};
+
+/// A named scalar that a participant reports with each window; becomes a column of history.csv.
+struct Column {
+  std::string name, unit;
+};
+
+/// Everything that makes up a solver's state, by name: what a checkpoint writes and a resume reads.
+struct Archive {
+  std::map<std::string, Eigen::MatrixXd> real;
+  std::map<std::string, std::vector<std::int64_t>> integer;
+};
+
+/// One picture in time of a solver's fields, as it is written to frames/.
+struct Frame {
+  struct Array {
+    std::string name, unit;
+    Eigen::MatrixXd value;  // components×n (points) or components×m (cells)
+  };
+  double time = 0;           // [s]
+  Points position;           // 3×n [m], current
+  Eigen::MatrixXi cells;     // nodes per cell × m: 1 vertices, 2 segments, 4 quadrilaterals (dimension 2), 8 hexahedra;
+                             // none: every point is a vertex
+  std::vector<Array> point_data, cell_data;
+};
+
+}  // namespace strake

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "proto/interface.hpp"
+
+namespace strake {
+
+/// What a participant is told once, before its mesh exists.
+struct Setup {
+  std::filesystem::path run_folder;    // where frames, checkpoints and logs go; empty: write nothing
+  std::string interface;               // "surface" | "volume" | "none"
+  InterfaceMesh partner_mesh;          // the structure's mesh, for the fluid; empty for the structure
+  std::vector<Field> partner_initial;  // displacement and velocity at t = 0 on partner_mesh, for the fluid
+};
+
+/// What a participant says once it is built.
+struct Description {
+  std::vector<Field> initial;      // motion at t = 0 on mesh(): displacement [m] and velocity [m/s] (structure)
+  double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest first window
+  std::vector<Column> columns;     // monitors that become columns of history.csv, in this order
+  std::vector<std::string> lines;  // what it understood, for the console and `check`; first line is the headline
+};
+
+struct Advanced {
+  std::vector<Field> output;  // displacement, velocity: at t + dt; force: mean over the window; on mesh()
+  double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest next window this solver accepts
+  /// Named scalars. Names in Description::columns go to history.csv. Reserved prefixes go elsewhere:
+  ///   "seconds.<stage>"  wall seconds so far (timing.csv, summary)      "count.<what>"  counts so far (summary)
+  ///   "check.<what>"     conservation checks so far (summary)           "memory.peak"   bytes
+  ///   "<probe>:<metric>" accumulated probe result (first_peak, time_of_first_peak, peak, time_of_peak, impulse,
+  ///                      mean_peak_50us, final, contact); absent until it is known
+  std::map<std::string, double> monitor;
+  bool retry_smaller_dt = false;
+};
+
+/// One solver as the scheme sees it. Legal calls per window: (advance rewind)* advance commit.
+/// `advance` is `start` then `finish`. After an exception the participant is broken and is only destroyed.
+class Participant {
+ public:
+  virtual ~Participant() = default;
+  virtual const InterfaceMesh& mesh() const = 0;
+  virtual const Description& description() const = 0;
+  virtual void start(const Window&, const Input&) = 0;  // returns at once when remote (parallel schemes)
+  virtual Advanced finish() = 0;                        // deadline inside
+  Advanced advance(const Window& window, const Input& input) {
+    start(window, input);
+    return finish();
+  }
+  virtual void rewind() = 0;                                    // exactly back to the last commit
+  virtual void commit(bool write_output) = 0;                   // accept the window
+  virtual void checkpoint(const std::filesystem::path&) = 0;    // last committed state
+  virtual void resume(const std::filesystem::path&) = 0;
+};
+
+}  // namespace strake

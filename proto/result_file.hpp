@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "proto/interface.hpp"
+
+namespace strake {
+
+/// Writes an archive as one HDF5 file: aside, closed, renamed. Real arrays become double datasets (rows×columns),
+/// integer arrays int64 datasets. Equal content is equal bytes. Throws Error(cannot_write).
+void write_archive(const std::filesystem::path&, const Archive&);
+/// Throws Error(case_file) with the path and what was expected when the file is missing or not ours.
+Archive read_archive(const std::filesystem::path&);
+
+/// frames/<name>-000042.h5, one file per frame, and <name>.xdmf that lists them (opens in ParaView 5.11).
+/// Each file appears whole or not at all; the XDMF list is rewritten and renamed after each frame.
+class FrameSeries {
+ public:
+  FrameSeries(std::filesystem::path run_folder, std::string name, int dimension);
+  void write(const Frame&);
+  int count() const { return static_cast<int>(entries_.size()); }
+  /// Drops frames later than `time` (resume).
+  void truncate(double time);
+
+ private:
+  struct Entry {
+    double time = 0;
+    long long n_points = 0, n_cells = 0;
+    int nodes_per_cell = 0;
+    std::vector<std::pair<std::string, int>> point_data, cell_data;  // name, components
+    std::string file;
+  };
+  void write_xdmf() const;
+  std::filesystem::path run_folder_;
+  std::string name_;
+  int dimension_ = 2;
+  std::vector<Entry> entries_;
+};
+
+/// Writes text whole or not at all (aside, flushed, renamed). Throws Error(cannot_write).
+void write_text(const std::filesystem::path&, const std::string&);
+
+}  // namespace strake

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "proto/case_file.hpp"
+
+namespace strake::structure {
+
+enum class Support { free, clamped, pinned };       // pinned: at mid-height of the end face
+enum class MaterialModel { linear, saint_venant_kirchhoff };
+enum class Analysis { dynamic, statics, modal };     // case file: dynamic | static | modal
+enum class LoadKind { none, traction, point };
+
+/// Rectangle in the xy-plane (2-D, plane strain): the short form of one box.
+struct Plate {
+  double length = 0, thickness = 0;                  // [m] along x, along y
+  Eigen::Vector3d bottom = Eigen::Vector3d::Zero();  // [m] middle of the lower face
+  Support left = Support::free, right = Support::free;
+};
+
+struct Material {
+  MaterialModel model = MaterialModel::saint_venant_kirchhoff;
+  double density = 7800;  // [kg/m^3]
+  double young = 2.1e11;  // [Pa]
+  double poisson = 0.3;
+  double lame_lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); }  // plane strain and 3-D
+  double lame_mu() const { return young / (2 * (1 + poisson)); }
+};
+
+/// Load of the case itself, beside the fluid's: [structure.load].
+struct CaseLoad {
+  LoadKind kind = LoadKind::none;
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();  // traction [Pa] on `face`, or point force [N/m]
+  std::string face = "top";                         // top | bottom | left | right
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();     // [m] point force
+  double ramp = 0;                                  // [s] value · ½(1 − cos(πt/ramp)); 0: at once
+};
+
+struct FemKeys {
+  int degree = 2;
+  int refinement = 3;        // cells through the thickness = 2^refinement; along the length graded to the clamps
+  double rho_infinity = 1;   // spectral radius of generalised-alpha; 1: Newmark beta 1/4, gamma 1/2 (trapezoidal)
+  double tolerance = 1e-10;  // Newton, relative
+};
+enum class ParticleModel { pair, total_lagrangian };
+struct ParticleKeys {
+  double spacing = 0.005;    // [m] surface coupling; volume coupling uses fluid.spacing
+  ParticleModel model = ParticleModel::total_lagrangian;  // in volume coupling the default is pair
+  double radius = 2.1;       // [spacing]
+  double hourglass = 1.0;    // alpha of PHYSICS §6
+  double safety = 0.8;       // sub-step = safety × elastic limit
+};
+struct Damping {
+  double mass = 0;       // [1/s] Rayleigh, mass-proportional
+  double stiffness = 0;  // [s]   Rayleigh, stiffness-proportional
+};
+
+/// Everything a structure solver needs; knows nothing of TOML beyond `read`.
+struct Parameters {
+  int dimension = 2;
+  std::string kind = "fem";                            // the running program: fem | particle | rigid | replay
+  std::string interface = "surface";                   // surface | volume
+  double fluid_spacing = 0.01;                         // [m]
+  double surface_spacing = 0.01;                       // [m] of the interface points; default fluid.spacing
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // [m/s] of the supports, and of the whole body at t = 0
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   // [m/s^2] body force; from fluid.gravity, with fluid.gravity_ramp
+  double gravity_ramp = 0;                             // [s]
+  Plate plate;
+  Material material;
+  CaseLoad load;
+  Analysis analysis = Analysis::dynamic;
+  Damping damping;
+  FemKeys fem;
+  ParticleKeys particle;
+  std::filesystem::path replay_run;                    // structure.replay.run
+  int threads = 2;
+};
+
+/// Reads [structure] and what it shares with [fluid] (spacing, dimension, gravity, gravity_ramp); checks across keys.
+Parameters read(CaseFile&, const std::string& kind);
+
+}  // namespace strake::structure
