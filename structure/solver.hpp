@@ -47,6 +47,10 @@ class Solver {
   virtual void read(const Archive&) = 0;
   virtual Frame frame() const = 0;
   virtual std::vector<std::string> lines() const = 0;  // what it understood: headline first
+  /// structure.analysis = static: equilibrium under the case's own load. Default: Error(case_file), "not available".
+  virtual void solve_static();
+  /// structure.analysis = modal: the lowest `count` natural frequencies [Hz], ascending. Default as above.
+  virtual std::vector<double> frequencies(int count);
 };
 
 }  // namespace strake::structure
