@@ -1,0 +1,55 @@
+# Shared by cases/run.sh and tests/run.sh: what Strake needs from Debian, and one build folder for both.
+# Sourced, not run. Sets nothing outside the names strake_*.
+
+strake_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+strake_build=${STRAKE_BUILD:-$strake_root/build}
+
+strake_packages_build="g++ cmake ninja-build ccache pkg-config libeigen3-dev libsuitesparse-dev libopenblas-dev
+  libdeal.ii-dev libprotobuf-dev protobuf-compiler libzmq3-dev cppzmq-dev libhdf5-dev libtomlplusplus-dev libcli11-dev
+  libfmt-dev libspdlog-dev nlohmann-json3-dev libsodium-dev libspectra-dev libnanoflann-dev"
+strake_packages_test="libgtest-dev libbenchmark-dev python3-minimal python3-h5py"
+
+# Installs the packages that are missing; says which; asks for nothing. Exit 2 with the exact line where it may not.
+strake_install() {
+  local missing="" package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
+  local line="apt-get install -y --no-install-recommends$missing"
+  echo "strake: installing:$missing"
+  local as_root=""
+  if [ "$(id -u)" -ne 0 ]; then
+    if sudo -n true 2>/dev/null; then as_root="sudo -n"; else
+      echo "strake: these packages are missing and installing them needs root. Run this, then try again:" >&2
+      echo "  sudo $line" >&2
+      exit 2
+    fi
+  fi
+  local log
+  log=$(mktemp)
+  # A package list may be absent or old on a fresh machine; a half-finished earlier install is completed first.
+  if ! { $as_root env DEBIAN_FRONTEND=noninteractive dpkg --configure -a &&
+         $as_root apt-get update -o DPkg::Lock::Timeout=120 &&
+         $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
+           -o DPkg::Lock::Timeout=120 $missing; } >"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    echo "strake: the installation failed (whole log: $log). A second try goes on from here; by hand: sudo $line" >&2
+    exit 2
+  fi
+  rm -f "$log"
+}
+
+# Configures once and builds the named targets; silent when there is nothing to do.
+strake_make() {
+  if [ ! -f "$strake_build/build.ninja" ]; then
+    echo "strake: configuring $strake_build"
+    cmake -S "$strake_root" -B "$strake_build" -G Ninja -DCMAKE_BUILD_TYPE=Release ${STRAKE_CMAKE_OPTIONS:-} >"$strake_build.log" 2>&1 ||
+      { cat "$strake_build.log" >&2; exit 70; }
+    mkdir -p "$strake_build" && mv "$strake_build.log" "$strake_build/configure.log"
+    grep -h 'STRAKE:' "$strake_build/configure.log" || true
+  fi
+  if [ "$(cd "$strake_build" && ninja -n "$@" 2>/dev/null | tail -n 1)" = "ninja: no work to do." ]; then return 0; fi
+  echo "strake: building with $(nproc) processes (a first build takes some minutes)"
+  cmake --build "$strake_build" --parallel "$(nproc)" --target "$@" || exit 70
+}
