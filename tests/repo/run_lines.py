@@ -1,0 +1,35 @@
+"""Every `# run` line of a case file is a command that `strake check` accepts, and the README's commands exist."""
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+root, bin_dir = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+problems, checked = [], 0
+for case in sorted((root / "cases").glob("*.toml")):
+    lines = [l[len("# run"):].strip() for l in case.read_text(encoding="utf-8").splitlines() if l.startswith("# run ")]
+    if not lines:
+        problems.append(f"{case.name}: no `# run` line")
+    for line in lines:
+        words = shlex.split(line)
+        if words[:2] != ["strake", "run"]:
+            problems.append(f"{case.name}: `{line}` is not a strake run command")
+            continue
+        words = [str(bin_dir / "strake"), "check"] + [w for w in words[2:]]
+        while "--tag" in words:
+            at = words.index("--tag")
+            del words[at:at + 2]
+        result = subprocess.run(words, cwd=root, capture_output=True, text=True, timeout=120)
+        checked += 1
+        if result.returncode != 0:
+            problems.append(f"{case.name}: `{line}` exits {result.returncode}:\n{result.stderr}")
+readme = (root / "README.md").read_text(encoding="utf-8")
+for script in re.findall(r"^\s*((?:cases|tests)/\w+\.sh)", readme, re.M):
+    if not (root / script).exists():
+        problems.append(f"README.md names {script}, which does not exist")
+for name in re.findall(r"cases/run\.sh (\w+)", readme):
+    if not (root / "cases" / f"{name}.toml").exists():
+        problems.append(f"README.md runs the case {name}, which does not exist")
+print("\n".join(problems) or f"{checked} run lines accepted by strake check")
+sys.exit(bool(problems))
