@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace strake {
+
+/// Samples of a quantity over time, times ascending; linear between samples, held outside.
+struct Curve {
+  std::vector<double> time;  // [s]
+  std::vector<double> value;
+  std::size_t size() const { return time.size(); }
+};
+
+struct CurvePoint {
+  double time = 0, value = 0;
+};
+
+double value_at(const Curve&, double time);
+Curve resample(const Curve&, const std::vector<double>& times);
+/// The part within [from, to], with interpolated end points.
+Curve clip(const Curve&, double from, double to);
+/// Largest |q|, with its sign; the first of equals. None for an empty curve.
+std::optional<CurvePoint> peak(const Curve&);
+/// VALIDATION A: the running maximum M of |q| after `contact`, M >= 5 % of the record's maximum, that |q|
+/// falls below 0.8 M before exceeding M.
+std::optional<CurvePoint> first_peak(const Curve&, double contact);
+double impulse(const Curve&, double from, double to);  // ∫ q dt, trapezoidal
+double mean(const Curve&, double from, double to);     // impulse / (to − from)
+double rms(const Curve&, double from, double to);  // √((1/T) ∫ q² dt), exact for the linear interpolant
+/// Largest |mean over `width`| of a window that slides from sample to sample, with its sign, at the window's
+/// middle.
+std::optional<CurvePoint> peak_of_mean(const Curve&, double width);
+/// ‖a − b‖ / ‖b‖ over the common time span, b the reference, at the union of both sample times.
+double l2_difference(const Curve&, const Curve& reference);
+/// Dynamic time warping: the smallest sum of |a_i − b_j| over monotone pairings of samples, divided by the
+/// number of pairs and by the largest |b|. Blind to shifts in time, so that two noisy runs can be told from a
+/// wrong one.
+double time_warping(const Curve&, const Curve& reference);
+
+}  // namespace strake
