@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proto/case_file.hpp"
+#include "proto/participant.hpp"
+
+namespace strake {
+
+/// The command line of a participant: --connect ENDPOINT --name N --case FILE [--set K=V]… [--case-hash HEX],
+/// or one of the modes --check, --echo, --keys, --version.
+struct ParticipantOptions {
+  enum class Mode { serve, check, echo, keys, version };
+  Mode mode = Mode::serve;
+  std::string endpoint, name, case_file;
+  std::vector<std::string> sets;
+  std::optional<std::array<std::uint8_t, 32>>
+      case_hash;  // as the coupler gave it; our programs compute their own
+};
+/// Error(command_line) for what it refuses. --help prints and exits 0.
+ParticipantOptions parse_participant_options(int argc, char** argv);
+
+/// What distinguishes one solver program from another.
+struct Program {
+  std::string program;  // "strake-fluid"
+  std::string solver;   // "mps", "fem", …
+  std::string version;
+  std::string prefix;  // its part of the case file: "fluid" or "structure"
+  /// Reads (so declares) all of its keys, the common ones too, and refuses what does not go together.
+  std::function<void(CaseFile&)> declare;
+  /// Optional, for --check: derived numbers, one line each; more refusals (a body outside the tank, …).
+  std::function<std::vector<std::string>(CaseFile&)> check;
+  /// Builds the participant. `declare` has run on the same file.
+  std::function<std::unique_ptr<Participant>(CaseFile&, const ParticipantOptions&, const Setup&)> build;
+};
+
+/// The whole of a solver's main: parses, does the mode or serves, prints errors, returns the exit code.
+int participant_main(int argc, char** argv, const Program&);
+
+}  // namespace strake

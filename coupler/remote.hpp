@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "coupler/launch.hpp"
+#include "proto/participant.hpp"
+
+namespace strake {
+
+class StopRequest;
+class RemoteParticipant;
+
+struct Deadlines {
+  std::chrono::duration<double> hello{30};  // [s] from launch to the first word
+  std::chrono::duration<double> frozen_after{
+      10};  // [s] coupling.frozen_after: no heartbeat though the process lives
+  std::chrono::duration<double> answer_within{
+      600};                                // [s] coupling.answer_within: one answer; Working restarts it
+  std::chrono::duration<double> grace{1};  // [s] for the answer under way after Ctrl-C
+  bool patient = false;                    // --patient: no deadline but death
+};
+
+/// All participants of a run: starts them, awaits them, hears them, ends them. Whatever one of them does, a
+/// wait for any of them ends with an Error that names the one at fault: participant_lost (died, froze, never
+/// spoke, broke the protocol), the code of its own Fault, solver_fault (not finite), interrupted or
+/// terminated (StopRequest).
+class Roster {
+ public:
+  struct Options {
+    std::string endpoint;                      // empty: ipc:// in a private folder; or "tcp://127.0.0.1:*"
+    std::array<std::uint8_t, 32> case_hash{};  // CaseFile::hash()
+    Deadlines deadlines;
+    std::function<void(const std::string&)> say;  // one line (no newline) for console and log; may be empty
+    const StopRequest* stop = nullptr;
+  };
+  explicit Roster(Options);
+  ~Roster();  // end()
+
+  const std::string& endpoint() const;
+  const std::string& token() const;  // hexadecimal; what a participant started by hand needs in STRAKE_TOKEN
+
+  /// Starts the program with "--connect … --name `name` --case-hash …" put before launch.arguments, and the
+  /// token.
+  void launch(const std::string& name, Launch launch);
+  /// Expects a participant started by hand (--attach); waits for it without a deadline.
+  void attach(const std::string& name);
+  /// Awaits its Hello, sends Setup, awaits Ready. Launch all, then connect the structure first.
+  RemoteParticipant& connect(const std::string& name, const Setup&);
+  /// Regular end: Stop (with the last commit) to each in turn, Done, exit 0, reaped. Error if one of them
+  /// fails.
+  void finish();
+  /// After an error: Stop with the last commit to those that are idle, at most 0.5 s, then SIGTERM, SIGKILL;
+  /// reaped. Does nothing after finish().
+  void end() noexcept;
+
+ private:
+  friend class RemoteParticipant;
+  struct Member;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A participant in another process. `commit` and `rewind` ride on the next request, so they cost no round
+/// trip. Lives as long as its Roster.
+class RemoteParticipant final : public Participant {
+ public:
+  const InterfaceMesh& mesh() const override;
+  const Description& description() const override;
+  void start(const Window&, const Input&) override;
+  Advanced finish() override;
+  void rewind() override;
+  void commit(bool write_output) override;
+  void checkpoint(const std::filesystem::path&) override;
+  void resume(const std::filesystem::path&) override;
+
+  /// Windows committed before this run (resume), so that messages name the right window.
+  void count_windows_from(std::uint64_t committed);
+
+ private:
+  friend class Roster;
+  RemoteParticipant(Roster::State&, Roster::Member&);
+  Roster::State* roster_;
+  Roster::Member* member_;
+};
+
+}  // namespace strake

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "proto/participant.hpp"
+
+namespace strake {
+
+struct ServeOptions {
+  std::string endpoint, name;  // --connect, --name
+  std::string token;           // hexadecimal, from STRAKE_TOKEN
+  std::string solver, version;
+  std::array<std::uint8_t, 32> case_hash{};
+};
+
+using ParticipantFactory = std::function<std::unique_ptr<Participant>(const Setup&)>;
+
+/// The solver side: says Hello, builds the participant when Setup comes, answers until Stop. Returns the exit
+/// code of the process; an Error goes to the coupler as a Fault and to standard error (the log).
+///
+/// The numerics run in the calling thread. A watch thread ends the process (a line in the log, exit 5) within
+/// a second of the coupler's death, whatever the numerics do; a coupler that is only suspended is waited for.
+int serve(const ServeOptions&, const ParticipantFactory&);
+
+/// For a solver inside a long computation: tells the coupler that work goes on, at most once a second, which
+/// restarts its deadline. Call it from the thread that serves; does nothing elsewhere.
+void working(double fraction, const std::string& what);
+
+}  // namespace strake

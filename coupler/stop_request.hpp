@@ -1,0 +1,25 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "proto/error.hpp"
+
+namespace strake {
+
+/// Ctrl-C or SIGTERM, as a flag that loops and waits look at. The second signal ends the process at once
+/// (exit 130 or 143; the participants notice that the coupler is gone). Make one in main, before any other
+/// thread.
+class StopRequest {
+ public:
+  StopRequest();   // installs handlers for SIGINT and SIGTERM
+  ~StopRequest();  // puts the former ones back
+  StopRequest(const StopRequest&) = delete;
+  StopRequest& operator=(const StopRequest&) = delete;
+
+  bool requested() const;
+  ExitCode code() const;                                // interrupted or terminated; done while not requested
+  std::chrono::steady_clock::duration elapsed() const;  // since the first signal; zero while not requested
+};
+
+}  // namespace strake
