@@ -3,7 +3,9 @@
 namespace strake::fluid {
 
 /// w(r) = r_e/r − 1 for 0 < r < r_e, else 0 (Koshizuka & Oka 1996; PHYSICS eq. 17). r, radius: same unit.
-inline double weight(double r, double radius) { return r < radius && r > 0 ? radius / r - 1.0 : 0.0; }
+inline double weight(double r, double radius) {
+  return r < radius && r > 0 ? radius / r - 1.0 : 0.0;
+}
 
 /// Constants of one operator's radius on the full square or cubic lattice of spacing l0 (PHYSICS §2, table).
 struct LatticeConstants {

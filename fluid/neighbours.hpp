@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <span>
 #include <vector>
 
@@ -9,40 +10,77 @@
 
 namespace strake::fluid {
 
-/// Neighbour rows in compressed form: for particle i the columns row(i), sorted by index, both i-j and j-i stored.
-/// Exactly the pairs with |r_ij| < radius at the positions of the last `update`: a Verlet skin saves the cell search,
-/// never shows in the rows. Counted first, filled second: no capacity to overflow.
+/// Neighbour rows in compressed form: for particle i the columns row(i), sorted by index, both i-j and j-i
+/// stored. Exactly the pairs with |r_ij| < radius at the positions of the last `update`: a Verlet skin saves
+/// the cell search, never shows in the rows. Counted first, filled second: no capacity to overflow. Beside
+/// each column stand its distance and the inverse, so that no operator takes a root or divides again.
 class Neighbours {
  public:
-  std::span<const std::int32_t> row(std::int64_t i) const {
-    return {column_.data() + start_[static_cast<std::size_t>(i)],
-            static_cast<std::size_t>(start_[static_cast<std::size_t>(i) + 1] - start_[static_cast<std::size_t>(i)])};
-  }
-  std::span<const std::int64_t> start() const { return start_; }     // n+1
-  std::span<const std::int32_t> column() const { return column_; }
+  std::span<const std::int32_t> row(std::int64_t i) const { return part(column_, i); }
+  std::span<const double> distances(std::int64_t i) const { return part(distance_, i); }  // |r_ij| [m]
+  std::span<const double> inverses(std::int64_t i) const { return part(inverse_, i); }    // 1/|r_ij| [1/m]
+  std::span<const std::int64_t> start() const { return start_; }                          // n+1
+  std::span<const std::int32_t> column() const { return column_; }                        // one per pair
+  std::span<const double> distance() const { return distance_; }                          // one per pair [m]
+  std::span<const double> inverse() const { return inverse_; }  // one per pair [1/m]
   std::int64_t size() const { return static_cast<std::int64_t>(start_.size()) - 1; }
 
  private:
   template <int dim>
   friend class NeighbourSearch;
+  template <class T>
+  std::span<const T> part(const std::vector<T>& all, std::int64_t i) const {
+    const auto first = start_[static_cast<std::size_t>(i)];
+    return {all.data() + first, static_cast<std::size_t>(start_[static_cast<std::size_t>(i) + 1] - first)};
+  }
   std::vector<std::int64_t> start_{0};
   std::vector<std::int32_t> column_;
+  std::vector<double> distance_, inverse_;
 };
 
-/// Cell list with a Verlet skin. Throws Error(solver_fault) that names the particle when a position is not finite.
+/// What a search must know of a particle beside its place; one byte each, bits may be joined.
+enum PairTag : std::uint8_t {
+  plain = 0,
+  filler = 1,  // dummy: pairs of two fillers are dropped
+  asked = 2,   // pairs with at least one such particle are kept only if `keep` says so
+};
+/// Symmetric in i and j. Asked at each update, at the new positions, for pairs within the radius.
+using KeepPair = std::function<bool(std::int32_t i, std::int32_t j)>;
+
+/// Cell list with a Verlet skin. Throws Error(solver_fault) that names the particle when a position is not
+/// finite.
 template <int dim>
 class NeighbourSearch {
  public:
   /// radius: largest interaction radius [m]; skin: [m], 0.2 l0 pays (PHYSICS §16.5).
   NeighbourSearch(double radius, double skin);
-  /// `keep(i, j)`: false drops a pair for good reason (dummy–dummy, across a body); must be symmetric.
-  const Neighbours& update(const Vectors<dim>& position, const std::function<bool(std::int32_t, std::int32_t)>& keep = {});
+  /// Rows of the largest radius. tag: empty, or one byte per particle (PairTag).
+  const Neighbours& update(const Vectors<dim>& position, std::span<const std::uint8_t> tag = {},
+                           const KeepPair& keep = {});
+  /// The part of the last update's rows with |r_ij| < radius <= the largest; made on first use, then kept
+  /// until the next update. The reference stays valid as long as the search; its content changes with the
+  /// next update.
+  const Neighbours& within(double radius);
   void invalidate();  // after set_state or re-ordering
+  std::int64_t rebuilds() const { return rebuilds_; }
 
  private:
+  void rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag);
+  struct Part {
+    double radius;
+    bool fresh;
+    Neighbours rows;
+  };
   double radius_, skin_;
+  bool valid_ = false;
+  std::int64_t rebuilds_ = 0;
   Vectors<dim> built_at_;
-  Neighbours candidates_, exact_;
+  std::vector<std::uint8_t> built_tag_;
+  std::vector<std::int64_t> candidate_start_;
+  std::vector<std::int32_t> candidate_;
+  std::vector<double> candidate_squared_;  // |r_ij|² of each candidate at the last update [m²]
+  Neighbours exact_;
+  std::list<Part> parts_;
 };
 
 }  // namespace strake::fluid

@@ -22,13 +22,14 @@ enum class SolidVelocity { replace, add };
 
 /// PHYSICS §2–5: the scheme. Defaults are preset "improved"; the paper's values stand in read().
 struct Scheme {
-  double radius_density = 2.1, radius_gradient = 2.1, radius_divergence = 2.1, radius_laplacian = 3.1;  // [l0]
-  double time_step = 2e-6;  // [s] largest
-  double cfl = 0.2;         // max |u| dt / l0
+  double radius_density = 2.1, radius_gradient = 2.1, radius_divergence = 2.1,
+         radius_laplacian = 3.1;  // [l0]
+  double time_step = 2e-6;        // [s] largest
+  double cfl = 0.2;               // max |u| dt / l0
   Source source = Source::mixed;
   DensityAt density_at = DensityAt::old;
-  double gamma = 0.0;       // drift term per step; used when tau = 0
-  double tau = 0.02;        // [s] gamma = dt / tau; 0: gamma is used
+  double gamma = 0.0;  // drift term per step; used when tau = 0
+  double tau = 0.02;   // [s] gamma = dt / tau; 0: gamma is used
   Gradient gradient = Gradient::pairwise;
   double beta = 0.97;
   SecondCriterion second = SecondCriterion::arc;
@@ -41,30 +42,31 @@ struct Scheme {
   Preconditioner preconditioner = Preconditioner::jacobi;
   double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
   int pressure_max_iterations = 5000;
-  double shifting = 0.0;             // A of PHYSICS §10.4; 0: off
+  double shifting = 0.0;  // A of PHYSICS §10.4; 0: off
   Turbulence turbulence = Turbulence::statics;
   SpsForm sps = SpsForm::stress_pair;
-  double c_nu = 0.08, c_eps = 1.0;   // C_s = (c_nu³/c_eps)^¼
+  double c_nu = 0.08, c_eps = 1.0;  // C_s = (c_nu³/c_eps)^¼
   bool wall_damping = false;
 };
 
 struct Parameters {
   int dimension = 2;
-  double spacing = 0.01;               // l0 [m]
-  double density = 1000;               // [kg/m^3]
-  double kinematic_viscosity = 1e-6;   // [m²/s]
+  double spacing = 0.01;                 // l0 [m]
+  double density = 1000;                 // [kg/m^3]
+  double kinematic_viscosity = 1e-6;     // [m²/s]
   Eigen::Vector3d gravity{0, -9.81, 0};  // [m/s²]
-  double gravity_ramp = 0;             // [s] g · ½(1 − cos(πt/ramp)); 0: at once
-  double sound_speed = 1500;           // [m/s]; infinity: incompressible
-  Box tank, water;                     // [m] open at the top
-  std::string interface = "surface";   // surface | volume
+  double gravity_ramp = 0;               // [s] g · ½(1 − cos(πt/ramp)); 0: at once
+  double sound_speed = 1500;             // [m/s]; infinity: incompressible
+  Box tank, water;                       // [m] open at the top
+  std::string interface = "surface";     // surface | volume
   SolidVelocity solid_velocity = SolidVelocity::replace;
   Scheme scheme;
-  std::vector<ProbeKeys> probes;       // those of the fluid
+  std::vector<ProbeKeys> probes;  // those of the fluid
   int threads = 2;
 };
 
-/// Reads [fluid], [fluid.scheme] and what it shares; checks across keys (water inside tank, time step against window …).
+/// Reads [fluid], [fluid.scheme] and what it shares; checks across keys (water inside tank, time step against
+/// window …).
 Parameters read(CaseFile&);
 
 }  // namespace strake::fluid

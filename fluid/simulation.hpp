@@ -12,25 +12,26 @@ namespace strake::fluid {
 
 /// What one step did.
 struct StepReport {
-  double cfl = 0;             // max |u| dt / l0
+  double cfl = 0;  // max |u| dt / l0
   int pressure_iterations = 0;
   double divergence_max = 0;  // [1/s] largest |∇·u| of inner fluid particles after correction
 };
 
-/// The motion of the interface points over one step: end displacement from the reference mesh, velocity at the end,
-/// and the acceleration that enters the Neumann condition.
+/// The motion of the interface points over one step: end displacement from the reference mesh, velocity at
+/// the end, and the acceleration that enters the Neumann condition.
 struct InterfaceMotion {
   Points displacement;  // 3×m [m] at the end of the step
   Points velocity;      // 3×m [m/s] at the end of the step
   Points acceleration;  // 3×m [m/s²] over the step
 };
 
-/// The MPS-LES method on owned particles: one object, one case. Knows nothing of files, messages or processes.
+/// The MPS-LES method on owned particles: one object, one case. Knows nothing of files, messages or
+/// processes.
 template <int dim>
 class Simulation {
  public:
-  /// partner: the structure's mesh (surface: closed outline with faces; volume: solid points with mass; empty: none).
-  /// Throws Error(case_file) when the body does not fit the tank or overlaps the water.
+  /// partner: the structure's mesh (surface: closed outline with faces; volume: solid points with mass;
+  /// empty: none). Throws Error(case_file) when the body does not fit the tank or overlaps the water.
   Simulation(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
   ~Simulation();
 
@@ -44,8 +45,8 @@ class Simulation {
   State<dim>& mutable_state();        // for probes and accounts kept by the participant
   /// Wall seconds per stage since construction: neighbours, predictor, density, pressure, corrector, load.
   const std::map<std::string, double>& seconds() const;
-  /// Pressure of a sensor: −(force · n)/area over the interface points within diameter/2 of X (reference), [Pa];
-  /// or, when there is no body, the mean pressure of the wall row within diameter/2.
+  /// Pressure of a sensor: −(force · n)/area over the interface points within diameter/2 of X (reference),
+  /// [Pa]; or, when there is no body, the mean pressure of the wall row within diameter/2.
   double sensor_pressure(const Eigen::Vector3d& at, double diameter) const;
   /// Force of the water on the tank floor (the walls' lower side), [N]: the C1 check.
   Eigen::Vector3d floor_force() const;

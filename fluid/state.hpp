@@ -26,33 +26,34 @@ inline bool has_pressure(Kind kind) {
   return kind == Kind::fluid || kind == Kind::wall || kind == Kind::interface || kind == Kind::solid;
 }
 
-/// Everything of the fluid that changes in time: rewind is an assignment, a checkpoint is this struct on disk.
+/// Everything of the fluid that changes in time: rewind is an assignment, a checkpoint is this struct on
+/// disk.
 template <int dim>
 struct State {
-  double time = 0;                        // [s]
-  std::int64_t step = 0;                  // steps taken
-  Vectors<dim> position;                  // dim×n [m]
-  Vectors<dim> velocity;                  // dim×n [m/s]
-  Eigen::VectorXd pressure;               // n [Pa]
-  Eigen::VectorXd sps_k;                  // n [m²/s²] sub-particle-scale energy (k model); static model: last value
-  std::vector<Kind> kind;                 // n
-  std::vector<std::int64_t> id;           // n, identity of a particle whatever its place
-  std::vector<std::uint8_t> surface;      // n, free-surface flag of the last step (hysteresis)
+  double time = 0;               // [s]
+  std::int64_t step = 0;         // steps taken
+  Vectors<dim> position;         // dim×n [m]
+  Vectors<dim> velocity;         // dim×n [m/s]
+  Eigen::VectorXd pressure;      // n [Pa]
+  Eigen::VectorXd sps_k;         // n [m²/s²] sub-particle-scale energy (k model); static model: last value
+  std::vector<Kind> kind;        // n
+  std::vector<std::int64_t> id;  // n, identity of a particle whatever its place
+  std::vector<std::uint8_t> surface;  // n, free-surface flag of the last step (hysteresis)
 
-  Vectors<dim> interface_displacement;    // dim×m [m] committed motion of the interface points
-  Vectors<dim> interface_velocity;        // dim×m [m/s]
+  Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
+  Vectors<dim> interface_velocity;      // dim×m [m/s]
 
-  std::vector<ProbeRecord> probes;        // accumulate at every step
-  double contact_time = -1;               // [s] t_c of VALIDATION A; < 0: none yet
-  Vector<dim> impulse_on_bodies = Vector<dim>::Zero();     // [N s] momentum account, since t = 0
+  std::vector<ProbeRecord> probes;                      // accumulate at every step
+  double contact_time = -1;                             // [s] t_c of VALIDATION A; < 0: none yet
+  Vector<dim> impulse_on_bodies = Vector<dim>::Zero();  // [N s] momentum account, since t = 0
   Vector<dim> impulse_on_walls = Vector<dim>::Zero();
   Vector<dim> impulse_of_gravity = Vector<dim>::Zero();
   Vector<dim> impulse_of_collisions = Vector<dim>::Zero();  // ΣJ of the anti-penetration step (PHYSICS §8)
   Vector<dim> initial_momentum = Vector<dim>::Zero();       // of the water at t = 0
-  double inner_fraction_min = 1;          // smallest share of fluid particles not on the surface
-  std::int64_t lost = 0;                  // particles that left the domain
-  std::int64_t voids = 0;                 // largest count of surface particles deeper than 5 l0
-  std::int64_t penetrations = 0;          // largest count of fluid particles inside a body's outline
+  double inner_fraction_min = 1;  // smallest share of fluid particles not on the surface
+  std::int64_t lost = 0;          // particles that left the domain
+  std::int64_t voids = 0;         // largest count of surface particles deeper than 5 l0
+  std::int64_t penetrations = 0;  // largest count of fluid particles inside a body's outline
 };
 
 }  // namespace strake::fluid
