@@ -1,1 +1,469 @@
-// Being written.
+#include "proto/wire.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <climits>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+#include "proto/coupling.pb.h"
+
+namespace strake::wire {
+
+static_assert(std::endian::native == std::endian::little && sizeof(double) == 8 && sizeof(int) == 4,
+              "arrays travel as the memory of this machine: little-endian float64 and int32");
+
+namespace {
+
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
+
+// ---- rules that hold on both sides
+
+/// Checks of one message, told in the name of its sender.
+struct Rules {
+  const std::string& who;
+  const char* message;
+
+  [[noreturn]] void broken(const std::string& what) const {
+    throw Error(ExitCode::participant_lost, who, fmt::format("its {} message {}", message, what),
+                fmt::format("both sides must speak protocol {} of proto/coupling.proto", protocol));
+  }
+  template <class Matrix>
+  void finite(const Matrix& value, const std::string& name, const std::string& unit) const {
+    if (value.size() == 0 || value.allFinite()) return;
+    for (Eigen::Index j = 0; j < value.cols(); ++j)
+      for (Eigen::Index i = 0; i < value.rows(); ++i)
+        if (!std::isfinite(value(i, j)))
+          throw Error(ExitCode::solver_fault, who,
+                      fmt::format("{} is not finite: {} {} at point {} of {}, component {}", name,
+                                  value(i, j), unit, j, value.cols(), i));
+  }
+  void finite(double value, const char* name) const {
+    if (!std::isfinite(value))
+      throw Error(ExitCode::solver_fault, who,
+                  fmt::format("{} is not finite ({}) in {}", name, value, message));
+  }
+  void limit(double dt_limit) const {
+    if (!(dt_limit > 0))
+      throw Error(ExitCode::solver_fault, who,
+                  fmt::format("dt_limit is {} s in {}, expected > 0", dt_limit, message));
+  }
+  void field(const Field& f) const {
+    if (f.quantity.empty()) broken("holds a field without a quantity");
+    if (f.unit.empty()) broken(fmt::format("gives no unit for {} (\"1\" for a pure number)", f.quantity));
+    if (f.value.rows() == 0) broken(fmt::format("gives no components for {}", f.quantity));
+    finite(f.value, f.quantity, f.unit);
+  }
+  void mesh(const InterfaceMesh& m) const {
+    if (m.dimension != 2 && m.dimension != 3)
+      broken(fmt::format("has a mesh of dimension {}, expected 2 or 3", m.dimension));
+    finite(m.position, "mesh position", "m");
+    finite(m.mass, "mesh mass", "kg");
+    const Eigen::Index n = m.position.cols();
+    if (m.mass.size() != 0 && m.mass.size() != n)
+      broken(fmt::format("has {} masses for {} points", m.mass.size(), n));
+    if (m.faces.cols() == 0) return;
+    if (m.faces.rows() != m.dimension)
+      broken(fmt::format("has faces of {} points, expected {}", m.faces.rows(), m.dimension));
+    if (m.faces.minCoeff() < 0 || m.faces.maxCoeff() >= n)
+      broken(fmt::format("has a face with point {}, expected 0 to {}",
+                         m.faces.minCoeff() < 0 ? m.faces.minCoeff() : m.faces.maxCoeff(), n - 1));
+  }
+};
+
+// ---- values to bytes
+
+/// Collects the parts; the arrays stay where they are, kept alive by `owner`.
+class Writer {
+ public:
+  Writer(Rules rules, std::shared_ptr<const void> owner)
+      : rules_(rules), owner_(std::move(owner)), parts_(1) {}
+
+  const Rules& rules() const { return rules_; }
+  void mesh(const InterfaceMesh& from, pb::Mesh& to) {
+    rules_.mesh(from);
+    to.set_name(from.name);
+    to.set_dimension(static_cast<std::uint32_t>(from.dimension));
+    to.set_n_points(static_cast<std::uint64_t>(from.position.cols()));
+    to.set_n_faces(static_cast<std::uint64_t>(from.faces.cols()));
+    to.set_has_mass(from.mass.size() != 0);
+    array(from.position);
+    if (from.faces.cols() != 0) array(from.faces);
+    if (from.mass.size() != 0) array(from.mass);
+  }
+  template <class Repeated>
+  void fields(const std::vector<Field>& from, Repeated& to) {
+    for (const Field& f : from) {
+      rules_.field(f);
+      pb::Field& header = *to.Add();
+      header.set_quantity(f.quantity);
+      header.set_unit(f.unit);
+      header.set_components(static_cast<std::uint32_t>(f.value.rows()));
+      header.set_conservative(f.conservative);
+      header.set_n_points(static_cast<std::uint64_t>(f.value.cols()));
+      array(f.value);
+    }
+  }
+  template <class Header>
+  Parts finish(const Header& header) {
+    auto text = std::make_shared<std::string>();
+    if (!header.SerializeToString(text.get())) rules_.broken("cannot be written");
+    parts_.front() = {std::as_bytes(std::span(*text)), text};
+    return std::move(parts_);
+  }
+
+ private:
+  template <class Matrix>
+  void array(const Matrix& m) {
+    const std::span numbers(m.data(), static_cast<std::size_t>(m.size()));
+    parts_.push_back({std::as_bytes(numbers), owner_});
+  }
+
+  Rules rules_;
+  std::shared_ptr<const void> owner_;
+  Parts parts_;
+};
+
+// ---- bytes to values
+
+/// Takes the arrays in the announced order. An announced count is compared with the bytes that came before it
+/// is used.
+class Reader {
+ public:
+  Reader(Rules rules, const Parts& parts) : rules_(rules), parts_(parts) {}
+
+  const Rules& rules() const { return rules_; }
+  InterfaceMesh mesh(const pb::Mesh& from) {
+    InterfaceMesh to;
+    to.name = from.name();
+    if (from.dimension() != 2 && from.dimension() != 3)
+      rules_.broken(fmt::format("has a mesh of dimension {}, expected 2 or 3", from.dimension()));
+    to.dimension = static_cast<int>(from.dimension());
+    array(to.position, 3, from.n_points(), "mesh position");
+    if (from.n_faces() != 0) array(to.faces, from.dimension(), from.n_faces(), "mesh faces");
+    if (from.has_mass()) array(to.mass, 1, from.n_points(), "mesh mass");
+    rules_.mesh(to);
+    return to;
+  }
+  template <class Repeated>
+  std::vector<Field> fields(const Repeated& from) {
+    std::vector<Field> to;
+    for (const pb::Field& header : from) {
+      Field f{header.quantity(), header.unit(), header.conservative(), {}};
+      if (header.components() == 0) rules_.broken(fmt::format("gives no components for {}", f.quantity));
+      array(f.value, header.components(), header.n_points(), f.quantity);
+      rules_.field(f);
+      to.push_back(std::move(f));
+    }
+    return to;
+  }
+  /// Every part must have been announced.
+  void end() const {
+    if (next_ != parts_.size())
+      rules_.broken(fmt::format("has {} parts, expected {}: a header and its arrays", parts_.size(), next_));
+  }
+
+ private:
+  template <class Matrix>
+  void array(Matrix& to, std::uint64_t rows, std::uint64_t columns, const std::string& name) {
+    using Number = typename Matrix::Scalar;
+    if (next_ == parts_.size())
+      rules_.broken(fmt::format("has {} parts; the one for {} is missing", parts_.size(), name));
+    const std::span<const std::byte> bytes = parts_[next_++].bytes;
+    const std::uint64_t column_bytes = rows * sizeof(Number);  // rows is 32 bits wide: no overflow
+    if (bytes.size() % column_bytes != 0 || bytes.size() / column_bytes != columns)
+      rules_.broken(fmt::format("has {} bytes for {}, expected {} x {} numbers of {} bytes", bytes.size(),
+                                name, rows, columns, sizeof(Number)));
+    if constexpr (Matrix::ColsAtCompileTime == 1)
+      to.resize(static_cast<Eigen::Index>(columns));
+    else
+      to.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+    if (!bytes.empty()) std::memcpy(to.data(), bytes.data(), bytes.size());
+  }
+
+  Rules rules_;
+  const Parts& parts_;
+  std::size_t next_ = 1;
+};
+
+template <class Header>
+Header parse_header(const Parts& parts, const Rules& rules) {
+  if (parts.empty()) rules.broken("has no parts");
+  const std::span<const std::byte> bytes = parts.front().bytes;
+  Header header;
+  if (bytes.size() > INT_MAX || !header.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+    rules.broken(fmt::format("has a header of {} bytes that cannot be read", bytes.size()));
+  return header;
+}
+
+pb::Advance::Before to_pb(Before before) {
+  return static_cast<pb::Advance::Before>(before);
+}
+Before from_pb(pb::Advance::Before before, const Rules& rules) {
+  if (before < 0 || before > 2)
+    rules.broken(fmt::format("asks for {} before it, expected 0, 1 or 2", int{before}));
+  return static_cast<Before>(before);
+}
+
+// ---- requests
+
+void write(const Setup& from, pb::Request& request, Writer& writer) {
+  pb::Setup& to = *request.mutable_setup();
+  to.set_run_folder(from.run_folder.string());
+  to.set_interface(from.interface);
+  writer.mesh(from.partner_mesh, *to.mutable_partner_mesh());
+  writer.fields(from.partner_initial, *to.mutable_partner_initial());
+}
+void write(const Advance& from, pb::Request& request, Writer& writer) {
+  pb::Advance& to = *request.mutable_advance();
+  writer.rules().finite(from.window.t, "t");
+  writer.rules().finite(from.window.dt, "dt");
+  to.set_before(to_pb(from.before));
+  to.set_t(from.window.t);
+  to.set_dt(from.window.dt);
+  to.set_iteration(from.iteration);
+  to.set_write_output(from.write_output);
+  for (const Sample& sample : from.input.samples) {
+    writer.rules().finite(sample.time, "the time of a sample");
+    pb::Sample& header = *to.add_samples();
+    header.set_time(sample.time);
+    writer.fields(sample.fields, *header.mutable_fields());
+  }
+}
+void write(const Checkpoint& from, pb::Request& request, Writer&) {
+  pb::Checkpoint& to = *request.mutable_checkpoint();
+  to.set_folder(from.folder);
+  to.set_resume(from.resume);
+  to.set_before(to_pb(from.before));
+  to.set_write_output(from.write_output);
+}
+void write(const Stop& from, pb::Request& request, Writer&) {
+  request.mutable_stop()->set_commit(from.commit);
+  request.mutable_stop()->set_write_output(from.write_output);
+}
+void write(const Refused& from, pb::Request& request, Writer&) {
+  pb::Refused& to = *request.mutable_refused();
+  to.set_where(from.where);
+  to.set_problem(from.problem);
+  to.set_fix(from.fix);
+}
+
+Setup read(const pb::Setup& from, Reader& reader) {
+  Setup to;
+  to.run_folder = from.run_folder();
+  to.interface = from.interface();
+  to.partner_mesh = reader.mesh(from.partner_mesh());
+  to.partner_initial = reader.fields(from.partner_initial());
+  return to;
+}
+Advance read(const pb::Advance& from, Reader& reader) {
+  reader.rules().finite(from.t(), "t");
+  reader.rules().finite(from.dt(), "dt");
+  Advance to;
+  to.before = from_pb(from.before(), reader.rules());
+  to.window = {from.t(), from.dt()};
+  to.iteration = from.iteration();
+  to.write_output = from.write_output();
+  for (const pb::Sample& sample : from.samples()) {
+    reader.rules().finite(sample.time(), "the time of a sample");
+    to.input.samples.push_back({sample.time(), reader.fields(sample.fields())});
+  }
+  return to;
+}
+
+// ---- replies
+
+void write(const Hello& from, pb::Reply& reply, Writer&) {
+  pb::Hello& to = *reply.mutable_hello();
+  to.set_protocol(from.protocol);
+  to.set_name(from.name);
+  to.set_token(from.token);
+  to.set_solver(from.solver);
+  to.set_version(from.version);
+  to.set_case_hash(from.case_hash);
+}
+void write(const Ready& from, pb::Reply& reply, Writer& writer) {
+  pb::Ready& to = *reply.mutable_ready();
+  const Description& d = from.description;
+  writer.rules().limit(d.dt_limit);
+  writer.mesh(from.mesh, *to.mutable_mesh());
+  writer.fields(d.initial, *to.mutable_initial());
+  to.set_dt_limit(d.dt_limit);
+  for (const Column& c : d.columns) {
+    to.add_columns()->set_name(c.name);
+    to.mutable_columns()->rbegin()->set_unit(c.unit);
+  }
+  for (const std::string& line : d.lines) to.add_lines(line);
+}
+void write(const Advanced& from, pb::Reply& reply, Writer& writer) {
+  pb::Advanced& to = *reply.mutable_advanced();
+  writer.rules().limit(from.dt_limit);
+  writer.fields(from.output, *to.mutable_fields());
+  to.set_dt_limit(from.dt_limit);
+  to.mutable_monitor()->insert(from.monitor.begin(), from.monitor.end());
+  to.set_retry_smaller_dt(from.retry_smaller_dt);
+}
+void write(const Done&, pb::Reply& reply, Writer&) {
+  reply.mutable_done();
+}
+void write(const Fault& from, pb::Reply& reply, Writer&) {
+  pb::Fault& to = *reply.mutable_fault();
+  to.set_where(from.where);
+  to.set_problem(from.problem);
+  to.set_fix(from.fix);
+  to.set_exit_code(static_cast<std::uint32_t>(from.code));
+}
+void write(const Working& from, pb::Reply& reply, Writer& writer) {
+  writer.rules().finite(from.fraction, "fraction");
+  reply.mutable_working()->set_fraction(from.fraction);
+  reply.mutable_working()->set_what(from.what);
+}
+
+Ready read(const pb::Ready& from, Reader& reader) {
+  reader.rules().limit(from.dt_limit());
+  Ready to;
+  to.mesh = reader.mesh(from.mesh());
+  to.description.initial = reader.fields(from.initial());
+  to.description.dt_limit = from.dt_limit();
+  for (const pb::Column& c : from.columns()) to.description.columns.push_back({c.name(), c.unit()});
+  to.description.lines.assign(from.lines().begin(), from.lines().end());
+  return to;
+}
+Advanced read(const pb::Advanced& from, Reader& reader) {
+  reader.rules().limit(from.dt_limit());
+  Advanced to;
+  to.output = reader.fields(from.fields());
+  to.dt_limit = from.dt_limit();
+  to.monitor.insert(from.monitor().begin(), from.monitor().end());
+  to.retry_smaller_dt = from.retry_smaller_dt();
+  return to;
+}
+/// A fault of a peer never counts as success, whatever number it gives.
+Fault read(const pb::Fault& from) {
+  ExitCode code = ExitCode::solver_fault;
+  for (ExitCode known :
+       {ExitCode::command_line, ExitCode::case_file, ExitCode::participant_lost, ExitCode::cannot_write,
+        ExitCode::our_bug, ExitCode::interrupted, ExitCode::terminated})
+    if (from.exit_code() == static_cast<std::uint32_t>(known)) code = known;
+  return {from.where(), from.problem(), from.fix(), code};
+}
+
+/// "Advance" for the field `advance` of the oneof.
+template <class Header, class Case>
+std::string field_name(const Header& header, Case number) {
+  const auto* field = header.GetDescriptor()->FindFieldByNumber(static_cast<int>(number));
+  return field ? std::string(field->message_type()->name()) : std::string(header.GetDescriptor()->name());
+}
+
+template <class Header, class Message>
+Parts encode_any(Message message, const std::string& who) {
+  const auto kept = std::make_shared<const Message>(std::move(message));
+  Header header;
+  header.set_sequence(kept->sequence);
+  Writer writer({who, name_of(*kept)}, kept);
+  std::visit([&](const auto& what) { write(what, header, writer); }, kept->what);
+  return writer.finish(header);
+}
+
+}  // namespace
+
+Parts encode(Request request, const std::string& who) {
+  return encode_any<pb::Request>(std::move(request), who);
+}
+Parts encode(Reply reply, const std::string& who) {
+  return encode_any<pb::Reply>(std::move(reply), who);
+}
+
+Request decode_request(const Parts& parts, const std::string& who) {
+  const auto header = parse_header<pb::Request>(parts, {who, "Request"});
+  const std::string name = field_name(header, header.what_case());
+  const Rules rules{who, name.c_str()};
+  Reader reader(rules, parts);
+  Request to;
+  to.sequence = header.sequence();
+  switch (header.what_case()) {
+    case pb::Request::kSetup:
+      to.what = read(header.setup(), reader);
+      break;
+    case pb::Request::kAdvance:
+      to.what = read(header.advance(), reader);
+      break;
+    case pb::Request::kCheckpoint: {
+      const pb::Checkpoint& c = header.checkpoint();
+      to.what = Checkpoint{c.folder(), c.resume(), from_pb(c.before(), rules), c.write_output()};
+      break;
+    }
+    case pb::Request::kStop:
+      to.what = Stop{header.stop().commit(), header.stop().write_output()};
+      break;
+    case pb::Request::kRefused: {
+      const pb::Refused& r = header.refused();
+      to.what = Refused{r.where(), r.problem(), r.fix()};
+      break;
+    }
+    case pb::Request::WHAT_NOT_SET:
+      rules.broken("asks for nothing that this side knows");
+  }
+  reader.end();
+  return to;
+}
+
+Reply decode_reply(const Parts& parts, const std::string& who) {
+  const auto header = parse_header<pb::Reply>(parts, {who, "Reply"});
+  const std::string name = field_name(header, header.what_case());
+  const Rules rules{who, name.c_str()};
+  Reader reader(rules, parts);
+  Reply to;
+  to.sequence = header.sequence();
+  switch (header.what_case()) {
+    case pb::Reply::kHello: {
+      const pb::Hello& h = header.hello();
+      to.what = Hello{h.protocol(), h.name(), h.token(), h.solver(), h.version(), h.case_hash()};
+      break;
+    }
+    case pb::Reply::kReady:
+      to.what = read(header.ready(), reader);
+      break;
+    case pb::Reply::kAdvanced:
+      to.what = read(header.advanced(), reader);
+      break;
+    case pb::Reply::kDone:
+      to.what = Done{};
+      break;
+    case pb::Reply::kFault:
+      to.what = read(header.fault());
+      break;
+    case pb::Reply::kWorking:
+      rules.finite(header.working().fraction(), "fraction");
+      to.what = Working{header.working().fraction(), header.working().what()};
+      break;
+    case pb::Reply::WHAT_NOT_SET:
+      rules.broken("says nothing that this side knows");
+  }
+  reader.end();
+  return to;
+}
+
+const char* name_of(const Request& request) {
+  return std::visit(Overloaded{[](const Setup&) { return "Setup"; }, [](const Advance&) { return "Advance"; },
+                               [](const Checkpoint&) { return "Checkpoint"; },
+                               [](const Stop&) { return "Stop"; }, [](const Refused&) { return "Refused"; }},
+                    request.what);
+}
+const char* name_of(const Reply& reply) {
+  return std::visit(
+      Overloaded{[](const Hello&) { return "Hello"; }, [](const Ready&) { return "Ready"; },
+                 [](const Advanced&) { return "Advanced"; }, [](const Done&) { return "Done"; },
+                 [](const Fault&) { return "Fault"; }, [](const Working&) { return "Working"; }},
+      reply.what);
+}
+
+}  // namespace strake::wire
