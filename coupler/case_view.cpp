@@ -1,0 +1,178 @@
+#include "coupler/case_view.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <cstdlib>
+#include <sstream>
+
+#include "coupler/launch.hpp"
+#include "coupler/stop_request.hpp"
+#include "proto/error.hpp"
+
+namespace strake {
+
+namespace {
+
+std::string text_of(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  if (const auto* array = node.as_array()) {
+    std::string text = "[";
+    for (const auto& item : *array) text += (text.size() > 1 ? ", " : "") + text_of(item);
+    return text + "]";
+  }
+  return {};
+}
+
+void flatten(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& value) {
+  for (const auto& [key, node] : table) {
+    const std::string path = prefix.empty() ? std::string(key.str()) : prefix + "." + std::string(key.str());
+    if (const auto* inner = node.as_table())
+      flatten(*inner, path, value);
+    else
+      value[path] = text_of(node);
+  }
+}
+
+/// The sections of a TOML text that the coupler answers for: those of the two sides come from their programs.
+std::string without_sides(const std::string& toml_text) {
+  std::istringstream lines(toml_text);
+  std::string line, kept;
+  bool keep = true;
+  while (std::getline(lines, line)) {
+    if (line.starts_with('[')) {
+      const std::string name = line.substr(line.find_first_not_of('['));
+      const std::string top = name.substr(0, name.find_first_of(".] \t"));
+      keep = top != "fluid" && top != "structure";
+    }
+    if (keep) kept += line + "\n";
+  }
+  return kept;
+}
+
+/// Runs one mode of a side's program; what it refuses is thrown with its own words and exit code.
+std::string ask(const SideView& side, const std::string& mode, const CaseFile& file,
+                const std::vector<std::string>& sets, const StopRequest* stop) {
+  std::vector<std::string> arguments = {mode, "--case", file.path().string()};
+  for (const std::string& set : sets) {
+    arguments.push_back("--set");
+    arguments.push_back(set);
+  }
+  const Captured answer = capture(side.program, arguments, std::chrono::seconds(120), stop);
+  if (answer.exit_code == 0) return answer.out;
+  const std::string words = answer.err.empty() ? answer.out : answer.err;
+  switch (answer.exit_code) {
+    case static_cast<int>(ExitCode::case_file):
+    case static_cast<int>(ExitCode::command_line):
+    case static_cast<int>(ExitCode::solver_fault):
+    case static_cast<int>(ExitCode::cannot_write):
+    case static_cast<int>(ExitCode::our_bug):
+      throw Error(static_cast<ExitCode>(answer.exit_code), "", words);
+    default:
+      throw Error(ExitCode::participant_lost, side.program.string(),
+                  fmt::format("{} ended with exit code {}\n{}", mode, answer.exit_code, words),
+                  fmt::format("run it by hand: {} {} --case {}", side.program.string(), mode, file.path().string()));
+  }
+}
+
+SideView look_at(const std::string& name, const std::string& solver, const CaseFile& file,
+                 const std::vector<std::string>& sets, const StopRequest* stop) {
+  SideView side{.side = name, .solver = solver, .program = {}, .lines = {}, .echo = {}};
+  side.program = find_program(program_name(name, solver), file.folder());
+  if (solver.find('/') != std::string::npos) return side;  // a user's program knows its own table; nobody else does
+  std::istringstream lines(ask(side, "--check", file, sets, stop));
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty()) side.lines.push_back(line);
+  side.echo = ask(side, "--echo", file, sets, stop);
+  return side;
+}
+
+/// What no single key can tell.
+void check_across(CaseFile& file, const CommonKeys& common) {
+  if (common.fluid_solver == "none" && common.structure_solver == "none")
+    throw file.root().table("fluid").error("solver", "a fluid, or a structure with structure.solver",
+                                           "leave out one of the two \"none\"");
+  if (common.fluid_solver == "none" || common.structure_solver == "none") return;
+  if (common.interface == "volume" && common.structure_solver != "particle" &&
+      common.structure_solver.find('/') == std::string::npos)
+    throw file.root().table("coupling").error("interface",
+                                              "\"surface\": volume coupling needs structure.solver = \"particle\"",
+                                              "structure.solver = \"particle\", or interface = \"surface\"");
+}
+
+}  // namespace
+
+std::string program_name(const std::string& side, const std::string& solver) {
+  if (solver.find('/') != std::string::npos) return solver;
+  if (side == "fluid") return solver == "mps" ? "strake-fluid" : "strake-fluid-" + solver;
+  return "strake-structure-" + solver;
+}
+
+std::map<std::string, std::string> flatten_toml(const std::string& text, const std::string& name) {
+  try {
+    std::map<std::string, std::string> value;
+    flatten(toml::parse(text, name), {}, value);
+    return value;
+  } catch (const toml::parse_error& error) {
+    throw Error(ExitCode::case_file,
+                fmt::format("{}:{}:{}", name, error.source().begin.line, error.source().begin.column),
+                std::string(error.description()));
+  }
+}
+
+CaseLookup CaseView::lookup() const {
+  return [values = value](const std::string& key) -> std::optional<std::string> {
+    const auto found = values.find(key);
+    if (found == values.end()) return std::nullopt;
+    return found->second;
+  };
+}
+
+std::optional<double> CaseView::number(const std::string& key) const {
+  const auto found = value.find(key);
+  if (found == value.end() || found->second.empty()) return std::nullopt;
+  char* end = nullptr;
+  const double number = std::strtod(found->second.c_str(), &end);
+  return *end == '\0' ? std::optional<double>(number) : std::nullopt;
+}
+
+CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                   const StopRequest* stop) {
+  CaseFile file = CaseFile::load(case_file, sets);
+  const CommonKeys common = read_common(file);
+  const CouplingKeys coupling = read_coupling(file);
+  const std::vector<CompareBlock> blocks = read_compare_blocks(file);
+  file.root().table("fluid").accept_all();      // its program judges it
+  file.root().table("structure").accept_all();
+  file.refuse_unknown();
+  check_across(file, common);
+
+  CaseView view{.file = file,
+                .common = common,
+                .coupling = coupling,
+                .blocks = blocks,
+                .fluid = std::nullopt,
+                .structure = std::nullopt,
+                .sets = sets,
+                .resolved = {},
+                .value = {}};
+  if (common.fluid_solver != "none") view.fluid = look_at("fluid", common.fluid_solver, file, sets, stop);
+  if (common.structure_solver != "none")
+    view.structure = look_at("structure", common.structure_solver, file, sets, stop);
+
+  const std::string own = file.echo();
+  view.resolved = without_sides(own);
+  for (const auto& side : {view.fluid, view.structure})
+    if (side && !side->echo.empty()) view.resolved += "\n" + side->echo;
+  for (const auto& text : {own, view.fluid ? view.fluid->echo : "", view.structure ? view.structure->echo : ""})
+    for (const auto& [key, text_value] : flatten_toml(text, "case.toml")) view.value[key] = text_value;
+  // A side that is absent still has its word in case.toml, or the echo would read as the default.
+  if (!view.fluid) view.resolved += "\n[fluid]\nsolver = \"none\"\n";
+  if (!view.structure) view.resolved += "\n[structure]\nsolver = \"none\"\n";
+  return view;
+}
+
+}  // namespace strake

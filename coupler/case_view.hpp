@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/compare_blocks.hpp"
+#include "coupler/coupling_keys.hpp"
+#include "proto/case_file.hpp"
+#include "proto/case_keys.hpp"
+
+namespace strake {
+
+class StopRequest;
+
+/// One side of a case: the program that solves it and what that program understood.
+struct SideView {
+  std::string side;               // "fluid" | "structure"
+  std::string solver;             // "mps", "fem", …, or the path of a user's program
+  std::filesystem::path program;
+  std::vector<std::string> lines; // of its --check: derived numbers
+  std::string echo;               // its resolved tables, TOML; empty for a user's program
+};
+
+/// A case as all programs of the run read it.
+struct CaseView {
+  CaseFile file;
+  CommonKeys common;
+  CouplingKeys coupling;
+  std::vector<CompareBlock> blocks;
+  std::optional<SideView> fluid, structure;  // none: solver = "none"
+  std::vector<std::string> sets;
+  std::string resolved;                       // case.toml of the run folder: every key, defaults marked
+  std::map<std::string, std::string> value;   // key → resolved value as text
+
+  CaseLookup lookup() const;
+  /// The resolved value as a number, or nothing.
+  std::optional<double> number(const std::string& key) const;
+  bool coupled() const { return fluid && structure; }
+};
+
+/// Reads the case with the coupler's keys and asks each side's program to check its own; so everything that `run`
+/// would refuse is refused here, before a run folder exists. Throws Error.
+CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                   const StopRequest* stop = nullptr);
+
+/// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.
+std::string program_name(const std::string& side, const std::string& solver);
+
+/// Every value of a TOML text by its full key: numbers in shortest form, arrays as "[0, -6.26, 0]".
+std::map<std::string, std::string> flatten_toml(const std::string& text, const std::string& name);
+
+}  // namespace strake

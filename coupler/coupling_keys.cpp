@@ -1,0 +1,74 @@
+#include "coupler/coupling_keys.hpp"
+
+#include "proto/error.hpp"
+
+namespace strake {
+
+namespace {
+
+void read_surface(CaseTable surface, CouplingKeys& keys) {
+  CaseTable mapping = surface.table("mapping", "how displacement and force cross the interface");
+  mapping.choice("kind", keys.mapping, {"nearest-projection", "nearest-neighbour"},
+                 {.not_built = {"radial-basis"},
+                  .help = "weights of W: displacement goes with W, force with its transpose"});
+
+  CaseTable accelerator = surface.table("accelerator", "how the next interface displacement is chosen");
+  accelerator.choice("kind", keys.accelerator, {"iqn-ils", "aitken", "constant"},
+                     {.help = "quasi-Newton by least squares, dynamic relaxation, or fixed relaxation"});
+  accelerator.number("initial_relaxation", keys.initial_relaxation,
+                     {.min = 0,
+                      .max = 1,
+                      .exclusive = true,
+                      .help = "relaxation of the first iteration, and of every one with `constant`"});
+  accelerator.integer("reused_windows", keys.reused_windows,
+                      {.min = 0, .max = 100, .help = "earlier windows whose differences iqn-ils keeps"});
+  accelerator.number("filter", keys.filter,
+                     {.min = 0, .max = 1, .help = "iqn-ils drops a difference nearer than this to the others"});
+
+  surface.choice("predictor", keys.predictor, {"constant", "linear", "quadratic"},
+                 {.help = "first guess of a window, from the committed windows"});
+
+  CaseTable converged = surface.table("converged", "when a window is accepted");
+  converged.number("relative", keys.relative,
+                   {.min = 0, .max = 1, .help = "of the displacement increment of the window"});
+  converged.number("absolute", keys.absolute,
+                   {.unit = "m", .min = 0, .help = "residual that is always enough; 0: 1e-6 of fluid.spacing"});
+  converged.integer("max_iterations", keys.max_iterations,
+                    {.min = 1, .max = 1000, .help = "coupling iterations per window at most; 1: explicit"});
+  converged.integer("min_iterations", keys.min_iterations,
+                    {.min = 1, .max = 1000, .help = "coupling iterations per window at least"});
+  std::string unconverged = "accept";
+  converged.choice("unconverged", unconverged, {"accept", "stop"},
+                   {.not_built = {"halve"}, .help = "what happens to a window that reached max_iterations"});
+  keys.stop_unconverged = unconverged == "stop";
+  if (keys.min_iterations > keys.max_iterations)
+    throw converged.error("min_iterations", "at most max_iterations");
+}
+
+}  // namespace
+
+CouplingKeys read_coupling(CaseFile& file) {
+  CouplingKeys keys;
+  CaseTable coupling = file.root().table("coupling", "how the two solvers are coupled");
+  read_surface(coupling.table("surface", "partitioned coupling over the wet surface"), keys);
+
+  CaseTable volume = coupling.table("volume", "the unified loop: every solid particle is an interface point");
+  volume.choice("solid_velocity", keys.solid_velocity, {"replace", "add"},
+                {.help = "what the elastic update does to the velocity that the pressure gave a solid particle"});
+
+  coupling.number("frozen_after", keys.frozen_after,
+                  {.unit = "s", .min = 0, .exclusive = true, .help = "patience with a participant that lives but is disconnected"});
+  coupling.number("answer_within", keys.answer_within,
+                  {.unit = "s", .min = 0, .exclusive = true, .help = "longest silence of a participant that is busy"});
+  coupling.number("start_within", keys.start_within,
+                  {.unit = "s", .min = 0, .exclusive = true, .help = "from the start of a program to its first word"});
+  coupling.text("endpoint", keys.endpoint,
+                {.help = "\"ipc\": a socket in a private temporary folder; or tcp://127.0.0.1:PORT"});
+
+  CaseTable run = file.root().table("run", "how the programs run");
+  run.number("checkpoint", keys.checkpoint,
+             {.unit = "s", .min = 0, .exclusive = true, .help = "wall clock between checkpoints"});
+  return keys;
+}
+
+}  // namespace strake

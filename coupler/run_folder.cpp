@@ -1,0 +1,138 @@
+#include "coupler/run_folder.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <ctime>
+#include <system_error>
+
+#include "coupler/commit.hpp"
+#include "proto/result_file.hpp"
+
+namespace strake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Error cannot_create(const fs::path& path, const std::string& reason) {
+  return Error(ExitCode::cannot_write, path.string(), "cannot be created: " + reason,
+               "choose a folder that you may write to with --runs DIR");
+}
+
+bool is_a_run(const fs::path& path) {
+  return fs::exists(path / "run.json") || fs::exists(path / "case.toml") || fs::is_empty(path);
+}
+
+RunFolder named(const fs::path& case_file, const RunFolderOptions& options, const std::string& tag) {
+  RunFolder folder;
+  folder.case_name = case_file.stem().string();
+  folder.tag = tag;
+  folder.path = options.runs / (tag.empty() ? folder.case_name : folder.case_name + "-" + tag);
+  return folder;
+}
+
+// plate_entry, plate_entry-2, …; with a tag plate_entry-fine, plate_entry-fine-2, …
+std::string nth_tag(const std::string& tag, int n) {
+  if (n == 1) return tag;
+  return tag.empty() ? std::to_string(n) : fmt::format("{}-{}", tag, n);
+}
+
+void check_tag(const std::string& tag) {
+  if (tag.find('/') != std::string::npos || tag == "." || tag == "..")
+    throw Error(ExitCode::command_line, "--tag " + tag, "expected a name without '/'", "--tag fine");
+}
+
+}  // namespace
+
+RunFolder find_run_folder(const fs::path& case_file, const RunFolderOptions& options) {
+  check_tag(options.tag);
+  RunFolder folder = named(case_file, options, options.tag);
+  if (options.first_free_tag)
+    for (int n = 2; fs::exists(folder.path); ++n) folder = named(case_file, options, nth_tag(options.tag, n));
+  if (!fs::exists(folder.path)) {
+    if (options.resume)
+      throw Error(ExitCode::command_line, folder.path.string(), "there is no run to resume", "leave out --resume");
+    return folder;
+  }
+  if (options.resume) return folder;
+  if (!options.force)
+    throw Error(ExitCode::command_line, folder.path.string(), "this run folder exists",
+                "name the new run with --tag NAME, or replace the old one with --force");
+  if (!fs::is_directory(folder.path) || !is_a_run(folder.path))
+    throw Error(ExitCode::command_line, folder.path.string(), "is not the folder of a run, so --force leaves it alone",
+                "name the new run with --tag NAME, or remove it yourself");
+  return folder;
+}
+
+RunFolder create_run_folder(const fs::path& case_file, const RunFolderOptions& options) {
+  std::error_code error;
+  fs::create_directories(options.runs, error);
+  if (error) throw cannot_create(options.runs, error.message());
+  while (true) {
+    RunFolder folder = find_run_folder(case_file, options);
+    if (options.resume) return folder;
+    if (options.force) fs::remove_all(folder.path, error);
+    if (error) throw cannot_create(folder.path, error.message());
+    const bool created = fs::create_directory(folder.path, error);
+    if (error) throw cannot_create(folder.path, error.message());
+    if (created) return folder;  // else another run has just taken the name: look again
+  }
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (fs::temp_directory_path() / "strake-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr)
+    throw cannot_create(name, std::generic_category().message(errno));
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+RunRecord::RunRecord(fs::path folder, const std::vector<std::string>& command_line) : folder_(std::move(folder)) {
+  data_["strake"] = strake_version();
+  data_["commit"] = strake_commit();
+  data_["command"] = command_line;
+  data_["host"] = host_name();
+  data_["started"] = utc_now();
+  data_["ended"] = nullptr;
+  data_["exit_code"] = nullptr;
+  data_["seeds"] = nlohmann::ordered_json::array();  // nothing here is random
+}
+
+void RunRecord::set(const std::string& key, nlohmann::ordered_json value) { data_[key] = std::move(value); }
+
+void RunRecord::ended(ExitCode code) {
+  data_["ended"] = utc_now();
+  data_["exit_code"] = static_cast<int>(code);
+}
+
+void RunRecord::failed(const Error& error) {
+  ended(error.code());
+  data_["error"] = {{"where", error.where()}, {"problem", error.problem()}, {"fix", error.fix()}};
+}
+
+void RunRecord::write() const {
+  write_text(folder_ / "run.json",
+             data_.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+std::string strake_version() { return STRAKE_VERSION; }
+std::string strake_commit() { return STRAKE_COMMIT; }
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+}  // namespace strake

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "proto/error.hpp"
+
+namespace strake {
+
+/// Where a run is written, and what stands in the way.
+struct RunFolderOptions {
+  std::filesystem::path runs = "runs";
+  std::string tag;
+  bool force = false;           // an earlier run there is removed
+  bool resume = false;          // an earlier run there is continued
+  bool first_free_tag = false;  // <case>, <case>-2, <case>-3, … : the first that does not exist
+};
+
+struct RunFolder {
+  std::filesystem::path path;  // runs/<case>[-tag], as the user would type it
+  std::string case_name, tag;
+};
+
+/// The folder these options mean; throws Error(command_line) where `create_run_folder` would. Creates nothing.
+RunFolder find_run_folder(const std::filesystem::path& case_file, const RunFolderOptions&);
+/// Creates it (removing an earlier run under --force). Throws Error(command_line | cannot_write).
+RunFolder create_run_folder(const std::filesystem::path& case_file, const RunFolderOptions&);
+
+/// A private folder under the system's temporary one, gone with the object: `check` builds its participants there.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// run.json: where a run comes from and how it ended. Rewritten whole at each call of `write`.
+class RunRecord {
+ public:
+  RunRecord(std::filesystem::path folder, const std::vector<std::string>& command_line);
+  /// One entry, e.g. set("participants", {...}).
+  void set(const std::string& key, nlohmann::ordered_json value);
+  void ended(ExitCode);
+  void failed(const Error&);
+  void write() const;
+
+ private:
+  std::filesystem::path folder_;
+  nlohmann::ordered_json data_;
+};
+
+/// Version and commit that this program was built from.
+std::string strake_version();
+std::string strake_commit();
+std::string host_name();
+/// "2025-11-21T02:04:42Z"
+std::string utc_now();
+
+}  // namespace strake
