@@ -23,7 +23,7 @@ struct AcceleratorState {
     Eigen::MatrixXd residual;  // Δ(H(x) − x)
     Eigen::MatrixXd image;     // ΔH(x)
   };
-  int iteration = 0;      // calls of `next` in this window
+  int iteration = 0;      // iterations seen in this window
   double relaxation = 0;  // last ω; 0: none yet
   Eigen::VectorXd previous_residual, previous_image;
   std::vector<Secants>
@@ -46,6 +46,9 @@ class Accelerator {
   /// x, hx: what went in and what came out, any length, the same in all calls. Throws Error(solver_fault)
   /// when either is not finite.
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& hx);
+  /// The last iteration of a window, after which no next iterate is wanted: its secant serves the windows to
+  /// come.
+  void finish_window(const Eigen::VectorXd& x, const Eigen::VectorXd& hx);
   /// Keep what is reusable, drop the rest.
   virtual void start_window();
   const AcceleratorStep& last_step() const { return step_; }
@@ -53,9 +56,14 @@ class Accelerator {
   void set_state(AcceleratorState state) { state_ = std::move(state); }
 
  protected:
+  /// Takes note of an iteration; from the second of a window on, state_ holds the previous one.
+  virtual void learn(const Eigen::VectorXd& residual, const Eigen::VectorXd& image);
   virtual Eigen::VectorXd iterate(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) = 0;
   AcceleratorState state_;
   AcceleratorStep step_;
+
+ private:
+  void observe(const Eigen::VectorXd& x, const Eigen::VectorXd& hx);
 };
 
 /// Throws Error(case_file) for an unknown kind.
