@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "proto/case_file.hpp"
+#include "proto/case_keys.hpp"
 
 namespace strake::structure {
 
-enum class Support { free, clamped, pinned };       // pinned: at mid-height of the end face
+enum class Support { free, clamped, pinned };  // pinned: at mid-height of the end face
 enum class MaterialModel { linear, saint_venant_kirchhoff };
-enum class Analysis { dynamic, statics, modal };     // case file: dynamic | static | modal
+enum class Analysis { dynamic, statics, modal };  // case file: dynamic | static | modal
 enum class LoadKind { none, traction, point };
 
 /// Rectangle in the xy-plane (2-D, plane strain): the short form of one box.
@@ -27,7 +28,9 @@ struct Material {
   double density = 7800;  // [kg/m^3]
   double young = 2.1e11;  // [Pa]
   double poisson = 0.3;
-  double lame_lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); }  // plane strain and 3-D
+  double lame_lambda() const {
+    return young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  }  // plane strain and 3-D
   double lame_mu() const { return young / (2 * (1 + poisson)); }
 };
 
@@ -42,17 +45,17 @@ struct CaseLoad {
 
 struct FemKeys {
   int degree = 2;
-  int refinement = 3;        // cells through the thickness = 2^refinement; along the length graded to the clamps
-  double rho_infinity = 1;   // spectral radius of generalised-alpha; 1: Newmark beta 1/4, gamma 1/2 (trapezoidal)
+  int refinement = 3;  // cells through the thickness = 2^refinement; along the length graded to the clamps
+  double rho_infinity = 1;   // spectral radius of generalised-alpha; 1: Newmark, trapezoidal
   double tolerance = 1e-10;  // Newton, relative
 };
 enum class ParticleModel { pair, total_lagrangian };
 struct ParticleKeys {
-  double spacing = 0.005;    // [m] surface coupling; volume coupling uses fluid.spacing
+  double spacing = 0.005;  // [m] surface coupling; volume coupling uses fluid.spacing
   ParticleModel model = ParticleModel::total_lagrangian;  // in volume coupling the default is pair
-  double radius = 2.1;       // [spacing]
-  double hourglass = 1.0;    // alpha of PHYSICS §6
-  double safety = 0.8;       // sub-step = safety × elastic limit
+  double radius = 2.1;                                    // [spacing]
+  double hourglass = 1.0;                                 // alpha of PHYSICS §6
+  double safety = 0.8;                                    // sub-step = safety × elastic limit
 };
 struct Damping {
   double mass = 0;       // [1/s] Rayleigh, mass-proportional
@@ -62,13 +65,15 @@ struct Damping {
 /// Everything a structure solver needs; knows nothing of TOML beyond `read`.
 struct Parameters {
   int dimension = 2;
-  std::string kind = "fem";                            // the running program: fem | particle | rigid | replay
-  std::string interface = "surface";                   // surface | volume
-  double fluid_spacing = 0.01;                         // [m]
-  double surface_spacing = 0.01;                       // [m] of the interface points; default fluid.spacing
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // [m/s] of the supports, and of the whole body at t = 0
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   // [m/s^2] body force; from fluid.gravity, with fluid.gravity_ramp
-  double gravity_ramp = 0;                             // [s]
+  std::string kind = "fem";           // the running program: fem | particle | rigid | replay
+  std::string interface = "surface";  // surface | volume
+  double fluid_spacing = 0.01;        // [m]
+  double surface_spacing = 0.01;      // [m] of the interface points; default fluid.spacing
+  Eigen::Vector3d velocity =
+      Eigen::Vector3d::Zero();  // [m/s] of the supports, and of the whole body at t = 0
+  Eigen::Vector3d gravity =
+      Eigen::Vector3d::Zero();  // [m/s^2] body force; from fluid.gravity, with fluid.gravity_ramp
+  double gravity_ramp = 0;      // [s]
   Plate plate;
   Material material;
   CaseLoad load;
@@ -76,11 +81,14 @@ struct Parameters {
   Damping damping;
   FemKeys fem;
   ParticleKeys particle;
-  std::filesystem::path replay_run;                    // structure.replay.run
+  std::filesystem::path replay_run;  // structure.replay.run
   int threads = 2;
 };
 
-/// Reads [structure] and what it shares with [fluid] (spacing, dimension, gravity, gravity_ramp); checks across keys.
+/// Reads [structure] and what it shares with [fluid] (spacing, dimension, gravity, gravity_ramp); checks
+/// across keys.
 Parameters read(CaseFile&, const std::string& kind);
+/// The same when the common keys have been read already.
+Parameters read(CaseFile&, const std::string& kind, const CommonKeys&);
 
 }  // namespace strake::structure

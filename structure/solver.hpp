@@ -10,7 +10,8 @@
 namespace strake::structure {
 
 struct Energy {
-  double kinetic = 0, strain = 0, external = 0;  // [J] per metre of depth in 2-D; external: work done on the body so far
+  double kinetic = 0, strain = 0,
+         external = 0;  // [J] per metre of depth in 2-D; external: work done on the body so far
 };
 
 /// The fluid's load over a window.
@@ -18,7 +19,8 @@ class Load {
  public:
   Load() = default;
   explicit Load(std::vector<Sample> samples);
-  /// Force on the interface points at a time, 3×n [N]; one sample: the window mean, held. Zero if there is none.
+  /// Force on the interface points at a time, 3×n [N]; one sample: the window mean, held. Zero if there is
+  /// none.
   Points at(double time, Eigen::Index n_points) const;
 
  private:
@@ -33,21 +35,23 @@ class Solver {
   virtual void advance(double t, double dt, const Load&) = 0;
   virtual Points displacement() const = 0;  // 3×n [m] on interface()
   virtual Points velocity() const = 0;      // 3×n [m/s] on interface()
-  /// True when the fluid must follow `velocity` as well (explicit particles, rho_inf < 1): sent beside displacement.
+  /// True when the fluid must follow `velocity` as well (explicit particles, rho_inf < 1): sent beside
+  /// displacement.
   virtual bool sends_velocity() const = 0;
-  virtual double stable_dt() const = 0;     // [s]; infinity if implicit
+  virtual double stable_dt() const = 0;  // [s]; infinity if implicit
   virtual Energy energy() const = 0;
-  virtual int steps() const = 0;            // own steps so far
+  virtual int steps() const = 0;  // own steps so far
   /// Displacement [m] and velocity [m/s] of the material point that was at X.
   virtual Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const = 0;
   virtual Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const = 0;
-  virtual void save() = 0;     // in memory
+  virtual void save() = 0;  // in memory
   virtual void restore() = 0;
   virtual void write(Archive&) const = 0;  // checkpoint of the saved (committed) state
   virtual void read(const Archive&) = 0;
   virtual Frame frame() const = 0;
   virtual std::vector<std::string> lines() const = 0;  // what it understood: headline first
-  /// structure.analysis = static: equilibrium under the case's own load. Default: Error(case_file), "not available".
+  /// structure.analysis = static: equilibrium under the case's own load. Default: Error(case_file), "not
+  /// available".
   virtual void solve_static();
   /// structure.analysis = modal: the lowest `count` natural frequencies [Hz], ascending. Default as above.
   virtual std::vector<double> frequencies(int count);

@@ -1,0 +1,29 @@
+#include <memory>
+
+#include "coupler/participant_main.hpp"
+#include "structure/participant.hpp"
+#include "structure/program.hpp"
+
+// strake-structure-<kind>: reads its keys, builds its solver, serves the coupler.
+int main(int argc, char** argv) {
+  using namespace strake;
+  const structure::SolverProgram solver = structure::this_program();
+  CommonKeys common;
+  structure::Parameters parameters;
+
+  Program program;
+  program.program = "strake-structure-" + solver.kind;
+  program.solver = solver.kind;
+  program.version = STRAKE_VERSION;
+  program.prefix = "structure";
+  program.declare = [&](CaseFile& file) {
+    common = read_common(file);
+    parameters = structure::read(file, solver.kind, common);
+  };
+  program.check = [&](CaseFile&) { return solver.build(parameters)->lines(); };
+  program.build = [&](CaseFile&, const ParticipantOptions&, const Setup& setup) {
+    return std::make_unique<structure::StructureParticipant>(solver.build(parameters), parameters, common,
+                                                             setup);
+  };
+  return participant_main(argc, argv, program);
+}

@@ -1,0 +1,190 @@
+#include "structure/parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace strake::structure {
+namespace {
+
+const std::vector<std::pair<std::string, Support>> supports = {
+    {"free", Support::free}, {"clamped", Support::clamped}, {"pinned", Support::pinned}};
+
+void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
+  p.interface = common.interface;
+  p.threads = common.threads;
+  CaseTable t = file.root().table("fluid");
+  t.integer("dimension", p.dimension,
+            {.min = 2, .max = 3, .help = "2: xy-plane, plane strain, per metre of depth"});
+  if (p.dimension == 3)
+    throw t.error("dimension", "2: three dimensions are not built yet", "fluid.dimension = 2");
+  t.number("spacing", p.fluid_spacing,
+           {.unit = "m", .min = 0, .exclusive = true, .help = "initial particle distance l0"});
+  // A structure without a fluid has no gravity unless the case says so.
+  p.gravity = common.fluid_solver == "none" ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0, -9.81, 0);
+  t.vector("gravity", p.gravity,
+           {.unit = "m/s^2", .help = "body force on the structure too; zero when fluid.solver is none"});
+  t.number("gravity_ramp", p.gravity_ramp,
+           {.unit = "s", .min = 0, .help = "gravity rises as (1 - cos(pi t/ramp))/2; 0: at once"});
+}
+
+void read_plate(CaseTable t, Plate& plate) {
+  t.number("length", plate.length,
+           {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "along x"});
+  t.number("thickness", plate.thickness,
+           {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "along y"});
+  t.vector("bottom", plate.bottom, {.unit = "m", .help = "middle of the lower face"});
+  CaseTable s = t.table("supports", "what holds the ends; held ends move with structure.velocity");
+  s.choice("left", plate.left, supports, {.help = "pinned: at mid-height of the end face"});
+  s.choice("right", plate.right, supports, {.help = "pinned: at mid-height of the end face"});
+}
+
+void read_material(CaseTable t, Material& m) {
+  t.choice(
+      "model", m.model,
+      {{"linear", MaterialModel::linear}, {"saint_venant_kirchhoff", MaterialModel::saint_venant_kirchhoff}},
+      {.not_built = {"neo_hookean"}, .help = "linear: small strain; saint_venant_kirchhoff: large rotation"});
+  t.number("density", m.density, {.unit = "kg/m^3", .min = 0, .exclusive = true, .help = "of the solid"});
+  t.number("young", m.young, {.unit = "Pa", .min = 0, .exclusive = true, .help = "Young's modulus E"});
+  t.number("poisson", m.poisson,
+           {.min = -1, .max = 0.5, .exclusive = true, .help = "Poisson's ratio, below 0.5"});
+  if (m.poisson >= 0.5)
+    throw t.error("poisson",
+                  "a number greater than -1 and below 0.5: at 0.5 the plane-strain stiffness is infinite",
+                  "poisson = 0.49");
+}
+
+void read_load(CaseTable t, CaseLoad& load) {
+  t.choice("kind", load.kind,
+           {{"none", LoadKind::none}, {"traction", LoadKind::traction}, {"point", LoadKind::point}},
+           {.help = "load of the case itself, beside the fluid's"});
+  t.vector("value", load.value,
+           {.unit = "Pa | N/m", .help = "traction on the face, or force per metre of depth"});
+  t.choice("face", load.face, {"top", "bottom", "left", "right"}, {.help = "where a traction acts"});
+  t.vector("at", load.at,
+           {.unit = "m", .help = "where a point force acts: the nearest point of the outline"});
+  t.number("ramp", load.ramp, {.unit = "s", .min = 0, .help = "rises as (1 - cos(pi t/ramp))/2; 0: at once"});
+}
+
+void read_fem(CaseTable t, FemKeys& fem) {
+  t.integer("degree", fem.degree, {.min = 1, .max = 2, .help = "of the elements: Q1 or Q2"});
+  t.integer("refinement", fem.refinement,
+            {.min = 0, .max = 6, .help = "2^refinement cells through the thickness"});
+  t.number("rho_infinity", fem.rho_infinity,
+           {.min = 0, .max = 1, .help = "spectral radius of generalised-alpha; 1: Newmark, no damping"});
+  t.number("tolerance", fem.tolerance, {.min = 0, .exclusive = true, .help = "of Newton's method, relative"});
+}
+
+void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
+  particle.model = volume ? ParticleModel::pair : ParticleModel::total_lagrangian;
+  t.number("spacing", particle.spacing,
+           {.unit = "m",
+            .min = 0,
+            .exclusive = true,
+            .help = "surface coupling; volume coupling uses fluid.spacing"});
+  t.choice("model", particle.model,
+           {{"pair", ParticleModel::pair}, {"total_lagrangian", ParticleModel::total_lagrangian}},
+           {.help = "volume coupling: pair unless given"});
+  t.number(
+      "radius", particle.radius,
+      {.unit = "spacing", .min = 1.5, .max = 4.1, .help = "reach r_e of the bonds; keep off whole numbers"});
+  t.number("hourglass", particle.hourglass,
+           {.min = 0, .max = 10, .help = "alpha of the hourglass energy; total_lagrangian only"});
+  t.number("safety", particle.safety,
+           {.min = 0, .max = 1, .exclusive = true, .help = "sub-step over the elastic limit"});
+}
+
+bool divides(double part, double whole) {
+  const double n = whole / part;
+  return std::abs(n - std::round(n)) < 1e-6 * n;  // decimals of a case file, not physics
+}
+
+/// The lattice must fill the shape, or the comparison with other solvers would compare two plates.
+void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p) {
+  const bool volume = common.interface == "volume";
+  if (volume) p.particle.spacing = p.fluid_spacing;
+  CaseTable t = structure.table("particle"), plate = structure.table("plate");
+  const double d = p.particle.spacing;
+  const std::string source = volume ? "fluid.spacing" : "structure.particle.spacing";
+  const std::string asked =
+      fmt::format("structure.plate.thickness / {} = {:.6g}", source, p.plate.thickness / d);
+  if (!divides(d, p.plate.thickness) || p.plate.thickness / d < 2 - 1e-6)
+    throw plate.error("thickness", fmt::format("a whole number of particle layers, at least 2 ({})", asked),
+                      fmt::format("{} = {:.6g}  (4 layers)", source, p.plate.thickness / 4));
+  if (!divides(d, p.plate.length))
+    throw plate.error("length",
+                      fmt::format("a whole number of particle columns (structure.plate.length / {} = {:.6g})",
+                                  source, p.plate.length / d));
+  for (const auto& [name, support] : {std::pair{"left", p.plate.left}, {"right", p.plate.right}})
+    if (support == Support::pinned)
+      throw plate.table("supports")
+          .error(name, "clamped or free: particles have no pinned supports", "structure.solver = \"fem\"");
+  if (p.damping.stiffness > 0)
+    throw structure.table("damping").error("stiffness", "0: particles have mass-proportional damping only",
+                                           "structure.solver = \"fem\"");
+}
+
+void check_together(CaseFile& file, const CommonKeys& common, CaseTable structure, Parameters& p) {
+  if (common.interface == "volume" && p.kind != "particle")
+    throw file.root()
+        .table("coupling")
+        .error("interface",
+               fmt::format("surface: volume coupling moves particles, and structure.solver is {}", p.kind),
+               "structure.solver = \"particle\", or coupling.interface = \"surface\"");
+  if (p.analysis != Analysis::dynamic && (p.kind == "rigid" || p.kind == "replay"))
+    throw structure.error("analysis",
+                          fmt::format("dynamic: a {} structure has no statics and no modes", p.kind),
+                          "structure.solver = \"fem\" or \"particle\"");
+  if (p.analysis == Analysis::statics && p.plate.left != Support::clamped &&
+      p.plate.right != Support::clamped && (p.plate.left == Support::free || p.plate.right == Support::free))
+    throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
+                          "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
+  if (p.kind == "particle") check_lattice(structure, common, p);
+}
+
+}  // namespace
+
+Parameters read(CaseFile& file, const std::string& kind) {
+  return read(file, kind, read_common(file));
+}
+
+Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& common) {
+  Parameters p;
+  p.kind = kind;
+  read_shared(file, common, p);
+
+  CaseTable t = file.root().table("structure");
+  t.not_built("box", "a union of boxes as the shape; structure.plate is built");
+  t.not_built("mesh", "a Gmsh file as the shape; structure.plate is built");
+  t.vector("velocity", p.velocity,
+           {.unit = "m/s", .help = "of the supports, and of the whole body at t = 0"});
+  p.surface_spacing = p.fluid_spacing;
+  t.number("surface_spacing", p.surface_spacing,
+           {.unit = "m",
+            .min = 0,
+            .exclusive = true,
+            .help = "distance of the interface points, the same for every solver; default fluid.spacing"});
+  t.choice("analysis", p.analysis,
+           {{"dynamic", Analysis::dynamic}, {"static", Analysis::statics}, {"modal", Analysis::modal}},
+           {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});
+  read_plate(t.table("plate", "rectangle in the xy-plane"), p.plate);
+  read_material(t.table("material"), p.material);
+  read_load(t.table("load"), p.load);
+  CaseTable damping = t.table("damping", "Rayleigh");
+  damping.number("mass", p.damping.mass, {.unit = "1/s", .min = 0, .help = "mass-proportional"});
+  damping.number("stiffness", p.damping.stiffness, {.unit = "s", .min = 0, .help = "stiffness-proportional"});
+  read_fem(t.table("fem", "structure.solver = fem"), p.fem);
+  read_particle(t.table("particle", "structure.solver = particle"), p.particle, common.interface == "volume");
+  CaseTable replay = t.table("replay", "structure.solver = replay");
+  std::string run;
+  replay.text("run", run, {.help = "run folder whose recorded interface motion is played back"});
+  if (!run.empty()) p.replay_run = file.folder() / run;  // an absolute path stays itself
+  if (kind == "replay" && run.empty() && !file.only_declares())
+    throw replay.error("run", "the folder of a run with interface/*.h5",
+                       "structure.replay.run = \"runs/plate_entry\"");
+
+  if (!file.only_declares()) check_together(file, common, t, p);
+  return p;
+}
+
+}  // namespace strake::structure

@@ -1,0 +1,194 @@
+#include "structure/participant.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+namespace strake::structure {
+namespace {
+
+constexpr int n_frequencies = 3;  // reported by structure.analysis = modal
+constexpr std::array<const char*, 3> axis_name = {"x", "y", "z"};
+
+double total(const Energy& e) {
+  return e.kinetic + e.strain;
+}
+
+double peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux counts in KiB
+}
+
+std::string unit_of(const ProbeKeys& probe) {
+  return probe.quantity == "velocity" ? "m/s" : "m";
+}
+
+std::string frequency_name(std::size_t i) {
+  return fmt::format("f{}", i + 1);
+}
+
+}  // namespace
+
+StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const Parameters& p,
+                                           const CommonKeys& common, const Setup& setup)
+    : solver_(std::move(solver)),
+      analysis_(p.analysis),
+      support_velocity_(p.velocity),
+      dimension_(p.dimension),
+      first_energy_(total(solver_->energy())) {
+  for (const ProbeKeys& probe : common.probes)
+    if (probe.of == "structure") probes_.push_back(probe);
+  state_.probes.resize(probes_.size() * static_cast<std::size_t>(dimension_));
+  state_.energy_scale = first_energy_;
+
+  description_.initial = motion();
+  description_.lines = solver_->lines();
+  for (std::size_t i = 0; i < probes_.size(); ++i)
+    for (int axis = 0; axis < dimension_; ++axis)
+      description_.columns.push_back({probe_column(i, axis), unit_of(probes_[i])});
+  for (const char* name : {"energy.kinetic", "energy.strain", "energy.external"})
+    description_.columns.push_back({name, "J"});
+  if (analysis_ == Analysis::modal)
+    for (std::size_t i = 0; i < n_frequencies; ++i) description_.columns.push_back({frequency_name(i), "Hz"});
+
+  if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "structure", dimension_);
+  solver_->save();
+  committed_ = state_;
+}
+
+void StructureParticipant::start(const Window& window, const Input& input) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (analysis_ == Analysis::dynamic)
+    solver_->advance(window.t, window.dt, Load(input.samples));
+  else
+    solve_once();
+  follow(window);
+  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void StructureParticipant::solve_once() {
+  if (state_.solved) return;
+  if (analysis_ == Analysis::statics) solver_->solve_static();
+  if (analysis_ == Analysis::modal) state_.frequencies = solver_->frequencies(n_frequencies);
+  state_.solved = true;
+}
+
+/// Probes and the energy balance at the end of a window.
+void StructureParticipant::follow(const Window& window) {
+  state_.time = window.t + window.dt;
+  for (std::size_t i = 0; i < probes_.size(); ++i) {
+    const Eigen::Vector3d value = measure(probes_[i]);
+    for (int axis = 0; axis < dimension_; ++axis) {
+      ProbeRecord& record =
+          state_.probes[i * static_cast<std::size_t>(dimension_) + static_cast<std::size_t>(axis)];
+      record.new_window();
+      record.add(window.t, state_.time, value[axis]);
+    }
+  }
+  if (analysis_ != Analysis::dynamic) return;
+  const Energy energy = solver_->energy();
+  state_.energy_scale = std::max({state_.energy_scale, total(energy), std::abs(energy.external)});
+  if (state_.energy_scale > 0)
+    state_.drift = std::max(state_.drift,
+                            std::abs(total(energy) - first_energy_ - energy.external) / state_.energy_scale);
+}
+
+Eigen::Vector3d StructureParticipant::measure(const ProbeKeys& probe) const {
+  if (probe.quantity == "velocity") return solver_->velocity_at(probe.at);
+  Eigen::Vector3d value = solver_->displacement_at(probe.at);
+  if (probe.quantity == "deflection") value -= support_velocity_ * state_.time;
+  return value;
+}
+
+std::string StructureParticipant::probe_column(std::size_t probe, int axis) const {
+  return fmt::format("{}.{}", probes_[probe].name, axis_name.at(static_cast<std::size_t>(axis)));
+}
+
+std::vector<Field> StructureParticipant::motion() const {
+  std::vector<Field> fields = {{"displacement", "m", false, solver_->displacement()}};
+  if (solver_->sends_velocity() || state_.time == 0)
+    fields.push_back({"velocity", "m/s", false, solver_->velocity()});
+  return fields;
+}
+
+Advanced StructureParticipant::finish() {
+  Advanced result;
+  result.output = motion();
+  auto& monitor = result.monitor;
+  for (std::size_t i = 0; i < probes_.size(); ++i) {
+    for (int axis = 0; axis < dimension_; ++axis) {
+      const ProbeRecord& record =
+          state_.probes[i * static_cast<std::size_t>(dimension_) + static_cast<std::size_t>(axis)];
+      const std::string name = probe_column(i, axis);
+      monitor[name] = record.last();
+      record.report(name, monitor);
+    }
+  }
+  const Energy energy = solver_->energy();
+  monitor["energy.kinetic"] = energy.kinetic;
+  monitor["energy.strain"] = energy.strain;
+  monitor["energy.external"] = energy.external;
+  for (std::size_t i = 0; i < state_.frequencies.size(); ++i) {
+    monitor[frequency_name(i)] = state_.frequencies[i];
+    monitor[frequency_name(i) + ":final"] = state_.frequencies[i];
+  }
+  if (analysis_ == Analysis::dynamic) monitor["check.structure_energy_drift"] = state_.drift;
+  monitor["count.steps"] = solver_->steps();
+  monitor["seconds.step"] = seconds_;
+  monitor["memory.peak"] = peak_memory();
+  return result;
+}
+
+void StructureParticipant::rewind() {
+  solver_->restore();
+  state_ = committed_;
+}
+
+void StructureParticipant::commit(bool write_output) {
+  solver_->save();
+  committed_ = state_;
+  if (!write_output || !frames_) return;
+  Frame frame = solver_->frame();
+  frame.time = state_.time;
+  frames_->write(frame);
+}
+
+void StructureParticipant::checkpoint(const std::filesystem::path& folder) {
+  Archive archive;
+  solver_->write(archive);
+  archive.real["participant"] =
+      Eigen::Vector4d(committed_.time, committed_.energy_scale, committed_.drift, first_energy_);
+  archive.real["frequencies"] = Eigen::Map<const Eigen::VectorXd>(
+      committed_.frequencies.data(), static_cast<Eigen::Index>(committed_.frequencies.size()));
+  archive.integer["participant.solved"] = {committed_.solved ? 1 : 0};
+  for (std::size_t i = 0; i < committed_.probes.size(); ++i)
+    committed_.probes[i].save(fmt::format("probe{}", i), archive);
+  write_archive(folder / "structure.h5", archive);
+}
+
+void StructureParticipant::resume(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "structure.h5";
+  const Archive archive = read_archive(file);
+  if (!archive.real.contains("participant"))
+    throw Error(ExitCode::case_file, file.string(), "is not a checkpoint of a structure");
+  solver_->read(archive);
+  const auto& own = archive.real.at("participant");
+  state_.time = own(0);
+  state_.energy_scale = own(1);
+  state_.drift = own(2);
+  first_energy_ = own(3);
+  const auto& frequencies = archive.real.at("frequencies");
+  state_.frequencies.assign(frequencies.data(), frequencies.data() + frequencies.size());
+  state_.solved = archive.integer.at("participant.solved").at(0) != 0;
+  for (std::size_t i = 0; i < state_.probes.size(); ++i)
+    state_.probes[i].load(fmt::format("probe{}", i), archive);
+  committed_ = state_;
+  if (frames_) frames_->truncate(state_.time);
+}
+
+}  // namespace strake::structure

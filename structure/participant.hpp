@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "proto/case_keys.hpp"
+#include "proto/participant.hpp"
+#include "proto/probe.hpp"
+#include "proto/result_file.hpp"
+#include "structure/parameters.hpp"
+#include "structure/solver.hpp"
+
+namespace strake::structure {
+
+/// A structure solver as the scheme sees it: force in, displacement (and velocity) out; probes, energies,
+/// frames.
+class StructureParticipant final : public Participant {
+ public:
+  StructureParticipant(std::unique_ptr<Solver>, const Parameters&, const CommonKeys&, const Setup&);
+
+  const InterfaceMesh& mesh() const override { return solver_->interface(); }
+  const Description& description() const override { return description_; }
+  void start(const Window&, const Input&) override;
+  Advanced finish() override;
+  void rewind() override;
+  void commit(bool write_output) override;
+  void checkpoint(const std::filesystem::path& folder) override;
+  void resume(const std::filesystem::path& folder) override;
+
+ private:
+  /// What the participant itself remembers; the solver keeps its own.
+  struct State {
+    double time = 0;                     // [s]
+    bool solved = false;                 // statics and modes are solved once
+    std::vector<double> frequencies;     // [Hz]
+    std::vector<ProbeRecord> probes;     // dimension per probe: x, y(, z)
+    double energy_scale = 0, drift = 0;  // [J] largest energy so far; 1: worst |ΔE − work| over it
+  };
+  void solve_once();
+  void follow(const Window&);
+  std::string probe_column(std::size_t probe, int axis) const;
+  Eigen::Vector3d measure(const ProbeKeys&) const;
+  std::vector<Field> motion() const;
+
+  std::unique_ptr<Solver> solver_;
+  Analysis analysis_;
+  Eigen::Vector3d support_velocity_;  // [m/s]
+  int dimension_;
+  std::vector<ProbeKeys> probes_;  // those of the structure
+  Description description_;
+  std::optional<FrameSeries> frames_;
+  double first_energy_;  // [J] at t = 0
+  double seconds_ = 0;   // wall, in the solver
+  State state_, committed_;
+};
+
+}  // namespace strake::structure
