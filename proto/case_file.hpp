@@ -23,35 +23,36 @@ struct NumberKey {
   double max = std::numeric_limits<double>::infinity();
   bool exclusive = false;  // min itself is refused
   bool required = false;
-  std::optional<double> paper;
-  std::string help;
+  bool infinite = false;  // inf is accepted, as where the default or the paper's value is inf; NaN never is
+  std::optional<double> paper = {};
+  std::string help = {};
 };
 struct IntegerKey {
   int min = std::numeric_limits<int>::min(), max = std::numeric_limits<int>::max();
   bool required = false;
-  std::optional<int> paper;
-  std::string help;
+  std::optional<int> paper = {};
+  std::string help = {};
 };
 struct FlagKey {
-  std::optional<bool> paper;
-  std::string help;
+  std::optional<bool> paper = {};
+  std::string help = {};
 };
 struct TextKey {
   bool required = false;
-  std::optional<std::string> paper;
-  std::string help;
+  std::optional<std::string> paper = {};
+  std::string help = {};
 };
 struct ChoiceKey {
   bool required = false;
   bool or_path = false;  // a value with '/' is accepted: a program of the user's
-  std::optional<std::string> paper;
-  std::vector<std::string> not_built;  // choices of the design that are refused by name, "not built yet"
-  std::string help;
+  std::optional<std::string> paper = {};
+  std::vector<std::string> not_built = {};  // choices of the design that are refused by name, "not built yet"
+  std::string help = {};
 };
 struct VectorKey {
   std::string unit = "1";
   bool required = false;
-  std::string help;
+  std::string help = {};
 };
 
 /// Axis-aligned box.
@@ -61,18 +62,25 @@ struct Box {
 
 /// What one declaration says: `explain`, the resolved echo and the reference are made from these.
 struct KeyInfo {
-  std::string path;         // "fluid.scheme.radius.density"; tables of an array: "output.probe[].name"
-  std::string type;         // "number" | "integer" | "flag" | "text" | "choice" | "vector" | "box" | "table" | "file"
-  std::string unit, range, default_value, paper_value, value, origin, help;  // origin: default | preset | case | --set
-  std::vector<std::string> choices;
+  std::string path = {};  // "fluid.scheme.radius.density"; tables of an array: "output.probe[0].name",
+                          // without a case file "output.probe[].name"
+  std::string type = {};  // "number" | "integer" | "flag" | "text" | "choice" | "vector" | "box" | "table" |
+                          // "file" | "folder" | "texts" | "scalars" | "not built" (refused by name)
+  // Values are TOML (0.01, inf, true, [0, 1, 0]), except that one text stands without its quotes.
+  std::string unit = {}, range = {}, default_value = {}, paper_value = {}, value = {};
+  std::string origin = {};  // default | preset | case | --set
+  std::string help = {};
+  std::vector<std::string> choices = {};
 };
 
 class CaseTable;
 
-/// A case file with positions. Reading a key declares it; `refuse_unknown` then names every key nobody declared.
+/// A case file with positions. Reading a key declares it; `refuse_unknown` then names every key nobody
+/// declared.
 class CaseFile {
  public:
-  /// Reads FILE and applies the --set strings in order (V is read as TOML, else as text). Throws Error(case_file).
+  /// Reads FILE and applies the --set strings in order (V is read as TOML, else as text). Throws
+  /// Error(case_file).
   static CaseFile load(const std::filesystem::path& file, const std::vector<std::string>& sets = {});
   /// A case from text, for tests; `name` stands where the path would in messages.
   static CaseFile parse(const std::string& text, const std::string& name = "case.toml",
@@ -87,11 +95,14 @@ class CaseFile {
   const std::vector<KeyInfo>& declared() const;
   /// Resolved TOML of the declared keys below `prefix`, each marked with its origin.
   std::string echo(const std::string& prefix = {}) const;
-  /// SHA-256 of the file's bytes, each --set string, and the bytes of every existing file that a text value names.
+  /// SHA-256 of the file's bytes, each --set string, and the bytes of every existing file that a text value
+  /// names.
   std::array<std::uint8_t, 32> hash() const;
   std::filesystem::path path() const;
   std::filesystem::path folder() const;  // relative paths in the case are relative to it
   const std::string& preset() const;     // "paper" | "improved"
+  /// True for `declarations_only`: checks across keys have nothing to check.
+  bool only_declares() const;
 
   struct Document;
 
@@ -100,7 +111,9 @@ class CaseFile {
   std::shared_ptr<Document> document_;
 };
 
-/// A view of one table. Each call declares one key: reads it, checks it, records it.
+/// A view of one table. Each call declares one key: reads it, checks it, records it. A second declaration of
+/// a key reads and checks it again and records nothing. A name that stands in the table is taken as it is
+/// ("structure.solver" in quotes); otherwise dots lead into sub-tables.
 class CaseTable {
  public:
   void number(const std::string& name, double& value, const NumberKey&);
@@ -109,7 +122,10 @@ class CaseTable {
   void text(const std::string& name, std::string& value, const TextKey&);
   /// A file that must exist and be readable; stored absolute.
   void file(const std::string& name, std::filesystem::path& value, const TextKey&);
-  void choice(const std::string& name, std::string& value, const std::vector<std::string>& choices, const ChoiceKey&);
+  /// A folder that must exist (an earlier run); stored absolute.
+  void folder(const std::string& name, std::filesystem::path& value, const TextKey&);
+  void choice(const std::string& name, std::string& value, const std::vector<std::string>& choices,
+              const ChoiceKey&);
   /// Choice straight into an enumerator.
   template <class Enum>
   void choice(const std::string& name, Enum& value, const std::vector<std::pair<std::string, Enum>>& choices,
@@ -124,23 +140,27 @@ class CaseTable {
     for (const auto& [n, e] : choices)
       if (n == text) value = e;
   }
-  void vector(const std::string& name, Eigen::Vector3d& value, const VectorKey&);    // [x, y, z] or [x, y]
-  void box(const std::string& name, Box& value, const VectorKey&);                    // [[…], […]], min < max
+  void vector(const std::string& name, Eigen::Vector3d& value, const VectorKey&);  // [x, y, z] or [x, y]
+  void box(const std::string& name, Box& value, const VectorKey&);  // [[…], […]], min < max
+  /// A list of texts, or one text.
   void texts(const std::string& name, std::vector<std::string>& value, const TextKey&);
+  /// A text, number or flag, or a list of them, each written as KeyInfo::value is: `when` of a compare block
+  /// can so be held against any declared key. Empty if the key is not given.
+  std::vector<std::string> scalars_as_text(const std::string& name, const std::string& help = {});
   /// A key of the design that is not built yet: refused by name, with that reason.
   void not_built(const std::string& name, const std::string& help);
 
-  CaseTable table(const std::string& name, const std::string& help = {});                // empty view if absent
+  CaseTable table(const std::string& name, const std::string& help = {});  // empty view if absent
   std::vector<CaseTable> tables(const std::string& name, const std::string& help = {});  // [[name]]
   /// Every key below this table is accepted unread (a user's own program).
   void accept_all();
   std::vector<std::string> keys() const;  // as they stand in the file, without declaring them
 
   bool has(const std::string& name) const;  // given in the file or by --set
-  bool present() const;                      // the table itself is
+  bool present() const;                     // the table itself is; true where the file only declares
   /// "case.toml:40:9: structure.material.young = 0", for Error::where of a check across keys.
   std::string where(const std::string& name) const;
-  /// The error that a wrong value of `name` deserves, with line and caret.
+  /// The error that a wrong value of `name` deserves, with line and caret. expected: "a number in Pa, …".
   Error error(const std::string& name, const std::string& expected, const std::string& fix = {}) const;
 
  private:

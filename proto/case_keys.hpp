@@ -9,24 +9,26 @@ namespace strake {
 
 /// [[output.probe]]: one place, one quantity.
 struct ProbeKeys {
-  std::string name;      // "mid"; vector quantities make "mid.x", "mid.y"(, "mid.z")
-  std::string of;        // "fluid" | "structure"
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();  // [m] reference configuration; moves with the body it touches
-  std::string quantity;  // structure: "deflection" | "displacement" | "velocity"; fluid: "pressure"
-  double diameter = 0;   // [m] pressure sensor; 0: 2 l0
+  std::string name;  // "mid"; vector quantities make "mid.x", "mid.y"(, "mid.z")
+  std::string of;    // "fluid" | "structure"
+  Eigen::Vector3d at =
+      Eigen::Vector3d::Zero();  // [m] reference configuration; moves with the body it touches
+  std::string quantity;         // structure: "deflection" | "displacement" | "velocity"; fluid: "pressure"
+  double diameter = 0;          // [m] pressure sensor; 0: 2 l0
 };
 
 /// The keys that more than one program reads, so that they are declared once.
 struct CommonKeys {
   std::string title;
   std::string preset = "improved";
-  double end_time = 0;              // [s]
-  double output_every = 1e-4;       // [s]
+  double end_time = 0;         // [s]
+  double output_every = 1e-4;  // [s]
   std::vector<ProbeKeys> probes;
   std::string interface = "surface";  // "surface" | "volume"
   std::string fluid_solver = "mps", structure_solver = "fem";
-  double window = 1e-5;             // [s] of the chosen interface (coupling.surface.window or coupling.volume.window)
-  int threads = 2;                  // run.threads
+  double window = 1e-5;    // [s] of the chosen interface (coupling.surface.window or coupling.volume.window)
+  int threads = 2;         // run.threads
+  double checkpoint = 60;  // [s] of wall clock between checkpoints
 };
 
 /// Declares and reads title, preset, end_time, [output], coupling.interface, both windows, both solver names,

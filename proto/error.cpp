@@ -26,7 +26,7 @@ std::string text_of(const std::string& where, const std::string& problem, const 
 }
 
 /// Edit distance in which an insertion, a deletion, a replacement and a swap of neighbours cost one each.
-std::size_t distance(const std::string& a, const std::string& b) {
+std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -62,7 +62,7 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   for (const std::string& name : known) {
     // One slip in three letters is still a slip; more is another word.
     const std::size_t allowed = std::max<std::size_t>(1, std::max(word.size(), name.size()) / 3);
-    const std::size_t d = distance(word, name);
+    const std::size_t d = edit_distance(word, name);
     if (d <= allowed && d < std::min(word.size(), name.size()) && (nearest.empty() || d < least)) {
       nearest = name;
       least = d;
