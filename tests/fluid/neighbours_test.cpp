@@ -1,0 +1,171 @@
+#include "fluid/neighbours.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "proto/error.hpp"
+#include "tests/fluid/lattice.hpp"
+
+namespace strake::fluid {
+namespace {
+
+template <int dim>
+std::vector<std::vector<std::int32_t>> every_pair(const Vectors<dim>& position, double radius) {
+  std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(position.cols()));
+  for (std::int32_t i = 0; i < position.cols(); ++i)
+    for (std::int32_t j = 0; j < position.cols(); ++j)
+      if (i != j && (position.col(j) - position.col(i)).norm() < radius)
+        rows[static_cast<std::size_t>(i)].push_back(j);
+  return rows;
+}
+
+void expect_rows(const Neighbours& found, const std::vector<std::vector<std::int32_t>>& expected) {
+  ASSERT_EQ(found.size(), static_cast<std::int64_t>(expected.size()));
+  for (std::int64_t i = 0; i < found.size(); ++i) {
+    const auto row = found.row(i);
+    EXPECT_EQ(std::vector<std::int32_t>(row.begin(), row.end()), expected[static_cast<std::size_t>(i)]) << i;
+  }
+}
+
+bool same(const Neighbours& a, const Neighbours& b) {
+  return std::equal(a.start().begin(), a.start().end(), b.start().begin(), b.start().end()) &&
+         std::equal(a.column().begin(), a.column().end(), b.column().begin(), b.column().end()) &&
+         std::equal(a.distance().begin(), a.distance().end(), b.distance().begin(), b.distance().end()) &&
+         std::equal(a.inverse().begin(), a.inverse().end(), b.inverse().begin(), b.inverse().end());
+}
+
+template <int dim>
+void jiggle(Vectors<dim>& position, double amount, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> shift(-amount, amount);
+  for (Eigen::Index i = 0; i < position.size(); ++i) position.data()[i] += shift(generator);
+}
+
+TEST(Neighbours, rows_hold_exactly_the_pairs_within_the_radius_sorted_by_index) {
+  const auto plane = block<2>(17, 0.01, 0.3);
+  NeighbourSearch<2> in_plane(0.031, 0.002);
+  expect_rows(in_plane.update(plane), every_pair<2>(plane, 0.031));
+  const auto space = block<3>(8, 0.01, 0.3);
+  NeighbourSearch<3> in_space(0.021, 0.002);
+  expect_rows(in_space.update(space), every_pair<3>(space, 0.021));
+}
+
+TEST(Neighbours, a_skin_never_shows_in_the_rows) {
+  auto position = block<2>(20, 0.01, 0.2);
+  NeighbourSearch<2> with_skin(0.031, 0.002), without(0.031, 0.0);
+  for (unsigned step = 0; step < 40; ++step) {
+    const auto& a = with_skin.update(position);
+    without.invalidate();
+    const auto& b = without.update(position);
+    ASSERT_TRUE(same(a, b)) << "step " << step;
+    jiggle<2>(position, 1e-4, step);
+  }
+  EXPECT_LT(with_skin.rebuilds(), 20);
+  EXPECT_GT(with_skin.rebuilds(), 1);
+}
+
+TEST(Neighbours, pairs_are_symmetric_to_the_last_bit) {
+  const auto position = block<2>(20, 0.01, 0.4);
+  NeighbourSearch<2> search(0.031, 0.002);
+  const auto& rows = search.update(position);
+  for (std::int32_t i = 0; i < rows.size(); ++i)
+    for (std::size_t k = 0; k < rows.row(i).size(); ++k) {
+      const auto j = rows.row(i)[k];
+      const auto back = std::lower_bound(rows.row(j).begin(), rows.row(j).end(), i) - rows.row(j).begin();
+      ASSERT_LT(back, static_cast<std::ptrdiff_t>(rows.row(j).size()));
+      ASSERT_EQ(rows.row(j)[static_cast<std::size_t>(back)], i);
+      ASSERT_EQ(rows.distances(j)[static_cast<std::size_t>(back)], rows.distances(i)[k]);
+      ASSERT_EQ(rows.inverses(i)[k], 1.0 / rows.distances(i)[k]);
+    }
+}
+
+TEST(Neighbours, a_smaller_radius_gives_the_part_of_the_rows_within_it) {
+  auto position = block<2>(15, 0.01, 0.3);
+  NeighbourSearch<2> search(0.031, 0.002);
+  search.update(position);
+  expect_rows(search.within(0.021), every_pair<2>(position, 0.021));
+  jiggle<2>(position, 3e-3, 1);
+  search.update(position);
+  expect_rows(search.within(0.021), every_pair<2>(position, 0.021));
+  expect_rows(search.within(0.031), every_pair<2>(position, 0.031));
+}
+
+TEST(Neighbours, two_fillers_do_not_see_one_another) {
+  const auto position = block<2>(10, 0.01);
+  std::vector<std::uint8_t> tag(100, plain);
+  for (std::size_t i = 0; i < 50; ++i) tag[i] = filler;
+  NeighbourSearch<2> search(0.021, 0.002);
+  const auto& rows = search.update(position, tag);
+  for (std::int32_t i = 0; i < 50; ++i)
+    for (const auto j : rows.row(i)) EXPECT_GE(j, 50);
+  EXPECT_EQ(rows.row(55).size(), 12u);
+  EXPECT_EQ(rows.row(45).size(), 4u);  // three in the row above it, one in the next
+}
+
+TEST(Neighbours, asked_pairs_are_kept_only_if_the_predicate_says_so_at_the_present_positions) {
+  auto position = block<2>(12, 0.01, 0.2);
+  std::vector<std::uint8_t> tag(144, plain);
+  for (std::size_t i = 60; i < 84; ++i) tag[i] = asked;
+  const auto apart = [&](std::int32_t i, std::int32_t j) {
+    return (position(1, i) > 0) == (position(1, j) > 0);
+  };
+  NeighbourSearch<2> search(0.021, 0.004);
+  for (unsigned step = 0; step < 5; ++step) {
+    auto expected = every_pair<2>(position, 0.021);
+    for (std::int32_t i = 0; i < 144; ++i)
+      std::erase_if(expected[static_cast<std::size_t>(i)], [&](std::int32_t j) {
+        return (tag[static_cast<std::size_t>(i)] | tag[static_cast<std::size_t>(j)]) == asked && !apart(i, j);
+      });
+    expect_rows(search.update(position, tag, apart), expected);
+    jiggle<2>(position, 5e-4, step);
+  }
+}
+
+TEST(Neighbours, a_particle_far_outside_costs_no_memory_and_changes_nothing_for_the_others) {
+  auto position = block<2>(15, 0.01, 0.3);
+  position.col(7) << 4.7e6, -3.1e8;
+  position.col(9) << 4.7e6 + 0.01, -3.1e8;
+  NeighbourSearch<2> search(0.031, 0.002);
+  expect_rows(search.update(position), every_pair<2>(position, 0.031));
+}
+
+TEST(Neighbours, coincident_particles_do_not_see_one_another) {
+  auto position = block<2>(5, 0.01);
+  position.col(3) = position.col(12);
+  NeighbourSearch<2> search(0.021, 0.002);
+  const auto& rows = search.update(position);
+  for (const double inverse : rows.inverse()) EXPECT_TRUE(std::isfinite(inverse));
+  for (const auto j : rows.row(12)) EXPECT_NE(j, 3);
+}
+
+TEST(Neighbours, a_position_that_is_not_finite_is_an_error_that_names_the_particle) {
+  auto position = block<2>(5, 0.01);
+  NeighbourSearch<2> search(0.021, 0.002);
+  search.update(position);
+  position(1, 17) = std::numeric_limits<double>::quiet_NaN();
+  try {
+    search.update(position);
+    FAIL() << "not a number was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::solver_fault);
+    EXPECT_NE(error.problem().find("particle 17"), std::string::npos) << error.problem();
+  }
+}
+
+TEST(Neighbours, rows_do_not_depend_on_the_number_of_threads) {
+  const auto position = block<2>(60, 0.01, 0.3);
+  NeighbourSearch<2> one(0.031, 0.002), two(0.031, 0.002);
+  omp_set_num_threads(1);
+  const auto& a = one.update(position);
+  omp_set_num_threads(2);
+  const auto& b = two.update(position);
+  omp_set_num_threads(1);
+  EXPECT_TRUE(same(a, b));
+}
+
+}  // namespace
+}  // namespace strake::fluid
