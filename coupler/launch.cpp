@@ -308,7 +308,7 @@ Captured capture(const std::filesystem::path& program, const std::vector<std::st
     if (stop && stop->requested()) give_up(stop->code(), "interrupted");
     if (steady_clock::now() > end)
       give_up(ExitCode::participant_lost,
-              fmt::format("has not ended within {} s", deadline.count() / 1000.0));
+              fmt::format("has not ended within {} s", std::chrono::duration<double>(deadline).count()));
   }
   owned().erase(pid);
   result.exit_code = exit->signal != 0 ? 128 + exit->signal : exit->code;

@@ -1,1 +1,202 @@
-// Being written.
+#include "coupler/remote.hpp"
+
+#include <fmt/format.h>
+#include <sodium.h>
+#include <unistd.h>
+
+#include <cassert>
+#include <csignal>
+#include <utility>
+
+#include "coupler/roster_state.hpp"
+
+namespace strake {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds to_write_out{500};  // what an idle participant gets for its last files after an error
+constexpr milliseconds to_obey{300};       // between SIGTERM and SIGKILL
+constexpr milliseconds to_leave{5000};     // between Done and the end of the process
+
+/// Fields of an answer must fit the mesh that the participant announced.
+void check_fields(const std::vector<Field>& fields, const InterfaceMesh& mesh, const std::string& place,
+                  const std::string& fix) {
+  for (const Field& f : fields)
+    if (f.value.cols() != mesh.position.cols())
+      throw Error(ExitCode::participant_lost, place,
+                  fmt::format("sent {} at {} points, its mesh has {}", f.quantity, f.value.cols(),
+                              mesh.position.cols()),
+                  fix);
+}
+
+}  // namespace
+
+// ---- Roster
+
+Roster::Roster(Options options) : state_(std::make_unique<State>(std::move(options))) {}
+
+Roster::~Roster() {
+  end();
+}
+
+const std::string& Roster::endpoint() const {
+  return state_->hub.endpoint();
+}
+const std::string& Roster::token() const {
+  return state_->token;
+}
+
+void Roster::attach(const std::string& name) {
+  assert(!state_->find(name) && "a name is taken once");
+  auto m = std::make_unique<Member>();
+  m->name = name;
+  m->expected_since = Clock::now();
+  state_->members.push_back(std::move(m));
+}
+
+void Roster::launch(const std::string& name, Launch launch) {
+  std::string hash;
+  for (unsigned byte : state_->options.case_hash) hash += fmt::format("{:02x}", byte);
+  std::vector<std::string> arguments{"--connect", endpoint(), "--name", name, "--case-hash", hash};
+  arguments.insert(arguments.end(), launch.arguments.begin(), launch.arguments.end());
+  launch.arguments = std::move(arguments);
+  launch.environment["STRAKE_TOKEN"] = state_->token;
+  launch.environment["STRAKE_COUPLER"] = std::to_string(getpid());
+  attach(name);
+  Member& m = *state_->members.back();
+  m.log = launch.log;
+  m.child.emplace(launch);
+}
+
+RemoteParticipant& Roster::connect(const std::string& name, const Setup& setup) {
+  Member* m = state_->find(name);
+  assert(m && !m->remote && "launch or attach first; connect once");
+  state_->await_hello(*m);
+  state_->ask(*m, {0, setup});
+  auto ready = state_->await_as<wire::Ready>(*m);
+  m->mesh = std::move(ready.mesh);
+  m->description = std::move(ready.description);
+  check_fields(m->description.initial, m->mesh, m->name, m->see_log());
+  m->remote.reset(new RemoteParticipant(*state_, *m));
+  return *m->remote;
+}
+
+void Roster::finish() {
+  for (const auto& m : state_->members) {
+    if (!m->greeted) continue;
+    state_->ask(*m, {0, wire::Stop{m->before == wire::Before::commit, m->write_output}});
+    m->before = wire::Before::nothing;
+    state_->await_as<wire::Done>(*m);
+    m->greeted = false;  // from here on it may leave
+    if (!m->child) continue;
+    const auto exit = m->child->wait(to_leave);
+    const std::string problem = !exit ? fmt::format("{} has not ended {} s after its last answer",
+                                                    m->process(), to_leave.count() / 1000)
+                                : exit->code != 0 || exit->signal != 0
+                                    ? fmt::format("{} {} after its last answer", m->process(), to_text(*exit))
+                                    : "";
+    if (!problem.empty()) throw Error(ExitCode::participant_lost, m->name, problem, m->see_log());
+    m->child.reset();
+  }
+  end();
+}
+
+void Roster::end() noexcept {
+  State& s = *state_;
+  if (std::exchange(s.ended, true)) return;
+  try {
+    std::size_t awaited = 0;  // participants started by hand whose Done is still to come
+    for (const auto& m : s.members) {
+      const bool idle = m->greeted && m->asked.empty() && !m->broken && s.hub.connected(m->socket);
+      if (idle) s.ask(*m, {0, wire::Stop{m->before == wire::Before::commit, m->write_output}});
+      if (idle && !m->child) ++awaited;
+      if (!idle && m->child) m->child->signal(SIGTERM);
+    }
+    const auto limit = Clock::now() + to_write_out;
+    const auto running = [&] {
+      for (const auto& m : s.members)
+        if (m->child && !m->child->exit()) return true;
+      return false;
+    };
+    while ((running() || awaited > 0) && Clock::now() < limit) {
+      if (const auto message = s.hub.receive(milliseconds(10)))
+        for (const auto& m : s.members)
+          if (m->peer == message->peer && !m->child && awaited > 0) --awaited;
+    }
+    for (const auto& m : s.members)
+      if (m->child) m->child->signal(SIGTERM);
+    for (const auto& m : s.members)
+      if (m->child) m->child->end(to_obey);
+    for (const auto& m : s.members) m->child.reset();
+    end_orphans();
+  } catch (...) {  // the processes are ended by the destructors of Child
+  }
+}
+
+// ---- RemoteParticipant
+
+RemoteParticipant::RemoteParticipant(Roster::State& roster, Roster::Member& member)
+    : roster_(&roster), member_(&member) {}
+
+const InterfaceMesh& RemoteParticipant::mesh() const {
+  return member_->mesh;
+}
+const Description& RemoteParticipant::description() const {
+  return member_->description;
+}
+
+void RemoteParticipant::count_windows_from(std::uint64_t committed) {
+  member_->committed = committed;
+}
+
+void RemoteParticipant::start(const Window& window, const Input& input) {
+  Roster::Member& m = *member_;
+  assert(m.asked.empty() && "one request at a time");
+  assert((m.iteration == 0 || m.before != wire::Before::nothing) && "rewind or commit first");
+  m.window = window;
+  ++m.iteration;
+  const wire::Before before = std::exchange(m.before, wire::Before::nothing);
+  roster_->ask(m,
+               {0, wire::Advance{before, window, m.iteration, input, std::exchange(m.write_output, false)}});
+}
+
+Advanced RemoteParticipant::finish() {
+  Roster::Member& m = *member_;
+  Advanced advanced = roster_->await_as<Advanced>(m);
+  try {
+    check_fields(advanced.output, m.mesh, m.place(), m.see_log());
+  } catch (const Error&) {
+    m.broken = true;
+    throw;
+  }
+  return advanced;
+}
+
+void RemoteParticipant::rewind() {
+  assert(member_->asked.empty() && member_->iteration != 0);
+  member_->before = wire::Before::rewind;
+}
+
+void RemoteParticipant::commit(bool write_output) {
+  assert(member_->asked.empty() && member_->iteration != 0);
+  member_->before = wire::Before::commit;
+  member_->write_output = write_output;
+  member_->iteration = 0;
+  ++member_->committed;
+}
+
+void RemoteParticipant::checkpoint(const std::filesystem::path& folder) {
+  Roster::Member& m = *member_;
+  const wire::Before before = std::exchange(m.before, wire::Before::nothing);
+  roster_->ask(m,
+               {0, wire::Checkpoint{folder.string(), false, before, std::exchange(m.write_output, false)}});
+  roster_->await_as<wire::Done>(m);
+}
+
+void RemoteParticipant::resume(const std::filesystem::path& folder) {
+  roster_->ask(*member_, {0, wire::Checkpoint{folder.string(), true}});
+  roster_->await_as<wire::Done>(*member_);
+}
+
+}  // namespace strake

@@ -1,0 +1,316 @@
+// Who takes part in a run: the wait loop that hears all, and what is done when one of them falls silent.
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <deque>
+#include <fstream>
+#include <utility>
+
+#include "coupler/roster_state.hpp"
+#include "coupler/stop_request.hpp"
+
+namespace strake {
+namespace {
+
+using std::chrono::milliseconds;
+using Seconds = std::chrono::duration<double>;
+
+constexpr milliseconds beat{50};               // between two looks at the processes, while nothing arrives
+constexpr milliseconds last_words{100};        // a dead process's Fault may still be on its way
+constexpr milliseconds heartbeat_gap{800};     // silence before the link counts as cut
+constexpr milliseconds silence_to_tell{1000};  // silence before a line says so
+
+std::string in_seconds(Clock::duration d) {
+  return fmt::format("{:.3g} s", Seconds(d).count());
+}
+
+std::string raw(const std::string& hexadecimal) {
+  std::string bytes(hexadecimal.size() / 2, '\0');
+  std::size_t length = 0;
+  if (sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), hexadecimal.data(),
+                     hexadecimal.size(), nullptr, &length, nullptr) != 0)
+    length = 0;
+  bytes.resize(length);
+  return bytes;
+}
+
+bool equal_secret(const std::string& a, const std::string& b) {
+  return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+/// The last lines of a log, indented, each on a line of its own.
+std::string tail(const std::filesystem::path& log) {
+  std::ifstream file(log);
+  std::deque<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back(line);
+    if (lines.size() > 3) lines.pop_front();
+  }
+  std::string text;
+  for (const std::string& line : lines) text += "\n" + log.filename().string() + ": " + line;
+  return text;
+}
+
+}  // namespace
+
+std::string Roster::Member::place() const {
+  if (iteration == 0)
+    return committed == 0 || window.dt == 0
+               ? name
+               : fmt::format("{}, after window {} (t = {:.6g} s)", name, committed, window.t + window.dt);
+  return fmt::format("{}, window {} (t = {:.6g} s), iteration {}", name, committed + 1, window.t, iteration);
+}
+
+std::string Roster::Member::process() const {
+  if (!child) return "started by hand";
+  return fmt::format("process {}", child->pid());
+}
+
+std::string Roster::Member::see_log() const {
+  return log.empty() ? "" : "see " + log.string();
+}
+
+Roster::State::State(Options o)
+    : options(std::move(o)), hub(options.endpoint), token(random_token()), raw_token(raw(token)) {}
+
+Roster::Member* Roster::State::find(const std::string& name) {
+  for (const auto& m : members)
+    if (m->name == name) return m.get();
+  return nullptr;
+}
+
+void Roster::State::say(const std::string& line) const {
+  if (options.say) options.say(line);
+}
+
+// ---- asking and waiting
+
+void Roster::State::ask(Member& m, wire::Request request) {
+  request.sequence = ++m.sequence;
+  m.asked = wire::name_of(request);
+  m.reply.reset();
+  m.may_repeat.reset();
+  m.request = wire::encode(std::move(request));
+  m.last_heard = Clock::now();
+  m.doing.clear();
+  hub.send(m.peer, m.request);
+}
+
+wire::Reply Roster::State::await(Member& m) {
+  Clock::time_point looked = Clock::now();
+  while (!m.reply) {
+    receive(beat);
+    if (Clock::now() - looked < beat) continue;
+    looked = Clock::now();
+    look_after_all();
+    check_deadlines(m);
+    if (m.asked == "Setup" || m.asked == "Advance") check_stop(m);
+  }
+  m.asked.clear();
+  m.request.clear();
+  return *std::exchange(m.reply, std::nullopt);
+}
+
+void Roster::State::await_hello(Member& m) {
+  while (!m.greeted) {
+    receive(beat);
+    look_after_all();
+    check_stop(m);
+    if (m.greeted || !m.child || options.deadlines.patient) continue;
+    const auto waited = Clock::now() - m.expected_since;
+    if (waited < options.deadlines.hello) continue;
+    m.broken = true;
+    throw Error(ExitCode::participant_lost, m.name,
+                fmt::format("has not said Hello for {} ({} is alive){}{}", in_seconds(waited), m.process(),
+                            m.refusal.empty() ? "" : "\n" + m.refusal, tail(m.log)),
+                fmt::format("{}, or --patient when debugging", m.see_log()));
+  }
+}
+
+void Roster::State::check_deadlines(const Member& m) const {
+  const auto waited = Clock::now() - m.last_heard;
+  if (options.deadlines.patient || m.reply || waited < options.deadlines.answer_within) return;
+  throw Error(
+      ExitCode::participant_lost, m.place(),
+      fmt::format("has not answered {} for {} ({} is alive{})", m.asked, in_seconds(waited), m.process(),
+                  m.doing.empty() ? "" : ", last: " + m.doing),
+      fmt::format("{}, or --patient when debugging; the limit is coupling.answer_within", m.see_log()));
+}
+
+void Roster::State::check_stop(const Member& m) const {
+  const StopRequest* stop = options.stop;
+  if (!stop || !stop->requested()) return;
+  if (m.asked == "Advance" && stop->elapsed() < options.deadlines.grace) return;
+  throw Error(
+      stop->code(), m.place(),
+      fmt::format("{} while {} was awaited",
+                  stop->code() == ExitCode::interrupted ? "interrupted by Ctrl-C" : "ended by SIGTERM",
+                  m.greeted ? m.asked : "Hello"));
+}
+
+// ---- hearing
+
+void Roster::State::receive(Clock::duration limit) {
+  if (auto message = hub.receive(std::chrono::duration_cast<milliseconds>(limit))) hear(std::move(*message));
+}
+
+void Roster::State::hear(Hub::Message message) {
+  for (const auto& m : members) {
+    if (!m->greeted || m->peer != message.peer) continue;
+    try {
+      answered(*m, wire::decode_reply(message.parts, m->place()));
+    } catch (const Error&) {
+      m->broken = true;
+      throw;
+    }
+    return;
+  }
+  greet(message);
+}
+
+void Roster::State::answered(Member& m, wire::Reply reply) {
+  m.last_heard = Clock::now();
+  if (const auto* working = std::get_if<wire::Working>(&reply.what)) {
+    m.doing = fmt::format("{} ({:.0f} %)", working->what, 100 * working->fraction);
+    return;
+  }
+  if (const auto* fault = std::get_if<wire::Fault>(&reply.what)) {
+    // A solver does not know the window; a fault in a file or an option has its own place.
+    std::string where = fault->where;
+    if (fault->code == ExitCode::solver_fault || where.empty()) {
+      if (where.starts_with(m.name)) where.erase(0, m.name.size());
+      if (where.starts_with(", ")) where.erase(0, 2);
+      where = where.empty() ? m.place() : m.place() + ", " + where;
+    }
+    throw Error(fault->code, where, fault->problem, fault->fix);
+  }
+  if (m.may_repeat == reply.sequence && reply.sequence != (m.asked.empty() ? 0 : m.sequence)) {
+    m.may_repeat.reset();
+    return;
+  }
+  if (m.asked.empty() || m.reply)
+    throw Error(ExitCode::participant_lost, m.place(),
+                fmt::format("sent {} without being asked", wire::name_of(reply)), m.see_log());
+  if (reply.sequence != m.sequence)
+    throw Error(
+        ExitCode::participant_lost, m.place(),
+        fmt::format("answered request {} when {} (number {}) was asked", reply.sequence, m.asked, m.sequence),
+        m.see_log());
+  m.reply = std::move(reply);
+}
+
+void Roster::State::greet(const Hub::Message& message) {
+  wire::Reply reply;
+  try {
+    reply = wire::decode_reply(message.parts, "a stranger");
+  } catch (const Error& e) {
+    return refuse(message, nullptr, e.problem(), "");
+  }
+  const auto* hello = std::get_if<wire::Hello>(&reply.what);
+  if (!hello) return refuse(message, nullptr, fmt::format("spoke {} before Hello", wire::name_of(reply)), "");
+  if (!equal_secret(hello->token, raw_token))
+    return refuse(message, nullptr, fmt::format("\"{}\" does not know the token of this run", hello->name),
+                  "STRAKE_TOKEN must hold the token that the coupler printed");
+  Member* m = find(hello->name);
+  if (!m) {
+    std::string names;
+    for (const auto& known : members) names += (names.empty() ? "" : ", ") + known->name;
+    return refuse(message, nullptr,
+                  fmt::format("\"{}\" has no part in this run, expected: {}", hello->name, names), "--name");
+  }
+  if (hello->protocol != wire::protocol)
+    return refuse(
+        message, m,
+        fmt::format("{} speaks protocol {}, the coupler {}", m->name, hello->protocol, wire::protocol),
+        "use programs of one version");
+  const std::string hash(options.case_hash.begin(), options.case_hash.end());
+  if (hello->case_hash != hash)
+    return refuse(message, m,
+                  fmt::format("{} has read another case than the coupler (their hashes differ)", m->name),
+                  "give it the same --case and --set; a file of the case may have changed in between");
+  if (m->greeted && reply.sequence == 0 && hub.connected(m->socket))
+    return refuse(message, m, fmt::format("{} already takes part", m->name), "--name");
+  if (m->greeted) return welcome_back(*m, message, reply.sequence);
+  m->greeted = true;
+  m->peer = message.peer;
+  m->socket = message.socket;
+  m->last_heard = Clock::now();
+  m->refusal.clear();
+}
+
+/// A participant that was frozen (or a coupler that was) has a new connection. What the old one lost is sent
+/// again.
+void Roster::State::welcome_back(Member& m, const Hub::Message& message, std::uint64_t last_received) {
+  const auto silence = m.silent_since ? Clock::now() - *m.silent_since : Clock::duration(0);
+  say(fmt::format("{}: is back after {}", m.place(), in_seconds(silence)));
+  m.peer = message.peer;
+  m.socket = message.socket;
+  m.silent_since.reset();
+  m.silence_told = false;
+  m.last_heard = Clock::now();
+  m.may_repeat = last_received;
+  if (!m.asked.empty() && !m.reply && last_received < m.sequence) hub.send(m.peer, m.request);
+}
+
+void Roster::State::refuse(const Hub::Message& message, Member* m, const std::string& problem,
+                           const std::string& fix) {
+  say("refused a participant: " + problem);
+  if (m && !m->greeted) m->refusal = "was refused: " + problem;
+  hub.send(message.peer, wire::encode(wire::Request{0, wire::Refused{"coupler", problem, fix}}));
+}
+
+// ---- watching
+
+void Roster::State::look_after_all() {
+  for (const auto& m : members) look_after(*m);
+}
+
+void Roster::State::look_after(Member& m) {
+  if (m.child)
+    if (const auto exit = m.child->exit()) died(m, *exit);
+  if (!m.greeted) return;
+  if (hub.connected(m.socket)) {
+    m.silent_since.reset();
+    return;
+  }
+  // Heartbeats are answered by a thread of their own: no answer means frozen, or a dead machine.
+  if (!m.silent_since) m.silent_since = Clock::now() - heartbeat_gap;
+  const auto silence = Clock::now() - *m.silent_since;
+  const std::string state = !m.child             ? "has left or is frozen"
+                            : m.child->stopped() ? "is suspended (" + m.process() + ")"
+                                                 : "is frozen (" + m.process() + " lives)";
+  if (!m.silence_told && silence > silence_to_tell) {
+    m.silence_told = true;
+    say(fmt::format("{}: {}, no heartbeat for {}; waiting {}", m.place(), state, in_seconds(silence),
+                    options.deadlines.patient
+                        ? "until it is back"
+                        : fmt::format("{:g} s", options.deadlines.frozen_after.count())));
+  }
+  if (options.deadlines.patient || silence < options.deadlines.frozen_after) return;
+  m.broken = true;
+  throw Error(
+      ExitCode::participant_lost, m.place(),
+      fmt::format("{}: no heartbeat for {}{}", state, in_seconds(silence),
+                  m.asked.empty() ? "" : ", " + m.asked + " was awaited"),
+      fmt::format("{}, or --patient when debugging; the limit is coupling.frozen_after", m.see_log()));
+}
+
+void Roster::State::died(Member& m, const Exit& exit) {
+  m.broken = true;
+  const auto end = Clock::now() + last_words;
+  while (Clock::now() < end)
+    receive(end - Clock::now());  // its Fault, if it sent one, says more: it is thrown
+  const std::string what = !m.refusal.empty() ? "\n" + m.refusal
+                           : !m.greeted       ? " before it said Hello"
+                           : m.asked.empty()  ? " between two requests"
+                                              : fmt::format(" while {} was awaited", m.asked);
+  // Before Hello a program can only speak by its exit code.
+  ExitCode code = ExitCode::participant_lost;
+  for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
+    if (!m.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own)) code = own;
+  throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, tail(m.log)),
+              m.see_log());
+}
+
+}  // namespace strake

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/link.hpp"
+#include "coupler/remote.hpp"
+#include "proto/wire.hpp"
+
+/// What Roster and RemoteParticipant share, for remote.cpp and roster.cpp alone.
+namespace strake {
+
+using Clock = std::chrono::steady_clock;
+
+/// One participant as the coupler knows it.
+struct Roster::Member {
+  std::string name;
+  std::optional<Child> child;  // none: started by hand
+  std::filesystem::path log;
+  Clock::time_point expected_since;
+  std::string refusal;  // why its last Hello was refused
+
+  // the connection
+  bool greeted = false;  // said an accepted Hello
+  bool broken = false;   // the run ends because of it
+  std::string peer;
+  int socket = -1;
+  std::optional<Clock::time_point> silent_since;
+  bool silence_told = false;
+
+  // the request under way
+  std::uint64_t sequence = 0;
+  std::string asked;  // "Advance"; empty: idle
+  wire::Parts request;
+  std::optional<wire::Reply> reply;
+  std::optional<std::uint64_t> may_repeat;  // an answer that a new connection may bring twice
+  Clock::time_point last_heard;
+  std::string doing;  // its last Working
+
+  // the window
+  std::uint64_t committed = 0;
+  Window window;
+  std::uint32_t iteration = 0;  // 0: no window has been started
+  wire::Before before = wire::Before::nothing;
+  bool write_output = false;
+
+  InterfaceMesh mesh;
+  Description description;
+  std::unique_ptr<RemoteParticipant> remote;
+
+  /// "fluid, window 420 (t = 0.0042 s), iteration 3"; between two windows "fluid, after window 419 (t =
+  /// 0.0042 s)".
+  std::string place() const;
+  /// "process 41273", for messages.
+  std::string process() const;
+  std::string see_log() const;
+};
+
+struct Roster::State {
+  explicit State(Options);
+
+  Options options;
+  Hub hub;
+  std::string token;      // hexadecimal
+  std::string raw_token;  // its bytes
+  std::vector<std::unique_ptr<Member>> members;
+  bool ended = false;
+
+  Member* find(const std::string& name);
+  void say(const std::string& line) const;
+
+  void ask(Member&, wire::Request);
+  /// The answer to the request under way. Sees to all other participants meanwhile.
+  wire::Reply await(Member&);
+  template <class Expected>
+  Expected await_as(Member&);
+  void await_hello(Member&);
+
+  void receive(Clock::duration limit);
+  void look_after_all();
+  void check_deadlines(const Member&) const;
+  void check_stop(const Member&) const;
+
+ private:
+  void hear(Hub::Message);
+  void greet(const Hub::Message&);
+  void welcome_back(Member&, const Hub::Message&, std::uint64_t last_received);
+  void refuse(const Hub::Message&, Member*, const std::string& problem, const std::string& fix);
+  void answered(Member&, wire::Reply);
+  void look_after(Member&);
+  [[noreturn]] void died(Member&, const Exit&);
+};
+
+template <class Expected>
+Expected Roster::State::await_as(Member& m) {
+  const std::string asked = m.asked;
+  wire::Reply reply = await(m);
+  if (auto* value = std::get_if<Expected>(&reply.what)) return std::move(*value);
+  m.broken = true;
+  throw Error(ExitCode::participant_lost, m.place(),
+              std::string("answered ") + asked + " with " + wire::name_of(reply), m.see_log());
+}
+
+}  // namespace strake
