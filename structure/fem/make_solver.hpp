@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+
+#include "structure/parameters.hpp"
+#include "structure/solver.hpp"
+
+namespace strake::structure::fem {
+
+/// The finite-element solver for a case, behind its interface: who uses it compiles nothing of it.
+std::unique_ptr<Solver> make_solver(const Parameters&);
+
+}  // namespace strake::structure::fem

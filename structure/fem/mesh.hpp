@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "structure/parameters.hpp"
+
+namespace strake::structure::fem {
+
+/// A finite-element mesh as plain arrays: all that the kernels need of it. Unknown dim·node + component.
+template <int dim>
+struct Mesh {
+  int degree = 2;                                   // of the Lagrange element
+  int n_quadrature = 0;                             // points per cell
+  Eigen::Matrix<double, dim, Eigen::Dynamic> node;  // dim×n [m], reference configuration
+  Eigen::MatrixXi cell;                             // nodes per cell × m, lexicographic: x fastest
+  Eigen::MatrixXd
+      gradient;  // (nodes per cell · dim) × (m · n_quadrature) [1/m]: ∂N_a/∂X_k in row k·nodes + a
+  Eigen::VectorXd weight;  // m · n_quadrature [m^dim]: quadrature weight × Jacobian
+  Eigen::MatrixXd shape;   // nodes per cell × n_quadrature, N_a
+  Eigen::MatrixXd
+      node_gradient;  // (nodes per cell · dim) × (m · nodes per cell) [1/m]: gradients in the nodes
+  std::array<Eigen::VectorXd, 2 * dim>
+      face;                // n [m^(dim-1)]: ∫ N_a dS over left, right, bottom, top(, back, front)
+  std::vector<int> fixed;  // unknowns that the supports hold, ascending
+
+  int n_nodes() const { return static_cast<int>(node.cols()); }
+  int n_cells() const { return static_cast<int>(cell.cols()); }
+  int n_unknowns() const { return dim * n_nodes(); }
+};
+
+/// Weights of nodes whose sum is the value in a point.
+using NodeWeights = std::vector<std::pair<int, double>>;
+
+/// "deal.II 9.4.1".
+std::string library();
+
+/// The plate divided into cells, and its Lagrange element. The only place where deal.II's mesh, element,
+/// mapping and quadrature are used; everything else works on the plain `Mesh`.
+template <int dim>
+class Discretisation {
+ public:
+  /// `refinement`: 2^refinement cells through the thickness; along the length, cells shrink towards held
+  /// ends, where the stress is singular.
+  Discretisation(const Plate&, int degree, int refinement);
+  ~Discretisation();
+  const Mesh<dim>& mesh() const { return mesh_; }
+  /// Shape values at the material point X [m]; a point outside is taken to the nearest place of the nearest
+  /// cell.
+  NodeWeights shape_values(const Eigen::Vector3d& X) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+  Mesh<dim> mesh_;
+};
+
+}  // namespace strake::structure::fem

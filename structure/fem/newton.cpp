@@ -1,0 +1,53 @@
+#include "structure/fem/newton.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace strake::structure::fem {
+namespace {
+
+constexpr double slow = 0.5;      // a correction that leaves more of the residual calls for a new tangent
+constexpr int max_halvings = 10;  // of a step along the line
+
+}  // namespace
+
+NewtonResult solve(const Equilibrium& equilibrium, Eigen::VectorXd start, double tolerance,
+                   int max_iterations) {
+  NewtonResult result{.x = std::move(start)};
+  bool fresh = false;  // the tangent was taken at the present x
+  Equilibrium::Residual here = equilibrium.residual(result.x);
+  for (;; ++result.iterations) {
+    result.residual = here.value.norm();
+    result.wanted = std::max(tolerance * here.scale, here.floor);
+    result.converged = result.residual <= result.wanted;
+    if (result.converged || result.iterations == max_iterations) return result;
+
+    const Eigen::VectorXd step = equilibrium.correction(here.value);
+    double part = 1;
+    Eigen::VectorXd trial = result.x + step;
+    Equilibrium::Residual there = equilibrium.residual(trial);
+    // `!(a <= b)` also holds when a is not a number.
+    const auto grows = [&] { return !(there.value.norm() <= result.residual); };
+    if (grows() && there.value.norm() > there.floor && !fresh) {
+      if (!equilibrium.refresh(result.x)) return result;
+      fresh = result.refreshed = true;
+      continue;
+    }
+    for (int i = 0; i < max_halvings && grows(); ++i) {
+      part /= 2;
+      trial = result.x + part * step;
+      there = equilibrium.residual(trial);
+    }
+    if (grows()) return result;
+    const bool halved = there.value.norm() <= slow * result.residual;
+    result.x = std::move(trial);
+    here = std::move(there);
+    fresh = false;
+    if (!halved && here.value.norm() > std::max(tolerance * here.scale, here.floor)) {
+      if (!equilibrium.refresh(result.x)) return result;
+      fresh = result.refreshed = true;
+    }
+  }
+}
+
+}  // namespace strake::structure::fem

@@ -1,0 +1,380 @@
+#include "structure/fem/solver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "proto/error.hpp"
+#include "structure/beam.hpp"
+#include "structure/fem/make_solver.hpp"
+#include "structure/fem/modal.hpp"
+#include "structure/material.hpp"
+#include "structure/surface.hpp"
+
+namespace strake::structure::fem {
+namespace {
+
+// A tangent serves on while a step needs no more corrections than this: a correction costs about a thirtieth
+// of a factorisation.
+constexpr int iterations_of_a_good_tangent = 8;
+// Factors made for a step are kept for another one this near to it, relative: window ends carry rounding, no
+// more.
+constexpr double same_step = 1e-6;
+// Round-off of the internal force, in units of ε · largest stiffness · |u|: the forces of a node nearly
+// cancel. Measured on the clamped strip of VALIDATION B1, 4 to 16 cells through the thickness: residuals
+// stall at 0.57.
+constexpr double round_off = 2;
+
+constexpr std::size_t index_of_face(const std::string_view face) {
+  return face == "left" ? 0 : face == "right" ? 1 : face == "bottom" ? 2 : 3;
+}
+
+}  // namespace
+
+template <int dim>
+FemSolver<dim>::FemSolver(const Parameters& p)
+    : parameters_(p),
+      scheme_(p.fem.rho_infinity),
+      discretisation_(p.plate, p.fem.degree, p.fem.refinement),
+      assembly_(discretisation_.mesh(), p.material),
+      interface_(surface(p)),
+      transfer_(discretisation_, interface_.position) {
+  const int n = mesh().n_unknowns();
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
+  mass_ = assembly_.mass();
+  stiffness_ = assembly_.tangent(zero);
+  node_mass_ = mass_ * Eigen::VectorXd::Ones(n);
+  largest_stiffness_ = stiffness_.coeffs().abs().maxCoeff();
+
+  load_shape_ = zero;
+  if (p.load.kind == LoadKind::traction) {
+    const Eigen::VectorXd& area = mesh().face[index_of_face(p.load.face)];
+    for (int i = 0; i < mesh().n_nodes(); ++i)
+      load_shape_.segment<dim>(dim * i) = area(i) * p.load.value.template head<dim>();
+  } else if (p.load.kind == LoadKind::point) {
+    load_shape_ = Transfer<dim>(discretisation_, p.load.at).to_unknowns(p.load.value);
+  }
+
+  first_frequency_ = frequencies(1).front();
+  state_ = {.displacement = zero, .velocity = zero, .acceleration = zero, .tangent_at = zero};
+  if (!scheme_.mid_point) {
+    Eigen::VectorXd force = own_load(0);
+    LinearSolver mass_factors;
+    mass_factors.factorise(mass_, mesh().fixed);
+    state_.acceleration = mass_factors.solve(force);
+  }
+  saved_ = state_;
+}
+
+template <int dim>
+void FemSolver<dim>::hold(Eigen::VectorXd& unknowns) const {
+  for (const int i : mesh().fixed) unknowns(i) = 0;
+}
+
+template <int dim>
+Eigen::VectorXd FemSolver<dim>::own_load(double time) const {
+  Eigen::VectorXd force = ramp_factor(time, parameters_.load.ramp) * load_shape_;
+  const Eigen::Vector3d gravity = ramp_factor(time, parameters_.gravity_ramp) * parameters_.gravity;
+  for (int i = 0; i < mesh().n_nodes(); ++i)
+    force.segment<dim>(dim * i).array() +=
+        node_mass_.segment<dim>(dim * i).array() * gravity.template head<dim>().array();
+  return force;
+}
+
+template <int dim>
+Eigen::VectorXd FemSolver<dim>::internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1,
+                                               double alpha) const {
+  if (parameters_.material.model == MaterialModel::linear)
+    return stiffness_ * (alpha * u0 + (1 - alpha) * u1);
+  return assembly_.internal_force(u0, u1, alpha);
+}
+
+// A = (1−α_m)/(β dt²) M + (1−α_f) (K + γ/(β dt) C): how the forces of a step change with u1.
+template <int dim>
+Matrix FemSolver<dim>::effective(const Matrix& tangent, double dt) const {
+  const Damping& damping = parameters_.damping;
+  const double share = 1 - scheme_.alpha_f, rate = scheme_.gamma / (scheme_.beta * dt);
+  Matrix matrix = tangent;
+  auto value = matrix.coeffs();  // one pattern for all
+  value = share * value + (scheme_.inertia() / (dt * dt) + share * rate * damping.mass) * mass_.coeffs() +
+          share * rate * damping.stiffness * stiffness_.coeffs();
+  return matrix;
+}
+
+template <int dim>
+void FemSolver<dim>::use_tangent(const State& state) {
+  if (factors_dt_ == state.tangent_dt && factors_at_.size() > 0 && factors_at_ == state.tangent_at) return;
+  const bool linear = parameters_.material.model == MaterialModel::linear;
+  const Matrix tangent = linear ? stiffness_ : assembly_.tangent(state.tangent_at);
+  ++factorisations_;
+  if (!factors_.factorise(effective(tangent, state.tangent_dt), mesh().fixed))
+    throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", state.time),
+                "the matrix of a step is singular", "lower coupling.window");
+  factors_at_ = state.tangent_at;
+  factors_dt_ = state.tangent_dt;
+}
+
+template <int dim>
+void FemSolver<dim>::advance(double t, double dt, const Load& load) {
+  assert(dt > 0);
+  const State& old = state_;
+  State next = old;
+  if (!(std::abs(dt - old.tangent_dt) <= same_step * dt)) next.tangent_dt = dt;
+  use_tangent(next);
+
+  const double share = scheme_.alpha_f, load_time = t + (1 - share) * dt;
+  const Points on_points = load.at(load_time, interface_.position.cols());
+  if (!on_points.allFinite())
+    throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", t),
+                "the load on the interface is not finite", "see the fluid's log; lower coupling.window");
+  const Eigen::VectorXd force = own_load(load_time) + transfer_.to_unknowns(on_points);
+
+  // r(u1) = F − f(u0, u1) − C v_α − M a_m, in the unknowns that are free.
+  const Damping& damping = parameters_.damping;
+  const bool damped = damping.mass > 0 || damping.stiffness > 0;
+  const auto damping_force = [&](const Eigen::VectorXd& u1) -> Eigen::VectorXd {
+    const Eigen::VectorXd v1 = scheme_.velocity(old.displacement, u1, old.velocity, old.acceleration, dt);
+    const Eigen::VectorXd v = share * old.velocity + (1 - share) * v1;
+    return damping.mass * (mass_ * v) + damping.stiffness * (stiffness_ * v);
+  };
+  const Eigen::VectorXd drift = old.displacement + dt * old.velocity;
+  Equilibrium equilibrium;
+  equilibrium.residual = [&](const Eigen::VectorXd& u1) {
+    const Eigen::VectorXd inside = internal_force(old.displacement, u1, share);
+    const Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
+    Equilibrium::Residual r{.value = force - inside - inertia};
+    if (damped) r.value -= damping_force(u1);
+    hold(r.value);
+    r.scale = std::max({force.norm(), inside.norm(), inertia.norm()});
+    r.floor = round_off * std::numeric_limits<double>::epsilon() * largest_stiffness_ * u1.norm();
+    return r;
+  };
+  LinearSolver* factors = &factors_;
+  equilibrium.correction = [&](const Eigen::VectorXd& r) { return factors->solve(r); };
+  equilibrium.refresh = [&](const Eigen::VectorXd& u1) {
+    factors = &fresh_factors_;
+    ++factorisations_;
+    return fresh_factors_.factorise(effective(assembly_.tangent(old.displacement, u1, share), dt),
+                                    mesh().fixed);
+  };
+  const NewtonResult result = solve(equilibrium, drift, parameters_.fem.tolerance);
+  newton_iterations_ = result.iterations;
+  if (!result.converged || !(assembly_.smallest_jacobian(result.x) > 0))
+    throw Error(
+        ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", t),
+        result.converged
+            ? "a cell is turned inside out"
+            : fmt::format(
+                  "Newton's method did not converge\n{} iterations, residual {:.2e} N, wanted {:.2e} N",
+                  result.iterations, result.residual, result.wanted),
+        fmt::format("lower coupling.window ({:g} s), or look at the load: is the plate too thin for it?",
+                    dt));
+
+  // Kinetic + strain − external stays as it is when nothing damps: the loads work on u1 − u0, the supports
+  // give the momentum that the moving frame hides, V·Δp.
+  const Eigen::VectorXd way = result.x - old.displacement;
+  next.displacement = result.x;
+  next.velocity = scheme_.velocity(old.displacement, result.x, old.velocity, old.acceleration, dt);
+  next.acceleration = scheme_.acceleration(result.x - drift, old.acceleration, dt);
+  next.external += force.dot(way);
+  const Eigen::VectorXd momentum = node_mass_.cwiseProduct(next.velocity - old.velocity);
+  for (int k = 0; k < dim; ++k)
+    next.external +=
+        parameters_.velocity(k) * Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(
+                                      momentum.data() + k, mesh().n_nodes(), Eigen::InnerStride<>(dim))
+                                      .sum();
+  if (damped) next.external -= damping_force(result.x).dot(way);
+  if (result.refreshed || result.iterations > iterations_of_a_good_tangent) next.tangent_at = result.x;
+  next.time = t + dt;
+  ++next.steps;
+  state_ = std::move(next);
+}
+
+template <int dim>
+Points FemSolver<dim>::displacement() const {
+  return transfer_.at_points(state_.displacement).colwise() + rigid_motion();
+}
+
+template <int dim>
+Points FemSolver<dim>::velocity() const {
+  return transfer_.at_points(state_.velocity).colwise() + parameters_.velocity;
+}
+
+template <int dim>
+Energy FemSolver<dim>::energy() const {
+  Eigen::VectorXd velocity = state_.velocity;
+  for (int i = 0; i < mesh().n_nodes(); ++i)
+    velocity.segment<dim>(dim * i) += parameters_.velocity.template head<dim>();
+  return {.kinetic = 0.5 * velocity.dot(mass_ * velocity),
+          .strain = assembly_.strain_energy(state_.displacement),
+          .external = state_.external};
+}
+
+template <int dim>
+const Transfer<dim>& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
+  const std::array<double, 3> key{X.x(), X.y(), X.z()};
+  auto found = probes_.find(key);
+  if (found == probes_.end()) found = probes_.emplace(key, Transfer<dim>(discretisation_, X)).first;
+  return found->second;
+}
+
+template <int dim>
+Eigen::Vector3d FemSolver<dim>::displacement_at(const Eigen::Vector3d& X) const {
+  return probe(X).at_points(state_.displacement).col(0) + rigid_motion();
+}
+
+template <int dim>
+Eigen::Vector3d FemSolver<dim>::velocity_at(const Eigen::Vector3d& X) const {
+  return probe(X).at_points(state_.velocity).col(0) + parameters_.velocity;
+}
+
+template <int dim>
+void FemSolver<dim>::set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd velocity) {
+  assert(displacement.size() == mesh().n_unknowns() && velocity.size() == mesh().n_unknowns());
+  hold(displacement);
+  hold(velocity);
+  state_.displacement = std::move(displacement);
+  state_.velocity = std::move(velocity);
+  saved_ = state_;
+}
+
+template <int dim>
+void FemSolver<dim>::write(Archive& archive) const {
+  archive.real["fem.displacement"] = saved_.displacement;
+  archive.real["fem.velocity"] = saved_.velocity;
+  archive.real["fem.acceleration"] = saved_.acceleration;
+  archive.real["fem.tangent_at"] = saved_.tangent_at;
+  archive.real["fem.scalars"] = Eigen::RowVector3d(saved_.time, saved_.external, saved_.tangent_dt);
+  archive.integer["fem.steps"] = {saved_.steps};
+}
+
+template <int dim>
+void FemSolver<dim>::read(const Archive& archive) {
+  const auto vector = [&](const std::string& name, Eigen::Index size) -> Eigen::VectorXd {
+    const auto found = archive.real.find(name);
+    if (found == archive.real.end() || found->second.size() != size)
+      throw Error(ExitCode::case_file, "structure checkpoint",
+                  fmt::format("{} has {} values, this mesh has {}", name,
+                              found == archive.real.end() ? 0 : found->second.size(), size),
+                  "resume with the structure.plate and structure.fem keys of the run that wrote it");
+    return found->second.reshaped();
+  };
+  const Eigen::Index n = mesh().n_unknowns();
+  state_.displacement = vector("fem.displacement", n);
+  state_.velocity = vector("fem.velocity", n);
+  state_.acceleration = vector("fem.acceleration", n);
+  state_.tangent_at = vector("fem.tangent_at", n);
+  const Eigen::VectorXd scalars = vector("fem.scalars", 3);
+  state_.time = scalars(0);
+  state_.external = scalars(1);
+  state_.tangent_dt = scalars(2);
+  state_.steps = static_cast<int>(archive.integer.at("fem.steps").at(0));
+  saved_ = state_;
+}
+
+template <int dim>
+Frame FemSolver<dim>::frame() const {
+  static_assert(dim == 2, "quadrilaterals");
+  const Eigen::Index n = mesh().n_nodes();
+  const auto on_nodes = [&](const Eigen::VectorXd& unknowns, const Eigen::Vector3d& rigid) {
+    Points values = Points::Zero(3, n);
+    values.topRows<dim>() =
+        Eigen::Map<const Eigen::Matrix<double, dim, Eigen::Dynamic>>(unknowns.data(), dim, n);
+    return Points(values.colwise() + rigid);
+  };
+  Frame frame;
+  frame.time = state_.time;
+  const Points displacement = on_nodes(state_.displacement, rigid_motion());
+  frame.position = displacement;
+  frame.position.topRows<dim>() += mesh().node;
+
+  // Every node is a point: a Q2 cell shows as four quadrilaterals.
+  const int parts = mesh().degree, row = parts + 1;
+  frame.cells.resize(4, mesh().n_cells() * parts * parts);
+  Eigen::Index at = 0;
+  for (int c = 0; c < mesh().n_cells(); ++c)
+    for (int j = 0; j < parts; ++j)
+      for (int i = 0; i < parts; ++i) {
+        const auto node = [&](int k, int l) { return mesh().cell((j + l) * row + i + k, c); };
+        frame.cells.col(at++) << node(0, 0), node(1, 0), node(1, 1), node(0, 1);
+      }
+  frame.point_data = {{"displacement", "m", displacement},
+                      {"velocity", "m/s", on_nodes(state_.velocity, parameters_.velocity)},
+                      {"von_mises", "Pa", assembly_.von_mises(state_.displacement).transpose()}};
+  return frame;
+}
+
+template <int dim>
+std::vector<std::string> FemSolver<dim>::lines() const {
+  const bool linear = parameters_.material.model == MaterialModel::linear;
+  return {fmt::format("fem ({})   {} cells Q{}, {} unknowns   f1 dry {:.1f} Hz", library(), mesh().n_cells(),
+                      mesh().degree, mesh().n_unknowns(), first_frequency_),
+          fmt::format("{}, {}", linear ? "linear elasticity" : "Saint Venant-Kirchhoff, total Lagrangian",
+                      scheme_.mid_point ? std::string("Newmark 1/4-1/2 with the mean load of a window")
+                                        : fmt::format("generalised-alpha, rho_infinity {:g}",
+                                                      parameters_.fem.rho_infinity)),
+          "beam theory " + beam_line(parameters_.plate, parameters_.material)};
+}
+
+template <int dim>
+void FemSolver<dim>::solve_static() {
+  constexpr double end_of_ramps = std::numeric_limits<double>::infinity();
+  constexpr double smallest_part = 1.0 / 64;  // of the load
+  const Eigen::VectorXd full = own_load(end_of_ramps);
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh().n_unknowns());
+  LinearSolver factors;
+  double done = 0, part = 1;
+  while (done < 1) {
+    const double share = std::min(1.0, done + part);
+    const Eigen::VectorXd force = share * full;
+    Equilibrium equilibrium;
+    equilibrium.residual = [&](const Eigen::VectorXd& x) {
+      const Eigen::VectorXd inside = internal_force(x, x, 0);
+      Equilibrium::Residual r{.value = force - inside};
+      hold(r.value);
+      r.scale = force.norm();
+      r.floor = round_off * std::numeric_limits<double>::epsilon() * largest_stiffness_ * x.norm();
+      return r;
+    };
+    equilibrium.correction = [&](const Eigen::VectorXd& r) { return factors.solve(r); };
+    equilibrium.refresh = [&](const Eigen::VectorXd& x) {
+      return factors.factorise(assembly_.tangent(x), mesh().fixed);
+    };
+    const bool regular = equilibrium.refresh(u);
+    const NewtonResult result = regular ? solve(equilibrium, u, parameters_.fem.tolerance) : NewtonResult{};
+    if (regular && result.converged && assembly_.smallest_jacobian(result.x) > 0) {
+      u = result.x;
+      done = share;
+      continue;
+    }
+    part /= 2;
+    if (part < smallest_part)
+      throw Error(ExitCode::solver_fault, "structure (fem), static",
+                  fmt::format("no equilibrium found beyond {:.0f} % of the load", 100 * done),
+                  "lower structure.load.value, or hold both ends: structure.plate.supports");
+  }
+  state_.displacement = u;
+  state_.velocity.setZero();
+  state_.acceleration.setZero();
+  state_.time = 0;
+  saved_ = state_;
+}
+
+template <int dim>
+std::vector<double> FemSolver<dim>::frequencies(int count) {
+  return natural_frequencies(stiffness_, mass_, mesh().fixed, count,
+                             parameters_.plate.length / wave_speed(parameters_.material));
+}
+
+std::unique_ptr<Solver> make_solver(const Parameters& parameters) {
+  assert(parameters.dimension == 2);
+  return std::make_unique<FemSolver<2>>(parameters);
+}
+
+template class FemSolver<2>;
+
+}  // namespace strake::structure::fem

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "structure/fem/assembly.hpp"
+#include "structure/fem/linear_solver.hpp"
+#include "structure/fem/mesh.hpp"
+#include "structure/fem/newmark.hpp"
+#include "structure/fem/newton.hpp"
+#include "structure/fem/transfer.hpp"
+#include "structure/parameters.hpp"
+#include "structure/solver.hpp"
+
+namespace strake::structure::fem {
+
+/// Dynamic elasticity of a plate on driven supports by finite elements:
+///   M ü + C u̇ + f(u) = F,  C = mass·M + stiffness·K(0)  (Rayleigh)
+/// The unknown is the displacement u relative to the supports, which move at a constant velocity V: an
+/// inertial frame, where the equations are the same, supports are at rest and rounding acts on the deflection
+/// alone. V t is added to what the outside sees. The window's load is the mean force over the window; one
+/// window is one step.
+template <int dim>
+class FemSolver final : public Solver {
+ public:
+  explicit FemSolver(const Parameters&);
+  const InterfaceMesh& interface() const override { return interface_; }
+  void advance(double t, double dt, const Load&) override;
+  Points displacement() const override;
+  Points velocity() const override;
+  bool sends_velocity() const override { return !scheme_.mid_point; }
+  double stable_dt() const override { return std::numeric_limits<double>::infinity(); }
+  /// As an observer at rest sees it. `external` is the work of loads and supports, less what the damping
+  /// took.
+  Energy energy() const override;
+  int steps() const override { return state_.steps; }
+  Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const override;
+  Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const override;
+  void save() override { saved_ = state_; }
+  void restore() override { state_ = saved_; }
+  void write(Archive&) const override;
+  void read(const Archive&) override;
+  Frame frame() const override;
+  std::vector<std::string> lines() const override;
+  void solve_static() override;
+  std::vector<double> frequencies(int count) override;
+
+  /// For tests of the method: the mesh, and the displacement of its nodes relative to the supports.
+  const Mesh<dim>& mesh() const { return discretisation_.mesh(); }
+  const Eigen::VectorXd& unknowns() const { return state_.displacement; }
+  /// Sets displacement and velocity [m], [m/s] relative to the supports, held unknowns excepted.
+  void set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd velocity);
+  int newton_iterations() const { return newton_iterations_; }  // of the last step
+  int factorisations() const { return factorisations_; }        // so far
+
+ private:
+  /// All that changes in time. The tangent's place and step are in it, so that a step taken again after
+  /// `restore`, or after a resume, uses the same factors and gives the same bits.
+  struct State {
+    double time = 0;                                       // [s]
+    Eigen::VectorXd displacement, velocity, acceleration;  // relative to the supports
+    Eigen::VectorXd tangent_at;                            // displacement where the tangent was taken
+    double tangent_dt = 0;                                 // [s] for which it was made
+    double external = 0;                                   // [J]
+    int steps = 0;
+  };
+
+  Eigen::VectorXd own_load(double time) const;  // gravity and [structure.load], [N]
+  Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
+  Matrix effective(const Matrix& tangent, double dt) const;
+  void use_tangent(const State&);
+  void hold(Eigen::VectorXd& unknowns) const;  // zero in the held unknowns
+  const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
+  Eigen::Vector3d rigid_motion() const { return parameters_.velocity * state_.time; }
+
+  Parameters parameters_;
+  TimeScheme scheme_;
+  Discretisation<dim> discretisation_;
+  Assembly<dim> assembly_;
+  Matrix mass_, stiffness_;    // stiffness at u = 0
+  Eigen::VectorXd node_mass_;  // [kg] row sums
+  double largest_stiffness_ = 0;
+  InterfaceMesh interface_;
+  Transfer<dim> transfer_;
+  Eigen::VectorXd load_shape_;  // [N] of [structure.load] at full value
+  double first_frequency_ = 0;  // [Hz]
+  State state_, saved_;
+
+  // Not state: factors kept by what they were made of.
+  LinearSolver factors_, fresh_factors_;
+  Eigen::VectorXd factors_at_;
+  double factors_dt_ = 0;
+  mutable std::map<std::array<double, 3>, Transfer<dim>> probes_;
+  int newton_iterations_ = 0, factorisations_ = 0;
+};
+
+}  // namespace strake::structure::fem
