@@ -1,0 +1,34 @@
+// A coupler with one toy participant, to be killed: toy_coupler PARTICIPANT LOG FAULT. Prints its endpoint.
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "coupler/remote.hpp"
+#include "coupler/stop_request.hpp"
+#include "proto/error.hpp"
+
+int main(int argc, char** argv) {
+  using namespace strake;
+  if (argc != 4) return static_cast<int>(ExitCode::command_line);
+  const StopRequest stop;
+  try {
+    Roster::Options options;
+    options.stop = &stop;
+    options.say = [](const std::string& line) { fmt::print("{}\n", line); };
+    Roster roster(options);
+    fmt::print("{}\n", roster.endpoint());
+    std::fflush(stdout);
+    roster.launch("structure", {argv[1], {"--fault", argv[3]}, argv[2], 1, {}});
+    RemoteParticipant& toy = roster.connect("structure", {});
+    for (int window = 0; window < 3; ++window) {
+      toy.advance({window * 0.1, 0.1}, {});
+      toy.commit(false);
+    }
+    roster.finish();
+  } catch (const Error& e) {
+    fmt::print("{}", to_text(e));
+    return static_cast<int>(e.code());
+  }
+  return 0;
+}
