@@ -1,0 +1,74 @@
+"""kill -9 of each of the three processes in the middle of a run, and Ctrl-C: the others end within a second, the exit
+code and the message say who died, nothing is left running, and the files written so far can be read."""
+import json
+import signal
+import time
+
+import h5py
+
+from processes import *  # noqa: F403: the test's own vocabulary
+
+CASE = ROOT / "cases" / "plate_entry.toml"
+QUICK = ["--set", "structure.solver=rigid", "--set", "fluid.scheme.time_step=1e-5", "--set", "output.every=1e-5"]
+
+
+def files_readable(run, who):
+    frames = sorted((run / "frames").glob("fluid-*.h5"))
+    expect(len(frames) > 0, f"{who}: there are fluid frames")
+    for frame in frames:
+        with h5py.File(frame, "r") as file:
+            if file["position"].shape[0] == 0:
+                expect(False, f"{who}: {frame.name} is empty")
+    table = (run / "history.csv").read_text().splitlines()
+    width = len(table[0].split(","))
+    whole = all(len(line.split(",")) == width for line in table[1:])
+    expect(whole, f"{who}: history.csv has whole rows ({len(table) - 1})")
+    for leftover in list(run.rglob("*.part")) + list(run.rglob("*.tmp")):
+        expect(False, f"{who}: half-written file left: {leftover.name}")
+
+
+def run_and_strike(who, strike, code, named):
+    with folder() as place:
+        process = start("run", CASE, *QUICK, "--tag", "kill", cwd=place)
+        run = pathlib.Path(place) / "runs" / "plate_entry-kill"
+        try:
+            running = wait_until(lambda: rows(run) >= 20, 60)
+            expect(running, f"{who}: the run is under way")
+            if not running:
+                process.kill()
+                print(process.communicate()[1])
+                return
+            pids = children(process.pid)
+            expect(len(pids) == 2, f"{who}: two participants are running {sorted(pids)}")
+            struck = time.monotonic()
+            strike(process, pids)
+            gone = wait_until(lambda: process.poll() is not None and not any(alive(p) for p in pids.values()), 5)
+            took = time.monotonic() - struck
+            expect(gone and took < 1.0, f"{who}: everything ended after {took:.2f} s")
+            output, errors = process.communicate()
+            if code is not None:
+                expect(process.returncode == code, f"{who}: exit code {process.returncode}, expected {code}")
+                expect(named in errors + output, f"{who}: the message names {named!r}:\n{errors.strip()}")
+                state = json.loads((run / "run.json").read_text())
+                expect(state.get("exit_code") == code, f"{who}: run.json says exit code {state.get('exit_code')}")
+            else:
+                for name in ("fluid", "structure"):
+                    log = (run / f"{name}.log").read_text()
+                    expect("coupler" in log, f"{who}: {name}.log says that the coupler is gone")
+            files_readable(run, who)
+        finally:
+            end(process)
+
+
+def kill(name):
+    def strike(process, pids):
+        os.kill(pids[name], signal.SIGKILL)
+    return strike
+
+
+run_and_strike("kill -9 fluid", kill("strake-fluid"), 5, "fluid")
+run_and_strike("kill -9 structure", kill("strake-structure-rigid"), 5, "structure")
+run_and_strike("kill -9 coupler", lambda process, pids: process.kill(), None, "coupler")
+run_and_strike("Ctrl-C", lambda process, pids: process.send_signal(signal.SIGINT), 130, "")
+run_and_strike("SIGTERM", lambda process, pids: process.send_signal(signal.SIGTERM), 143, "")
+finish()

@@ -1,0 +1,83 @@
+"""Runs of the real programs for the system tests: start, find the processes, kill, wait, read what is left."""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(sys.argv[1])
+BIN = pathlib.Path(sys.argv[2])
+ENV = dict(os.environ, NO_COLOR="1", OMP_NUM_THREADS="1")
+failures = []
+
+
+def expect(condition, what):
+    print(("ok    " if condition else "FAIL  ") + what, flush=True)
+    if not condition:
+        failures.append(what)
+
+
+def finish():
+    print(f"{len(failures)} failed")
+    sys.exit(bool(failures))
+
+
+def folder():
+    return tempfile.TemporaryDirectory(prefix="strake-test-")
+
+
+def strake(*words, cwd, timeout=120):
+    return subprocess.run([str(BIN / "strake"), *map(str, words)], cwd=cwd, env=ENV, capture_output=True, text=True,
+                          timeout=timeout)
+
+
+def start(*words, cwd):
+    return subprocess.Popen([str(BIN / "strake"), *map(str, words)], cwd=cwd, env=ENV, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True)
+
+
+def children(pid):
+    """Process name → pid of the children of `pid`."""
+    found = {}
+    for entry in pathlib.Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
+            if int(fields[1]) == pid and fields[0] != "Z":
+                name = (entry / "cmdline").read_bytes().split(b"\0")[0].decode()
+                found[pathlib.Path(name).name] = int(entry.name)
+        except (OSError, IndexError):
+            continue
+    return found
+
+
+def alive(pid):
+    try:
+        return (pathlib.Path("/proc") / str(pid) / "stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def wait_until(condition, seconds, step=0.02):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(step)
+    return condition()
+
+
+def rows(run):
+    path = run / "history.csv"
+    return max(0, path.read_text().count("\n") - 1) if path.exists() else 0
+
+
+def end(process):
+    if process.poll() is None:
+        for pid in children(process.pid).values():
+            os.kill(pid, signal.SIGKILL)
+        process.kill()
+    process.wait()

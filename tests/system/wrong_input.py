@@ -1,0 +1,75 @@
+"""What a person types wrongly is answered before the first step: where it stands, what was expected, how to fix it,
+and the exit code of its kind; no run folder is left behind by a refused run."""
+from processes import *  # noqa: F403: the test's own vocabulary
+
+TEXT = (ROOT / "cases" / "plate_entry.toml").read_text()
+
+# (what, text to replace, replacement, exit code, words that the message must hold)
+CASES = [
+    ("a misspelt key", "spacing = 0.01 ", "spacng = 0.01 ", 3, ["spacng", "did you mean spacing", "wrong.toml:"]),
+    ("a misspelt table", "[structure.material]", "[structure.materiel]", 3, ["materiel", "material"]),
+    ("a misspelt top-level table", "[output]", "[outputs]\na = 1\n[output]", 3, ["outputs", "output"]),
+    ("a value of wrong type", "young = 2.1e11", 'young = "210 GPa"', 3, ["structure.material.young", "210 GPa", "Pa", "^"]),
+    ("E = 0", "young = 2.1e11", "young = 0", 3, ["structure.material.young", "greater than 0", "^"]),
+    ("a Poisson ratio out of range", "poisson = 0.3", "poisson = 0.6", 3, ["structure.material.poisson", "0.5"]),
+    ("a negative spacing", "spacing = 0.01 ", "spacing = -0.01 ", 3, ["fluid.spacing", "greater than 0"]),
+    ("not a number", "density = 1000.0", "density = nan", 3, ["fluid.density"]),
+    ("a preset that does not exist", 'preset = "improved"', 'preset = "improve"', 3, ["preset", "improved", "paper"]),
+    ("a solver that does not exist", 'solver = "fem"', 'solver = "femm"', 3, ["structure.solver", "fem"]),
+    ("a syntax error", "end_time = 0.03", "end_time = = 0.03", 3, ["wrong.toml:"]),
+    ("a missing required key", "end_time = 0.03", "", 3, ["end_time"]),
+    ("a body outside the tank", "bottom = [0.0, 0.012, 0.0]", "bottom = [0.9, 0.012, 0.0]", 3, ["tank"]),
+    ("a body in the water", "bottom = [0.0, 0.012, 0.0]", "bottom = [0.0, -0.1, 0.0]", 3, ["water"]),
+    ("water outside the tank", "water = [[-1.0, -0.5, 0.0], [1.0, 0.0", "water = [[-1.0, -0.5, 0.0], [1.5, 0.0", 3,
+     ["fluid.water"]),
+    ("a step longer than the window", "[structure]\n", "[fluid.scheme]\ntime_step = 1e-3\n[structure]\n", 3,
+     ["time_step", "window"]),
+    ("volume coupling with finite elements", "[output]\n", '[coupling]\ninterface = "volume"\n[output]\n', 3,
+     ["volume", "particle"]),
+    ("a missing file", 'kind = "theory"\nsource = "VALIDATION A: potential',
+     'file = "reference/none.csv"\nkind = "theory"\nsource = "VALIDATION A: potential', 3, ["none.csv"]),
+    ("a feature not built", 'solver = "fem"', 'solver = "ccx"', 3, ["ccx", "not built"]),
+]
+
+with folder() as place:
+    place = pathlib.Path(place)
+    case = place / "wrong.toml"
+    for what, old, new, code, words in CASES:
+        if TEXT.count(old) < 1:
+            expect(False, f"{what}: the case no longer holds {old!r}")
+            continue
+        case.write_text(TEXT.replace(old, new, 1))
+        result = strake("run", case, cwd=place)
+        text = result.stderr
+        expect(result.returncode == code, f"{what}: exit {result.returncode}, expected {code}")
+        expect(all(w in text for w in words), f"{what}: the message holds {words}\n{text.rstrip()}")
+        expect("fix:" in text, f"{what}: the message says how to fix it")
+        expect(result.stdout.count("\n") < 30 and "Traceback" not in text, f"{what}: brief")
+        expect(not (place / "runs" / "wrong").exists(), f"{what}: no run folder is left")
+
+    (place / "nan.csv").write_text("time [s],mid.y [m]\n0,0\n1e-3,nan\n")
+    case.write_text(TEXT.replace('kind = "theory"', 'file = "nan.csv"\nkind = "theory"', 1))
+    result = strake("run", case, cwd=place)
+    expect(result.returncode == 3 and "nan.csv:3" in result.stderr, f"NaN in a reference file\n{result.stderr.rstrip()}")
+
+    for what, words, code in [
+        ("no such command", ["fly"], 2), ("no case", ["run"], 2), ("an unknown option", ["run", case, "--fast"], 2),
+        ("a case that does not exist", ["run", place / "none.toml"], 3), ("a folder for a case", ["run", place], 3),
+        ("--set without a value", ["run", case, "--set", "fluid.spacing"], 2),
+        ("--set of an unknown key", ["run", ROOT / "cases" / "plate_entry.toml", "--set", "fluid.spacng=0.02"], 3),
+        ("--set of a wrong type", ["run", ROOT / "cases" / "plate_entry.toml", "--set", "fluid.spacing=small"], 3),
+        ("explain of an unknown key", ["explain", "fluid.spacng"], 2),
+        ("compare of no run", ["compare", place / "none"], 3),
+    ]:
+        result = strake(*words, cwd=place)
+        expect(result.returncode == code, f"{what}: exit {result.returncode}, expected {code}\n{result.stderr.rstrip()}")
+        expect(len(result.stderr.strip()) > 0, f"{what}: says something")
+
+    quick = ["run", ROOT / "cases" / "plate_entry.toml", "--set", "structure.solver=rigid", "--set", "end_time=2e-5"]
+    first = strake(*quick, cwd=place)
+    expect(first.returncode == 0, f"a run of two windows: exit {first.returncode}\n{first.stderr}")
+    again = strake(*quick, cwd=place)
+    expect(again.returncode == 2 and "--tag" in again.stderr, f"an existing run folder\n{again.stderr.rstrip()}")
+    free = strake(*quick, "--first-free-tag", cwd=place)
+    expect(free.returncode == 0 and (place / "runs" / "plate_entry-2").is_dir(), "the first free tag is found")
+finish()
