@@ -1,1 +1,134 @@
-// Being written.
+#include "coupler/participant_main.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+
+#include "coupler/serve.hpp"
+#include "proto/error.hpp"
+
+namespace strake {
+namespace {
+
+std::array<std::uint8_t, 32> parse_hash(const std::string& text) {
+  std::array<std::uint8_t, 32> hash{};
+  const bool digits = text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
+  if (text.size() != 2 * hash.size() || !digits)
+    throw Error(ExitCode::command_line, "--case-hash " + text,
+                "is no SHA-256: expected 64 hexadecimal digits");
+  for (std::size_t i = 0; i < hash.size(); ++i)
+    hash[i] = static_cast<std::uint8_t>(std::stoi(text.substr(2 * i, 2), nullptr, 16));
+  return hash;
+}
+
+void require(bool condition, const std::string& option) {
+  if (!condition)
+    throw Error(ExitCode::command_line, option, "is missing",
+                "strake starts this program itself: strake run CASE; --help lists the modes");
+}
+
+/// The case, read by everything that this program declares.
+CaseFile load_declared(const ParticipantOptions& options, const Program& program) {
+  require(!options.case_file.empty(), "--case");
+  CaseFile file = CaseFile::load(options.case_file, options.sets);
+  program.declare(file);
+  file.refuse_unknown(program.prefix);
+  return file;
+}
+
+int serve_case(const ParticipantOptions& options, const Program& program) {
+  for (const auto& [value, name] :
+       {std::pair{options.endpoint, "--connect"}, {options.name, "--name"}, {options.case_file, "--case"}})
+    require(!value.empty(), name);
+  CaseFile file = CaseFile::load(options.case_file, options.sets);
+  const char* token = std::getenv("STRAKE_TOKEN");
+  const ServeOptions serving{options.endpoint, options.name,    token ? token : "",
+                             program.solver,   program.version, file.hash()};
+  return serve(serving, [&](const Setup& setup) {
+    program.declare(file);  // here, so that the coupler hears of an error
+    file.refuse_unknown(program.prefix);
+    return program.build(file, options, setup);
+  });
+}
+
+int run_mode(const ParticipantOptions& options, const Program& program) {
+  using Mode = ParticipantOptions::Mode;
+  switch (options.mode) {
+    case Mode::serve:
+      return serve_case(options, program);
+    case Mode::version:
+      fmt::print("{} {} ({})\n", program.program, program.version, program.solver);
+      break;
+    case Mode::keys: {
+      CaseFile nothing = CaseFile::declarations_only();
+      program.declare(nothing);
+      fmt::print("{}\n", to_json(nothing.declared()));
+      break;
+    }
+    case Mode::echo:
+      fmt::print("{}", load_declared(options, program).echo(program.prefix));
+      break;
+    case Mode::check: {
+      CaseFile file = load_declared(options, program);
+      if (!program.check) break;
+      for (const std::string& line : program.check(file)) fmt::print("{}\n", line);
+      break;
+    }
+  }
+  return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace
+
+ParticipantOptions parse_participant_options(int argc, char** argv) {
+  ParticipantOptions options;
+  bool check = false, echo = false, keys = false, version = false;
+  std::string hash;
+  CLI::App app{"A participant of a Strake run. `strake run CASE` starts it; its modes stand alone."};
+  app.add_option("--connect", options.endpoint, "endpoint of the coupler; the token is in STRAKE_TOKEN");
+  app.add_option("--name", options.name, "part in the run: fluid or structure");
+  app.add_option("--case,case", options.case_file, "case file");
+  app.add_option("--set", options.sets, "KEY=VALUE, replaces a key of the case file")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  app.add_option("--case-hash", hash, "hash of the case as the coupler read it");
+  auto* modes = app.add_option_group("modes", "instead of taking part in a run");
+  modes->add_flag("--check", check, "read the case, refuse what a run would refuse, print derived numbers");
+  modes->add_flag("--echo", echo, "print this program's tables with every key resolved");
+  modes->add_flag("--keys", keys, "print this program's keys as JSON");
+  modes->add_flag("--version", version, "print name and version");
+  modes->require_option(0, 1);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    std::exit(app.exit(help));
+  } catch (const CLI::ParseError& e) {
+    throw Error(ExitCode::command_line, argv[0], e.what(), "--help lists the options");
+  }
+  if (!hash.empty()) options.case_hash = parse_hash(hash);
+  using Mode = ParticipantOptions::Mode;
+  options.mode = check     ? Mode::check
+                 : echo    ? Mode::echo
+                 : keys    ? Mode::keys
+                 : version ? Mode::version
+                           : Mode::serve;
+  return options;
+}
+
+int participant_main(int argc, char** argv, const Program& program) {
+  try {
+    return run_mode(parse_participant_options(argc, argv), program);
+  } catch (const Error& e) {
+    fmt::print(stderr, "{}", to_text(e));
+    return static_cast<int>(e.code());
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}: unexpected: {}\n  fix: please report it\n", program.program, e.what());
+    return static_cast<int>(ExitCode::our_bug);
+  }
+}
+
+}  // namespace strake

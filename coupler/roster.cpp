@@ -44,7 +44,7 @@ std::string tail(const std::filesystem::path& log) {
   std::ifstream file(log);
   std::deque<std::string> lines;
   for (std::string line; std::getline(file, line);) {
-    lines.push_back(line);
+    if (!line.empty()) lines.push_back(line);
     if (lines.size() > 3) lines.pop_front();
   }
   std::string text;

@@ -299,6 +299,7 @@ wire::Reply Server::reply(const wire::Stop& stop) {
 }
 
 wire::Reply Server::reply(const wire::Refused& refused) {
+  refused_ = true;  // nobody listens to this participant
   throw Error(ExitCode::participant_lost, options_.name,
               "the coupler refused this participant: " + refused.problem, refused.fix);
 }
