@@ -72,9 +72,10 @@ std::string ask(const SideView& side, const std::string& mode, const CaseFile& f
     case static_cast<int>(ExitCode::our_bug):
       throw Error(static_cast<ExitCode>(answer.exit_code), "", words);
     default:
-      throw Error(ExitCode::participant_lost, side.program.string(),
-                  fmt::format("{} ended with exit code {}\n{}", mode, answer.exit_code, words),
-                  fmt::format("run it by hand: {} {} --case {}", side.program.string(), mode, file.path().string()));
+      throw Error(
+          ExitCode::participant_lost, side.program.string(),
+          fmt::format("{} ended with exit code {}\n{}", mode, answer.exit_code, words),
+          fmt::format("run it by hand: {} {} --case {}", side.program.string(), mode, file.path().string()));
   }
 }
 
@@ -82,7 +83,8 @@ SideView look_at(const std::string& name, const std::string& solver, const CaseF
                  const std::vector<std::string>& sets, const StopRequest* stop) {
   SideView side{.side = name, .solver = solver, .program = {}, .lines = {}, .echo = {}};
   side.program = find_program(program_name(name, solver), file.folder());
-  if (solver.find('/') != std::string::npos) return side;  // a user's program knows its own table; nobody else does
+  if (solver.find('/') != std::string::npos)
+    return side;  // a user's program knows its own table; nobody else does
   std::istringstream lines(ask(side, "--check", file, sets, stop));
   for (std::string line; std::getline(lines, line);)
     if (!line.empty()) side.lines.push_back(line);
@@ -98,9 +100,10 @@ void check_across(CaseFile& file, const CommonKeys& common) {
   if (common.fluid_solver == "none" || common.structure_solver == "none") return;
   if (common.interface == "volume" && common.structure_solver != "particle" &&
       common.structure_solver.find('/') == std::string::npos)
-    throw file.root().table("coupling").error("interface",
-                                              "\"surface\": volume coupling needs structure.solver = \"particle\"",
-                                              "structure.solver = \"particle\", or interface = \"surface\"");
+    throw file.root()
+        .table("coupling")
+        .error("interface", "\"surface\": volume coupling needs structure.solver = \"particle\"",
+               "structure.solver = \"particle\", or interface = \"surface\"");
 }
 
 }  // namespace
@@ -145,7 +148,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   const CommonKeys common = read_common(file);
   const CouplingKeys coupling = read_coupling(file);
   const std::vector<CompareBlock> blocks = read_compare_blocks(file);
-  file.root().table("fluid").accept_all();      // its program judges it
+  file.root().table("fluid").accept_all();  // its program judges it
   file.root().table("structure").accept_all();
   file.refuse_unknown();
   check_across(file, common);
@@ -167,7 +170,8 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   view.resolved = without_sides(own);
   for (const auto& side : {view.fluid, view.structure})
     if (side && !side->echo.empty()) view.resolved += "\n" + side->echo;
-  for (const auto& text : {own, view.fluid ? view.fluid->echo : "", view.structure ? view.structure->echo : ""})
+  for (const auto& text :
+       {own, view.fluid ? view.fluid->echo : "", view.structure ? view.structure->echo : ""})
     for (const auto& [key, text_value] : flatten_toml(text, "case.toml")) view.value[key] = text_value;
   // A side that is absent still has its word in case.toml, or the echo would read as the default.
   if (!view.fluid) view.resolved += "\n[fluid]\nsolver = \"none\"\n";

@@ -17,11 +17,11 @@ class StopRequest;
 
 /// One side of a case: the program that solves it and what that program understood.
 struct SideView {
-  std::string side;               // "fluid" | "structure"
-  std::string solver;             // "mps", "fem", …, or the path of a user's program
+  std::string side;    // "fluid" | "structure"
+  std::string solver;  // "mps", "fem", …, or the path of a user's program
   std::filesystem::path program;
-  std::vector<std::string> lines; // of its --check: derived numbers
-  std::string echo;               // its resolved tables, TOML; empty for a user's program
+  std::vector<std::string> lines;  // of its --check: derived numbers
+  std::string echo;                // its resolved tables, TOML; empty for a user's program
 };
 
 /// A case as all programs of the run read it.
@@ -32,8 +32,8 @@ struct CaseView {
   std::vector<CompareBlock> blocks;
   std::optional<SideView> fluid, structure;  // none: solver = "none"
   std::vector<std::string> sets;
-  std::string resolved;                       // case.toml of the run folder: every key, defaults marked
-  std::map<std::string, std::string> value;   // key → resolved value as text
+  std::string resolved;                      // case.toml of the run folder: every key, defaults marked
+  std::map<std::string, std::string> value;  // key → resolved value as text
 
   CaseLookup lookup() const;
   /// The resolved value as a number, or nothing.
@@ -41,8 +41,8 @@ struct CaseView {
   bool coupled() const { return fluid && structure; }
 };
 
-/// Reads the case with the coupler's keys and asks each side's program to check its own; so everything that `run`
-/// would refuse is refused here, before a run folder exists. Throws Error.
+/// Reads the case with the coupler's keys and asks each side's program to check its own; so everything that
+/// `run` would refuse is refused here, before a run folder exists. Throws Error.
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
                    const StopRequest* stop = nullptr);
 

@@ -22,8 +22,9 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
                       .help = "relaxation of the first iteration, and of every one with `constant`"});
   accelerator.integer("reused_windows", keys.reused_windows,
                       {.min = 0, .max = 100, .help = "earlier windows whose differences iqn-ils keeps"});
-  accelerator.number("filter", keys.filter,
-                     {.min = 0, .max = 1, .help = "iqn-ils drops a difference nearer than this to the others"});
+  accelerator.number(
+      "filter", keys.filter,
+      {.min = 0, .max = 1, .help = "iqn-ils drops a difference nearer than this to the others"});
 
   surface.choice("predictor", keys.predictor, {"constant", "linear", "quadratic"},
                  {.help = "first guess of a window, from the committed windows"});
@@ -31,8 +32,9 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
   CaseTable converged = surface.table("converged", "when a window is accepted");
   converged.number("relative", keys.relative,
                    {.min = 0, .max = 1, .help = "of the displacement increment of the window"});
-  converged.number("absolute", keys.absolute,
-                   {.unit = "m", .min = 0, .help = "residual that is always enough; 0: 1e-6 of fluid.spacing"});
+  converged.number(
+      "absolute", keys.absolute,
+      {.unit = "m", .min = 0, .help = "residual that is always enough; 0: 1e-6 of fluid.spacing"});
   converged.integer("max_iterations", keys.max_iterations,
                     {.min = 1, .max = 1000, .help = "coupling iterations per window at most; 1: explicit"});
   converged.integer("min_iterations", keys.min_iterations,
@@ -53,15 +55,21 @@ CouplingKeys read_coupling(CaseFile& file) {
   read_surface(coupling.table("surface", "partitioned coupling over the wet surface"), keys);
 
   CaseTable volume = coupling.table("volume", "the unified loop: every solid particle is an interface point");
-  volume.choice("solid_velocity", keys.solid_velocity, {"replace", "add"},
-                {.help = "what the elastic update does to the velocity that the pressure gave a solid particle"});
+  volume.choice(
+      "solid_velocity", keys.solid_velocity, {"replace", "add"},
+      {.help = "what the elastic update does to the velocity that the pressure gave a solid particle"});
 
   coupling.number("frozen_after", keys.frozen_after,
-                  {.unit = "s", .min = 0, .exclusive = true, .help = "patience with a participant that lives but is disconnected"});
-  coupling.number("answer_within", keys.answer_within,
-                  {.unit = "s", .min = 0, .exclusive = true, .help = "longest silence of a participant that is busy"});
-  coupling.number("start_within", keys.start_within,
-                  {.unit = "s", .min = 0, .exclusive = true, .help = "from the start of a program to its first word"});
+                  {.unit = "s",
+                   .min = 0,
+                   .exclusive = true,
+                   .help = "patience with a participant that lives but is disconnected"});
+  coupling.number(
+      "answer_within", keys.answer_within,
+      {.unit = "s", .min = 0, .exclusive = true, .help = "longest silence of a participant that is busy"});
+  coupling.number(
+      "start_within", keys.start_within,
+      {.unit = "s", .min = 0, .exclusive = true, .help = "from the start of a program to its first word"});
   coupling.text("endpoint", keys.endpoint,
                 {.help = "\"ipc\": a socket in a private temporary folder; or tcp://127.0.0.1:PORT"});
 

@@ -7,7 +7,8 @@
 
 namespace strake {
 
-/// The keys of [coupling] and [run] that the coupler reads; what it shares with the solvers stands in CommonKeys.
+/// The keys of [coupling] and [run] that the coupler reads; what it shares with the solvers stands in
+/// CommonKeys.
 struct CouplingKeys {
   // [coupling.surface]
   std::string mapping = "nearest-projection";  // nearest-projection | nearest-neighbour
@@ -16,19 +17,19 @@ struct CouplingKeys {
   int reused_windows = 8;                      // windows whose columns IQN-ILS keeps
   double filter = 1e-2;                        // QR filter of IQN-ILS, relative
   std::string predictor = "quadratic";         // constant | linear | quadratic
-  double relative = 1e-4;                      // converged when rms(H(x) − x) <= max(absolute, relative · rms(H(x) − x_n))
-  double absolute = 0;                         // [m]; 0: 1e-6 of the fluid's spacing
+  double relative = 1e-4;  // converged when rms(H(x) − x) <= max(absolute, relative · rms(H(x) − x_n))
+  double absolute = 0;     // [m]; 0: 1e-6 of the fluid's spacing
   int min_iterations = 1, max_iterations = 20;
-  bool stop_unconverged = false;               // else accepted, counted and marked
+  bool stop_unconverged = false;  // else accepted, counted and marked
   // [coupling.volume]
-  std::string solid_velocity = "replace";      // replace | add; read by the fluid
+  std::string solid_velocity = "replace";  // replace | add; read by the fluid
   // waiting
-  double frozen_after = 10;                    // [s] disconnected but alive
-  double answer_within = 600;                  // [s] of silence while busy
-  double start_within = 60;                    // [s] from launch to Hello
-  std::string endpoint = "ipc";                // ipc | tcp://ADDRESS:PORT
+  double frozen_after = 10;      // [s] disconnected but alive
+  double answer_within = 600;    // [s] of silence while busy
+  double start_within = 60;      // [s] from launch to Hello
+  std::string endpoint = "ipc";  // ipc | tcp://ADDRESS:PORT
   // [run]
-  double checkpoint = 60;                      // [s] of wall clock
+  double checkpoint = 60;  // [s] of wall clock
 
   bool iterates() const { return max_iterations > 1; }
 };

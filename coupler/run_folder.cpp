@@ -55,7 +55,8 @@ RunFolder find_run_folder(const fs::path& case_file, const RunFolderOptions& opt
     for (int n = 2; fs::exists(folder.path); ++n) folder = named(case_file, options, nth_tag(options.tag, n));
   if (!fs::exists(folder.path)) {
     if (options.resume)
-      throw Error(ExitCode::command_line, folder.path.string(), "there is no run to resume", "leave out --resume");
+      throw Error(ExitCode::command_line, folder.path.string(), "there is no run to resume",
+                  "leave out --resume");
     return folder;
   }
   if (options.resume) return folder;
@@ -63,7 +64,8 @@ RunFolder find_run_folder(const fs::path& case_file, const RunFolderOptions& opt
     throw Error(ExitCode::command_line, folder.path.string(), "this run folder exists",
                 "name the new run with --tag NAME, or replace the old one with --force");
   if (!fs::is_directory(folder.path) || !is_a_run(folder.path))
-    throw Error(ExitCode::command_line, folder.path.string(), "is not the folder of a run, so --force leaves it alone",
+    throw Error(ExitCode::command_line, folder.path.string(),
+                "is not the folder of a run, so --force leaves it alone",
                 "name the new run with --tag NAME, or remove it yourself");
   return folder;
 }
@@ -85,8 +87,7 @@ RunFolder create_run_folder(const fs::path& case_file, const RunFolderOptions& o
 
 TemporaryFolder::TemporaryFolder() {
   std::string name = (fs::temp_directory_path() / "strake-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr)
-    throw cannot_create(name, std::generic_category().message(errno));
+  if (::mkdtemp(name.data()) == nullptr) throw cannot_create(name, std::generic_category().message(errno));
   path_ = name;
 }
 
@@ -95,7 +96,8 @@ TemporaryFolder::~TemporaryFolder() {
   fs::remove_all(path_, ignored);
 }
 
-RunRecord::RunRecord(fs::path folder, const std::vector<std::string>& command_line) : folder_(std::move(folder)) {
+RunRecord::RunRecord(fs::path folder, const std::vector<std::string>& command_line)
+    : folder_(std::move(folder)) {
   data_["strake"] = strake_version();
   data_["commit"] = strake_commit();
   data_["command"] = command_line;
@@ -106,7 +108,9 @@ RunRecord::RunRecord(fs::path folder, const std::vector<std::string>& command_li
   data_["seeds"] = nlohmann::ordered_json::array();  // nothing here is random
 }
 
-void RunRecord::set(const std::string& key, nlohmann::ordered_json value) { data_[key] = std::move(value); }
+void RunRecord::set(const std::string& key, nlohmann::ordered_json value) {
+  data_[key] = std::move(value);
+}
 
 void RunRecord::ended(ExitCode code) {
   data_["ended"] = utc_now();
@@ -123,8 +127,12 @@ void RunRecord::write() const {
              data_.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
-std::string strake_version() { return STRAKE_VERSION; }
-std::string strake_commit() { return STRAKE_COMMIT; }
+std::string strake_version() {
+  return STRAKE_VERSION;
+}
+std::string strake_commit() {
+  return STRAKE_COMMIT;
+}
 
 std::string host_name() {
   std::array<char, 256> name{};

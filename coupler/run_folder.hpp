@@ -23,12 +23,14 @@ struct RunFolder {
   std::string case_name, tag;
 };
 
-/// The folder these options mean; throws Error(command_line) where `create_run_folder` would. Creates nothing.
+/// The folder these options mean; throws Error(command_line) where `create_run_folder` would. Creates
+/// nothing.
 RunFolder find_run_folder(const std::filesystem::path& case_file, const RunFolderOptions&);
 /// Creates it (removing an earlier run under --force). Throws Error(command_line | cannot_write).
 RunFolder create_run_folder(const std::filesystem::path& case_file, const RunFolderOptions&);
 
-/// A private folder under the system's temporary one, gone with the object: `check` builds its participants there.
+/// A private folder under the system's temporary one, gone with the object: `check` builds its participants
+/// there.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "coupler/run_folder.hpp"
+#include "proto/error.hpp"
+
+namespace strake {
+
+class StopRequest;
+
+/// The commands of `strake`, one per file. Each returns its exit code or throws an Error that main prints.
+
+struct RunOptions {
+  std::filesystem::path case_file;
+  std::vector<std::string> sets;
+  RunFolderOptions folder;
+  bool patient = false;  // no deadline but death
+  bool strict = false;   // exit 1 when a compare block fails
+  bool quiet = false, json = false;
+  std::vector<std::string> command_line;
+};
+ExitCode run(const RunOptions&, const StopRequest&);
+
+struct CheckOptions {
+  std::filesystem::path case_file;
+  std::vector<std::string> sets;
+  bool patient = false;
+};
+ExitCode check(const CheckOptions&, const StopRequest&);
+
+/// key: empty for all; a table ("fluid.scheme") lists its keys. markdown: the reference of proto/README.md.
+ExitCode explain(const std::string& key, bool markdown);
+
+ExitCode compare_run(const std::filesystem::path& run_folder);
+
+struct ReplayOptions {
+  std::filesystem::path recorded;  // a run folder
+  std::string
+      side;  // which side plays the record: "fluid" | "structure"; empty: the one that the case leaves open
+  RunOptions run;
+};
+ExitCode replay(const ReplayOptions&, const StopRequest&);
+
+}  // namespace strake

@@ -1,0 +1,125 @@
+// strake: the commands, their options, and the one place where errors are printed.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <clocale>
+#include <cstdio>
+#include <functional>
+
+#include "coupler/commands.hpp"
+#include "coupler/stop_request.hpp"
+
+namespace {
+
+using strake::Error;
+using strake::ExitCode;
+
+void add_sets(CLI::App& command, std::vector<std::string>& sets) {
+  command.add_option("--set", sets, "change one key of the case: --set structure.solver=rigid")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+CLI::App* add_run_options(CLI::App* command, strake::RunOptions& options) {
+  add_sets(*command, options.sets);
+  command->add_option("--tag", options.folder.tag, "the run folder is <case>-TAG")->type_name("TAG");
+  command->add_option("--runs", options.folder.runs, "folder of the run folders, default runs")
+      ->type_name("DIR");
+  auto* force = command->add_flag("--force", options.folder.force, "replace an earlier run of that name");
+  auto* free = command->add_flag("--first-free-tag", options.folder.first_free_tag,
+                                 "number the run if its name is taken");
+  force->excludes(free);
+  command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
+  command->add_flag("--strict", options.strict, "exit 1 when a compare block fails");
+  auto* quiet = command->add_flag("--quiet", options.quiet, "print only failed comparisons");
+  command->add_flag("--json", options.json, "one JSON object per line instead of the table")->excludes(quiet);
+  return command;
+}
+
+/// CLI11's words in the form of ours.
+ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  const std::string name = command == &app ? "strake" : "strake " + command->get_name();
+  std::string problem = error.what();
+  if (problem.ends_with('\n')) problem.pop_back();
+  fmt::print(stderr, "{}", to_text(Error(ExitCode::command_line, name, problem, name + " --help")));
+  return ExitCode::command_line;
+}
+
+int report(const Error& error) {
+  std::fflush(stdout);
+  fmt::print(stderr, "{}", to_text(error));
+  return static_cast<int>(error.code());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::setlocale(LC_ALL, "C");  // numbers are read and written with a point
+  const strake::StopRequest stop;
+  std::function<ExitCode()> action;
+
+  CLI::App app{"Strake: fluid and structure solvers for slamming and water entry, coupled."};
+  app.name("strake");
+  app.set_version_flag("--version", [] {
+    return fmt::format("strake {} ({})", strake::strake_version(), strake::strake_commit());
+  });
+  app.require_subcommand(1);
+
+  strake::RunOptions run;
+  run.command_line.assign(argv, argv + argc);
+  CLI::App* command = add_run_options(app.add_subcommand("run", "run a case into runs/<case>[-tag]"), run);
+  command->add_option("CASE", run.case_file, "case file")->required();
+  command->callback([&] { action = [&] { return strake::run(run, stop); }; });
+
+  strake::CheckOptions check;
+  command =
+      app.add_subcommand("check", "all that run would refuse, plus derived numbers; starts no time step");
+  command->add_option("CASE", check.case_file, "case file")->required();
+  add_sets(*command, check.sets);
+  command->add_flag("--patient", check.patient, "no deadline but death, for debuggers");
+  command->callback([&] { action = [&] { return strake::check(check, stop); }; });
+
+  std::string key;
+  bool markdown = false;
+  command = app.add_subcommand("explain", "what a key means: unit, range, default; a table lists its keys");
+  command->add_option("KEY", key, "key or table, e.g. fluid.scheme.cfl");
+  command->add_flag("--markdown", markdown, "the reference of every key, as it stands in proto/README.md");
+  command->callback([&] { action = [&] { return strake::explain(key, markdown); }; });
+
+  std::filesystem::path compared;
+  command =
+      app.add_subcommand("compare", "a run against the compare blocks of its case; exit 1 outside tolerance");
+  command->add_option("RUN", compared, "run folder")->required();
+  command->callback([&] { action = [&] { return strake::compare_run(compared); }; });
+
+  strake::ReplayOptions replay;
+  replay.run.command_line = run.command_line;
+  command = add_run_options(
+      app.add_subcommand("replay", "recorded loads onto another structure, or the reverse"), replay.run);
+  command->add_option("RUN", replay.recorded, "run folder with the record")->required();
+  command->add_option("--onto", replay.run.case_file, "case file")->required()->type_name("CASE");
+  command->add_option("--side", replay.side, "the side that plays the record")
+      ->check(CLI::IsMember({"fluid", "structure"}))
+      ->type_name("fluid|structure");
+  command->callback([&] { action = [&] { return strake::replay(replay, stop); }; });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {  // --help, --version
+    return app.exit(wanted);
+  } catch (const CLI::ParseError& error) {
+    return static_cast<int>(refuse(app, error));
+  }
+
+  try {
+    return static_cast<int>(action());
+  } catch (const Error& error) {
+    return report(error);
+  } catch (const std::exception& error) {
+    return report(
+        Error(ExitCode::our_bug, "strake", fmt::format("{}\nthis is a bug in Strake", error.what())));
+  }
+}

@@ -1,0 +1,32 @@
+#include "coupler/case_view.hpp"
+#include "coupler/commands.hpp"
+#include "coupler/stop_request.hpp"
+
+namespace strake {
+
+namespace {
+
+/// The side that the record plays: the one asked for, else the structure where the case has none, else the
+/// fluid, so that recorded loads meet another structure.
+std::string playing_side(const ReplayOptions& options) {
+  if (!options.side.empty()) return options.side;
+  CaseFile file = CaseFile::load(options.run.case_file, options.run.sets);
+  return read_common(file).structure_solver == "none" ? "structure" : "fluid";
+}
+
+}  // namespace
+
+ExitCode replay(const ReplayOptions& options, const StopRequest& stop) {
+  if (!std::filesystem::exists(options.recorded / "interface"))
+    throw Error(ExitCode::case_file, options.recorded.string(), "has no interface/ to play back",
+                "name the folder of a coupled run");
+  const std::string side = playing_side(options);
+  RunOptions run_options = options.run;
+  run_options.sets.push_back(side + ".solver=replay");
+  run_options.sets.push_back(
+      side + ".replay.run=" + std::filesystem::absolute(options.recorded).lexically_normal().string());
+  if (run_options.folder.tag.empty()) run_options.folder.tag = "replay";
+  return run(run_options, stop);
+}
+
+}  // namespace strake

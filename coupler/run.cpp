@@ -1,0 +1,271 @@
+#include <fmt/format.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "coupler/case_view.hpp"
+#include "coupler/commands.hpp"
+#include "coupler/compare.hpp"
+#include "coupler/console.hpp"
+#include "coupler/run_files.hpp"
+#include "coupler/run_folder.hpp"
+#include "coupler/session.hpp"
+#include "coupler/stop_request.hpp"
+#include "coupler/summary.hpp"
+#include "proto/result_file.hpp"
+
+namespace strake {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::unique_ptr<Reporter> reporter_of(const RunOptions& options) {
+  if (options.json) return json_reporter(stdout);
+  if (options.quiet) return quiet_reporter(stdout, style_of(stdout));
+  return table_reporter(stdout, style_of(stdout));
+}
+
+std::shared_ptr<spdlog::logger> open_log(const std::filesystem::path& path) {
+  try {
+    auto log = std::make_shared<spdlog::logger>(
+        "coupler", std::make_shared<spdlog::sinks::basic_file_sink_st>(path.string()));
+    log->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
+    log->flush_on(spdlog::level::info);
+    log->set_error_handler([](const std::string&) {});  // a full disk is reported by the files that matter
+    return log;
+  } catch (const spdlog::spdlog_ex& error) {
+    throw Error(ExitCode::cannot_write, path.string(), error.what(),
+                "free space, or choose another folder with --runs DIR");
+  }
+}
+
+/// One run, from its folder to its last file.
+class Run {
+ public:
+  Run(const CaseView& view, RunFolder folder, const RunOptions& options, const StopRequest& stop)
+      : case_(view),
+        folder_(std::move(folder)),
+        options_(options),
+        stop_(stop),
+        reporter_(reporter_of(options)),
+        record_(folder_.path, options.command_line),
+        summary_(folder_.case_name, folder_.tag) {
+    for (const CompareBlock& block : view.blocks)
+      if (applies(block, view.lookup())) blocks_.push_back(block);
+  }
+
+  ExitCode execute() {
+    try {
+      prepare();
+      windows();
+      session_->roster().finish();
+      conclude(ExitCode::done);
+    } catch (const Error& error) {
+      fail(error);
+      throw;
+    } catch (const std::exception& error) {
+      const Error bug(ExitCode::our_bug, position(),
+                      fmt::format("{}\nthis is a bug in Strake", error.what()));
+      fail(bug);
+      throw bug;
+    }
+    for (const Verdict& verdict : summary_.verdicts)
+      if (options_.strict && verdict.result == Verdict::Result::fail) return ExitCode::outside_tolerance;
+    return ExitCode::done;
+  }
+
+ private:
+  void prepare() {
+    log_ = open_log(folder_.path / "coupler.log");
+    write_text(folder_.path / "case.toml", case_.resolved);
+    record_.set("case", std::filesystem::absolute(case_.file.path()).string());
+    record_.set("tag", folder_.tag);
+    record_.set("set", case_.sets);
+    record_.set("threads", case_.common.threads);
+    for (const auto& side : {case_.fluid, case_.structure})
+      if (side) programs_[side->side] = {{"solver", side->solver}, {"program", side->program.string()}};
+    record_.set("participants", programs_);
+    record_.write();
+
+    const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
+    session_ = std::make_unique<Session>(
+        case_, Session::Options{.run_folder = absolute,
+                                .log_folder = absolute,
+                                .patient = options_.patient,
+                                .say = [this](const std::string& line) { note(line); },
+                                .stop = &stop_});
+    record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
+    record_.write();
+
+    RunFiles::Options files{.folder = folder_.path,
+                            .coupled = case_.coupled(),
+                            .dimension = session_->dimension(),
+                            .columns = session_->columns(),
+                            .mesh = {},
+                            .initial = {},
+                            .resume_at = std::nullopt};
+    if (case_.coupled()) {
+      files.mesh = session_->structure()->mesh();
+      files.initial = session_->structure()->description().initial;
+    }
+    files_ = std::make_unique<RunFiles>(std::move(files));
+    summary_.describe(session_->columns());
+    summary_.coupler_seconds["setup"] = seconds_since(start_);
+
+    RunHeader header{.title = case_.common.title,
+                     .folder = folder_.path,
+                     .blocks = session_->understood(),
+                     .warnings = session_->warnings(),
+                     .coupled = case_.coupled(),
+                     .dimension = session_->dimension(),
+                     .columns = session_->columns(),
+                     .probes = case_.common.probes};
+    for (const auto& [name, lines] : header.blocks)
+      for (const std::string& line : lines) log_->info("{}: {}", name, line);
+    for (const std::string& warning : header.warnings) log_->warn(warning);
+    reporter_->start(header);
+  }
+
+  void windows() {
+    started_ = true;
+    RunLoop loop = session_->loop(session_->plan());
+    settled_.assign(blocks_.size(), false);
+    while (!loop.finished()) {
+      if (stop_.requested()) throw Error(stop_.code(), position(), "interrupted");
+      const auto begin = Clock::now();
+      const CommittedWindow window = loop.next();
+      const double wall = seconds_since(begin);
+      summary_.coupler_seconds["windows"] += wall;
+      summary_.add(window);
+      files_->append(window, session_->values(window.report), wall);
+      RunRow row{.window = &window, .force = Eigen::Vector3d::Zero(), .elapsed = seconds_since(start_)};
+      if (window.report.force.cols() > 0) row.force = window.report.force.rowwise().sum();
+      reporter_->window(row);
+      if (!window.report.converged)
+        log_->warn("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
+                   window.number, window.time, window.report.residual, window.report.threshold);
+      tell_verdicts();
+      summary_.coupler_seconds["files"] += seconds_since(begin) - wall;
+    }
+  }
+
+  RunData data(bool finished) const {
+    return {.monitor = summary_.probe_results(),
+            .history = files_ ? &files_->table() : nullptr,
+            .time = summary_.end_time(),
+            .finished = finished};
+  }
+
+  /// Says what a block came to as soon as all of its metrics are known.
+  void tell_verdicts() {
+    const RunData now = data(false);
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      if (settled_[i]) continue;
+      const std::vector<Verdict> verdicts = judge(blocks_[i], now);
+      bool known = !verdicts.empty();
+      for (const Verdict& verdict : verdicts) known = known && verdict.result != Verdict::Result::not_reached;
+      if (!known) continue;
+      settled_[i] = true;
+      for (const Verdict& verdict : verdicts) {
+        reporter_->verdict(verdict);
+        log_->info(verdict.line());
+      }
+    }
+  }
+
+  /// Everything that says how it ended. Run after the processes are gone, so that their files are complete.
+  void conclude(ExitCode code) {
+    session_.reset();
+    if (files_) files_->flush();
+    summary_.exit_code = code;
+    summary_.wall_seconds = seconds_since(start_);
+    summary_.coupler_seconds["cpu"] = cpu_seconds();
+    summary_.coupler_memory = peak_memory();
+    summary_.verdicts.clear();
+    for (const CompareBlock& block : blocks_)
+      for (const Verdict& verdict : judge(block, data(code == ExitCode::done)))
+        summary_.verdicts.push_back(verdict);
+    write_text(folder_.path / "summary.json", summary_.json().dump(2) + "\n");
+    nlohmann::ordered_json contact = nlohmann::ordered_json::object();  // [s] where `compare` counts from
+    const std::string metric = ":contact";
+    for (const auto& [name, time] : summary_.probe_results())
+      if (name.ends_with(metric)) contact[name.substr(0, name.size() - metric.size())] = time;
+    record_.set("contact", contact);
+    if (code == ExitCode::done) record_.ended(code);
+    record_.write();
+    if (log_) log_->info("exit code {}", static_cast<int>(code));
+
+    RunEnd end{.summary = &summary_, .folder = folder_.path, .fields = {}, .stopped = {}};
+    for (const char* fields : {"fluid.xdmf", "structure.xdmf"})
+      if (std::filesystem::exists(folder_.path / fields)) end.fields.emplace_back(fields);
+    if (code == ExitCode::interrupted || code == ExitCode::terminated)
+      end.stopped = "interrupted";
+    else if (code != ExitCode::done)
+      end.stopped = "stopped";
+    if (started_) reporter_->end(end);
+  }
+
+  void fail(const Error& error) noexcept {
+    try {
+      session_.reset();
+      if (log_) log_->error(to_text(error));
+      // A case that was refused while its participants were set up leaves no folder: the corrected one may
+      // take its name.
+      if (!started_ && (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
+        log_.reset();
+        std::error_code ignored;
+        std::filesystem::remove_all(folder_.path, ignored);
+        return;
+      }
+      record_.failed(error);
+      conclude(error.code());
+    } catch (const std::exception&) {
+      // What stopped the run is thrown on; that its traces could not be written either is the lesser news.
+    }
+  }
+
+  void note(const std::string& line) {
+    if (log_) log_->info(line);
+    reporter_->note(line);
+  }
+
+  std::string position() const {
+    return fmt::format("window {} (t = {:.6g} s)", summary_.windows() + 1, summary_.end_time());
+  }
+
+  const CaseView& case_;
+  RunFolder folder_;
+  const RunOptions& options_;
+  const StopRequest& stop_;
+  Clock::time_point start_ = Clock::now();
+  std::unique_ptr<Reporter> reporter_;
+  std::shared_ptr<spdlog::logger> log_;
+  RunRecord record_;
+  Summary summary_;
+  nlohmann::ordered_json programs_;
+  std::vector<CompareBlock> blocks_;  // those that apply to this case
+  std::vector<bool> settled_;         // of blocks_: its verdict has been told
+  std::unique_ptr<RunFiles> files_;
+  std::unique_ptr<Session> session_;
+  bool started_ = false;  // the first window has begun
+};
+
+}  // namespace
+
+ExitCode run(const RunOptions& options, const StopRequest& stop) {
+  if (!options.folder.first_free_tag)
+    find_run_folder(options.case_file, options.folder);  // the quickest refusal first
+  const CaseView view = read_case(options.case_file, options.sets, &stop);
+  return Run(view, create_run_folder(options.case_file, options.folder), options, stop).execute();
+}
+
+}  // namespace strake

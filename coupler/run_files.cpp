@@ -1,0 +1,128 @@
+#include "coupler/run_files.hpp"
+
+#include <cmath>
+
+#include "proto/result_file.hpp"
+
+namespace strake {
+
+namespace {
+
+std::vector<Column> history_columns(bool coupled, int dimension, const std::vector<Column>& participants) {
+  std::vector<Column> columns = {{"window", "1"}, {"time", "s"}};
+  if (coupled) {
+    const std::string newton = dimension == 2 ? "N/m" : "N";
+    columns.insert(columns.end(),
+                   {{"iterations", "1"}, {"residual", "m"}, {"force.x", newton}, {"force.y", newton}});
+    if (dimension == 3) columns.push_back({"force.z", newton});
+    columns.push_back({"work_gap", "1"});
+  }
+  columns.insert(columns.end(), participants.begin(), participants.end());
+  return columns;
+}
+
+std::vector<Column> iteration_columns(int dimension) {
+  const std::string newton = dimension == 2 ? "N/m" : "N";
+  std::vector<Column> columns = {
+      {"window", "1"},     {"time", "s"},    {"iteration", "1"}, {"residual", "m"},   {"threshold", "m"},
+      {"relaxation", "1"}, {"columns", "1"}, {"dropped", "1"},   {"force.x", newton}, {"force.y", newton}};
+  if (dimension == 3) columns.push_back({"force.z", newton});
+  return columns;
+}
+
+/// A column file that goes on after `resume_at`: its earlier rows are kept as they are, text for text.
+std::unique_ptr<History> open(const std::filesystem::path& path, const std::vector<Column>& columns,
+                              const std::optional<double>& resume_at, Table* table) {
+  Table kept;
+  if (resume_at && std::filesystem::exists(path)) kept = read_table(path);
+  auto history = std::make_unique<History>(path, columns);
+  const std::size_t n_columns = kept.columns.size() == columns.size() ? columns.size() : 0;
+  const std::vector<double> none;
+  const std::vector<double>& time = n_columns > 1 ? kept.value[1] : none;
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    if (time[row] > *resume_at) break;
+    std::vector<double> values;
+    for (std::size_t column = 0; column < n_columns; ++column) values.push_back(kept.value[column][row]);
+    history->append(values);
+    if (table != nullptr)
+      for (std::size_t column = 0; column < n_columns; ++column)
+        table->value[column].push_back(values[column]);
+  }
+  return history;
+}
+
+void add_force(std::vector<double>& row, const Eigen::Vector3d& force, int dimension) {
+  row.push_back(force.x());
+  row.push_back(force.y());
+  if (dimension == 3) row.push_back(force.z());
+}
+
+}  // namespace
+
+RunFiles::RunFiles(Options options) : options_(std::move(options)) {
+  const auto& folder = options_.folder;
+  table_.columns = history_columns(options_.coupled, options_.dimension, options_.columns);
+  table_.value.resize(table_.columns.size());
+  history_ = open(folder / "history.csv", table_.columns, options_.resume_at, &table_);
+  if (!options_.coupled) return;
+  iterations_ =
+      open(folder / "iterations.csv", iteration_columns(options_.dimension), options_.resume_at, nullptr);
+  interface_ = std::make_unique<InterfaceRecorder>(folder, options_.mesh, options_.initial);
+  if (options_.resume_at) interface_->resume(*options_.resume_at);
+}
+
+void RunFiles::append(const CommittedWindow& window, const std::vector<double>& values, double wall) {
+  const WindowReport& report = window.report;
+  std::vector<double> row = {static_cast<double>(window.number), window.time};
+  if (options_.coupled) {
+    row.push_back(report.iterations);
+    row.push_back(report.residual);
+    add_force(row, report.force.rowwise().sum(), options_.dimension);
+    row.push_back(report.work_gap());
+  }
+  row.insert(row.end(), values.begin(), values.end());
+  history_->append(row);
+  for (std::size_t i = 0; i < row.size(); ++i) table_.value[i].push_back(row[i]);
+
+  for (const IterationReport& iteration : options_.coupled ? report.log : std::vector<IterationReport>{}) {
+    std::vector<double> values_of = {static_cast<double>(window.number),
+                                     window.time,
+                                     static_cast<double>(iteration.iteration),
+                                     iteration.residual,
+                                     iteration.threshold,
+                                     iteration.relaxation,
+                                     static_cast<double>(iteration.columns),
+                                     static_cast<double>(iteration.dropped)};
+    add_force(values_of, iteration.force, options_.dimension);
+    iterations_->append(values_of);
+  }
+  if (interface_) interface_->append(report.window, report.displacement, report.velocity, report.force);
+  append_timing(window, wall);
+}
+
+void RunFiles::append_timing(const CommittedWindow& window, double wall) {
+  const WindowReport& report = window.report;
+  if (!timing_) {
+    std::vector<Column> columns = {{"window", "1"}, {"time", "s"}, {"wall", "s"}};
+    for (const bool fluid : {true, false})
+      for (const auto& [name, seconds] : fluid ? report.fluid : report.structure)
+        if (name.starts_with("seconds.")) {
+          stages_.emplace_back(fluid, name);
+          columns.push_back({(fluid ? "fluid." : "structure.") + name.substr(name.find('.') + 1), "s"});
+        }
+    timing_ = open(options_.folder / "timing.csv", columns, options_.resume_at, nullptr);
+  }
+  std::vector<double> row = {static_cast<double>(window.number), window.time, wall};
+  for (const auto& [fluid, name] : stages_) {
+    const auto& monitor = fluid ? report.fluid : report.structure;
+    const auto found = monitor.find(name);
+    row.push_back(found == monitor.end() ? std::nan("") : found->second);
+  }
+  timing_->append(row);
+}
+
+void RunFiles::flush() {
+  if (interface_) interface_->flush();
+}
+
+}  // namespace strake

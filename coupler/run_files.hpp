@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/interface_record.hpp"
+#include "coupler/run_loop.hpp"
+#include "proto/history.hpp"
+
+namespace strake {
+
+/// The files that grow with a run: history.csv, iterations.csv, timing.csv and interface/. What must be equal
+/// when two runs are equal stands apart from what a clock says.
+class RunFiles {
+ public:
+  struct Options {
+    std::filesystem::path folder;
+    bool coupled = false;
+    int dimension = 2;
+    std::vector<Column> columns;      // of the participants
+    InterfaceMesh mesh;               // the structure's
+    std::vector<Field> initial;       // its motion at t = 0
+    std::optional<double> resume_at;  // [s] rows after it are dropped
+  };
+  explicit RunFiles(Options);
+
+  /// values: of Options::columns. wall: seconds this window took.
+  void append(const CommittedWindow&, const std::vector<double>& values, double wall);
+  /// Writes what is still held back. Files stay usable.
+  void flush();
+  /// history.csv so far.
+  const Table& table() const { return table_; }
+
+ private:
+  void append_timing(const CommittedWindow&, double wall);
+  Options options_;
+  Table table_;
+  std::unique_ptr<History> history_, iterations_, timing_;
+  std::vector<std::pair<bool, std::string>> stages_;  // of timing.csv: (fluid, monitor)
+  std::unique_ptr<InterfaceRecorder> interface_;
+};
+
+}  // namespace strake

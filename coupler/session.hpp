@@ -1,0 +1,77 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coupler/case_view.hpp"
+#include "coupler/remote.hpp"
+#include "coupler/run_loop.hpp"
+#include "coupler/scheme.hpp"
+
+namespace strake {
+
+class StopRequest;
+
+/// The processes of a case, started and set up, and the scheme between them.
+class Session {
+ public:
+  struct Options {
+    std::filesystem::path run_folder;  // absolute; empty: the participants write nothing (`check`)
+    std::filesystem::path log_folder;  // absolute
+    bool patient = false;
+    std::function<void(const std::string&)> say;  // one line, while waiting
+    const StopRequest* stop = nullptr;
+  };
+  /// Starts both programs, sets up the structure, then the fluid with the structure's mesh and initial
+  /// motion, and builds the mapping. Throws Error; the processes are then ended and reaped.
+  Session(const CaseView&, const Options&);
+
+  /// The time loop over these participants.
+  RunLoop loop(const RunPlan&);
+  RunPlan plan() const;                       // of the whole case
+  Scheme* scheme() { return scheme_.get(); }  // nullptr with one participant
+  RemoteParticipant* fluid() { return fluid_; }
+  RemoteParticipant* structure() { return structure_; }
+  Roster& roster() { return *roster_; }
+
+  /// What the participants report per window; of two columns with one name the second carries its side's
+  /// name.
+  const std::vector<Column>& columns() const { return columns_; }
+  /// The values of those columns after a window; NaN where a participant did not report one.
+  std::vector<double> values(const WindowReport&) const;
+  /// "fluid", "structure", "coupling" with what each understood, the headline first.
+  std::vector<std::pair<std::string, std::vector<std::string>>> understood() const;
+  std::vector<std::string> warnings() const;
+  int dimension() const;
+
+ private:
+  RemoteParticipant& set_up(const SideView&, Setup);
+  void launch(const SideView&);
+  std::vector<std::string> coupling_lines() const;
+
+  const CaseView& case_;
+  Options options_;
+  std::unique_ptr<Roster> roster_;
+  RemoteParticipant* fluid_ = nullptr;
+  RemoteParticipant* structure_ = nullptr;
+  std::unique_ptr<Scheme> scheme_;
+  struct Source {
+    bool fluid = false;
+    std::string name;  // as the participant calls it
+  };
+  std::vector<Column> columns_;
+  std::vector<Source> sources_;  // of the columns
+};
+
+/// The window of a case: of its coupling, or the whole time of an analysis without one (static, modal).
+double window_of(const CaseView&);
+/// ρ a / (ρ_s h) of a plate of half length a and thickness h: the added mass that one strip of structure
+/// carries, relative to its own. Nothing when the case does not say.
+std::optional<double> added_mass_ratio(const CaseView&);
+
+}  // namespace strake

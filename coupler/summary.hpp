@@ -1,0 +1,57 @@
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "coupler/compare.hpp"
+#include "coupler/run_loop.hpp"
+#include "proto/error.hpp"
+
+namespace strake {
+
+/// What a run found, for programs: summary.json. Keys are fixed (proto/README.md); what is not known is null.
+class Summary {
+ public:
+  Summary(std::string case_name, std::string tag);
+
+  /// Columns of history.csv: where the units of the probes come from.
+  void describe(const std::vector<Column>&);
+  void add(const CommittedWindow&);
+
+  ExitCode exit_code = ExitCode::done;
+  double wall_seconds = 0;
+  std::map<std::string, double> coupler_seconds;  // stage → [s]
+  double coupler_memory = 0;                      // [bytes] peak
+  std::vector<Verdict> verdicts;
+
+  double end_time() const { return time_; }
+  long windows() const { return windows_; }
+  double mean_iterations() const;
+  long unconverged() const { return unconverged_; }
+  double work_gap() const { return work_gap_; }
+  /// "<probe>:<metric>" as last reported, for `judge`.
+  const std::map<std::string, double>& probe_results() const { return results_; }
+
+  nlohmann::ordered_json json() const;
+
+ private:
+  std::string case_, tag_;
+  double time_ = 0;
+  long windows_ = 0, iterations_ = 0, unconverged_ = 0;
+  int max_iterations_ = 0;
+  double work_gap_ = 0;
+  bool coupled_ = false;
+  std::vector<std::string> probes_;          // in the order of their first mention
+  std::map<std::string, std::string> unit_;  // of columns
+  std::map<std::string, double> results_;
+  std::map<std::string, double> fluid_, structure_;  // reserved monitors as last reported
+};
+
+/// Peak memory of this process [bytes].
+double peak_memory();
+/// User and system time of this process [s].
+double cpu_seconds();
+
+}  // namespace strake
