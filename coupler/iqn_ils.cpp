@@ -11,14 +11,19 @@ using Eigen::VectorXd;
 
 // A difference of residuals this small beside the iterates is their round-off.
 constexpr double round_off = 1e-15;
+// The map as this window shows it is worth finer columns than what an earlier window remembers: a linear map
+// of n unknowns is solved in n + 2 iterations.
+constexpr double own_filter = 1e-4;
 
 /// Columns in the order in which they are taken: newest first.
 struct Columns {
   std::vector<VectorXd> residual, image;
+  std::size_t own = 0;  // so many from the current window
 };
 
-Columns newest_first(const std::vector<AcceleratorState::Secants>& windows) {
+Columns newest_first(const std::vector<AcceleratorState::Secants>& windows, bool last_is_current) {
   Columns columns;
+  if (last_is_current) columns.own = static_cast<std::size_t>(windows.back().residual.cols());
   for (auto w = windows.rbegin(); w != windows.rend(); ++w)
     for (Index c = w->residual.cols() - 1; c >= 0; --c) {
       columns.residual.push_back(w->residual.col(c));
@@ -42,7 +47,7 @@ void IqnIls::learn(const VectorXd& residual, const VectorXd& image) {
 VectorXd IqnIls::iterate(const VectorXd& x, const VectorXd& hx) {
   const VectorXd residual = hx - x;
   // Gram–Schmidt, each column orthogonalised twice (Björck 1994: enough for orthogonality to round-off).
-  const Columns columns = newest_first(state_.windows);
+  const Columns columns = newest_first(state_.windows, state_.iteration > 1);
   std::vector<VectorXd> basis;
   std::vector<Index> kept;
   const Index limit = std::min<Index>(x.size(), static_cast<Index>(columns.residual.size()));
@@ -61,7 +66,7 @@ VectorXd IqnIls::iterate(const VectorXd& x, const VectorXd& hx) {
         direction -= part * basis[static_cast<std::size_t>(j)];
       }
     const double fresh = direction.norm();
-    if (fresh <= filter_) continue;
+    if (fresh <= (c < columns.own ? std::min(filter_, own_filter) : filter_)) continue;
     triangle.col(k).head(k) = projection;
     triangle(k, k) = fresh;
     length[k] = norm;

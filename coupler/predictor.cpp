@@ -52,9 +52,10 @@ Motion predict(Predictor kind, const MotionHistory& history, double time) {
     return guess;
   }
   guess.displacement = extrapolate(history, n, &Motion::displacement, time);
-  // One degree less than the displacement, as its derivative.
-  if (last.velocity.size() > 0 && n == 3 && history[1].velocity.size() > 0)
-    guess.velocity = extrapolate(history, n - 1, &Motion::velocity, time);
+  // The velocity that an interface moved with constant acceleration has at the end, as the fluid follows it
+  // (DESIGN 2).
+  if (last.velocity.size() > 0)
+    guess.velocity = 2 / (time - last.time) * (guess.displacement - last.displacement) - last.velocity;
   return guess;
 }
 
