@@ -68,12 +68,16 @@ std::string advice(const Document& document, const std::string& path) {
   };
   for (const KeyInfo& key : document.keys) consider(key.path);
   for (const std::string& table : document.tables) consider(table);
-  const std::string explain =
-      parent.find('[') != std::string::npos || parent.empty() ? "strake explain" : "strake explain " + parent;
+  const auto explain = [](const std::string& table) {
+    return table.empty() || table.find('[') != std::string::npos ? "strake explain"
+                                                                 : "strake explain " + table;
+  };
   if (const std::string near = did_you_mean(name, siblings); !near.empty())
-    return fmt::format("did you mean {}?  ({})", quoted_key(near), explain);
-  if (!elsewhere.empty()) return fmt::format("did you mean {}?  ({})", elsewhere.front(), explain);
-  return explain + " lists the keys";
+    return fmt::format("did you mean {}?  ({})", quoted_key(near), explain(parent));
+  if (!elsewhere.empty())
+    return fmt::format("did you mean {}?  ({})", elsewhere.front(),
+                       explain(parent_and_name(elsewhere.front()).first));
+  return explain(parent) + " lists the keys";
 }
 
 }  // namespace

@@ -230,7 +230,10 @@ Error CaseFile::Document::missing(const std::string& path, const std::string& ex
   const auto [parent, key] = parent_and_name(path);
   const toml::node* table = parent.empty() ? nullptr : at(parent);
   std::string fix = fmt::format("add {} = {}", quoted_key(key), sample);
-  if (!parent.empty()) fix += " to [" + parent + "]";
+  if (const std::size_t bracket = parent.rfind('['); parent.ends_with(']'))
+    fix += " to this [[" + parent.substr(0, bracket) + "]]";
+  else if (!parent.empty())
+    fix += " to [" + parent + "]";
   if (table && table->source().begin.line > 0 && !set_of(parent))
     return {ExitCode::case_file, place(table->source().begin),
             path + " is missing\n" + excerpt(table->source().begin, expected), fix};

@@ -60,7 +60,8 @@ toml::table* table_for(toml::table& root, const std::vector<PathStep>& steps, co
       toml::array* array = node->as_array();
       const auto n = static_cast<long>(array ? array->size() : 0);
       if (!array || step.index < 0 || step.index > n)
-        throw Error(ExitCode::case_file, where, fmt::format("{} has {} elements, counted from 0", so_far, n));
+        throw Error(ExitCode::case_file, where, fmt::format("{} has {} elements, counted from 0", so_far, n),
+                    fmt::format("index {} appends one", n));
       if (step.index == n) array->push_back(toml::table{});
       node = array->get(static_cast<std::size_t>(step.index));
       so_far += fmt::format("[{}]", step.index);

@@ -1,5 +1,6 @@
 // Declarations of numbers, flags, vectors and boxes, and the tables they stand in. Texts: case_text.cpp.
 #include <fmt/format.h>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -257,9 +258,15 @@ void CaseTable::accept_all() {
 }
 
 std::vector<std::string> CaseTable::keys() const {
+  const toml::node* node = document_->at(path_);
+  if (!node || !node->is_table()) return {};
+  std::vector<const toml::key*> order;
+  for (auto&& [key, value] : *node->as_table()) order.push_back(&key);
+  std::stable_sort(order.begin(), order.end(), [](const toml::key* a, const toml::key* b) {
+    return a->source().begin < b->source().begin;
+  });
   std::vector<std::string> names;
-  if (const toml::node* node = document_->at(path_); node && node->is_table())
-    for (auto&& [key, value] : *node->as_table()) names.emplace_back(key.str());
+  for (const toml::key* key : order) names.emplace_back(key->str());
   return names;
 }
 

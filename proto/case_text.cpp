@@ -108,7 +108,7 @@ void CaseTable::choice(const std::string& name, std::string& value, const std::v
     } else if (is_choice(*given)) {
       value = *given;
     } else if (std::find(key.not_built.begin(), key.not_built.end(), *given) != key.not_built.end()) {
-      throw d.wrong(d.expected, to_toml(*given) + " is not built yet; choose another");
+      throw d.wrong(d.expected + "; " + to_toml(*given) + " is not built yet", "choose another");
     } else {
       const std::string near = did_you_mean(*given, choices);
       throw d.wrong(d.expected, !near.empty()      ? "did you mean " + to_toml(near) + "?"

@@ -3,54 +3,81 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "proto/interface.hpp"
 
 namespace strake {
 
-/// What one probe has seen so far: a copyable value that lives in the owner's State, fed at every solver step.
+/// What one probe has seen so far: a copyable value that lives in the owner's State, fed at every solver
+/// step.
 ///
-/// VALIDATION A: *first peak* = the running maximum M of |q| after contact, M >= 5 % of the record's maximum, that |q|
-/// falls below 0.8 M before exceeding M. *impulse* = ∫ q dt over [t_c, t_c + 300 µs]. Values keep their sign.
+/// VALIDATION A: *first peak* = the running maximum M of |q| after contact, M >= 5 % of the record's maximum,
+/// that |q| falls below 0.8 M before exceeding M. *impulse* = ∫ q dt over [t_c, t_c + 300 µs]. Values keep
+/// their sign.
+///
+/// A record that knows no contact (a probe on the structure) measures from its first step. One that waits for
+/// contact (a pressure sensor) has no first peak, impulse or 50-µs mean before it.
 class ProbeRecord {
  public:
-  /// One step from t0 to t1 [s] with mean value q over it (pressure) or end value (motion).
+  ProbeRecord() = default;
+  static ProbeRecord waiting_for_contact();
+
+  /// One step from t0 to t1 [s] with mean value q over it (pressure) or end value (motion). Steps follow one
+  /// another; t0 = t1 records a value that holds at an instant (the state at t = 0).
   void add(double t0, double t1, double q);
-  /// Contact time t_c [s]: what came before is forgotten for first peak and impulse. Later calls change nothing.
+  /// Contact time t_c [s], the start of the step in which contact was found; called before or after that
+  /// step's `add`. What came before t_c is forgotten for first peak, impulse and 50-µs mean. Later calls
+  /// change nothing.
   void contact(double t);
-  bool in_contact() const;
+  bool in_contact() const { return contact_known_; }
 
   struct Peak {
-    double time = 0, value = 0;
+    double time = 0, value = 0;  // [s], [unit of q]
   };
   std::optional<Peak> first_peak() const;
-  std::optional<Peak> peak() const;          // largest |q| of the record
-  std::optional<double> impulse() const;     // over 300 µs after contact, once those are over
-  double running_impulse() const;            // since contact, so far
-  std::optional<double> mean_peak_50us() const;  // largest |mean over 50 µs| (sliding, of the steps)
+  std::optional<Peak> peak() const;              // largest |q| of the whole record
+  std::optional<double> impulse() const;         // over 300 µs after contact, once those are over
+  double running_impulse() const;                // since contact, so far
+  std::optional<double> mean_peak_50us() const;  // largest |mean over any 50 µs| after contact
   double last() const;
   /// Values since the last call of `new_window`.
   void new_window();
   double window_min() const, window_max() const, window_mean() const;
 
-  /// "<name>:first_peak" … for Advanced::monitor.
+  /// "<name>:first_peak" … for Advanced::monitor; what is not known yet is left out.
   void report(const std::string& name, std::map<std::string, double>& monitor) const;
   void save(const std::string& name, Archive&) const;
-  void load(const std::string& name, const Archive&);
+  void load(const std::string& name, const Archive&);  // Error(case_file) if the archive holds no such record
 
  private:
-  double contact_ = -1, last_ = 0, last_time_ = 0;
-  std::vector<Peak> candidates_;     // peaks that fell to 0.8 of themselves, in time
-  Peak running_, peak_;
-  bool fallen_ = false;
-  double impulse_ = 0, impulse_300_ = 0;
-  bool impulse_done_ = false;
-  std::vector<std::pair<double, double>> recent_;  // (dt, q) of the last 50 µs
-  double mean_peak_ = 0;
+  struct Step {
+    double t0 = 0, t1 = 0, q = 0;
+  };
+  /// All that starts anew at contact.
+  struct Measured {
+    bool begun = false;
+    double begin = 0;              // [s] t_c, or the start of the record
+    double impulse = 0;            // since `begin`
+    double impulse_300 = 0;        // its share up to begin + 300 µs
+    Peak running;                  // running maximum of |q|
+    bool fallen = false;           // |q| has fallen below 0.8 of it
+    std::vector<Peak> candidates;  // running maxima that |q| fell from, in time
+    std::vector<Step> recent;      // steps that reach into the last 50 µs
+    std::optional<double> mean_peak;
+  };
+  bool measures() const { return !waits_ || contact_known_; }
+  static void measure(Measured&, const Step&);
+  static void measure_means(Measured&, const Step&);
+
+  bool waits_ = false, contact_known_ = false;
+  double contact_ = 0;  // [s]
+  bool seen_ = false;
+  Step last_;
+  Peak peak_;
+  Measured measured_;
+  bool window_seen_ = false;
   double window_min_ = 0, window_max_ = 0, window_sum_ = 0, window_time_ = 0;
-  bool seen_ = false, window_seen_ = false;
 };
 
 }  // namespace strake
