@@ -28,6 +28,26 @@ inline double squared_distance(const double* a, const double* b) {
 /// another.
 constexpr double coincident = 1e-9;
 
+/// Loops that select work on so many pairs at a time.
+constexpr size_t chunk = 64;
+
+/// Numbers of particles, `used` of them, with room at the end to write before it is known whether to keep.
+struct Buffer {
+  std::vector<std::int32_t> value;
+  size_t used = 0;
+};
+
+/// The places of the values below `limit` among n <= chunk of them, and how many.
+inline size_t select_below(const double* value, double limit, size_t n,
+                           std::array<std::uint8_t, chunk>& selected) {
+  size_t used = 0;
+  for (size_t k = 0; k < n; ++k) {
+    selected[used] = static_cast<std::uint8_t>(k);
+    used += value[k] < limit ? 1 : 0;
+  }
+  return used;
+}
+
 /// Cells no smaller than the search radius, so that all partners of a particle are in its own or an adjacent
 /// cell. Particles outside the grid belong to its edge cells: clamping two cell numbers never moves them
 /// apart, so the search stays right and a far flyer costs time, never memory.
@@ -61,18 +81,18 @@ class CellGrid {
     }
     for (size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
     particle_.resize(static_cast<size_t>(n));
-    sorted_.resize(dim, n);
+    for (auto& coordinates : sorted_) coordinates.resize(static_cast<size_t>(n));
     std::vector<std::int32_t> next(start_.begin(), start_.end() - 1);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto slot = next[static_cast<size_t>(cell[static_cast<size_t>(i)])]++;
       particle_[static_cast<size_t>(slot)] = static_cast<std::int32_t>(i);
-      sorted_.col(slot) = position.col(i);
+      for (int d = 0; d < dim; ++d)
+        sorted_[static_cast<size_t>(d)][static_cast<size_t>(slot)] = position(d, i);
     }
   }
 
-  /// Calls found(j) for every particle j within `radius` of `at` [m], in the cells' order.
-  template <class Found>
-  void for_each_within(const double* at, double radius, Found&& found) const {
+  /// Appends every particle within `radius` of `at` [m] to `found`, in the cells' order, itself included.
+  void append_within(const double* at, double radius, Buffer& found) const {
     const auto centre = place(at);
     const double squared = radius * radius;
     std::array<std::int64_t, 3> low{}, high{};
@@ -83,15 +103,30 @@ class CellGrid {
     for (auto z = low[2]; z <= high[2]; ++z)
       for (auto y = low[1]; y <= high[1]; ++y) {
         // Cells adjacent in x are adjacent in memory: one run of particles.
-        const auto first = start_[static_cast<size_t>(index({low[0], y, z}))];
-        const auto last = start_[static_cast<size_t>(index({high[0], y, z})) + 1];
-        for (auto k = first; k < last; ++k)
-          if (squared_distance<dim>(at, sorted_.col(k).data()) < squared)
-            found(particle_[static_cast<size_t>(k)]);
+        const auto first = static_cast<size_t>(start_[static_cast<size_t>(index({low[0], y, z}))]);
+        const auto last = static_cast<size_t>(start_[static_cast<size_t>(index({high[0], y, z})) + 1]);
+        for (auto k = first; k < last; k += chunk)
+          append_chunk(at, squared, k, std::min(chunk, last - k), found);
       }
   }
 
  private:
+  // Distances first, in a loop without branches; then the selection, also without.
+  void append_chunk(const double* at, double squared, size_t first, size_t n, Buffer& found) const {
+    std::array<double, chunk> square{};
+    for (size_t d = 0; d < static_cast<size_t>(dim); ++d) {
+      const double *x = sorted_[d].data() + first, centre = at[d];
+      for (size_t k = 0; k < n; ++k) square[k] += (x[k] - centre) * (x[k] - centre);
+    }
+    if (found.value.size() < found.used + n) found.value.resize(2 * (found.used + chunk));
+    std::int32_t* out = found.value.data();
+    auto used = found.used;
+    for (size_t k = 0; k < n; ++k) {
+      out[used] = particle_[first + k];
+      used += square[k] < squared ? 1 : 0;
+    }
+    found.used = used;
+  }
   using Place = std::array<std::int64_t, 3>;
   Place place(const double* x) const {
     Place p{};
@@ -107,7 +142,7 @@ class CellGrid {
   std::array<double, 3> origin_{};
   std::array<std::int64_t, 3> count_{1, 1, 1};
   std::vector<std::int32_t> start_, particle_;
-  Vectors<dim> sorted_;
+  std::array<std::vector<double>, static_cast<size_t>(dim)> sorted_;  // coordinates in the cells' order [m]
 };
 
 template <int dim>
@@ -117,6 +152,22 @@ void require_finite(const Vectors<dim>& position) {
       throw Error(
           ExitCode::solver_fault, "fluid", fmt::format("the position of particle {} is not finite", i),
           "lower fluid.scheme.time_step or fluid.scheme.cfl; look at the last frames for where it began");
+}
+
+void drop_filler_pairs(std::span<const std::uint8_t> tag, std::vector<std::int64_t>& start,
+                       std::vector<std::int32_t>& column) {
+  size_t kept = 0;
+  auto first = start[0];
+  for (size_t i = 0; i + 1 < start.size(); ++i) {
+    const auto last = start[i + 1];
+    for (auto c = first; c < last; ++c) {
+      const auto j = column[static_cast<size_t>(c)];
+      if (!(tag[i] & tag[static_cast<size_t>(j)] & filler)) column[kept++] = j;
+    }
+    first = last;
+    start[i + 1] = static_cast<std::int64_t>(kept);
+  }
+  column.resize(kept);
 }
 
 }  // namespace
@@ -142,34 +193,35 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
   // rows come out sorted because the relation is symmetric.
   constexpr Eigen::Index block = 1024;
   const auto n_blocks = (n + block - 1) / block;
-  std::vector<std::vector<std::int32_t>> found(static_cast<size_t>(n_blocks));
-  std::vector<std::int32_t> count(static_cast<size_t>(n));
+  std::vector<Buffer> found(static_cast<size_t>(n_blocks));
+  std::vector<std::int32_t> count(static_cast<size_t>(n));  // with the particle itself
 #pragma omp parallel for schedule(static)
   for (Eigen::Index b = 0; b < n_blocks; ++b) {
     auto& mine = found[static_cast<size_t>(b)];
     for (auto i = b * block; i < std::min(n, (b + 1) * block); ++i) {
-      const auto before = mine.size();
-      const bool is_filler = !tag.empty() && (tag[static_cast<size_t>(i)] & filler);
-      grid.for_each_within(position.col(i).data(), reach, [&](std::int32_t j) {
-        if (j != i && !(is_filler && (tag[static_cast<size_t>(j)] & filler))) mine.push_back(j);
-      });
-      count[static_cast<size_t>(i)] = static_cast<std::int32_t>(mine.size() - before);
+      const auto before = mine.used;
+      grid.append_within(position.col(i).data(), reach, mine);
+      count[static_cast<size_t>(i)] = static_cast<std::int32_t>(mine.used - before);
     }
   }
   candidate_start_.resize(static_cast<size_t>(n) + 1);
   candidate_start_[0] = 0;
-  for (size_t i = 0; i < count.size(); ++i) candidate_start_[i + 1] = candidate_start_[i] + count[i];
+  for (size_t i = 0; i < count.size(); ++i) candidate_start_[i + 1] = candidate_start_[i] + count[i] - 1;
   const auto pairs = static_cast<size_t>(candidate_start_.back());
   candidate_.resize(pairs);
-  candidate_squared_.resize(pairs);
   std::vector<std::int64_t> next(candidate_start_.begin(), candidate_start_.end() - 1);
   Eigen::Index i = 0;
   for (const auto& mine : found) {
     size_t k = 0;
     for (const auto end = std::min(n, i + block); i < end; ++i)
-      for (std::int32_t c = 0; c < count[static_cast<size_t>(i)]; ++c, ++k)
-        candidate_[static_cast<size_t>(next[static_cast<size_t>(mine[k])]++)] = static_cast<std::int32_t>(i);
+      for (std::int32_t c = 0; c < count[static_cast<size_t>(i)]; ++c, ++k) {
+        const auto j = mine.value[k];
+        if (j != i)
+          candidate_[static_cast<size_t>(next[static_cast<size_t>(j)]++)] = static_cast<std::int32_t>(i);
+      }
   }
+  if (!tag.empty()) drop_filler_pairs(tag, candidate_start_, candidate_);
+  candidate_squared_.resize(candidate_.size());
   built_at_ = position;
   built_tag_.assign(tag.begin(), tag.end());
   valid_ = true;
@@ -208,6 +260,7 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
     double* square = candidate_squared_.data();
     std::array<double, dim> at;
     for (int d = 0; d < dim; ++d) at[static_cast<size_t>(d)] = x[dim * i + d];
+#pragma omp simd
     for (auto c = first; c < last; ++c) {
       double sum = 0;
       for (int d = 0; d < dim; ++d) {
@@ -234,22 +287,25 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto first = candidate_start_[static_cast<size_t>(i)],
                last = candidate_start_[static_cast<size_t>(i) + 1];
-    const auto begin = exact_.start_[static_cast<size_t>(i)], end = exact_.start_[static_cast<size_t>(i) + 1];
     std::int32_t* column = exact_.column_.data();
-    double *distance = exact_.distance_.data(), *inverse = exact_.inverse_.data();
-    auto k = begin;
-    for (auto c = first; c < last; ++c) {
-      const double square = candidate_squared_[static_cast<size_t>(c)];
-      if (square < squared) {
-        column[k] = candidate_[static_cast<size_t>(c)];
-        distance[k] = square;
-        ++k;
+    double* squares = exact_.distance_.data();
+    auto k = exact_.start_[static_cast<size_t>(i)];
+    std::array<std::uint8_t, chunk> selected;
+    for (auto c = first; c < last; c += static_cast<std::int64_t>(chunk)) {
+      const double* square = candidate_squared_.data() + c;
+      const auto used =
+          select_below(square, squared, std::min(chunk, static_cast<size_t>(last - c)), selected);
+      for (size_t m = 0; m < used; ++m, ++k) {
+        column[k] = candidate_[static_cast<size_t>(c) + selected[m]];
+        squares[k] = square[selected[m]];
       }
     }
-    for (k = begin; k < end; ++k) {
-      distance[k] = std::sqrt(distance[k]);
-      inverse[k] = 1.0 / distance[k];
-    }
+  }
+  double *distance = exact_.distance_.data(), *inverse = exact_.inverse_.data();
+#pragma omp parallel for simd schedule(static)
+  for (size_t k = 0; k < pairs; ++k) {
+    distance[k] = std::sqrt(distance[k]);
+    inverse[k] = 1.0 / distance[k];
   }
   return exact_;
 }
@@ -280,13 +336,16 @@ const Neighbours& NeighbourSearch<dim>::within(double radius) {
   for (std::int64_t i = 0; i < n; ++i) {
     auto k = static_cast<size_t>(rows.start_[static_cast<size_t>(i)]);
     const auto last = static_cast<size_t>(exact_.start_[static_cast<size_t>(i) + 1]);
-    for (auto e = static_cast<size_t>(exact_.start_[static_cast<size_t>(i)]); e < last; ++e)
-      if (exact_.distance_[e] < radius) {
-        rows.column_[k] = exact_.column_[e];
-        rows.distance_[k] = exact_.distance_[e];
-        rows.inverse_[k] = exact_.inverse_[e];
-        ++k;
+    std::array<std::uint8_t, chunk> selected;
+    for (auto e = static_cast<size_t>(exact_.start_[static_cast<size_t>(i)]); e < last; e += chunk) {
+      const auto used =
+          select_below(exact_.distance_.data() + e, radius, std::min(chunk, last - e), selected);
+      for (size_t m = 0; m < used; ++m, ++k) {
+        rows.column_[k] = exact_.column_[e + selected[m]];
+        rows.distance_[k] = exact_.distance_[e + selected[m]];
+        rows.inverse_[k] = exact_.inverse_[e + selected[m]];
       }
+    }
   }
   part->fresh = true;
   return rows;

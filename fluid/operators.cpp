@@ -106,7 +106,8 @@ std::vector<Tensor<dim>> gradient_correction(const Vectors<dim>& position, const
     Tensor<dim> moment = Tensor<dim>::Zero();
     for_each_pair(rows, masks, i, lattice.radius, [&](std::int32_t j, double w, double inverse) {
       const Vector<dim> r = position.col(j) - at;
-      moment += (w * inverse * inverse) * r * r.transpose();
+      const Vector<dim> scaled = (w * inverse * inverse) * r;
+      for (int m = 0; m < dim; ++m) moment.col(m) += r[m] * scaled;
     });
     moment *= dim / lattice.n0;
     if (moment.determinant() < smallest_determinant) return;
@@ -144,7 +145,8 @@ std::vector<Tensor<dim>> velocity_gradient(const Vectors<dim>& position, const V
     const Vector<dim> at = position.col(i), moves = velocity.col(i);
     Tensor<dim> sum = Tensor<dim>::Zero();
     for_each_pair(rows, masks, i, lattice.radius, [&](std::int32_t j, double w, double inverse) {
-      sum += (velocity.col(j) - moves) * ((w * inverse * inverse) * (position.col(j) - at)).transpose();
+      const Vector<dim> u = velocity.col(j) - moves, r = (w * inverse * inverse) * (position.col(j) - at);
+      for (int m = 0; m < dim; ++m) sum.col(m) += r[m] * u;
     });
     sum *= dim / lattice.n0;
     if (!correction.empty()) sum *= correction[static_cast<size_t>(i)];  // C is symmetric
