@@ -8,8 +8,8 @@
 
 namespace strake {
 
-/// Writes an archive as one HDF5 file: aside, closed, renamed. Real arrays become double datasets (rows×columns),
-/// integer arrays int64 datasets. Equal content is equal bytes. Throws Error(cannot_write).
+/// Writes an archive as one HDF5 file: aside, closed, renamed. Real arrays become double datasets
+/// (rows×columns), integer arrays int64 datasets. Equal content is equal bytes. Throws Error(cannot_write).
 void write_archive(const std::filesystem::path&, const Archive&);
 /// Throws Error(case_file) with the path and what was expected when the file is missing or not ours.
 Archive read_archive(const std::filesystem::path&);
