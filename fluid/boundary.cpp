@@ -1,1 +1,336 @@
-// Being written.
+#include "fluid/boundary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "proto/error.hpp"
+
+namespace strake::fluid {
+
+namespace {
+
+bool is_filler(Kind kind) {
+  return kind == Kind::dummy_wall || kind == Kind::dummy_interface;
+}
+bool is_row_of_body(Kind kind) {
+  return kind == Kind::interface || kind == Kind::dummy_interface;
+}
+
+template <int dim>
+void append(State<dim>& state, std::int64_t count) {
+  const auto n = state.position.cols();
+  state.position.conservativeResize(dim, n + count);
+  state.velocity.conservativeResize(dim, n + count);
+  state.pressure.conservativeResize(n + count);
+  state.sps_k.conservativeResize(n + count);
+  state.position.rightCols(count).setZero();
+  state.velocity.rightCols(count).setZero();
+  state.pressure.tail(count).setZero();
+  state.sps_k.tail(count).setZero();
+  for (std::int64_t k = 0; k < count; ++k) state.id.push_back(n + k);
+  state.surface.resize(static_cast<std::size_t>(n + count), 1);
+}
+
+}  // namespace
+
+template <int dim>
+Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity,
+                        State<dim>& tank)
+    : spacing_(p.spacing), water_density_(p.density), tank_(p.tank) {
+  const Scheme& s = p.scheme;
+  reach_ =
+      p.spacing * std::max({s.radius_density, s.radius_gradient, s.radius_divergence, s.radius_laplacian});
+  counting_radius_ = s.radius_density * p.spacing;
+  water_ = std::count(tank.kind.begin(), tank.kind.end(), Kind::fluid);
+  bodies_ = tank.position.cols();
+  low_ = p.tank.min.head<dim>();
+  high_ = p.tank.max.head<dim>();
+  // Beside the tank, beyond its walls and their reach.
+  parking_ = low_;
+  parking_[0] = high_[0] + 4 * reach_;
+
+  mesh_.dimension = dim;
+  if (partner.position.cols() > 0) {
+    volume_ = p.interface == "volume";
+    if (volume_)
+      add_solids(partner, initial_velocity, tank);
+    else
+      add_rows(partner, tank);
+  }
+  const auto n = tank.position.cols();
+  density_.setConstant(n, p.density);
+  point_of_.resize(static_cast<std::size_t>(n), -1);
+  buried_.resize(static_cast<std::size_t>(n), 0);
+  if (volume_) {
+    const double volume = std::pow(p.spacing, dim);
+    for (std::int64_t i = bodies_; i < n; ++i)
+      density_[i] = partner.mass.size() ? partner.mass[i - bodies_] / volume : p.density;
+  }
+  find_masters(tank);
+  check_overlap(tank);
+}
+
+template <int dim>
+void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
+  if constexpr (dim != 2) {
+    (void)partner;
+    (void)state;
+    throw Error(ExitCode::case_file, "coupling.interface = \"surface\"",
+                "moving surfaces are not built yet in three dimensions",
+                "set fluid.dimension = 2, or coupling.interface = \"volume\"");
+  } else {
+    outline_ = Outline(partner, spacing_);
+    mesh_ = outline_.mesh();
+    rows_ = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
+    const int m = outline_.points();
+    append(state, static_cast<std::int64_t>(rows_) * m);
+    state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::interface);
+    state.kind.insert(state.kind.end(), static_cast<std::size_t>((rows_ - 1) * m), Kind::dummy_interface);
+    point_of_.assign(static_cast<std::size_t>(bodies_), -1);
+    for (int row = 0; row < rows_; ++row)
+      for (int k = 0; k < m; ++k) point_of_.push_back(k);
+    // The mirror images of the rows in the face: where a flat water surface would have its particles.
+    flat_water_.setZero(m);
+    const double reach = counting_radius_;
+    for (const Outline::Run& run : outline_.runs())
+      for (int i = 0; i < run.count; ++i)
+        for (int j = 0; j < run.count; ++j)
+          for (int row = 0; row < rows_; ++row) {
+            int apart = std::abs(i - j);
+            if (run.closed) apart = std::min(apart, run.count - apart);
+            flat_water_[run.first + i] += weight(std::hypot(apart * run.piece, (row + 1) * spacing_), reach);
+          }
+    const Points zero = Points::Zero(3, m);
+    move(state, zero, zero, true);
+  }
+}
+
+template <int dim>
+void Boundary<dim>::add_solids(const InterfaceMesh& partner, const Points& initial_velocity,
+                               State<dim>& state) {
+  mesh_ = partner;
+  mesh_.name = "fluid";
+  const auto m = partner.position.cols();
+  append(state, m);
+  state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::solid);
+  point_of_.assign(static_cast<std::size_t>(bodies_), -1);
+  for (Eigen::Index k = 0; k < m; ++k) point_of_.push_back(static_cast<int>(k));
+  state.position.rightCols(m) = partner.position.template topRows<dim>();
+  if (initial_velocity.cols() == m) state.velocity.rightCols(m) = initial_velocity.template topRows<dim>();
+  // Complete neighbourhood in the reference configuration: inside.
+  NeighbourSearch<dim> search(counting_radius_, 0.0);
+  const Vectors<dim> reference = state.position.rightCols(m);
+  const Neighbours& rows = search.update(reference);
+  const LatticeConstants lattice = lattice_constants<dim>(counting_radius_ / spacing_, spacing_);
+  buried_.assign(static_cast<std::size_t>(bodies_), 0);
+  for (std::int64_t k = 0; k < m; ++k) {
+    double n = 0;
+    for (const double distance : rows.distances(k)) n += weight(distance, lattice.radius);
+    buried_.push_back(n > 0.97 * lattice.n0 ? 1 : 0);
+  }
+}
+
+template <int dim>
+void Boundary<dim>::find_masters(const State<dim>& state) {
+  const auto n = state.position.cols();
+  master_.assign(static_cast<std::size_t>(n), -1);
+  std::vector<std::int32_t> walls;
+  for (std::int64_t i = water_; i < bodies_; ++i)
+    if (state.kind[static_cast<std::size_t>(i)] == Kind::wall) walls.push_back(static_cast<std::int32_t>(i));
+  for (std::int64_t i = water_; i < n; ++i) {
+    const Kind kind = state.kind[static_cast<std::size_t>(i)];
+    if (kind == Kind::dummy_interface) {
+      master_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(bodies_ + point_of(i));
+    } else if (kind == Kind::dummy_wall) {
+      double best = std::numeric_limits<double>::infinity();
+      for (const std::int32_t w : walls) {
+        const double d = (state.position.col(w) - state.position.col(i)).squaredNorm();
+        if (d < best) {
+          best = d;
+          master_[static_cast<std::size_t>(i)] = w;
+        }
+      }
+    }
+  }
+}
+
+template <int dim>
+void Boundary<dim>::check_overlap(const State<dim>& state) const {
+  const double slack = 1e-6 * spacing_;
+  for (Eigen::Index k = 0; k < mesh_.position.cols(); ++k) {
+    const Vector<dim> x = mesh_.position.col(k).template head<dim>();
+    bool out = false;
+    for (int a = 0; a < dim; ++a) out = out || x[a] < low_[a] - slack || (a != 1 && x[a] > high_[a] + slack);
+    // Clamped columns of a particle structure may stand in the wall, where nothing is wet.
+    if (out && !volume_)
+      throw Error(ExitCode::case_file, "structure",
+                  fmt::format("the body reaches ({:.6g}, {:.6g}), outside the tank", x[0], x[1]),
+                  "move or shorten the body, or make fluid.tank larger");
+  }
+  for (std::int64_t i = 0; i < water_; ++i) {
+    bool overlap = false;
+    if constexpr (dim == 2) {
+      if (!outline_.empty()) overlap = outline_.inside(state.position.col(i));
+    }
+    if (volume_)
+      for (std::int64_t j = bodies_; j < state.position.cols() && !overlap; ++j)
+        overlap = (state.position.col(j) - state.position.col(i)).norm() < 0.5 * spacing_;
+    if (overlap)
+      throw Error(ExitCode::case_file, "structure",
+                  fmt::format("the body overlaps the water, for one at ({:.6g}, {:.6g})",
+                              state.position(0, i), state.position(1, i)),
+                  "raise the body or lower the upper face of fluid.water");
+  }
+}
+
+template <int dim>
+void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Points& velocity,
+                         bool positions) {
+  const auto m = mesh_.position.cols();
+  if (m == 0) return;
+  assert(displacement.cols() == m && velocity.cols() == m);
+  if (positions) {
+    state.interface_displacement = displacement.template topRows<dim>();
+    state.interface_velocity = velocity.template topRows<dim>();
+  }
+  if (volume_) {
+    state.velocity.rightCols(m) = velocity.template topRows<dim>();
+    if (positions) state.position.rightCols(m) = (mesh_.position + displacement).template topRows<dim>();
+    return;
+  }
+  if constexpr (dim == 2) {
+    outline_.move(positions ? displacement.topRows<2>() : state.interface_displacement,
+                  velocity.topRows<2>());
+    for (int row = 0; row < rows_; ++row) {
+      const double depth = (row + 0.5) * spacing_;
+      for (int k = 0; k < static_cast<int>(m); ++k) {
+        const std::int64_t i = bodies_ + static_cast<std::int64_t>(row) * m + k;
+        state.velocity.col(i) = outline_.velocity(k) - depth * outline_.normal_rate(k);
+        if (positions) state.position.col(i) = outline_.point(k) - depth * outline_.normal(k);
+      }
+    }
+  }
+}
+
+template <int dim>
+void Boundary<dim>::adopt(const State<dim>& state) {
+  if constexpr (dim == 2) {
+    if (!outline_.empty()) outline_.move(state.interface_displacement, state.interface_velocity);
+  }
+}
+
+template <int dim>
+std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
+  const auto n = static_cast<std::size_t>(state.position.cols());
+  tag_.assign(n, plain);
+  for (std::size_t i = static_cast<std::size_t>(water_); i < n; ++i)
+    if (is_filler(state.kind[i])) tag_[i] = filler;
+  if constexpr (dim == 2) {
+    if (!outline_.empty()) {
+      // A pair that crosses the outline has an end within half its length of the bounding box.
+      const Vector<2> low = outline_.low().array() - 0.5 * reach_,
+                      high = outline_.high().array() + 0.5 * reach_;
+      for (std::int64_t i = 0; i < bodies_; ++i)
+        if ((state.position.col(i).array() >= low.array()).all() &&
+            (state.position.col(i).array() <= high.array()).all())
+          tag_[static_cast<std::size_t>(i)] |= asked;
+      for (std::size_t i = static_cast<std::size_t>(bodies_); i < n; ++i) tag_[i] |= asked;
+    }
+  }
+  return tag_;
+}
+
+template <int dim>
+bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j) const {
+  if constexpr (dim == 2) {
+    const bool i_row = is_row_of_body(state.kind[static_cast<std::size_t>(i)]);
+    const bool j_row = is_row_of_body(state.kind[static_cast<std::size_t>(j)]);
+    if (i_row && j_row) return outline_.run_of(point_of(i)) == outline_.run_of(point_of(j));
+    if (i_row || j_row) {
+      const std::int32_t row = i_row ? i : j, other = i_row ? j : i;
+      return other < water_ && outline_.crosses(outline_.run_of(point_of(row)), state.position.col(other),
+                                                state.position.col(row));
+    }
+    return !outline_.separates(state.position.col(std::min(i, j)), state.position.col(std::max(i, j)));
+  }
+  return true;
+}
+
+template <int dim>
+void Boundary<dim>::count_water(const State<dim>&, const Neighbours& rows, const LatticeConstants& lattice,
+                                Eigen::VectorXd& n) const {
+  if (outline_.empty()) return;
+  for (int k = 0; k < outline_.points(); ++k) {
+    const std::int64_t i = bodies_ + k;
+    const auto columns = rows.row(i);
+    const auto distances = rows.distances(i);
+    double water = 0;
+    for (std::size_t e = 0; e < columns.size() && columns[e] < water_; ++e)
+      water += weight(distances[e], lattice.radius);
+    n[i] = lattice.n0 + water - flat_water_[k];
+  }
+}
+
+template <int dim>
+void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
+                                 const Points& acceleration) const {
+  const auto n = state.position.cols();
+  for (std::int64_t i = water_; i < n; ++i) {
+    const std::int32_t w = master_[static_cast<std::size_t>(i)];
+    if (w < 0) continue;
+    if (state.surface[static_cast<std::size_t>(w)]) {
+      state.pressure[i] = 0;
+      continue;
+    }
+    Vector<dim> field = gravity;
+    if (w >= bodies_ && acceleration.cols() > 0) field -= acceleration.col(point_of(w)).template head<dim>();
+    state.pressure[i] =
+        state.pressure[w] + water_density_ * field.dot(state.position.col(i) - state.position.col(w));
+  }
+}
+
+template <int dim>
+Vector<dim> Boundary<dim>::wall_area(const State<dim>& state, std::int64_t i) const {
+  Vector<dim> normal = Vector<dim>::Zero();
+  int sides = 0;
+  for (int a = 0; a < dim; ++a) {
+    if (state.position(a, i) < low_[a]) {
+      normal[a] = 1;
+      ++sides;
+    } else if (state.position(a, i) > high_[a] && a != 1) {
+      normal[a] = -1;
+      ++sides;
+    }
+  }
+  if (sides != 1) return Vector<dim>::Zero();
+  return normal * std::pow(spacing_, dim - 1);
+}
+
+template <int dim>
+bool Boundary<dim>::left_domain(const Vector<dim>& x) const {
+  for (int a = 0; a < dim; ++a) {
+    const double margin =
+        a == 1 ? high_[1] - low_[1] : spacing_;  // droplets may fly one tank height above it
+    if (!(x[a] >= low_[a] - spacing_ && x[a] <= high_[a] + margin)) return true;
+  }
+  return false;
+}
+
+template <int dim>
+Vector<dim> Boundary<dim>::parking_place(std::int64_t number) const {
+  const double pitch = 2 * reach_;
+  const auto column = std::max<std::int64_t>(1, static_cast<std::int64_t>((high_[1] - low_[1]) / pitch));
+  Vector<dim> place = parking_;
+  place[1] += pitch * static_cast<double>(number % column);
+  place[0] += pitch * static_cast<double>(number / column);
+  return place;
+}
+
+template class Boundary<2>;
+template class Boundary<3>;
+
+}  // namespace strake::fluid

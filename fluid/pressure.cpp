@@ -1,1 +1,134 @@
-// Being written.
+#include "fluid/pressure.hpp"
+
+#include <cmath>
+
+namespace strake::fluid {
+
+double drift_factor(const Scheme& scheme, double dt) {
+  return scheme.tau > 0 ? dt / scheme.tau : scheme.gamma;
+}
+
+namespace {
+
+// f of the header, times −s ρ.
+double right_side(const PressureTerms& terms, const Scheme& scheme, double scale, double gamma,
+                  std::int64_t i) {
+  const double dt = terms.dt;
+  const double stiffness =
+      terms.density[i] * terms.sound_speed * terms.sound_speed;  // ρ_i c², may be infinite
+  const double compression = terms.old_pressure[i] / stiffness;  // pⁿ/(ρ_i c²)
+  double f = 0;
+  switch (scheme.source) {
+    case Source::density:
+      f = -terms.deviation[i] / (dt * dt);
+      break;
+    case Source::divergence:
+      f = terms.divergence[i] / dt - compression / (dt * dt);
+      break;
+    case Source::mixed:
+      f = (1 - gamma) * terms.divergence[i] / dt - compression / (dt * dt) -
+          gamma * (terms.deviation[i] - compression) / (dt * dt);
+      break;
+  }
+  return -scale * terms.reference_density * f;
+}
+
+}  // namespace
+
+template <int dim>
+void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms, const Scheme& scheme,
+                       const LatticeConstants& laplacian, PressureSystem& system) {
+  const auto n = static_cast<std::int64_t>(terms.row.size());
+  system.particle.clear();
+  system.unknown_of.assign(terms.row.size(), -1);
+  for (std::int64_t i = 0; i < n; ++i) {
+    if (terms.row[static_cast<std::size_t>(i)] != Row::unknown) continue;
+    system.unknown_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(system.particle.size());
+    system.particle.push_back(static_cast<std::int32_t>(i));
+  }
+  const std::int64_t unknowns = system.size();
+  system.start.resize(system.particle.size());
+  system.stop.resize(system.particle.size());
+  system.column.resize(neighbours.column().size());
+  system.value.resize(neighbours.column().size());
+  system.diagonal.resize(unknowns);
+  system.right.resize(unknowns);
+
+  const double scale = laplacian.n0 * laplacian.lambda0 / (2.0 * dim);
+  const double gamma = drift_factor(scheme, terms.dt);
+  const double radius = laplacian.radius, inverse_radius = 1.0 / radius;
+  const double c_dt = terms.sound_speed * terms.dt;
+  const double* density = terms.density.data();
+  const double two_rho = 2.0 * terms.reference_density;
+
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < unknowns; ++k) {
+    const std::int64_t i = system.particle[static_cast<std::size_t>(k)];
+    const std::int64_t first = neighbours.start()[static_cast<std::size_t>(i)];
+    std::int64_t at = first;
+    double diagonal = 0;
+    const auto columns = neighbours.row(i);
+    const auto inverses = neighbours.inverses(i);
+    for (std::size_t e = 0; e < columns.size(); ++e) {
+      const std::int32_t j = columns[e];
+      const Row role = terms.row[static_cast<std::size_t>(j)];
+      if (role == Row::none || inverses[e] <= inverse_radius) continue;
+      const double w = (radius * inverses[e] - 1.0) * (two_rho / (density[i] + density[j]));
+      diagonal += w;
+      if (role == Row::zero) continue;
+      system.column[static_cast<std::size_t>(at)] = system.unknown_of[static_cast<std::size_t>(j)];
+      system.value[static_cast<std::size_t>(at)] = -w;
+      ++at;
+    }
+    system.start[static_cast<std::size_t>(k)] = first;
+    system.stop[static_cast<std::size_t>(k)] = at;
+    system.diagonal[k] = diagonal + scale * terms.reference_density / (density[i] * c_dt * c_dt);
+    system.right[k] = right_side(terms, scheme, scale, gamma, i);
+    if (system.diagonal[k] <= 0) {  // no neighbour and no compressibility: nothing holds a pressure
+      system.diagonal[k] = 1;
+      system.right[k] = 0;
+    }
+  }
+}
+
+int close_sealed_blocks(PressureSystem& system) {
+  const std::int64_t n = system.size();
+  std::vector<char> seen(static_cast<std::size_t>(n), 0);
+  std::vector<std::int64_t> block;
+  int sealed = 0;
+  for (std::int64_t seed = 0; seed < n; ++seed) {
+    if (seen[static_cast<std::size_t>(seed)]) continue;
+    block.assign(1, seed);
+    seen[static_cast<std::size_t>(seed)] = 1;
+    bool held = false;
+    for (std::size_t at = 0; at < block.size(); ++at) {
+      const auto k = static_cast<std::size_t>(block[at]);
+      double sum = 0;
+      for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
+        sum -= system.value[static_cast<std::size_t>(e)];
+        const std::int32_t j = system.column[static_cast<std::size_t>(e)];
+        if (!seen[static_cast<std::size_t>(j)]) {
+          seen[static_cast<std::size_t>(j)] = 1;
+          block.push_back(j);
+        }
+      }
+      // A neighbour at P = 0 or compressibility makes the diagonal larger than its row; round-off does not.
+      held = held || system.diagonal[block[at]] - sum > 1e-10 * system.diagonal[block[at]];
+    }
+    if (held) continue;
+    ++sealed;
+    double mean = 0;
+    for (const std::int64_t k : block) mean += system.right[k];
+    mean /= static_cast<double>(block.size());
+    for (const std::int64_t k : block) system.right[k] -= mean;
+    system.diagonal[seed] *= 2;
+  }
+  return sealed;
+}
+
+template void assemble_pressure<2>(const Neighbours&, const PressureTerms&, const Scheme&,
+                                   const LatticeConstants&, PressureSystem&);
+template void assemble_pressure<3>(const Neighbours&, const PressureTerms&, const Scheme&,
+                                   const LatticeConstants&, PressureSystem&);
+
+}  // namespace strake::fluid

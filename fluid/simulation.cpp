@@ -1,1 +1,482 @@
-// Being written.
+#include "fluid/simulation.hpp"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "fluid/boundary.hpp"
+#include "fluid/collision.hpp"
+#include "fluid/correction.hpp"
+#include "fluid/fill.hpp"
+#include "fluid/interface_load.hpp"
+#include "fluid/kernel.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/number_density.hpp"
+#include "fluid/operators.hpp"
+#include "fluid/pressure.hpp"
+#include "fluid/turbulence.hpp"
+#include "proto/error.hpp"
+
+namespace strake::fluid {
+
+namespace {
+
+/// Verlet skin [l0] (PHYSICS §16.5).
+constexpr double skin = 0.2;
+/// A void is surface so far below the initial water level [l0].
+constexpr double void_depth = 5;
+
+/// Adds the wall seconds of its life to one stage.
+class StageClock {
+ public:
+  StageClock(std::map<std::string, double>& seconds, const char* stage)
+      : seconds_(seconds[stage]), start_(std::chrono::steady_clock::now()) {}
+  ~StageClock() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  StageClock(const StageClock&) = delete;
+  StageClock& operator=(const StageClock&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+/// Velocity of the partner's points at the fluid's own, by the nearest point of the partner's faces.
+Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, const Points& velocity) {
+  if (velocity.cols() == mesh.position.cols() && partner.faces.cols() == 0) return velocity;
+  Points on_mesh = Points::Zero(3, mesh.position.cols());
+  if (velocity.cols() != partner.position.cols()) return on_mesh;
+  for (Eigen::Index k = 0; k < mesh.position.cols(); ++k) {
+    double best = std::numeric_limits<double>::infinity();
+    for (Eigen::Index f = 0; f < partner.faces.cols(); ++f) {
+      const int a = partner.faces(0, f), b = partner.faces(1, f);
+      const Eigen::Vector3d t = partner.position.col(b) - partner.position.col(a);
+      const double s =
+          std::clamp((mesh.position.col(k) - partner.position.col(a)).dot(t) / t.squaredNorm(), 0.0, 1.0);
+      const double distance = (partner.position.col(a) + s * t - mesh.position.col(k)).squaredNorm();
+      if (distance >= best) continue;
+      best = distance;
+      on_mesh.col(k) = (1 - s) * velocity.col(a) + s * velocity.col(b);
+    }
+  }
+  return on_mesh;
+}
+
+}  // namespace
+
+template <int dim>
+struct Simulation<dim>::Work {
+  Work(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
+
+  void begin(double dt, const InterfaceMotion&);
+  void find_neighbours();
+  void predict();
+  void measure_number_density();
+  void solve_pressure();
+  void correct();
+  void shift();
+  void load_interface();
+  void finish();
+
+  void search_neighbours();
+  void classify_rows();
+  void check_finite() const;
+  void park_lost();
+  std::string where() const { return fmt::format("fluid, step {} (t = {:.9g} s)", state.step, state.time); }
+  bool at_star() const { return p.scheme.density_at == DensityAt::star; }
+  const Neighbours& near_density() { return search.within(density_lattice.radius); }
+  const Neighbours& near_gradient() { return search.within(gradient_lattice.radius); }
+
+  Parameters p;
+  LatticeConstants density_lattice, gradient_lattice, divergence_lattice, laplacian_lattice;
+  double mass;  // of a water particle [kg]
+  State<dim> state;
+  Boundary<dim> boundary;
+  NeighbourSearch<dim> search;
+  std::map<std::string, double> seconds;
+  StepReport report;
+  Points force;                             // on the interface points [N]
+  Vector<dim> floor = Vector<dim>::Zero();  // on the tank floor [N]
+
+  // Scratch of one step.
+  double dt = 0;
+  const InterfaceMotion* motion = nullptr;
+  const Neighbours* far = nullptr;
+  Vector<dim> gravity;
+  Vectors<dim> old_velocity, viscous, gradient;
+  Eigen::VectorXd n, divergence, deviation;
+  std::vector<Row> row;
+  std::vector<std::uint8_t> solved, moves;  // masks: unknowns; water
+  PressureSystem system;
+  CollisionAccount<dim> collisions;
+};
+
+template <int dim>
+Simulation<dim>::Work::Work(const Parameters& parameters, const InterfaceMesh& partner,
+                            const Points& initial_velocity)
+    : p(parameters),
+      density_lattice(lattice_constants<dim>(p.scheme.radius_density, p.spacing)),
+      gradient_lattice(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
+      divergence_lattice(lattice_constants<dim>(p.scheme.radius_divergence, p.spacing)),
+      laplacian_lattice(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
+      mass(p.density * std::pow(p.spacing, dim)),
+      state(fill<dim>(p)),
+      boundary(p, partner, initial_velocity, state),
+      search(std::max({density_lattice.radius, gradient_lattice.radius, divergence_lattice.radius,
+                       laplacian_lattice.radius}),
+             skin * p.spacing) {
+  omp_set_num_threads(p.threads);
+  const auto m = boundary.mesh().position.cols();
+  force = Points::Zero(3, m);
+  if (m > 0)
+    boundary.move(state, Points::Zero(3, m), velocity_on(boundary.mesh(), partner, initial_velocity), true);
+  for (std::int64_t i = 0; i < boundary.water(); ++i) state.initial_momentum += mass * state.velocity.col(i);
+  state.surface.assign(state.kind.size(), 1);
+  moves.assign(state.kind.size(), 0);
+  std::fill_n(moves.begin(), boundary.water(), std::uint8_t{1});
+}
+
+/// g · ½(1 − cos(πt/ramp)) in the middle of the step; the bodies' velocity of the end of the step.
+template <int dim>
+void Simulation<dim>::Work::begin(double step, const InterfaceMotion& given) {
+  dt = step;
+  motion = &given;
+  double ramp = 1;
+  const double t = state.time + 0.5 * dt;
+  if (p.gravity_ramp > 0 && t < p.gravity_ramp)
+    ramp = 0.5 * (1 - std::cos(std::numbers::pi * t / p.gravity_ramp));
+  gravity = ramp * p.gravity.head<dim>();
+  // Volume coupling gives the places of the structure's particles for this step, surface coupling those at
+  // its end.
+  boundary.move(state, given.displacement, given.velocity, boundary.volume());
+}
+
+template <int dim>
+void Simulation<dim>::Work::search_neighbours() {
+  const auto keep = [this](std::int32_t i, std::int32_t j) { return boundary.keep(state, i, j); };
+  far = &search.update(state.position, boundary.tags(state), keep);
+}
+
+template <int dim>
+void Simulation<dim>::Work::find_neighbours() {
+  const StageClock clock(seconds, "neighbours");
+  search_neighbours();
+}
+
+/// u* = u + Δt (ν∇²u + ∇·τ + g); r* = r + Δt u* where the scheme works at r* (PHYSICS (26)–(28)).
+template <int dim>
+void Simulation<dim>::Work::predict() {
+  const StageClock clock(seconds, "predictor");
+  const std::int64_t water = boundary.water();
+  ViscousStage<dim> stage = viscous_stage<dim>(state.position, state.velocity, p, near_gradient(), *far);
+  viscous = std::move(stage.acceleration);
+  if (stage.sps.k.size() == state.sps_k.size()) state.sps_k = stage.sps.k;
+  old_velocity = state.velocity.leftCols(water);
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (boundary.parked(state, i)) continue;
+    state.velocity.col(i) += dt * (viscous.col(i) + gravity);
+    state.impulse_of_gravity += mass * dt * gravity;
+  }
+  if (!at_star()) return;
+  state.position.leftCols(water) += dt * state.velocity.leftCols(water);
+  if (!boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
+}
+
+template <int dim>
+void Simulation<dim>::Work::measure_number_density() {
+  const StageClock clock(seconds, "density");
+  if (at_star()) {
+    check_finite();
+    search_neighbours();
+  }
+  const Neighbours& near = near_density();
+  n = number_density(near, density_lattice.radius);
+  boundary.count_water(state, near, density_lattice, n);
+  const SurfaceTest test{p.scheme.beta, p.scheme.second, p.spacing, density_lattice};
+  std::vector<std::uint8_t> flags =
+      surface_flags<dim>(state.position, state.kind, near, n, test, state.surface);
+  state.surface.swap(flags);
+  classify_rows();
+}
+
+/// Unknowns are particles with a pressure that are not surface; δ = (n − n0)/n0, where a negative value
+/// beside the surface is no expansion but missing neighbours, and would suck (PHYSICS §16.8, trap 1).
+template <int dim>
+void Simulation<dim>::Work::classify_rows() {
+  const Neighbours& near = near_density();
+  const auto count = static_cast<std::int64_t>(state.kind.size());
+  row.assign(state.kind.size(), Row::none);
+  solved.assign(state.kind.size(), 0);
+  deviation.setZero(count);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!has_pressure(state.kind[k]) || boundary.buried(i) || boundary.parked(state, i)) continue;
+    row[k] = state.surface[k] ? Row::zero : Row::unknown;
+    if (state.surface[k]) continue;
+    solved[k] = 1;
+    // A structure particle keeps its own density whatever the water does.
+    if (state.kind[k] == Kind::solid) continue;
+    double delta = n[i] / density_lattice.n0 - 1;
+    if (delta < 0)
+      for (const std::int32_t j : near.row(i))
+        if (state.surface[static_cast<std::size_t>(j)]) {
+          delta = 0;
+          break;
+        }
+    deviation[i] = delta;
+  }
+}
+
+template <int dim>
+void Simulation<dim>::Work::solve_pressure() {
+  const StageClock clock(seconds, "pressure");
+  const Scheme& scheme = p.scheme;
+  divergence =
+      fluid::divergence<dim>(state.position, state.velocity, search.within(divergence_lattice.radius),
+                             divergence_lattice, Masks{solved, {}});
+  const PressureTerms terms{row,       divergence,    deviation, state.pressure, boundary.density(),
+                            p.density, p.sound_speed, dt};
+  assemble_pressure<dim>(*far, terms, scheme, laplacian_lattice, system);
+  if (!std::isfinite(p.sound_speed)) close_sealed_blocks(system);
+  Eigen::VectorXd guess(system.size());
+  for (std::int64_t k = 0; k < system.size(); ++k)
+    guess[k] = state.pressure[system.particle[static_cast<std::size_t>(k)]];
+  const PressureSolution solution = fluid::solve_pressure(system, guess, scheme);
+  report.pressure_iterations = solution.iterations;
+  if (!(solution.residual <= 10 * scheme.pressure_tolerance) || !solution.pressure.allFinite())
+    throw Error(
+        ExitCode::solver_fault, where(),
+        fmt::format("the pressure equation did not converge: {} iterations, residual {:.3g} (asked {:.3g}), "
+                    "CFL {:.3g}, {} unknowns",
+                    solution.iterations, solution.residual, scheme.pressure_tolerance, report.cfl,
+                    system.size()),
+        "reduce fluid.scheme.time_step, or raise fluid.scheme.pressure.max_iterations or .tolerance");
+  state.pressure.setZero();
+  for (std::int64_t k = 0; k < system.size(); ++k)
+    state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
+  if (!scheme.negative_pressure) state.pressure = state.pressure.cwiseMax(0.0);
+  boundary.fill_dummies(state, gravity, motion->acceleration);
+}
+
+/// u = u* − (Δt/ρ)∇p (29), (30); r = r* + Δt (u − u*) (31), or r + ½Δt (uⁿ + u) where the scheme works at rⁿ.
+template <int dim>
+void Simulation<dim>::Work::correct() {
+  const StageClock clock(seconds, "corrector");
+  const std::int64_t water = boundary.water();
+  gradient = pressure_gradient<dim>(state.position, state.pressure, near_gradient(), gradient_lattice,
+                                    p.scheme.gradient, Masks{moves, {}});
+  // The load belongs to the places the pressure was solved for.
+  load_interface();
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (boundary.parked(state, i)) continue;
+    const Vector<dim> change = -dt / p.density * gradient.col(i);
+    state.velocity.col(i) += change;
+    if (at_star())
+      state.position.col(i) += dt * change;
+    else
+      state.position.col(i) += 0.5 * dt * (old_velocity.col(i) + state.velocity.col(i));
+  }
+  if (!at_star() && !boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
+}
+
+template <int dim>
+void Simulation<dim>::Work::shift() {
+  const StageClock clock(seconds, "shift");
+  check_finite();
+  shift_particles<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.shifting, dt, p.spacing);
+  collisions = separate_particles<dim>(state, boundary, near_density(), p.scheme, dt, p.spacing, mass);
+  park_lost();
+}
+
+template <int dim>
+void Simulation<dim>::Work::load_interface() {
+  const StageClock clock(seconds, "load");
+  const LoadTerms<dim> terms{viscous,   gravity,  motion->acceleration, p.scheme.gradient, gradient_lattice,
+                             p.density, p.spacing};
+  const RowForces<dim> forces = row_forces<dim>(state, boundary, near_gradient(), terms);
+  force = gather_on_points<dim>(forces, boundary);
+  floor = Vector<dim>::Zero();
+  for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
+    state.impulse_on_walls += dt * forces.col(i);
+    if (state.position(1, i) < p.tank.min[1]) floor += forces.col(i);
+  }
+  for (Eigen::Index k = 0; k < force.cols(); ++k)
+    state.impulse_on_bodies += dt * force.col(k).template head<dim>();
+}
+
+template <int dim>
+void Simulation<dim>::Work::check_finite() const {
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (state.position.col(i).allFinite() && state.velocity.col(i).allFinite()) continue;
+    throw Error(
+        ExitCode::solver_fault, where(),
+        fmt::format("particle {} is no longer finite: position ({:.6g}, {:.6g}), velocity ({:.6g}, {:.6g})",
+                    state.id[static_cast<std::size_t>(i)], state.position(0, i), state.position(1, i),
+                    state.velocity(0, i), state.velocity(1, i)),
+        "reduce fluid.scheme.time_step or fluid.scheme.cfl");
+  }
+}
+
+template <int dim>
+void Simulation<dim>::Work::park_lost() {
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (boundary.parked(state, i) || !boundary.left_domain(state.position.col(i))) continue;
+    state.impulse_on_walls += mass * state.velocity.col(i);  // it takes its momentum out of the account
+    state.position.col(i) = boundary.parking_place(state.lost++);
+    state.velocity.col(i).setZero();
+    state.pressure[i] = 0;
+    search.invalidate();
+  }
+}
+
+/// Accounts of the step; the load of collisions joins the interface force when the scheme conserves.
+template <int dim>
+void Simulation<dim>::Work::finish() {
+  state.impulse_of_collisions += collisions.on_water;
+  state.impulse_on_walls += collisions.on_walls;
+  for (Eigen::Index k = 0; k < collisions.on_points.cols(); ++k) {
+    state.impulse_on_bodies += collisions.on_points.col(k);
+    if (p.scheme.collision_conserve) force.col(k).template head<dim>() += collisions.on_points.col(k) / dt;
+  }
+  std::int64_t inner = 0, voids = 0;
+  double fastest = 0;
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    fastest = std::max(fastest, state.velocity.col(i).squaredNorm());
+    if (!state.surface[static_cast<std::size_t>(i)]) {
+      ++inner;
+    } else if (state.position(1, i) < p.water.max[1] - void_depth * p.spacing) {
+      ++voids;
+    }
+  }
+  state.inner_fraction_min =
+      std::min(state.inner_fraction_min,
+               static_cast<double>(inner) / static_cast<double>(std::max<std::int64_t>(1, boundary.water())));
+  state.voids = std::max(state.voids, voids);
+  state.penetrations = std::max(state.penetrations, collisions.inside);
+  report.cfl = std::sqrt(fastest) * dt / p.spacing;
+  state.time += dt;
+  ++state.step;
+}
+
+template <int dim>
+Simulation<dim>::Simulation(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity)
+    : work_(std::make_unique<Work>(p, partner, initial_velocity)) {}
+
+template <int dim>
+Simulation<dim>::~Simulation() = default;
+
+template <int dim>
+StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion) {
+  Work& w = *work_;
+  w.begin(dt, motion);
+  w.find_neighbours();         // cell list → CSR
+  w.predict();                 // u* = u + dt (ν ∇²u + ∇·τ + g)
+  w.measure_number_density();  // n, free surface
+  w.solve_pressure();          // ∇²p − p/(c dt)² = ρ/dt ∇·u* + …
+  w.correct();                 // u = u* − dt/ρ ∇p; stress → force on the interface
+  w.shift();                   // keep the distribution regular, part what came too close
+  w.finish();                  // momentum account
+  return w.report;
+}
+
+template <int dim>
+const Points& Simulation<dim>::interface_force() const {
+  return work_->force;
+}
+
+template <int dim>
+const InterfaceMesh& Simulation<dim>::interface() const {
+  return work_->boundary.mesh();
+}
+
+/// Convection, gravity and viscosity (PHYSICS §11); the pressure is implicit and sets no limit.
+template <int dim>
+double Simulation<dim>::stable_dt() const {
+  const Work& w = *work_;
+  const double l0 = w.p.spacing;
+  const double fastest = std::sqrt(w.state.velocity.colwise().squaredNorm().maxCoeff());
+  const double eddy = w.p.scheme.c_nu * l0 * std::sqrt(std::max(0.0, w.state.sps_k.maxCoeff()));
+  double dt = std::numeric_limits<double>::infinity();
+  if (fastest > 0) dt = std::min(dt, w.p.scheme.cfl * l0 / fastest);
+  if (w.p.gravity.norm() > 0) dt = std::min(dt, 0.25 * std::sqrt(l0 / w.p.gravity.norm()));
+  if (w.p.kinematic_viscosity + eddy > 0) dt = std::min(dt, 0.1 * l0 * l0 / (w.p.kinematic_viscosity + eddy));
+  return dt;
+}
+
+template <int dim>
+const State<dim>& Simulation<dim>::state() const {
+  return work_->state;
+}
+
+template <int dim>
+void Simulation<dim>::set_state(const State<dim>& state) {
+  work_->state = state;
+  work_->boundary.adopt(work_->state);
+  work_->search.invalidate();
+}
+
+template <int dim>
+State<dim>& Simulation<dim>::mutable_state() {
+  return work_->state;
+}
+
+template <int dim>
+const std::map<std::string, double>& Simulation<dim>::seconds() const {
+  return work_->seconds;
+}
+
+template <int dim>
+double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diameter) const {
+  const Work& w = *work_;
+  const State<dim>& state = w.state;
+  const double reach = 0.5 * diameter * (1 + 1e-9), l0 = w.p.spacing;
+  double load = 0, area = 0;
+  if constexpr (dim == 2) {
+    const Outline& outline = w.boundary.outline();
+    for (int k = 0; k < outline.points(); ++k) {
+      if ((w.boundary.mesh().position.col(k) - at).norm() > reach) continue;
+      load -= w.force.col(k).template head<2>().dot(outline.normal(k));
+      area += outline.area(k);
+    }
+    if (!outline.empty()) return area > 0 ? load / area : 0.0;
+  }
+  const std::int64_t first = w.boundary.volume() ? w.boundary.first_of_bodies() : w.boundary.water();
+  for (std::int64_t i = first; i < static_cast<std::int64_t>(state.kind.size()); ++i) {
+    Vector<dim> face;
+    double pressure = state.pressure[i];
+    if (state.kind[static_cast<std::size_t>(i)] == Kind::solid) {
+      face = w.boundary.mesh().position.col(w.boundary.point_of(i)).template head<dim>();
+    } else if (state.kind[static_cast<std::size_t>(i)] == Kind::wall) {
+      Vector<dim> normal = w.boundary.wall_area(state, i);
+      if (normal.norm() == 0) continue;
+      normal.normalize();
+      face = state.position.col(i) + 0.5 * l0 * normal;
+      if (!state.surface[static_cast<std::size_t>(i)])
+        pressure += w.p.density * w.p.gravity.template head<dim>().dot(0.5 * l0 * normal);
+    } else {
+      continue;
+    }
+    if ((face - at.head<dim>()).norm() > reach) continue;
+    load += pressure;
+    area += 1;
+  }
+  return area > 0 ? load / area : 0.0;
+}
+
+template <int dim>
+Eigen::Vector3d Simulation<dim>::floor_force() const {
+  Eigen::Vector3d floor = Eigen::Vector3d::Zero();
+  floor.head<dim>() = work_->floor;
+  return floor;
+}
+
+template class Simulation<2>;
+template class Simulation<3>;
+
+}  // namespace strake::fluid

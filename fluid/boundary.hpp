@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "fluid/kernel.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/outline.hpp"
+#include "fluid/parameters.hpp"
+#include "fluid/state.hpp"
+
+namespace strake::fluid {
+
+/// Everything the water meets: the tank's rows, the rows of moving bodies behind their wetted faces, and, in
+/// volume coupling, the structure's own particles. Order of particles: water, tank rows, then bodies.
+///
+/// A body's face owns rows of particles along its inward normal: the first, l0/2 behind the face, carries a
+/// pressure unknown, the deeper ones fill the support. Rows belong to one run of the outline and are seen
+/// only through it: a pair of water and row counts when its segment crosses that run. So a plate thinner than
+/// the support keeps the water above and below apart, and a corner is not counted twice (PHYSICS §10.3).
+template <int dim>
+class Boundary {
+ public:
+  /// tank: water and tank rows of `fill`; the bodies' particles are appended to it.
+  /// Throws Error(case_file) when a body leaves the tank or overlaps the water.
+  Boundary(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, State<dim>& tank);
+
+  const InterfaceMesh& mesh() const { return mesh_; }
+  const Outline& outline() const { return outline_; }  // empty in volume coupling
+  bool volume() const { return volume_; }
+  std::int64_t water() const { return water_; }                // particles [0, water) are water
+  std::int64_t first_of_bodies() const { return bodies_; }     // [water, first_of_bodies) are the tank
+  const Eigen::VectorXd& density() const { return density_; }  // ρ_i [kg/m³]
+
+  /// Interface point that particle i belongs to; −1: none.
+  int point_of(std::int64_t i) const { return point_of_[static_cast<std::size_t>(i)]; }
+  /// A structure particle whose own neighbourhood is complete: it never meets water, so it has no unknown.
+  bool buried(std::int64_t i) const { return buried_[static_cast<std::size_t>(i)] != 0; }
+
+  /// Puts the bodies at that motion of the interface points. positions = false: velocities alone, at the old
+  /// places.
+  void move(State<dim>&, const Points& displacement, const Points& velocity, bool positions);
+  /// Adopts the places that `state` was saved with.
+  void adopt(const State<dim>& state);
+
+  /// What the neighbour search must know of each particle.
+  std::span<const std::uint8_t> tags(const State<dim>&);
+  bool keep(const State<dim>&, std::int32_t i, std::int32_t j) const;
+
+  /// A body's first row is wet by the water it touches, not by its own rows, which end at corners:
+  /// n_i ← n0 + Σ_water w − the same sum under a flat water surface at l0.
+  void count_water(const State<dim>&, const Neighbours&, const LatticeConstants&, Eigen::VectorXd& n) const;
+
+  /// Neumann condition P_d = P_w + ρ(g − a_w)·(r_d − r_w) on dummy rows; 0 behind a dry row.
+  void fill_dummies(State<dim>&, const Vector<dim>& gravity, const Points& acceleration) const;
+
+  /// Outward area vector of a tank wall particle, towards the water [m, m² in 3-D]; zero in corners.
+  Vector<dim> wall_area(const State<dim>&, std::int64_t i) const;
+
+  /// Particles out of the tank are parked where nothing reaches them.
+  bool parked(const State<dim>& state, std::int64_t i) const {
+    return i < water_ && state.position(0, i) > parking_[0] - 2 * spacing_;
+  }
+  bool left_domain(const Vector<dim>& x) const;
+  Vector<dim> parking_place(std::int64_t number) const;
+
+ private:
+  void add_rows(const InterfaceMesh& partner, State<dim>&);
+  void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
+  void find_masters(const State<dim>&);
+  void check_overlap(const State<dim>&) const;
+
+  double spacing_, water_density_;
+  double reach_ = 0, counting_radius_ = 0;  // largest radius, and that of the number density [m]
+  Box tank_;
+  InterfaceMesh mesh_;
+  Outline outline_;
+  bool volume_ = false;
+  std::int64_t water_ = 0, bodies_ = 0;
+  int rows_ = 0;  // behind a face
+  Eigen::VectorXd density_;
+  std::vector<int> point_of_;
+  std::vector<std::int32_t> master_;  // of a dummy: the row whose pressure it extends; −1
+  std::vector<std::uint8_t> buried_, tag_;
+  Eigen::VectorXd flat_water_;  // Σ_water w of each interface point under a flat surface at l0
+  Vector<dim> low_, high_, parking_;
+};
+
+}  // namespace strake::fluid

@@ -1,0 +1,140 @@
+#include "fluid/collision.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace strake::fluid {
+
+namespace {
+
+struct Pair {
+  std::int32_t i, j;
+};
+
+/// Pairs with a water particle i < j that are too close and approach each other, in order.
+template <int dim>
+std::vector<Pair> close_pairs(const State<dim>& state, std::int64_t water, const Neighbours& near,
+                              double distance, double margin) {
+  constexpr std::int64_t block = 1024;
+  const std::int64_t blocks = (water + block - 1) / block;
+  std::vector<std::vector<Pair>> found(static_cast<std::size_t>(blocks));
+#pragma omp parallel for schedule(static)
+  for (std::int64_t b = 0; b < blocks; ++b) {
+    for (std::int64_t i = b * block; i < std::min(water, (b + 1) * block); ++i) {
+      const auto columns = near.row(i);
+      const auto distances = near.distances(i);
+      for (std::size_t e = 0; e < columns.size(); ++e) {
+        if (columns[e] <= i || distances[e] > margin) continue;
+        const Vector<dim> r = state.position.col(columns[e]) - state.position.col(i);
+        if (r.squaredNorm() >= distance * distance) continue;
+        if ((state.velocity.col(i) - state.velocity.col(columns[e])).dot(r) <= 0) continue;
+        found[static_cast<std::size_t>(b)].push_back({static_cast<std::int32_t>(i), columns[e]});
+      }
+    }
+  }
+  std::vector<Pair> all;
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+template <int dim>
+void give(CollisionAccount<dim>& account, const Boundary<dim>& boundary, std::int64_t row,
+          const Vector<dim>& impulse) {
+  const int point = boundary.point_of(row);
+  if (point >= 0)
+    account.on_points.col(point) += impulse;
+  else
+    account.on_walls += impulse;
+  account.on_water -= impulse;
+}
+
+template <int dim>
+void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, double mass,
+              CollisionAccount<dim>& account) {
+  if constexpr (dim == 2) {
+    const Outline& outline = boundary.outline();
+    if (outline.empty()) return;
+    for (std::int64_t i = 0; i < boundary.water(); ++i) {
+      if (!outline.inside(state.position.col(i))) continue;
+      ++account.inside;
+      const auto foot = outline.nearest(state.position.col(i));
+      const Vector<2> n = outline.normal(foot.point);
+      state.position.col(i) = foot.position + 0.05 * spacing * n;
+      const double into = (state.velocity.col(i) - outline.velocity(foot.point)).dot(n);
+      if (into >= 0) continue;
+      state.velocity.col(i) -= into * n;
+      account.on_points.col(foot.point) += mass * into * n;
+      account.on_water -= mass * into * n;
+    }
+  }
+}
+
+}  // namespace
+
+template <int dim>
+CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>& boundary,
+                                         const Neighbours& near, const Scheme& scheme, double dt,
+                                         double spacing, double particle_mass) {
+  CollisionAccount<dim> account;
+  account.on_points = Vectors<dim>::Zero(dim, boundary.mesh().position.cols());
+  const std::int64_t water = boundary.water();
+  if (scheme.anti_penetration != AntiPenetration::none) {
+    const double distance = scheme.collision_distance * spacing;
+    // Rows of neighbours stand for the positions before the step; none moved by more than half a spacing.
+    const auto pairs = close_pairs<dim>(state, water, near, distance, distance + spacing);
+    account.pairs = static_cast<std::int64_t>(pairs.size());
+    std::vector<int> count;
+    if (scheme.anti_penetration == AntiPenetration::average) {
+      count.assign(static_cast<std::size_t>(state.position.cols()), 0);
+      for (const Pair& pair : pairs) {
+        ++count[static_cast<std::size_t>(pair.i)];
+        ++count[static_cast<std::size_t>(pair.j)];
+      }
+    }
+    const double volume = std::pow(spacing, dim);
+    for (const Pair& pair : pairs) {
+      const Vector<dim> r = state.position.col(pair.j) - state.position.col(pair.i);
+      const double length = r.norm();
+      if (length == 0) continue;
+      const Vector<dim> e = r / length;
+      const Vector<dim> approach = state.velocity.col(pair.i) - state.velocity.col(pair.j);
+      const double closing = approach.dot(e);
+      if (closing <= 0) continue;  // an earlier collision has parted them
+      const bool other_is_water = pair.j < water;
+      const bool other_is_solid = state.kind[static_cast<std::size_t>(pair.j)] == Kind::solid;
+      // Reduced mass over the particle's mass: ½ for two of water, 1 against what does not give way.
+      double share = 1.0;
+      if (other_is_water) share = 0.5;
+      if (other_is_solid) {
+        const double heavy = boundary.density()[pair.j] * volume;
+        share = heavy / (heavy + particle_mass);
+      }
+      Vector<dim> change;  // of v_i
+      if (scheme.anti_penetration == AntiPenetration::collision) {
+        change = -(1 + scheme.restitution) * share * closing * e;
+      } else {
+        const int most =
+            std::max(count[static_cast<std::size_t>(pair.i)], count[static_cast<std::size_t>(pair.j)]);
+        change = -share * (2.0 / (1 + most)) * approach;
+      }
+      state.velocity.col(pair.i) += change;
+      state.position.col(pair.i) += change * dt;
+      if (other_is_water) {
+        state.velocity.col(pair.j) -= change;
+        state.position.col(pair.j) -= change * dt;
+      } else {
+        give<dim>(account, boundary, pair.j, -particle_mass * change);
+      }
+    }
+  }
+  put_back<dim>(state, boundary, spacing, particle_mass, account);
+  return account;
+}
+
+template CollisionAccount<2> separate_particles<2>(State<2>&, const Boundary<2>&, const Neighbours&,
+                                                   const Scheme&, double, double, double);
+template CollisionAccount<3> separate_particles<3>(State<3>&, const Boundary<3>&, const Neighbours&,
+                                                   const Scheme&, double, double, double);
+
+}  // namespace strake::fluid

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "fluid/boundary.hpp"
+#include "fluid/kernel.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/operators.hpp"
+#include "fluid/parameters.hpp"
+#include "fluid/state.hpp"
+
+namespace strake::fluid {
+
+/// ∇P [Pa/m] of PHYSICS §2 (19) and §10.1 as the scheme chooses it, at the rows that `row` marks. Surface
+/// particles and dry rows stand in the sums with P = 0, dummies with their Neumann pressure.
+template <int dim>
+Vectors<dim> pressure_gradient(const Vectors<dim>& position, const Eigen::VectorXd& pressure,
+                               const Neighbours& near, const LatticeConstants& lattice, Gradient kind,
+                               const Masks& masks);
+
+/// Particle shifting (PHYSICS §10.4): δr_i = −A |u_i| Δt l0 ∇C_i, ∇C_i = (d/n0) Σ_j w r_ij/r², at most 0.1
+/// l0. At the surface the part along the surface normal (the direction of ∇C) is left out, which leaves
+/// nothing of ∇C itself: there the particle follows the mean shift of its inner neighbours along the surface.
+/// A: scheme.shifting; 0 shifts nothing.
+template <int dim>
+void shift_particles(State<dim>& state, const Boundary<dim>&, const Neighbours& near,
+                     const LatticeConstants& lattice, double strength, double dt, double spacing);
+
+}  // namespace strake::fluid

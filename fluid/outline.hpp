@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "proto/interface.hpp"
+
+namespace strake::fluid {
+
+/// The wetted outline of plane bodies as the fluid sees it: straight or smooth runs of faces between corners,
+/// each divided evenly into pieces of about one particle spacing with a wet point in its middle. The motion
+/// is given on the wet points; corners follow from the points beside them, so that a rigid motion is followed
+/// exactly.
+///
+/// Walked counter-clockwise; the normal points into the fluid.
+class Outline {
+ public:
+  using Vector2 = Eigen::Vector2d;
+  using Vectors2 = Eigen::Matrix2Xd;
+
+  /// One run: wet points first … first+count−1, vertices vertex … vertex+count.
+  struct Run {
+    int first = 0, count = 0, vertex = 0;
+    int previous = 0, next = 0;               // neighbours around the body
+    bool closed = false;                      // smooth body without corners
+    bool owns_start = true, owns_end = true;  // a segment through the very corner crosses one run only
+    double piece = 0;                         // reference length of a piece [m]
+  };
+
+  Outline() = default;
+  /// partner: closed chains of segments. Throws Error(case_file) when they are not closed or run clockwise.
+  Outline(const InterfaceMesh& partner, double spacing);
+
+  bool empty() const { return runs_.empty(); }
+  const InterfaceMesh& mesh() const { return mesh_; }  // wet points, faces between neighbours around the body
+  const std::vector<Run>& runs() const { return runs_; }
+  int run_of(int point) const { return run_of_[static_cast<std::size_t>(point)]; }
+  int points() const { return static_cast<int>(run_of_.size()); }
+
+  /// Moves the outline: displacement and velocity of the wet points, 2×m.
+  void move(const Vectors2& displacement, const Vectors2& velocity);
+
+  Vector2 point(int k) const { return point_.col(k); }
+  Vector2 velocity(int k) const { return velocity_.col(k); }
+  Vector2 normal(int k) const { return normal_.col(k); }
+  Vector2 normal_rate(int k) const { return normal_rate_.col(k); }  // dn/dt [1/s]
+  double area(int k) const { return area_[k]; }                     // length of the piece [m]
+  Vector2 low() const { return low_; }                              // bounding box
+  Vector2 high() const { return high_; }
+
+  /// Whether the segment a–b crosses that run. Corners count for the run that owns them.
+  bool crosses(int run, const Vector2& a, const Vector2& b) const { return crosses(run, a, b, false); }
+  /// Whether it crosses any run, corners included.
+  bool separates(const Vector2& a, const Vector2& b) const;
+  bool inside(const Vector2& x) const;
+
+  struct Foot {
+    int point = -1;  // piece it lies on
+    Vector2 position;
+    double distance = 0;
+  };
+  Foot nearest(const Vector2& x) const;
+
+ private:
+  bool crosses(int run, const Vector2& a, const Vector2& b, bool with_corners) const;
+  void add_runs(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing);
+  void connect(std::size_t first_run);
+
+  InterfaceMesh mesh_;
+  std::vector<Run> runs_;
+  std::vector<int> run_of_;
+  Vectors2 reference_;   // wet points
+  Vectors2 half_piece_;  // reference half tangent of each piece, for runs of a single point
+  Vectors2 point_, velocity_, normal_, normal_rate_;
+  Vectors2 vertex_, vertex_velocity_;
+  Eigen::VectorXd area_;
+  Vectors2 run_low_, run_high_;
+  Vector2 low_ = Vector2::Zero(), high_ = Vector2::Zero();
+};
+
+}  // namespace strake::fluid

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "fluid/kernel.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/parameters.hpp"
+#include "fluid/state.hpp"
+
+namespace strake::fluid {
+
+/// What a particle is to the pressure equation.
+enum class Row : std::uint8_t {
+  none,  // no unknown and not in the Laplacian: dummies, parked particles, the inside of a particle solid
+  zero,  // free surface, dry wall: P = 0
+  unknown,
+};
+
+/// A p = b, symmetric positive definite: the pressure equation times −ρ n0 λ / (2d), ρ the water's density.
+/// Off-diagonal entries of row k: column[start[k]] … column[stop[k] − 1], sorted; room behind stop[k] is
+/// unused.
+struct PressureSystem {
+  std::vector<std::int32_t> particle;    // of the unknown
+  std::vector<std::int32_t> unknown_of;  // of the particle, −1: none
+  std::vector<std::int64_t> start, stop;
+  std::vector<std::int32_t> column;
+  std::vector<double> value;
+  Eigen::VectorXd diagonal, right;
+  std::int64_t size() const { return static_cast<std::int64_t>(particle.size()); }
+};
+
+/// What the equation is made of, one entry per particle.
+struct PressureTerms {
+  std::span<const Row> row;
+  const Eigen::VectorXd& divergence;    // ∇·u* [1/s]
+  const Eigen::VectorXd& deviation;     // (n − n0)/n0, already clipped where the surface is near
+  const Eigen::VectorXd& old_pressure;  // pⁿ [Pa]
+  const Eigen::VectorXd& density;       // ρ_i [kg/m³]
+  double reference_density = 1000;      // ρ of the water
+  double sound_speed = 1500;            // c [m/s]; infinity: incompressible
+  double dt = 0;                        // Δt [s]
+};
+
+/// γ of PHYSICS eq. 25 for one step: Δt/τ where a time constant is given.
+double drift_factor(const Scheme&, double dt);
+
+/// PHYSICS §3 (23)–(25) in the variable-density, weakly compressible form, one row per unknown i:
+///   Σ_j w_ij 2ρ/(ρ_i+ρ_j) (p_i − p_j) + s ρ/(ρ_i c²Δt²) p_i = −s ρ f_i ,   s = n0 λ/(2d)
+///   density     f = −δ/Δt²                              (δ = (n − n0)/n0, n at r* or r^k)
+///   divergence  f = ∇·u*/Δt − pⁿ/(ρ_i c²Δt²)
+///   mixed       f = (1−γ) ∇·u*/Δt − pⁿ/(ρ_i c²Δt²) − (γ/Δt²)(δ − pⁿ/(ρ_i c²))
+/// `system` is passed in so that its memory is used again.
+template <int dim>
+void assemble_pressure(const Neighbours&, const PressureTerms&, const Scheme&,
+                       const LatticeConstants& laplacian, PressureSystem& system);
+
+/// Gives each block of unknowns that touches no P = 0 particle one: only c = ∞ leaves the pressure of such a
+/// block open. Its right side is made compatible (mean removed) and its first unknown pinned. Returns the
+/// number of blocks.
+int close_sealed_blocks(PressureSystem&);
+
+struct PressureSolution {
+  Eigen::VectorXd pressure;  // one per unknown [Pa]
+  int iterations = 0;
+  double residual = 0;  // ‖b − A p‖₂ / ‖b‖₂
+};
+
+/// Solves to scheme.pressure_tolerance from `guess`; sums run in fixed blocks, so that the result does not
+/// depend on the number of threads. A residual that is not finite or too large is returned, not thrown: the
+/// caller knows time and CFL.
+PressureSolution solve_pressure(const PressureSystem&, const Eigen::VectorXd& guess, const Scheme&);
+
+/// ‖b − A p‖₂ / ‖b‖₂.
+double pressure_residual(const PressureSystem&, const Eigen::VectorXd& pressure);
+
+}  // namespace strake::fluid
