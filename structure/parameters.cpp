@@ -90,6 +90,12 @@ void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
       {.unit = "spacing", .min = 1.5, .max = 4.1, .help = "reach r_e of the bonds; keep off whole numbers"});
   t.number("hourglass", particle.hourglass,
            {.min = 0, .max = 10, .help = "alpha of the hourglass energy; total_lagrangian only"});
+  particle.clamp = particle.model == ParticleModel::pair ? ClampColumn::outside : ClampColumn::inside;
+  t.choice(
+      "clamp", particle.clamp, {{"inside", ClampColumn::inside}, {"outside", ClampColumn::outside}},
+      {.help =
+           "first fixed column of a clamped end: the last inside the span (total_lagrangian), or the first "
+           "outside (pair)"});
   t.number("safety", particle.safety,
            {.min = 0, .max = 1, .exclusive = true, .help = "sub-step over the elastic limit"});
 }
@@ -124,6 +130,23 @@ void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p)
                                            "structure.solver = \"fem\"");
 }
 
+/// A probe of the structure measures a material point, so it must be one.
+void check_probes(const CaseFile& file, const CommonKeys& common, const Plate& plate) {
+  const double slack = 1e-6 * plate.length, half = 0.5 * plate.length;
+  for (const ProbeKeys& probe : common.probes) {
+    const Eigen::Vector3d X = probe.at - plate.bottom;
+    if (probe.of == "structure" &&
+        (std::abs(X.x()) > half + slack || X.y() < -slack || X.y() > plate.thickness + slack))
+      throw Error(
+          ExitCode::case_file, fmt::format("{}: output.probe \"{}\"", file.path().string(), probe.name),
+          fmt::format(
+              "at = [{:.6g}, {:.6g}] lies outside the plate (x {:.6g} to {:.6g} m, y {:.6g} to {:.6g} m)",
+              probe.at.x(), probe.at.y(), plate.bottom.x() - half, plate.bottom.x() + half, plate.bottom.y(),
+              plate.bottom.y() + plate.thickness),
+          "move the probe onto the plate");
+  }
+}
+
 void check_together(CaseFile& file, const CommonKeys& common, CaseTable structure, Parameters& p) {
   if (common.interface == "volume" && p.kind != "particle")
     throw file.root()
@@ -140,6 +163,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
     throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
                           "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
   if (p.kind == "particle") check_lattice(structure, common, p);
+  check_probes(file, common, p.plate);
 }
 
 }  // namespace

@@ -50,12 +50,16 @@ struct FemKeys {
   double tolerance = 1e-10;  // Newton, relative
 };
 enum class ParticleModel { pair, total_lagrangian };
+/// Where a clamped end's first fixed column of particles stands (PHYSICS §6).
+enum class ClampColumn { inside, outside };
 struct ParticleKeys {
   double spacing = 0.005;  // [m] surface coupling; volume coupling uses fluid.spacing
   ParticleModel model = ParticleModel::total_lagrangian;  // in volume coupling the default is pair
   double radius = 2.1;                                    // [spacing]
   double hourglass = 1.0;                                 // alpha of PHYSICS §6
-  double safety = 0.8;                                    // sub-step = safety × elastic limit
+  ClampColumn clamp =
+      ClampColumn::inside;  // pair model: outside, the set-up that its static table of PHYSICS §6 has
+  double safety = 0.8;      // sub-step = safety × elastic limit
 };
 struct Damping {
   double mass = 0;       // [1/s] Rayleigh, mass-proportional

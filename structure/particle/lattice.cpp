@@ -5,7 +5,7 @@
 
 namespace strake::structure {
 
-Lattice make_lattice(const Plate& plate, double spacing, double radius) {
+Lattice make_lattice(const Plate& plate, double spacing, double radius, ClampColumn clamp) {
   const int span = static_cast<int>(std::lround(plate.length / spacing));
   const int beyond =
       std::max(2, static_cast<int>(std::floor(radius)));  // two at least, else the reach of a bond
@@ -20,11 +20,12 @@ Lattice make_lattice(const Plate& plate, double spacing, double radius) {
   lattice.position.resize(2, n);
   lattice.fixed.assign(static_cast<std::size_t>(n), 0);
   lattice.inside.assign(static_cast<std::size_t>(n), 1);
+  const int held = clamp == ClampColumn::inside ? 1 : 0;  // columns inside the span that are fixed
   const double left = plate.bottom.x() - 0.5 * plate.length;
   for (int c = 0; c < lattice.columns; ++c) {
     const int in_span = c - lattice.outside_left;
-    const bool fixed = (plate.left == Support::clamped && in_span <= 0) ||
-                       (plate.right == Support::clamped && in_span >= span - 1);
+    const bool fixed = (plate.left == Support::clamped && in_span < held) ||
+                       (plate.right == Support::clamped && in_span >= span - held);
     for (int l = 0; l < lattice.layers; ++l) {
       const Eigen::Index i = lattice.index(c, l);
       lattice.position.col(i) << left + (in_span + 0.5) * spacing, plate.bottom.y() + (l + 0.5) * spacing;

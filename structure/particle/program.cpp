@@ -1,11 +1,16 @@
 #include "structure/program.hpp"
 
+#include <omp.h>
+
 #include "structure/particle/solver.hpp"
 
 namespace strake::structure {
 
 SolverProgram this_program() {
-  return {"particle", [](const Parameters& p) { return std::make_unique<ParticleSolver>(p); }};
+  return {"particle", [](const Parameters& p) {
+            omp_set_num_threads(p.threads);
+            return std::make_unique<ParticleSolver>(p);
+          }};
 }
 
 }  // namespace strake::structure

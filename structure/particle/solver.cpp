@@ -67,7 +67,7 @@ std::string model_name(ParticleModel model) {
 
 ParticleSolver::ParticleSolver(const Parameters& p)
     : parameters_(p),
-      lattice_(make_lattice(p.plate, p.particle.spacing, p.particle.radius)),
+      lattice_(make_lattice(p.plate, p.particle.spacing, p.particle.radius, p.particle.clamp)),
       bonds_(make_bonds(lattice_, p.particle.radius)),
       mass_(p.material.density * p.particle.spacing * p.particle.spacing),
       model_(make_model(p, bonds_, p.particle.spacing * p.particle.spacing)) {
