@@ -1,0 +1,149 @@
+#include "coupler/launch.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "proto/error.hpp"
+
+namespace strake {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+class Launching : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "launch_test-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override {
+    EXPECT_LT(waitpid(-1, nullptr, WNOHANG), 0) << "a process is left behind";
+    fs::remove_all(folder_);
+  }
+  Launch shell(const std::string& script) const {
+    return {"/bin/sh", {"-c", script}, folder_ / "log", 3, {}};
+  }
+  std::string log() const {
+    std::ifstream in(folder_ / "log");
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }
+  fs::path folder_;
+};
+
+TEST_F(Launching, OutputErrorsAndEnvironmentReachTheProgramAndItsLog) {
+  Launch launch = shell("echo out $OMP_NUM_THREADS $OMP_WAIT_POLICY $WORD; echo err >&2; exit 3");
+  launch.environment["WORD"] = "token";
+  Child child(launch);
+  const auto exit = child.wait(std::chrono::seconds(5));
+  ASSERT_TRUE(exit);
+  EXPECT_EQ(exit->code, 3);
+  EXPECT_EQ(to_text(*exit), "exited with code 3");
+  EXPECT_EQ(log(), "out 3 passive token\nerr\n");
+}
+
+TEST_F(Launching, AProgramThatDoesNotExistIsAnErrorAtOnce) {
+  try {
+    Child child({folder_ / "none", {}, {}, 1, {}});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::participant_lost);
+    EXPECT_NE(e.problem().find("cannot be started"), std::string::npos);
+  }
+}
+
+TEST_F(Launching, TheDestructorEndsAProgramThatIgnoresSigterm) {
+  pid_t pid = 0;
+  {
+    Child child(shell("trap '' TERM; echo ready; while :; do sleep 0.01; done"));
+    pid = child.pid();
+    while (log().empty()) usleep(1000);
+    child.end(milliseconds(50));
+    EXPECT_EQ(child.exit()->signal, SIGKILL);
+    EXPECT_EQ(to_text(*child.exit()), "was killed by signal 9 (Killed)");
+  }
+  EXPECT_NE(kill(pid, 0), 0);
+  end_orphans();  // the sleep that the shell had started
+}
+
+TEST_F(Launching, ASuspendedProgramIsRecognisedAndEnds) {
+  Child child(shell("sleep 30"));
+  child.signal(SIGSTOP);
+  while (!child.stopped()) usleep(1000);
+  child.end(milliseconds(2000));
+  EXPECT_EQ(child.exit()->signal, SIGTERM);
+  end_orphans();
+}
+
+TEST_F(Launching, WhatAProgramLeavesBehindIsEnded) {
+  Child child(shell("setsid sleep 30 & echo $!"));
+  ASSERT_TRUE(child.wait(std::chrono::seconds(5)));
+  const pid_t orphan = static_cast<pid_t>(std::stol(log()));
+  EXPECT_EQ(kill(orphan, 0), 0);
+  end_orphans();
+  EXPECT_NE(kill(orphan, 0), 0);
+}
+
+TEST_F(Launching, CaptureReturnsBothStreamsAndTheCode) {
+  const Captured c = capture("/bin/sh", {"-c", "echo out; echo err >&2; exit 3"});
+  EXPECT_EQ(c.out, "out\n");
+  EXPECT_EQ(c.err, "err\n");
+  EXPECT_EQ(c.exit_code, 3);
+  EXPECT_EQ(capture("/bin/sh", {"-c", "kill -9 $$"}).exit_code, 137);
+}
+
+TEST_F(Launching, CaptureTakesMoreThanAPipeHolds) {
+  const Captured c = capture("/bin/sh", {"-c", "head -c 1000000 /dev/zero; head -c 1000000 /dev/zero >&2"});
+  EXPECT_EQ(c.out.size(), 1'000'000u);
+  EXPECT_EQ(c.err.size(), 1'000'000u);
+}
+
+TEST_F(Launching, CaptureEndsAProgramThatTakesTooLong) {
+  try {
+    capture("/bin/sh", {"-c", "sleep 30"}, milliseconds(100));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::participant_lost);
+    EXPECT_EQ(e.where(), "sh -c sleep 30");
+    EXPECT_EQ(e.problem(), "has not ended within 0.1 s");
+  }
+  end_orphans();
+}
+
+TEST_F(Launching, ProgramsAreFoundBesideTheRunningOneThenOnThePathThenByTheCase) {
+  EXPECT_EQ(find_program("launch_test").filename(), "launch_test");
+  EXPECT_EQ(find_program("sh").filename(), "sh");
+  const fs::path own = folder_ / "mine";
+  std::ofstream(own) << "#!/bin/sh\n";
+  const auto refused = [&](const std::string& name, const std::string& why) {
+    try {
+      find_program(name, folder_);
+      ADD_FAILURE() << name;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::case_file);
+      EXPECT_NE(e.problem().find(why), std::string::npos) << e.problem();
+    }
+  };
+  refused("./mine", "cannot be executed");
+  refused("./none", "does not exist");
+  refused("no-such-program", "beside");
+  fs::permissions(own, fs::perms::owner_all);
+  EXPECT_EQ(find_program("./mine", folder_), own);
+}
+
+TEST(Token, TwoTokensDifferAndHold128Bits) {
+  EXPECT_EQ(random_token().size(), 32u);
+  EXPECT_NE(random_token(), random_token());
+}
+
+}  // namespace
+}  // namespace strake
