@@ -1,0 +1,146 @@
+#include "fluid/turbulence.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fluid/number_density.hpp"
+#include "fluid/viscosity.hpp"
+#include "tests/fluid/lattice.hpp"
+
+namespace strake::fluid {
+namespace {
+
+constexpr double l0 = 0.01;
+
+template <int dim>
+struct Flow {
+  int side;
+  Vectors<dim> position, velocity;
+  NeighbourSearch<dim> search{3.1 * l0, 0};
+  const Neighbours *far, *near;
+  Parameters parameters;
+  Flow(int n, double disorder) : side(n), position(block<dim>(n, l0, disorder)) {
+    far = &search.update(position);
+    near = &search.within(2.1 * l0);
+    parameters.dimension = dim;
+    parameters.spacing = l0;
+    parameters.kinematic_viscosity = 0;
+    velocity = Vectors<dim>::Zero(dim, position.cols());
+  }
+  ViscousStage<dim> stage() const { return viscous_stage<dim>(position, velocity, parameters, *near, *far); }
+  std::vector<std::int64_t> inside() const { return interior<dim>(side, 5); }
+};
+
+TEST(Sps, constants_give_the_papers_smagorinsky_number) {
+  EXPECT_NEAR(SpsModel{}.cs(), 0.1504, 5e-5);  // (0.08³)^¼
+}
+
+TEST(Sps, production_in_the_plane_is_equation_11) {
+  Tensor<2> gradient;
+  gradient << 2.0, -3.0, 0.5, 7.0;
+  EXPECT_DOUBLE_EQ(production<2>(gradient), 2 * (4.0 + 49.0) + 2.5 * 2.5);
+}
+
+TEST(Sps, equilibrium_holds_between_k_viscosity_and_dissipation) {
+  Flow<2> flow(11, 0);
+  flow.velocity.row(0) = 300.0 * flow.position.row(1);
+  const auto sps = flow.stage().sps;
+  const std::size_t middle = 60;
+  const auto i = static_cast<Eigen::Index>(middle);
+  const double c_nu = 0.08, c_eps = 1.0;
+  EXPECT_NEAR(sps.production[i], 300.0 * 300.0, 1e-6);
+  EXPECT_NEAR(sps.eddy_viscosity[i], c_nu * l0 * std::sqrt(sps.k[i]), 1e-15);
+  EXPECT_NEAR(sps.eddy_viscosity[i] * sps.production[i], c_eps * std::pow(sps.k[i], 1.5) / l0, 1e-9);
+}
+
+template <int dim>
+void linear_shear(SpsForm form) {
+  Flow<dim> flow(dim == 2 ? 15 : 11, 0);
+  flow.parameters.scheme.sps = form;
+  flow.parameters.kinematic_viscosity = 1e-3;
+  flow.velocity.row(0) = 100.0 * flow.position.row(1);
+  const auto acceleration = flow.stage().acceleration;
+  // Round-off of τ/l0: ν_t S ≈ 0.023 m²/s² over 0.01 m.
+  for (const auto i : flow.inside()) EXPECT_LT(acceleration.col(i).norm(), 1e-10);
+}
+TEST(Sps, a_linear_shear_has_no_force_inside_the_lattice) {
+  linear_shear<2>(SpsForm::stress_pair);
+  linear_shear<2>(SpsForm::laplacian);
+  linear_shear<3>(SpsForm::stress_pair);
+}
+
+// u = a y², v = 0: S = a y off-diagonal, Pr = (2 a y)², ν_t = (C_s Δ)² 2 a y, τ_xy = (C_s Δ)² (2 a y)²,
+// ∂τ_xy/∂y = 8 (C_s Δ)² a² y, and −(2/3)∂k/∂y = −(16/3)(C_ν/C_ε) Δ² a² y. Quadratic stresses are summed
+// exactly by symmetric differences on the lattice; the velocity gradient of a parabola is exact there too.
+TEST(Sps, a_parabolic_profile_has_the_analytic_force) {
+  Flow<2> flow(21, 0);
+  flow.position.row(1).array() += 1.0;  // y > 0 everywhere, so |S| does not change sign
+  flow.far = &flow.search.update(flow.position);
+  flow.near = &flow.search.within(2.1 * l0);
+  const double a = 40, mixing = SpsModel{}.cs() * l0;
+  flow.velocity.row(0) = a * flow.position.row(1).array().square();
+  const auto acceleration = flow.stage().acceleration;
+  for (const auto i : flow.inside()) {
+    const double y = flow.position(1, i);
+    EXPECT_NEAR(acceleration(0, i), 8 * mixing * mixing * a * a * y, 1e-9);
+    EXPECT_NEAR(acceleration(1, i), -16.0 / 3 * 0.08 * l0 * l0 * a * a * y, 1e-9);
+  }
+}
+
+TEST(Sps, the_stress_pair_form_keeps_linear_momentum_to_round_off) {
+  Flow<2> flow(21, 0.3);
+  flow.parameters.kinematic_viscosity = 1e-3;
+  flow.velocity.row(0) = (200 * flow.position.row(1)).array().sin();
+  flow.velocity.row(1) = (150 * flow.position.row(0)).array().cos();
+  const auto acceleration = flow.stage().acceleration;
+  EXPECT_LT(acceleration.rowwise().sum().norm(), 1e-13 * acceleration.cwiseAbs().sum());
+}
+
+TEST(Sps, spray_with_fewer_than_four_neighbours_has_no_eddy_viscosity) {
+  const std::vector<Tensor<2>> gradient(2, Tensor<2>::Constant(50.0));
+  SpsModel model;
+  model.filter = l0;
+  const auto sps = sps_fields<2>(gradient, std::vector<std::int32_t>{3, 4}, model);
+  EXPECT_EQ(sps.eddy_viscosity[0], 0);
+  EXPECT_EQ(sps.k[0], 0);
+  EXPECT_GT(sps.eddy_viscosity[1], 0);
+}
+
+TEST(Sps, wall_damping_takes_the_eddy_viscosity_to_zero_at_the_wall_and_leaves_it_far_away) {
+  const std::vector<Tensor<2>> gradient(2, Tensor<2>::Constant(50.0));
+  SpsModel model;
+  model.filter = l0;
+  model.kinematic_viscosity = 1e-6;
+  const std::vector<std::int32_t> counts{12, 12};
+  const auto free = sps_fields<2>(gradient, counts, model);
+  model.wall_damping = true;
+  const auto damped = sps_fields<2>(gradient, counts, model, Eigen::Vector2d(0.0, 1.0));
+  EXPECT_EQ(damped.eddy_viscosity[0], 0);
+  EXPECT_NEAR(damped.eddy_viscosity[1], free.eddy_viscosity[1], 1e-12);
+}
+
+TEST(Viscosity, a_parabolic_profile_feels_twice_nu_times_its_curvature) {
+  Flow<2> flow(15, 0);
+  flow.parameters.kinematic_viscosity = 1e-3;
+  flow.parameters.scheme.turbulence = Turbulence::none;
+  flow.velocity.row(0) = 40.0 * flow.position.row(1).array().square();
+  const auto acceleration = flow.stage().acceleration;
+  for (const auto i : flow.inside()) {
+    EXPECT_NEAR(acceleration(0, i), 80e-3, 1e-12);
+    EXPECT_EQ(acceleration(1, i), 0);
+  }
+}
+
+TEST(Viscosity, equal_eddy_viscosity_everywhere_adds_to_nu) {
+  Flow<2> flow(11, 0.2);
+  flow.velocity.row(0) = (200 * flow.position.row(1)).array().sin();
+  const auto lattice = lattice_constants<2>(3.1, l0);
+  const auto sum = viscous_acceleration<2>(flow.velocity, *flow.far, lattice, 3e-3);
+  const auto parts = viscous_acceleration<2>(flow.velocity, *flow.far, lattice, 1e-3,
+                                             Eigen::VectorXd::Constant(flow.position.cols(), 2e-3));
+  EXPECT_LT((sum - parts).norm(), 1e-12 * sum.norm());
+}
+
+}  // namespace
+}  // namespace strake::fluid
