@@ -10,18 +10,20 @@ namespace strake {
 /// The interface of a run, window by window, on the structure's mesh.
 struct InterfaceRecord {
   InterfaceMesh mesh;
-  Points initial_displacement, initial_velocity;  // 3×n at the start; velocity empty where it was unknown
+  Points initial_displacement, initial_velocity;  // 3×n at the start
   std::vector<Window> windows;                    // ascending, without gaps
-  std::vector<Points> displacement,
-      velocity;               // at the end of each window; velocity empty where it was not sent
-  std::vector<Points> force;  // 3×n [N] mean over each window
+  std::vector<Points> displacement, velocity;     // at the end of each window
+  std::vector<Points> force;                      // 3×n [N] mean over each window
 
+  /// A window after the last; an empty velocity is filled in as above.
+  void append(const Window&, const Points& displacement, const Points& velocity, const Points& force);
   double start() const { return windows.empty() ? 0 : windows.front().t; }
   double end() const { return windows.empty() ? 0 : windows.back().t + windows.back().dt; }
-  /// Displacement [m] at a time: cubic between window ends where velocities were recorded, else linear; at a
-  /// window's end exactly what was recorded. Held outside the record.
+  /// Displacement [m] and velocity [m/s] at a time: the cubic with the recorded values at both ends of its
+  /// window. Where the structure sent no velocity, the one that the fluid took: v_(n+1) = 2 (x_(n+1) −
+  /// x_n)/dt − v_n, and the cubic is the parabola of constant acceleration. At a window's end exactly what
+  /// was recorded. Held outside the record.
   Points displacement_at(double time) const;
-  /// Velocity [m/s]: the derivative of the above, at a window's end what was recorded.
   Points velocity_at(double time) const;
   /// (1/dt) ∫ f dt over [t, t + dt] [N]: keeps the impulse when windows differ. Zero outside the record.
   Points mean_force(double t, double dt) const;
@@ -43,7 +45,8 @@ class InterfaceRecorder {
  private:
   void write_block(std::size_t block);
   std::filesystem::path folder_;
-  InterfaceRecord record_;  // the windows of the current block alone
+  std::filesystem::path file(std::size_t block) const;
+  InterfaceRecord record_;  // the windows of the current block alone; what was not sent stays empty
   std::size_t per_file_, block_ = 0;
 };
 

@@ -1,0 +1,201 @@
+#include "coupler/compare_blocks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "proto/history.hpp"
+
+namespace strake {
+namespace {
+
+const std::vector<std::string>& known_metrics() {
+  static const std::vector<std::string> names = {"first_peak", "time_of_first_peak",
+                                                 "peak",       "time_of_peak",
+                                                 "impulse",    "mean_peak_50us",
+                                                 "final",      "mean",
+                                                 "rms",        "l2",
+                                                 "dtw"};
+  return names;
+}
+
+std::string list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// Refuses a reference that holds anything but finite numbers, with its line.
+void check_reference(const std::filesystem::path& path) {
+  const Table table = read_table(path);
+  if (table.columns.size() < 2)
+    throw Error(ExitCode::case_file, path.string() + ":1",
+                "a reference curve has two columns, time and value");
+  // Lines of numbers follow the header; comments and empty lines are not rows.
+  std::vector<std::size_t> line_of_row;
+  std::ifstream in(path);
+  std::string line;
+  bool header = false;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    if (line.empty() || line == "\r" || line.front() == '#') continue;
+    if (header) line_of_row.push_back(number);
+    header = true;
+  }
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const auto place = [&] {
+      return row < line_of_row.size() ? fmt::format("{}:{}", path.string(), line_of_row[row]) : path.string();
+    };
+    for (std::size_t c = 0; c < table.columns.size(); ++c)
+      if (!std::isfinite(table.value[c][row]))
+        throw Error(ExitCode::case_file, place(),
+                    fmt::format("column {} ({}) is not a finite number", c + 1, table.columns[c].name),
+                    "correct the reference or leave the row out");
+    if (row > 0 && !(table.value[0][row] > table.value[0][row - 1]))
+      throw Error(ExitCode::case_file, place(),
+                  fmt::format("column 1 ({}) does not ascend", table.columns[0].name),
+                  "sort the rows by time");
+  }
+  if (table.rows() < 2)
+    throw Error(ExitCode::case_file, path.string(), "a reference curve has at least two rows");
+}
+
+std::vector<CompareBlock::Metric> read_metrics(CaseTable block, bool only_declares) {
+  CaseTable value = block.table("value", "what is expected of the probe, metric by metric, SI");
+  CaseTable tolerance =
+      block.table("tolerance", "allowed deviation of each, relative to |value|; absolute where that is 0");
+  const std::vector<std::string> given = value.keys();
+  std::vector<CompareBlock::Metric> metrics;
+  for (const std::string& name : only_declares ? known_metrics() : given) {
+    if (std::find(known_metrics().begin(), known_metrics().end(), name) == known_metrics().end()) {
+      const std::string near = did_you_mean(name, known_metrics());
+      throw value.error(name, "a metric: " + list(known_metrics()),
+                        near.empty() ? "" : "did you mean " + near + "?");
+    }
+    CompareBlock::Metric metric = {name, 0, 0};
+    value.number(name, metric.value, {.unit = "SI", .required = true, .help = "expected " + name});
+    tolerance.number(name, metric.tolerance,
+                     {.min = 0, .required = true, .help = "allowed deviation of " + name});
+    metrics.push_back(metric);
+  }
+  for (const std::string& name : tolerance.keys())
+    if (std::find(given.begin(), given.end(), name) == given.end())
+      throw tolerance.error(name, "a metric that stands in value", "value = { " + name + " = … }");
+  return metrics;
+}
+
+std::string unquoted(const std::string& text) {
+  if (text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\''))
+    return text.substr(1, text.size() - 2);
+  return text;
+}
+
+std::string trimmed(std::string text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+std::optional<double> as_number(const std::string& text) {
+  const std::string bare = !text.empty() && text.front() == '+' ? text.substr(1) : text;
+  double value = 0;
+  const auto [end, error] = std::from_chars(bare.data(), bare.data() + bare.size(), value);
+  if (bare.empty() || error != std::errc() || end != bare.data() + bare.size()) return std::nullopt;
+  return value;
+}
+
+/// The items of "[a, b, c]"; none for anything else.
+std::optional<std::vector<std::string>> as_list(const std::string& text) {
+  if (text.size() < 2 || text.front() != '[' || text.back() != ']') return std::nullopt;
+  std::vector<std::string> items;
+  std::string item;
+  for (const char c : text.substr(1, text.size() - 2) + ",") {
+    if (c != ',')
+      item += c;
+    else {
+      if (!trimmed(item).empty()) items.push_back(trimmed(item));
+      item.clear();
+    }
+  }
+  return items;
+}
+
+bool equal(const std::string& first, const std::string& second) {
+  const std::string a = trimmed(unquoted(trimmed(first))), b = trimmed(unquoted(trimmed(second)));
+  auto items_a = as_list(a), items_b = as_list(b);
+  if (items_a && items_b) {
+    // A plane vector [x, y] is [x, y, 0].
+    auto& shorter = items_a->size() < items_b->size() ? *items_a : *items_b;
+    const std::size_t longer = std::max(items_a->size(), items_b->size());
+    if (longer == 3 && shorter.size() == 2) shorter.push_back("0");
+    if (items_a->size() != items_b->size()) return false;
+    for (std::size_t k = 0; k < longer; ++k)
+      if (!equal((*items_a)[k], (*items_b)[k])) return false;
+    return true;
+  }
+  const auto x = as_number(a), y = as_number(b);
+  if (x && y) {
+    constexpr double same = 1e-12;  // two ways of writing one number
+    return *x == *y || std::abs(*x - *y) <= same * std::max(std::abs(*x), std::abs(*y));
+  }
+  return a == b;
+}
+
+}  // namespace
+
+std::vector<CompareBlock> read_compare_blocks(CaseFile& file) {
+  std::vector<CompareBlock> blocks;
+  for (CaseTable t :
+       file.root().tables("compare", "what the case expects of itself; judged as soon as it is known")) {
+    CompareBlock block;
+    t.text("probe", block.probe,
+           {.required = true, .help = "name of a probe, with .x, .y or .z of a vector: mid.y"});
+    block.where = t.where("probe");
+    CaseTable when =
+        t.table("when", "\"key\" = value or list of values; the block applies if all of them hold");
+    for (const std::string& key : when.keys()) block.when[key] = when.scalars_as_text(key);
+    block.metrics = read_metrics(t, file.only_declares());
+    if (t.has("window") || file.only_declares()) {
+      CaseTable window = t.table("window", "part of the record that is judged");
+      CompareBlock::Span span;
+      window.choice("after", span.after, {"contact", "start"}, {.help = "where its time begins"});
+      window.number("from", span.from, {.unit = "s", .min = 0, .help = "begin of the window"});
+      window.number("to", span.to,
+                    {.unit = "s", .min = 0, .exclusive = true, .required = true, .help = "its end"});
+      if (!file.only_declares() && span.to <= span.from)
+        throw window.error("to", fmt::format("a time after from = {:g} s", span.from));
+      block.window = span;
+    }
+    t.choice("kind", block.kind, {"theory", "experiment", "code", "calibration"},
+             {.help = "what the reference is"});
+    t.text("source", block.source, {.help = "where it comes from"});
+    if (t.has("file") || file.only_declares())
+      t.file("file", block.file,
+             {.help = "reference curve for l2 and dtw: columns time and value, with units"});
+    if (!file.only_declares()) {
+      if (block.metrics.empty())
+        throw t.error("probe", "a value beside it, e.g. value = { first_peak = 1e-3 }");
+      if (!block.file.empty()) check_reference(block.file);
+      for (const auto& metric : block.metrics)
+        if ((metric.name == "l2" || metric.name == "dtw") && block.file.empty())
+          throw t.table("value").error(metric.name, "a reference curve to compare with",
+                                       "file = \"reference/….csv\"");
+    }
+    blocks.push_back(std::move(block));
+  }
+  if (file.only_declares()) blocks.clear();
+  return blocks;
+}
+
+bool applies(const CompareBlock& block, const CaseLookup& lookup) {
+  return std::all_of(block.when.begin(), block.when.end(), [&](const auto& condition) {
+    const std::optional<std::string> value = lookup(condition.first);
+    return value && std::any_of(condition.second.begin(), condition.second.end(),
+                                [&](const std::string& wanted) { return equal(*value, wanted); });
+  });
+}
+
+}  // namespace strake
