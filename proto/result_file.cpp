@@ -34,6 +34,7 @@ void put_arrays(hdf5::Writer& file, const std::string& group, const std::vector<
     file.attribute(path, "unit", array.unit);
     listed.emplace_back(array.name, static_cast<int>(value.rows()));
   }
+  std::sort(listed.begin(), listed.end());  // as a folder of frames lists them again on resume
 }
 
 std::string xml_text(const std::string& text) {
