@@ -24,6 +24,16 @@ std::optional<double> known(const RunData& data, const std::string& name) {
   return found->second;
 }
 
+/// Contact is one moment of the whole body: a probe that does not feel it itself takes the earliest that one
+/// did.
+std::optional<double> contact_time(const RunData& data, const std::string& probe) {
+  if (const auto own = known(data, probe + ":contact")) return own;
+  std::optional<double> earliest;
+  for (const auto& [name, time] : data.monitor)
+    if (name.ends_with(":contact") && std::isfinite(time) && (!earliest || time < *earliest)) earliest = time;
+  return earliest;
+}
+
 /// A column of history.csv over time without its empty cells; empty when there is no such column.
 Curve column(const Table& table, const std::string& name) {
   Curve curve;
@@ -115,7 +125,7 @@ std::optional<double> measured(const CompareBlock& block, const std::string& met
   if (block.window) {
     double origin = 0;
     if (block.window->after == "contact") {
-      const auto contact = known(data, block.probe + ":contact");
+      const auto contact = contact_time(data, block.probe);
       if (!contact) return std::nullopt;
       origin = *contact;
       // The probe's own record runs from step to step; the history only from window to window.

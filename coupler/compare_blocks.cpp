@@ -41,7 +41,8 @@ void check_reference(const std::filesystem::path& path) {
   std::string line;
   bool header = false;
   for (std::size_t number = 1; std::getline(in, line); ++number) {
-    if (line.empty() || line == "\r" || line.front() == '#') continue;
+    const auto first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') continue;
     if (header) line_of_row.push_back(number);
     header = true;
   }
@@ -139,7 +140,8 @@ bool equal(const std::string& first, const std::string& second) {
   const auto x = as_number(a), y = as_number(b);
   if (x && y) {
     constexpr double same = 1e-12;  // two ways of writing one number
-    return *x == *y || std::abs(*x - *y) <= same * std::max(std::abs(*x), std::abs(*y));
+    return *x == *y || (std::isfinite(*x) && std::isfinite(*y) &&
+                        std::abs(*x - *y) <= same * std::max(std::abs(*x), std::abs(*y)));
   }
   return a == b;
 }
