@@ -96,7 +96,7 @@ void Roster::finish() {
                                 : exit->code != 0 || exit->signal != 0
                                     ? fmt::format("{} {} after its last answer", m->process(), to_text(*exit))
                                     : "";
-    if (!problem.empty()) throw Error(ExitCode::participant_lost, m->name, problem, m->see_log());
+    if (!problem.empty()) state_->say(fmt::format("{}: {}; {}", m->name, problem, m->see_log()));
     m->child.reset();
   }
   end();

@@ -9,7 +9,7 @@
 
 #include <array>
 #include <atomic>
-#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -62,11 +62,29 @@ bool parent_is_gone() {
   return last_moments.coupler != 0 && getppid() != last_moments.coupler;
 }
 
-/// The kernel sends SIGTERM when the coupler dies; so may anybody.
 void on_sigterm(int) {
-  if (parent_is_gone()) end_without_coupler();
   write_line(last_moments.terminated);
   _exit(static_cast<int>(ExitCode::terminated));
+}
+
+/// The kernel's word that the coupler has died. A signal of its own: SIGTERM may come from the living coupler
+/// too, and getppid still names a process of which only the first thread has ended.
+constexpr int death_of_parent = SIGHUP;
+void on_death_of_parent(int) {
+  end_without_coupler();
+}
+
+/// Libraries that a solver starts (MPI, PETSc) may have their own ideas about signals: called again after
+/// Setup.
+void take_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_sigterm;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGTERM, &action, nullptr);
+  if (last_moments.coupler == 0) return;
+  action.sa_handler = on_death_of_parent;
+  sigaction(death_of_parent, &action, nullptr);
+  signal(SIGINT, SIG_IGN);  // the coupler hears Ctrl-C and ends us in order
 }
 
 void prepare_last_moments(const ServeOptions& options) {
@@ -83,14 +101,10 @@ void prepare_last_moments(const ServeOptions& options) {
     set_text(last_moments.socket, path);  // the coupler's own folder, not an endpoint of the user's
     set_text(last_moments.folder, folder);
   }
-  struct sigaction action {};
-  action.sa_handler = on_sigterm;
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGTERM, &action, nullptr);
+  if (launched) last_moments.coupler = parent;
+  take_signals();
   if (!launched) return;
-  last_moments.coupler = parent;
-  signal(SIGINT, SIG_IGN);  // the coupler hears Ctrl-C and ends us in order
-  prctl(PR_SET_PDEATHSIG, SIGTERM, 0, 0, 0);
+  prctl(PR_SET_PDEATHSIG, death_of_parent, 0, 0, 0);
   if (parent_is_gone()) end_without_coupler();  // it died before the line above
 }
 
@@ -264,6 +278,7 @@ void Server::settle(wire::Before before, bool write_output) {
 wire::Reply Server::reply(const Setup& setup) {
   if (participant_) throw Error(ExitCode::participant_lost, options_.name, "the coupler sent Setup twice");
   participant_ = factory_(setup);
+  take_signals();
   const Description& description = participant_->description();
   for (const std::string& text : description.lines) spdlog::info("{}", text);
   return {0, wire::Ready{participant_->mesh(), description}};
@@ -345,6 +360,7 @@ void Server::working(double fraction, const std::string& what) {
 }  // namespace
 
 int serve(const ServeOptions& options, const ParticipantFactory& factory) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written, and ends with the process
   prepare_last_moments(options);
   spdlog::flush_on(spdlog::level::info);
   spdlog::info("{} {} as {}, process {}, coupler at {}", options.solver, options.version, options.name,

@@ -25,6 +25,14 @@ struct Wish {
   int at = 1;  // window, counted from 1
 };
 
+/// Hears nothing until the step is over.
+void sleep_like_a_solver(std::chrono::seconds step) {
+  fmt::print(stderr, "step begins\n");
+  const auto end = std::chrono::steady_clock::now() + step;
+  while (std::chrono::steady_clock::now() < end) std::this_thread::sleep_until(end);
+  fmt::print(stderr, "step ends\n");
+}
+
 class Toy final : public Participant {
  public:
   explicit Toy(Wish wish) : wish_(std::move(wish)) {
@@ -42,13 +50,10 @@ class Toy final : public Participant {
   void start(const Window&, const Input&) override {
     ++iteration_;
     if (committed_ + 1 != wish_.at) return;
-    if (wish_.fault == "sleep") {
-      fmt::print(stderr, "step begins\n");
-      const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
-      while (std::chrono::steady_clock::now() < end)
-        std::this_thread::sleep_until(end);  // as deaf as a solver
-      fmt::print(stderr, "step ends\n");
-    }
+    if (wish_.fault == "deaf")
+      for (int number : {SIGTERM, SIGHUP}) std::signal(number, SIG_IGN);  // as a library might
+    if (wish_.fault == "sleep" || wish_.fault == "deaf") sleep_like_a_solver(std::chrono::seconds(60));
+    if (wish_.fault == "nap") sleep_like_a_solver(std::chrono::seconds(3));
     if (wish_.fault == "crash") std::raise(SIGSEGV);
     if (wish_.fault == "exit") std::_Exit(7);
     if (wish_.fault == "error")
