@@ -13,6 +13,9 @@ namespace strake::fluid {
 
 namespace {
 
+/// Rows of water and body touch at this distance along the normal, when they stand no farther aside [l0].
+constexpr double contact_distance = 1.02, contact_aside = 0.75;
+
 bool is_filler(Kind kind) {
   return kind == Kind::dummy_wall || kind == Kind::dummy_interface;
 }
@@ -272,6 +275,32 @@ void Boundary<dim>::count_water(const State<dim>&, const Neighbours& rows, const
     for (std::size_t e = 0; e < columns.size() && columns[e] < water_; ++e)
       water += weight(distances[e], lattice.radius);
     n[i] = lattice.n0 + water - flat_water_[k];
+  }
+}
+
+template <int dim>
+void Boundary<dim>::hold_apart(const State<dim>& state, const Neighbours& near,
+                               std::span<const std::uint8_t> before, std::span<std::uint8_t> surface) const {
+  if constexpr (dim == 2) {
+    const double meeting = contact_distance * spacing_, aside = contact_aside * spacing_;
+    std::vector<std::uint8_t> opposed(static_cast<std::size_t>(water_),
+                                      0);  // 1: opposite a face, 2: touching it
+    for (int k = 0; k < outline_.points(); ++k) {
+      const auto i = static_cast<std::size_t>(bodies_ + k);
+      bool touches = false;
+      for (const std::int32_t j : near.row(bodies_ + k)) {
+        if (j >= water_) break;
+        const Vector<2> r = state.position.col(j) - state.position.col(bodies_ + k);
+        const double apart = r.dot(outline_.normal(k));
+        if (std::sqrt(std::max(0.0, r.squaredNorm() - apart * apart)) > aside) continue;
+        const std::uint8_t found = apart <= meeting ? 2 : 1;
+        opposed[static_cast<std::size_t>(j)] = std::max(opposed[static_cast<std::size_t>(j)], found);
+        touches = touches || found == 2;
+      }
+      if (before[i] && !touches) surface[i] = 1;
+    }
+    for (std::size_t j = 0; j < opposed.size(); ++j)
+      if (opposed[j] == 1 && before[j]) surface[j] = 1;
   }
 }
 

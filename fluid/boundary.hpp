@@ -53,6 +53,12 @@ class Boundary {
   /// n_i ← n0 + Σ_water w − the same sum under a flat water surface at l0.
   void count_water(const State<dim>&, const Neighbours&, const LatticeConstants&, Eigen::VectorXd& n) const;
 
+  /// Water and a body's face meet when they come nearer than a lattice row and 0.02 l0: until then a particle
+  /// that was surface before stays surface, and a dry row dry, whatever the surface test says. A pair that
+  /// counts as touching over a wider gap gives the symmetric pressure gradient an impulse of its own.
+  void hold_apart(const State<dim>&, const Neighbours& near, std::span<const std::uint8_t> before,
+                  std::span<std::uint8_t> surface) const;
+
   /// Neumann condition P_d = P_w + ρ(g − a_w)·(r_d − r_w) on dummy rows; 0 behind a dry row.
   void fill_dummies(State<dim>&, const Vector<dim>& gravity, const Points& acceleration) const;
 

@@ -200,6 +200,7 @@ void Simulation<dim>::Work::measure_number_density() {
   const SurfaceTest test{p.scheme.beta, p.scheme.second, p.spacing, density_lattice};
   std::vector<std::uint8_t> flags =
       surface_flags<dim>(state.position, state.kind, near, n, test, state.surface);
+  boundary.hold_apart(state, near, state.surface, flags);
   state.surface.swap(flags);
   classify_rows();
 }
