@@ -122,7 +122,7 @@ Eigen::Matrix2Xd equilibrium(const ElasticModel& model, const Lattice& lattice,
 std::vector<double> natural_frequencies(const ElasticModel& model, const Lattice& lattice, double mass,
                                         double scale, int count) {
   constexpr int max_iterations = 200;
-  constexpr double tolerance = 1e-10;  // of the eigenvalues between iterations
+  constexpr double tolerance = 1e-8;  // change of the eigenvalues between iterations; round-off leaves 1e-10
   constexpr int rigid_motions = 3, guard = 4;
   const double sigma = std::pow(2 * std::numbers::pi * scale, 2);
   const Eigen::Matrix2Xd rest = Eigen::Matrix2Xd::Zero(2, lattice.size());
