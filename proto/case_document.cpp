@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 
 namespace strake {
 namespace {
@@ -136,7 +137,11 @@ std::string to_toml(const toml::node& node) {
       text += (text.empty() ? " " : ", ") + quoted_key(std::string(key.str())) + " = " + to_toml(value);
     return text.empty() ? "{}" : "{" + text + " }";
   }
-  return "a date or time";
+  std::ostringstream date_or_time;
+  if (const auto* v = node.as_date()) date_or_time << *v;
+  if (const auto* v = node.as_time()) date_or_time << *v;
+  if (const auto* v = node.as_date_time()) date_or_time << *v;
+  return date_or_time.str();
 }
 
 CaseFile::Document::Found CaseFile::Document::find(const std::string& path) const {

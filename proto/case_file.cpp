@@ -1,6 +1,7 @@
 #include "proto/case_file.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -12,6 +13,12 @@
 namespace strake {
 namespace {
 
+std::string trimmed(std::string text) {
+  text.erase(0, text.find_first_not_of(" \t\r"));
+  text.erase(text.find_last_not_of(" \t\r") + 1);
+  return text;
+}
+
 /// Why a file cannot be read, in words; empty if it can.
 std::string reason_unreadable(const std::filesystem::path& path) {
   std::error_code error;
@@ -22,32 +29,43 @@ std::string reason_unreadable(const std::filesystem::path& path) {
   return {};
 }
 
+struct SyntaxHelp {
+  std::string problem, remark, fix;  // remark: beside the caret
+};
+
 /// The parser's words without its preamble, and a fix for the slips that people make.
-std::pair<std::string, std::string> syntax_help(const std::string& description, const std::string& line) {
-  std::string problem = description;
-  if (const std::size_t colon = problem.find(": ");
-      problem.starts_with("Error while parsing") && colon != std::string::npos)
-    problem = problem.substr(colon + 2);
-  if (problem.starts_with("cannot redefine")) return {"given twice: " + problem, "keep one of the two"};
-  std::string fix = "a line is [table], key = value, or a # comment";
-  const std::size_t equals = line.find('=');
-  if (equals != std::string::npos) {
-    const std::string key = line.substr(0, equals);
-    std::string value = line.substr(equals + 1, line.find('#', equals) - equals - 1);
-    value.erase(0, value.find_first_not_of(" \t"));
-    value.erase(value.find_last_not_of(" \t\r") + 1);
-    const bool is_word = !value.empty() && value.find_first_of("\"'[]{}=") == std::string::npos;
-    const bool is_number = is_word && value.find_first_of("0123456789") < 2;
-    if (is_number && value.find_first_of(" /") == std::string::npos && value.find(',') != std::string::npos)
-      fix = "a number has a decimal point, not a comma";
-    else if (is_number && value.find_first_of(".") == 0)
-      fix = "a number starts with a digit: 0" + value;
-    else if (is_number)
-      fix = "numbers are in SI units and stand without a unit: 0.01, 2.1e11";
-    else if (is_word)
-      fix = "text stands in quotes: " + key.substr(key.find_first_not_of(" \t")) + "= \"" + value + "\"";
+SyntaxHelp syntax_help(const std::string& description, const std::string& line) {
+  std::string remark = description;
+  if (const std::size_t colon = remark.find(": ");
+      remark.starts_with("Error while parsing") && colon != std::string::npos)
+    remark = remark.substr(colon + 2);
+  if (remark.starts_with("cannot redefine")) return {"given twice", remark, "keep one of the two"};
+  SyntaxHelp help{"not TOML", remark, "a line is [table], key = value, or a # comment"};
+  if (remark.find("closing ']'") != std::string::npos) {
+    help.fix = "close the list with ]";
+    return help;
   }
-  return {problem, fix};
+  const std::size_t equals = line.find('=');
+  if (equals == std::string::npos) return help;
+  const std::string key = trimmed(line.substr(0, equals));
+  const std::string value = trimmed(line.substr(equals + 1, line.find('#', equals) - equals - 1));
+  if (key.empty()) return help;
+  const bool is_word = !value.empty() && value.find_first_of("\"'[]{}=") == std::string::npos;
+  const bool is_number = is_word && value.find_first_of("0123456789") < 2;
+  if (value.empty())
+    help.fix = "give " + key + " a value, or remove the line";
+  else if (std::count(value.begin(), value.end(), '"') == 1)
+    help.fix = "end the text with a quote";
+  else if (is_number && value.find_first_of(" /") == std::string::npos &&
+           value.find(',') != std::string::npos)
+    help.fix = "a number has a decimal point, not a comma";
+  else if (is_number && value.starts_with('.'))
+    help.fix = "a number starts with a digit: 0" + value;
+  else if (is_number)
+    help.fix = "numbers are in SI units and stand without a unit: 0.01, 2.1e11";
+  else if (is_word)
+    help.fix = "text stands in quotes: " + key + " = \"" + value + "\"";
+  return help;
 }
 
 /// The table that shall hold the last step of a --set path; tables on the way are made.
@@ -112,8 +130,8 @@ void CaseFile::Document::read_text() {
   } catch (const toml::parse_error& error) {
     const toml::source_position& at = error.source().begin;
     const std::string line = at.line >= 1 && at.line <= lines.size() ? lines[at.line - 1] : "";
-    const auto [problem, fix] = syntax_help(std::string(error.description()), line);
-    throw Error(ExitCode::case_file, place(at), "not TOML\n" + excerpt(at, problem), fix);
+    const SyntaxHelp help = syntax_help(std::string(error.description()), line);
+    throw Error(ExitCode::case_file, place(at), help.problem + "\n" + excerpt(at, help.remark), help.fix);
   }
 }
 
@@ -130,11 +148,6 @@ void CaseFile::Document::apply(const std::string& argument) {
     else if (c == '=')
       equals = i;
   }
-  const auto trimmed = [](std::string text) {
-    text.erase(0, text.find_first_not_of(" \t"));
-    text.erase(text.find_last_not_of(" \t") + 1);
-    return text;
-  };
   const std::string path = trimmed(argument.substr(0, equals));
   const std::vector<PathStep> steps = split_path(path);
   if (equals == std::string::npos || steps.empty() || steps.back().is_index)

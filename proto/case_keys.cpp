@@ -24,9 +24,10 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
 
   // The name becomes part of a column name "mid.y" and of a result "mid.y:first_peak".
   if (probe.name.empty() || probe.name.find_first_of(",:[]\"'\\/ \t\r\n") != std::string::npos)
-    throw table.error("name", "letters, digits, '_', '-' and '.'");
+    throw table.error("name", "letters, digits, '_', '-' and '.'", "name = \"p_mid\"");
   for (const ProbeKeys& other : others)
-    if (other.name == probe.name) throw table.error("name", "a name that no other probe has");
+    if (other.name == probe.name)
+      throw table.error("name", "a name that no other probe has", "name = \"" + probe.name + "_2\"");
   if ((probe.of == "fluid") != (probe.quantity == "pressure"))
     throw table.error(
         "quantity",

@@ -214,7 +214,10 @@ void CaseTable::box(const std::string& name, Box& value, const VectorKey& key) {
     const toml::array* corners = d.node->as_array();
     if (!corners || corners->size() != 2) throw d.wrong(d.expected);
     const Box given{read_vector(d, *corners->get(0)), read_vector(d, *corners->get(1))};
-    if (!is_box(given)) throw d.wrong(d.expected);
+    if (!is_box(given)) {
+      const Box ordered{given.min.cwiseMin(given.max), given.min.cwiseMax(given.max)};
+      throw d.wrong(d.expected, is_box(ordered) ? d.name() + " = " + text(ordered) : "");
+    }
     value = given;
   }
   d.record(text(value), is_box(value));
@@ -284,7 +287,8 @@ std::string CaseTable::where(const std::string& name) const {
 
 Error CaseTable::error(const std::string& name, const std::string& expected, const std::string& fix) const {
   const std::string text = expected.starts_with("expected ") ? expected : "expected " + expected;
-  return document_->wrong(document_->join(path_, name), text, fix);
+  const std::string path = document_->join(path_, name);
+  return document_->wrong(path, text, fix.empty() ? "strake explain " + path : fix);
 }
 
 }  // namespace strake
