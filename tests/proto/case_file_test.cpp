@@ -341,6 +341,30 @@ TEST(CaseFile, SaysWhyAFileCannotBeRead) {
   EXPECT_NE(text(folder / "locked.toml").find("cannot be read: Permission denied"), std::string::npos);
 }
 
+TEST(CaseFile, WithDamagedBytesIsReadOrRefusedButNeverCrashes) {
+  const std::string text = head + "tank = [[-1.0, -0.5], [1.0, 0.5]] # box\n[structure]\nsolver = \"fem\"\n" +
+                           "[[compare]]\nprobe = \"mid\"\nwhen = { \"a.b\" = [1, inf] }\n";
+  const std::string damage = std::string("\"'[]{}=.,#\n\r\t x0-\\\xff\xc3", 20) + '\0';
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    for (std::size_t j = i % 3; j < damage.size() + 1; j += 3) {
+      std::string damaged = text;
+      if (j < damage.size())
+        damaged[i] = damage[j];
+      else
+        damaged.erase(i, 1);
+      try {
+        CaseFile file = CaseFile::parse(damaged);
+        read_plate(file);
+        file.echo();
+        file.refuse_unknown();
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::case_file) << damaged;
+        EXPECT_FALSE(error.fix().empty()) << to_text(error);
+      }
+    }
+  }
+}
+
 TEST(Toml, NumbersAreShortAndReadBack) {
   EXPECT_EQ(to_toml(2.1e11), "2.1e11");
   EXPECT_EQ(to_toml(1e-5), "1e-5");
