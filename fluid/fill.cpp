@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 
 #include "proto/error.hpp"
@@ -22,21 +23,46 @@ struct Range {
   long first = 0, last = 0;
 };
 
-Range cells(const char* name, const Box& box, int axis, double origin, double spacing) {
-  const auto on_lattice = [&](double edge) {
-    const double cells = (edge - origin) / spacing, nearest = std::round(cells);
-    if (std::abs(cells - nearest) > lattice_tolerance)
-      throw Error(
-          ExitCode::case_file, fmt::format("fluid.{}", name),
-          fmt::format("its {} edge at {:.9g} m is not a whole number of spacings ({:.9g} m) from {:.9g} m",
-                      axis_name[static_cast<size_t>(axis)], edge, spacing, origin),
-          fmt::format("the nearest is {:.9g} m", std::round((origin + nearest * spacing) / digit) * digit));
-    return static_cast<long>(nearest);
-  };
-  return {on_lattice(box.min[axis]), on_lattice(box.max[axis])};
+Range cells(const Box& box, const Box& tank, int axis, double spacing) {
+  return {std::lround((box.min[axis] - tank.min[axis]) / spacing),
+          std::lround((box.max[axis] - tank.min[axis]) / spacing)};
+}
+
+/// The edge, if it is off the lattice that starts at the tank's corner.
+std::optional<BoxFault> off_lattice(const char* key, double edge, double origin, int axis, double spacing) {
+  const double nearest = origin + std::round((edge - origin) / spacing) * spacing;
+  if (std::abs(edge - nearest) <= lattice_tolerance * spacing) return {};
+  return BoxFault{
+      key,
+      fmt::format("edges a whole number of spacings ({:.9g} m) from the tank's corner: {} = {:.9g} m is not",
+                  spacing, axis_name[static_cast<size_t>(axis)], edge),
+      fmt::format("the nearest is {:.9g} m", std::round(nearest / digit) * digit)};
 }
 
 }  // namespace
+
+std::optional<BoxFault> find_box_fault(const Parameters& parameters) {
+  const double l0 = parameters.spacing;
+  const Box &tank = parameters.tank, &water = parameters.water;
+  for (int d = 0; d < parameters.dimension; ++d) {
+    const char name = axis_name[static_cast<size_t>(d)];
+    if (auto fault = off_lattice("tank", tank.max[d], tank.min[d], d, l0)) return fault;
+    if (water.min[d] < tank.min[d] - lattice_tolerance * l0 ||
+        water.max[d] > tank.max[d] + lattice_tolerance * l0)
+      return BoxFault{
+          "water",
+          fmt::format("a box inside fluid.tank, {} from {:.9g} to {:.9g} m", name, tank.min[d], tank.max[d]),
+          "shrink fluid.water or enlarge fluid.tank"};
+    for (const double edge : {water.min[d], water.max[d]})
+      if (auto fault = off_lattice("water", edge, tank.min[d], d, l0)) return fault;
+    if (const Range range = cells(water, tank, d, l0); range.last - range.first < fewest_rows)
+      return BoxFault{"spacing",
+                      fmt::format("at least {} particles across the water along {}, not {}", fewest_rows,
+                                  name, range.last - range.first),
+                      fmt::format("spacing = {:.3g} or less", (water.max[d] - water.min[d]) / fewest_rows)};
+  }
+  return {};
+}
 
 int dummy_rows(const Scheme& scheme) {
   const double largest = std::max(
@@ -46,26 +72,15 @@ int dummy_rows(const Scheme& scheme) {
 
 template <int dim>
 State<dim> fill(const Parameters& parameters) {
+  assert(parameters.dimension == dim);
+  if (const auto fault = find_box_fault(parameters))
+    throw Error(ExitCode::case_file, "fluid." + fault->key, "expected " + fault->expected, fault->fix);
   const double l0 = parameters.spacing;
-  const Box &tank = parameters.tank, &water = parameters.water;
+  const Box& tank = parameters.tank;
   std::array<Range, 3> tank_cells{Range{0, 1}, Range{0, 1}, Range{0, 1}}, water_cells = tank_cells;
   for (int d = 0; d < dim; ++d) {
-    const auto k = static_cast<size_t>(d);
-    if (water.min[d] < tank.min[d] - lattice_tolerance * l0 ||
-        water.max[d] > tank.max[d] + lattice_tolerance * l0)
-      throw Error(
-          ExitCode::case_file, "fluid.water",
-          fmt::format("it reaches outside fluid.tank along {}: {:.9g} … {:.9g} m against {:.9g} … {:.9g} m",
-                      axis_name[k], water.min[d], water.max[d], tank.min[d], tank.max[d]),
-          "shrink fluid.water or enlarge fluid.tank");
-    tank_cells[k] = cells("tank", tank, d, tank.min[d], l0);
-    water_cells[k] = cells("water", water, d, tank.min[d], l0);
-    if (const auto across = water_cells[k].last - water_cells[k].first; across < fewest_rows)
-      throw Error(
-          ExitCode::case_file, "fluid.spacing",
-          fmt::format("{:.9g} m leaves {} particles across the water along {}; at least {} are needed", l0,
-                      across, axis_name[k], fewest_rows),
-          fmt::format("spacing = {:.3g} or less", (water.max[d] - water.min[d]) / fewest_rows));
+    tank_cells[static_cast<size_t>(d)] = cells(tank, tank, d, l0);
+    water_cells[static_cast<size_t>(d)] = cells(parameters.water, tank, d, l0);
   }
 
   const int behind = dummy_rows(parameters.scheme), layers = 1 + behind;

@@ -68,5 +68,6 @@ struct Parameters {
 /// Reads [fluid], [fluid.scheme] and what it shares; checks across keys (water inside tank, time step against
 /// window …).
 Parameters read(CaseFile&);
+Parameters read(CaseFile&, const CommonKeys&);
 
 }  // namespace strake::fluid

@@ -91,7 +91,7 @@ TEST(Fill, a_box_off_the_lattice_is_refused_with_the_nearest_that_fits) {
 TEST(Fill, water_outside_the_tank_is_refused) {
   const auto text = error_of([](Parameters& p) { p.water.max[0] = 1.2; });
   EXPECT_NE(text.find("fluid.water"), std::string::npos) << text;
-  EXPECT_NE(text.find("outside fluid.tank"), std::string::npos) << text;
+  EXPECT_NE(text.find("inside fluid.tank"), std::string::npos) << text;
 }
 
 TEST(Fill, a_spacing_too_coarse_for_the_depth_is_refused) {
