@@ -30,6 +30,11 @@ std::string fixed(double value, int decimals) {
   return fmt::format("{:.{}f}", value, decimals);
 }
 
+// Four significant digits: a deflection of micrometres is not 0.000.
+std::string digits(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
+}
+
 double monitor_of(const RunRow& row, const std::string& name) {
   for (const auto* monitor : {&row.window->report.fluid, &row.window->report.structure}) {
     const auto found = monitor->find(name);
@@ -51,9 +56,8 @@ TableColumn participant_column(const Column& column) {
   }
   const std::string title =
       unit.empty() || unit == "1" ? column.name : fmt::format("{} [{}]", column.name, unit);
-  return {
-      title, std::max(10, static_cast<int>(title.size())),
-      [name = column.name, factor](const RunRow& row) { return fixed(factor * monitor_of(row, name), 3); }};
+  return {title, std::max(10, static_cast<int>(title.size())),
+          [name = column.name, factor](const RunRow& row) { return digits(factor * monitor_of(row, name)); }};
 }
 
 /// The columns worth a place: the y component of each probe (the whole of a scalar), then what else there is.
@@ -64,6 +68,10 @@ std::vector<Column> chosen(const RunHeader& header) {
     if (columns.size() < most_columns && std::none_of(columns.begin(), columns.end(), same))
       columns.push_back(column);
   };
+  for (const char* frequency : {"f1", "f2", "f3"})  // of a modal analysis, which has no motion to show
+    for (const Column& column : header.columns)
+      if (column.name == frequency) add(column);
+  if (!columns.empty()) return columns;
   for (const ProbeKeys& probe : header.probes)
     for (const Column& column : header.columns)
       if (column.name == probe.name || column.name == probe.name + ".y") add(column);
@@ -152,8 +160,7 @@ class TableReporter final : public Reporter {
     const Summary& summary = *end.summary;
     std::string line = fmt::format("\n{}  {} window{}", end.stopped.empty() ? "done" : end.stopped,
                                    grouped(summary.windows()), summary.windows() == 1 ? "" : "s");
-    if (summary.mean_iterations() > 0)
-      line += fmt::format(", mean {:.1f} iterations", summary.mean_iterations());
+    if (summary.coupled()) line += fmt::format(", mean {:.1f} iterations", summary.mean_iterations());
     put(line + ", " + duration_text(summary.wall_seconds) + "\n");
     if (summary.unconverged() > 0)
       put("  " +

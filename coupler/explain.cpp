@@ -144,11 +144,17 @@ std::vector<KeyInfo> below(const std::vector<KeyInfo>& keys, const std::string& 
   for (const KeyInfo& key : keys) names.push_back(key.path);
   std::string near = did_you_mean(word, names);
   // The last part alone is often all that is remembered: "spacing" for "fluid.spacing".
-  const std::string last = word.substr(word.rfind('.') + 1);
-  std::vector<std::string> same;
-  for (const std::string& name : names)
-    if (name.substr(name.rfind('.') + 1) == last) same.push_back(name);
-  if (!same.empty()) near = joined(same, ", ");
+  const auto last = [](const std::string& name) { return name.substr(name.rfind('.') + 1); };
+  if (near.empty()) {
+    std::vector<std::string> endings, same;
+    for (const std::string& name : names) endings.push_back(last(name));
+    std::string ending = last(word);
+    if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+      ending = did_you_mean(ending, endings);
+    for (const std::string& name : names)
+      if (!ending.empty() && last(name) == ending) same.push_back(name);
+    near = joined(same, ", ");
+  }
   throw Error(ExitCode::command_line, "explain " + word, "there is no such key",
               near.empty() ? "`strake explain` lists every key" : "did you mean " + near + "?");
 }

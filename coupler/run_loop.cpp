@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "proto/error.hpp"
 
@@ -38,9 +39,14 @@ RunLoop::RunLoop(Scheme& scheme, const RunPlan& plan)
           plan, [&scheme](const Window& window) { return scheme.advance(window); },
           [&scheme](bool write_output) { scheme.commit(write_output); }) {}
 
-RunLoop::RunLoop(Participant& alone, const RunPlan& plan)
+RunLoop::RunLoop(Participant& alone, Side side, const RunPlan& plan)
     : RunLoop(
-          plan, [&alone](const Window& window) { return advance_alone(alone, window); },
+          plan,
+          [&alone, side](const Window& window) {
+            WindowReport report = advance_alone(alone, window);
+            if (side == Side::structure) std::swap(report.fluid, report.structure);
+            return report;
+          },
           [&alone](bool write_output) { alone.commit(write_output); }) {}
 
 double RunLoop::next_end() const {

@@ -32,7 +32,8 @@ struct CommittedWindow {
 class RunLoop {
  public:
   RunLoop(Scheme&, const RunPlan&);
-  RunLoop(Participant& alone, const RunPlan&);
+  enum class Side { fluid, structure };
+  RunLoop(Participant& alone, Side, const RunPlan&);
   bool finished() const { return finished_; }
   double time() const { return time_; }
   long number() const { return number_; }  // windows committed

@@ -141,7 +141,8 @@ RunPlan Session::plan() const {
 
 RunLoop Session::loop(const RunPlan& plan) {
   if (scheme_) return RunLoop(*scheme_, plan);
-  return RunLoop(fluid_ != nullptr ? *fluid_ : *structure_, plan);
+  if (fluid_ != nullptr) return RunLoop(*fluid_, RunLoop::Side::fluid, plan);
+  return RunLoop(*structure_, RunLoop::Side::structure, plan);
 }
 
 int Session::dimension() const {

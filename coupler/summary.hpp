@@ -29,6 +29,7 @@ class Summary {
   double end_time() const { return time_; }
   long windows() const { return windows_; }
   double mean_iterations() const;
+  bool coupled() const { return coupled_; }
   long unconverged() const { return unconverged_; }
   double work_gap() const { return work_gap_; }
   /// "<probe>:<metric>" as last reported, for `judge`.

@@ -1,0 +1,113 @@
+#include "coupler/run_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "proto/error.hpp"
+
+namespace strake {
+namespace {
+
+/// Remembers what it was asked.
+class Listener final : public Participant {
+ public:
+  const InterfaceMesh& mesh() const override { return mesh_; }
+  const Description& description() const override { return description_; }
+  void start(const Window& window, const Input&) override { asked.push_back(window); }
+  Advanced finish() override {
+    Advanced advanced;
+    advanced.dt_limit = limit;
+    advanced.retry_smaller_dt = asked.back().dt > refuse_above;
+    if (advanced.retry_smaller_dt) advanced.dt_limit = refuse_above;
+    return advanced;
+  }
+  void rewind() override { asked.pop_back(); }
+  void commit(bool write_output) override { outputs.push_back(write_output); }
+  void checkpoint(const std::filesystem::path&) override {}
+  void resume(const std::filesystem::path&) override {}
+
+  std::vector<Window> asked;
+  std::vector<bool> outputs;
+  double limit = std::numeric_limits<double>::infinity(), refuse_above = limit;
+
+ private:
+  InterfaceMesh mesh_;
+  Description description_;
+};
+
+std::vector<CommittedWindow> run_to_end(Participant& participant, const RunPlan& plan) {
+  RunLoop loop(participant, RunLoop::Side::fluid, plan);
+  std::vector<CommittedWindow> windows;
+  while (!loop.finished() && windows.size() < 10000) windows.push_back(loop.next());
+  return windows;
+}
+
+TEST(RunLoop, EndsExactlyAtTheEndWithWholeWindowsOfOneLength) {
+  Listener listener;
+  const auto windows = run_to_end(listener, {.end = 0.03, .window = 1e-5, .output_every = 1e-4});
+  ASSERT_EQ(windows.size(), 3000u);
+  EXPECT_EQ(windows.back().time, 0.03);
+  EXPECT_TRUE(windows.back().last);
+  for (const Window& window : listener.asked) EXPECT_EQ(window.dt, 1e-5);  // to the bit
+}
+
+TEST(RunLoop, WritesAFrameAtTheFirstCommitAtOrPastEachMultiple) {
+  Listener listener;
+  run_to_end(listener, {.end = 1.0, .window = 0.04, .output_every = 0.1});
+  std::vector<int> frames;
+  for (std::size_t i = 0; i < listener.outputs.size(); ++i)
+    if (listener.outputs[i]) frames.push_back(static_cast<int>(i) + 1);
+  // ends of windows at or past 0.1, 0.2, …: 0.12, 0.20, 0.32, 0.40, 0.52, 0.60, 0.72, 0.80, 0.92, 1.00
+  EXPECT_EQ(frames, (std::vector<int>{3, 5, 8, 10, 13, 15, 18, 20, 23, 25}));
+}
+
+TEST(RunLoop, WritesOneFramePerCommitWhenWindowsAreLongerThanTheInterval) {
+  Listener listener;
+  const auto windows = run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = 0.1});
+  ASSERT_EQ(windows.size(), 4u);
+  EXPECT_EQ(listener.outputs, (std::vector<bool>{true, true, true, true}));
+}
+
+TEST(RunLoop, ShortensOnlyTheLastWindow) {
+  Listener listener;
+  const auto windows = run_to_end(listener, {.end = 1.0, .window = 0.3, .output_every = 0});
+  ASSERT_EQ(windows.size(), 4u);
+  EXPECT_NEAR(listener.asked.back().dt, 0.1, 1e-15);
+  EXPECT_EQ(windows.back().time, 1.0);
+  EXPECT_EQ(listener.outputs, (std::vector<bool>{false, false, false, true}));
+}
+
+TEST(RunLoop, KeepsToTheLimitThatASolverNames) {
+  Listener listener;
+  listener.limit = 0.1;
+  const auto windows = run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = 0});
+  for (std::size_t i = 1; i < listener.asked.size(); ++i) EXPECT_LE(listener.asked[i].dt, 0.1 + 1e-12);
+  EXPECT_EQ(windows.back().time, 1.0);
+}
+
+TEST(RunLoop, GoesOnWhereAnEarlierRunEnded) {
+  Listener listener;
+  RunLoop loop(listener, RunLoop::Side::structure,
+               {.end = 1.0, .window = 0.1, .output_every = 0.2, .start = 0.5, .windows_before = 5});
+  const CommittedWindow first = loop.next();
+  EXPECT_EQ(first.number, 6);
+  EXPECT_NEAR(first.time, 0.6, 1e-12);
+  EXPECT_TRUE(first.output);
+}
+
+TEST(RunLoop, GivesUpWhenWindowsShrinkWithoutEnd) {
+  Listener listener;
+  listener.limit = 1e-12;
+  RunLoop loop(listener, RunLoop::Side::structure, {.end = 1.0, .window = 0.1, .output_every = 0});
+  loop.next();
+  try {
+    loop.next();
+    FAIL() << "a window of 1e-12 s was taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::solver_fault);
+  }
+}
+
+}  // namespace
+}  // namespace strake
