@@ -16,32 +16,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Field::conservative says how it is mapped.
-Field displacement_field(const MatrixXd& u) {
-  return {"displacement", "m", false, u};
-}
-Field velocity_field(const MatrixXd& v) {
-  return {"velocity", "m/s", false, v};
-}
-
 /// √(Σ |a_i|² / n) over the n columns.
 double rms(const MatrixXd& a) {
   return a.cols() == 0 ? 0 : std::sqrt(a.squaredNorm() / static_cast<double>(a.cols()));
 }
 
-/// Displacement [m] and velocity × scale [m], one below the other: one linear combination moves both.
-VectorXd stack(const Motion& motion, double scale) {
-  VectorXd x(motion.displacement.size() + motion.velocity.size());
-  x << motion.displacement.reshaped(), scale * motion.velocity.reshaped();
-  return x;
-}
-
-Motion unstack(const VectorXd& x, const Motion& shape, double scale) {
-  const Index n = shape.displacement.size();
-  Motion motion = shape;
-  motion.displacement = x.head(n).reshaped(3, n / 3);
-  if (shape.velocity.size() > 0) motion.velocity = x.tail(n).reshaped(3, n / 3) / scale;
-  return motion;
+/// v_(n+1) = 2 (u_(n+1) − u_n)/dt − v_n, the end velocity of an interface that moves with constant
+/// acceleration (DESIGN 2). From the structure's committed motion, so that what one window leaves unconverged
+/// does not add up in the next.
+MatrixXd followed_velocity(const Motion& committed, const MatrixXd& displacement, double dt) {
+  return 2 / dt * (displacement - committed.displacement) - committed.velocity;
 }
 
 /// The place of a fault: which participant, window and iteration.
@@ -116,7 +100,7 @@ Scheme::Scheme(Participant& fluid, Participant& structure, Mapping mapping, Sche
   const auto& initial = structure_.description().initial;
   const Field* u = find(initial, "displacement");
   const Field* v = find(initial, "velocity");
-  Motion start = {start_time, u ? u->value : MatrixXd::Zero(3, n), v ? v->value : MatrixXd()};
+  Motion start = {start_time, u ? u->value : MatrixXd::Zero(3, n), v ? v->value : MatrixXd::Zero(3, n)};
   if (start.displacement.cols() != n || (v && v->value.cols() != n))
     throw Error(ExitCode::solver_fault, "structure", "its motion at the start does not fit its mesh");
   if (parameters_.volume && !v)
@@ -138,139 +122,175 @@ void Scheme::set_state(CouplingState state) {
   state_ = std::move(state);
 }
 
+/// One evaluation of H.
+struct Scheme::Iterate {
+  Motion guess, answer;         // x and H(x) on the structure's mesh
+  Advanced wet, dry;            // of the fluid and the structure
+  MatrixXd fluid_force, force;  // 3×n [N] on each side
+};
+
 // H: motion of the structure's surface → fluid → force → structure → motion. The fluid is given x, the
 // structure answers H(x); a window is done when rms(H(x) − x) is small enough.
 WindowReport Scheme::advance(const Window& window) {
   assert(!open_);
   const Convergence& convergence = parameters_.convergence;
-  const Motion& committed = state_.motion.back();
-  const double end = window.t + window.dt;
   pending_ = state_;
   if (pending_.velocity_scale == 0) pending_.velocity_scale = 0.5 * window.dt;
-  const double scale = pending_.velocity_scale;
   accelerator_->set_state(state_.accelerator);
   accelerator_->start_window();
 
+  const Motion& committed = state_.motion.back();
+  const bool volume = parameters_.volume;
+  const int most = volume ? 1 : std::max(1, convergence.max_iterations);
   WindowReport report;
   report.window = window;
   report.number = state_.windows + 1;
-  Motion guess = parameters_.volume ? committed : predict(parameters_.predictor, state_.motion, end);
-  if (!state_.sends_velocity) guess.velocity.resize(0, 0);
-  MatrixXd previous_force;
-  const int most = parameters_.volume ? 1 : std::max(1, convergence.max_iterations);
-
-  const auto retry = [&](double limit) {
-    WindowReport again;
-    again.window = window;
-    again.number = report.number;
-    again.retry = true;
-    again.dt_limit = limit < window.dt ? limit : 0.5 * window.dt;
-    return again;
-  };
-
+  Iterate now;
+  now.guess = volume ? committed : predict(parameters_.predictor, state_.motion, window.t + window.dt);
   for (int iteration = 1;; ++iteration) {
-    Sample motion = {parameters_.volume ? window.t : end, {}};
-    motion.fields.push_back(mapping_.consistent(displacement_field(guess.displacement)));
-    if (guess.velocity.size() > 0)
-      motion.fields.push_back(mapping_.consistent(velocity_field(guess.velocity)));
-    const Advanced wet = fluid_.advance(window, {{motion}});
-    if (wet.retry_smaller_dt) {
-      fluid_.rewind();
-      return retry(wet.dt_limit);
-    }
-    const MatrixXd fluid_force =
-        taken(wet, "force", fluid_.mesh(), {"fluid", window, report.number, iteration}, true);
-    const Field force = mapping_.conservative({"force", "N", true, fluid_force});
-
-    const Advanced dry = structure_.advance(window, {{{end, {force}}}});
-    if (dry.retry_smaller_dt) {
-      fluid_.rewind();
-      structure_.rewind();
-      return retry(dry.dt_limit);
-    }
-    const Place place = {"structure", window, report.number, iteration};
-    Motion answer = {end, taken(dry, "displacement", structure_.mesh(), place, true),
-                     taken(dry, "velocity", structure_.mesh(), place, parameters_.volume)};
-    // A structure may give a velocity at the start alone; one that begins to send it later is followed from
-    // then on.
-    if (answer.velocity.size() == 0) guess.velocity.resize(0, 0);
-    if (answer.velocity.size() > 0 && guess.velocity.size() == 0) guess.velocity = answer.velocity;
-    pending_.sends_velocity = answer.velocity.size() > 0;
-
-    IterationReport row;
+    const MatrixXd previous_force = now.force;
+    if (const auto limit = evaluate(window, iteration, now)) return retry(window, *limit);
+    IterationReport row = volume ? IterationReport{} : measure(window, now, previous_force);
     row.iteration = iteration;
-    row.force = force.value.rowwise().sum();
-    bool settled = true;
-    if (!parameters_.volume) {
-      const MatrixXd missing = answer.displacement - guess.displacement;
-      row.residual = rms(missing);
-      if (answer.velocity.size() > 0)
-        row.residual = std::max(row.residual, 0.5 * window.dt * rms(answer.velocity - guess.velocity));
-      const bool by_value = convergence.measure == Measure::value;
-      row.threshold =
-          std::max(convergence.absolute,
-                   convergence.relative *
-                       rms(by_value ? answer.displacement : answer.displacement - committed.displacement));
-      if (by_value && most > 1)
-        settled = previous_force.size() > 0 &&
-                  rms(force.value - previous_force) <= convergence.relative * rms(force.value);
+    row.force = now.force.rowwise().sum();
+    report.converged = row.residual <= row.threshold;
+    if ((report.converged && iteration >= convergence.min_iterations) || iteration >= most) {
+      if (!volume) accelerator_->finish_window(stack(now.guess), stack(now.answer));
+      report.log.push_back(row);
+      break;
     }
-    const bool converged = row.residual <= row.threshold && settled;
-    const bool done = (converged && iteration >= convergence.min_iterations) || iteration >= most;
-    const VectorXd x = stack(guess, scale), hx = stack(answer, scale);
-    if (done) {
-      if (!parameters_.volume) accelerator_->finish_window(x, hx);
-    } else {
-      const VectorXd next = accelerator_->next(x, hx);
-      guess = unstack(next, guess, scale);
-      row.relaxation = accelerator_->last_step().relaxation;
-      row.columns = accelerator_->last_step().columns;
-      row.dropped = accelerator_->last_step().dropped;
-    }
+    now.guess = next_guess(window, now);
+    row.relaxation = accelerator_->last_step().relaxation;
+    row.columns = accelerator_->last_step().columns;
+    row.dropped = accelerator_->last_step().dropped;
     report.log.push_back(row);
-    previous_force = force.value;
-    if (!done) {
-      fluid_.rewind();
-      structure_.rewind();
-      continue;
-    }
-
-    if (!converged && most > 1) {
-      if (convergence.then == Unconverged::halve) {
-        fluid_.rewind();
-        structure_.rewind();
-        return retry(0.5 * window.dt);
-      }
-      if (convergence.then == Unconverged::stop)
-        throw Error(ExitCode::solver_fault,
-                    fmt::format("coupling, window {} (t = {:g} s)", report.number, window.t),
-                    fmt::format("did not converge\n{} iterations, residual {:.1e} m, wanted {:.1e} m",
-                                iteration, row.residual, row.threshold),
-                    "lower coupling.surface.window, raise converged.max_iterations, or accept and count such "
-                    "windows");
-    }
-    const MatrixXd increment = answer.displacement - committed.displacement;
-    report.iterations = iteration;
-    report.residual = row.residual;
-    report.threshold = row.threshold;
-    report.converged = converged;
-    report.dt_limit = std::min(wet.dt_limit, dry.dt_limit);
-    report.work_fluid = dot(fluid_force, mapping_.consistent(displacement_field(increment)).value);
-    report.work_structure = dot(force.value, increment);
-    if (!parameters_.volume)
-      report.work_unconverged = dot(force.value, answer.displacement - guess.displacement);
-    report.displacement = answer.displacement;
-    if (answer.velocity.size() > 0) report.velocity = answer.velocity;
-    report.force = force.value;
-    report.fluid = wet.monitor;
-    report.structure = dry.monitor;
-    pending_.force = force.value;
-    pending_.accelerator = accelerator_->state();
-    remember(pending_.motion, std::move(answer));
-    ++pending_.windows;
-    open_ = true;
-    return report;
+    take_back();
   }
+  if (!report.converged && most > 1) {
+    if (convergence.then == Unconverged::halve) {
+      take_back();
+      return retry(window, 0.5 * window.dt);
+    }
+    if (convergence.then == Unconverged::stop) stop_unconverged(report);
+  }
+  close(report, now);
+  return report;
+}
+
+std::optional<double> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
+  const double end = window.t + window.dt;
+  const Place fluid = {"fluid", window, state_.windows + 1, iteration};
+  const Place structure = {"structure", window, state_.windows + 1, iteration};
+  const Sample motion = {parameters_.volume ? window.t : end,
+                         {mapping_.consistent({"displacement", "m", false, now.guess.displacement}),
+                          mapping_.consistent({"velocity", "m/s", false, now.guess.velocity})}};
+  now.wet = fluid_.advance(window, {{motion}});
+  if (now.wet.retry_smaller_dt) {
+    fluid_.rewind();
+    return now.wet.dt_limit;
+  }
+  now.fluid_force = taken(now.wet, "force", fluid_.mesh(), fluid, true);
+  const Field force = mapping_.conservative({"force", "N", true, now.fluid_force});
+  now.force = force.value;
+
+  now.dry = structure_.advance(window, {{{end, {force}}}});
+  if (now.dry.retry_smaller_dt) {
+    take_back();
+    return now.dry.dt_limit;
+  }
+  now.answer.time = end;
+  now.answer.displacement = taken(now.dry, "displacement", structure_.mesh(), structure, true);
+  now.answer.velocity = taken(now.dry, "velocity", structure_.mesh(), structure, parameters_.volume);
+  pending_.sends_velocity = now.answer.velocity.size() > 0;
+  if (!pending_.sends_velocity)
+    now.answer.velocity = followed_velocity(state_.motion.back(), now.answer.displacement, window.dt);
+  return std::nullopt;
+}
+
+IterationReport Scheme::measure(const Window& window, const Iterate& now,
+                                const MatrixXd& previous_force) const {
+  const Convergence& c = parameters_.convergence;
+  const bool by_value = c.measure == Measure::value;
+  IterationReport row;
+  row.residual = std::max(rms(now.answer.displacement - now.guess.displacement),
+                          0.5 * window.dt * rms(now.answer.velocity - now.guess.velocity));
+  const double scale =
+      rms(by_value ? now.answer.displacement : now.answer.displacement - state_.motion.back().displacement);
+  row.threshold = std::max(c.absolute, c.relative * scale);
+  // By value the force has to settle too: its change counts as a residual of the same relative size.
+  if (by_value && c.max_iterations > 1) {
+    const double change = previous_force.size() == 0 ? rms(now.force) : rms(now.force - previous_force);
+    const double part = change / std::max(rms(now.force), change);
+    if (change > c.relative * rms(now.force))
+      row.residual = std::max(row.residual, part * std::max(scale, row.threshold / c.relative));
+  }
+  return row;
+}
+
+// Displacement [m] and, where the structure sends it, velocity × scale [m], one below the other: one linear
+// combination moves both.
+VectorXd Scheme::stack(const Motion& motion) const {
+  if (!pending_.sends_velocity) return motion.displacement.reshaped();
+  VectorXd x(motion.displacement.size() + motion.velocity.size());
+  x << motion.displacement.reshaped(), pending_.velocity_scale * motion.velocity.reshaped();
+  return x;
+}
+
+Motion Scheme::next_guess(const Window& window, const Iterate& now) {
+  const VectorXd x = accelerator_->next(stack(now.guess), stack(now.answer));
+  const Index n = now.guess.displacement.size();
+  Motion guess = now.guess;
+  guess.displacement = x.head(n).reshaped(3, n / 3);
+  guess.velocity = pending_.sends_velocity
+                       ? MatrixXd(x.tail(n).reshaped(3, n / 3) / pending_.velocity_scale)
+                       : followed_velocity(state_.motion.back(), guess.displacement, window.dt);
+  return guess;
+}
+
+void Scheme::take_back() {
+  fluid_.rewind();
+  structure_.rewind();
+}
+
+WindowReport Scheme::retry(const Window& window, double limit) const {
+  WindowReport report;
+  report.window = window;
+  report.number = state_.windows + 1;
+  report.retry = true;
+  report.dt_limit = limit < window.dt ? limit : 0.5 * window.dt;
+  return report;
+}
+
+void Scheme::stop_unconverged(const WindowReport& report) const {
+  const IterationReport& last = report.log.back();
+  throw Error(
+      ExitCode::solver_fault, fmt::format("coupling, window {} (t = {:g} s)", report.number, report.window.t),
+      fmt::format("did not converge\n{} iterations, residual {:.1e} m, wanted {:.1e} m", last.iteration,
+                  last.residual, last.threshold),
+      "lower coupling.surface.window, raise converged.max_iterations, or accept and count such windows");
+}
+
+void Scheme::close(WindowReport& report, Iterate& now) {
+  const Field increment = {"displacement", "m", false,
+                           now.answer.displacement - state_.motion.back().displacement};
+  report.iterations = report.log.back().iteration;
+  report.residual = report.log.back().residual;
+  report.threshold = report.log.back().threshold;
+  report.dt_limit = std::min(now.wet.dt_limit, now.dry.dt_limit);
+  report.work_fluid = dot(now.fluid_force, mapping_.consistent(increment).value);
+  report.work_structure = dot(now.force, increment.value);
+  if (!parameters_.volume)
+    report.work_unconverged = dot(now.force, now.answer.displacement - now.guess.displacement);
+  report.displacement = now.answer.displacement;
+  if (pending_.sends_velocity) report.velocity = now.answer.velocity;
+  report.force = now.force;
+  report.fluid = std::move(now.wet.monitor);
+  report.structure = std::move(now.dry.monitor);
+  pending_.force = now.force;
+  pending_.accelerator = accelerator_->state();
+  remember(pending_.motion, std::move(now.answer));
+  ++pending_.windows;
+  open_ = true;
 }
 
 void Scheme::commit(bool write_output) {
@@ -283,8 +303,7 @@ void Scheme::commit(bool write_output) {
 
 void Scheme::abandon() {
   assert(open_);
-  fluid_.rewind();
-  structure_.rewind();
+  take_back();
   open_ = false;
 }
 

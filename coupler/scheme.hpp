@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,7 +65,8 @@ struct WindowReport {
          work_structure = 0;    // [J] f·Δu of the committed increment on each side of the mapping
   double work_unconverged = 0;  // [J] f·(hx − x): what the accepted residual gave to the structure
   double work_gap() const;      // |W_f − W_s| / max(|W_f|, |W_s|); 0 when both are
-  Points displacement, velocity, force;  // 3×n on the structure's mesh; velocity empty where it is not sent
+  Points displacement, velocity,
+      force;  // 3×n on the structure's mesh; velocity empty where the structure sends none
   std::map<std::string, double> fluid, structure;  // Advanced::monitor of each
   /// Both monitors in one, without the reserved prefixes (seconds., count., check., memory.).
   std::map<std::string, double> monitor() const;
@@ -76,9 +78,9 @@ struct CouplingState {
   int windows = 0;  // committed
   double velocity_scale =
       0;  // [s] half the first window: velocities stand in the accelerated vector as lengths
-  bool sends_velocity = false;
-  MotionHistory motion;   // committed, last is now
-  Eigen::MatrixXd force;  // 3×n [N] of the last window on the structure's mesh
+  bool sends_velocity = false;  // the structure, with each window
+  MotionHistory motion;         // committed, last is now
+  Eigen::MatrixXd force;        // 3×n [N] of the last window on the structure's mesh
   AcceleratorState accelerator;
 
   void save(Archive&) const;  // names begin with "coupling."
@@ -107,6 +109,16 @@ class Scheme {
 
  private:
   struct Iterate;
+  /// Fluid, then structure; the longest window [s] of a solver that wants a shorter one (both are taken back
+  /// then).
+  std::optional<double> evaluate(const Window&, int iteration, Iterate&);
+  IterationReport measure(const Window&, const Iterate&, const Eigen::MatrixXd& previous_force) const;
+  Eigen::VectorXd stack(const Motion&) const;
+  Motion next_guess(const Window&, const Iterate&);
+  void take_back();
+  WindowReport retry(const Window&, double limit) const;
+  [[noreturn]] void stop_unconverged(const WindowReport&) const;
+  void close(WindowReport&, Iterate&);
   Participant& fluid_;
   Participant& structure_;
   Mapping mapping_;

@@ -78,10 +78,12 @@ class AddedMass : public Model<Motions> {
   Advanced step(const Window& window, const Input& input) override {
     const Eigen::VectorXd x = y_of(input, "displacement"), before = now_.v;
     const Eigen::VectorXd secant = (x - now_.x) / window.dt;
-    if (find(input.samples.front().fields, "velocity"))
+    if (rule_ == Rule::backward)
+      now_.v = secant;
+    else if (find(input.samples.front().fields, "velocity"))
       now_.v = y_of(input, "velocity");
     else
-      now_.v = rule_ == Rule::trapezoidal ? Eigen::VectorXd(2 * secant - before) : secant;
+      now_.v = 2 * secant - before;
     now_.x = x;
     Advanced advanced;
     advanced.output = {y_field("force", "N", -mass_ * (now_.v - before) / window.dt)};
