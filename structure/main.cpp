@@ -20,7 +20,9 @@ int main(int argc, char** argv) {
     common = read_common(file);
     parameters = structure::read(file, solver.kind, common);
   };
-  program.check = [&](CaseFile&) { return structure::describe(*solver.build(parameters), common); };
+  program.check = [&](CaseFile&) {
+    return structure::describe(*solver.build(parameters), parameters, common);
+  };
   program.build = [&](CaseFile&, const ParticipantOptions&, const Setup& setup) {
     return std::make_unique<structure::StructureParticipant>(solver.build(parameters), parameters, common,
                                                              setup);

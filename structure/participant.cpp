@@ -34,9 +34,9 @@ std::string frequency_name(std::size_t i) {
 
 }  // namespace
 
-std::vector<std::string> describe(const Solver& solver, const CommonKeys& common) {
+std::vector<std::string> describe(const Solver& solver, const Parameters& p, const CommonKeys& common) {
   std::vector<std::string> lines = solver.lines();
-  if (std::isfinite(solver.stable_dt()))
+  if (p.analysis == Analysis::dynamic && std::isfinite(solver.stable_dt()))
     lines.push_back(fmt::format("{:.0f} sub-steps in a window of {:.4g} s",
                                 std::max(1.0, std::ceil(common.window / solver.stable_dt())), common.window));
   return lines;
@@ -55,7 +55,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   state_.energy_scale = first_energy_;
 
   description_.initial = motion();
-  description_.lines = describe(*solver_, common);
+  description_.lines = describe(*solver_, p, common);
   for (std::size_t i = 0; i < probes_.size(); ++i)
     for (int axis = 0; axis < dimension_; ++axis)
       description_.columns.push_back({probe_column(i, axis), unit_of(probes_[i])});

@@ -14,7 +14,7 @@
 namespace strake::structure {
 
 /// What a solver understood, and how its own steps go into the case's window.
-std::vector<std::string> describe(const Solver&, const CommonKeys&);
+std::vector<std::string> describe(const Solver&, const Parameters&, const CommonKeys&);
 
 /// A structure solver as the scheme sees it: force in, displacement (and velocity) out; probes, energies,
 /// frames.

@@ -1,0 +1,110 @@
+#include "structure/parameters.hpp"
+
+#include <gtest/gtest.h>
+
+#include "proto/error.hpp"
+
+namespace strake::structure {
+namespace {
+
+/// The paper's plate as a case file; `more` goes to the end.
+CaseFile plate_case(const std::vector<std::string>& sets = {}, const std::string& more = {}) {
+  return CaseFile::parse(R"(end_time = 0.03
+[fluid]
+spacing = 0.01
+[structure]
+velocity = [0.0, -6.26, 0.0]
+[structure.plate]
+length = 0.4
+thickness = 0.02
+supports = { left = "clamped", right = "clamped" }
+)" + more,
+                         "case.toml", sets);
+}
+
+Parameters read_plate_case(const std::string& kind, const std::vector<std::string>& sets = {}) {
+  CaseFile file = plate_case(sets);
+  Parameters p = read(file, kind);
+  file.refuse_unknown("structure");
+  return p;
+}
+
+/// What reading complains of; empty if it does not.
+std::string complaint(const std::string& kind, const std::vector<std::string>& sets,
+                      const std::string& more = {}) {
+  try {
+    CaseFile file = plate_case(sets, more);
+    read(file, kind);
+    file.refuse_unknown("structure");
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::case_file);
+    return to_text(e);
+  }
+  return {};
+}
+
+TEST(StructureKeys, DefaultsFollowFluidAndModel) {
+  const Parameters surface = read_plate_case("particle");
+  EXPECT_EQ(surface.surface_spacing, 0.01);  // fluid.spacing
+  EXPECT_EQ(surface.particle.model, ParticleModel::total_lagrangian);
+  EXPECT_EQ(surface.particle.clamp, ClampColumn::inside);
+  EXPECT_EQ(surface.gravity.y(), -9.81);
+  EXPECT_EQ(surface.plate.left, Support::clamped);
+
+  const Parameters volume = read_plate_case("particle", {"coupling.interface=volume"});
+  EXPECT_EQ(volume.particle.spacing, 0.01);  // fluid.spacing
+  EXPECT_EQ(volume.particle.model, ParticleModel::pair);
+  EXPECT_EQ(volume.particle.clamp, ClampColumn::outside);
+}
+
+TEST(StructureKeys, WithoutAFluidThereIsNoGravityUnlessTheCaseSaysSo) {
+  EXPECT_EQ(read_plate_case("fem", {"fluid.solver=none"}).gravity.norm(), 0);
+  EXPECT_EQ(read_plate_case("fem", {"fluid.solver=none", "fluid.gravity=[0,-1,0]"}).gravity.y(), -1);
+}
+
+TEST(StructureKeys, EveryKindKnowsEveryTable) {
+  for (const char* kind : {"fem", "particle", "rigid"})
+    EXPECT_EQ(complaint(kind, {"structure.fem.degree=1", "structure.particle.radius=3.1",
+                               "structure.replay.run=runs/x"}),
+              "");
+}
+
+TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
+  const auto says = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  says(complaint("fem", {"structure.material.young=0"}), "expected a number in Pa, greater than 0");
+  says(complaint("fem", {"structure.material.poisson=0.5"}), "below 0.5");
+  says(complaint("fem", {"structure.material.poisson=-1"}), "poisson");
+  says(complaint("fem", {"structure.plate.lenght=1"}), "did you mean length");
+  says(complaint("fem", {"structure.mesh=hull.msh"}), "structure.mesh is not built yet");
+  says(complaint("fem", {"structure.box=[{}]"}), "structure.box is not built yet");
+  says(complaint("fem", {"structure.plate.thickness=0"}), "thickness");
+  says(complaint("fem", {"fluid.dimension=3"}), "not built yet");
+  says(complaint("particle", {"structure.particle.spacing=0.003"}), "a whole number of particle layers");
+  says(complaint("particle", {"structure.particle.spacing=0.02"}), "at least 2");
+  says(complaint("particle", {"structure.plate.length=0.401"}), "a whole number of particle columns");
+  says(complaint("particle", {"structure.plate.supports.left=pinned"}), "structure.solver = \"fem\"");
+  says(complaint("particle", {"structure.damping.stiffness=1e-5"}), "mass-proportional");
+  says(complaint("rigid", {"coupling.interface=volume"}), "structure.solver = \"particle\"");
+  says(complaint("rigid", {"structure.analysis=modal"}), "no modes");
+  says(complaint("fem", {"structure.analysis=static", "structure.plate.supports.left=free",
+                         "structure.plate.supports.right=free"}),
+       "no equilibrium");
+  says(complaint("replay", {}), "structure.replay.run");
+  says(complaint("fem", {}, "[[output.probe]]\nname = \"mid\"\nof = \"structure\"\nat = [0.0, -0.1, 0.0]\n"),
+       "outside the plate");
+}
+
+TEST(StructureKeys, AnotherSolversCoarseParticlesDoNotMatter) {
+  EXPECT_EQ(complaint("fem", {"structure.particle.spacing=0.003"}), "");
+}
+
+TEST(StructureKeys, DeclarationsAloneAskForNothing) {
+  CaseFile nothing = CaseFile::declarations_only();
+  EXPECT_NO_THROW(read(nothing, "replay"));
+  EXPECT_GT(nothing.declared().size(), 40u);
+}
+
+}  // namespace
+}  // namespace strake::structure

@@ -1,0 +1,148 @@
+#include "structure/participant.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "proto/error.hpp"
+#include "structure/particle/solver.hpp"
+#include "structure/replay.hpp"
+#include "structure/rigid.hpp"
+#include "structure/surface.hpp"
+#include "tests/structure/paper_plate.hpp"
+
+namespace strake::structure {
+namespace {
+
+CommonKeys mid_probe(const std::string& quantity = "deflection") {
+  CommonKeys common;
+  ProbeKeys probe;
+  probe.name = "mid";
+  probe.of = "structure";
+  probe.quantity = quantity;
+  common.probes = {probe};
+  return common;
+}
+
+Parameters driven_plate() {
+  Parameters p = paper_plate(2);
+  p.velocity = {0, -6.26, 0};
+  return p;
+}
+
+StructureParticipant particles(const Parameters& p, const Setup& setup = {}) {
+  return {std::make_unique<ParticleSolver>(p), p, mid_probe(), setup};
+}
+
+Input push(const InterfaceMesh& mesh, double size) {
+  Eigen::MatrixXd force = Eigen::MatrixXd::Zero(3, mesh.position.cols());
+  force.row(1).setConstant(size);
+  return {{{0, {{"force", "N", true, force}}}}};
+}
+
+TEST(StructureParticipant, SaysItsMotionAtTheStartAndItsColumns) {
+  const StructureParticipant plate = particles(driven_plate());
+  ASSERT_EQ(plate.description().initial.size(), 2u);
+  EXPECT_EQ(find(plate.description().initial, "displacement")->value.norm(), 0);
+  EXPECT_NEAR(find(plate.description().initial, "velocity")->value(1, 5), -6.26, 1e-12);
+  EXPECT_EQ(plate.description().columns.at(1).name, "mid.y");
+  EXPECT_EQ(plate.description().columns.at(1).unit, "m");
+}
+
+TEST(StructureParticipant, DeflectionIsTheDisplacementLessThatOfTheSupports) {
+  const Parameters p = driven_plate();
+  StructureParticipant deflection(std::make_unique<Rigid>(p), p, mid_probe("deflection"), {});
+  StructureParticipant displacement(std::make_unique<Rigid>(p), p, mid_probe("displacement"), {});
+  StructureParticipant velocity(std::make_unique<Rigid>(p), p, mid_probe("velocity"), {});
+  const Window window{0.001, 1e-5};
+  EXPECT_NEAR(deflection.advance(window, {}).monitor.at("mid.y"), 0, 1e-17);  // round-off of V t
+  EXPECT_NEAR(displacement.advance(window, {}).monitor.at("mid.y"), -6.26 * 0.00101, 1e-15);
+  EXPECT_EQ(velocity.advance(window, {}).monitor.at("mid.y"), -6.26);
+}
+
+TEST(StructureParticipant, RewindIsBitExactForMotionProbesAndEnergies) {
+  StructureParticipant plate = particles(driven_plate());
+  const Input load = push(plate.mesh(), 1e4), other = push(plate.mesh(), -7e4);
+  plate.advance({0, 1e-5}, load);
+  plate.commit(false);
+  const Advanced first = plate.advance({1e-5, 1e-5}, load);
+  plate.rewind();
+  plate.advance({1e-5, 1e-5}, other);
+  plate.rewind();
+  Advanced again = plate.advance({1e-5, 1e-5}, load);
+  EXPECT_EQ(first.output.at(0).value, again.output.at(0).value);
+  EXPECT_EQ(first.output.at(1).value, again.output.at(1).value);
+  for (const auto& [name, value] : first.monitor) {
+    if (name == "seconds.step" || name == "memory.peak") continue;  // the machine's, not the method's
+    EXPECT_EQ(again.monitor.at(name), value) << name;
+  }
+}
+
+TEST(StructureParticipant, CheckpointGoesOnBitEqualAndFramesAreWritten) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "structure_participant_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "frames");
+  strake::Setup setup;
+  setup.run_folder = folder;
+  StructureParticipant first = particles(driven_plate(), setup), second = particles(driven_plate());
+  const Input load = push(first.mesh(), 1e4);
+  first.advance({0, 1e-5}, load);
+  first.commit(true);
+  EXPECT_TRUE(std::filesystem::exists(folder / "structure.xdmf"));
+  first.checkpoint(folder);
+  second.resume(folder);
+  const Advanced a = first.advance({1e-5, 1e-5}, load), b = second.advance({1e-5, 1e-5}, load);
+  EXPECT_EQ(a.output.at(0).value, b.output.at(0).value);
+  EXPECT_EQ(a.monitor.at("mid.y"), b.monitor.at("mid.y"));
+  EXPECT_EQ(a.monitor.at("check.structure_energy_drift"), b.monitor.at("check.structure_energy_drift"));
+  EXPECT_EQ(a.monitor.at("count.steps"), b.monitor.at("count.steps"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(StructureParticipant, StaticsAndModesAreSolvedInTheFirstWindow) {
+  Parameters p = paper_plate(2);
+  p.load.kind = LoadKind::traction;
+  p.load.value = {0, -1e5, 0};
+  p.analysis = Analysis::statics;
+  StructureParticipant statics(std::make_unique<ParticleSolver>(p), p, mid_probe(), {});
+  EXPECT_LT(statics.advance({0, 1e-3}, {}).monitor.at("mid.y"), -2e-5);
+  p.analysis = Analysis::modal;
+  StructureParticipant modal(std::make_unique<ParticleSolver>(p), p, mid_probe(), {});
+  EXPECT_EQ(modal.description().columns.back().name, "f3");
+  const Advanced modes = modal.advance({0, 1e-3}, {});
+  EXPECT_GT(modes.monitor.at("f1:final"), 600);
+  EXPECT_GT(modes.monitor.at("f2"), modes.monitor.at("f1"));
+}
+
+TEST(Replay, GivesTheRecordedMotionAndRefusesAnotherMesh) {
+  const Parameters p = driven_plate();
+  InterfaceRecord record;
+  record.mesh = surface(p);
+  const Eigen::Index n = record.mesh.position.cols();
+  record.initial_displacement = Points::Zero(3, n);
+  record.initial_velocity = Points::Constant(3, n, 2);
+  for (int k = 0; k < 3; ++k) {
+    record.windows.push_back({k * 1e-3, 1e-3});
+    record.displacement.push_back(Points::Constant(3, n, 2e-3 * (k + 1)));
+    record.velocity.push_back(Points::Constant(3, n, 2));
+    record.force.push_back(Points::Zero(3, n));
+  }
+  Replay replay(p, record);
+  replay.advance(0, 0.5e-3, {});  // half a recorded window: the motion between
+  EXPECT_NEAR(replay.displacement()(1, 3), 1e-3, 1e-15);
+  replay.advance(0.5e-3, 0.5e-3, {});
+  EXPECT_EQ(replay.displacement(), record.displacement[0]);
+  EXPECT_NEAR(replay.displacement_at({0, 0, 0}).y(), 2e-3, 1e-15);
+  EXPECT_THROW(replay.advance(3e-3, 1e-3, {}), Error);  // beyond the record
+
+  Parameters other = p;
+  other.surface_spacing = 0.005;
+  EXPECT_THROW(Replay(other, record), Error);
+  other = p;
+  other.plate.bottom.y() += 0.01;
+  EXPECT_THROW(Replay(other, record), Error);
+}
+
+}  // namespace
+}  // namespace strake::structure
