@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/fill.hpp"
+#include "fluid/participant.hpp"
+#include "fluid/turbulence.hpp"
+
+namespace strake::fluid {
+namespace {
+
+/// 10000 → "10 000".
+std::string grouped(std::int64_t n) {
+  std::string text = std::to_string(n);
+  for (auto k = static_cast<std::ptrdiff_t>(text.size()) - 3; k > 0; k -= 3)
+    text.insert(static_cast<std::size_t>(k), " ");
+  return text;
+}
+
+/// 2.5e+06 → "2.5e6".
+std::string short_power(double value) {
+  std::string text = fmt::format("{:.1e}", value);
+  const auto e = text.find('e') + 1;
+  if (text[e] == '+') text.erase(e, 1);
+  const auto digit = e + (text[e] == '-' ? 1 : 0);
+  if (text[digit] == '0' && digit + 1 < text.size()) text.erase(digit, 1);
+  return text;
+}
+
+const char* name(Gradient gradient) {
+  switch (gradient) {
+    case Gradient::min_pressure:
+      return "min-pressure";
+    case Gradient::corrected:
+      return "corrected";
+    case Gradient::pairwise:
+      break;
+  }
+  return "pairwise";
+}
+
+std::string source_text(const Scheme& s) {
+  if (s.source == Source::divergence) return "divergence";
+  const std::string strength =
+      s.tau > 0 ? fmt::format("tau {:g} s", s.tau) : fmt::format("gamma {:g}", s.gamma);
+  return s.source == Source::density ? "density" : "mixed, " + strength;
+}
+
+std::string surface_text(const Scheme& s) {
+  const char* second = s.second == SecondCriterion::arc         ? " and open arc"
+                       : s.second == SecondCriterion::asymmetry ? " and asymmetry"
+                                                                : "";
+  return fmt::format("n < {:g} n0{}", s.beta, second);
+}
+
+std::string turbulence_text(const Scheme& s) {
+  if (s.turbulence == Turbulence::none) return "no sub-particle stress";
+  return fmt::format("SPS C_s {:.4g}", SpsModel{.c_nu = s.c_nu, .c_eps = s.c_eps}.cs());
+}
+
+/// The limits of the time step (PHYSICS §11).
+std::string limits_text(const Parameters& p, double speed) {
+  const double l0 = p.spacing;
+  std::string text = "limits of the step";
+  if (speed > 0) text += fmt::format("   speed {:.2g} s", p.scheme.cfl * l0 / speed);
+  if (p.gravity.norm() > 0)
+    text += fmt::format("   gravity {:.2g} s", 0.25 * std::sqrt(l0 / p.gravity.norm()));
+  if (p.kinematic_viscosity > 0)
+    text += fmt::format("   viscosity {:.2g} s", 0.1 * l0 * l0 / p.kinematic_viscosity);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> describe(const Parameters& p, const CommonKeys& common, double speed,
+                                  double length) {
+  std::int64_t water = 0, wall = 0, dummies = 0;
+  const auto count = [&](const auto& state) {
+    for (const Kind kind : state.kind) ++(kind == Kind::fluid ? water : kind == Kind::wall ? wall : dummies);
+  };
+  if (p.dimension == 2)
+    count(fill<2>(p));
+  else
+    count(fill<3>(p));
+
+  std::string headline = fmt::format("MPS{} {}-D, {}   {} water particles   l0 {:g} mm",
+                                     p.scheme.turbulence == Turbulence::none ? "" : "-LES", p.dimension,
+                                     common.preset, grouped(water), 1e3 * p.spacing);
+  if (speed > 0 && length > 0 && p.kinematic_viscosity > 0)
+    headline += "   Re " + short_power(speed * length / p.kinematic_viscosity);
+  if (speed > 0 && length > 0 && p.gravity.norm() > 0)
+    headline += fmt::format("   Fr {:.1f}", speed / std::sqrt(p.gravity.norm() * length));
+
+  const Scheme& s = p.scheme;
+  const double steps = std::max(1.0, std::ceil(common.window / s.time_step - 1e-9));
+  std::string time = fmt::format("time step {:g} s, {:.0f} in a window of {:g} s", common.window / steps,
+                                 steps, common.window);
+  if (std::isfinite(p.sound_speed))
+    time += fmt::format("   c {:g} m/s   c dt/l0 {:.2g}", p.sound_speed,
+                        p.sound_speed * common.window / steps / p.spacing);
+  else
+    time += "   incompressible: the pressure of a flat impact grows as 1/dt";
+
+  return {headline,
+          fmt::format("tank of {} wall particles with {} rows ({}) behind them", grouped(wall), dummy_rows(s),
+                      grouped(dummies)),
+          time, limits_text(p, speed),
+          fmt::format("source {}   gradient {}   surface {}   {}", source_text(s), name(s.gradient),
+                      surface_text(s), turbulence_text(s))};
+}
+
+}  // namespace strake::fluid

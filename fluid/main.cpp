@@ -1,0 +1,27 @@
+#include <memory>
+
+#include "coupler/participant_main.hpp"
+#include "fluid/participant.hpp"
+
+// strake-fluid: reads its keys, builds the particle method, serves the coupler.
+int main(int argc, char** argv) {
+  using namespace strake;
+  CommonKeys common;
+  fluid::Parameters parameters;
+
+  Program program;
+  program.program = "strake-fluid";
+  program.solver = "mps";
+  program.version = STRAKE_VERSION;
+  program.prefix = "fluid";
+  program.declare = [&](CaseFile& file) {
+    common = read_common(file);
+    parameters = fluid::read(file, common);
+  };
+  program.check = [&](CaseFile&) { return fluid::describe(parameters, common); };
+  program.build = [&](CaseFile&, const ParticipantOptions&, const Setup& setup) {
+    return std::make_unique<fluid::FluidParticipant<2>>(parameters, common,
+                                                        setup);  // read() refuses dimension 3
+  };
+  return participant_main(argc, argv, program);
+}

@@ -1,0 +1,317 @@
+#include "fluid/participant.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/interface_load.hpp"
+#include "fluid/state_archive.hpp"
+#include "proto/error.hpp"
+
+namespace strake::fluid {
+namespace {
+
+/// A window is cut into at most so many times the steps that the case asks for; a stable step below that
+/// means that the flow has blown up.
+constexpr double most_refinement = 1000;
+
+double largest_speed(const Setup& setup) {
+  const Field* velocity = find(setup.partner_initial, "velocity");
+  return velocity && velocity->value.cols() > 0 ? velocity->value.colwise().norm().maxCoeff() : 0.0;
+}
+
+double extent(const InterfaceMesh& mesh) {
+  return mesh.position.cols() > 0 ? mesh.position.row(0).maxCoeff() - mesh.position.row(0).minCoeff() : 0.0;
+}
+
+Points initial_velocity(const Setup& setup) {
+  const Field* velocity = find(setup.partner_initial, "velocity");
+  return velocity ? Points(velocity->value) : Points::Zero(3, setup.partner_mesh.position.cols());
+}
+
+template <int dim>
+Points in_space(const Vectors<dim>& value) {
+  Points points = Points::Zero(3, value.cols());
+  points.template topRows<dim>() = value;
+  return points;
+}
+
+double peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux counts in KiB
+}
+
+}  // namespace
+
+template <int dim>
+FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const CommonKeys& common,
+                                        const Setup& setup)
+    : parameters_(parameters),
+      entry_speed_(largest_speed(setup)),
+      body_length_(extent(setup.partner_mesh)),
+      simulation_(parameters, setup.partner_mesh, initial_velocity(setup)),
+      has_body_(simulation_.interface().position.cols() > 0) {
+  auto& probes = simulation_.mutable_state().probes;
+  // A body that enters is measured from its contact, anything else from the first step (VALIDATION A).
+  probes.assign(parameters_.probes.size(),
+                entry_speed_ > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
+  check_sensors();
+  description_.lines = describe(parameters_, common, entry_speed_, body_length_);
+  description_.columns = columns();
+  if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
+  force_ = Points::Zero(3, mesh().position.cols());
+  committed_ = simulation_.state();
+}
+
+/// A sensor that covers nothing would read zero for ever.
+template <int dim>
+void FluidParticipant<dim>::check_sensors() const {
+  for (const ProbeKeys& probe : parameters_.probes) {
+    double nearest = std::numeric_limits<double>::infinity();
+    if (has_body_) {
+      nearest = (mesh().position.colwise() - probe.at).colwise().norm().minCoeff();
+    } else {
+      for (int d = 0; d < dim; ++d) {
+        nearest = std::min(nearest, probe.at[d] - parameters_.tank.min[d]);
+        if (d != 1) nearest = std::min(nearest, parameters_.tank.max[d] - probe.at[d]);
+      }
+      nearest += 0.5 * parameters_.spacing;  // to the middle of the nearest wall particle's face, at worst
+    }
+    if (nearest <= 0.5 * probe.diameter) continue;
+    throw Error(
+        ExitCode::case_file, fmt::format("output.probe \"{}\"", probe.name),
+        fmt::format("its sensor at ({:.6g}, {:.6g}) m of diameter {:.6g} m covers no point of the {}: the "
+                    "nearest is {:.3g} m away",
+                    probe.at[0], probe.at[1], probe.diameter, has_body_ ? "body" : "tank's walls", nearest),
+        has_body_ ? "place it on the body's surface, or enlarge its diameter"
+                  : "place it on a wall of the tank, or enlarge its diameter");
+  }
+}
+
+template <int dim>
+std::vector<Column> FluidParticipant<dim>::columns() const {
+  std::vector<Column> columns;
+  for (const ProbeKeys& probe : parameters_.probes) {
+    for (const char* suffix : {"", ".min", ".max", ".mean"}) columns.push_back({probe.name + suffix, "Pa"});
+    columns.push_back({probe.name + ".impulse", "Pa s"});
+  }
+  if (!has_body_) columns.push_back({"floor.y", "N"});
+  columns.push_back({"cfl", "1"});
+  columns.push_back({"pressure_iterations", "1"});
+  return columns;
+}
+
+/// n = ⌈window / min(time_step, stable step)⌉ equal steps.
+template <int dim>
+int FluidParticipant<dim>::steps_in(const Window& window) const {
+  const double wanted = parameters_.scheme.time_step, stable = simulation_.stable_dt();
+  if (!(stable * most_refinement > wanted))
+    throw Error(
+        ExitCode::solver_fault, fmt::format("fluid, t = {:.9g} s", window.t),
+        fmt::format("the stable time step has fallen to {:.3g} s, from {:.3g} s: the flow has blown up",
+                    stable, wanted),
+        "lower fluid.scheme.time_step or fluid.scheme.cfl; look at the last frames for where it began");
+  constexpr double round_off = 1e-9;
+  return std::max(1, static_cast<int>(std::ceil(window.dt / std::min(wanted, stable) - round_off)));
+}
+
+template <int dim>
+void FluidParticipant<dim>::start(const Window& window, const Input& input) {
+  const State<dim>& state = simulation_.state();
+  const bool volume = parameters_.interface == "volume" && has_body_;
+  const Points displacement = in_space<dim>(state.interface_displacement),
+               velocity = in_space<dim>(state.interface_velocity);
+  // Volume coupling: place and velocity of the structure's particles at the start of the window; the fluid
+  // takes them from there. Surface coupling: where the window ends.
+  std::optional<WindowMotion> motion;
+  InterfaceMotion held;
+  if (has_body_) {
+    motion.emplace(window, input.samples, displacement, velocity);
+    if (volume) {
+      held = motion->step(window.t, window.t + window.dt);  // checked: the sample's own values
+      const Field* given = find(input.samples.back().fields, "velocity");
+      held.velocity = given ? Points(given->value) : velocity;
+      held.acceleration.setZero();
+    }
+  }
+  for (auto& probe : simulation_.mutable_state().probes) probe.new_window();
+  force_.setZero();
+  floor_.setZero();
+  cfl_ = 0;
+  pressure_iterations_ = 0;
+  const int n = steps_in(window);
+  const double dt = window.dt / n;
+  for (int k = 0; k < n; ++k) {
+    const double t0 = window.t + window.dt * k / n, t1 = window.t + window.dt * (k + 1) / n;
+    InterfaceMotion moves;
+    if (volume) {
+      moves = held;
+      moves.displacement += (t0 - window.t) * held.velocity;
+    } else if (motion) {
+      moves = motion->step(t0, t1);
+    }
+    const StepReport report = simulation_.step(dt, moves);
+    ++steps_;
+    force_ += simulation_.interface_force() / n;
+    floor_ += simulation_.floor_force() / n;
+    cfl_ = std::max(cfl_, report.cfl);
+    pressure_iterations_ = std::max(pressure_iterations_, report.pressure_iterations);
+    follow_sensors(t0, t1);
+  }
+}
+
+/// Contact is the first step in which any sensor exceeds ½ρV² (VALIDATION A).
+template <int dim>
+void FluidParticipant<dim>::follow_sensors(double t0, double t1) {
+  State<dim>& state = simulation_.mutable_state();
+  const double threshold = 0.5 * parameters_.density * entry_speed_ * entry_speed_;
+  bool contact = false;
+  for (std::size_t i = 0; i < state.probes.size(); ++i) {
+    const ProbeKeys& probe = parameters_.probes[i];
+    const double pressure = simulation_.sensor_pressure(probe.at, probe.diameter);
+    contact = contact || pressure > threshold;
+    state.probes[i].add(t0, t1, pressure);
+  }
+  if (!contact || entry_speed_ == 0 || state.contact_time >= 0) return;
+  state.contact_time = t0;
+  for (auto& probe : state.probes) probe.contact(t0);
+}
+
+template <int dim>
+Advanced FluidParticipant<dim>::finish() {
+  Advanced result;
+  if (has_body_) result.output.push_back({"force", "N", true, force_});
+  auto& monitor = result.monitor;
+  report_sensors(monitor);
+  report_accounts(monitor);
+  if (!has_body_) monitor["floor.y"] = floor_[1];
+  monitor["cfl"] = cfl_;
+  monitor["pressure_iterations"] = pressure_iterations_;
+  for (const auto& [stage, seconds] : simulation_.seconds()) monitor["seconds." + stage] = seconds;
+  monitor["memory.peak"] = peak_memory();
+  return result;
+}
+
+template <int dim>
+void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monitor) const {
+  const auto& records = simulation_.state().probes;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const std::string& name = parameters_.probes[i].name;
+    monitor[name] = records[i].last();
+    monitor[name + ".min"] = records[i].window_min();
+    monitor[name + ".max"] = records[i].window_max();
+    monitor[name + ".mean"] = records[i].window_mean();
+    monitor[name + ".impulse"] = records[i].running_impulse();
+    records[i].report(name, monitor);
+  }
+}
+
+template <int dim>
+void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monitor) const {
+  const State<dim>& state = simulation_.state();
+  std::int64_t water = 0, wall = 0, solid = 0;
+  for (const Kind kind : state.kind) {
+    water += kind == Kind::fluid ? 1 : 0;
+    wall += kind == Kind::wall || kind == Kind::dummy_wall ? 1 : 0;
+    solid += kind == Kind::interface || kind == Kind::dummy_interface || kind == Kind::solid ? 1 : 0;
+  }
+  monitor["count.fluid"] = static_cast<double>(water);
+  monitor["count.wall"] = static_cast<double>(wall);
+  monitor["count.solid"] = static_cast<double>(solid);
+  monitor["count.steps"] = static_cast<double>(steps_);
+  monitor["count.steps_committed"] = static_cast<double>(state.step);
+  for (const char* prefix : {"count.", "check."}) {
+    monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);
+    monitor[prefix + std::string("voids")] = static_cast<double>(state.voids);
+    monitor[prefix + std::string("penetrations")] = static_cast<double>(state.penetrations);
+  }
+  monitor["check.inner_fraction_min"] = state.inner_fraction_min;
+  monitor["check.momentum_gap"] = momentum_gap();
+}
+
+/// |momentum not accounted for| over 2ρVa², or, where nothing enters, over the largest impulse so far.
+template <int dim>
+double FluidParticipant<dim>::momentum_gap() const {
+  const State<dim>& state = simulation_.state();
+  const double mass = parameters_.density * std::pow(parameters_.spacing, dim), half = 0.5 * body_length_;
+  double scale = 2 * parameters_.density * entry_speed_ * half * half;
+  if (scale == 0)
+    scale = std::max(
+        {state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), state.impulse_on_bodies.norm()});
+  return scale > 0 ? fluid::momentum_gap<dim>(state, mass).norm() / scale : 0.0;
+}
+
+template <int dim>
+void FluidParticipant<dim>::rewind() {
+  simulation_.set_state(committed_);
+}
+
+template <int dim>
+void FluidParticipant<dim>::commit(bool write_output) {
+  committed_ = simulation_.state();
+  if (write_output && frames_) frames_->write(frame());
+}
+
+/// Water, the walls' and bodies' first rows; dummies and what has left the tank stay out.
+template <int dim>
+Frame FluidParticipant<dim>::frame() const {
+  const State<dim>& state = simulation_.state();
+  const double end =
+      parameters_.tank.max[0] + 2 * parameters_.spacing;  // lost particles are parked beyond it
+  std::vector<Eigen::Index> shown;
+  for (std::size_t i = 0; i < state.kind.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (has_pressure(state.kind[i]) && (state.kind[i] != Kind::fluid || state.position(0, k) <= end))
+      shown.push_back(k);
+  }
+  const auto n = static_cast<Eigen::Index>(shown.size());
+  Eigen::MatrixXd pressure(1, n), velocity = Eigen::MatrixXd::Zero(3, n), kind(1, n), surface(1, n);
+  Frame frame{
+      .time = state.time, .position = Points::Zero(3, n), .cells = {}, .point_data = {}, .cell_data = {}};
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto i = shown[static_cast<std::size_t>(k)];
+    frame.position.col(k).template head<dim>() = state.position.col(i);
+    velocity.col(k).template head<dim>() = state.velocity.col(i);
+    pressure(0, k) = state.pressure[i];
+    kind(0, k) = static_cast<double>(state.kind[static_cast<std::size_t>(i)]);
+    surface(0, k) = state.surface[static_cast<std::size_t>(i)];
+  }
+  frame.point_data = {{"pressure", "Pa", std::move(pressure)},
+                      {"velocity", "m/s", std::move(velocity)},
+                      {"kind", "1", std::move(kind)},
+                      {"surface", "1", std::move(surface)}};
+  return frame;
+}
+
+template <int dim>
+void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
+  Archive archive;
+  save<dim>(committed_, archive);
+  archive.integer["participant.steps"] = {steps_};
+  write_archive(folder / "fluid.h5", archive);
+}
+
+template <int dim>
+void FluidParticipant<dim>::resume(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "fluid.h5";
+  const Archive archive = read_archive(file);
+  State<dim> state = load<dim>(archive, parameters_.probes.size());
+  if (state.position.cols() != simulation_.state().position.cols())
+    throw Error(ExitCode::case_file, file.string(),
+                fmt::format("holds {} particles, the case makes {}", state.position.cols(),
+                            simulation_.state().position.cols()),
+                "resume with the case the run was started with");
+  const auto steps = archive.integer.find("participant.steps");
+  steps_ = steps != archive.integer.end() && !steps->second.empty() ? steps->second.front() : state.step;
+  committed_ = std::move(state);
+  simulation_.set_state(committed_);
+  if (frames_) frames_->truncate(committed_.time);
+}
+
+template class FluidParticipant<2>;
+template class FluidParticipant<3>;
+
+}  // namespace strake::fluid

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fluid/parameters.hpp"
+#include "fluid/simulation.hpp"
+#include "fluid/window_motion.hpp"
+#include "proto/case_keys.hpp"
+#include "proto/participant.hpp"
+#include "proto/result_file.hpp"
+
+namespace strake::fluid {
+
+/// What the case says of the fluid, one line each; the first is the headline. speed, length: those of the
+/// body that enters [m/s], [m]; 0: none, and no Reynolds and Froude numbers.
+std::vector<std::string> describe(const Parameters&, const CommonKeys&, double speed = 0, double length = 0);
+
+/// The MPS method as the scheme sees it: motion in, force out; sub-steps, sensors, accounts, frames.
+template <int dim>
+class FluidParticipant final : public Participant {
+ public:
+  FluidParticipant(const Parameters&, const CommonKeys&, const Setup&);
+
+  const InterfaceMesh& mesh() const override { return simulation_.interface(); }
+  const Description& description() const override { return description_; }
+  void start(const Window&, const Input&) override;
+  Advanced finish() override;
+  void rewind() override;
+  void commit(bool write_output) override;
+  void checkpoint(const std::filesystem::path& folder) override;
+  void resume(const std::filesystem::path& folder) override;
+
+ private:
+  void check_sensors() const;
+  std::vector<Column> columns() const;
+  int steps_in(const Window&) const;
+  void follow_sensors(double t0, double t1);
+  void report_sensors(std::map<std::string, double>& monitor) const;
+  void report_accounts(std::map<std::string, double>& monitor) const;
+  double momentum_gap() const;
+  Frame frame() const;
+
+  Parameters parameters_;
+  double entry_speed_, body_length_;  // of the interface at t = 0: largest speed [m/s], extent in x [m]
+  Simulation<dim> simulation_;
+  bool has_body_;
+  Description description_;
+  std::optional<FrameSeries> frames_;
+  State<dim> committed_;
+  std::int64_t steps_ = 0;  // with those that were rewound
+
+  // The last window, kept for `finish`.
+  Points force_;                                     // its mean force [N]
+  double cfl_ = 0;                                   // largest
+  int pressure_iterations_ = 0;                      // most in one step
+  Eigen::Vector3d floor_ = Eigen::Vector3d::Zero();  // mean force on the tank floor [N]
+};
+
+}  // namespace strake::fluid

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "fluid/simulation.hpp"
+#include "proto/interface.hpp"
+
+namespace strake::fluid {
+
+/// The motion of the interface points over a window (DESIGN §2). Between two known places x_n and x_{n+1} the
+/// points move with constant acceleration, v_{n+1} = 2 (x_{n+1} − x_n)/dt − v_n; where the partner sends a
+/// velocity too, on the cubic through both places and velocities. Of several samples each stretch is one such
+/// piece.
+class WindowMotion {
+ public:
+  /// displacement, velocity: committed ones at window.t, 3×m [m], [m/s]. Throws Error(solver_fault) when a
+  /// sample has no displacement, or one of another size.
+  WindowMotion(const Window&, const std::vector<Sample>&, const Points& displacement, const Points& velocity);
+  /// Displacement and velocity at the end of a step from t0 to t1 [s], and its mean acceleration.
+  InterfaceMotion step(double t0, double t1) const;
+
+ private:
+  struct Knot {
+    double time = 0;
+    Points displacement, velocity;
+  };
+  Knot at(double t) const;
+  std::vector<Knot> knots_;
+};
+
+}  // namespace strake::fluid
