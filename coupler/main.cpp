@@ -27,9 +27,13 @@ CLI::App* add_run_options(CLI::App* command, strake::RunOptions& options) {
   command->add_option("--runs", options.folder.runs, "folder of the run folders, default runs")
       ->type_name("DIR");
   auto* force = command->add_flag("--force", options.folder.force, "replace an earlier run of that name");
+  auto* resume =
+      command->add_flag("--resume", options.folder.resume, "go on from the latest checkpoint of the run");
+  resume->excludes(force);
   auto* free = command->add_flag("--first-free-tag", options.folder.first_free_tag,
                                  "number the run if its name is taken");
   force->excludes(free);
+  resume->excludes(free);
   command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
   command->add_flag("--strict", options.strict, "exit 1 when a compare block fails");
   auto* quiet = command->add_flag("--quiet", options.quiet, "print only failed comparisons");

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "coupler/case_view.hpp"
+#include "coupler/checkpoint.hpp"
 #include "coupler/commands.hpp"
 #include "coupler/compare.hpp"
 #include "coupler/console.hpp"
@@ -58,7 +59,8 @@ class Run {
         stop_(stop),
         reporter_(reporter_of(options)),
         record_(folder_.path, options.command_line),
-        summary_(folder_.case_name, folder_.tag) {
+        summary_(folder_.case_name, folder_.tag),
+        checkpoints_(std::filesystem::absolute(folder_.path)) {
     for (const CompareBlock& block : view.blocks)
       if (applies(block, view.lookup())) blocks_.push_back(block);
   }
@@ -85,6 +87,8 @@ class Run {
 
  private:
   void prepare() {
+    const bool resume = options_.folder.resume;
+    if (resume) check_same_case(case_, folder_.path);
     log_ = open_log(folder_.path / "coupler.log");
     write_text(folder_.path / "case.toml", case_.resolved);
     record_.set("case", std::filesystem::absolute(case_.file.path()).string());
@@ -104,6 +108,9 @@ class Run {
                                 .say = [this](const std::string& line) { note(line); },
                                 .stop = &stop_});
     record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
+    plan_ = resume ? checkpoints_.resume(*session_, summary_) : session_->plan();
+    if (resume) record_.set("resumed_at", {{"window", plan_.windows_before}, {"time", plan_.start}});
+    wall_before_ = summary_.wall_seconds;
     record_.write();
 
     RunFiles::Options files{.folder = folder_.path,
@@ -112,7 +119,7 @@ class Run {
                             .columns = session_->columns(),
                             .mesh = {},
                             .initial = {},
-                            .resume_at = std::nullopt};
+                            .resume_at = resume ? std::optional(plan_.start) : std::nullopt};
     if (case_.coupled()) {
       files.mesh = session_->structure()->mesh();
       files.initial = session_->structure()->description().initial;
@@ -129,6 +136,9 @@ class Run {
                      .dimension = session_->dimension(),
                      .columns = session_->columns(),
                      .probes = case_.common.probes};
+    if (resume)
+      header.warnings.push_back(
+          fmt::format("resumed at window {} (t = {:.6g} s)", plan_.windows_before, plan_.start));
     for (const auto& [name, lines] : header.blocks)
       for (const std::string& line : lines) log_->info("{}: {}", name, line);
     for (const std::string& warning : header.warnings) log_->warn(warning);
@@ -137,26 +147,44 @@ class Run {
 
   void windows() {
     started_ = true;
-    RunLoop loop = session_->loop(session_->plan());
+    RunLoop loop = session_->loop(plan_);
+    auto saved = Clock::now();
     settled_.assign(blocks_.size(), false);
     while (!loop.finished()) {
-      if (stop_.requested()) throw Error(stop_.code(), position(), "interrupted");
+      if (stop_.requested()) interrupt(loop);
       const auto begin = Clock::now();
       const CommittedWindow window = loop.next();
       const double wall = seconds_since(begin);
       summary_.coupler_seconds["windows"] += wall;
       summary_.add(window);
       files_->append(window, session_->values(window.report), wall);
-      RunRow row{.window = &window, .force = Eigen::Vector3d::Zero(), .elapsed = seconds_since(start_)};
+      RunRow row{.window = &window, .force = Eigen::Vector3d::Zero(), .elapsed = elapsed()};
       if (window.report.force.cols() > 0) row.force = window.report.force.rowwise().sum();
       reporter_->window(row);
       if (!window.report.converged)
         log_->warn("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
                    window.number, window.time, window.report.residual, window.report.threshold);
       tell_verdicts();
+      if (!window.last && seconds_since(saved) > case_.coupling.checkpoint) {
+        save(loop);
+        saved = Clock::now();
+      }
       summary_.coupler_seconds["files"] += seconds_since(begin) - wall;
     }
   }
+
+  void save(const RunLoop& loop) {
+    summary_.wall_seconds = elapsed();
+    checkpoints_.write(*session_, loop, summary_);
+  }
+
+  /// Ctrl-C between two windows: the participants are at rest, so that what is committed can be kept.
+  [[noreturn]] void interrupt(const RunLoop& loop) {
+    save(loop);
+    throw Error(stop_.code(), position(), "interrupted, the state is saved", "go on with --resume");
+  }
+
+  double elapsed() const { return wall_before_ + seconds_since(start_); }
 
   RunData data(bool finished) const {
     return {.monitor = summary_.probe_results(),
@@ -187,7 +215,7 @@ class Run {
     session_.reset();
     if (files_) files_->flush();
     summary_.exit_code = code;
-    summary_.wall_seconds = seconds_since(start_);
+    summary_.wall_seconds = elapsed();
     summary_.coupler_seconds["cpu"] = cpu_seconds();
     summary_.coupler_memory = peak_memory();
     summary_.verdicts.clear();
@@ -220,7 +248,8 @@ class Run {
       if (log_) log_->error(to_text(error));
       // A case that was refused while its participants were set up leaves no folder: the corrected one may
       // take its name.
-      if (!started_ && (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
+      if (!started_ && !options_.folder.resume &&
+          (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
         log_.reset();
         std::error_code ignored;
         std::filesystem::remove_all(folder_.path, ignored);
@@ -256,7 +285,10 @@ class Run {
   std::vector<bool> settled_;         // of blocks_: its verdict has been told
   std::unique_ptr<RunFiles> files_;
   std::unique_ptr<Session> session_;
-  bool started_ = false;  // the first window has begun
+  Checkpoints checkpoints_;
+  RunPlan plan_;
+  double wall_before_ = 0;  // [s] of the run that this one resumes
+  bool started_ = false;    // the first window has begun
 };
 
 }  // namespace

@@ -142,6 +142,24 @@ Json Summary::json() const {
   return json;
 }
 
+void Summary::save(Archive& archive) const {
+  archive.integer["summary.counts"] = {windows_, iterations_, unconverged_, max_iterations_};
+  archive.real["summary.sums"] = Eigen::Vector4d(time_, work_gap_, wall_seconds, coupled_ ? 1 : 0);
+}
+
+void Summary::load(const Archive& archive) {
+  const auto& counts = archive.integer.at("summary.counts");
+  windows_ = static_cast<long>(counts.at(0));
+  iterations_ = static_cast<long>(counts.at(1));
+  unconverged_ = static_cast<long>(counts.at(2));
+  max_iterations_ = static_cast<int>(counts.at(3));
+  const Eigen::MatrixXd& sums = archive.real.at("summary.sums");
+  time_ = sums(0);
+  work_gap_ = sums(1);
+  wall_seconds = sums(2);
+  coupled_ = sums(3) > 0;
+}
+
 double peak_memory() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);

@@ -37,6 +37,10 @@ class Summary {
 
   nlohmann::ordered_json json() const;
 
+  /// Counts and sums so far, for a checkpoint; what the participants report comes back with them.
+  void save(Archive&) const;
+  void load(const Archive&);
+
  private:
   std::string case_, tag_;
   double time_ = 0;

@@ -1,0 +1,132 @@
+#include "coupler/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+#include <vector>
+
+#include "proto/error.hpp"
+#include "proto/result_file.hpp"
+
+namespace strake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kept = 2;  // the one before the last stays until the next is whole
+
+[[noreturn]] void cannot_write(const fs::path& path, const std::error_code& error) {
+  throw Error(ExitCode::cannot_write, path.string(), error.message(),
+              "free space, or choose another folder with --runs DIR");
+}
+
+std::vector<fs::path> checkpoints_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none))
+    if (entry.is_directory() && !entry.is_symlink()) found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// Keys that may differ between a run and its continuation.
+bool may_change(const std::string& key) {
+  for (const char* prefix : {"title", "end_time", "output.every", "run.", "compare", "coupling.frozen_after",
+                             "coupling.answer_within", "coupling.start_within", "coupling.endpoint"})
+    if (key.starts_with(prefix)) return true;
+  return false;
+}
+
+}  // namespace
+
+Checkpoints::Checkpoints(const fs::path& run_folder) : folder_(run_folder / "checkpoint") {}
+
+void Checkpoints::write(Session& session, const RunLoop& loop, const Summary& summary) {
+  const std::string name = fmt::format("{:06}", loop.number());
+  const fs::path target = folder_ / name;
+  std::error_code error;
+  fs::create_directories(target, error);
+  if (error) cannot_write(target, error);
+
+  for (RemoteParticipant* participant : {session.fluid(), session.structure()})
+    if (participant != nullptr) participant->checkpoint(target);
+  Archive archive;
+  if (session.scheme() != nullptr) session.scheme()->state().save(archive);
+  archive.real["loop.time"] = Eigen::MatrixXd::Constant(1, 1, loop.time());
+  archive.integer["loop.windows"] = {loop.number()};
+  summary.save(archive);
+  write_archive(target / "coupler.h5", archive);
+
+  const fs::path link = folder_ / "latest", fresh = folder_ / "latest.new";
+  fs::remove(fresh, error);
+  fs::create_directory_symlink(name, fresh, error);
+  if (!error) fs::rename(fresh, link, error);
+  if (error) cannot_write(link, error);
+  forget_old();
+}
+
+void Checkpoints::forget_old() const {
+  std::vector<fs::path> found = checkpoints_in(folder_);
+  std::error_code ignored;
+  for (std::size_t i = 0; i + kept < found.size(); ++i) fs::remove_all(found[i], ignored);
+}
+
+fs::path Checkpoints::latest() const {
+  std::error_code none;
+  const fs::path name = fs::read_symlink(folder_ / "latest", none);
+  return none ? fs::path() : folder_ / name;
+}
+
+RunPlan Checkpoints::resume(Session& session, Summary& summary) {
+  const fs::path source = latest();
+  if (source.empty())
+    throw Error(ExitCode::command_line, folder_.parent_path().string(), "holds no checkpoint to go on from",
+                "run it again with --force, or under another --tag");
+  const Archive archive = read_archive(source / "coupler.h5");
+  if (archive.real.count("loop.time") == 0 || archive.integer.count("loop.windows") == 0)
+    throw Error(ExitCode::case_file, (source / "coupler.h5").string(), "is not a checkpoint of a run");
+  const long windows = static_cast<long>(archive.integer.at("loop.windows").at(0));
+  for (RemoteParticipant* participant : {session.fluid(), session.structure()}) {
+    if (participant == nullptr) continue;
+    participant->resume(source);
+    participant->count_windows_from(static_cast<std::uint64_t>(windows));
+  }
+  if (session.scheme() != nullptr) {
+    CouplingState state;
+    state.load(archive);
+    session.scheme()->set_state(std::move(state));
+  }
+  summary.load(archive);
+  RunPlan plan = session.plan();
+  plan.start = archive.real.at("loop.time")(0, 0);
+  plan.windows_before = windows;
+  return plan;
+}
+
+void check_same_case(const CaseView& view, const fs::path& run_folder) {
+  const fs::path path = run_folder / "case.toml";
+  std::ifstream stream(path);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream)
+    throw Error(ExitCode::command_line, run_folder.string(), "has no case.toml to go on from",
+                "leave out --resume");
+  const auto before = flatten_toml(text.str(), path.string());
+  const auto now = flatten_toml(view.resolved, "case.toml");
+  std::string changes;
+  for (const auto& [key, value] : now) {
+    const auto found = before.find(key);
+    const std::string was = found == before.end() ? "not there" : found->second;
+    if (was != value && !may_change(key)) changes += fmt::format("\n{} was {}, is {}", key, was, value);
+  }
+  if (!changes.empty())
+    throw Error(ExitCode::command_line, run_folder.string(),
+                "cannot be resumed: the case has changed" + changes,
+                "run the new case under a --tag of its own");
+}
+
+}  // namespace strake
