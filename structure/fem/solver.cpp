@@ -367,8 +367,15 @@ void FemSolver<dim>::solve_static() {
 
 template <int dim>
 std::vector<double> FemSolver<dim>::frequencies(int count) {
-  return natural_frequencies(stiffness_, mass_, mesh().fixed, count,
-                             parameters_.plate.length / wave_speed(parameters_.material));
+  // Motions that the supports leave free have no frequency: two shifts and a turn, or the turn about one pin.
+  const Plate& plate = parameters_.plate;
+  const bool clamped = plate.left == Support::clamped || plate.right == Support::clamped;
+  const int pins = (plate.left == Support::pinned) + (plate.right == Support::pinned);
+  const int rigid = clamped || pins == 2 ? 0 : pins == 1 ? 1 : 3;
+  std::vector<double> f = natural_frequencies(stiffness_, mass_, mesh().fixed, count + rigid,
+                                              plate.length / wave_speed(parameters_.material));
+  f.erase(f.begin(), f.begin() + rigid);
+  return f;
 }
 
 std::unique_ptr<Solver> make_solver(const Parameters& parameters) {

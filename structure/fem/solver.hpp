@@ -46,7 +46,7 @@ class FemSolver final : public Solver {
   Frame frame() const override;
   std::vector<std::string> lines() const override;
   void solve_static() override;
-  std::vector<double> frequencies(int count) override;
+  std::vector<double> frequencies(int count) override;  // without rigid motions
 
   /// For tests of the method: the mesh, and the displacement of its nodes relative to the supports.
   const Mesh<dim>& mesh() const { return discretisation_.mesh(); }
