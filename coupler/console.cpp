@@ -174,7 +174,10 @@ class TableReporter final : public Reporter {
       for (std::size_t i = 1; i < end.fields.size(); ++i) fields += "  " + end.fields[i];
       put(fmt::format("  fields  {}   (open in ParaView)\n", fields));
     }
-    put(fmt::format("  next    strake compare {}\n", end.folder.string()));
+    if (end.stopped == "interrupted")
+      put("  next    the same command with --resume\n");
+    else
+      put(fmt::format("  next    strake compare {}\n", end.folder.string()));
   }
 
  private:

@@ -137,8 +137,8 @@ class Run {
                      .columns = session_->columns(),
                      .probes = case_.common.probes};
     if (resume)
-      header.warnings.push_back(
-          fmt::format("resumed at window {} (t = {:.6g} s)", plan_.windows_before, plan_.start));
+      header.blocks.push_back(
+          {"resumed", {fmt::format("after window {} (t = {:.6g} s)", plan_.windows_before, plan_.start)}});
     for (const auto& [name, lines] : header.blocks)
       for (const std::string& line : lines) log_->info("{}: {}", name, line);
     for (const std::string& warning : header.warnings) log_->warn(warning);
