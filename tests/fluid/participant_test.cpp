@@ -1,0 +1,307 @@
+#include "fluid/participant.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "fluid/window_motion.hpp"
+
+namespace strake::fluid {
+namespace {
+
+constexpr double speed = 2.0;    // [m/s] of the plate, downward
+constexpr double window = 2e-5;  // [s]
+
+std::string small_tank(const std::string& probe_at) {
+  return R"(
+end_time = 0.01
+[fluid]
+spacing = 0.01
+tank = [[-0.15, -0.1], [0.15, 0.1]]
+water = [[-0.15, -0.1], [0.15, 0.0]]
+[fluid.scheme]
+time_step = 1e-5
+[coupling.surface]
+window = 2e-5
+[[output.probe]]
+name = "p"
+of = "fluid"
+at = )" + probe_at +
+         "\n";
+}
+
+struct Case {
+  CommonKeys common;
+  Parameters parameters;
+  explicit Case(const std::vector<std::string>& sets = {}, const std::string& probe_at = "[0.0, 0.002]") {
+    CaseFile file = CaseFile::parse(small_tank(probe_at), "case.toml", sets);
+    common = read_common(file);
+    parameters = read(file, common);
+  }
+};
+
+/// Outline of a plate 0.1 × 0.02 m whose lower face is 2 mm above the water, counter-clockwise.
+InterfaceMesh plate() {
+  constexpr int along = 10, across = 2;
+  InterfaceMesh mesh{.name = "structure", .dimension = 2, .position = {}, .faces = {}, .mass = {}};
+  const int n = 2 * (along + across);
+  mesh.position = Points::Zero(3, n);
+  for (int k = 0; k < n; ++k) {
+    double x = 0, y = 0;
+    if (k < along)
+      x = k;
+    else if (k < along + across)
+      x = along, y = k - along;
+    else if (k < 2 * along + across)
+      x = 2 * along + across - k, y = across;
+    else
+      y = n - k;
+    mesh.position.col(k) << -0.05 + 0.01 * x, 0.002 + 0.01 * y, 0;
+  }
+  mesh.faces.resize(2, n);
+  for (int k = 0; k < n; ++k) mesh.faces.col(k) << k, (k + 1) % n;
+  return mesh;
+}
+
+Field moving(const std::string& quantity, const Eigen::Vector3d& value) {
+  return {quantity, quantity == "velocity" ? "m/s" : "m", false, value.replicate(1, plate().position.cols())};
+}
+
+Setup entering() {
+  Setup setup;
+  setup.interface = "surface";
+  setup.partner_mesh = plate();
+  setup.partner_initial = {moving("displacement", {0, 0, 0}), moving("velocity", {0, -speed, 0})};
+  return setup;
+}
+
+Window nth(int k, double dt = window) {
+  return {k * dt, dt};
+}
+Input at_speed(const Window& w, double v = speed) {
+  return {{{w.t + w.dt, {moving("displacement", {0, -v * (w.t + w.dt), 0})}}}};
+}
+
+/// Everything that is no wall clock.
+std::map<std::string, double> figures(const Advanced& advanced) {
+  auto monitor = advanced.monitor;
+  std::erase_if(monitor, [](const auto& item) {
+    return item.first.starts_with("seconds.") || item.first.starts_with("memory.") ||
+           item.first == "count.steps";
+  });
+  return monitor;
+}
+
+void expect_equal_bits(const Advanced& a, const Advanced& b, int k) {
+  ASSERT_EQ(a.output.size(), b.output.size());
+  for (std::size_t f = 0; f < a.output.size(); ++f) EXPECT_TRUE(a.output[f].value == b.output[f].value) << k;
+  EXPECT_EQ(figures(a), figures(b)) << k;
+}
+
+constexpr int contact_window = 50;  // the gap of 2 mm is closed after 1 ms
+
+TEST(FluidParticipant, rewind_then_advance_again_is_bit_equal) {
+  const Case c;
+  FluidParticipant<2> straight(c.parameters, c.common, entering()),
+      iterated(c.parameters, c.common, entering());
+  for (int k = 0; k < contact_window + 20; ++k) {
+    const auto expected = straight.advance(nth(k), at_speed(nth(k)));
+    straight.commit(false);
+    iterated.advance(nth(k), at_speed(nth(k), speed + 0.3));
+    iterated.rewind();
+    if (k % 3 == 0) {
+      iterated.advance(nth(k), at_speed(nth(k), speed - 0.5));
+      iterated.rewind();
+    }
+    expect_equal_bits(iterated.advance(nth(k), at_speed(nth(k))), expected, k);
+    iterated.commit(false);
+  }
+}
+
+TEST(FluidParticipant, the_result_does_not_depend_on_the_number_of_threads) {
+  const Case one({"run.threads=1"}), two({"run.threads=2"});
+  std::vector<Advanced> with_one;
+  {
+    FluidParticipant<2> participant(one.parameters, one.common, entering());
+    for (int k = 0; k < contact_window + 10; ++k) {
+      with_one.push_back(participant.advance(nth(k), at_speed(nth(k))));
+      participant.commit(false);
+    }
+  }
+  FluidParticipant<2> participant(two.parameters, two.common, entering());
+  for (int k = 0; k < contact_window + 10; ++k) {
+    expect_equal_bits(participant.advance(nth(k), at_speed(nth(k))), with_one[static_cast<std::size_t>(k)],
+                      k);
+    participant.commit(false);
+  }
+}
+
+TEST(FluidParticipant, a_checkpoint_continues_bit_equal) {
+  const Case c;
+  const auto folder = std::filesystem::path(testing::TempDir()) / "fluid_checkpoint";
+  std::filesystem::create_directories(folder);
+  FluidParticipant<2> first(c.parameters, c.common, entering()), second(c.parameters, c.common, entering());
+  for (int k = 0; k < contact_window + 5; ++k) {
+    first.advance(nth(k), at_speed(nth(k)));
+    first.commit(false);
+  }
+  first.checkpoint(folder);
+  second.resume(folder);
+  for (int k = contact_window + 5; k < contact_window + 15; ++k) {
+    const auto expected = first.advance(nth(k), at_speed(nth(k)));
+    first.commit(false);
+    expect_equal_bits(second.advance(nth(k), at_speed(nth(k))), expected, k);
+    second.commit(false);
+  }
+  const Case other({"fluid.water=[[-0.15,-0.1],[0.15,-0.02]]"});
+  FluidParticipant<2> third(other.parameters, other.common, entering());
+  EXPECT_THROW(third.resume(folder), Error);
+  EXPECT_THROW(third.resume(folder / "nothing"), Error);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(FluidParticipant, the_force_is_the_mean_over_the_window) {
+  const Case c;
+  FluidParticipant<2> fine(c.parameters, c.common, entering()), coarse(c.parameters, c.common, entering());
+  for (int k = 0; k < contact_window / 2 + 5; ++k) {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, plate().position.cols());
+    for (int half = 2 * k; half < 2 * k + 2; ++half) {
+      sum += fine.advance(nth(half), at_speed(nth(half))).output.at(0).value;
+      fine.commit(false);
+    }
+    const auto w = nth(k, 2 * window);
+    const auto force = coarse.advance(w, at_speed(w)).output.at(0).value;
+    coarse.commit(false);
+    // The same steps, up to the round-off of the motion: velocity from differences of 1e-3 m over 1e-5 s.
+    EXPECT_LT((force - sum / 2).norm(), 1e-6 * (force.norm() + 1)) << k;
+  }
+}
+
+TEST(FluidParticipant, momentum_of_water_bodies_and_walls_is_accounted_for_to_round_off) {
+  const Case c;
+  FluidParticipant<2> participant(c.parameters, c.common, entering());
+  Advanced last;
+  for (int k = 0; k < contact_window + 20; ++k) {
+    last = participant.advance(nth(k), at_speed(nth(k)));
+    participant.commit(false);
+  }
+  EXPECT_LT(last.monitor.at("check.momentum_gap"), 1e-9);
+  EXPECT_EQ(last.monitor.at("check.lost"), 0);
+  EXPECT_EQ(last.monitor.at("count.fluid"), 300);
+}
+
+TEST(FluidParticipant, impulse_counts_from_the_first_step_above_the_stagnation_pressure) {
+  const Case c;
+  FluidParticipant<2> participant(c.parameters, c.common, entering());
+  bool touched = false;
+  double impulse = 0;
+  for (int k = 0; k < contact_window + 20; ++k) {
+    const auto monitor = participant.advance(nth(k), at_speed(nth(k))).monitor;
+    participant.commit(false);
+    touched = touched || monitor.at("p.max") > 0.5 * 1000 * speed * speed;
+    if (!touched) {
+      EXPECT_EQ(monitor.at("p.impulse"), 0) << k;
+    }
+    impulse = monitor.at("p.impulse");
+    EXPECT_LE(monitor.at("p.min"), monitor.at("p.mean"));
+    EXPECT_LE(monitor.at("p.mean"), monitor.at("p.max"));
+  }
+  EXPECT_TRUE(touched);
+  EXPECT_GT(impulse, 0);
+}
+
+TEST(FluidParticipant, a_still_tank_alone_reports_its_floor_load_and_no_force) {
+  const Case c({"fluid.scheme.time_step=2e-5"}, "[0.0, -0.1]");
+  strake::Setup alone;
+  alone.interface = "none";
+  FluidParticipant<2> participant(c.parameters, c.common, alone);
+  const auto advanced = participant.advance(nth(0), {});
+  EXPECT_TRUE(advanced.output.empty());
+  EXPECT_TRUE(advanced.monitor.contains("floor.y"));
+  EXPECT_EQ(participant.mesh().position.cols(), 0);
+  for (const auto& column : participant.description().columns)
+    EXPECT_TRUE(advanced.monitor.contains(column.name)) << column.name;
+}
+
+TEST(FluidParticipant, a_sensor_that_covers_nothing_is_refused) {
+  const Case c({}, "[0.12, 0.002]");
+  EXPECT_THROW(FluidParticipant<2>(c.parameters, c.common, entering()), Error);
+  const Case in_the_water({}, "[0.0, -0.05]");
+  EXPECT_THROW(FluidParticipant<2>(in_the_water.parameters, in_the_water.common, strake::Setup{}), Error);
+}
+
+TEST(FluidParticipant, frames_hold_water_and_wet_rows_and_are_listed) {
+  const Case c;
+  strake::Setup setup = entering();
+  setup.run_folder = std::filesystem::path(testing::TempDir()) / "fluid_frames";
+  std::filesystem::create_directories(setup.run_folder);
+  {
+    FluidParticipant<2> participant(c.parameters, c.common, setup);
+    participant.advance(nth(0), at_speed(nth(0)));
+    participant.commit(true);
+  }
+  EXPECT_TRUE(std::filesystem::exists(setup.run_folder / "fluid.xdmf"));
+  EXPECT_TRUE(std::filesystem::exists(setup.run_folder / "frames"));
+  std::filesystem::remove_all(setup.run_folder);
+}
+
+TEST(FluidParticipant, the_headline_names_method_particles_and_the_numbers_of_the_entry) {
+  const Case c;
+  const auto lines = describe(c.parameters, c.common, 6.26, 0.4);
+  EXPECT_EQ(lines.at(0), "MPS-LES 2-D, improved   300 water particles   l0 10 mm   Re 2.5e6   Fr 3.2");
+  EXPECT_EQ(describe(c.parameters, c.common).at(0), "MPS-LES 2-D, improved   300 water particles   l0 10 mm");
+}
+
+TEST(WindowMotion, without_a_velocity_the_points_move_with_constant_acceleration) {
+  const double x1 = 3e-4, v0 = 10.0, dt = 1e-4, a = 2 * (x1 - v0 * dt) / (dt * dt);
+  const Points start = Points::Zero(3, 1), velocity = Eigen::Vector3d(0, v0, 0);
+  const WindowMotion motion(
+      {5.0, dt}, {{5.0 + dt, {{"displacement", "m", false, Eigen::Vector3d(0, x1, 0)}}}}, start, velocity);
+  for (int k = 0; k < 4; ++k) {
+    const double t0 = 5.0 + dt * k / 4, t1 = 5.0 + dt * (k + 1) / 4, s = t1 - 5.0;
+    const auto step = motion.step(t0, t1);
+    EXPECT_NEAR(step.displacement(1, 0), v0 * s + 0.5 * a * s * s, 1e-12);
+    EXPECT_NEAR(step.velocity(1, 0), v0 + a * s, 1e-8);
+    EXPECT_NEAR(step.acceleration(1, 0), a, 1e-6 * std::abs(a));
+  }
+  EXPECT_EQ(motion.step(5.0, 5.0 + dt).displacement(1, 0), x1);
+}
+
+TEST(WindowMotion, with_a_velocity_both_ends_are_met_exactly) {
+  const Points start = Eigen::Vector3d(1, 2, 0), velocity = Eigen::Vector3d(0.5, -1, 0);
+  const Eigen::Vector3d x1(1.2, 1.9, 0), v1(-3, 4, 0);
+  const WindowMotion motion(
+      {0, 0.1}, {{0.1, {{"displacement", "m", false, x1}, {"velocity", "m/s", false, v1}}}}, start, velocity);
+  const auto end = motion.step(0.05, 0.1);
+  EXPECT_EQ((end.displacement - x1).norm(), 0);
+  EXPECT_EQ((end.velocity - v1).norm(), 0);
+  // The velocity is the derivative of the place.
+  const double h = 1e-6;
+  const auto before = motion.step(0, 0.04 - h), after = motion.step(0, 0.04 + h),
+             middle = motion.step(0, 0.04);
+  EXPECT_LT(((after.displacement - before.displacement) / (2 * h) - middle.velocity).norm(), 1e-6);
+}
+
+TEST(WindowMotion, a_history_of_samples_is_followed_piece_by_piece) {
+  const Points start = Points::Zero(3, 1);
+  const auto sample = [](double t, double x, double v) {
+    return Sample{t,
+                  {{"displacement", "m", false, Eigen::Vector3d(x, 0, 0)},
+                   {"velocity", "m/s", false, Eigen::Vector3d(v, 0, 0)}}};
+  };
+  const WindowMotion motion({0, 1}, {sample(0.5, 2, 1), sample(1, 3, -1)}, start, start);
+  EXPECT_EQ(motion.step(0, 0.5).displacement(0, 0), 2);
+  EXPECT_EQ(motion.step(0.5, 1).velocity(0, 0), -1);
+}
+
+TEST(WindowMotion, motion_of_another_number_of_points_is_an_error) {
+  const Points start = Points::Zero(3, 2);
+  EXPECT_THROW(
+      WindowMotion({0, 1}, {{1, {{"displacement", "m", false, Eigen::Vector3d(0, 0, 0)}}}}, start, start),
+      Error);
+  EXPECT_THROW(WindowMotion({0, 1}, {{1, {}}}, start, start), Error);
+}
+
+}  // namespace
+}  // namespace strake::fluid
