@@ -234,6 +234,14 @@ Error CaseFile::Document::missing(const std::string& path, const std::string& ex
                                   const std::string& sample) const {
   const auto [parent, key] = parent_and_name(path);
   const toml::node* table = parent.empty() ? nullptr : at(parent);
+  // A key that is required and misspelt is missing and unknown at once; the second says more.
+  for (auto&& [there, node] : table && table->is_table() ? *table->as_table() : toml::table()) {
+    const std::string stranger = parent + "." + quoted_key(std::string(there.str()));
+    if (index.contains(stranger) || did_you_mean(std::string(there.str()), {key}).empty()) continue;
+    const Set* set = set_of(stranger);
+    return {ExitCode::case_file, set ? "--set " + set->argument : place(there.source().begin),
+            stranger + " is not a key", fmt::format("did you mean {}?  (strake explain {})", key, parent)};
+  }
   std::string fix = fmt::format("add {} = {}", quoted_key(key), sample);
   if (const std::size_t bracket = parent.rfind('['); parent.ends_with(']'))
     fix += " to this [[" + parent.substr(0, bracket) + "]]";
