@@ -212,14 +212,16 @@ void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monito
 template <int dim>
 void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monitor) const {
   const State<dim>& state = simulation_.state();
-  std::int64_t water = 0, wall = 0, solid = 0;
+  std::int64_t water = 0, wall = 0, body = 0, solid = 0;
   for (const Kind kind : state.kind) {
     water += kind == Kind::fluid ? 1 : 0;
     wall += kind == Kind::wall || kind == Kind::dummy_wall ? 1 : 0;
-    solid += kind == Kind::interface || kind == Kind::dummy_interface || kind == Kind::solid ? 1 : 0;
+    body += kind == Kind::interface || kind == Kind::dummy_interface ? 1 : 0;
+    solid += kind == Kind::solid ? 1 : 0;
   }
   monitor["count.fluid"] = static_cast<double>(water);
   monitor["count.wall"] = static_cast<double>(wall);
+  monitor["count.body"] = static_cast<double>(body);
   monitor["count.solid"] = static_cast<double>(solid);
   monitor["count.steps"] = static_cast<double>(steps_);
   monitor["count.steps_committed"] = static_cast<double>(state.step);
