@@ -120,35 +120,33 @@ void FemSolver<dim>::use_tangent(const State& state) {
 }
 
 template <int dim>
-void FemSolver<dim>::advance(double t, double dt, const Load& load) {
-  assert(dt > 0);
-  const State& old = state_;
-  State next = old;
-  if (!(std::abs(dt - old.tangent_dt) <= same_step * dt)) next.tangent_dt = dt;
-  use_tangent(next);
-
-  const double share = scheme_.alpha_f, load_time = t + (1 - share) * dt;
-  const Points on_points = load.at(load_time, interface_.position.cols());
+Eigen::VectorXd FemSolver<dim>::load_of_window(double time, const Load& load) const {
+  const Points on_points = load.at(time, interface_.position.cols());
   if (!on_points.allFinite())
-    throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", t),
+    throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", time),
                 "the load on the interface is not finite", "see the fluid's log; lower coupling.window");
-  const Eigen::VectorXd force = own_load(load_time) + transfer_.to_unknowns(on_points);
+  return own_load(time) + transfer_.to_unknowns(on_points);
+}
 
-  // r(u1) = F − f(u0, u1) − C v_α − M a_m, in the unknowns that are free.
+// C v_α for the step from `old` to u1.
+template <int dim>
+Eigen::VectorXd FemSolver<dim>::damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const {
   const Damping& damping = parameters_.damping;
-  const bool damped = damping.mass > 0 || damping.stiffness > 0;
-  const auto damping_force = [&](const Eigen::VectorXd& u1) -> Eigen::VectorXd {
-    const Eigen::VectorXd v1 = scheme_.velocity(old.displacement, u1, old.velocity, old.acceleration, dt);
-    const Eigen::VectorXd v = share * old.velocity + (1 - share) * v1;
-    return damping.mass * (mass_ * v) + damping.stiffness * (stiffness_ * v);
-  };
+  if (damping.mass == 0 && damping.stiffness == 0) return Eigen::VectorXd::Zero(u1.size());
+  const Eigen::VectorXd v1 = scheme_.velocity(old.displacement, u1, old.velocity, old.acceleration, dt);
+  const Eigen::VectorXd v = scheme_.alpha_f * old.velocity + (1 - scheme_.alpha_f) * v1;
+  return damping.mass * (mass_ * v) + damping.stiffness * (stiffness_ * v);
+}
+
+// r(u1) = F − f(u0, u1) − C v_α − M a_m, in the unknowns that are free.
+template <int dim>
+NewtonResult FemSolver<dim>::solve_step(const State& old, const Eigen::VectorXd& force, double dt) {
   const Eigen::VectorXd drift = old.displacement + dt * old.velocity;
   Equilibrium equilibrium;
   equilibrium.residual = [&](const Eigen::VectorXd& u1) {
-    const Eigen::VectorXd inside = internal_force(old.displacement, u1, share);
+    const Eigen::VectorXd inside = internal_force(old.displacement, u1, scheme_.alpha_f);
     const Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
-    Equilibrium::Residual r{.value = force - inside - inertia};
-    if (damped) r.value -= damping_force(u1);
+    Equilibrium::Residual r{.value = force - inside - damping_force(old, u1, dt) - inertia};
     hold(r.value);
     r.scale = std::max({force.norm(), inside.norm(), inertia.norm()});
     r.floor = round_off * std::numeric_limits<double>::epsilon() * largest_stiffness_ * u1.norm();
@@ -159,36 +157,52 @@ void FemSolver<dim>::advance(double t, double dt, const Load& load) {
   equilibrium.refresh = [&](const Eigen::VectorXd& u1) {
     factors = &fresh_factors_;
     ++factorisations_;
-    return fresh_factors_.factorise(effective(assembly_.tangent(old.displacement, u1, share), dt),
-                                    mesh().fixed);
+    const Matrix tangent = assembly_.tangent(old.displacement, u1, scheme_.alpha_f);
+    return fresh_factors_.factorise(effective(tangent, dt), mesh().fixed);
   };
   const NewtonResult result = solve(equilibrium, drift, parameters_.fem.tolerance);
   newton_iterations_ = result.iterations;
-  if (!result.converged || !(assembly_.smallest_jacobian(result.x) > 0))
+  const bool sound = result.converged && assembly_.smallest_jacobian(result.x) > 0;
+  if (!sound) {
+    const std::string stopped =
+        fmt::format("Newton's method did not converge\n{} iterations, residual {:.2e} N, wanted {:.2e} N",
+                    result.iterations, result.residual, result.wanted);
     throw Error(
-        ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", t),
-        result.converged
-            ? "a cell is turned inside out"
-            : fmt::format(
-                  "Newton's method did not converge\n{} iterations, residual {:.2e} N, wanted {:.2e} N",
-                  result.iterations, result.residual, result.wanted),
+        ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", old.time),
+        result.converged ? "a cell is turned inside out" : stopped,
         fmt::format("lower coupling.window ({:g} s), or look at the load: is the plate too thin for it?",
                     dt));
+  }
+  return result;
+}
 
-  // Kinetic + strain − external stays as it is when nothing damps: the loads work on u1 − u0, the supports
-  // give the momentum that the moving frame hides, V·Δp.
-  const Eigen::VectorXd way = result.x - old.displacement;
+// Kinetic + strain − external stays as it is when nothing damps: the loads work on u1 − u0, the supports give
+// the momentum that the moving frame hides, V·Δp, and damping takes its share.
+template <int dim>
+double FemSolver<dim>::work_of_step(const State& old, const State& next, const Eigen::VectorXd& force,
+                                    double dt) const {
+  const Eigen::VectorXd gained = node_mass_.cwiseProduct(next.velocity - old.velocity);
+  const Eigen::Map<const Eigen::Matrix<double, dim, Eigen::Dynamic>> momentum(gained.data(), dim,
+                                                                              mesh().n_nodes());
+  return (force - damping_force(old, next.displacement, dt)).dot(next.displacement - old.displacement) +
+         parameters_.velocity.template head<dim>().dot(momentum.rowwise().sum());
+}
+
+template <int dim>
+void FemSolver<dim>::advance(double t, double dt, const Load& load) {
+  assert(dt > 0);
+  const State& old = state_;
+  State next = old;
+  if (!(std::abs(dt - old.tangent_dt) <= same_step * dt)) next.tangent_dt = dt;
+  use_tangent(next);
+
+  const Eigen::VectorXd force = load_of_window(t + (1 - scheme_.alpha_f) * dt, load);
+  const NewtonResult result = solve_step(old, force, dt);
+  const Eigen::VectorXd leap = result.x - old.displacement - dt * old.velocity;
   next.displacement = result.x;
   next.velocity = scheme_.velocity(old.displacement, result.x, old.velocity, old.acceleration, dt);
-  next.acceleration = scheme_.acceleration(result.x - drift, old.acceleration, dt);
-  next.external += force.dot(way);
-  const Eigen::VectorXd momentum = node_mass_.cwiseProduct(next.velocity - old.velocity);
-  for (int k = 0; k < dim; ++k)
-    next.external +=
-        parameters_.velocity(k) * Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(
-                                      momentum.data() + k, mesh().n_nodes(), Eigen::InnerStride<>(dim))
-                                      .sum();
-  if (damped) next.external -= damping_force(result.x).dot(way);
+  next.acceleration = scheme_.acceleration(leap, old.acceleration, dt);
+  next.external += work_of_step(old, next, force, dt);
   if (result.refreshed || result.iterations > iterations_of_a_good_tangent) next.tangent_at = result.x;
   next.time = t + dt;
   ++next.steps;

@@ -72,6 +72,10 @@ class FemSolver final : public Solver {
   Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
   Matrix effective(const Matrix& tangent, double dt) const;
   void use_tangent(const State&);
+  Eigen::VectorXd load_of_window(double time, const Load&) const;
+  Eigen::VectorXd damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const;
+  NewtonResult solve_step(const State& old, const Eigen::VectorXd& force, double dt);
+  double work_of_step(const State& old, const State& next, const Eigen::VectorXd& force, double dt) const;
   void hold(Eigen::VectorXd& unknowns) const;  // zero in the held unknowns
   const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
   Eigen::Vector3d rigid_motion() const { return parameters_.velocity * state_.time; }
