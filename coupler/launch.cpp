@@ -1,5 +1,8 @@
 #include "coupler/launch.hpp"
 
+#include "coupler/stop_request.hpp"
+#include "proto/error.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -19,9 +22,6 @@
 #include <sstream>
 #include <thread>
 #include <utility>
-
-#include "coupler/stop_request.hpp"
-#include "proto/error.hpp"
 
 extern char** environ;
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <stdlib.h>
 #include <unistd.h>
+#include <zmq.hpp>
 
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <set>
 #include <utility>
-#include <zmq.hpp>
 
 namespace strake {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "proto/wire.hpp"
+
 #include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
-
-#include "proto/wire.hpp"
 
 /// The transport. ZeroMQ stays inside link.cpp.
 namespace strake {

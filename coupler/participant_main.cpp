@@ -1,14 +1,14 @@
 #include "coupler/participant_main.hpp"
 
-#include <fmt/format.h>
+#include "coupler/serve.hpp"
+#include "proto/error.hpp"
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-
-#include "coupler/serve.hpp"
-#include "proto/error.hpp"
 
 namespace strake {
 namespace {

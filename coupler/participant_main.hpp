@@ -1,5 +1,8 @@
 #pragma once
 
+#include "proto/case_file.hpp"
+#include "proto/participant.hpp"
+
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -7,9 +10,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "proto/case_file.hpp"
-#include "proto/participant.hpp"
 
 namespace strake {
 

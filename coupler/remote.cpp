@@ -1,5 +1,7 @@
 #include "coupler/remote.hpp"
 
+#include "coupler/roster_state.hpp"
+
 #include <fmt/format.h>
 #include <sodium.h>
 #include <unistd.h>
@@ -7,8 +9,6 @@
 #include <cassert>
 #include <csignal>
 #include <utility>
-
-#include "coupler/roster_state.hpp"
 
 namespace strake {
 namespace {

@@ -1,14 +1,14 @@
 #pragma once
 
+#include "coupler/launch.hpp"
+#include "proto/participant.hpp"
+
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
-
-#include "coupler/launch.hpp"
-#include "proto/participant.hpp"
 
 namespace strake {
 

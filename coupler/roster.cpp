@@ -1,14 +1,14 @@
 // Who takes part in a run: the wait loop that hears all, and what is done when one of them falls silent.
 
+#include "coupler/roster_state.hpp"
+#include "coupler/stop_request.hpp"
+
 #include <fmt/format.h>
 #include <sodium.h>
 
 #include <deque>
 #include <fstream>
 #include <utility>
-
-#include "coupler/roster_state.hpp"
-#include "coupler/stop_request.hpp"
 
 namespace strake {
 namespace {
@@ -133,8 +133,8 @@ void Roster::State::check_deadlines(const Member& m) const {
   if (options.deadlines.patient || m.reply || waited < options.deadlines.answer_within) return;
   throw Error(
       ExitCode::participant_lost, m.place(),
-      fmt::format("has not answered {} for {} ({} is alive{})", m.asked, in_seconds(waited), m.process(),
-                  m.doing.empty() ? "" : ", last: " + m.doing),
+      fmt::format("has not answered {} for {} ({}{}{})", m.asked, in_seconds(waited), m.process(),
+                  m.child ? " is alive" : "", m.doing.empty() ? "" : ", last: " + m.doing),
       fmt::format("{}, or --patient when debugging; the limit is coupling.answer_within", m.see_log()));
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 
+#include "coupler/link.hpp"
+#include "coupler/remote.hpp"
+#include "proto/wire.hpp"
+
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "coupler/link.hpp"
-#include "coupler/remote.hpp"
-#include "proto/wire.hpp"
 
 /// What Roster and RemoteParticipant share, for remote.cpp and roster.cpp alone.
 namespace strake {

@@ -1,5 +1,8 @@
 #include "coupler/serve.hpp"
 
+#include "coupler/link.hpp"
+#include "proto/wire.hpp"
+
 #include <fmt/format.h>
 #include <signal.h>
 #include <sodium.h>
@@ -7,18 +10,18 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
-
-#include "coupler/link.hpp"
-#include "proto/wire.hpp"
 
 namespace strake {
 namespace {

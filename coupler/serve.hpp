@@ -1,12 +1,12 @@
 #pragma once
 
+#include "proto/participant.hpp"
+
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
-
-#include "proto/participant.hpp"
 
 namespace strake {
 

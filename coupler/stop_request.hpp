@@ -1,9 +1,9 @@
 #pragma once
 
+#include "proto/error.hpp"
+
 #include <chrono>
 #include <optional>
-
-#include "proto/error.hpp"
 
 namespace strake {
 

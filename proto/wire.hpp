@@ -1,5 +1,8 @@
 #pragma once
 
+#include "proto/error.hpp"
+#include "proto/participant.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -7,9 +10,6 @@
 #include <string>
 #include <variant>
 #include <vector>
-
-#include "proto/error.hpp"
-#include "proto/participant.hpp"
 
 /// The messages of coupling.proto as C++ values, and their bytes.
 ///

@@ -1,5 +1,7 @@
 #include "coupler/launch.hpp"
 
+#include "proto/error.hpp"
+
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -8,8 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-
-#include "proto/error.hpp"
 
 namespace strake {
 namespace {

@@ -1,12 +1,12 @@
 #include "proto/wire.hpp"
 
+#include "proto/coupling.pb.h"
+
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <functional>
 #include <limits>
-
-#include "proto/coupling.pb.h"
 
 namespace strake::wire {
 namespace {

@@ -1,6 +1,11 @@
 // Real processes over ipc that die, freeze, lie or never speak. A step lasts 5 s: whatever ends earlier was
 // noticed inside it. Times are printed, not judged.
 
+#include "coupler/launch.hpp"
+#include "coupler/remote.hpp"
+#include "coupler/stop_request.hpp"
+#include "proto/error.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -13,11 +18,6 @@
 #include <functional>
 #include <sstream>
 #include <thread>
-
-#include "coupler/launch.hpp"
-#include "coupler/remote.hpp"
-#include "coupler/stop_request.hpp"
-#include "proto/error.hpp"
 
 namespace strake {
 namespace {
@@ -229,7 +229,7 @@ TEST_F(Faults, AFrozenParticipantIsWaitedForThenGivenUp) {
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
   EXPECT_EQ(count(said_, "no heartbeat"), 1u) << said_;
   EXPECT_NE(said_.find("is suspended"), std::string::npos) << said_;
-  EXPECT_NE(e.problem().find("no heartbeat for 2"), std::string::npos);
+  EXPECT_NE(e.problem().find("no heartbeat for "), std::string::npos);
   EXPECT_NE(e.fix().find("coupling.frozen_after"), std::string::npos);
 }
 
@@ -286,7 +286,7 @@ TEST_F(Faults, ACrashIsNamedByItsSignal) {
   RemoteParticipant& structure = roster().connect("structure", {});
   const Error e = error_of([&] { structure.advance({0, 0.1}, {}); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
-  EXPECT_NE(e.problem().find("signal 11"), std::string::npos);
+  EXPECT_NE(e.problem().find("was killed by signal 6 (Aborted)"), std::string::npos);
 }
 
 TEST_F(Faults, AnExitInsideAStepIsNamedByItsCode) {

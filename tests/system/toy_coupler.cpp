@@ -1,12 +1,12 @@
 // A coupler with one toy participant, to be killed: toy_coupler PARTICIPANT LOG FAULT. Prints its endpoint.
 
-#include <fmt/format.h>
-
-#include <cstdio>
-
 #include "coupler/remote.hpp"
 #include "coupler/stop_request.hpp"
 #include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
 
 int main(int argc, char** argv) {
   using namespace strake;

@@ -2,6 +2,9 @@
 // Its displacement is the number of its committed windows, so that rewind and commit can be seen from
 // outside.
 
+#include "coupler/serve.hpp"
+#include "proto/error.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -12,9 +15,6 @@
 #include <limits>
 #include <string>
 #include <thread>
-
-#include "coupler/serve.hpp"
-#include "proto/error.hpp"
 
 namespace {
 
@@ -54,7 +54,7 @@ class Toy final : public Participant {
       for (int number : {SIGTERM, SIGHUP}) std::signal(number, SIG_IGN);  // as a library might
     if (wish_.fault == "sleep" || wish_.fault == "deaf") sleep_like_a_solver(std::chrono::seconds(60));
     if (wish_.fault == "nap") sleep_like_a_solver(std::chrono::seconds(3));
-    if (wish_.fault == "crash") std::raise(SIGSEGV);
+    if (wish_.fault == "crash") std::raise(SIGABRT);
     if (wish_.fault == "exit") std::_Exit(7);
     if (wish_.fault == "error")
       throw Error(ExitCode::solver_fault, "toy", "pressure did not converge\n500 iterations",

@@ -1,0 +1,187 @@
+#pragma once
+
+#include "proto/coupling.pb.h"
+#include "proto/wire.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// The checks of a message and the raw arrays behind its header, for wire.cpp alone.
+namespace strake::wire {
+
+// ---- rules that hold on both sides
+
+/// Checks of one message, told in the name of its sender.
+struct Rules {
+  const std::string& who;
+  const char* message;
+
+  [[noreturn]] void broken(const std::string& what) const {
+    throw Error(ExitCode::participant_lost, who, fmt::format("its {} message {}", message, what),
+                fmt::format("both sides must speak protocol {} of proto/coupling.proto", protocol));
+  }
+  template <class Matrix>
+  void finite(const Matrix& value, const std::string& name, const std::string& unit) const {
+    if (value.size() == 0 || value.allFinite()) return;
+    for (Eigen::Index j = 0; j < value.cols(); ++j)
+      for (Eigen::Index i = 0; i < value.rows(); ++i)
+        if (!std::isfinite(value(i, j)))
+          throw Error(ExitCode::solver_fault, who,
+                      fmt::format("{} is not finite: {} {} at point {} of {}, component {}", name,
+                                  value(i, j), unit, j, value.cols(), i));
+  }
+  void finite(double value, const char* name) const {
+    if (!std::isfinite(value))
+      throw Error(ExitCode::solver_fault, who,
+                  fmt::format("{} is not finite ({}) in {}", name, value, message));
+  }
+  void limit(double dt_limit) const {
+    if (!(dt_limit > 0))
+      throw Error(ExitCode::solver_fault, who,
+                  fmt::format("dt_limit is {} s in {}, expected > 0", dt_limit, message));
+  }
+  void field(const Field& f) const {
+    if (f.quantity.empty()) broken("holds a field without a quantity");
+    if (f.unit.empty()) broken(fmt::format("gives no unit for {} (\"1\" for a pure number)", f.quantity));
+    if (f.value.rows() == 0) broken(fmt::format("gives no components for {}", f.quantity));
+    finite(f.value, f.quantity, f.unit);
+  }
+  void mesh(const InterfaceMesh& m) const {
+    if (m.dimension != 2 && m.dimension != 3)
+      broken(fmt::format("has a mesh of dimension {}, expected 2 or 3", m.dimension));
+    finite(m.position, "mesh position", "m");
+    finite(m.mass, "mesh mass", "kg");
+    const Eigen::Index n = m.position.cols();
+    if (m.mass.size() != 0 && m.mass.size() != n)
+      broken(fmt::format("has {} masses for {} points", m.mass.size(), n));
+    if (m.faces.cols() == 0) return;
+    if (m.faces.rows() != m.dimension)
+      broken(fmt::format("has faces of {} points, expected {}", m.faces.rows(), m.dimension));
+    if (m.faces.minCoeff() < 0 || m.faces.maxCoeff() >= n)
+      broken(fmt::format("has a face with point {}, expected 0 to {}",
+                         m.faces.minCoeff() < 0 ? m.faces.minCoeff() : m.faces.maxCoeff(), n - 1));
+  }
+};
+
+// ---- values to bytes
+
+/// Collects the parts; the arrays stay where they are, kept alive by `owner`.
+class Writer {
+ public:
+  Writer(Rules rules, std::shared_ptr<const void> owner)
+      : rules_(rules), owner_(std::move(owner)), parts_(1) {}
+
+  const Rules& rules() const { return rules_; }
+  void mesh(const InterfaceMesh& from, pb::Mesh& to) {
+    rules_.mesh(from);
+    to.set_name(from.name);
+    to.set_dimension(static_cast<std::uint32_t>(from.dimension));
+    to.set_n_points(static_cast<std::uint64_t>(from.position.cols()));
+    to.set_n_faces(static_cast<std::uint64_t>(from.faces.cols()));
+    to.set_has_mass(from.mass.size() != 0);
+    array(from.position);
+    if (from.faces.cols() != 0) array(from.faces);
+    if (from.mass.size() != 0) array(from.mass);
+  }
+  template <class Repeated>
+  void fields(const std::vector<Field>& from, Repeated& to) {
+    for (const Field& f : from) {
+      rules_.field(f);
+      pb::Field& header = *to.Add();
+      header.set_quantity(f.quantity);
+      header.set_unit(f.unit);
+      header.set_components(static_cast<std::uint32_t>(f.value.rows()));
+      header.set_conservative(f.conservative);
+      header.set_n_points(static_cast<std::uint64_t>(f.value.cols()));
+      array(f.value);
+    }
+  }
+  template <class Header>
+  Parts finish(const Header& header) {
+    auto text = std::make_shared<std::string>();
+    if (!header.SerializeToString(text.get())) rules_.broken("cannot be written");
+    parts_.front() = {std::as_bytes(std::span(*text)), text};
+    return std::move(parts_);
+  }
+
+ private:
+  template <class Matrix>
+  void array(const Matrix& m) {
+    const std::span numbers(m.data(), static_cast<std::size_t>(m.size()));
+    parts_.push_back({std::as_bytes(numbers), owner_});
+  }
+
+  Rules rules_;
+  std::shared_ptr<const void> owner_;
+  Parts parts_;
+};
+
+// ---- bytes to values
+
+/// Takes the arrays in the announced order. An announced count is compared with the bytes that came before it
+/// is used.
+class Reader {
+ public:
+  Reader(Rules rules, const Parts& parts) : rules_(rules), parts_(parts) {}
+
+  const Rules& rules() const { return rules_; }
+  InterfaceMesh mesh(const pb::Mesh& from) {
+    InterfaceMesh to;
+    to.name = from.name();
+    if (from.dimension() != 2 && from.dimension() != 3)
+      rules_.broken(fmt::format("has a mesh of dimension {}, expected 2 or 3", from.dimension()));
+    to.dimension = static_cast<int>(from.dimension());
+    array(to.position, 3, from.n_points(), "mesh position");
+    if (from.n_faces() != 0) array(to.faces, from.dimension(), from.n_faces(), "mesh faces");
+    if (from.has_mass()) array(to.mass, 1, from.n_points(), "mesh mass");
+    rules_.mesh(to);
+    return to;
+  }
+  template <class Repeated>
+  std::vector<Field> fields(const Repeated& from) {
+    std::vector<Field> to;
+    for (const pb::Field& header : from) {
+      Field f{header.quantity(), header.unit(), header.conservative(), {}};
+      if (header.components() == 0) rules_.broken(fmt::format("gives no components for {}", f.quantity));
+      array(f.value, header.components(), header.n_points(), f.quantity);
+      rules_.field(f);
+      to.push_back(std::move(f));
+    }
+    return to;
+  }
+  /// Every part must have been announced.
+  void end() const {
+    if (next_ != parts_.size())
+      rules_.broken(fmt::format("has {} parts, expected {}: a header and its arrays", parts_.size(), next_));
+  }
+
+ private:
+  template <class Matrix>
+  void array(Matrix& to, std::uint64_t rows, std::uint64_t columns, const std::string& name) {
+    using Number = typename Matrix::Scalar;
+    if (next_ == parts_.size())
+      rules_.broken(fmt::format("has {} parts; the one for {} is missing", parts_.size(), name));
+    const std::span<const std::byte> bytes = parts_[next_++].bytes;
+    const std::uint64_t column_bytes = rows * sizeof(Number);  // rows is 32 bits wide: no overflow
+    if (bytes.size() % column_bytes != 0 || bytes.size() / column_bytes != columns)
+      rules_.broken(fmt::format("has {} bytes for {}, expected {} x {} numbers of {} bytes", bytes.size(),
+                                name, rows, columns, sizeof(Number)));
+    if constexpr (Matrix::ColsAtCompileTime == 1)
+      to.resize(static_cast<Eigen::Index>(columns));
+    else
+      to.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+    if (!bytes.empty()) std::memcpy(to.data(), bytes.data(), bytes.size());
+  }
+
+  Rules rules_;
+  const Parts& parts_;
+  std::size_t next_ = 1;
+};
+
+}  // namespace strake::wire
