@@ -39,7 +39,8 @@ TEST(NumberDensity, inside_a_lattice_it_is_n0_and_in_a_flat_surface_row_the_shar
       {1.8, 0.686, 1.000}, {2.1, 0.676, 0.992}, {3.1, 0.641, 0.918}, {4.1, 0.621, 0.863}};
   for (const auto& [radius, surface, second] : table) {
     Block<2> water(21, radius);
-    const auto n = number_density(water.search.update(water.position), radius * l0) / water.test.lattice.n0;
+    const Eigen::VectorXd n =
+        number_density(water.search.update(water.position), radius * l0) / water.test.lattice.n0;
     const int middle = 10;
     EXPECT_NEAR(n[21 * 10 + middle], 1.0, 1e-12);
     EXPECT_NEAR(n[21 * 20 + middle], surface, 0.6e-3);
