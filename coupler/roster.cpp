@@ -39,12 +39,12 @@ bool equal_secret(const std::string& a, const std::string& b) {
   return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-/// The last lines of a log, indented, each on a line of its own.
+/// The last lines of a log, each on a line of its own; what is only information explains no end.
 std::string tail(const std::filesystem::path& log) {
   std::ifstream file(log);
   std::deque<std::string> lines;
   for (std::string line; std::getline(file, line);) {
-    if (!line.empty()) lines.push_back(line);
+    if (!line.empty() && line.find("] [info] ") == std::string::npos) lines.push_back(line);
     if (lines.size() > 3) lines.pop_front();
   }
   std::string text;
