@@ -36,6 +36,8 @@ class Boundary {
 
   /// Interface point that particle i belongs to; −1: none.
   int point_of(std::int64_t i) const { return point_of_[static_cast<std::size_t>(i)]; }
+  /// First row whose pressure dummy i extends; −1: i is no dummy.
+  std::int32_t master_of(std::int64_t i) const { return master_[static_cast<std::size_t>(i)]; }
   /// A structure particle whose own neighbourhood is complete: it never meets water, so it has no unknown.
   bool buried(std::int64_t i) const { return buried_[static_cast<std::size_t>(i)] != 0; }
 

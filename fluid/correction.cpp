@@ -22,7 +22,8 @@ Vectors<dim> pressure_gradient(const Vectors<dim>& position, const Eigen::Vector
 
 template <int dim>
 void shift_particles(State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
-                     const LatticeConstants& lattice, double strength, double dt, double spacing) {
+                     const LatticeConstants& lattice, double strength, double rest_speed, double dt,
+                     double spacing) {
   if (strength <= 0) return;
   const std::int64_t water = boundary.water();
   Vectors<dim> concentration = Vectors<dim>::Zero(dim, water);  // ∇C [1/m]
@@ -41,7 +42,7 @@ void shift_particles(State<dim>& state, const Boundary<dim>& boundary, const Nei
   Vectors<dim> shift = Vectors<dim>::Zero(dim, water);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    const double reach = strength * state.velocity.col(i).norm() * dt * spacing;
+    const double reach = strength * (state.velocity.col(i).norm() + rest_speed) * dt * spacing;
     Vector<dim> direction = concentration.col(i);
     if (state.surface[static_cast<std::size_t>(i)]) {
       const double length = direction.norm();
@@ -71,7 +72,7 @@ void shift_particles(State<dim>& state, const Boundary<dim>& boundary, const Nei
                                                const Neighbours&, const LatticeConstants&, Gradient, \
                                                const Masks&);                                        \
   template void shift_particles<dim>(State<dim>&, const Boundary<dim>&, const Neighbours&,           \
-                                     const LatticeConstants&, double, double, double);
+                                     const LatticeConstants&, double, double, double, double);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

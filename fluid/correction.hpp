@@ -19,12 +19,13 @@ Vectors<dim> pressure_gradient(const Vectors<dim>& position, const Eigen::Vector
                                const Neighbours& near, const LatticeConstants& lattice, Gradient kind,
                                const Masks& masks);
 
-/// Particle shifting (PHYSICS §10.4): δr_i = −A |u_i| Δt l0 ∇C_i, ∇C_i = (d/n0) Σ_j w r_ij/r², at most 0.1
-/// l0. At the surface the part along the surface normal (the direction of ∇C) is left out, which leaves
-/// nothing of ∇C itself: there the particle follows the mean shift of its inner neighbours along the surface.
-/// A: scheme.shifting; 0 shifts nothing.
+/// Particle shifting (PHYSICS §10.4): δr_i = −A (|u_i| + U) Δt l0 ∇C_i, U the fall over one spacing √(g l0),
+/// ∇C_i = (d/n0) Σ_j w r_ij/r², at most 0.1 l0. At the surface the part along the surface normal (the
+/// direction of ∇C) is left out, which leaves nothing of ∇C itself: there the particle follows the mean shift
+/// of its inner neighbours along the surface. A: scheme.shifting; 0 shifts nothing.
 template <int dim>
 void shift_particles(State<dim>& state, const Boundary<dim>&, const Neighbours& near,
-                     const LatticeConstants& lattice, double strength, double dt, double spacing);
+                     const LatticeConstants& lattice, double strength, double rest_speed, double dt,
+                     double spacing);
 
 }  // namespace strake::fluid

@@ -101,6 +101,7 @@ struct Simulation<dim>::Work {
   std::map<std::string, double> seconds;
   StepReport report;
   Points force;                             // on the interface points [N]
+  Vectors<dim> on_walls;                    // on each wall particle with the dummies behind it [N]
   Vector<dim> floor = Vector<dim>::Zero();  // on the tank floor [N]
 
   // Scratch of one step.
@@ -281,7 +282,7 @@ void Simulation<dim>::Work::correct() {
     if (at_star())
       state.position.col(i) += dt * change;
     else
-      state.position.col(i) += 0.5 * dt * (old_velocity.col(i) + state.velocity.col(i));
+      state.position.col(i) += dt * state.velocity.col(i);
   }
   if (!at_star() && !boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
 }
@@ -290,7 +291,8 @@ template <int dim>
 void Simulation<dim>::Work::shift() {
   const StageClock clock(seconds, "shift");
   check_finite();
-  shift_particles<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.shifting, dt, p.spacing);
+  shift_particles<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.shifting,
+                       std::sqrt(p.gravity.norm() * p.spacing), dt, p.spacing);
   collisions = separate_particles<dim>(state, boundary, near_density(), p.scheme, dt, p.spacing, mass);
   park_lost();
 }
@@ -303,8 +305,11 @@ void Simulation<dim>::Work::load_interface() {
   const RowForces<dim> forces = row_forces<dim>(state, boundary, near_gradient(), terms);
   force = gather_on_points<dim>(forces, boundary);
   floor = Vector<dim>::Zero();
+  on_walls.setZero(dim, boundary.first_of_bodies());
   for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
     state.impulse_on_walls += dt * forces.col(i);
+    const std::int32_t master = boundary.master_of(i);
+    on_walls.col(master < 0 ? i : master) += forces.col(i);
     if (state.position(1, i) < p.tank.min[1]) floor += forces.col(i);
   }
   for (Eigen::Index k = 0; k < force.cols(); ++k)
@@ -435,37 +440,37 @@ const std::map<std::string, double>& Simulation<dim>::seconds() const {
 template <int dim>
 double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diameter) const {
   const Work& w = *work_;
-  const State<dim>& state = w.state;
-  const double reach = 0.5 * diameter * (1 + 1e-9), l0 = w.p.spacing;
+  const double reach = 0.5 * diameter * (1 + 1e-9);
+  const auto covers = [&](const Eigen::Vector3d& x) { return (x - at).norm() <= reach; };
   double load = 0, area = 0;
   if constexpr (dim == 2) {
     const Outline& outline = w.boundary.outline();
     for (int k = 0; k < outline.points(); ++k) {
-      if ((w.boundary.mesh().position.col(k) - at).norm() > reach) continue;
+      if (!covers(w.boundary.mesh().position.col(k))) continue;
       load -= w.force.col(k).template head<2>().dot(outline.normal(k));
       area += outline.area(k);
     }
     if (!outline.empty()) return area > 0 ? load / area : 0.0;
   }
-  const std::int64_t first = w.boundary.volume() ? w.boundary.first_of_bodies() : w.boundary.water();
-  for (std::int64_t i = first; i < static_cast<std::int64_t>(state.kind.size()); ++i) {
-    Vector<dim> face;
-    double pressure = state.pressure[i];
-    if (state.kind[static_cast<std::size_t>(i)] == Kind::solid) {
-      face = w.boundary.mesh().position.col(w.boundary.point_of(i)).template head<dim>();
-    } else if (state.kind[static_cast<std::size_t>(i)] == Kind::wall) {
-      Vector<dim> normal = w.boundary.wall_area(state, i);
-      if (normal.norm() == 0) continue;
-      normal.normalize();
-      face = state.position.col(i) + 0.5 * l0 * normal;
-      if (!state.surface[static_cast<std::size_t>(i)])
-        pressure += w.p.density * w.p.gravity.template head<dim>().dot(0.5 * l0 * normal);
-    } else {
-      continue;
+  if (w.boundary.volume()) {  // no faces: the mean over the structure's particles
+    for (Eigen::Index k = 0; k < w.boundary.mesh().position.cols(); ++k) {
+      if (!covers(w.boundary.mesh().position.col(k))) continue;
+      load += w.state.pressure[w.boundary.first_of_bodies() + k];
+      area += 1;
     }
-    if ((face - at.head<dim>()).norm() > reach) continue;
-    load += pressure;
-    area += 1;
+    return area > 0 ? load / area : 0.0;
+  }
+  if (w.on_walls.cols() == 0) return 0;  // no step yet
+  for (std::int64_t i = w.boundary.water(); i < w.boundary.first_of_bodies(); ++i) {
+    if (w.state.kind[static_cast<std::size_t>(i)] != Kind::wall) continue;
+    const Vector<dim> face = w.boundary.wall_area(w.state, i);  // into the water
+    if (face.norm() == 0) continue;
+    const Vector<dim> normal = face.normalized();
+    Eigen::Vector3d middle = at;
+    middle.template head<dim>() = w.state.position.col(i) + 0.5 * w.p.spacing * normal;
+    if (!covers(middle)) continue;
+    load -= w.on_walls.col(i).dot(normal);
+    area += face.norm();
   }
   return area > 0 ? load / area : 0.0;
 }
