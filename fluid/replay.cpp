@@ -1,11 +1,11 @@
 #include "fluid/replay.hpp"
 
+#include "proto/error.hpp"
+#include "proto/result_file.hpp"
+
 #include <fmt/format.h>
 
 #include <utility>
-
-#include "proto/error.hpp"
-#include "proto/result_file.hpp"
 
 namespace strake::fluid {
 

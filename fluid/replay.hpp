@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
-
 #include "coupler/interface_record.hpp"
 #include "proto/participant.hpp"
+
+#include <filesystem>
 
 namespace strake::fluid {
 

@@ -1,8 +1,8 @@
-#include <memory>
-
 #include "coupler/participant_main.hpp"
 #include "fluid/replay.hpp"
 #include "proto/case_keys.hpp"
+
+#include <memory>
 
 // strake-fluid-replay: the fluid of an earlier run, as far as the structure felt it.
 int main(int argc, char** argv) {

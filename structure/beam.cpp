@@ -1,8 +1,8 @@
 #include "structure/beam.hpp"
 
 #include <fmt/format.h>
-
 #include <Eigen/Dense>
+
 #include <array>
 #include <cmath>
 #include <numbers>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <vector>
-
 #include "structure/parameters.hpp"
+
+#include <vector>
 
 namespace strake::structure {
 

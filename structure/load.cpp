@@ -1,7 +1,7 @@
+#include "structure/solver.hpp"
+
 #include <algorithm>
 #include <utility>
-
-#include "structure/solver.hpp"
 
 namespace strake::structure {
 

@@ -1,8 +1,8 @@
-#include <memory>
-
 #include "coupler/participant_main.hpp"
 #include "structure/participant.hpp"
 #include "structure/program.hpp"
+
+#include <memory>
 
 // strake-structure-<kind>: reads its keys, builds its solver, serves the coupler.
 int main(int argc, char** argv) {

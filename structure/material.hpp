@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cmath>
-
 #include "structure/parameters.hpp"
+
+#include <Eigen/Core>
+
+#include <cmath>
 
 namespace strake::structure {
 

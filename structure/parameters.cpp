@@ -20,6 +20,8 @@ void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
     throw t.error("dimension", "2: three dimensions are not built yet", "fluid.dimension = 2");
   t.number("spacing", p.fluid_spacing,
            {.unit = "m", .min = 0, .exclusive = true, .help = "initial particle distance l0"});
+  t.number("density", p.fluid_density,
+           {.unit = "kg/m^3", .min = 0, .exclusive = true, .help = "of the fluid"});
   // A structure without a fluid has no gravity unless the case says so.
   p.gravity = common.fluid_solver == "none" ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0, -9.81, 0);
   t.vector("gravity", p.gravity,

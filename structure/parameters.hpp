@@ -1,13 +1,14 @@
 #pragma once
 
+#include "proto/case_file.hpp"
+#include "proto/case_keys.hpp"
+
 #include <Eigen/Core>
+
 #include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include "proto/case_file.hpp"
-#include "proto/case_keys.hpp"
 
 namespace strake::structure {
 
@@ -71,6 +72,7 @@ struct Parameters {
   int dimension = 2;
   std::string kind = "fem";           // the running program: fem | particle | rigid | replay
   std::string interface = "surface";  // surface | volume
+  double fluid_density = 1000;        // [kg/m^3] for the contact pressure ½ρV²
   double fluid_spacing = 0.01;        // [m]
   double surface_spacing = 0.01;      // [m] of the interface points; default fluid.spacing
   Eigen::Vector3d velocity =

@@ -1,12 +1,15 @@
 #include "structure/participant.hpp"
 
-#include <fmt/format.h>
-#include <sys/resource.h>
+#include "structure/surface.hpp"
 
+#include <fmt/format.h>
+
+#include <sys/resource.h>
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace strake::structure {
 namespace {
@@ -16,6 +19,12 @@ constexpr std::array<const char*, 3> axis_name = {"x", "y", "z"};
 
 double total(const Energy& e) {
   return e.kinetic + e.strain;
+}
+
+/// Length of surface that a point's force comes from; in volume coupling a particle's width.
+Eigen::VectorXd point_sizes(const InterfaceMesh& mesh, const Parameters& p) {
+  if (mesh.faces.cols() > 0) return point_lengths(mesh);
+  return Eigen::VectorXd::Constant(mesh.position.cols(), p.fluid_spacing);
 }
 
 double peak_memory() {
@@ -47,11 +56,16 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
     : solver_(std::move(solver)),
       analysis_(p.analysis),
       support_velocity_(p.velocity),
+      contact_pressure_(0.5 * p.fluid_density * p.velocity.squaredNorm()),
+      point_size_(point_sizes(solver_->interface(), p)),
       dimension_(p.dimension),
       first_energy_(total(solver_->energy())) {
   for (const ProbeKeys& probe : common.probes)
     if (probe.of == "structure") probes_.push_back(probe);
-  state_.probes.resize(probes_.size() * static_cast<std::size_t>(dimension_));
+  // A plate that enters water is measured from its contact, anything else from the first step.
+  const bool enters = common.fluid_solver != "none" && contact_pressure_ > 0;
+  state_.probes.assign(probes_.size() * static_cast<std::size_t>(dimension_),
+                       enters ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   state_.energy_scale = first_energy_;
 
   description_.initial = motion();
@@ -71,12 +85,26 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
 
 void StructureParticipant::start(const Window& window, const Input& input) {
   const auto begin = std::chrono::steady_clock::now();
-  if (analysis_ == Analysis::dynamic)
-    solver_->advance(window.t, window.dt, Load(input.samples));
-  else
+  const int before = solver_->steps();
+  if (analysis_ == Analysis::dynamic) {
+    const Load load(input.samples);
+    look_for_contact(window, load);
+    solver_->advance(window.t, window.dt, load);
+  } else {
     solve_once();
+  }
+  steps_ += solver_->steps() - before;
   follow(window);
   seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// VALIDATION A, as the structure feels it: the first window in which the fluid's pressure anywhere exceeds
+/// ½ρV².
+void StructureParticipant::look_for_contact(const Window& window, const Load& load) {
+  if (contact_pressure_ == 0 || state_.probes.empty() || state_.probes.front().in_contact()) return;
+  const Points force = load.at(window.t + 0.5 * window.dt, point_size_.size());
+  if ((force.colwise().norm().transpose().array() <= contact_pressure_ * point_size_.array()).all()) return;
+  for (ProbeRecord& record : state_.probes) record.contact(window.t);
 }
 
 void StructureParticipant::solve_once() {
@@ -146,7 +174,8 @@ Advanced StructureParticipant::finish() {
     monitor[frequency_name(i) + ":final"] = state_.frequencies[i];
   }
   if (analysis_ == Analysis::dynamic) monitor["check.structure_energy_drift"] = state_.drift;
-  monitor["count.steps"] = solver_->steps();
+  monitor["count.steps"] = static_cast<double>(steps_);
+  monitor["count.steps_committed"] = solver_->steps();
   monitor["seconds.step"] = seconds_;
   monitor["memory.peak"] = peak_memory();
   return result;

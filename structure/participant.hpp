@@ -1,15 +1,15 @@
 #pragma once
 
-#include <memory>
-#include <optional>
-#include <vector>
-
 #include "proto/case_keys.hpp"
 #include "proto/participant.hpp"
 #include "proto/probe.hpp"
 #include "proto/result_file.hpp"
 #include "structure/parameters.hpp"
 #include "structure/solver.hpp"
+
+#include <memory>
+#include <optional>
+#include <vector>
 
 namespace strake::structure {
 
@@ -42,6 +42,7 @@ class StructureParticipant final : public Participant {
   };
   void solve_once();
   void follow(const Window&);
+  void look_for_contact(const Window&, const Load&);
   std::string probe_column(std::size_t probe, int axis) const;
   Eigen::Vector3d measure(const ProbeKeys&) const;
   std::vector<Field> motion() const;
@@ -49,12 +50,15 @@ class StructureParticipant final : public Participant {
   std::unique_ptr<Solver> solver_;
   Analysis analysis_;
   Eigen::Vector3d support_velocity_;  // [m/s]
+  double contact_pressure_;     // [Pa] ½ρV²: from where on a probe's first peak counts (VALIDATION A)
+  Eigen::VectorXd point_size_;  // n [m] length of the surface that a point's force comes from
   int dimension_;
   std::vector<ProbeKeys> probes_;  // those of the structure
   Description description_;
   std::optional<FrameSeries> frames_;
   double first_energy_;  // [J] at t = 0
   double seconds_ = 0;   // wall, in the solver
+  long steps_ = 0;       // taken, those of rewound windows too
   State state_, committed_;
 };
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "structure/parameters.hpp"
+#include "structure/solver.hpp"
+
 #include <functional>
 #include <memory>
 #include <string>
-
-#include "structure/parameters.hpp"
-#include "structure/solver.hpp"
 
 namespace strake::structure {
 

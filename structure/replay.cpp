@@ -1,10 +1,10 @@
 #include "structure/replay.hpp"
 
-#include <fmt/format.h>
-
 #include "proto/error.hpp"
 #include "structure/rigid.hpp"
 #include "structure/surface.hpp"
+
+#include <fmt/format.h>
 
 namespace strake::structure {
 namespace {

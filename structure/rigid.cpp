@@ -1,8 +1,8 @@
 #include "structure/rigid.hpp"
 
-#include <fmt/format.h>
-
 #include "structure/surface.hpp"
+
+#include <fmt/format.h>
 
 namespace strake::structure {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "proto/interface.hpp"
+
 #include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
-
-#include "proto/interface.hpp"
 
 namespace strake::structure {
 

@@ -1,6 +1,7 @@
 #include "structure/particle/bonds.hpp"
 
 #include <Eigen/LU>
+
 #include <cmath>
 
 namespace strake::structure {

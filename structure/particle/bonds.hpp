@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "structure/particle/lattice.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
 
 namespace strake::structure {
 

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <Eigen/SparseCore>
-#include <cstdint>
-#include <vector>
-
 #include "proto/interface.hpp"
 #include "structure/parameters.hpp"
+
+#include <Eigen/SparseCore>
+
+#include <cstdint>
+#include <vector>
 
 namespace strake::structure {
 

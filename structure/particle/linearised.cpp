@@ -1,15 +1,15 @@
 #include "structure/particle/linearised.hpp"
 
-#include <fmt/format.h>
+#include "proto/error.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/Dense>
 #include <Eigen/SparseLU>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
-
-#include "proto/error.hpp"
 
 namespace strake::structure {
 namespace {

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <Eigen/SparseCore>
-#include <vector>
-
 #include "structure/particle/elastic_model.hpp"
 #include "structure/particle/lattice.hpp"
+
+#include <Eigen/SparseCore>
+
+#include <vector>
 
 namespace strake::structure {
 

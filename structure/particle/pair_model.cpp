@@ -89,7 +89,12 @@ Eigen::Matrix2Xd PairModel::force(const Eigen::Matrix2Xd& u) const {
   return f;
 }
 
-//   U = Σ_bonds (2dμ_s V/n0) w⁰ |u_ij|²/|r⁰_ij|² + Σ_i ½ λ_s V (ε_rr)_i²
+// The energy whose gradient (42),(43) are for small strains:
+//   U = Σ_bonds (2dμ_s V/n0) w⁰ |u_ij|²/|r⁰_ij|² + Σ_bonds (dμ_s V/(2n0)) w⁰ (θ_i − θ_j)² + Σ_i ½ λ_s V
+//   (ε_rr)_i²
+// The second sum is there because θ is not an unknown of its own: with c = 2dμ_s V/n0 the linear forces are
+// those of ½ Σ_bonds k|u_j − u_i|² − ½ c Σ_i n_i θ_i², and the difference to the first sum is c/8 Σ_i Σ_j w⁰
+// (θ_i − θ_j)².
 double PairModel::energy(const Eigen::Matrix2Xd& u) const {
   const Kinematics k = kinematics(u);
   const double spring = d * material_.lame_mu() * volume_ / bonds_.n0;  // half of a bond: each is met twice
@@ -100,7 +105,9 @@ double PairModel::energy(const Eigen::Matrix2Xd& u) const {
          b < bonds_.start[static_cast<std::size_t>(i) + 1]; ++b) {
       const Eigen::Index j = bonds_.neighbour[static_cast<std::size_t>(b)];
       const Stretch s = stretch(u, k.half_turn, bonds_.r0.col(b), i, j);
-      sum += bonds_.weight[b] * s.u.squaredNorm() / bonds_.r0.col(b).squaredNorm();
+      // θ_j − θ_i by twice the sine of its half: the same for small differences, and without a branch cut
+      const double turn = 2 * (k.half_turn(0, i) * k.half_turn(1, j) - k.half_turn(1, i) * k.half_turn(0, j));
+      sum += bonds_.weight[b] * (s.u.squaredNorm() / bonds_.r0.col(b).squaredNorm() + 0.25 * turn * turn);
     }
     total += spring * sum + 0.5 * material_.lame_lambda() * volume_ * k.trace[i] * k.trace[i];
   }

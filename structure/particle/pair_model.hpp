@@ -8,8 +8,9 @@ namespace strake::structure {
 
 /// The paper's elastic particles, eqs (37)-(44) of PHYSICS §6: normal and shear springs along each bond and a
 /// pressure from the volumetric strain. The rotation θ_i is that of the neighbourhood (form R1), normalised
-/// by the particle's own n_i; stresses are normalised by n0. Linear momentum is exact. Angular momentum and
-/// energy are kept only where θ is smooth: R1 leaves the dependence of the energy on θ out of the force.
+/// by the particle's own n_i; stresses are normalised by n0. Linear momentum is exact. For small strains the
+/// forces are the gradient of `energy`, so that energy and angular momentum are kept too; at finite strain
+/// only nearly, since R1 leaves out what θ itself contributes.
 class PairModel final : public ElasticModel {
  public:
   PairModel(const Material&, const Bonds&, double volume /* [m²] */);

@@ -1,8 +1,7 @@
 #include "structure/program.hpp"
+#include "structure/particle/solver.hpp"
 
 #include <omp.h>
-
-#include "structure/particle/solver.hpp"
 
 namespace strake::structure {
 

@@ -1,11 +1,5 @@
 #include "structure/particle/solver.hpp"
 
-#include <fmt/format.h>
-
-#include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-
 #include "proto/error.hpp"
 #include "structure/beam.hpp"
 #include "structure/material.hpp"
@@ -13,6 +7,12 @@
 #include "structure/particle/pair_model.hpp"
 #include "structure/particle/total_lagrangian.hpp"
 #include "structure/surface.hpp"
+
+#include <fmt/format.h>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
 
 namespace strake::structure {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <memory>
-
 #include "structure/particle/bonds.hpp"
 #include "structure/particle/elastic_model.hpp"
 #include "structure/particle/lattice.hpp"
 #include "structure/solver.hpp"
+
+#include <memory>
 
 namespace strake::structure {
 

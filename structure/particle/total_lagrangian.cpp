@@ -1,8 +1,8 @@
 #include "structure/particle/total_lagrangian.hpp"
 
-#include <cmath>
-
 #include "structure/material.hpp"
+
+#include <cmath>
 
 namespace strake::structure {
 namespace {

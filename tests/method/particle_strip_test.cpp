@@ -1,11 +1,11 @@
+#include "structure/beam.hpp"
+#include "structure/particle/solver.hpp"
+#include "tests/structure/paper_plate.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
-
-#include "structure/beam.hpp"
-#include "structure/particle/solver.hpp"
-#include "tests/structure/paper_plate.hpp"
 
 namespace strake::structure {
 namespace {

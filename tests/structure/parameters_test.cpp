@@ -1,8 +1,8 @@
 #include "structure/parameters.hpp"
 
-#include <gtest/gtest.h>
-
 #include "proto/error.hpp"
+
+#include <gtest/gtest.h>
 
 namespace strake::structure {
 namespace {

@@ -1,12 +1,12 @@
 #include "structure/particle/solver.hpp"
 
+#include "structure/surface.hpp"
+#include "tests/structure/paper_plate.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
-
-#include "structure/surface.hpp"
-#include "tests/structure/paper_plate.hpp"
 
 namespace strake::structure {
 namespace {

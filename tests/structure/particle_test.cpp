@@ -1,14 +1,14 @@
-#include <gtest/gtest.h>
-#include <omp.h>
-
-#include <Eigen/Dense>
-#include <cmath>
-#include <random>
-
 #include "structure/material.hpp"
 #include "structure/particle/linearised.hpp"
 #include "structure/particle/pair_model.hpp"
 #include "structure/particle/total_lagrangian.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+#include <Eigen/Dense>
+
+#include <cmath>
+#include <random>
 
 namespace strake::structure {
 namespace {
@@ -120,6 +120,23 @@ TEST(TotalLagrangian, ForceIsTheNegativeGradientOfItsEnergy) {
       }
     }
   }
+}
+
+TEST(PairModel, ForceIsTheNegativeGradientOfItsEnergyForSmallStrains) {
+  const Block block(ParticleModel::pair);
+  const Eigen::Matrix2Xd u = block.random(1e-6 * Block::spacing), f = block.elastic->force(u);
+  const double step = 1e-7 * Block::spacing;
+  for (const Eigen::Index i : {0, 5, 23, 47}) {
+    for (int axis = 0; axis < 2; ++axis) {
+      Eigen::Matrix2Xd plus = u, minus = u;
+      plus(axis, i) += step;
+      minus(axis, i) -= step;
+      const double gradient = (block.elastic->energy(plus) - block.elastic->energy(minus)) / (2 * step);
+      EXPECT_NEAR(f(axis, i), -gradient,
+                  1e-4 * f.cwiseAbs().maxCoeff());  // the strains are 1e-6: second order
+    }
+  }
+  EXPECT_LT(std::abs(torque(block.lattice.position, f)), 1e-5 * f.cwiseAbs().sum() * 0.06);
 }
 
 // A uniform strain must carry its exact uniform stress: no force inside, and the left half pulls at the right

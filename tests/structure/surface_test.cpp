@@ -1,9 +1,9 @@
 #include "structure/surface.hpp"
 
-#include <gtest/gtest.h>
-
 #include "structure/rigid.hpp"
 #include "tests/structure/paper_plate.hpp"
+
+#include <gtest/gtest.h>
 
 namespace strake::structure {
 namespace {
