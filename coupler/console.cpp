@@ -75,9 +75,13 @@ std::vector<Column> chosen(const RunHeader& header) {
   for (const ProbeKeys& probe : header.probes)
     for (const Column& column : header.columns)
       if (column.name == probe.name || column.name == probe.name + ".y") add(column);
+  const auto of_probe = [&](const Column& column) {
+    return std::any_of(header.probes.begin(), header.probes.end(),
+                       [&](const ProbeKeys& probe) { return column.name.starts_with(probe.name + "."); });
+  };
   if (!header.coupled)
     for (const Column& column : header.columns)
-      if (column.name != "cfl" && column.name != "pressure_iterations") add(column);
+      if (column.name != "cfl" && column.name != "pressure_iterations" && !of_probe(column)) add(column);
   return columns;
 }
 
