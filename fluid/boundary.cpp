@@ -287,15 +287,23 @@ void Boundary<dim>::hold_apart(const State<dim>& state, const Neighbours& near,
                                       0);  // 1: opposite a face, 2: touching it
     for (int k = 0; k < outline_.points(); ++k) {
       const auto i = static_cast<std::size_t>(bodies_ + k);
-      bool touches = false;
-      for (const std::int32_t j : near.row(bodies_ + k)) {
-        if (j >= water_) break;
+      const auto apart_of = [&](std::int32_t j) {  // along the normal; infinite for water too far aside
         const Vector<2> r = state.position.col(j) - state.position.col(bodies_ + k);
         const double apart = r.dot(outline_.normal(k));
-        if (std::sqrt(std::max(0.0, r.squaredNorm() - apart * apart)) > aside) continue;
-        const std::uint8_t found = apart <= meeting ? 2 : 1;
-        opposed[static_cast<std::size_t>(j)] = std::max(opposed[static_cast<std::size_t>(j)], found);
-        touches = touches || found == 2;
+        return r.squaredNorm() - apart * apart > aside * aside ? std::numeric_limits<double>::infinity()
+                                                               : apart;
+      };
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const std::int32_t j : near.row(bodies_ + k)) {
+        if (j >= water_) break;
+        nearest = std::min(nearest, apart_of(j));
+      }
+      const bool touches = nearest <= meeting;
+      for (const std::int32_t j : near.row(bodies_ + k)) {
+        if (j >= water_) break;
+        if (apart_of(j) > nearest + 0.5 * spacing_) continue;  // a row behind the one that meets the face
+        auto& mark = opposed[static_cast<std::size_t>(j)];
+        mark = std::max<std::uint8_t>(mark, apart_of(j) <= meeting ? 2 : 1);
       }
       if (before[i] && !touches) surface[i] = 1;
     }

@@ -33,7 +33,7 @@ struct Scheme {
   Gradient gradient = Gradient::pairwise;
   double beta = 0.97;
   SecondCriterion second = SecondCriterion::arc;
-  bool negative_pressure = true;
+  bool negative_pressure = false;  // the pairwise gradient draws water together under tension
   AntiPenetration anti_penetration = AntiPenetration::collision;
   double collision_distance = 0.85;  // [l0]
   double restitution = 0.2;

@@ -38,14 +38,14 @@ void expect_in(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
-TEST(FluidKeys, the_improved_preset_is_compressible_pairwise_and_keeps_negative_pressure) {
+TEST(FluidKeys, the_improved_preset_is_compressible_pairwise_and_without_tension) {
   const auto p = read_with({});
   EXPECT_EQ(p.sound_speed, 1500);
   EXPECT_EQ(p.scheme.gradient, Gradient::pairwise);
   EXPECT_EQ(p.scheme.second, SecondCriterion::arc);
   EXPECT_EQ(p.scheme.gamma, 0);
   EXPECT_EQ(p.scheme.tau, 0.02);
-  EXPECT_TRUE(p.scheme.negative_pressure);
+  EXPECT_FALSE(p.scheme.negative_pressure);
   EXPECT_EQ(p.scheme.anti_penetration, AntiPenetration::collision);
   EXPECT_TRUE(p.scheme.collision_conserve);
 }
