@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace strake {
@@ -85,6 +86,7 @@ void Summary::add(const CommittedWindow& window) {
   work_gap_ = std::max(work_gap_, report.work_gap());
   fluid_ = report.fluid;
   structure_ = report.structure;
+  results_.clear();  // a metric that a probe no longer reports is withdrawn
   for (const auto* monitor : {&report.fluid, &report.structure})
     for (const auto& [key, value] : *monitor) {
       const auto colon = key.find(':');
@@ -93,6 +95,22 @@ void Summary::add(const CommittedWindow& window) {
       if (std::find(probes_.begin(), probes_.end(), probe) == probes_.end()) probes_.push_back(probe);
       results_[key] = value;
     }
+  drop_peaks_before_contact();
+}
+
+/// A first peak is one after contact (VALIDATION A). The fluid alone knows contact: what a structure's probe
+/// met before it, or while the fluid still waits for it, is the ringing of a body in the air.
+void Summary::drop_peaks_before_contact() {
+  double contact = fluid_.contains("count.awaiting_contact") ? std::numeric_limits<double>::infinity() : 0;
+  if (contact == 0)
+    for (const auto& [key, value] : results_)
+      if (key.ends_with(":contact")) contact = contact == 0 ? value : std::min(contact, value);
+  for (const std::string& probe : probes_) {
+    const auto time = results_.find(probe + ":time_of_first_peak");
+    if (time == results_.end() || time->second >= contact) continue;
+    results_.erase(time);
+    results_.erase(probe + ":first_peak");
+  }
 }
 
 double Summary::mean_iterations() const {

@@ -42,6 +42,7 @@ class Summary {
   void load(const Archive&);
 
  private:
+  void drop_peaks_before_contact();
   std::string case_, tag_;
   double time_ = 0;
   long windows_ = 0, iterations_ = 0, unconverged_ = 0;

@@ -224,6 +224,9 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.body"] = static_cast<double>(body);
   monitor["count.solid"] = static_cast<double>(solid);
   monitor["count.steps"] = static_cast<double>(steps_);
+  // A body with an entry speed and sensors on it has a contact to wait for.
+  if (entry_speed_ > 0 && !state.probes.empty() && state.contact_time < 0)
+    monitor["count.awaiting_contact"] = 1;
   monitor["count.steps_committed"] = static_cast<double>(state.step);
   for (const char* prefix : {"count.", "check."}) {
     monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);
