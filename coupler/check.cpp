@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 
 #include "coupler/case_view.hpp"
@@ -11,20 +10,6 @@
 #include "coupler/stop_request.hpp"
 
 namespace strake {
-
-namespace {
-
-/// What a program derived from the case beyond what it says when it is set up.
-std::vector<std::string> derived(const SideView& side, const Session& session) {
-  std::vector<std::string> lines;
-  for (const auto& [name, understood] : session.understood())
-    for (const std::string& line : side.lines)
-      if (name == side.side && std::find(understood.begin(), understood.end(), line) == understood.end())
-        lines.push_back(line);
-  return lines;
-}
-
-}  // namespace
 
 /// Everything that `run` would refuse, the set-up of both solvers included; no window is advanced, nothing
 /// stays.
@@ -40,8 +25,6 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
   for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", warning);
 
-  for (const auto& side : {view.fluid, view.structure})
-    if (side) fmt::print("{}", block_text(side->side, derived(*side, session)));
   fmt::print("\nevery value and where it came from\n{}", view.resolved);
   fmt::print("\n{}: nothing to refuse\n  next    strake run {}\n", options.case_file.string(),
              options.case_file.string());

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <map>
 #include <set>
@@ -77,7 +78,7 @@ void print_key(const KeyInfo& key) {
   if (key.type == "table") return;
   fmt::print("  type     {}\n", type_text(key));
   if (!key.range.empty()) fmt::print("  range    {}\n", key.range);
-  fmt::print("  default  {}\n", key.default_value.empty() ? "none: required" : key.default_value);
+  fmt::print("  default  {}\n", key.default_value.empty() ? "none" : key.default_value);
   if (!key.paper_value.empty()) fmt::print("  paper    {}   (with preset = \"paper\")\n", key.paper_value);
 }
 
@@ -100,37 +101,59 @@ std::string code(const std::string& text) {
   return text.empty() ? text : "`" + cell(text) + "`";
 }
 
-void print_markdown(const std::vector<KeyInfo>& keys) {
-  std::vector<std::string> tables;
-  std::map<std::string, std::vector<const KeyInfo*>> inside;
-  std::map<std::string, std::string> help;
-  for (const KeyInfo& key : keys) {
-    if (key.type == "table") {
-      help[key.path] = key.help;
-      continue;
+/// "how the programs run" → "How the programs run."; a key at the front stays as it is.
+std::string sentence(std::string text) {
+  if (text.find('.') >= text.find(' '))
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text.ends_with('.') ? text : text + ".";
+}
+
+/// The keys table by table, as Markdown; a table stands before the tables inside it.
+class Reference {
+ public:
+  explicit Reference(const std::vector<KeyInfo>& keys) {
+    for (const KeyInfo& key : keys) {
+      list(key.type == "table" ? key.path : table_of(key.path));
+      if (key.type == "table")
+        help_[key.path] = key.help;
+      else
+        inside_[table_of(key.path)].push_back(&key);
     }
-    const std::string table = table_of(key.path);
-    if (inside[table].empty()) tables.push_back(table);
-    inside[table].push_back(&key);
   }
-  for (const std::string& table : tables) {
+
+  void print(const std::string& table = {}) const {
+    if (const auto keys = inside_.find(table); keys != inside_.end()) print_keys(table, keys->second);
+    for (const std::string& child : tables_)
+      if (!child.empty() && table_of(child) == table) print(child);
+  }
+
+ private:
+  void list(const std::string& table) {
+    if (std::find(tables_.begin(), tables_.end(), table) != tables_.end()) return;
+    if (!table.empty()) list(table_of(table));
+    tables_.push_back(table);
+  }
+
+  void print_keys(const std::string& table, const std::vector<const KeyInfo*>& keys) const {
     const bool array = table.ends_with("[]");
-    const std::string name = array ? table.substr(0, table.size() - 2) : table;
-    fmt::print("### {}\n\n", table.empty() ? "Top of the file"
-                             : array       ? "`[[" + name + "]]`"
-                                           : "`[" + name + "]`");
-    if (const auto found = help.find(table); found != help.end() && !found->second.empty())
-      fmt::print("{}.\n\n", found->second);
+    const std::string name = array ? "`[[" + table.substr(0, table.size() - 2) + "]]`" : "`[" + table + "]`";
+    fmt::print("### {}\n\n", table.empty() ? "Top of the file" : name);
+    if (const auto help = help_.find(table); help != help_.end() && !help->second.empty())
+      fmt::print("{}\n\n", sentence(help->second));
     fmt::print(
         "| key | type, unit | range | default | paper | meaning |\n| --- | --- | --- | --- | --- | --- |\n");
-    for (const KeyInfo* key : inside[table])
+    for (const KeyInfo* key : keys)
       fmt::print("| `{}` | {} | {} | {} | {} | {} |\n",
                  key->path.substr(table.empty() ? 0 : table.size() + 1), cell(type_text(*key)),
-                 cell(key->range), key->default_value.empty() ? "required" : code(key->default_value),
+                 cell(key->range), key->default_value.empty() ? "none" : code(key->default_value),
                  code(key->paper_value), cell(key->help));
     fmt::print("\n");
   }
-}
+
+  std::vector<std::string> tables_;
+  std::map<std::string, std::vector<const KeyInfo*>> inside_;
+  std::map<std::string, std::string> help_;
+};
 
 std::vector<KeyInfo> below(const std::vector<KeyInfo>& keys, const std::string& prefix) {
   std::vector<KeyInfo> found;
@@ -164,7 +187,7 @@ std::vector<KeyInfo> below(const std::vector<KeyInfo>& keys, const std::string& 
 ExitCode explain(const std::string& key, bool markdown) {
   const Declarations all = collect();
   if (markdown) {
-    print_markdown(all.keys);
+    Reference(all.keys).print();
   } else if (key.empty()) {
     print_list(all.keys);
   } else {

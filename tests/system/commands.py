@@ -1,0 +1,133 @@
+"""The commands as a person uses them: what they print, what they leave, and what a second look finds."""
+import json
+
+from processes import *  # noqa: F403: the test's own vocabulary
+
+CASE = ROOT / "cases" / "plate_entry.toml"
+QUICK = ["--set", "structure.solver=rigid", "--set", "fluid.scheme.time_step=1e-5"]
+SUMMARY = {"case", "tag", "exit_code", "end_time", "windows", "iterations", "particles", "steps", "steps_committed",
+           "seconds", "peak_memory_bytes", "probes", "checks", "compare"}
+
+
+def equal(one, other, what, names=("history.csv", "iterations.csv")):
+    for name in names:
+        expect((one / name).read_bytes() == (other / name).read_bytes(), f"{what}: {name} is the same to the byte")
+    for part in ("frames", "interface"):
+        files = {f.name for f in (one / part).iterdir()}
+        expect(files == {f.name for f in (other / part).iterdir()}, f"{what}: the same files in {part}/")
+        same = all((one / part / f).read_bytes() == (other / part / f).read_bytes() for f in files)
+        expect(same, f"{what}: {part}/ is the same to the byte ({len(files)} files)")
+
+
+def help_and_version(place):
+    result = strake("--help", cwd=place)
+    expect(result.returncode == 0, "--help exits 0")
+    for command in ("run", "check", "explain", "compare", "replay"):
+        expect(f"  {command} " in result.stdout, f"--help names {command}")
+    for command in ("watch", "report", "export", "study", "picture", "film"):
+        expect(f"  {command} " not in result.stdout, f"--help is silent about {command}, which is not built")
+    version = strake("--version", cwd=place)
+    expect(version.returncode == 0 and version.stdout.startswith("strake "), f"--version: {version.stdout.strip()}")
+
+
+def check_leaves_nothing(place):
+    result = strake("check", CASE, *QUICK, cwd=place)
+    expect(result.returncode == 0, f"check: exit {result.returncode}\n{result.stderr}")
+    expect("added-mass ratio" in result.stdout and "# default" in result.stdout, "check prints derived and resolved values")
+    expect(not any(place.iterdir()), "check leaves nothing behind")
+    explicit = strake("check", CASE, "--set", "structure.solver=particle", "--set",
+                      "coupling.surface.converged.max_iterations=1", cwd=place)
+    expect("warning" in explicit.stdout and "one coupling iteration" in explicit.stdout,
+           "check warns of explicit surface coupling")
+
+
+def run_and_judge(place):
+    result = strake("run", CASE, *QUICK, "--set", "end_time=2.3e-3", cwd=place)
+    run = place / "runs" / "plate_entry"
+    expect(result.returncode == 0, f"run: exit {result.returncode}\n{result.stderr}")
+    verdict = result.stdout.find("p_mid impulse")
+    expect(0 < verdict < result.stdout.find("done  "), "the verdict is printed before the run ends")
+    expect("\033" not in result.stdout and "\r" not in result.stdout, "a pipe gets plain lines")
+    summary = json.loads((run / "summary.json").read_text())
+    expect(set(summary) == SUMMARY, "summary.json has exactly its keys")
+    expect(summary["windows"] == 230 and rows(run) == 230, "one row per window")
+    record = json.loads((run / "run.json").read_text())
+    expect(record["exit_code"] == 0 and record["endpoints"]["coupling"].startswith("ipc://"), "run.json is complete")
+    for name in ("case.toml", "timing.csv", "fluid.log", "structure.log", "coupler.log", "fluid.xdmf", "structure.xdmf"):
+        expect((run / name).exists(), f"{name} is there")
+    expect(not pathlib.Path(record["endpoints"]["coupling"][6:]).parent.exists(), "the socket's folder is gone")
+    again = strake("compare", run, cwd=place)
+    expect([v["pass"] for v in summary["compare"]] == [line.startswith("pass") for line in again.stdout.splitlines()],
+           f"compare says what the run said\n{again.stdout}")
+    expect(again.returncode == (0 if all(v["pass"] for v in summary["compare"]) else 1), "compare's exit code is its verdict")
+    repeated = strake("run", run / "case.toml", "--runs", "again", cwd=place)
+    expect(repeated.returncode == 0, f"case.toml of a run is a case\n{repeated.stderr}")
+    equal(run, place / "again" / "case", "the resolved case run again")
+    return run
+
+
+def strict_fails(place):
+    text = CASE.read_text().replace("value = { impulse = 1590.0 }", "value = { impulse = 159.0 }")
+    case = place / "strict.toml"
+    case.write_text(text)
+    words = ["run", case, *QUICK, "--set", "end_time=2.3e-3"]
+    loose = strake(*words, cwd=place)
+    expect(loose.returncode == 0 and "FAIL" in loose.stdout, "a failed block is said, and exit 0")
+    strict = strake(*words, "--tag", "strict", "--strict", "--quiet", cwd=place)
+    expect(strict.returncode == 1, f"--strict: exit {strict.returncode}")
+    expect(strict.stdout.count("\n") == 1 and strict.stdout.startswith("FAIL"), "--quiet prints the failure alone")
+    expect(strake("compare", place / "runs" / "strict", cwd=place).returncode == 1, "compare exits 1")
+
+
+def resume_is_exact(place, run):
+    words = ["run", CASE, *QUICK, "--set", "end_time=2.3e-3", "--tag", "cut"]
+    cut = place / "runs" / "plate_entry-cut"
+    process = start(*words, cwd=place)
+    expect(wait_until(lambda: rows(cut) >= 100, 60), "resume: the run is under way")
+    process.send_signal(signal.SIGINT)
+    errors = process.communicate(timeout=30)[1]
+    expect(process.returncode == 130 and "--resume" in errors, f"resume: interrupted with {process.returncode}")
+    changed = strake(*words, "--resume", "--set", "fluid.spacing=0.02", cwd=place)
+    expect(changed.returncode == 2 and "fluid.spacing" in changed.stderr, "resume: another case is refused")
+    resumed = strake(*words, "--resume", cwd=place)
+    expect(resumed.returncode == 0, f"resume: exit {resumed.returncode}\n{resumed.stderr}")
+    equal(run, cut, "resume")
+
+
+def replay_repeats(place, run):
+    result = strake("replay", run, "--onto", CASE, *QUICK, "--set", "end_time=2.3e-3", cwd=place)
+    expect(result.returncode == 0, f"replay: exit {result.returncode}\n{result.stderr}")
+    column = (run / "history.csv").read_text().splitlines()[0].split(",").index("force.y [N/m]")
+    forces = [[float(line.split(",")[column]) for line in (folder_ / "history.csv").read_text().splitlines()[1:]]
+              for folder_ in (run, place / "runs" / "plate_entry-replay")]
+    largest = max(abs(f) for f in forces[0])
+    gap = max(abs(a - b) for a, b in zip(*forces)) / largest
+    expect(len(forces[0]) == len(forces[1]) and gap < 1e-12, f"replay: the same force on the structure, gap {gap:.1e}")
+
+
+def full_disk(place):
+    """A folder that cannot be written: as root only a full or read-only file system refuses."""
+    result = strake("run", CASE, *QUICK, "--runs", "/proc/strake", cwd=place)
+    expect(result.returncode == 6 and "fix:" in result.stderr, f"cannot write: exit {result.returncode}\n{result.stderr}")
+
+
+def reference_of_keys():
+    result = strake("explain", "--markdown", cwd=ROOT)
+    if result.stderr:
+        print("skip  proto/README.md: " + result.stderr.strip())
+        return
+    page = (ROOT / "proto" / "README.md").read_text()
+    expect(result.stdout.strip() in page, "proto/README.md holds the reference that `strake explain --markdown` prints")
+
+
+with folder() as place:
+    place = pathlib.Path(place)
+    help_and_version(place)
+    check_leaves_nothing(place)
+    recorded = run_and_judge(place)
+    strict_fails(place)
+    resume_is_exact(place, recorded)
+    replay_repeats(place, recorded)
+    full_disk(place)
+reference_of_keys()
+finish()
