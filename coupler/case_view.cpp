@@ -176,6 +176,10 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   // A side that is absent still has its word in case.toml, or the echo would read as the default.
   if (!view.fluid) view.resolved += "\n[fluid]\nsolver = \"none\"\n";
   if (!view.structure) view.resolved += "\n[structure]\nsolver = \"none\"\n";
+  for (const auto& side : {view.fluid, view.structure})
+    if (side && side->echo.empty())
+      view.resolved += fmt::format("\n[{}]\nsolver = \"{}\"  # a program of the user's reads its own table\n",
+                                   side->side, std::filesystem::absolute(side->program).string());
   return view;
 }
 

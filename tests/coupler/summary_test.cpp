@@ -63,6 +63,16 @@ TEST(Summary, CollectsWhatTheParticipantsReport) {
   EXPECT_EQ(json["checks"]["momentum_gap"], 1e-13);
 }
 
+TEST(Summary, ForgetsAResultThatAParticipantWithdraws) {
+  Summary summary("plate_entry", "");
+  CommittedWindow window = window_with(1, true, 0, 0);
+  window.report.structure["mid.y:first_peak"] = -1e-6;
+  summary.add(window);
+  EXPECT_EQ(summary.json()["probes"]["mid.y"]["first_peak"], -1e-6);
+  summary.add(window_with(1, true, 0, 0));
+  EXPECT_TRUE(summary.json()["probes"]["mid.y"]["first_peak"].is_null());
+}
+
 TEST(Summary, WritesNullForWhatIsUnknownOrNotFinite) {
   Summary summary("plate_entry", "");
   summary.add(window_with(1, true, 0, 0));
