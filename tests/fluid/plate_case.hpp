@@ -23,7 +23,8 @@ inline InterfaceMesh rectangle(double left, double low, double width, double hei
     for (int k = 0; k < parts; ++k, ++at)
       mesh.position.col(at).head<2>() = from + static_cast<double>(k) / parts * (to - from);
   };
-  const Eigen::Vector2d a(left, low), b(left + width, low), c(left + width, low + height), d(left, low + height);
+  const Eigen::Vector2d a(left, low), b(left + width, low), c(left + width, low + height),
+      d(left, low + height);
   edge(a, b, along);
   edge(b, c, up);
   edge(c, d, along);
@@ -44,7 +45,8 @@ inline Parameters tank_case(double width, double depth, double spacing, double a
   return p;
 }
 
-/// The rigid plate of the paper, 0.4 × 0.02 m, over its tank of 2.0 × 0.5 m of water; gap: face to surface [m].
+/// The rigid plate of the paper, 0.4 × 0.02 m, over its tank of 2.0 × 0.5 m of water; gap: face to surface
+/// [m].
 struct PlateEntry {
   static constexpr double half_width = 0.2, density = 1000;
   double speed = 6.26, gap = 0;
@@ -53,7 +55,9 @@ struct PlateEntry {
   double time = 0;
 
   PlateEntry(const Parameters& p, double speed_, double gap_)
-      : speed(speed_), gap(gap_), simulation(p, plate(gap_, p.spacing), down(plate(gap_, p.spacing), speed_)) {
+      : speed(speed_),
+        gap(gap_),
+        simulation(p, plate(gap_, p.spacing), down(plate(gap_, p.spacing), speed_)) {
     const auto m = simulation.interface().position.cols();
     motion.displacement = motion.acceleration = Points::Zero(3, m);
     motion.velocity = Points::Zero(3, m);
@@ -71,9 +75,7 @@ struct PlateEntry {
     motion.displacement.row(1).setConstant(-speed * time);
     return simulation.step(dt, motion);
   }
-  double centre_pressure() const {
-    return simulation.sensor_pressure({0, gap, 0}, 2 * 0.01);
-  }
+  double centre_pressure() const { return simulation.sensor_pressure({0, gap, 0}, 2 * 0.01); }
 };
 
 }  // namespace strake::fluid
