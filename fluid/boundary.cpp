@@ -358,13 +358,23 @@ bool Boundary<dim>::left_domain(const Vector<dim>& x) const {
 }
 
 template <int dim>
+std::int64_t Boundary<dim>::parking_column() const {
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>((high_[1] - low_[1]) / (2 * reach_)));
+}
+
+template <int dim>
 Vector<dim> Boundary<dim>::parking_place(std::int64_t number) const {
-  const double pitch = 2 * reach_;
-  const auto column = std::max<std::int64_t>(1, static_cast<std::int64_t>((high_[1] - low_[1]) / pitch));
   Vector<dim> place = parking_;
-  place[1] += pitch * static_cast<double>(number % column);
-  place[0] += pitch * static_cast<double>(number / column);
+  place[0] += 2 * reach_ * static_cast<double>(number / parking_column());
+  place[1] += 2 * reach_ * static_cast<double>(number % parking_column());
   return place;
+}
+
+template <int dim>
+bool Boundary<dim>::on_parking_place(const Vector<dim>& x) const {
+  const double across = (x[0] - parking_[0]) / (2 * reach_), up = (x[1] - parking_[1]) / (2 * reach_);
+  if (!(across < 1e9 && up > -0.5 && up < static_cast<double>(parking_column()))) return false;
+  return x == parking_place(std::llround(across) * parking_column() + std::llround(up));
 }
 
 template class Boundary<2>;

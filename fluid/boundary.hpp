@@ -67,14 +67,16 @@ class Boundary {
   /// Outward area vector of a tank wall particle, towards the water [m, m² in 3-D]; zero in corners.
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const;
 
-  /// Particles out of the tank are parked where nothing reaches them.
+  /// Particles out of the tank are parked where nothing reaches them, each on its own place.
   bool parked(const State<dim>& state, std::int64_t i) const {
-    return i < water_ && state.position(0, i) > parking_[0] - 2 * spacing_;
+    return i < water_ && state.position(0, i) >= parking_[0] && on_parking_place(state.position.col(i));
   }
   bool left_domain(const Vector<dim>& x) const;
   Vector<dim> parking_place(std::int64_t number) const;
 
  private:
+  bool on_parking_place(const Vector<dim>& x) const;
+  std::int64_t parking_column() const;  // places above one another
   void add_rows(const InterfaceMesh& partner, State<dim>&);
   void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
   void find_masters(const State<dim>&);

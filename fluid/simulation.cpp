@@ -112,7 +112,7 @@ struct Simulation<dim>::Work {
   Vectors<dim> old_velocity, viscous, gradient;
   Eigen::VectorXd n, divergence, deviation;
   std::vector<Row> row;
-  std::vector<std::uint8_t> solved, moves;  // masks: unknowns; water
+  std::vector<std::uint8_t> solved, moves, wet;  // masks: unknowns; water; all but dry bodies
   PressureSystem system;
   CollisionAccount<dim> collisions;
 };
@@ -174,7 +174,14 @@ template <int dim>
 void Simulation<dim>::Work::predict() {
   const StageClock clock(seconds, "predictor");
   const std::int64_t water = boundary.water();
-  ViscousStage<dim> stage = viscous_stage<dim>(state.position, state.velocity, p, near_gradient(), *far);
+  // Air between a dry face and the water carries no stress.
+  wet.assign(state.kind.size(), 1);
+  for (std::int64_t i = boundary.first_of_bodies(); i < static_cast<std::int64_t>(wet.size()); ++i) {
+    const std::int32_t first = boundary.master_of(i);
+    if (state.surface[static_cast<std::size_t>(first < 0 ? i : first)]) wet[static_cast<std::size_t>(i)] = 0;
+  }
+  ViscousStage<dim> stage =
+      viscous_stage<dim>(state.position, state.velocity, p, near_gradient(), *far, Masks{wet, wet});
   viscous = std::move(stage.acceleration);
   if (stage.sps.k.size() == state.sps_k.size()) state.sps_k = stage.sps.k;
   old_velocity = state.velocity.leftCols(water);

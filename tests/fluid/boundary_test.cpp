@@ -1,0 +1,149 @@
+#include "fluid/boundary.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fluid/fill.hpp"
+#include "fluid/number_density.hpp"
+#include "proto/error.hpp"
+#include "tests/fluid/plate_case.hpp"
+
+namespace strake::fluid {
+namespace {
+
+constexpr double l0 = 0.01;
+
+struct Scene {
+  Parameters p = tank_case(0.6, 0.2, l0, 0.2);
+  State<2> state = fill<2>(p);
+  Boundary<2> boundary;
+  explicit Scene(const InterfaceMesh& body) : boundary(p, body, {}, state) {}
+};
+
+TEST(Outline, WetPointsStandInTheMiddleOfEvenPieces) {
+  const Outline outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
+  ASSERT_EQ(outline.runs().size(), 4u);
+  ASSERT_EQ(outline.points(), 84);
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_NEAR(outline.mesh().position(0, i), -0.2 + (i + 0.5) * l0, 1e-12);
+    EXPECT_NEAR(outline.area(i), l0, 1e-12);
+    EXPECT_NEAR((outline.normal(i) - Eigen::Vector2d(0, -1)).norm(), 0, 1e-12);
+  }
+}
+
+TEST(Outline, FollowsARigidRotationExactly) {
+  Outline outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
+  const double angle = 0.3, rate = 5;
+  const Eigen::Matrix2d turn = Eigen::Rotation2D<double>(angle).toRotationMatrix();
+  const Eigen::Matrix2Xd X = outline.mesh().position.topRows<2>();
+  const Eigen::Matrix2Xd x = turn * X;
+  Eigen::Matrix2Xd velocity(2, X.cols());
+  velocity << -rate * x.row(1), rate * x.row(0);
+  const Eigen::Vector2d normal = outline.normal(3);
+  outline.move(x - X, velocity);
+  EXPECT_NEAR((outline.normal(3) - turn * normal).norm(), 0, 1e-12);
+  EXPECT_NEAR(
+      (outline.normal_rate(3) - rate * Eigen::Vector2d(-outline.normal(3).y(), outline.normal(3).x())).norm(),
+      0, 1e-9);
+  EXPECT_TRUE(outline.inside(turn * Eigen::Vector2d(0.199, 0.001)));
+  EXPECT_FALSE(outline.inside(turn * Eigen::Vector2d(0.201, 0.001)));
+}
+
+TEST(Outline, APlaceInsideIsSeenThroughExactlyOneFace) {
+  const Outline outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> x(-0.24, 0.24), y(-0.04, 0.06), within_x(-0.2, 0.2),
+      within_y(0, 0.02);
+  int seen = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const Eigen::Vector2d from(x(generator), y(generator)), to(within_x(generator), within_y(generator));
+    if (outline.inside(from) || (from - to).norm() > 0.031) continue;
+    int faces = 0;
+    for (int run = 0; run < 4; ++run) faces += outline.crosses(run, from, to) ? 1 : 0;
+    ASSERT_EQ(faces, 1) << from.transpose() << " to " << to.transpose();
+    ++seen;
+  }
+  EXPECT_GT(seen, 500);
+  // Through the very corner: still once.
+  int faces = 0;
+  for (int run = 0; run < 4; ++run) faces += outline.crosses(run, {-0.205, -0.005}, {-0.195, 0.005}) ? 1 : 0;
+  EXPECT_EQ(faces, 1);
+}
+
+TEST(Outline, ClockwiseOrOpenOutlinesAreRefused) {
+  InterfaceMesh mesh = rectangle(-0.2, 0, 0.4, 0.02, l0);
+  InterfaceMesh open = mesh;
+  open.faces.conservativeResize(2, open.faces.cols() - 1);
+  EXPECT_THROW(Outline(open, l0), Error);
+  mesh.faces.row(0).swap(mesh.faces.row(1));
+  EXPECT_THROW(Outline(mesh, l0), Error);
+}
+
+TEST(Boundary, WaterUnderAPlateThinnerThanTheSupportIsCompleteAndBlindToTheOtherSide) {
+  Scene scene(rectangle(-0.1, 0.0, 0.2, 0.02, l0));  // two spacings thick, lying on the water
+  NeighbourSearch<2> search(3.1 * l0, 0);
+  const auto keep = [&](std::int32_t i, std::int32_t j) { return scene.boundary.keep(scene.state, i, j); };
+  const Neighbours& rows = search.update(scene.state.position, scene.boundary.tags(scene.state), keep);
+  const LatticeConstants near = lattice_constants<2>(2.1, l0), far = lattice_constants<2>(3.1, l0);
+  const Eigen::VectorXd n = number_density(rows, near.radius), n_far = number_density(rows, far.radius);
+  for (std::int64_t i = 0; i < scene.boundary.water(); ++i) {
+    const Eigen::Vector2d x = scene.state.position.col(i);
+    if (x.y() < -l0 || std::abs(x.x()) > 0.1 - 3.2 * l0) continue;
+    EXPECT_NEAR(n[i], near.n0, 1e-9);
+    EXPECT_NEAR(n_far[i], far.n0, 1e-9);
+    for (const std::int32_t j : rows.row(i)) {
+      if (scene.boundary.point_of(j) < 0) continue;
+      EXPECT_EQ(scene.boundary.outline().run_of(scene.boundary.point_of(j)), 0);  // the lower face
+    }
+  }
+}
+
+TEST(Boundary, RowsFollowTheFaceAtTheirDepth) {
+  Scene scene(rectangle(-0.1, 0.05, 0.2, 0.02, l0));
+  const auto m = scene.boundary.mesh().position.cols();
+  Points displacement = Points::Zero(3, m), velocity = Points::Zero(3, m);
+  for (Eigen::Index k = 0; k < m; ++k) {
+    displacement(1, k) = -0.01 * std::cos(std::numbers::pi * scene.boundary.mesh().position(0, k) / 0.2);
+    velocity(1, k) = -3;
+  }
+  scene.boundary.move(scene.state, displacement, velocity, true);
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::Vector2d row = scene.state.position.col(scene.boundary.first_of_bodies() + k);
+    const Eigen::Vector2d expected =
+        scene.boundary.outline().point(k) - 0.5 * l0 * scene.boundary.outline().normal(k);
+    EXPECT_NEAR((row - expected).norm(), 0, 1e-12);
+    EXPECT_NEAR(scene.state.velocity(1, scene.boundary.first_of_bodies() + k), -3, 1e-9);
+  }
+}
+
+TEST(Boundary, DummiesContinueTheHydrostaticPressureAndTheBodysOwnAcceleration) {
+  Scene scene(rectangle(-0.1, 0.0, 0.2, 0.02, l0));
+  std::fill(scene.state.surface.begin(), scene.state.surface.end(), std::uint8_t{0});
+  const Eigen::Vector2d g(0, -9.81);
+  for (Eigen::Index i = 0; i < scene.state.pressure.size(); ++i)
+    scene.state.pressure[i] = 1000 * g.dot(scene.state.position.col(i));
+  const Eigen::VectorXd hydrostatic = scene.state.pressure;
+  const auto m = scene.boundary.mesh().position.cols();
+  scene.boundary.fill_dummies(scene.state, g, Points::Zero(3, m));
+  EXPECT_LT((scene.state.pressure - hydrostatic).cwiseAbs().maxCoeff(),
+            1e-9 * hydrostatic.cwiseAbs().maxCoeff());
+  // A body that falls with the water has no gradient behind its faces.
+  Points falling = Points::Zero(3, m);
+  falling.row(1).setConstant(-9.81);
+  scene.boundary.fill_dummies(scene.state, g, falling);
+  const std::int64_t first = scene.boundary.first_of_bodies();
+  EXPECT_NEAR(scene.state.pressure[first + m], scene.state.pressure[first], 1e-9);
+}
+
+TEST(Boundary, BodiesInTheWaterOrOutsideTheTankAreRefused) {
+  EXPECT_THROW(Scene(rectangle(-0.1, -0.05, 0.2, 0.02, l0)), Error);
+  EXPECT_THROW(Scene(rectangle(-0.4, 0.05, 0.8, 0.02, l0)), Error);
+}
+
+}  // namespace
+}  // namespace strake::fluid

@@ -1,0 +1,113 @@
+#include "fluid/correction.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fluid/collision.hpp"
+#include "fluid/fill.hpp"
+#include "tests/fluid/plate_case.hpp"
+
+namespace strake::fluid {
+namespace {
+
+constexpr double l0 = 0.01, dt = 1e-4, mass = 1000 * l0 * l0;
+
+struct Scene {
+  Parameters p = tank_case(0.4, 0.2, l0, 0.2);
+  State<2> state = fill<2>(p);
+  Boundary<2> boundary;
+  NeighbourSearch<2> search{2.1 * l0, 0};
+  explicit Scene(const InterfaceMesh& body = {}) : boundary(p, body, {}, state) {}
+  const Neighbours& near() {
+    const auto keep = [this](std::int32_t i, std::int32_t j) { return boundary.keep(state, i, j); };
+    return search.update(state.position, boundary.tags(state), keep);
+  }
+  CollisionAccount<2> separate() {
+    return separate_particles<2>(state, boundary, near(), p.scheme, dt, l0, mass);
+  }
+  Eigen::Vector2d momentum() const {
+    return mass * state.velocity.leftCols(boundary.water()).rowwise().sum();
+  }
+  double energy() const { return 0.5 * mass * state.velocity.leftCols(boundary.water()).squaredNorm(); }
+};
+
+/// Disordered water, so that many pairs are too close and approach.
+void disturb(Scene& scene) {
+  std::srand(5);
+  const auto n = scene.boundary.water();
+  scene.state.position.leftCols(n) += 0.3 * l0 * Eigen::Matrix2Xd::Random(2, n);
+  scene.state.velocity.leftCols(n) = 5 * Eigen::Matrix2Xd::Random(2, n);
+}
+
+class AntiPenetrationRule : public testing::TestWithParam<AntiPenetration> {};
+
+TEST_P(AntiPenetrationRule, KeepsMomentumAndMakesNoEnergy) {
+  Scene scene;
+  scene.p.scheme.anti_penetration = GetParam();
+  disturb(scene);
+  const Eigen::Vector2d before = scene.momentum();
+  const double energy = scene.energy();
+  const CollisionAccount<2> account = scene.separate();
+  ASSERT_GT(account.pairs, 100);
+  EXPECT_LT((scene.momentum() - before - account.on_water).norm(), 1e-12 * mass * 5 * 800);
+  EXPECT_LT((account.on_water + account.on_walls).norm(), 1e-12);
+  EXPECT_LE(scene.energy(), energy);
+}
+INSTANTIATE_TEST_SUITE_P(Both, AntiPenetrationRule,
+                         testing::Values(AntiPenetration::collision, AntiPenetration::average),
+                         [](const auto& info) {
+                           return std::string(info.param == AntiPenetration::collision ? "Collision"
+                                                                                       : "Average");
+                         });
+
+TEST(AntiPenetration, TwoParticlesPartWithTheirCoefficientOfRestitution) {
+  Scene scene;
+  scene.state.position.leftCols(scene.boundary.water()).row(0).array() += 10;  // all others far away
+  scene.state.position.col(0) << 0, 0.1;
+  scene.state.position.col(1) << 0.8 * l0, 0.1;
+  scene.state.velocity.col(0) << 1, 0.5;
+  scene.state.velocity.col(1) << -1, 0.5;
+  scene.separate();
+  EXPECT_NEAR(scene.state.velocity(0, 1) - scene.state.velocity(0, 0), 0.2 * 2, 1e-12);
+  EXPECT_NEAR(scene.state.velocity(1, 0), 0.5, 1e-12);  // nothing along the contact
+}
+
+TEST(AntiPenetration, WaterInsideABodyIsPutBackOnItsFaceAndTheBodyFeelsIt) {
+  Scene scene(rectangle(-0.1, 0.05, 0.2, 0.02, l0));
+  scene.state.position.col(7) << 0.013, 0.052;  // 2 mm inside the lower face
+  scene.state.velocity.col(7) << 0, 4;
+  const CollisionAccount<2> account = scene.separate();
+  EXPECT_EQ(account.inside, 1);
+  EXPECT_LT(scene.state.position(1, 7), 0.05);
+  EXPECT_NEAR(scene.state.position(0, 7), 0.013, 1e-9);
+  EXPECT_NEAR(scene.state.velocity(1, 7), 0, 1e-12);
+  EXPECT_NEAR(account.on_points.row(1).sum(), 4 * mass, 1e-12);
+}
+
+TEST(PressureGradient, SymmetricFormMovesNoCentreOfMass) {
+  Scene scene;
+  disturb(scene);
+  scene.state.pressure = Eigen::VectorXd::Random(scene.state.pressure.size());
+  std::vector<std::uint8_t> water(scene.state.kind.size(), 0);
+  std::fill_n(water.begin(), scene.boundary.water(), std::uint8_t{1});
+  const Vectors<2> gradient =
+      pressure_gradient<2>(scene.state.position, scene.state.pressure, scene.near(),
+                           lattice_constants<2>(2.1, l0), Gradient::pairwise, {water, water});
+  EXPECT_LT(gradient.rowwise().sum().norm(), 1e-12 * gradient.colwise().norm().sum());
+}
+
+TEST(Shifting, EvensOutADisplacedParticleAndIsOffAtZeroStrength) {
+  Scene scene;
+  const std::int64_t middle = 10 * 40 + 20;
+  std::fill(scene.state.surface.begin(), scene.state.surface.end(), std::uint8_t{0});
+  const Eigen::Vector2d home = scene.state.position.col(middle);
+  scene.state.position(0, middle) += 0.2 * l0;
+  scene.state.velocity.setConstant(1);
+  const LatticeConstants lattice = lattice_constants<2>(2.1, l0);
+  shift_particles<2>(scene.state, scene.boundary, scene.near(), lattice, 0, 0.3, 1e-3, l0);
+  EXPECT_NEAR((scene.state.position.col(middle) - home).norm(), 0.2 * l0, 1e-15);
+  shift_particles<2>(scene.state, scene.boundary, scene.near(), lattice, 0.5, 0.3, 1e-3, l0);
+  EXPECT_LT((scene.state.position.col(middle) - home).norm(), 0.2 * l0);
+}
+
+}  // namespace
+}  // namespace strake::fluid

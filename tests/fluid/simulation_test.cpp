@@ -1,0 +1,162 @@
+#include "fluid/simulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "fluid/interface_load.hpp"
+#include "proto/error.hpp"
+#include "tests/fluid/plate_case.hpp"
+
+namespace strake::fluid {
+namespace {
+
+/// A small plate that strikes a small tank: contact after some 20 steps.
+struct SmallEntry {
+  Simulation<2> simulation;
+  InterfaceMotion motion;
+  static constexpr double speed = 6, dt = 1e-5, gap = 0.0012;
+
+  static Parameters parameters() {
+    Parameters p = tank_case(0.4, 0.15, 0.01, 0.2);
+    return p;
+  }
+  explicit SmallEntry(Parameters p = parameters()) : simulation(p, body(), PlateEntry::down(body(), speed)) {
+    const auto m = simulation.interface().position.cols();
+    motion = {Points::Zero(3, m), Points::Zero(3, m), Points::Zero(3, m)};
+    motion.velocity.row(1).setConstant(-speed);
+  }
+  static InterfaceMesh body() { return rectangle(-0.1, gap, 0.2, 0.02, 0.01); }
+  void steps(int count) {
+    for (int k = 0; k < count; ++k) {
+      motion.displacement.row(1).setConstant(-speed * (simulation.state().time + dt));
+      simulation.step(dt, motion);
+    }
+  }
+};
+
+bool same_bits(const State<2>& a, const State<2>& b) {
+  return a.time == b.time && a.step == b.step && (a.position.array() == b.position.array()).all() &&
+         (a.velocity.array() == b.velocity.array()).all() &&
+         (a.pressure.array() == b.pressure.array()).all() && (a.sps_k.array() == b.sps_k.array()).all() &&
+         a.surface == b.surface && a.impulse_on_bodies == b.impulse_on_bodies &&
+         a.impulse_on_walls == b.impulse_on_walls;
+}
+
+TEST(Simulation, GoingBackAndAgainGivesTheSameBits) {
+  SmallEntry entry;
+  entry.steps(15);
+  const State<2> saved = entry.simulation.state();
+  entry.steps(15);
+  const State<2> first = entry.simulation.state();
+  const Points force = entry.simulation.interface_force();
+  ASSERT_GT(first.pressure.maxCoeff(), 1e6);  // the plate has struck
+  entry.simulation.set_state(saved);
+  entry.steps(15);
+  EXPECT_TRUE(same_bits(first, entry.simulation.state()));
+  EXPECT_TRUE((force.array() == entry.simulation.interface_force().array()).all());
+  // Also in an object that never saw the steps before: nothing is kept outside the state.
+  SmallEntry other;
+  other.simulation.set_state(saved);
+  other.steps(15);
+  EXPECT_TRUE(same_bits(first, other.simulation.state()));
+}
+
+TEST(Simulation, OneAndTwoThreadsGiveTheSameBits) {
+  SmallEntry one;
+  one.steps(30);
+  Parameters p = SmallEntry::parameters();
+  p.threads = 2;
+  SmallEntry two(p);
+  two.steps(30);
+  EXPECT_TRUE(same_bits(one.simulation.state(), two.simulation.state()));
+}
+
+TEST(Simulation, ImpactKeepsItsMomentumAccountAndItsSymmetry) {
+  SmallEntry entry;
+  entry.steps(40);
+  const State<2>& state = entry.simulation.state();
+  const double mass = 1000 * 1e-4;
+  EXPECT_LT(momentum_gap(state, mass).norm(), 1e-10 * state.impulse_on_bodies.norm());
+  EXPECT_GT(state.impulse_on_bodies.y(), 1);
+  const Points& force = entry.simulation.interface_force();
+  for (int k = 0; k < 10; ++k) EXPECT_NEAR(force(1, k), force(1, 19 - k), 1e-4 * force.row(1).maxCoeff());
+}
+
+TEST(Simulation, NothingIsFeltBeforeContact) {
+  SmallEntry entry;
+  entry.steps(5);
+  EXPECT_LT(entry.simulation.sensor_pressure({0, SmallEntry::gap, 0}, 0.02), 0.01 * 0.5 * 1000 * 36);
+}
+
+TEST(Simulation, ParticleThatLeavesTheTankIsCountedAndParked) {
+  Parameters p = tank_case(0.3, 0.1, 0.01, 0.05);
+  Simulation<2> simulation(p, {}, {});
+  const InterfaceMotion none;
+  simulation.step(1e-4, none);
+  simulation.mutable_state().position.col(3) << 0.5, 0.2;
+  simulation.mutable_state().velocity.col(3) << 3, 1;
+  simulation.set_state(State<2>(simulation.state()));
+  for (int k = 0; k < 3; ++k) simulation.step(1e-4, none);
+  EXPECT_EQ(simulation.state().lost, 1);
+  EXPECT_EQ(simulation.state().velocity.col(3).norm(), 0);
+  EXPECT_EQ(simulation.state().kind[3], Kind::fluid);
+}
+
+TEST(Simulation, ValueThatIsNotFiniteNamesParticlePlaceAndTime) {
+  Parameters p = tank_case(0.3, 0.1, 0.01, 0.05);
+  Simulation<2> simulation(p, {}, {});
+  simulation.mutable_state().velocity(0, 5) = std::numeric_limits<double>::quiet_NaN();
+  try {
+    simulation.step(1e-4, {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::solver_fault);
+    EXPECT_NE(to_text(error).find("t = 0"), std::string::npos) << to_text(error);
+  }
+}
+
+TEST(Simulation, UnconvergedPressureStopsWithItsNumbers) {
+  Parameters p = tank_case(0.3, 0.1, 0.01, 0.05);
+  p.scheme.pressure_max_iterations = 2;
+  Simulation<2> simulation(p, {}, {});
+  try {
+    simulation.step(1e-3, {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::solver_fault);
+    EXPECT_NE(error.problem().find("2 iterations"), std::string::npos) << error.problem();
+    EXPECT_FALSE(error.fix().empty());
+  }
+}
+
+/// Two layers of steel particles over the water, as volume coupling gives them.
+InterfaceMesh steel_layers(double low) {
+  InterfaceMesh mesh;
+  mesh.dimension = 2;
+  mesh.position = Points::Zero(3, 40);
+  for (int k = 0; k < 40; ++k)
+    mesh.position.col(k) << -0.095 + 0.01 * (k % 20), low + 0.005 + 0.01 * (k / 20), 0;
+  mesh.mass = Eigen::VectorXd::Constant(40, 7800 * 1e-4);
+  return mesh;
+}
+
+TEST(Simulation, VolumeCouplingLoadsTheStructureParticlesTheWaterTouchesAndKeepsMomentum) {
+  Parameters p = SmallEntry::parameters();
+  p.interface = "volume";
+  const InterfaceMesh solid = steel_layers(0.0);
+  Simulation<2> simulation(p, solid, PlateEntry::down(solid, 6));
+  InterfaceMotion motion{Points::Zero(3, 40), PlateEntry::down(solid, 6), Points::Zero(3, 40)};
+  for (int k = 0; k < 10; ++k) {
+    simulation.step(2e-6, motion);
+    motion.displacement.row(1).array() -= 6 * 2e-6;
+  }
+  const Points& force = simulation.interface_force();
+  EXPECT_GT(force.row(1).head(20).minCoeff(), 0);                                    // lower layer
+  EXPECT_LT(force.row(1).tail(20).cwiseAbs().maxCoeff(), 0.2 * force.row(1).sum());  // upper layer
+  EXPECT_LT(momentum_gap(simulation.state(), 0.1).norm(),
+            1e-10 * simulation.state().impulse_on_bodies.norm());
+}
+
+}  // namespace
+}  // namespace strake::fluid
