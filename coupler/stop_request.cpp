@@ -19,11 +19,18 @@ std::atomic<bool> installed{false};
 std::array<struct sigaction, 2> former;
 constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
 
+// Programs such as timeout(1) send one request twice, to the process and to its group.
+constexpr long long one_request = 200'000'000;  // [ns]
+
 void on_signal(int number) {
-  if (received.load() != 0) _exit(128 + number);
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);  // the clock of std::chrono::steady_clock
-  since = static_cast<long long>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+  timespec clock{};
+  clock_gettime(CLOCK_MONOTONIC, &clock);  // the clock of std::chrono::steady_clock
+  const long long now = static_cast<long long>(clock.tv_sec) * 1'000'000'000 + clock.tv_nsec;
+  if (received.load() != 0) {
+    if (now - since.load() > one_request) _exit(128 + number);
+    return;
+  }
+  since = now;
   received = number;
 }
 
