@@ -7,9 +7,9 @@
 
 namespace strake {
 
-/// Ctrl-C or SIGTERM, as a flag that loops and waits look at. The second signal ends the process at once
-/// (exit 130 or 143; the participants notice that the coupler is gone). Make one in main, before any other
-/// thread.
+/// Ctrl-C or SIGTERM, as a flag that loops and waits look at. A second signal (0.2 s later or more) ends the
+/// process at once (exit 130 or 143; the participants notice that the coupler is gone). Make one in main,
+/// before any other thread.
 class StopRequest {
  public:
   StopRequest();   // installs handlers for SIGINT and SIGTERM
