@@ -14,9 +14,8 @@ namespace {
 double right_side(const PressureTerms& terms, const Scheme& scheme, double scale, double gamma,
                   std::int64_t i) {
   const double dt = terms.dt;
-  const double stiffness =
-      terms.density[i] * terms.sound_speed * terms.sound_speed;  // ρ_i c², may be infinite
-  const double compression = terms.old_pressure[i] / stiffness;  // pⁿ/(ρ_i c²)
+  const double stiffness = terms.reference_density * terms.sound_speed * terms.sound_speed;  // ρc² [Pa]
+  const double compression = terms.old_pressure[i] / stiffness;                              // pⁿ/(ρc²)
   double f = 0;
   switch (scheme.source) {
     case Source::density:
@@ -59,7 +58,7 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
   const double radius = laplacian.radius, inverse_radius = 1.0 / radius;
   const double c_dt = terms.sound_speed * terms.dt;
   const double* density = terms.density.data();
-  const double two_rho = 2.0 * terms.reference_density;
+  const double rho = terms.reference_density;
 
 #pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < unknowns; ++k) {
@@ -73,7 +72,9 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
       const std::int32_t j = columns[e];
       const Row role = terms.row[static_cast<std::size_t>(j)];
       if (role == Row::none || inverses[e] <= inverse_radius) continue;
-      const double w = (radius * inverses[e] - 1.0) * (two_rho / (density[i] + density[j]));
+      const double between =
+          density[i] == rho || density[j] == rho ? 1.0 : 2.0 * rho / (density[i] + density[j]);
+      const double w = (radius * inverses[e] - 1.0) * between;
       diagonal += w;
       if (role == Row::zero) continue;
       system.column[static_cast<std::size_t>(at)] = system.unknown_of[static_cast<std::size_t>(j)];
@@ -82,7 +83,7 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
     }
     system.start[static_cast<std::size_t>(k)] = first;
     system.stop[static_cast<std::size_t>(k)] = at;
-    system.diagonal[k] = diagonal + scale * terms.reference_density / (density[i] * c_dt * c_dt);
+    system.diagonal[k] = diagonal + scale / (c_dt * c_dt);
     system.right[k] = right_side(terms, scheme, scale, gamma, i);
     if (system.diagonal[k] <= 0) {  // no neighbour and no compressibility: nothing holds a pressure
       system.diagonal[k] = 1;

@@ -47,12 +47,15 @@ struct PressureTerms {
 /// γ of PHYSICS eq. 25 for one step: Δt/τ where a time constant is given.
 double drift_factor(const Scheme&, double dt);
 
-/// PHYSICS §3 (23)–(25) in the variable-density, weakly compressible form, one row per unknown i:
-///   Σ_j w_ij 2ρ/(ρ_i+ρ_j) (p_i − p_j) + s ρ/(ρ_i c²Δt²) p_i = −s ρ f_i ,   s = n0 λ/(2d)
+/// PHYSICS §3 (23)–(25), weakly compressible, one row per unknown i:
+///   Σ_j β_ij w_ij (p_i − p_j) + s p_i/(c²Δt²) = −s ρ f_i ,   s = n0 λ/(2d)
 ///   density     f = −δ/Δt²                              (δ = (n − n0)/n0, n at r* or r^k)
-///   divergence  f = ∇·u*/Δt − pⁿ/(ρ_i c²Δt²)
-///   mixed       f = (1−γ) ∇·u*/Δt − pⁿ/(ρ_i c²Δt²) − (γ/Δt²)(δ − pⁿ/(ρ_i c²))
-/// `system` is passed in so that its memory is used again.
+///   divergence  f = ∇·u*/Δt − pⁿ/(ρc²Δt²)
+///   mixed       f = (1−γ) ∇·u*/Δt − pⁿ/(ρc²Δt²) − (γ/Δt²)(δ − pⁿ/(ρc²))
+/// β = 2ρ/(ρ_i+ρ_j) between structure particles, which is their inertia, and 1 where one of the two is water:
+/// a structure's outer row is a wall row, its pressure is that of the water on it. (With the mean density
+/// between water and structure as well, a heavy row loses touch with the water and its own ∇·u* drives its
+/// pressure without bound.) `system` is passed in so that its memory is used again.
 template <int dim>
 void assemble_pressure(const Neighbours&, const PressureTerms&, const Scheme&,
                        const LatticeConstants& laplacian, PressureSystem& system);
