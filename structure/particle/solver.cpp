@@ -87,29 +87,53 @@ ParticleSolver::ParticleSolver(const Parameters& p)
   state_.displacement = Eigen::Matrix2Xd::Zero(2, lattice_.size());
   state_.velocity = p.velocity.head<2>().replicate(1, lattice_.size());
   state_.elastic_force = model_->force(state_.displacement);
+  state_.interface_velocity = state_.window_velocity = interpolate(to_interface_, state_.velocity);
   saved_ = state_;
 }
 
 void ParticleSolver::set_velocity(const Eigen::Matrix2Xd& velocity) {
   for (Eigen::Index i = 0; i < lattice_.size(); ++i)
     if (!lattice_.fixed[static_cast<std::size_t>(i)]) state_.velocity.col(i) = velocity.col(i);
+  state_.interface_velocity = state_.window_velocity = interpolate(to_interface_, state_.velocity);
   saved_ = state_;
 }
 
 void ParticleSolver::advance(double t, double dt, const Load& load) {
   const int n = std::max(1, static_cast<int>(std::ceil(dt / largest_step_ * (1 - 1e-12))));
   const double h = dt / n;
+  const Points before = displacement();
   for (int k = 0; k < n; ++k) {
     const double middle = t + (k + 0.5) * h;
     state_.time = t + k * h;
     sub_step(h, external_force(middle, spread(to_interface_, load.at(middle, mesh_.position.cols()))));
   }
   state_.time = t + dt;
+  follow_interface(before, dt);
   if (!state_.displacement.allFinite() || !state_.velocity.allFinite())
     throw Error(ExitCode::solver_fault, fmt::format("structure, t = {:.6g} s", state_.time),
                 "particle positions are not finite",
                 fmt::format("lower structure.particle.safety ({:.3g}) or coupling.surface.window",
                             parameters_.particle.safety));
+}
+
+// The partner's force is held over a window: F̄ = −m_a (v_{n+1} − v_n)/dt for an added mass m_a. On a mode of
+// frequency ω it does the work F̄ Δx, and with the particles' own end velocities Δx/dt = v̄ tan(z)/z, z = ½ω
+// dt: beyond z = ½π the work has the wrong sign and the mode grows. The velocity told is therefore that of
+// the places at the ends of the windows,
+//   v_{n+1} = w + (w − w')·dt/(dt + dt'),   w = Δx/dt of this window, w' of the one before   (BDF2; equal dt:
+//   (3w − w')/2)
+// second order, and the work is then a difference of squares less a square: energy is never made, whatever ω
+// dt.
+void ParticleSolver::follow_interface(const Points& before, double dt) {
+  if (mesh_.faces.cols() == 0) {  // volume coupling: the fluid places the particles themselves
+    state_.interface_velocity = interpolate(to_interface_, state_.velocity);
+    return;
+  }
+  const Points mean = (displacement() - before) / dt;
+  const double last = state_.window > 0 ? state_.window : dt;
+  state_.interface_velocity = mean + dt / (dt + last) * (mean - state_.window_velocity);
+  state_.window_velocity = mean;
+  state_.window = dt;
 }
 
 Eigen::Matrix2Xd ParticleSolver::external_force(double time, const Eigen::Matrix2Xd& fluid) const {
@@ -159,7 +183,7 @@ Points ParticleSolver::displacement() const {
 }
 
 Points ParticleSolver::velocity() const {
-  return interpolate(to_interface_, state_.velocity);
+  return state_.interface_velocity;
 }
 
 Eigen::Vector3d ParticleSolver::displacement_at(const Eigen::Vector3d& X) const {
@@ -184,6 +208,7 @@ void ParticleSolver::solve_static() {
   const Eigen::Matrix2Xd weight = (mass_ * parameters_.gravity.head<2>()).replicate(1, lattice_.size());
   state_.displacement = equilibrium(*model_, lattice_, case_force_ + weight);
   state_.velocity.setZero();
+  state_.interface_velocity.setZero();
   state_.elastic_force = model_->force(state_.displacement);
 }
 
@@ -196,7 +221,9 @@ std::vector<double> ParticleSolver::frequencies(int count) {
 void ParticleSolver::write(Archive& archive) const {
   archive.real["particle.displacement"] = saved_.displacement;
   archive.real["particle.velocity"] = saved_.velocity;
-  archive.real["particle.scalars"] = Eigen::Vector2d(saved_.time, saved_.external_work);
+  archive.real["particle.interface_velocity"] = saved_.interface_velocity;
+  archive.real["particle.window_velocity"] = saved_.window_velocity;
+  archive.real["particle.scalars"] = Eigen::Vector3d(saved_.time, saved_.external_work, saved_.window);
   archive.integer["particle.steps"] = {saved_.steps};
 }
 
@@ -210,6 +237,9 @@ void ParticleSolver::read(const Archive& archive) {
   state_.velocity = archive.real.at("particle.velocity");
   state_.time = archive.real.at("particle.scalars")(0);
   state_.external_work = archive.real.at("particle.scalars")(1);
+  state_.window = archive.real.at("particle.scalars")(2);
+  state_.interface_velocity = archive.real.at("particle.interface_velocity");
+  state_.window_velocity = archive.real.at("particle.window_velocity");
   state_.steps = static_cast<int>(archive.integer.at("particle.steps").at(0));
   state_.elastic_force = model_->force(state_.displacement);
   saved_ = state_;

@@ -20,6 +20,8 @@ class ParticleSolver final : public Solver {
   const InterfaceMesh& interface() const override { return mesh_; }
   void advance(double t, double dt, const Load&) override;
   Points displacement() const override;
+  /// Volume coupling: of the particles. Surface coupling: of the interface as its end places tell, so that
+  /// windows longer than half a period of a mode feed it no energy (see solver.cpp).
   Points velocity() const override;
   bool sends_velocity() const override { return true; }
   double stable_dt() const override { return largest_step_; }  // its own sub-step: windows may be longer
@@ -47,9 +49,13 @@ class ParticleSolver final : public Solver {
     Eigen::Matrix2Xd displacement;   // 2×n [m]
     Eigen::Matrix2Xd velocity;       // 2×n [m/s]
     Eigen::Matrix2Xd elastic_force;  // 2×n [N/m] at `displacement`
+    Points interface_velocity;       // 3×m [m/s] at the end of the last window, as the partner is told
+    Points window_velocity;          // 3×m [m/s] mean over the last window
+    double window = 0;               // [s] its length; 0: none yet
     double external_work = 0;        // [J/m] of loads, supports and damping
     int steps = 0;
   };
+  void follow_interface(const Points& displacement_before, double dt);
   void sub_step(double dt, const Eigen::Matrix2Xd& external);
   Eigen::Matrix2Xd external_force(double time, const Eigen::Matrix2Xd& fluid) const;
 
