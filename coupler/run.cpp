@@ -193,6 +193,10 @@ class Run {
             .finished = finished};
   }
 
+  /// Below this share of its reference a metric is still the tremble before the event that the block is about
+  /// (the 5 % of VALIDATION A's first peak); it is judged at the end of the run.
+  static constexpr double too_early = 0.05;
+
   /// Says what a block came to as soon as all of its metrics are known.
   void tell_verdicts() {
     const RunData now = data(false);
@@ -200,7 +204,9 @@ class Run {
       if (settled_[i]) continue;
       const std::vector<Verdict> verdicts = judge(blocks_[i], now);
       bool known = !verdicts.empty();
-      for (const Verdict& verdict : verdicts) known = known && verdict.result != Verdict::Result::not_reached;
+      for (const Verdict& verdict : verdicts)
+        known = known && verdict.result != Verdict::Result::not_reached &&
+                std::abs(verdict.value.value_or(0)) >= too_early * std::abs(verdict.reference);
       if (!known) continue;
       settled_[i] = true;
       for (const Verdict& verdict : verdicts) {
