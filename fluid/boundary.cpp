@@ -1,13 +1,13 @@
 #include "fluid/boundary.hpp"
 
+#include "proto/error.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
-
-#include "proto/error.hpp"
 
 namespace strake::fluid {
 

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
-
 #include "fluid/boundary.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/parameters.hpp"
 #include "fluid/state.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
 
 namespace strake::fluid {
 

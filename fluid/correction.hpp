@@ -1,14 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <span>
-
 #include "fluid/boundary.hpp"
 #include "fluid/kernel.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/operators.hpp"
 #include "fluid/parameters.hpp"
 #include "fluid/state.hpp"
+
+#include <Eigen/Core>
+
+#include <span>
 
 namespace strake::fluid {
 

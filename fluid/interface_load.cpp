@@ -1,8 +1,8 @@
 #include "fluid/interface_load.hpp"
 
-#include <cmath>
-
 #include "fluid/operators.hpp"
+
+#include <cmath>
 
 namespace strake::fluid {
 

@@ -1,12 +1,12 @@
 #include "fluid/outline.hpp"
 
+#include "proto/error.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "proto/error.hpp"
 
 namespace strake::fluid {
 

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "proto/interface.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
 
 namespace strake::fluid {
 

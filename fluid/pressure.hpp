@@ -1,14 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "fluid/kernel.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/parameters.hpp"
 #include "fluid/state.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace strake::fluid {
 

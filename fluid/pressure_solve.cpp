@@ -1,10 +1,13 @@
+#include "fluid/pressure.hpp"
+
 #include <Eigen/CholmodSupport>
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
+
 #include <algorithm>
 #include <cmath>
-
-#include "fluid/pressure.hpp"
+#include <limits>
+#include <vector>
 
 namespace strake::fluid {
 

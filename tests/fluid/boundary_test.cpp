@@ -1,17 +1,16 @@
 #include "fluid/boundary.hpp"
 
-#include <gtest/gtest.h>
+#include "fluid/fill.hpp"
+#include "fluid/number_density.hpp"
+#include "proto/error.hpp"
+#include "tests/fluid/plate_case.hpp"
 
+#include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
 #include <cmath>
 #include <numbers>
 #include <random>
-
-#include "fluid/fill.hpp"
-#include "fluid/number_density.hpp"
-#include "proto/error.hpp"
-#include "tests/fluid/plate_case.hpp"
 
 namespace strake::fluid {
 namespace {

@@ -1,10 +1,10 @@
 #include "fluid/correction.hpp"
 
-#include <gtest/gtest.h>
-
 #include "fluid/collision.hpp"
 #include "fluid/fill.hpp"
 #include "tests/fluid/plate_case.hpp"
+
+#include <gtest/gtest.h>
 
 namespace strake::fluid {
 namespace {

@@ -1,10 +1,10 @@
 #include "fluid/interface_load.hpp"
 
-#include <gtest/gtest.h>
-
 #include "fluid/correction.hpp"
 #include "fluid/fill.hpp"
 #include "tests/fluid/plate_case.hpp"
+
+#include <gtest/gtest.h>
 
 namespace strake::fluid {
 namespace {

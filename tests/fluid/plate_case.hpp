@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
-#include <limits>
-
 #include "fluid/parameters.hpp"
 #include "fluid/simulation.hpp"
+
+#include <array>
+#include <limits>
 
 namespace strake::fluid {
 

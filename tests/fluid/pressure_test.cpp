@@ -1,12 +1,12 @@
 #include "fluid/pressure.hpp"
 
+#include "tests/fluid/lattice.hpp"
+
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include <array>
 #include <limits>
-
-#include "tests/fluid/lattice.hpp"
 
 namespace strake::fluid {
 namespace {

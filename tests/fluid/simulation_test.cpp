@@ -1,12 +1,12 @@
 #include "fluid/simulation.hpp"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "fluid/interface_load.hpp"
 #include "proto/error.hpp"
 #include "tests/fluid/plate_case.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
 
 namespace strake::fluid {
 namespace {

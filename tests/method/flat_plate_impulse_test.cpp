@@ -1,3 +1,5 @@
+#include "tests/fluid/plate_case.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -5,8 +7,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-
-#include "tests/fluid/plate_case.hpp"
 
 namespace strake::fluid {
 namespace {

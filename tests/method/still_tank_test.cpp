@@ -1,8 +1,8 @@
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-
 #include "fluid/interface_load.hpp"
 #include "tests/fluid/plate_case.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 
 namespace strake::fluid {
 namespace {

@@ -1,0 +1,341 @@
+#include "fluid/step.hpp"
+
+#include "fluid/correction.hpp"
+#include "fluid/fill.hpp"
+#include "fluid/interface_load.hpp"
+#include "fluid/number_density.hpp"
+#include "fluid/operators.hpp"
+#include "fluid/turbulence.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace strake::fluid {
+
+namespace {
+
+/// Verlet skin [l0] (PHYSICS §16.5).
+constexpr double skin = 0.2;
+/// A void is surface so far below the initial water level [l0].
+constexpr double void_depth = 5;
+
+/// Adds the wall seconds of its life to one stage.
+class StageClock {
+ public:
+  StageClock(std::map<std::string, double>& seconds, const char* stage)
+      : seconds_(seconds[stage]), start_(std::chrono::steady_clock::now()) {}
+  ~StageClock() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  StageClock(const StageClock&) = delete;
+  StageClock& operator=(const StageClock&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+/// Velocity of the partner's points at the fluid's own, by the nearest point of the partner's faces.
+Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, const Points& velocity) {
+  if (velocity.cols() == mesh.position.cols() && partner.faces.cols() == 0) return velocity;
+  Points on_mesh = Points::Zero(3, mesh.position.cols());
+  if (velocity.cols() != partner.position.cols()) return on_mesh;
+  for (Eigen::Index k = 0; k < mesh.position.cols(); ++k) {
+    double best = std::numeric_limits<double>::infinity();
+    for (Eigen::Index f = 0; f < partner.faces.cols(); ++f) {
+      const int a = partner.faces(0, f), b = partner.faces(1, f);
+      const Eigen::Vector3d t = partner.position.col(b) - partner.position.col(a);
+      const double s =
+          std::clamp((mesh.position.col(k) - partner.position.col(a)).dot(t) / t.squaredNorm(), 0.0, 1.0);
+      const double distance = (partner.position.col(a) + s * t - mesh.position.col(k)).squaredNorm();
+      if (distance >= best) continue;
+      best = distance;
+      on_mesh.col(k) = (1 - s) * velocity.col(a) + s * velocity.col(b);
+    }
+  }
+  return on_mesh;
+}
+
+}  // namespace
+
+template <int dim>
+Simulation<dim>::Work::Work(const Parameters& parameters, const InterfaceMesh& partner,
+                            const Points& initial_velocity)
+    : p(parameters),
+      density_lattice(lattice_constants<dim>(p.scheme.radius_density, p.spacing)),
+      gradient_lattice(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
+      divergence_lattice(lattice_constants<dim>(p.scheme.radius_divergence, p.spacing)),
+      laplacian_lattice(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
+      mass(p.density * std::pow(p.spacing, dim)),
+      state(fill<dim>(p)),
+      boundary(p, partner, initial_velocity, state),
+      search(std::max({density_lattice.radius, gradient_lattice.radius, divergence_lattice.radius,
+                       laplacian_lattice.radius}),
+             skin * p.spacing) {
+  omp_set_num_threads(p.threads);
+  const auto m = boundary.mesh().position.cols();
+  force = Points::Zero(3, m);
+  if (m > 0)
+    boundary.move(state, Points::Zero(3, m), velocity_on(boundary.mesh(), partner, initial_velocity), true);
+  for (std::int64_t i = 0; i < boundary.water(); ++i) state.initial_momentum += mass * state.velocity.col(i);
+  state.surface.assign(state.kind.size(), 1);
+  moves.assign(state.kind.size(), 0);
+  std::fill_n(moves.begin(), boundary.water(), std::uint8_t{1});
+}
+
+/// g · ½(1 − cos(πt/ramp)) in the middle of the step; the bodies' velocity of the end of the step.
+template <int dim>
+void Simulation<dim>::Work::begin(double step, const InterfaceMotion& given) {
+  dt = step;
+  motion = &given;
+  double ramp = 1;
+  const double t = state.time + 0.5 * dt;
+  if (p.gravity_ramp > 0 && t < p.gravity_ramp)
+    ramp = 0.5 * (1 - std::cos(std::numbers::pi * t / p.gravity_ramp));
+  gravity = ramp * p.gravity.head<dim>();
+  // Volume coupling gives the places of the structure's particles for this step, surface coupling those at
+  // its end.
+  boundary.move(state, given.displacement, given.velocity, boundary.volume());
+}
+
+template <int dim>
+void Simulation<dim>::Work::search_neighbours() {
+  const auto keep = [this](std::int32_t i, std::int32_t j) { return boundary.keep(state, i, j); };
+  far = &search.update(state.position, boundary.tags(state), keep);
+}
+
+template <int dim>
+void Simulation<dim>::Work::find_neighbours() {
+  const StageClock clock(seconds, "neighbours");
+  search_neighbours();
+}
+
+/// u* = u + Δt (ν∇²u + ∇·τ + g); r* = r + Δt u* where the scheme works at r* (PHYSICS (26)–(28)).
+template <int dim>
+void Simulation<dim>::Work::predict() {
+  const StageClock clock(seconds, "predictor");
+  const std::int64_t water = boundary.water();
+  // Air between a dry face and the water carries no stress.
+  wet.assign(state.kind.size(), 1);
+  for (std::int64_t i = boundary.first_of_bodies(); i < static_cast<std::int64_t>(wet.size()); ++i) {
+    const std::int32_t first = boundary.master_of(i);
+    if (state.surface[static_cast<std::size_t>(first < 0 ? i : first)]) wet[static_cast<std::size_t>(i)] = 0;
+  }
+  ViscousStage<dim> stage =
+      viscous_stage<dim>(state.position, state.velocity, p, near_gradient(), *far, Masks{wet, wet});
+  viscous = std::move(stage.acceleration);
+  if (stage.sps.k.size() == state.sps_k.size()) state.sps_k = stage.sps.k;
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (boundary.parked(state, i)) continue;
+    state.velocity.col(i) += dt * (viscous.col(i) + gravity);
+    state.impulse_of_gravity += mass * dt * gravity;
+  }
+  if (!at_star()) return;
+  state.position.leftCols(water) += dt * state.velocity.leftCols(water);
+  if (!boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
+}
+
+template <int dim>
+void Simulation<dim>::Work::measure_number_density() {
+  const StageClock clock(seconds, "density");
+  if (at_star()) {
+    check_finite();
+    search_neighbours();
+  }
+  const Neighbours& near = near_density();
+  n = number_density(near, density_lattice.radius);
+  boundary.count_water(state, near, density_lattice, n);
+  const SurfaceTest test{p.scheme.beta, p.scheme.second, p.spacing, density_lattice};
+  std::vector<std::uint8_t> flags =
+      surface_flags<dim>(state.position, state.kind, near, n, test, state.surface);
+  boundary.hold_apart(state, near, state.surface, flags);
+  state.surface.swap(flags);
+  classify_rows();
+}
+
+/// Unknowns are particles with a pressure that are not surface; δ = (n − n0)/n0, where a negative value
+/// beside the surface is no expansion but missing neighbours, and would suck (PHYSICS §16.8, trap 1).
+template <int dim>
+void Simulation<dim>::Work::classify_rows() {
+  const Neighbours& near = near_density();
+  const auto count = static_cast<std::int64_t>(state.kind.size());
+  row.assign(state.kind.size(), Row::none);
+  solved.assign(state.kind.size(), 0);
+  deviation.setZero(count);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!has_pressure(state.kind[k]) || boundary.buried(i) || boundary.parked(state, i)) continue;
+    row[k] = state.surface[k] ? Row::zero : Row::unknown;
+    if (state.surface[k]) continue;
+    solved[k] = 1;
+    // A structure particle keeps its own density whatever the water does.
+    if (state.kind[k] == Kind::solid) continue;
+    double delta = n[i] / density_lattice.n0 - 1;
+    if (delta < 0)
+      for (const std::int32_t j : near.row(i))
+        if (state.surface[static_cast<std::size_t>(j)]) {
+          delta = 0;
+          break;
+        }
+    deviation[i] = delta;
+  }
+}
+
+template <int dim>
+void Simulation<dim>::Work::solve_pressure() {
+  const StageClock clock(seconds, "pressure");
+  const Scheme& scheme = p.scheme;
+  divergence =
+      fluid::divergence<dim>(state.position, state.velocity, search.within(divergence_lattice.radius),
+                             divergence_lattice, Masks{solved, {}});
+  const PressureTerms terms{row,       divergence,    deviation, state.pressure, boundary.density(),
+                            p.density, p.sound_speed, dt};
+  assemble_pressure<dim>(*far, terms, scheme, laplacian_lattice, system);
+  if (!std::isfinite(p.sound_speed)) close_sealed_blocks(system);
+  Eigen::VectorXd guess(system.size());
+  for (std::int64_t k = 0; k < system.size(); ++k)
+    guess[k] = state.pressure[system.particle[static_cast<std::size_t>(k)]];
+  const PressureSolution solution = fluid::solve_pressure(system, guess, scheme);
+  report.pressure_iterations = solution.iterations;
+  if (!(solution.residual <= 10 * scheme.pressure_tolerance) || !solution.pressure.allFinite())
+    throw Error(
+        ExitCode::solver_fault, where(),
+        fmt::format("the pressure equation did not converge: {} iterations, residual {:.3g} (asked {:.3g}), "
+                    "CFL {:.3g}, {} unknowns",
+                    solution.iterations, solution.residual, scheme.pressure_tolerance, report.cfl,
+                    system.size()),
+        "reduce fluid.scheme.time_step, or raise fluid.scheme.pressure.max_iterations or .tolerance");
+  state.pressure.setZero();
+  for (std::int64_t k = 0; k < system.size(); ++k)
+    state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
+  if (!scheme.negative_pressure) state.pressure = state.pressure.cwiseMax(0.0);
+  boundary.fill_dummies(state, gravity, motion->acceleration);
+}
+
+/// u = u* − (Δt/ρ)∇p (29), (30); r = r* + Δt (u − u*) (31), or rⁿ + Δt u where the scheme works at rⁿ: both
+/// say r = rⁿ + Δt u, which adds no energy to the lattice's own oscillation; the mean of uⁿ and u would.
+template <int dim>
+void Simulation<dim>::Work::correct() {
+  {
+    const StageClock clock(seconds, "corrector");
+    gradient = pressure_gradient<dim>(state.position, state.pressure, near_gradient(), gradient_lattice,
+                                      p.scheme.gradient, Masks{moves, {}});
+  }
+  load_interface();  // belongs to the places the pressure was solved for
+  const StageClock clock(seconds, "corrector");
+  const std::int64_t water = boundary.water();
+  Vectors<dim> change = -dt / p.density * gradient.leftCols(water);
+  for (std::int64_t i = 0; i < water; ++i)
+    if (boundary.parked(state, i)) change.col(i).setZero();
+  state.velocity.leftCols(water) += change;
+  divergence =
+      fluid::divergence<dim>(state.position, state.velocity, search.within(divergence_lattice.radius),
+                             divergence_lattice, Masks{solved, {}});
+  report.divergence_max = divergence.head(water).cwiseAbs().maxCoeff();
+  if (at_star())
+    state.position.leftCols(water) += dt * change;
+  else
+    state.position.leftCols(water) += dt * state.velocity.leftCols(water);
+  if (!at_star() && !boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
+}
+
+template <int dim>
+void Simulation<dim>::Work::shift() {
+  const StageClock clock(seconds, "shift");
+  check_finite();
+  shift_particles<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.shifting,
+                       std::sqrt(p.gravity.norm() * p.spacing), dt, p.spacing);
+  collisions = separate_particles<dim>(state, boundary, near_density(), p.scheme, dt, p.spacing, mass);
+  park_lost();
+}
+
+template <int dim>
+void Simulation<dim>::Work::load_interface() {
+  const StageClock clock(seconds, "load");
+  const LoadTerms<dim> terms{viscous,   gravity,  motion->acceleration, p.scheme.gradient, gradient_lattice,
+                             p.density, p.spacing};
+  const RowForces<dim> forces = row_forces<dim>(state, boundary, near_gradient(), terms);
+  force = gather_on_points<dim>(forces, boundary);
+  floor = Vector<dim>::Zero();
+  on_walls.setZero(dim, boundary.first_of_bodies());
+  for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
+    state.impulse_on_walls += dt * forces.col(i);
+    const std::int32_t master = boundary.master_of(i);
+    on_walls.col(master < 0 ? i : master) += forces.col(i);
+    if (state.position(1, i) < p.tank.min[1]) floor += forces.col(i);
+  }
+  for (Eigen::Index k = 0; k < force.cols(); ++k)
+    state.impulse_on_bodies += dt * force.col(k).template head<dim>();
+}
+
+template <int dim>
+std::string Simulation<dim>::Work::where() const {
+  return fmt::format("fluid, step {} (t = {:.9g} s)", state.step, state.time);
+}
+
+template <int dim>
+void Simulation<dim>::Work::check_finite() const {
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (state.position.col(i).allFinite() && state.velocity.col(i).allFinite()) continue;
+    throw Error(
+        ExitCode::solver_fault, where(),
+        fmt::format("particle {} is no longer finite: position ({:.6g}, {:.6g}), velocity ({:.6g}, {:.6g})",
+                    state.id[static_cast<std::size_t>(i)], state.position(0, i), state.position(1, i),
+                    state.velocity(0, i), state.velocity(1, i)),
+        "reduce fluid.scheme.time_step or fluid.scheme.cfl");
+  }
+}
+
+template <int dim>
+void Simulation<dim>::Work::park_lost() {
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (boundary.parked(state, i) || !boundary.left_domain(state.position.col(i))) continue;
+    state.impulse_on_walls += mass * state.velocity.col(i);  // it takes its momentum out of the account
+    state.position.col(i) = boundary.parking_place(state.lost++);
+    state.velocity.col(i).setZero();
+    state.pressure[i] = 0;
+    search.invalidate();
+  }
+}
+
+/// Accounts of the step; the load of collisions joins the interface force when the scheme conserves.
+template <int dim>
+void Simulation<dim>::Work::finish() {
+  state.impulse_of_collisions += collisions.on_water;
+  state.impulse_on_walls += collisions.on_walls;
+  for (Eigen::Index k = 0; k < collisions.on_points.cols(); ++k) {
+    state.impulse_on_bodies += collisions.on_points.col(k);
+    if (p.scheme.collision_conserve) force.col(k).template head<dim>() += collisions.on_points.col(k) / dt;
+  }
+  std::int64_t inner = 0, voids = 0;
+  double fastest = 0;
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    fastest = std::max(fastest, state.velocity.col(i).squaredNorm());
+    if (!state.surface[static_cast<std::size_t>(i)]) {
+      ++inner;
+    } else if (state.position(1, i) < p.water.max[1] - void_depth * p.spacing) {
+      ++voids;
+    }
+  }
+  state.inner_fraction_min =
+      std::min(state.inner_fraction_min,
+               static_cast<double>(inner) / static_cast<double>(std::max<std::int64_t>(1, boundary.water())));
+  state.voids = std::max(state.voids, voids);
+  state.penetrations = std::max(state.penetrations, collisions.inside);
+  report.cfl = std::sqrt(fastest) * dt / p.spacing;
+  state.time += dt;
+  ++state.step;
+}
+
+template struct Simulation<2>::Work;
+template struct Simulation<3>::Work;
+
+}  // namespace strake::fluid

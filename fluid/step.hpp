@@ -1,0 +1,69 @@
+#pragma once
+
+#include "fluid/boundary.hpp"
+#include "fluid/collision.hpp"
+#include "fluid/kernel.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/pressure.hpp"
+#include "fluid/simulation.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace strake::fluid {
+
+/// The stages of one step and what they hand to one another: private to simulation.cpp and step.cpp. All that
+/// outlives a step is in `state`; the rest is memory used again.
+template <int dim>
+struct Simulation<dim>::Work {
+  Work(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
+
+  void begin(double dt, const InterfaceMotion&);
+  void find_neighbours();
+  void predict();
+  void measure_number_density();
+  void solve_pressure();
+  void correct();
+  void shift();
+  void load_interface();
+  void finish();
+
+  void search_neighbours();
+  void classify_rows();
+  void check_finite() const;
+  void park_lost();
+  std::string where() const;  // "fluid, step 12 (t = 0.0042 s)"
+  bool at_star() const { return p.scheme.density_at == DensityAt::star; }
+  const Neighbours& near_density() { return search.within(density_lattice.radius); }
+  const Neighbours& near_gradient() { return search.within(gradient_lattice.radius); }
+
+  Parameters p;
+  LatticeConstants density_lattice, gradient_lattice, divergence_lattice, laplacian_lattice;
+  double mass;  // of a water particle [kg]
+  State<dim> state;
+  Boundary<dim> boundary;
+  NeighbourSearch<dim> search;
+  std::map<std::string, double> seconds;
+  StepReport report;
+  Points force;                             // on the interface points [N]
+  Vectors<dim> on_walls;                    // on each wall particle with the dummies behind it [N]
+  Vector<dim> floor = Vector<dim>::Zero();  // on the tank floor [N]
+
+  // Scratch of one step.
+  double dt = 0;
+  const InterfaceMotion* motion = nullptr;
+  const Neighbours* far = nullptr;
+  Vector<dim> gravity;
+  Vectors<dim> viscous, gradient;
+  Eigen::VectorXd n, divergence, deviation;
+  std::vector<Row> row;
+  std::vector<std::uint8_t> solved, moves, wet;  // masks: unknowns; water; all but dry bodies
+  PressureSystem system;
+  CollisionAccount<dim> collisions;
+};
+
+}  // namespace strake::fluid
