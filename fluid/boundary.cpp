@@ -74,6 +74,7 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
       density_[i] = partner.mass.size() ? partner.mass[i - bodies_] / volume : p.density;
   }
   find_masters(tank);
+  find_normals(tank);
   check_overlap(tank);
 }
 
@@ -331,20 +332,21 @@ void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
 }
 
 template <int dim>
-Vector<dim> Boundary<dim>::wall_area(const State<dim>& state, std::int64_t i) const {
-  Vector<dim> normal = Vector<dim>::Zero();
-  int sides = 0;
-  for (int a = 0; a < dim; ++a) {
-    if (state.position(a, i) < low_[a]) {
-      normal[a] = 1;
-      ++sides;
-    } else if (state.position(a, i) > high_[a] && a != 1) {
-      normal[a] = -1;
-      ++sides;
+void Boundary<dim>::find_normals(const State<dim>& state) {
+  normal_.setZero(dim, state.position.cols());
+  for (std::int64_t i = water_; i < bodies_; ++i) {
+    Vector<dim> normal = Vector<dim>::Zero();
+    for (int a = 0; a < dim; ++a) {
+      if (state.position(a, i) < low_[a]) normal[a] = 1;
+      if (state.position(a, i) > high_[a] && a != 1) normal[a] = -1;
     }
+    if (normal.squaredNorm() == 1) normal_.col(i) = normal;
   }
-  if (sides != 1) return Vector<dim>::Zero();
-  return normal * std::pow(spacing_, dim - 1);
+}
+
+template <int dim>
+Vector<dim> Boundary<dim>::wall_area(const State<dim>&, std::int64_t i) const {
+  return normal_.col(i) * std::pow(spacing_, dim - 1);
 }
 
 template <int dim>

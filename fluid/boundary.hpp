@@ -65,6 +65,10 @@ class Boundary {
   /// Neumann condition P_d = P_w + ρ(g − a_w)·(r_d − r_w) on dummy rows; 0 behind a dry row.
   void fill_dummies(State<dim>&, const Vector<dim>& gravity, const Points& acceleration) const;
 
+  /// Normal, into the water, of the tank wall that row i stands for; zero in corners and for all that is no
+  /// tank.
+  Eigen::Ref<const Vector<dim>> normal_of(std::int64_t i) const { return normal_.col(i); }
+
   /// Outward area vector of a tank wall particle, towards the water [m, m² in 3-D]; zero in corners.
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const;
 
@@ -81,6 +85,7 @@ class Boundary {
   void add_rows(const InterfaceMesh& partner, State<dim>&);
   void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
   void find_masters(const State<dim>&);
+  void find_normals(const State<dim>&);
   void check_overlap(const State<dim>&) const;
 
   double spacing_, water_density_;
@@ -95,6 +100,7 @@ class Boundary {
   std::vector<int> point_of_;
   std::vector<std::int32_t> master_;  // of a dummy: the row whose pressure it extends; −1
   std::vector<std::uint8_t> buried_, tag_;
+  Vectors<dim> normal_;
   Eigen::VectorXd flat_water_;  // Σ_water w of each interface point under a flat surface at l0
   Vector<dim> low_, high_, parking_;
 };

@@ -4,20 +4,53 @@
 
 namespace strake::fluid {
 
+namespace {
+
+// Takes out of (d/n0) Σ_j (P_i + P_j) r_ij w/r² what lies along the faces of tank and bodies.
 template <int dim>
-Vectors<dim> pressure_gradient(const Vectors<dim>& position, const Eigen::VectorXd& pressure,
-                               const Neighbours& near, const LatticeConstants& lattice, Gradient kind,
-                               const Masks& masks) {
+void smooth_faces(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
+                  const LatticeConstants& lattice, const Masks& masks, Vectors<dim>& gradient) {
+  const std::int64_t water = boundary.water();
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (!masks.row.empty() && masks.row[static_cast<std::size_t>(i)] == 0) continue;
+    const auto columns = near.row(i);
+    const auto inverses = near.inverses(i);
+    Vector<dim> along = Vector<dim>::Zero();
+    for (std::size_t e = columns.size(); e > 0 && columns[e - 1] >= water;
+         --e) {  // rows come after the water
+      const std::int64_t j = columns[e - 1];
+      const double w = lattice.radius * inverses[e - 1] - 1;
+      const Vector<dim> normal = boundary.normal_of(j);
+      if (w <= 0 || normal.squaredNorm() == 0) continue;
+      if (!masks.column.empty() && masks.column[static_cast<std::size_t>(j)] == 0) continue;
+      const Vector<dim> r = state.position.col(j) - state.position.col(i);
+      along += (state.pressure[i] + state.pressure[j]) * w * inverses[e - 1] * inverses[e - 1] *
+               (r - r.dot(normal) * normal);
+    }
+    gradient.col(i) -= dim / lattice.n0 * along;
+  }
+}
+
+}  // namespace
+
+template <int dim>
+Vectors<dim> pressure_gradient(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
+                               const LatticeConstants& lattice, Gradient kind, const Masks& masks) {
+  const auto& position = state.position;
   switch (kind) {
     case Gradient::min_pressure:
-      return gradient_min_pressure<dim>(position, pressure, near, lattice, masks);
-    case Gradient::pairwise:
-      return gradient_pairwise<dim>(position, pressure, near, lattice, masks);
+      return gradient_min_pressure<dim>(position, state.pressure, near, lattice, masks);
+    case Gradient::pairwise: {
+      Vectors<dim> gradient = gradient_pairwise<dim>(position, state.pressure, near, lattice, masks);
+      smooth_faces<dim>(state, boundary, near, lattice, masks, gradient);
+      return gradient;
+    }
     case Gradient::corrected:
       break;
   }
   const auto correction = gradient_correction<dim>(position, near, lattice, masks);
-  return gradient_corrected<dim>(position, pressure, near, lattice, correction, masks);
+  return gradient_corrected<dim>(position, state.pressure, near, lattice, correction, masks);
 }
 
 template <int dim>
@@ -67,11 +100,10 @@ void shift_particles(State<dim>& state, const Boundary<dim>& boundary, const Nei
   state.position.leftCols(water) += shift;
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                                      \
-  template Vectors<dim> pressure_gradient<dim>(const Vectors<dim>&, const Eigen::VectorXd&,          \
-                                               const Neighbours&, const LatticeConstants&, Gradient, \
-                                               const Masks&);                                        \
-  template void shift_particles<dim>(State<dim>&, const Boundary<dim>&, const Neighbours&,           \
+#define STRAKE_INSTANTIATE(dim)                                                                            \
+  template Vectors<dim> pressure_gradient<dim>(const State<dim>&, const Boundary<dim>&, const Neighbours&, \
+                                               const LatticeConstants&, Gradient, const Masks&);           \
+  template void shift_particles<dim>(State<dim>&, const Boundary<dim>&, const Neighbours&,                 \
                                      const LatticeConstants&, double, double, double, double);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

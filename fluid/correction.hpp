@@ -14,11 +14,12 @@
 namespace strake::fluid {
 
 /// ∇P [Pa/m] of PHYSICS §2 (19) and §10.1 as the scheme chooses it, at the rows that `row` marks. Surface
-/// particles and dry rows stand in the sums with P = 0, dummies with their Neumann pressure.
+/// particles and dry rows stand in the sums with P = 0, dummies with their Neumann pressure. In the symmetric
+/// form a pair with a row of tank or body acts along that row's normal alone: a face is smooth, and its
+/// particles must not hold the water like teeth (a column of water hung on its side walls otherwise).
 template <int dim>
-Vectors<dim> pressure_gradient(const Vectors<dim>& position, const Eigen::VectorXd& pressure,
-                               const Neighbours& near, const LatticeConstants& lattice, Gradient kind,
-                               const Masks& masks);
+Vectors<dim> pressure_gradient(const State<dim>&, const Boundary<dim>&, const Neighbours& near,
+                               const LatticeConstants& lattice, Gradient kind, const Masks& masks);
 
 /// Particle shifting (PHYSICS §10.4): δr_i = −A (|u_i| + U) Δt l0 ∇C_i, U the fall over one spacing √(g l0),
 /// ∇C_i = (d/n0) Σ_j w r_ij/r², at most 0.1 l0. At the surface the part along the surface normal (the

@@ -226,8 +226,8 @@ template <int dim>
 void Simulation<dim>::Work::correct() {
   {
     const StageClock clock(seconds, "corrector");
-    gradient = pressure_gradient<dim>(state.position, state.pressure, near_gradient(), gradient_lattice,
-                                      p.scheme.gradient, Masks{moves, {}});
+    gradient = pressure_gradient<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.gradient,
+                                      Masks{moves, {}});
   }
   load_interface();  // belongs to the places the pressure was solved for
   const StageClock clock(seconds, "corrector");

@@ -90,8 +90,8 @@ TEST(PressureGradient, SymmetricFormMovesNoCentreOfMass) {
   std::vector<std::uint8_t> water(scene.state.kind.size(), 0);
   std::fill_n(water.begin(), scene.boundary.water(), std::uint8_t{1});
   const Vectors<2> gradient =
-      pressure_gradient<2>(scene.state.position, scene.state.pressure, scene.near(),
-                           lattice_constants<2>(2.1, l0), Gradient::pairwise, {water, water});
+      pressure_gradient<2>(scene.state, scene.boundary, scene.near(), lattice_constants<2>(2.1, l0),
+                           Gradient::pairwise, {water, water});
   EXPECT_LT(gradient.rowwise().sum().norm(), 1e-12 * gradient.colwise().norm().sum());
 }
 

@@ -61,8 +61,8 @@ TEST(InterfaceLoad, SymmetricGradientGivesToTankAndBodyWhatItTakesFromTheWater) 
   const RowForces<2> forces = scene.forces(Gradient::pairwise);
   std::vector<std::uint8_t> water(scene.state.kind.size(), 0);
   std::fill_n(water.begin(), scene.boundary.water(), std::uint8_t{1});
-  const Vectors<2> gradient = pressure_gradient<2>(scene.state.position, scene.state.pressure, scene.near(),
-                                                   scene.lattice, Gradient::pairwise, {water, {}});
+  const Vectors<2> gradient = pressure_gradient<2>(scene.state, scene.boundary, scene.near(), scene.lattice,
+                                                   Gradient::pairwise, {water, {}});
   const Vector<2> on_water = -l0 * l0 * gradient.rowwise().sum();
   EXPECT_LT((on_water + forces.rowwise().sum()).norm(), 1e-12 * forces.colwise().norm().sum());
 }

@@ -57,8 +57,8 @@ TEST(StillTank, FloorCarriesTheWeightWithTheMinimumPressureGradient) {
 TEST(StillTank, FloorCarriesTheWeightWithTheCorrectedGradient) {
   expect_weight({Gradient::corrected, 0.3, 0.6, 0.01, 5e-4, 0.05, 0.25});
 }
-// The symmetric gradient feels the rows of the side walls as teeth: at first they hold part of the weight.
-TEST(StillTank, FloorCarriesTheWeightWithTheSymmetricGradientOnceTheRowsHaveSettled) {
+// The square lattice gives way under the symmetric gradient, and the water heaves until it has settled.
+TEST(StillTank, FloorCarriesTheWeightWithTheSymmetricGradientOnceTheLatticeHasSettled) {
   expect_weight({Gradient::pairwise, 1.0, 0.5, 0.02, 1e-3, 0.5, 1.0});
 }
 
