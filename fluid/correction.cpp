@@ -6,9 +6,9 @@ namespace strake::fluid {
 
 namespace {
 
-// Takes out of (d/n0) Σ_j (P_i + P_j) r_ij w/r² what lies along the faces of tank and bodies.
+// Takes out of (d/n0) Σ_j (P_i + P_j) r_ij w/r² what lies along the walls of the tank.
 template <int dim>
-void smooth_faces(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
+void smooth_walls(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                   const LatticeConstants& lattice, const Masks& masks, Vectors<dim>& gradient) {
   const std::int64_t water = boundary.water();
 #pragma omp parallel for schedule(static)
@@ -43,7 +43,7 @@ Vectors<dim> pressure_gradient(const State<dim>& state, const Boundary<dim>& bou
       return gradient_min_pressure<dim>(position, state.pressure, near, lattice, masks);
     case Gradient::pairwise: {
       Vectors<dim> gradient = gradient_pairwise<dim>(position, state.pressure, near, lattice, masks);
-      smooth_faces<dim>(state, boundary, near, lattice, masks, gradient);
+      smooth_walls<dim>(state, boundary, near, lattice, masks, gradient);
       return gradient;
     }
     case Gradient::corrected:

@@ -15,8 +15,8 @@ namespace strake::fluid {
 
 /// ∇P [Pa/m] of PHYSICS §2 (19) and §10.1 as the scheme chooses it, at the rows that `row` marks. Surface
 /// particles and dry rows stand in the sums with P = 0, dummies with their Neumann pressure. In the symmetric
-/// form a pair with a row of tank or body acts along that row's normal alone: a face is smooth, and its
-/// particles must not hold the water like teeth (a column of water hung on its side walls otherwise).
+/// form a pair with a row of the tank acts along the wall's normal alone: the wall is smooth, and its
+/// particles must not hold the water like teeth (a column of water hangs on its side walls otherwise).
 template <int dim>
 Vectors<dim> pressure_gradient(const State<dim>&, const Boundary<dim>&, const Neighbours& near,
                                const LatticeConstants& lattice, Gradient kind, const Masks& masks);

@@ -22,7 +22,7 @@ Vector<dim> pair_reaction(const State<dim>& state, const Boundary<dim>& boundary
            (state.position.col(columns[e]) - state.position.col(j));
   }
   const Vector<dim> normal = boundary.normal_of(j);
-  if (normal.squaredNorm() > 0) sum = normal * normal.dot(sum);  // a face is smooth, see pressure_gradient
+  if (normal.squaredNorm() > 0) sum = normal * normal.dot(sum);  // smooth walls, see pressure_gradient
   return -volume * dim / lattice.n0 * sum;
 }
 

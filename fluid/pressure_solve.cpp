@@ -16,6 +16,9 @@ namespace {
 // Sums are taken over blocks of this many rows, each by one thread, and added in order: the same for any
 // number of threads. Four running sums inside a block let the processor overlap them.
 constexpr std::int64_t block_size = 512;
+// An iteration has three places where threads wait for one another: below this many rows that costs more than
+// it brings, and on a busy machine far more.
+constexpr std::int64_t rows_for_threads = 30000;
 
 struct Blocks {
   std::int64_t n, count;
@@ -72,7 +75,7 @@ PressureSolution solve_jacobi(const PressureSystem& system, const Eigen::VectorX
   double* x = solution.pressure.data();
   const double* b = system.right.data();
 
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n >= rows_for_threads)
   for (std::int64_t block = 0; block < blocks.count; ++block) {
     const std::int64_t begin = blocks.begin(block), end = blocks.end(block);
     for (std::int64_t k = begin; k < end; ++k) {
@@ -93,7 +96,7 @@ PressureSolution solve_jacobi(const PressureSystem& system, const Eigen::VectorX
   }
   // The negated form also ends the loop when the residual is not a number.
   while (r_norm > tolerance * b_norm && solution.iterations < max_iterations) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n >= rows_for_threads)
     for (std::int64_t block = 0; block < blocks.count; ++block) {
       for (std::int64_t k = blocks.begin(block); k < blocks.end(block); ++k)
         q[k] = row_times(system, p.data(), k);
@@ -101,7 +104,7 @@ PressureSolution solve_jacobi(const PressureSystem& system, const Eigen::VectorX
           dot(p.data(), q.data(), blocks.begin(block), blocks.end(block));
     }
     const double alpha = rz / ordered_sum(first);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n >= rows_for_threads)
     for (std::int64_t block = 0; block < blocks.count; ++block) {
       const std::int64_t begin = blocks.begin(block), end = blocks.end(block);
       for (std::int64_t k = begin; k < end; ++k) {
@@ -116,7 +119,7 @@ PressureSolution solve_jacobi(const PressureSystem& system, const Eigen::VectorX
     const double rz_new = ordered_sum(third);
     const double beta = rz_new / rz;
     rz = rz_new;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n >= rows_for_threads)
     for (std::int64_t k = 0; k < n; ++k) p[k] = q[k] + beta * p[k];
     ++solution.iterations;
   }
