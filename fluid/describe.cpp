@@ -5,6 +5,7 @@
 
 #include "fluid/fill.hpp"
 #include "fluid/participant.hpp"
+#include "fluid/simulation.hpp"
 #include "fluid/turbulence.hpp"
 
 namespace strake::fluid {
@@ -65,7 +66,8 @@ std::string limits_text(const Parameters& p, double speed) {
   std::string text = "limits of the step";
   if (speed > 0) text += fmt::format("   speed {:.2g} s", p.scheme.cfl * l0 / speed);
   if (p.gravity.norm() > 0)
-    text += fmt::format("   gravity {:.2g} s", 0.25 * std::sqrt(l0 / p.gravity.norm()));
+    text += fmt::format("   gravity {:.2g} s   column {:.2g} s", 0.25 * std::sqrt(l0 / p.gravity.norm()),
+                        column_step(p));
   if (p.kinematic_viscosity > 0)
     text += fmt::format("   viscosity {:.2g} s", 0.1 * l0 * l0 / p.kinematic_viscosity);
   return text;

@@ -25,6 +25,9 @@ struct InterfaceMotion {
   Points acceleration;  // 3×m [m/s²] over the step
 };
 
+/// 0.25 l0 / (2 √(gH)) [s], H the depth of the water at the start; infinity without gravity.
+double column_step(const Parameters&);
+
 /// The MPS-LES method on owned particles: one object, one case. Knows nothing of files, messages or
 /// processes.
 template <int dim>

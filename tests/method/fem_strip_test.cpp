@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <ostream>
 #include <string>
+#include <vector>
 
 #include "structure/beam.hpp"
 #include "structure/fem/make_solver.hpp"
@@ -39,9 +41,26 @@ Parameters parameters(const Strip& strip, MaterialModel model = MaterialModel::s
   return p;
 }
 
+void PrintTo(const Strip& strip, std::ostream* out) {
+  *out << strip.name;
+}
+
+std::string name_of(const testing::TestParamInfo<Strip>& strip) {
+  return strip.param.name;
+}
+
+/// Those with a static reference.
+std::vector<Strip> loaded_strips() {
+  std::vector<Strip> loaded;
+  for (const Strip& strip : strips)
+    if (strip.deflection > 0) loaded.push_back(strip);
+  return loaded;
+}
+
 class StripOf : public testing::TestWithParam<Strip> {};
-INSTANTIATE_TEST_SUITE_P(ValidationB1, StripOf, testing::ValuesIn(strips),
-                         [](const auto& strip) { return strip.param.name; });
+class LoadedStripOf : public testing::TestWithParam<Strip> {};
+INSTANTIATE_TEST_SUITE_P(ValidationB1, StripOf, testing::ValuesIn(strips), name_of);
+INSTANTIATE_TEST_SUITE_P(ValidationB1, LoadedStripOf, testing::ValuesIn(loaded_strips()), name_of);
 
 TEST_P(StripOf, HasTheReferenceFrequencyWithinFourTenthsOfAPercent) {
   const auto solver = make_solver(parameters(GetParam()));
@@ -50,9 +69,8 @@ TEST_P(StripOf, HasTheReferenceFrequencyWithinFourTenthsOfAPercent) {
   EXPECT_NEAR(f1 / GetParam().frequency, 1, 0.004);
 }
 
-TEST_P(StripOf, HasTheReferenceDeflectionWithinFourTenthsOfAPercent) {
+TEST_P(LoadedStripOf, HasTheReferenceDeflectionWithinFourTenthsOfAPercent) {
   const Strip& strip = GetParam();
-  if (strip.deflection == 0) GTEST_SKIP() << "no reference";
   Parameters p = parameters(strip, MaterialModel::linear);
   p.load = {.kind = LoadKind::traction, .value = {0, -1e5, 0}, .face = "top", .at = {}, .ramp = 0};
   const auto solver = make_solver(p);

@@ -82,7 +82,7 @@ TEST(ParticleStrip, VibrationInTimeHasTheFrequencyOfTheMode) {
   std::vector<double> crossings;
   double before = 0;
   const double dt = 1e-5;
-  for (int k = 0; k < 150 && crossings.size() < 4; ++k) {
+  for (int k = 0; k < 400 && crossings.size() < 4; ++k) {
     solver.advance(k * dt, dt, {});
     const double now = solver.displacement_at({0, 0.01, 0}).y();
     if (k > 0 && before * now < 0) crossings.push_back((k + 1) * dt - dt * now / (now - before));
