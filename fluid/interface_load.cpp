@@ -8,17 +8,20 @@ namespace strake::fluid {
 
 namespace {
 
-// −V (d/n0) Σ_i (P_i + P_j) (r_i − r_j) w/r² over the water i around row j.
+// −V (d/n0) Σ_i α_i (P_i + P_j) (r_i − r_j) w/r² over the water i around row j, α_i its level at a body.
 template <int dim>
 Vector<dim> pair_reaction(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
-                          const LatticeConstants& lattice, double volume, std::int64_t j) {
+                          const LatticeConstants& lattice, double volume, const Eigen::VectorXd* level,
+                          std::int64_t j) {
   const auto columns = near.row(j);
   const auto inverses = near.inverses(j);
+  const bool levelled = level && level->size() > 0 && j >= boundary.first_of_bodies();
   Vector<dim> sum = Vector<dim>::Zero();
   for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
     const double w = lattice.radius * inverses[e] - 1;
     if (w <= 0) continue;
-    sum += (state.pressure[j] + state.pressure[columns[e]]) * w * inverses[e] * inverses[e] *
+    const double factor = levelled ? (*level)[columns[e]] : 1.0;
+    sum += factor * (state.pressure[j] + state.pressure[columns[e]]) * w * inverses[e] * inverses[e] *
            (state.position.col(columns[e]) - state.position.col(j));
   }
   const Vector<dim> normal = boundary.normal_of(j);
@@ -59,7 +62,7 @@ RowForces<dim> row_forces(const State<dim>& state, const Boundary<dim>& boundary
     const Kind kind = state.kind[static_cast<std::size_t>(i)];
     // Structure particles have no face to integrate over: the pair force is their load with every gradient.
     if (terms.gradient == Gradient::pairwise || kind == Kind::solid)
-      force.col(i) = pair_reaction<dim>(state, boundary, near, terms.lattice, volume, i);
+      force.col(i) = pair_reaction<dim>(state, boundary, near, terms.lattice, volume, terms.level, i);
     else if (kind == Kind::wall || kind == Kind::interface)
       force.col(i) = face_force<dim>(state, boundary, terms, i);
     if (terms.viscous.cols() == n) force.col(i) += mass * terms.viscous.col(i);

@@ -26,6 +26,7 @@ struct LoadTerms {
   Gradient gradient;                // of the corrector
   const LatticeConstants& lattice;  // of the gradient
   double density, spacing;
+  const Eigen::VectorXd* level = nullptr;  // `face_level` of the water that the gradient was made with
 };
 
 /// Pressure and viscous force on the rows of tank and bodies (PHYSICS §10.5).

@@ -226,8 +226,10 @@ template <int dim>
 void Simulation<dim>::Work::correct() {
   {
     const StageClock clock(seconds, "corrector");
+    if (p.scheme.gradient == Gradient::pairwise)
+      level = face_level<dim>(state, boundary, near_gradient(), gradient_lattice, p.spacing);
     gradient = pressure_gradient<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.gradient,
-                                      Masks{moves, {}});
+                                      Masks{moves, {}}, level);
   }
   load_interface();  // belongs to the places the pressure was solved for
   const StageClock clock(seconds, "corrector");
@@ -260,8 +262,9 @@ void Simulation<dim>::Work::shift() {
 template <int dim>
 void Simulation<dim>::Work::load_interface() {
   const StageClock clock(seconds, "load");
-  const LoadTerms<dim> terms{viscous,   gravity,  motion->acceleration, p.scheme.gradient, gradient_lattice,
-                             p.density, p.spacing};
+  const LoadTerms<dim> terms{
+      viscous,   gravity, motion->acceleration, p.scheme.gradient, gradient_lattice, p.density,
+      p.spacing, &level};
   const RowForces<dim> forces = row_forces<dim>(state, boundary, near_gradient(), terms);
   force = gather_on_points<dim>(forces, boundary);
   floor = Vector<dim>::Zero();

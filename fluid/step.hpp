@@ -59,6 +59,7 @@ struct Simulation<dim>::Work {
   const Neighbours* far = nullptr;
   Vector<dim> gravity;
   Vectors<dim> viscous, gradient;
+  Eigen::VectorXd level;  // of the pairs of water and body, with the symmetric gradient
   Eigen::VectorXd n, divergence, deviation;
   std::vector<Row> row;
   std::vector<std::uint8_t> solved, moves, wet;  // masks: unknowns; water; all but dry bodies

@@ -109,5 +109,30 @@ TEST(Shifting, EvensOutADisplacedParticleAndIsOffAtZeroStrength) {
   EXPECT_LT((scene.state.position.col(middle) - home).norm(), 0.2 * l0);
 }
 
+TEST(FaceLevel, UniformPressureMovesNoWaterAlongTheNormalOfAFaceAtAnyDistance) {
+  for (const double gap : {-0.04, 0.0, 0.05}) {  // [l0] of the face from the water's surface
+    Scene scene(rectangle(-0.1, gap * l0, 0.2, 0.02, l0));
+    scene.state.pressure.setConstant(1e6);
+    const Neighbours& near = scene.near();
+    const LatticeConstants lattice = lattice_constants<2>(2.1, l0);
+    const Eigen::VectorXd level = face_level<2>(scene.state, scene.boundary, near, lattice, l0);
+    const auto gradient = [&](const Eigen::VectorXd& with) {
+      return pressure_gradient<2>(scene.state, scene.boundary, near, lattice, Gradient::pairwise, {}, with);
+    };
+    const Vectors<2> levelled = gradient(level), plain = gradient({});
+    int checked = 0;
+    for (std::int64_t i = 0; i < scene.boundary.water(); ++i) {
+      const Eigen::Vector2d x = scene.state.position.col(i);
+      if (std::abs(x[0]) > 0.07 || x[1] < -l0) continue;  // the first row, away from the plate's ends
+      ++checked;
+      EXPECT_LT(std::abs(levelled(1, i)), 1e-9 * 1e6 / l0);
+      if (gap != 0) {
+        EXPECT_GT(std::abs(plain(1, i)), 0.05 * 1e6 / l0);
+      }
+    }
+    EXPECT_EQ(checked, 14);
+  }
+}
+
 }  // namespace
 }  // namespace strake::fluid
