@@ -29,8 +29,7 @@ struct Scheme {
   Source source = Source::mixed;
   DensityAt density_at = DensityAt::old;
   double gamma = 0.0;  // drift term per step; used when tau = 0
-  double tau = 0.1;    // [s] gamma = dt / tau; 0: gamma is used. Noise of a still column falls with 1/tau: at
-                       // 0.02 twice that of 0.1
+  double tau = 0.02;   // [s] gamma = dt / tau; 0: gamma is used
   Gradient gradient = Gradient::pairwise;
   double beta = 0.97;
   SecondCriterion second = SecondCriterion::arc;

@@ -44,7 +44,7 @@ TEST(FluidKeys, the_improved_preset_is_compressible_pairwise_and_without_tension
   EXPECT_EQ(p.scheme.gradient, Gradient::pairwise);
   EXPECT_EQ(p.scheme.second, SecondCriterion::arc);
   EXPECT_EQ(p.scheme.gamma, 0);
-  EXPECT_EQ(p.scheme.tau, 0.1);
+  EXPECT_EQ(p.scheme.tau, 0.02);
   EXPECT_FALSE(p.scheme.negative_pressure);
   EXPECT_EQ(p.scheme.anti_penetration, AntiPenetration::collision);
   EXPECT_TRUE(p.scheme.collision_conserve);
