@@ -54,6 +54,12 @@ struct VectorKey {
   bool required = false;
   std::string help = {};
 };
+struct PointsKey {
+  std::string unit = "1";
+  std::size_t at_least = 3;
+  bool required = false;
+  std::string help = {};
+};
 
 /// Axis-aligned box.
 struct Box {
@@ -64,8 +70,8 @@ struct Box {
 struct KeyInfo {
   std::string path = {};  // "fluid.scheme.radius.density"; tables of an array: "output.probe[0].name",
                           // without a case file "output.probe[].name"
-  std::string type = {};  // "number" | "integer" | "flag" | "text" | "choice" | "vector" | "box" | "table" |
-                          // "file" | "folder" | "texts" | "scalars" | "not built" (refused by name)
+  std::string type = {};  // "number" | "integer" | "flag" | "text" | "choice" | "vector" | "box" | "points" |
+                          // "table" | "file" | "folder" | "texts" | "scalars" | "not built" (refused by name)
   // Values are TOML (0.01, inf, true, [0, 1, 0]), except that one text stands without its quotes.
   std::string unit = {}, range = {}, default_value = {}, paper_value = {}, value = {};
   std::string origin = {};  // default | preset | case | --set
@@ -142,6 +148,8 @@ class CaseTable {
   }
   void vector(const std::string& name, Eigen::Vector3d& value, const VectorKey&);  // [x, y, z] or [x, y]
   void box(const std::string& name, Box& value, const VectorKey&);  // [[…], […]], min < max
+  /// A list of points, [[x, y], …] or [[x, y, z], …]; empty if the key is not given.
+  void points(const std::string& name, std::vector<Eigen::Vector3d>& value, const PointsKey&);
   /// A list of texts, or one text.
   void texts(const std::string& name, std::vector<std::string>& value, const TextKey&);
   /// A text, number or flag, or a list of them, each written as KeyInfo::value is: `when` of a compare block

@@ -223,6 +223,25 @@ void CaseTable::box(const std::string& name, Box& value, const VectorKey& key) {
   d.record(text(value), is_box(value));
 }
 
+void CaseTable::points(const std::string& name, std::vector<Eigen::Vector3d>& value, const PointsKey& key) {
+  Declaration d(*document_, path_, name, {.type = "points", .unit = key.unit, .help = key.help});
+  const auto text = [](const std::vector<Eigen::Vector3d>& points) {
+    std::string list;
+    for (const Eigen::Vector3d& point : points) list += (list.empty() ? "" : ", ") + to_text(point);
+    return "[" + list + "]";
+  };
+  d.info.default_value = value.empty() ? "" : text(value);
+  d.default_passes = !value.empty();
+  d.expected = fmt::format("a list of at least {} points [[x, y], ...]", key.at_least) + in_unit(key.unit);
+  if (d.given(key.required, "[[x, y], [x, y], [x, y]]")) {
+    const toml::array* array = d.node->as_array();
+    if (!array || array->size() < key.at_least) throw d.wrong(d.expected);
+    value.clear();
+    for (const toml::node& point : *array) value.push_back(read_vector(d, point));
+  }
+  d.record(text(value), !value.empty());
+}
+
 CaseTable CaseTable::table(const std::string& name, const std::string& help) {
   Declaration d(*document_, path_, name, {.type = "table", .help = help});
   d.expected = "a table";

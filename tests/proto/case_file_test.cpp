@@ -82,6 +82,22 @@ probe = "p_mid"
   EXPECT_EQ(c.compare[0].value[1], (std::pair<std::string, double>{"impulse", 3}));
 }
 
+TEST(CaseTable, ReadsAListOfPointsAndEchoesIt) {
+  CaseFile file = CaseFile::parse("outline = [[0, 0], [1, 0], [0.5, 1]]\nshort = [[0, 0], [1, 0]]\n");
+  std::vector<Eigen::Vector3d> outline, absent, short_one;
+  file.root().points("outline", outline, {.unit = "m"});
+  file.root().points("absent", absent, {.unit = "m"});
+  ASSERT_EQ(outline.size(), 3u);
+  EXPECT_EQ(outline[2], Eigen::Vector3d(0.5, 1, 0));
+  EXPECT_TRUE(absent.empty());
+  EXPECT_THROW(file.root().points("short", short_one, {.unit = "m"}), Error);
+  CaseFile again = CaseFile::parse(file.echo());
+  std::vector<Eigen::Vector3d> back;
+  again.root().points("outline", back, {.unit = "m"});
+  EXPECT_EQ(back, outline);
+  EXPECT_FALSE(again.root().has("absent"));
+}
+
 TEST(CaseFile, LeavesDefaultsWhereNothingIsGiven) {
   const PlateCase c = read(head);
   EXPECT_EQ(c.sound_speed, 1500);
