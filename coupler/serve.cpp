@@ -311,6 +311,7 @@ wire::Reply Server::reply(const wire::Checkpoint& checkpoint) {
 
 wire::Reply Server::reply(const wire::Stop& stop) {
   if (participant_ && stop.commit) participant_->commit(stop.write_output);
+  if (participant_) participant_->flush();
   participant_.reset();  // Done means that everything is written
   stopped_ = true;
   return {0, wire::Done{}};

@@ -70,6 +70,23 @@ std::string limits_text(const Parameters& p, double speed) {
                         column_step(p));
   if (p.kinematic_viscosity > 0)
     text += fmt::format("   viscosity {:.2g} s", 0.1 * l0 * l0 / p.kinematic_viscosity);
+  if (std::isfinite(acoustic_step(p))) text += fmt::format("   sound {:.2g} s", acoustic_step(p));
+  return text;
+}
+
+/// The first step, with the water at rest: the case's largest unless a limit is shorter.
+std::string step_text(const Parameters& p, double window, double speed) {
+  const double l0 = p.spacing;
+  double first = std::min({p.scheme.time_step, window, column_step(p), acoustic_step(p)});
+  if (speed > 0) first = std::min(first, p.scheme.cfl * l0 / speed);
+  if (p.kinematic_viscosity > 0) first = std::min(first, 0.1 * l0 * l0 / p.kinematic_viscosity);
+  const double steps = std::max(1.0, std::ceil(window / first - 1e-9));
+  std::string text = fmt::format("time step {:.4g} s, {:.0f} in a window of {:g} s, more as the flow demands",
+                                 window / steps, steps, window);
+  if (std::isfinite(p.sound_speed))
+    text += fmt::format("   c {:g} m/s   c dt/l0 {:.2g}", p.sound_speed, p.sound_speed * window / steps / l0);
+  else
+    text += "   incompressible: the pressure of a flat impact grows as 1/dt";
   return text;
 }
 
@@ -95,19 +112,10 @@ std::vector<std::string> describe(const Parameters& p, const CommonKeys& common,
     headline += fmt::format("   Fr {:.1f}", speed / std::sqrt(p.gravity.norm() * length));
 
   const Scheme& s = p.scheme;
-  const double steps = std::max(1.0, std::ceil(common.window / s.time_step - 1e-9));
-  std::string time = fmt::format("time step {:g} s, {:.0f} in a window of {:g} s", common.window / steps,
-                                 steps, common.window);
-  if (std::isfinite(p.sound_speed))
-    time += fmt::format("   c {:g} m/s   c dt/l0 {:.2g}", p.sound_speed,
-                        p.sound_speed * common.window / steps / p.spacing);
-  else
-    time += "   incompressible: the pressure of a flat impact grows as 1/dt";
-
   return {headline,
           fmt::format("tank of {} wall particles with {} rows ({}) behind them", grouped(wall), dummy_rows(s),
                       grouped(dummies)),
-          time, limits_text(p, speed),
+          step_text(p, common.window, speed), limits_text(p, speed),
           fmt::format("source {}   gradient {}   surface {}   {}", source_text(s), name(s.gradient),
                       surface_text(s), turbulence_text(s))};
 }

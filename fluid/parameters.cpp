@@ -145,9 +145,16 @@ void read_scheme(CaseTable t, const CommonKeys& common, Scheme& s) {
   // A window shorter than the usual step is the step, unless the case asks for one.
   if (common.window > 0) s.time_step = std::min(s.time_step, common.window);
   t.number("time_step", s.time_step,
-           {.unit = "s", .min = 0, .exclusive = true, .help = "largest; a window is cut into equal steps"});
+           {.unit = "s",
+            .min = 0,
+            .exclusive = true,
+            .infinite = true,
+            .help = "largest; steps end with a window, and inf leaves them to the limits of stability"});
   t.number("cfl", s.cfl,
            {.min = 0, .max = 1, .exclusive = true, .help = "largest speed times time step over spacing"});
+  t.number("acoustic_cfl", s.acoustic_cfl,
+           {.min = 0,
+            .help = "sound speed times time step over spacing, to resolve pressure waves; 0: no such limit"});
   read_source(t.table("source", "what the pressure equation corrects"), s);
   t.choice("gradient", s.gradient,
            {{"pairwise", Gradient::pairwise},
@@ -168,7 +175,7 @@ void read_scheme(CaseTable t, const CommonKeys& common, Scheme& s) {
 void check_together(CaseFile& file, const CommonKeys& common, const Parameters& p) {
   CaseTable fluid = file.root().table("fluid"), scheme = fluid.table("scheme");
   if (const auto fault = find_box_fault(p)) throw fluid.error(fault->key, fault->expected, fault->fix);
-  if (p.scheme.time_step > common.window * (1 + 1e-9))
+  if (std::isfinite(p.scheme.time_step) && p.scheme.time_step > common.window * (1 + 1e-9))
     throw scheme.error("time_step",
                        fmt::format("at most the exchange interval, coupling.{}.window = {:.6g} s",
                                    common.interface, common.window),

@@ -26,6 +26,7 @@ struct Scheme {
          radius_laplacian = 3.1;  // [l0]
   double time_step = 2e-6;        // [s] largest
   double cfl = 0.2;               // max |u| dt / l0
+  double acoustic_cfl = 0;        // c dt / l0; 0: sound sets no limit
   Source source = Source::mixed;
   DensityAt density_at = DensityAt::old;
   double gamma = 0.0;  // drift term per step; used when tau = 0

@@ -13,8 +13,7 @@
 namespace strake::fluid {
 namespace {
 
-/// A window is cut into at most so many times the steps that the case asks for; a stable step below that
-/// means that the flow has blown up.
+/// A stable step so many times below that of the water at rest means that the flow has blown up.
 constexpr double most_refinement = 1000;
 
 double largest_speed(const Setup& setup) {
@@ -104,18 +103,24 @@ std::vector<Column> FluidParticipant<dim>::columns() const {
   return columns;
 }
 
-/// n = ⌈window / min(time_step, stable step)⌉ equal steps.
+/// The next step: rest / ⌈rest / limit⌉, so that steps are equal as long as the limit stays and the last one
+/// ends with the window. The limit is asked for anew before each step, since the flow accelerates inside a
+/// long window: the case's largest step, what is stable at the present state, and sound where it is to be
+/// resolved.
 template <int dim>
-int FluidParticipant<dim>::steps_in(const Window& window) const {
-  const double wanted = parameters_.scheme.time_step, stable = simulation_.stable_dt();
-  if (!(stable * most_refinement > wanted))
+double FluidParticipant<dim>::longest_step(double t, double rest) const {
+  const Scheme& scheme = parameters_.scheme;
+  const double stable = simulation_.stable_dt(),
+               at_rest = std::min({scheme.time_step, rest, column_step(parameters_)});
+  if (!(stable * most_refinement > at_rest))
     throw Error(
-        ExitCode::solver_fault, fmt::format("fluid, t = {:.9g} s", window.t),
+        ExitCode::solver_fault, fmt::format("fluid, t = {:.9g} s", t),
         fmt::format("the stable time step has fallen to {:.3g} s, from {:.3g} s: the flow has blown up",
-                    stable, wanted),
+                    stable, at_rest),
         "lower fluid.scheme.time_step or fluid.scheme.cfl; look at the last frames for where it began");
+  const double limit = std::min({scheme.time_step, stable, acoustic_step(parameters_)});
   constexpr double round_off = 1e-9;
-  return std::max(1, static_cast<int>(std::ceil(window.dt / std::min(wanted, stable) - round_off)));
+  return rest / std::max(1.0, std::ceil(rest / limit - round_off));
 }
 
 template <int dim>
@@ -142,10 +147,15 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   floor_.setZero();
   cfl_ = 0;
   pressure_iterations_ = 0;
-  const int n = steps_in(window);
-  const double dt = window.dt / n;
-  for (int k = 0; k < n; ++k) {
-    const double t0 = window.t + window.dt * k / n, t1 = window.t + window.dt * (k + 1) / n;
+  const double end = window.t + window.dt;
+  for (double t0 = window.t, t1 = t0; t0 < end; t0 = t1) {
+    const double rest = end - t0;
+    double dt = longest_step(t0, rest);
+    t1 = t0 + dt;
+    if (dt >= rest || !(t1 < end)) {  // the last one; a whole window has its very own length
+      t1 = end;
+      dt = t0 == window.t ? window.dt : rest;
+    }
     InterfaceMotion moves;
     if (volume) {
       moves = held;
@@ -155,8 +165,8 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     }
     const StepReport report = simulation_.step(dt, moves);
     ++steps_;
-    force_ += simulation_.interface_force() / n;
-    floor_ += simulation_.floor_force() / n;
+    force_ += dt / window.dt * simulation_.interface_force();
+    floor_ += dt / window.dt * simulation_.floor_force();
     cfl_ = std::max(cfl_, report.cfl);
     pressure_iterations_ = std::max(pressure_iterations_, report.pressure_iterations);
     follow_sensors(t0, t1);
@@ -257,7 +267,14 @@ void FluidParticipant<dim>::rewind() {
 template <int dim>
 void FluidParticipant<dim>::commit(bool write_output) {
   committed_ = simulation_.state();
-  if (write_output && frames_) frames_->write(frame());
+  if (!frames_) return;
+  frames_->check();
+  if (write_output) frames_->write(frame());
+}
+
+template <int dim>
+void FluidParticipant<dim>::flush() {
+  if (frames_) frames_->flush();
 }
 
 /// Water, the walls' and bodies' first rows; dummies and what has left the tank stay out.
@@ -293,6 +310,7 @@ Frame FluidParticipant<dim>::frame() const {
 
 template <int dim>
 void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
+  flush();  // what a resume goes on from
   Archive archive;
   save<dim>(committed_, archive);
   archive.integer["participant.steps"] = {steps_};
@@ -301,6 +319,7 @@ void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
 
 template <int dim>
 void FluidParticipant<dim>::resume(const std::filesystem::path& folder) {
+  flush();
   const std::filesystem::path file = folder / "fluid.h5";
   const Archive archive = read_archive(file);
   State<dim> state = load<dim>(archive, parameters_.probes.size());

@@ -9,8 +9,8 @@
 #include "fluid/simulation.hpp"
 #include "fluid/window_motion.hpp"
 #include "proto/case_keys.hpp"
+#include "proto/frame_writer.hpp"
 #include "proto/participant.hpp"
-#include "proto/result_file.hpp"
 
 namespace strake::fluid {
 
@@ -32,11 +32,12 @@ class FluidParticipant final : public Participant {
   void commit(bool write_output) override;
   void checkpoint(const std::filesystem::path& folder) override;
   void resume(const std::filesystem::path& folder) override;
+  void flush() override;
 
  private:
   void check_sensors() const;
   std::vector<Column> columns() const;
-  int steps_in(const Window&) const;
+  double longest_step(double t, double rest) const;
   void follow_sensors(double t0, double t1);
   void report_sensors(std::map<std::string, double>& monitor) const;
   void report_accounts(std::map<std::string, double>& monitor) const;
@@ -48,7 +49,7 @@ class FluidParticipant final : public Participant {
   Simulation<dim> simulation_;
   bool has_body_;
   Description description_;
-  std::optional<FrameSeries> frames_;
+  std::optional<FrameWriter> frames_;
   State<dim> committed_;
   std::int64_t steps_ = 0;  // with those that were rewound
 

@@ -13,6 +13,12 @@ double column_step(const Parameters& p) {
   return 0.25 * p.spacing / (2 * std::sqrt(p.gravity.norm() * depth));
 }
 
+double acoustic_step(const Parameters& p) {
+  return p.scheme.acoustic_cfl > 0 && std::isfinite(p.sound_speed)
+             ? p.scheme.acoustic_cfl * p.spacing / p.sound_speed
+             : std::numeric_limits<double>::infinity();
+}
+
 template <int dim>
 Simulation<dim>::Simulation(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity)
     : work_(std::make_unique<Work>(p, partner, initial_velocity)) {}

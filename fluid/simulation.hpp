@@ -27,6 +27,8 @@ struct InterfaceMotion {
 
 /// 0.25 l0 / (2 √(gH)) [s], H the depth of the water at the start; infinity without gravity.
 double column_step(const Parameters&);
+/// acoustic_cfl l0 / c [s]; infinity where sound sets no limit.
+double acoustic_step(const Parameters&);
 
 /// The MPS-LES method on owned particles: one object, one case. Knows nothing of files, messages or
 /// processes.

@@ -55,6 +55,8 @@ class Participant {
   virtual void commit(bool write_output) = 0;                   // accept the window
   virtual void checkpoint(const std::filesystem::path&) = 0;    // last committed state
   virtual void resume(const std::filesystem::path&) = 0;
+  /// Everything handed over for output is on disk when it returns. Throws Error(cannot_write).
+  virtual void flush() {}
 };
 
 }  // namespace strake
