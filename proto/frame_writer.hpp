@@ -13,8 +13,7 @@
 namespace strake {
 
 /// A frame series that is written by a thread of its own, so that a solver goes on while its frames reach the
-/// disk. Frames keep their order. HDF5 allows one thread at a time: whoever else in the process reads or
-/// writes such a file calls `flush` first.
+/// disk. Frames keep their order.
 class FrameWriter {
  public:
   FrameWriter(std::filesystem::path run_folder, std::string name, int dimension);

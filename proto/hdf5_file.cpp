@@ -50,9 +50,14 @@ herr_t collect_name(hid_t, const char* name, const H5L_info_t*, void* names) {
   return 0;
 }
 
+std::recursive_mutex& session_mutex() {
+  static std::recursive_mutex mutex;
+  return mutex;
+}
+
 }  // namespace
 
-Silence::Silence() {
+Session::Session() : alone_(session_mutex()) {
   // At exit HDF5 would complain about what a damaged file left open inside it; we write nothing through it
   // that waits.
   static const bool no_complaint_at_exit = H5dont_atexit() >= 0;
@@ -61,7 +66,7 @@ Silence::Silence() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-Silence::~Silence() {
+Session::~Session() {
   H5Eset_auto2(H5E_DEFAULT, function_, data_);
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,15 +38,17 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// While it lives, HDF5 prints nothing of its own.
-class Silence {
+/// While it lives, HDF5 belongs to this thread alone, which the library asks for, and prints nothing of its
+/// own.
+class Session {
  public:
-  Silence();
-  ~Silence();
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
+  Session();
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
  private:
+  std::lock_guard<std::recursive_mutex> alone_;
   H5E_auto2_t function_ = nullptr;
   void* data_ = nullptr;
 };
@@ -69,7 +72,7 @@ class Writer {
  private:
   void put(const std::string& path, hid_t file_type, hid_t memory_type, const void* data, Eigen::Index rows,
            Eigen::Index columns);
-  Silence silence_;
+  Session session_;
   Handle file_;
 };
 
@@ -88,7 +91,7 @@ class Reader {
  private:
   Handle dataset(const std::string& path, H5T_class_t, std::array<Eigen::Index, 2>&) const;
   [[noreturn]] void refuse(const std::string& problem) const;
-  Silence silence_;
+  Session session_;
   std::filesystem::path path_;
   std::uintmax_t size_ = 0;  // [bytes]
   Handle file_;

@@ -6,6 +6,8 @@
 #include <filesystem>
 
 #include "fluid/window_motion.hpp"
+#include "proto/error.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 namespace strake::fluid {
 namespace {
@@ -222,6 +224,71 @@ TEST(FluidParticipant, a_still_tank_alone_reports_its_floor_load_and_no_force) {
   EXPECT_EQ(participant.mesh().position.cols(), 0);
   for (const auto& column : participant.description().columns)
     EXPECT_TRUE(advanced.monitor.contains(column.name)) << column.name;
+}
+
+/// A column that collapses, in windows far longer than a step.
+Case collapse(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> sets = {"fluid.water=[[-0.15,-0.1],[0.0,0.0]]", "fluid.scheme.time_step=inf",
+                                   "coupling.surface.window=0.02", "fluid.scheme.cfl=0.05"};
+  sets.insert(sets.end(), more.begin(), more.end());
+  return Case(sets, "[-0.15, -0.05]");
+}
+
+TEST(FluidParticipant, steps_follow_the_flow_inside_a_long_window) {
+  const Case c = collapse();
+  FluidParticipant<2> participant(c.parameters, c.common, strake::Setup{});
+  double before = 0, first = 0, last = 0;
+  for (int k = 0; k < 6; ++k) {
+    const auto monitor = participant.advance(nth(k, 0.02), {}).monitor;
+    participant.commit(false);
+    // The limit is taken before a step: in one step gravity adds at most g dt = 0.25 √(g l0) to a speed.
+    EXPECT_LE(monitor.at("cfl"), c.parameters.scheme.cfl * 1.5) << k;
+    last = monitor.at("count.steps") - before;
+    before = monitor.at("count.steps");
+    if (k == 0) first = last;
+  }
+  EXPECT_GE(first, std::ceil(0.02 / column_step(c.parameters)));
+  EXPECT_GT(last, first);  // the front runs at 1 m/s
+}
+
+TEST(FluidParticipant, a_long_window_of_changing_steps_is_rewound_to_the_bit) {
+  const Case c = collapse();
+  FluidParticipant<2> straight(c.parameters, c.common, strake::Setup{}),
+      iterated(c.parameters, c.common, strake::Setup{});
+  for (int k = 0; k < 6; ++k) {
+    const auto expected = straight.advance(nth(k, 0.02), {});
+    straight.commit(false);
+    iterated.advance(nth(k, 0.013), {});
+    iterated.rewind();
+    expect_equal_bits(iterated.advance(nth(k, 0.02), {}), expected, k);
+    iterated.commit(false);
+  }
+}
+
+TEST(FluidParticipant, resolved_acoustics_limit_the_step_by_the_speed_of_sound) {
+  const Case c = collapse({"fluid.sound_speed=100", "fluid.scheme.acoustic_cfl=0.5"});
+  FluidParticipant<2> participant(c.parameters, c.common, strake::Setup{});
+  const auto monitor = participant.advance(nth(0, 1e-3), {}).monitor;
+  EXPECT_EQ(monitor.at("count.steps"), 20);  // 1e-3 s over 0.5 · 0.01 m / 100 m/s
+}
+
+TEST(FluidParticipant, a_frame_that_cannot_be_written_is_told_at_a_later_commit) {
+  const Case c;
+  const TemporaryFolder folder;
+  strake::Setup setup = entering();
+  setup.run_folder = folder.path();
+  FluidParticipant<2> participant(c.parameters, c.common, setup);
+  std::filesystem::create_directory(folder / "frames/fluid-000000.h5");  // a place that is taken
+  participant.advance(nth(0), at_speed(nth(0)));
+  participant.commit(true);
+  try {
+    participant.flush();
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::cannot_write);
+  }
+  participant.advance(nth(1), at_speed(nth(1)));
+  EXPECT_THROW(participant.commit(false), Error);
 }
 
 TEST(FluidParticipant, a_sensor_that_covers_nothing_is_refused) {
