@@ -1,4 +1,4 @@
-#include "fluid/pressure.hpp"
+#include "fluid/poisson_solver.hpp"
 
 #include <Eigen/CholmodSupport>
 #include <Eigen/IterativeLinearSolvers>
@@ -203,5 +203,15 @@ PressureSolution solve_pressure(const PressureSystem& system, const Eigen::Vecto
                                      scheme.pressure_max_iterations);
   return solve_jacobi(system, guess, scheme.pressure_tolerance, scheme.pressure_max_iterations);
 }
+
+template <int dim>
+const PressureSolution& PoissonSolver<dim>::solve(const PressureSystem& system, const Vectors<dim>&,
+                                                  const Eigen::VectorXd& guess, const Scheme& scheme) {
+  solution_ = solve_pressure(system, guess, scheme);
+  return solution_;
+}
+
+template class PoissonSolver<2>;
+template class PoissonSolver<3>;
 
 }  // namespace strake::fluid

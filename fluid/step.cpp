@@ -203,7 +203,7 @@ void Simulation<dim>::Work::solve_pressure() {
   Eigen::VectorXd guess(system.size());
   for (std::int64_t k = 0; k < system.size(); ++k)
     guess[k] = state.pressure[system.particle[static_cast<std::size_t>(k)]];
-  const PressureSolution solution = fluid::solve_pressure(system, guess, scheme);
+  const PressureSolution& solution = poisson.solve(system, state.position, guess, scheme);
   report.pressure_iterations = solution.iterations;
   if (!(solution.residual <= 10 * scheme.pressure_tolerance) || !solution.pressure.allFinite())
     throw Error(

@@ -4,6 +4,7 @@
 #include "fluid/collision.hpp"
 #include "fluid/kernel.hpp"
 #include "fluid/neighbours.hpp"
+#include "fluid/poisson_solver.hpp"
 #include "fluid/pressure.hpp"
 #include "fluid/simulation.hpp"
 
@@ -64,6 +65,7 @@ struct Simulation<dim>::Work {
   std::vector<Row> row;
   std::vector<std::uint8_t> solved, moves, wet;  // masks: unknowns; water; all but dry bodies
   PressureSystem system;
+  PoissonSolver<dim> poisson{laplacian_lattice.radius, p.spacing};
   CollisionAccount<dim> collisions;
 };
 
