@@ -23,6 +23,11 @@ bool is_row_of_body(Kind kind) {
   return kind == Kind::interface || kind == Kind::dummy_interface;
 }
 
+double largest_reach(const Parameters& p) {
+  const Scheme& s = p.scheme;
+  return p.spacing * std::max({s.radius_density, s.radius_gradient, s.radius_divergence, s.radius_laplacian});
+}
+
 template <int dim>
 void append(State<dim>& state, std::int64_t count) {
   const auto n = state.position.cols();
@@ -43,19 +48,13 @@ void append(State<dim>& state, std::int64_t count) {
 template <int dim>
 Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity,
                         State<dim>& tank)
-    : spacing_(p.spacing), water_density_(p.density), tank_(p.tank) {
-  const Scheme& s = p.scheme;
-  reach_ =
-      p.spacing * std::max({s.radius_density, s.radius_gradient, s.radius_divergence, s.radius_laplacian});
-  counting_radius_ = s.radius_density * p.spacing;
-  water_ = std::count(tank.kind.begin(), tank.kind.end(), Kind::fluid);
-  bodies_ = tank.position.cols();
-  low_ = p.tank.min.head<dim>();
-  high_ = p.tank.max.head<dim>();
-  // Beside the tank, beyond its walls and their reach.
-  parking_ = low_;
-  parking_[0] = high_[0] + 4 * reach_;
-
+    : spacing_(p.spacing),
+      water_density_(p.density),
+      reach_(largest_reach(p)),
+      counting_radius_(p.scheme.radius_density * p.spacing),
+      tank_(p, reach_, tank),
+      water_(tank_.first()),
+      bodies_(tank_.last()) {
   mesh_.dimension = dim;
   if (partner.position.cols() > 0) {
     volume_ = p.interface == "volume";
@@ -74,7 +73,6 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
       density_[i] = partner.mass.size() ? partner.mass[i - bodies_] / volume : p.density;
   }
   find_masters(tank);
-  find_normals(tank);
   check_overlap(tank);
 }
 
@@ -142,24 +140,10 @@ template <int dim>
 void Boundary<dim>::find_masters(const State<dim>& state) {
   const auto n = state.position.cols();
   master_.assign(static_cast<std::size_t>(n), -1);
-  std::vector<std::int32_t> walls;
-  for (std::int64_t i = water_; i < bodies_; ++i)
-    if (state.kind[static_cast<std::size_t>(i)] == Kind::wall) walls.push_back(static_cast<std::int32_t>(i));
-  for (std::int64_t i = water_; i < n; ++i) {
-    const Kind kind = state.kind[static_cast<std::size_t>(i)];
-    if (kind == Kind::dummy_interface) {
-      master_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(bodies_ + point_of(i));
-    } else if (kind == Kind::dummy_wall) {
-      double best = std::numeric_limits<double>::infinity();
-      for (const std::int32_t w : walls) {
-        const double d = (state.position.col(w) - state.position.col(i)).squaredNorm();
-        if (d < best) {
-          best = d;
-          master_[static_cast<std::size_t>(i)] = w;
-        }
-      }
-    }
-  }
+  for (std::int64_t i = water_; i < n; ++i)
+    master_[static_cast<std::size_t>(i)] = state.kind[static_cast<std::size_t>(i)] == Kind::dummy_interface
+                                               ? static_cast<std::int32_t>(bodies_ + point_of(i))
+                                               : tank_.master_of(i);
 }
 
 template <int dim>
@@ -167,10 +151,8 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
   const double slack = 1e-6 * spacing_;
   for (Eigen::Index k = 0; k < mesh_.position.cols(); ++k) {
     const Vector<dim> x = mesh_.position.col(k).template head<dim>();
-    bool out = false;
-    for (int a = 0; a < dim; ++a) out = out || x[a] < low_[a] - slack || (a != 1 && x[a] > high_[a] + slack);
     // Clamped columns of a particle structure may stand in the wall, where nothing is wet.
-    if (out && !volume_)
+    if (!volume_ && tank_.distance(x) < -slack)
       throw Error(ExitCode::case_file, "structure",
                   fmt::format("the body reaches ({:.6g}, {:.6g}), outside the tank", x[0], x[1]),
                   "move or shorten the body, or make fluid.tank larger");
@@ -222,6 +204,7 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
 
 template <int dim>
 void Boundary<dim>::adopt(const State<dim>& state) {
+  tank_.adopt(state);
   if constexpr (dim == 2) {
     if (!outline_.empty()) outline_.move(state.interface_displacement, state.interface_velocity);
   }
@@ -324,59 +307,11 @@ void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
       state.pressure[i] = 0;
       continue;
     }
-    Vector<dim> field = gravity;
+    Vector<dim> field = gravity - tank_.acceleration_of(i);
     if (w >= bodies_ && acceleration.cols() > 0) field -= acceleration.col(point_of(w)).template head<dim>();
     state.pressure[i] =
         state.pressure[w] + water_density_ * field.dot(state.position.col(i) - state.position.col(w));
   }
-}
-
-template <int dim>
-void Boundary<dim>::find_normals(const State<dim>& state) {
-  normal_.setZero(dim, state.position.cols());
-  for (std::int64_t i = water_; i < bodies_; ++i) {
-    Vector<dim> normal = Vector<dim>::Zero();
-    for (int a = 0; a < dim; ++a) {
-      if (state.position(a, i) < low_[a]) normal[a] = 1;
-      if (state.position(a, i) > high_[a] && a != 1) normal[a] = -1;
-    }
-    if (normal.squaredNorm() == 1) normal_.col(i) = normal;
-  }
-}
-
-template <int dim>
-Vector<dim> Boundary<dim>::wall_area(const State<dim>&, std::int64_t i) const {
-  return normal_.col(i) * std::pow(spacing_, dim - 1);
-}
-
-template <int dim>
-bool Boundary<dim>::left_domain(const Vector<dim>& x) const {
-  for (int a = 0; a < dim; ++a) {
-    const double margin =
-        a == 1 ? high_[1] - low_[1] : spacing_;  // droplets may fly one tank height above it
-    if (!(x[a] >= low_[a] - spacing_ && x[a] <= high_[a] + margin)) return true;
-  }
-  return false;
-}
-
-template <int dim>
-std::int64_t Boundary<dim>::parking_column() const {
-  return std::max<std::int64_t>(1, static_cast<std::int64_t>((high_[1] - low_[1]) / (2 * reach_)));
-}
-
-template <int dim>
-Vector<dim> Boundary<dim>::parking_place(std::int64_t number) const {
-  Vector<dim> place = parking_;
-  place[0] += 2 * reach_ * static_cast<double>(number / parking_column());
-  place[1] += 2 * reach_ * static_cast<double>(number % parking_column());
-  return place;
-}
-
-template <int dim>
-bool Boundary<dim>::on_parking_place(const Vector<dim>& x) const {
-  const double across = (x[0] - parking_[0]) / (2 * reach_), up = (x[1] - parking_[1]) / (2 * reach_);
-  if (!(across < 1e9 && up > -0.5 && up < static_cast<double>(parking_column()))) return false;
-  return x == parking_place(std::llround(across) * parking_column() + std::llround(up));
 }
 
 template class Boundary<2>;

@@ -5,6 +5,7 @@
 #include "fluid/outline.hpp"
 #include "fluid/parameters.hpp"
 #include "fluid/state.hpp"
+#include "fluid/tank.hpp"
 
 #include <Eigen/Core>
 
@@ -45,6 +46,8 @@ class Boundary {
   /// Puts the bodies at that motion of the interface points. positions = false: velocities alone, at the old
   /// places.
   void move(State<dim>&, const Points& displacement, const Points& velocity, bool positions);
+  /// The tank's rows where its own motion takes them at `time`, the end of the step; positions as above.
+  void move_tank(State<dim>& state, double time, bool positions) { tank_.move(state, time, positions); }
   /// Adopts the places that `state` was saved with.
   void adopt(const State<dim>& state);
 
@@ -65,44 +68,39 @@ class Boundary {
   /// Neumann condition P_d = P_w + ρ(g − a_w)·(r_d − r_w) on dummy rows; 0 behind a dry row.
   void fill_dummies(State<dim>&, const Vector<dim>& gravity, const Points& acceleration) const;
 
+  const Tank<dim>& tank() const { return tank_; }
   /// Normal, into the water, of the tank wall that row i stands for; zero in corners and for all that is no
   /// tank.
-  Eigen::Ref<const Vector<dim>> normal_of(std::int64_t i) const { return normal_.col(i); }
-
-  /// Outward area vector of a tank wall particle, towards the water [m, m² in 3-D]; zero in corners.
-  Vector<dim> wall_area(const State<dim>&, std::int64_t i) const;
+  Vector<dim> normal_of(std::int64_t i) const { return tank_.normal_of(i); }
+  /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
+  Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
 
   /// Particles out of the tank are parked where nothing reaches them, each on its own place.
   bool parked(const State<dim>& state, std::int64_t i) const {
-    return i < water_ && state.position(0, i) >= parking_[0] && on_parking_place(state.position.col(i));
+    return i < water_ && tank_.parked(state.position.col(i));
   }
-  bool left_domain(const Vector<dim>& x) const;
-  Vector<dim> parking_place(std::int64_t number) const;
+  bool left_domain(const Vector<dim>& x) const { return tank_.left(x); }
+  Vector<dim> parking_place(std::int64_t number) const { return tank_.parking_place(number); }
 
  private:
-  bool on_parking_place(const Vector<dim>& x) const;
-  std::int64_t parking_column() const;  // places above one another
   void add_rows(const InterfaceMesh& partner, State<dim>&);
   void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
   void find_masters(const State<dim>&);
-  void find_normals(const State<dim>&);
   void check_overlap(const State<dim>&) const;
 
   double spacing_, water_density_;
-  double reach_ = 0, counting_radius_ = 0;  // largest radius, and that of the number density [m]
-  Box tank_;
+  double reach_, counting_radius_;  // largest radius, and that of the number density [m]
+  Tank<dim> tank_;
   InterfaceMesh mesh_;
   Outline outline_;
   bool volume_ = false;
-  std::int64_t water_ = 0, bodies_ = 0;
+  std::int64_t water_, bodies_;
   int rows_ = 0;  // behind a face
   Eigen::VectorXd density_;
   std::vector<int> point_of_;
   std::vector<std::int32_t> master_;  // of a dummy: the row whose pressure it extends; −1
   std::vector<std::uint8_t> buried_, tag_;
-  Vectors<dim> normal_;
   Eigen::VectorXd flat_water_;  // Σ_water w of each interface point under a flat surface at l0
-  Vector<dim> low_, high_, parking_;
 };
 
 }  // namespace strake::fluid

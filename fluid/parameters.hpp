@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "fluid/tank_motion.hpp"
 #include "proto/case_keys.hpp"
 
 namespace strake::fluid {
@@ -19,6 +21,7 @@ enum class SpsForm { stress_pair, laplacian };
 enum class PressureSolver { cg, cholmod };
 enum class Preconditioner { jacobi, ic };
 enum class SolidVelocity { replace, add };
+enum class WallSlip { no_slip, free_slip };
 
 /// PHYSICS §2–5: the scheme. Defaults are preset "improved"; the paper's values stand in read().
 struct Scheme {
@@ -52,14 +55,22 @@ struct Scheme {
 
 struct Parameters {
   int dimension = 2;
-  double spacing = 0.01;                 // l0 [m]
-  double density = 1000;                 // [kg/m^3]
-  double kinematic_viscosity = 1e-6;     // [m²/s]
-  Eigen::Vector3d gravity{0, -9.81, 0};  // [m/s²]
-  double gravity_ramp = 0;               // [s] g · ½(1 − cos(πt/ramp)); 0: at once
-  double sound_speed = 1500;             // [m/s]; infinity: incompressible
-  Box tank, water;                       // [m] open at the top
-  std::string interface = "surface";     // surface | volume
+  double spacing = 0.01;                      // l0 [m]
+  double density = 1000;                      // [kg/m^3]
+  double kinematic_viscosity = 1e-6;          // [m²/s]
+  Eigen::Vector3d gravity{0, -9.81, 0};       // [m/s²]
+  double gravity_ramp = 0;                    // [s] g · ½(1 − cos(πt/ramp)); 0: at once
+  double sound_speed = 1500;                  // [m/s]; infinity: incompressible
+  Box tank, water;                            // [m]; a polygon's and several shapes' bounding box
+  std::vector<Eigen::Vector3d> tank_polygon;  // [m] counter-clockwise; empty: the tank is the box
+  std::vector<std::vector<Eigen::Vector3d>>
+      water_shapes;                     // [m] two corners of a box, or a polygon; empty: the box
+  bool open_top = true;                 // box: no lid; polygon: no wall from its last corner to its first
+  std::array<bool, 3> periodic{};       // axes along which the tank repeats itself
+  WallSlip wall = WallSlip::free_slip;  // of the tank
+  TankMotion motion;                    // of the tank
+  double end_time = 0;                  // [s] of the run: how far the tank may move
+  std::string interface = "surface";    // surface | volume
   SolidVelocity solid_velocity = SolidVelocity::replace;
   Scheme scheme;
   std::vector<ProbeKeys> probes;  // those of the fluid

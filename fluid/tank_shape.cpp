@@ -1,0 +1,351 @@
+#include "fluid/tank_shape.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace strake::fluid {
+namespace {
+
+using Vector2 = Eigen::Vector2d;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double lattice_tolerance = 1e-6;  // [l0]
+/// A turn sharper than this makes a corner; a wall of many short edges with smaller turns is smooth.
+constexpr double corner_angle = 0.35;  // [rad], 20 degrees
+/// A place nearer than this to one that is taken stays empty, and one that is nearer to another face than to
+/// its own by this much is that face's [l0].
+constexpr double taken = 0.7, foreign = 0.25;
+/// Corners sharper than this hold no rows of particles.
+constexpr double sharpest = 0.35;    // [rad], 20 degrees
+constexpr double shortest = 2;       // edge [l0]
+constexpr double level_floor = 0.7;  // least vertical part of a floor's normal
+
+double cross(const Vector2& a, const Vector2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+double turn(const Vector2& before, const Vector2& after) {
+  return std::atan2(cross(before, after), before.dot(after));
+}
+
+double distance_to_segment(const Vector2& x, const Vector2& a, const Vector2& b) {
+  const Vector2 t = b - a;
+  return (x - a - std::clamp((x - a).dot(t) / t.squaredNorm(), 0.0, 1.0) * t).norm();
+}
+
+/// Places that are taken, by cells of one spacing.
+class Places {
+ public:
+  explicit Places(double spacing) : spacing_(spacing) {}
+  bool take(const Vector2& x) {
+    const auto [cx, cy] = cell(x);
+    for (long dy = -1; dy <= 1; ++dy)
+      for (long dx = -1; dx <= 1; ++dx)
+        if (const auto found = cells_.find({cx + dx, cy + dy}); found != cells_.end())
+          for (const Vector2& other : found->second)
+            if ((other - x).norm() < taken * spacing_) return false;
+    cells_[{cx, cy}].push_back(x);
+    return true;
+  }
+
+ private:
+  std::pair<long, long> cell(const Vector2& x) const {
+    return {static_cast<long>(std::floor(x.x() / spacing_)), static_cast<long>(std::floor(x.y() / spacing_))};
+  }
+  double spacing_;
+  std::map<std::pair<long, long>, std::vector<Vector2>> cells_;
+};
+
+}  // namespace
+
+template <int dim>
+TankShape<dim>::TankShape(const Parameters& p)
+    : spacing_(p.spacing),
+      low_(p.tank.min.head<dim>()),
+      high_(p.tank.max.head<dim>()),
+      open_top_(p.open_top),
+      periodic_(p.periodic) {
+  if constexpr (dim == 2) {
+    const std::size_t n = p.tank_polygon.size();
+    if (n == 0) return;
+    low_ = high_ = p.tank_polygon.front().template head<2>();
+    for (const auto& corner : p.tank_polygon) {
+      low_ = low_.cwiseMin(corner.template head<2>());
+      high_ = high_.cwiseMax(corner.template head<2>());
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      Edge edge;
+      edge.from = p.tank_polygon[k].template head<2>();
+      edge.to = p.tank_polygon[(k + 1) % n].template head<2>();
+      edge.length = (edge.to - edge.from).norm();
+      edge.along = (edge.to - edge.from) / edge.length;
+      edge.normal = {-edge.along.y(), edge.along.x()};
+      edge.wall = !(p.open_top && k + 1 == n);
+      const Eigen::Index axis = std::abs(edge.normal.x()) > std::abs(edge.normal.y()) ? 0 : 1;
+      const double line = (edge.from[axis] - low_[axis]) / spacing_;
+      edge.on_lattice = std::abs(edge.along[axis]) * edge.length <= lattice_tolerance * spacing_ &&
+                        std::abs(line - std::round(line)) <= lattice_tolerance;
+      edges_.push_back(edge);
+    }
+  }
+}
+
+template <int dim>
+WallParticles<dim> TankShape<dim>::particles(int dummy_rows) const {
+  if constexpr (dim == 2) {
+    if (!edges_.empty()) return polygon_particles(dummy_rows);
+  }
+  return box_particles(dummy_rows);
+}
+
+/// The box grown by the rows on all sides that have a wall; a cell's layer is how far outside it stands.
+template <int dim>
+WallParticles<dim> TankShape<dim>::box_particles(int dummy_rows) const {
+  std::array<long, 3> cells{1, 1, 1}, before{0, 0, 0}, behind{0, 0, 0};
+  for (int d = 0; d < dim; ++d) {
+    const auto k = static_cast<std::size_t>(d);
+    cells[k] = std::lround((high_[d] - low_[d]) / spacing_);
+    if (periodic_[k]) continue;
+    before[k] = 1 + dummy_rows;
+    if (d != 1 || !open_top_) behind[k] = 1 + dummy_rows;
+  }
+  WallParticles<dim> all;
+  const double face = std::pow(spacing_, dim - 1);
+  std::array<long, 3> c{};
+  for (c[2] = -before[2]; c[2] < cells[2] + behind[2]; ++c[2])
+    for (c[1] = -before[1]; c[1] < cells[1] + behind[1]; ++c[1])
+      for (c[0] = -before[0]; c[0] < cells[0] + behind[0]; ++c[0]) {
+        long layer = 0;
+        int sides = 0;
+        WallParticle<dim> particle;
+        for (int d = 0; d < dim; ++d) {
+          const auto k = static_cast<std::size_t>(d);
+          particle.position[d] = low_[d] + (static_cast<double>(c[k]) + 0.5) * spacing_;
+          const long out = std::max(-c[k], c[k] - cells[k] + 1);
+          if (out <= 0) continue;
+          layer = std::max(layer, out);
+          particle.normal[d] = c[k] < 0 ? 1 : -1;
+          ++sides;
+        }
+        if (layer == 0) continue;
+        particle.floor = c[1] < 0;
+        if (sides > 1) particle.normal.setZero();
+        particle.area = face * particle.normal;
+        (layer == 1 ? all.wall : all.dummy).push_back(particle);
+      }
+  return all;
+}
+
+template <int dim>
+bool TankShape<dim>::joins(std::size_t edge) const {
+  return edges_[edge].wall && edges_[(edge + 1) % edges_.size()].wall;
+}
+
+/// Where the rows at `depth` behind an edge and the next one meet: v − d (n₁ + n₂)/(1 + n₁·n₂).
+template <int dim>
+Eigen::Vector2d TankShape<dim>::mitre(std::size_t edge, double depth) const {
+  const Edge &one = edges_[edge], &two = edges_[(edge + 1) % edges_.size()];
+  return one.to - depth * (one.normal + two.normal) / (1 + one.normal.dot(two.normal));
+}
+
+template <int dim>
+WallParticles<dim> TankShape<dim>::polygon_particles(int dummy_rows) const {
+  WallParticles<dim> all;
+  if constexpr (dim == 2) {
+    Places places(spacing_);
+    const std::size_t n = edges_.size();
+    // Beyond the depth of a square corner's last dummy nothing is within reach.
+    const double deepest = std::sqrt(2.0) * (dummy_rows + 0.5) * spacing_ * (1 + lattice_tolerance);
+    for (int row = 0; row <= dummy_rows; ++row) {
+      const double depth = (row + 0.5) * spacing_;
+      auto& list = row == 0 ? all.wall : all.dummy;
+      for (std::size_t e = 0; e < n; ++e) {
+        const Edge &edge = edges_[e], &last = edges_[(e + n - 1) % n];
+        if (!edge.wall) continue;
+        const bool starts = joins((e + n - 1) % n), ends = joins(e);  // at a corner, or at an open rim
+        const Vector2 from =
+            starts ? mitre((e + n - 1) % n, depth) : Vector2(edge.from - depth * edge.normal);
+        const Vector2 to = ends ? mitre(e, depth) : Vector2(edge.to - depth * edge.normal);
+        const double length = (to - from).dot(edge.along);
+        if (length <= foreign * spacing_) continue;  // the faces beside it have met
+        // Corners stand at the ends of the row, rims half an interval beyond it. The end's corner is the
+        // first place of the next edge.
+        const double halves = (starts ? 0 : 0.5) + (ends ? 0 : 0.5);
+        const long intervals = std::max(1L, std::lround(length / spacing_ - halves));
+        const double h = length / (static_cast<double>(intervals) + halves);
+        const long count = intervals + (ends ? 0 : 1);
+        for (long j = 0; j < count; ++j) {
+          const Vector2 x = from + (static_cast<double>(j) + (starts ? 0 : 0.5)) * h * edge.along;
+          const Nearest near = nearest(x, true);
+          if (near.inside || near.distance < depth - foreign * spacing_ || near.distance > deepest) continue;
+          if (!places.take(x)) continue;
+          WallParticle<dim> particle{x};
+          const bool corner = j == 0 && starts;
+          const bool sharp = corner && std::abs(turn(last.along, edge.along)) > corner_angle;
+          particle.normal = corner ? (last.normal + edge.normal).normalized() : edge.normal;
+          if (sharp) particle.normal.setZero();
+          particle.floor = edge.normal.y() > level_floor || (corner && last.normal.y() > level_floor);
+          // The stretch of a face that is nearest to this place along it.
+          const auto covers = [&](const Edge& face) {
+            const double s = (x - face.from).dot(face.along);
+            return std::max(0.0, std::min(face.length, s + 0.5 * h) - std::max(0.0, s - 0.5 * h));
+          };
+          if (row == 0) {
+            particle.area = covers(edge) * edge.normal;
+            if (corner) particle.area += covers(last) * last.normal;
+          }
+          list.push_back(particle);
+        }
+      }
+    }
+  }
+  return all;
+}
+
+template <int dim>
+auto TankShape<dim>::nearest(const Vector<dim>& x, bool walls_alone) const -> Nearest {
+  Nearest best{0, infinity, false};
+  if constexpr (dim == 2) {
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      const Edge& edge = edges_[e];
+      const Vector2 &a = edge.from, &b = edge.to;
+      if ((a.y() > x.y()) != (b.y() > x.y()) &&
+          x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+        best.inside = !best.inside;
+      if (walls_alone && !edge.wall) continue;
+      const double d = distance_to_segment(x, a, b);
+      if (d < best.distance) {
+        best.distance = d;
+        best.edge = e;
+      }
+    }
+  }
+  return best;
+}
+
+template <int dim>
+double TankShape<dim>::distance(const Vector<dim>& x) const {
+  if (!edges_.empty()) {
+    const Nearest wall = nearest(x, true);
+    const bool in = wall.inside || !edges_[nearest(x, false).edge].wall;
+    return in ? wall.distance : -wall.distance;
+  }
+  double distance = infinity;
+  for (int d = 0; d < dim; ++d) {
+    if (periodic_[static_cast<std::size_t>(d)]) continue;
+    distance = std::min(distance, x[d] - low_[d]);
+    if (d != 1 || !open_top_) distance = std::min(distance, high_[d] - x[d]);
+  }
+  return distance;
+}
+
+template <int dim>
+bool TankShape<dim>::left(const Vector<dim>& x) const {
+  const double height = high_[1] - low_[1];
+  if (!edges_.empty()) {
+    const Nearest near = nearest(x, false);
+    return !near.inside && !(near.distance <= (edges_[near.edge].wall ? spacing_ : height));
+  }
+  for (int d = 0; d < dim; ++d) {
+    if (periodic_[static_cast<std::size_t>(d)]) continue;
+    const double margin = d == 1 && open_top_ ? height : spacing_;
+    if (!(x[d] >= low_[d] - spacing_ && x[d] <= high_[d] + margin)) return true;
+  }
+  return false;
+}
+
+template <int dim>
+bool TankShape<dim>::on_lattice() const {
+  return std::all_of(edges_.begin(), edges_.end(), [](const Edge& e) { return !e.wall || e.on_lattice; });
+}
+
+template <int dim>
+double TankShape<dim>::distance_to_slanted(const Vector<dim>& x) const {
+  double distance = infinity;
+  if constexpr (dim == 2) {
+    for (const Edge& edge : edges_)
+      if (edge.wall && !edge.on_lattice)
+        distance = std::min(distance, distance_to_segment(x, edge.from, edge.to));
+  }
+  return distance;
+}
+
+namespace {
+
+bool segments_cross(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
+  return cross(b - a, c - a) * cross(b - a, d - a) <= 0 && cross(d - c, a - c) * cross(d - c, b - c) <= 0;
+}
+
+bool is_inside(const std::vector<Vector2>& corners, const Vector2& x) {
+  bool odd = false;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Vector2 &a = corners[k], &b = corners[(k + 1) % corners.size()];
+    if ((a.y() > x.y()) != (b.y() > x.y()) &&
+        x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      odd = !odd;
+  }
+  return odd;
+}
+
+/// Ends of the shortest way between two edges that do not cross: one of them is a corner.
+std::pair<Vector2, Vector2> shortest_way(const Vector2& a, const Vector2& b, const Vector2& c,
+                                         const Vector2& d) {
+  std::pair<Vector2, Vector2> best{a, c};
+  const auto try_corner = [&](const Vector2& x, const Vector2& from, const Vector2& to) {
+    const Vector2 t = to - from;
+    const Vector2 foot = from + std::clamp((x - from).dot(t) / t.squaredNorm(), 0.0, 1.0) * t;
+    if ((x - foot).norm() < (best.first - best.second).norm()) best = {x, foot};
+  };
+  try_corner(a, c, d);
+  try_corner(b, c, d);
+  try_corner(c, a, b);
+  try_corner(d, a, b);
+  return best;
+}
+
+}  // namespace
+
+std::string polygon_fault(const Parameters& p, double reach) {
+  std::vector<Vector2> corners;
+  for (const auto& corner : p.tank_polygon) corners.emplace_back(corner.head<2>());
+  const std::size_t n = corners.size();
+  const auto name = [&](std::size_t k) {
+    return fmt::format("({:.6g}, {:.6g})", corners[k % n].x(), corners[k % n].y());
+  };
+  double area = 0;
+  for (std::size_t k = 0; k < n; ++k) area += 0.5 * cross(corners[k], corners[(k + 1) % n]);
+  if (!(area > 0)) return "corners in counter-clockwise order";
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vector2 before = corners[k] - corners[(k + n - 1) % n], after = corners[(k + 1) % n] - corners[k];
+    if (after.norm() < shortest * p.spacing)
+      return fmt::format("edges of at least {:g} spacings: the one from {} is {:.3g} m long", shortest,
+                         name(k), after.norm());
+    if (std::abs(turn(before, after)) > std::numbers::pi - sharpest)
+      return fmt::format("corners of at least {:.0f} degrees: the one at {} is sharper",
+                         sharpest * 180 / std::numbers::pi, name(k));
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 2; j < n; ++j) {
+      if (i == 0 && j == n - 1) continue;  // neighbours
+      const Vector2 &a = corners[i], &b = corners[i + 1], &c = corners[j], &d = corners[(j + 1) % n];
+      if (segments_cross(a, b, c, d))
+        return fmt::format("edges that do not cross: those from {} and {} do", name(i), name(j));
+      if (p.open_top && j == n - 1) continue;
+      const auto [from, to] = shortest_way(a, b, c, d);
+      if ((to - from).norm() < reach && !is_inside(corners, 0.5 * (from + to)))
+        return fmt::format(
+            "walls at least {:.3g} m thick, or the water on both sides would meet: between the edges from {} "
+            "and {} it is {:.3g} m",
+            reach, name(i), name(j), (to - from).norm());
+    }
+  return {};
+}
+
+template class TankShape<2>;
+template class TankShape<3>;
+
+}  // namespace strake::fluid
