@@ -34,7 +34,7 @@ template <int dim>
 Vector<dim> face_force(const State<dim>& state, const Boundary<dim>& boundary, const LoadTerms<dim>& terms,
                        std::int64_t i) {
   Vector<dim> area = Vector<dim>::Zero();  // into the water
-  Vector<dim> field = terms.gravity;
+  Vector<dim> field = terms.gravity - boundary.tank().acceleration_of(i);
   const Kind kind = state.kind[static_cast<std::size_t>(i)];
   if (kind == Kind::wall) {
     area = boundary.wall_area(state, i);

@@ -119,8 +119,8 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
     const Vector<dim> face = w.boundary.wall_area(w.state, i);  // into the water
     if (face.norm() == 0) continue;
     const Vector<dim> normal = face.normalized();
-    Eigen::Vector3d middle = at;
-    middle.template head<dim>() = w.state.position.col(i) + 0.5 * w.p.spacing * normal;
+    Eigen::Vector3d middle = at;  // the sensor moves with the tank
+    middle.template head<dim>() = w.boundary.tank().face_of(i);
     if (!covers(middle)) continue;
     load -= w.on_walls.col(i).dot(normal);
     area += face.norm();

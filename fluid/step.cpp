@@ -103,6 +103,7 @@ void Simulation<dim>::Work::begin(double step, const InterfaceMotion& given) {
   // Volume coupling gives the places of the structure's particles for this step, surface coupling those at
   // its end.
   boundary.move(state, given.displacement, given.velocity, boundary.volume());
+  boundary.move_tank(state, state.time + dt, false);
 }
 
 template <int dim>
@@ -140,6 +141,7 @@ void Simulation<dim>::Work::predict() {
   if (!at_star()) return;
   state.position.leftCols(water) += dt * state.velocity.leftCols(water);
   if (!boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
+  boundary.move_tank(state, state.time + dt, true);
 }
 
 template <int dim>
@@ -247,6 +249,7 @@ void Simulation<dim>::Work::correct() {
   else
     state.position.leftCols(water) += dt * state.velocity.leftCols(water);
   if (!at_star() && !boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
+  if (!at_star()) boundary.move_tank(state, state.time + dt, true);
 }
 
 template <int dim>
@@ -273,7 +276,7 @@ void Simulation<dim>::Work::load_interface() {
     state.impulse_on_walls += dt * forces.col(i);
     const std::int32_t master = boundary.master_of(i);
     on_walls.col(master < 0 ? i : master) += forces.col(i);
-    if (state.position(1, i) < p.tank.min[1]) floor += forces.col(i);
+    if (boundary.tank().is_floor(i)) floor += forces.col(i);
   }
   for (Eigen::Index k = 0; k < force.cols(); ++k)
     state.impulse_on_bodies += dt * force.col(k).template head<dim>();
