@@ -34,7 +34,9 @@ class MotionTable {
   RigidMotion at(double t) const;
   double start() const { return time_.front(); }  // [s]
   double end() const { return time_.back(); }     // [s]
-  bool turns() const { return channel_[3].kind != MotionColumn::absent; }
+  /// Whether it says anything of a channel: 0 x, 1 y, 2 z, 3 angle. What it does not, stands still.
+  bool gives(std::size_t channel) const { return channel_.at(channel).kind != MotionColumn::absent; }
+  bool turns() const { return gives(3); }
 
  private:
   struct Channel {

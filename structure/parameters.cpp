@@ -1,5 +1,8 @@
 #include "structure/parameters.hpp"
 
+#include "structure/shape_keys.hpp"
+#include "structure/surface.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,17 +10,15 @@
 namespace strake::structure {
 namespace {
 
-const std::vector<std::pair<std::string, Support>> supports = {
-    {"free", Support::free}, {"clamped", Support::clamped}, {"pinned", Support::pinned}};
-
 void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
   p.interface = common.interface;
   p.threads = common.threads;
   CaseTable t = file.root().table("fluid");
   t.integer("dimension", p.dimension,
             {.min = 2, .max = 3, .help = "2: xy-plane, plane strain, per metre of depth"});
-  if (p.dimension == 3)
-    throw t.error("dimension", "2: three dimensions are not built yet", "fluid.dimension = 2");
+  if (p.dimension == 3 && p.kind != "rigid" && !file.only_declares())
+    throw t.error("dimension", "2: three dimensions are not built yet for elastic structures",
+                  "fluid.dimension = 2, or structure.solver = \"rigid\"");
   t.number("spacing", p.fluid_spacing,
            {.unit = "m", .min = 0, .exclusive = true, .help = "initial particle distance l0"});
   t.number("density", p.fluid_density,
@@ -28,17 +29,6 @@ void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
            {.unit = "m/s^2", .help = "body force on the structure too; zero when fluid.solver is none"});
   t.number("gravity_ramp", p.gravity_ramp,
            {.unit = "s", .min = 0, .help = "gravity rises as (1 - cos(pi t/ramp))/2; 0: at once"});
-}
-
-void read_plate(CaseTable t, Plate& plate) {
-  t.number("length", plate.length,
-           {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "along x"});
-  t.number("thickness", plate.thickness,
-           {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "along y"});
-  t.vector("bottom", plate.bottom, {.unit = "m", .help = "middle of the lower face"});
-  CaseTable s = t.table("supports", "what holds the ends; held ends move with structure.velocity");
-  s.choice("left", plate.left, supports, {.help = "pinned: at mid-height of the end face"});
-  s.choice("right", plate.right, supports, {.help = "pinned: at mid-height of the end face"});
 }
 
 void read_material(CaseTable t, Material& m) {
@@ -133,19 +123,16 @@ void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p)
 }
 
 /// A probe of the structure measures a material point, so it must be one.
-void check_probes(const CaseFile& file, const CommonKeys& common, const Plate& plate) {
-  const double slack = 1e-6 * plate.length, half = 0.5 * plate.length;
+void check_probes(const CaseFile& file, const CommonKeys& common, const Parameters& p) {
   for (const ProbeKeys& probe : common.probes) {
-    const Eigen::Vector3d X = probe.at - plate.bottom;
-    if (probe.of == "structure" &&
-        (std::abs(X.x()) > half + slack || X.y() < -slack || X.y() > plate.thickness + slack))
-      throw Error(
-          ExitCode::case_file, fmt::format("{}: output.probe \"{}\"", file.path().string(), probe.name),
-          fmt::format(
-              "at = [{:.6g}, {:.6g}] lies outside the plate (x {:.6g} to {:.6g} m, y {:.6g} to {:.6g} m)",
-              probe.at.x(), probe.at.y(), plate.bottom.x() - half, plate.bottom.x() + half, plate.bottom.y(),
-              plate.bottom.y() + plate.thickness),
-          "move the probe onto the plate");
+    if (probe.of != "structure" || is_in_body(p, probe.at)) continue;
+    const Box box = bounds(p);
+    throw Error(
+        ExitCode::case_file, fmt::format("{}: output.probe \"{}\"", file.path().string(), probe.name),
+        fmt::format("at = [{:.6g}, {:.6g}] lies outside the {} (x {:.6g} to {:.6g} m, y {:.6g} to {:.6g} m)",
+                    probe.at.x(), probe.at.y(), p.shape.kind == ShapeKind::plate ? "plate" : "body",
+                    box.min.x(), box.max.x(), box.min.y(), box.max.y()),
+        fmt::format("move the probe onto the {}", p.shape.kind == ShapeKind::plate ? "plate" : "body"));
   }
 }
 
@@ -165,7 +152,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
     throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
                           "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
   if (p.kind == "particle") check_lattice(structure, common, p);
-  check_probes(file, common, p.plate);
+  check_probes(file, common, p);
 }
 
 }  // namespace
@@ -193,7 +180,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   t.choice("analysis", p.analysis,
            {{"dynamic", Analysis::dynamic}, {"static", Analysis::statics}, {"modal", Analysis::modal}},
            {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});
-  read_plate(t.table("plate", "rectangle in the xy-plane"), p.plate);
+  read_shape(file, t, p);
   read_material(t.table("material"), p.material);
   read_load(t.table("load"), p.load);
   CaseTable damping = t.table("damping", "Rayleigh");
@@ -208,6 +195,8 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   if (kind == "replay" && run.empty() && !file.only_declares())
     throw replay.error("run", "the folder of a run with interface/*.h5",
                        "structure.replay.run = \"runs/plate_entry\"");
+
+  read_body(file, t, common, p);
 
   if (!file.only_declares()) check_together(file, common, t, p);
   return p;

@@ -2,11 +2,14 @@
 
 #include "proto/case_file.hpp"
 #include "proto/case_keys.hpp"
+#include "proto/motion.hpp"
+#include "structure/shape.hpp"
 
 #include <Eigen/Core>
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +70,26 @@ struct Damping {
   double stiffness = 0;  // [s]   Rayleigh, stiffness-proportional
 };
 
+/// What takes the place of the homogeneous body's mass, for rigid bodies; in two dimensions per metre of
+/// depth.
+struct BodyMass {
+  double mass = 0;                              // [kg] 0: density times volume
+  double inertia = 0;                           // [kg m²] about z through the centre; 0: of the shape
+  std::optional<Eigen::Vector3d> inertia_axes;  // [kg m²] about x, y and z, three dimensions
+  std::optional<Eigen::Vector3d> centre;        // [m] of gravity; otherwise of the shape
+  double lumped_mass = 0;                       // [kg] in one point, added to all that
+  Eigen::Vector3d lumped_at = Eigen::Vector3d::Zero();  // [m]
+};
+
+/// Which motions of a rigid body are left to the loads; the others are prescribed.
+struct FreeMotion {
+  bool x = false, y = false, z = false;
+  bool angle = false;     // about z
+  bool rotation = false;  // about all axes, three dimensions
+  bool any() const { return x || y || z || angle || rotation; }
+  bool translates() const { return x || y || z; }
+};
+
 /// Everything a structure solver needs; knows nothing of TOML beyond `read`.
 struct Parameters {
   int dimension = 2;
@@ -80,8 +103,14 @@ struct Parameters {
   Eigen::Vector3d gravity =
       Eigen::Vector3d::Zero();  // [m/s^2] body force; from fluid.gravity, with fluid.gravity_ramp
   double gravity_ramp = 0;      // [s]
+  Shape shape;                  // plate: `plate` below
   Plate plate;
   Material material;
+  BodyMass body;
+  FreeMotion free;
+  double angular_velocity = 0;           // [rad/s] about z; of a free body at t = 0
+  std::optional<Eigen::Vector3d> pivot;  // [m] about which it turns; otherwise the centre of gravity
+  std::optional<MotionTable> motion;     // structure.motion.file
   CaseLoad load;
   Analysis analysis = Analysis::dynamic;
   Damping damping;

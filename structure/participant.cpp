@@ -21,9 +21,9 @@ double total(const Energy& e) {
   return e.kinetic + e.strain;
 }
 
-/// Length of surface that a point's force comes from; in volume coupling a particle's width.
-Eigen::VectorXd point_sizes(const InterfaceMesh& mesh, const Parameters& p) {
-  if (mesh.faces.cols() > 0) return point_lengths(mesh);
+/// Surface that a point's force comes from; in volume coupling a particle's width.
+Eigen::VectorXd wetted_sizes(const InterfaceMesh& mesh, const Parameters& p) {
+  if (mesh.faces.cols() > 0) return point_sizes(mesh);
   return Eigen::VectorXd::Constant(mesh.position.cols(), p.fluid_spacing);
 }
 
@@ -31,6 +31,12 @@ double peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux counts in KiB
+}
+
+/// What a deflection is counted from. A body that is free or driven by a table has no supports at a constant
+/// speed: its deflection is its displacement.
+Eigen::Vector3d support_velocity(const Parameters& p) {
+  return p.free.any() || p.motion ? Eigen::Vector3d(0, 0, 0) : p.velocity;
 }
 
 std::string unit_of(const ProbeKeys& probe) {
@@ -55,9 +61,9 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
                                            const CommonKeys& common, const Setup& setup)
     : solver_(std::move(solver)),
       analysis_(p.analysis),
-      support_velocity_(p.velocity),
-      contact_pressure_(0.5 * p.fluid_density * p.velocity.squaredNorm()),
-      point_size_(point_sizes(solver_->interface(), p)),
+      support_velocity_(support_velocity(p)),
+      contact_pressure_(0.5 * p.fluid_density * solver_->velocity().colwise().squaredNorm().maxCoeff()),
+      point_size_(wetted_sizes(solver_->interface(), p)),
       dimension_(p.dimension),
       first_energy_(total(solver_->energy())) {
   for (const ProbeKeys& probe : common.probes)
@@ -73,6 +79,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   for (std::size_t i = 0; i < probes_.size(); ++i)
     for (int axis = 0; axis < dimension_; ++axis)
       description_.columns.push_back({probe_column(i, axis), unit_of(probes_[i])});
+  for (const Column& column : solver_->columns()) description_.columns.push_back(column);
   for (const char* name : {"energy.kinetic", "energy.strain", "energy.external"})
     description_.columns.push_back({name, "J"});
   if (analysis_ == Analysis::modal)
@@ -156,6 +163,7 @@ Advanced StructureParticipant::finish() {
   Advanced result;
   result.output = motion();
   auto& monitor = result.monitor;
+  monitor = solver_->monitor();
   for (std::size_t i = 0; i < probes_.size(); ++i) {
     for (int axis = 0; axis < dimension_; ++axis) {
       const ProbeRecord& record =

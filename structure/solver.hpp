@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ class Solver {
   virtual void read(const Archive&) = 0;
   virtual Frame frame() const = 0;
   virtual std::vector<std::string> lines() const = 0;  // what it understood: headline first
+  /// Named scalars of its own for history.csv, and their values now.
+  virtual std::vector<Column> columns() const { return {}; }
+  virtual std::map<std::string, double> monitor() const { return {}; }
   /// structure.analysis = static: equilibrium under the case's own load. Default: Error(case_file), "not
   /// available".
   virtual void solve_static();

@@ -1,7 +1,12 @@
 #include "structure/surface.hpp"
 
+#include "structure/solid_surface.hpp"
+
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace strake::structure {
@@ -18,48 +23,94 @@ bool on_face(const Plate& plate, const std::string& face, const Eigen::Vector3d&
 
 }  // namespace
 
-InterfaceMesh outline(const Plate& plate, double spacing) {
-  const auto parts = [spacing](double edge) {
-    return std::max(1, static_cast<int>(std::lround(edge / spacing)));
-  };
-  const int along = parts(plate.length), through = parts(plate.thickness);
-  const int n = 2 * (along + through);
-  const double left = plate.bottom.x() - 0.5 * plate.length, right = plate.bottom.x() + 0.5 * plate.length;
-  const double low = plate.bottom.y(), high = plate.bottom.y() + plate.thickness;
-
+InterfaceMesh outline(const std::vector<Eigen::Vector2d>& polygon, double spacing) {
   InterfaceMesh mesh;
   mesh.name = "structure";
   mesh.dimension = 2;
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Eigen::Vector2d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    const int count = std::max(1, static_cast<int>(std::lround((b - a).norm() / spacing)));
+    for (int i = 0; i < count; ++i) points.emplace_back(a + static_cast<double>(i) / count * (b - a));
+  }
+  const auto n = static_cast<Eigen::Index>(points.size());
   mesh.position = Points::Zero(3, n);
   mesh.faces.resize(2, n);
-  int at = 0;
-  const auto edge = [&](double x0, double y0, double x1, double y1, int count) {
-    for (int i = 0; i < count; ++i, ++at) {
-      const double s = static_cast<double>(i) / count;
-      mesh.position.col(at) << x0 + s * (x1 - x0), y0 + s * (y1 - y0), 0.0;
-    }
-  };
-  edge(left, low, right, low, along);
-  edge(right, low, right, high, through);
-  edge(right, high, left, high, along);
-  edge(left, high, left, low, through);
-  for (int i = 0; i < n; ++i) mesh.faces.col(i) << i, (i + 1) % n;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    mesh.position.col(i).head<2>() = points[static_cast<std::size_t>(i)];
+    mesh.faces.col(i) << static_cast<int>(i), static_cast<int>((i + 1) % n);
+  }
   return mesh;
 }
 
-InterfaceMesh surface(const Parameters& p) {
-  return outline(p.plate, p.surface_spacing);
+InterfaceMesh outline(const Plate& plate, double spacing) {
+  return outline(polygon_of({}, plate, spacing), spacing);
 }
 
-Eigen::VectorXd point_lengths(const InterfaceMesh& mesh) {
-  Eigen::VectorXd length = Eigen::VectorXd::Zero(mesh.position.cols());
-  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-    const int a = mesh.faces(0, f), b = mesh.faces(1, f);
-    const double half = 0.5 * (mesh.position.col(b) - mesh.position.col(a)).norm();
-    length[a] += half;
-    length[b] += half;
+std::vector<Eigen::Vector2d> polygon_of(const Shape& shape, const Plate& plate, double spacing) {
+  switch (shape.kind) {
+    case ShapeKind::plate: {
+      const double left = plate.bottom.x() - 0.5 * plate.length,
+                   right = plate.bottom.x() + 0.5 * plate.length;
+      const double low = plate.bottom.y(), high = plate.bottom.y() + plate.thickness;
+      return {{left, low}, {right, low}, {right, high}, {left, high}};
+    }
+    case ShapeKind::cylinder:
+      return circle_polygon(shape.centre.head<2>(), shape.radius,
+                            spacing > 0 ? spacing : 0.02 * std::numbers::pi * shape.radius);
+    case ShapeKind::sphere:
+      return {};
+    default:
+      return shape.corner;
   }
-  return length;
+}
+
+InterfaceMesh surface(const Parameters& p) {
+  const Shape& shape = p.shape;
+  if (shape.kind == ShapeKind::sphere) return sphere_surface(shape.centre, shape.radius, p.surface_spacing);
+  const InterfaceMesh flat = outline(polygon_of(shape, p.plate, p.surface_spacing), p.surface_spacing);
+  return p.dimension == 2 ? flat : prism_surface(flat, shape.depth, shape.middle, p.surface_spacing);
+}
+
+bool is_in_body(const Parameters& p, const Eigen::Vector3d& X) {
+  const Box box = bounds(p);
+  const double slack = 1e-6 * (box.max - box.min).maxCoeff();
+  if (p.shape.kind == ShapeKind::sphere) return (X - p.shape.centre).norm() <= p.shape.radius + slack;
+  if (p.dimension == 3 && std::abs(X.z() - p.shape.middle) > 0.5 * p.shape.depth + slack) return false;
+  if (p.shape.kind == ShapeKind::cylinder)
+    return (X - p.shape.centre).head<2>().norm() <= p.shape.radius * (1 + 1e-2) + slack;
+  const auto polygon = polygon_of(p.shape, p.plate, p.surface_spacing);
+  return inside_polygon(polygon, X.head<2>()) || distance_to_polygon(polygon, X.head<2>()) <= slack;
+}
+
+Box bounds(const Parameters& p) {
+  if (p.shape.kind == ShapeKind::sphere || p.shape.kind == ShapeKind::cylinder) {
+    Eigen::Vector3d half = Eigen::Vector3d::Constant(p.shape.radius);
+    if (p.shape.kind == ShapeKind::cylinder) half.z() = 0.5 * p.shape.depth;
+    return {p.shape.centre - half, p.shape.centre + half};
+  }
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box box{Eigen::Vector3d::Constant(infinity), Eigen::Vector3d::Constant(-infinity)};
+  for (const Eigen::Vector2d& corner : polygon_of(p.shape, p.plate, p.surface_spacing)) {
+    box.min.head<2>() = box.min.head<2>().cwiseMin(corner);
+    box.max.head<2>() = box.max.head<2>().cwiseMax(corner);
+  }
+  box.min.z() = p.shape.middle - 0.5 * p.shape.depth;
+  box.max.z() = p.shape.middle + 0.5 * p.shape.depth;
+  return box;
+}
+
+Eigen::VectorXd point_sizes(const InterfaceMesh& mesh) {
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(mesh.position.cols());
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+    const Eigen::Vector3d a = mesh.position.col(mesh.faces(0, f)), b = mesh.position.col(mesh.faces(1, f));
+    const auto corners = mesh.faces.rows();
+    double whole = (b - a).norm();
+    if (corners == 3)
+      whole = 0.5 * (b - a).cross(Eigen::Vector3d(mesh.position.col(mesh.faces(2, f))) - a).norm();
+    for (Eigen::Index k = 0; k < corners; ++k) size[mesh.faces(k, f)] += whole / static_cast<double>(corners);
+  }
+  return size;
 }
 
 Points case_force(const CaseLoad& load, const Plate& plate, const InterfaceMesh& mesh) {
@@ -86,13 +137,22 @@ double ramp_factor(double t, double ramp) {
   return t <= 0 ? 0 : 0.5 * (1 - std::cos(std::numbers::pi * t / ramp));
 }
 
-double enclosed_area(const InterfaceMesh& mesh) {
-  double area = 0;
+// Σ ½ a×b over segments, Σ ⅙ a·(b×c) over triangles, from a point near the body so that round-off stays
+// small.
+double enclosed_volume(const InterfaceMesh& mesh) {
+  double volume = 0;
+  const Eigen::Vector3d origin = mesh.position.col(0);
   for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-    const Eigen::Vector3d a = mesh.position.col(mesh.faces(0, f)), b = mesh.position.col(mesh.faces(1, f));
-    area += 0.5 * (a.x() * b.y() - b.x() * a.y());
+    const Eigen::Vector3d a = mesh.position.col(mesh.faces(0, f)) - origin,
+                          b = mesh.position.col(mesh.faces(1, f)) - origin;
+    if (mesh.faces.rows() == 2) {
+      volume += 0.5 * (a.x() * b.y() - b.x() * a.y());
+    } else {
+      const Eigen::Vector3d c = mesh.position.col(mesh.faces(2, f)) - origin;
+      volume += a.dot(b.cross(c)) / 6;
+    }
   }
-  return area;
+  return volume;
 }
 
 }  // namespace strake::structure

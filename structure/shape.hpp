@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace strake::structure {
+
+enum class ShapeKind { plate, polygon, wedge, cylinder, sphere };
+
+/// The body's outer form. In the xy-plane a closed polygon walked counter-clockwise, or a circle; in three
+/// dimensions the prism over it along z, or a sphere. `plate` is kept in Parameters::plate, since the elastic
+/// solvers know no other shape.
+struct Shape {
+  ShapeKind kind = ShapeKind::plate;
+  std::vector<Eigen::Vector2d> corner;               // [m] polygon, wedge
+  double radius = 0;                                 // [m] cylinder, sphere
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // [m] cylinder, sphere
+  double depth = 0;   // [m] of the prism, along z; 0: two dimensions, all per metre of depth
+  double middle = 0;  // [m] z of the prism's middle
+};
+
+/// A symmetric wedge with its apex down: faces at the deadrise angle up to the chines, vertical sides, a flat
+/// deck. Without sides where height = draught.
+struct Wedge {
+  double deadrise = 0;                             // [rad] of a face against the horizontal
+  double width = 0;                                // [m] between the chines
+  double height = 0;                               // [m] from the apex to the deck
+  Eigen::Vector3d apex = Eigen::Vector3d::Zero();  // [m]
+};
+double draught(const Wedge&);  // [m] of the chines above the apex
+std::vector<Eigen::Vector2d> wedge_polygon(const Wedge&);
+
+/// The polygon that stands for a circle: about `spacing` between its corners, a multiple of four of them, the
+/// first at the bottom, and the circle's own area.
+std::vector<Eigen::Vector2d> circle_polygon(const Eigen::Vector2d& centre, double radius, double spacing);
+
+double polygon_area(const std::vector<Eigen::Vector2d>&);  // [m²], positive when counter-clockwise
+bool inside_polygon(const std::vector<Eigen::Vector2d>&, const Eigen::Vector2d& x);
+double distance_to_polygon(const std::vector<Eigen::Vector2d>&,
+                           const Eigen::Vector2d& x);  // to its edges [m]
+
+/// What is wrong with a polygon as the outline of a body whose surface is resolved to `spacing` [m].
+struct PolygonFault {
+  std::string problem, fix;  // both empty: nothing
+};
+PolygonFault polygon_fault(const std::vector<Eigen::Vector2d>&, double spacing);
+
+}  // namespace strake::structure

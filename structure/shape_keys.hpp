@@ -1,0 +1,15 @@
+#pragma once
+
+#include "structure/parameters.hpp"
+
+namespace strake::structure {
+
+/// Reads the one shape of [structure]: plate, outline, wedge, cylinder or sphere, and in three dimensions how
+/// far it reaches along z. Throws Error(case_file) for a shape that no body can have.
+void read_shape(const CaseFile&, CaseTable structure, Parameters&);
+
+/// Reads what only rigid bodies have: mass and inertia, motion by a table, turning, freedom; checks them
+/// against one another.
+void read_body(const CaseFile&, CaseTable structure, const CommonKeys&, Parameters&);
+
+}  // namespace strake::structure
