@@ -114,10 +114,14 @@ void read_pressure(CaseTable t, Scheme& s) {
 
 /// C_s = (C_ν³/C_ε)^¼: cs given sets the default of c_eps, and the other way round.
 void read_turbulence(CaseTable t, Scheme& s) {
-  t.choice("model", s.turbulence, {{"static", Turbulence::statics}, {"none", Turbulence::none}},
-           {.not_built = {"k"}, .help = "sub-particle-scale model in local equilibrium"});
-  t.choice("sps", s.sps, {{"stress_pair", SpsForm::stress_pair}, {"laplacian", SpsForm::laplacian}},
-           {.help = "its divergence: antisymmetric pairs, which keep momentum, or with the Laplacian"});
+  t.choice("model", s.turbulence,
+           {{"static", Turbulence::statics}, {"k", Turbulence::k}, {"none", Turbulence::none}},
+           {.help = "sub-particle-scale model: local equilibrium, or an equation for its energy k"});
+  t.choice(
+      "sps", s.sps,
+      {{"joint", SpsForm::joint}, {"stress_pair", SpsForm::stress_pair}, {"laplacian", SpsForm::laplacian}},
+      {.paper = "stress_pair",
+       .help = "viscous sum: one for nu and the model, stress pairs beside nu's, or all as Laplacian"});
   t.number("c_nu", s.c_nu, {.min = 0, .exclusive = true, .help = "eddy viscosity = c_nu l0 sqrt(k)"});
   const NumberKey eps{.min = 0, .exclusive = true, .help = "dissipation = c_eps k^1.5 / l0"};
   const NumberKey smagorinsky{

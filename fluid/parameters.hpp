@@ -17,7 +17,7 @@ enum class Gradient { min_pressure, pairwise, corrected };
 enum class SecondCriterion { none, asymmetry, arc };
 enum class AntiPenetration { none, average, collision };
 enum class Turbulence { none, statics, k };
-enum class SpsForm { stress_pair, laplacian };
+enum class SpsForm { joint, stress_pair, laplacian };
 enum class PressureSolver { cg, cholmod };
 enum class Preconditioner { jacobi, ic };
 enum class SolidVelocity { replace, add };
@@ -48,7 +48,7 @@ struct Scheme {
   int pressure_max_iterations = 5000;
   double shifting = 0.0;  // A of PHYSICS §10.4; 0: off
   Turbulence turbulence = Turbulence::statics;
-  SpsForm sps = SpsForm::stress_pair;
+  SpsForm sps = SpsForm::joint;
   double c_nu = 0.08, c_eps = 1.0;  // C_s = (c_nu³/c_eps)^¼
   bool wall_damping = false;
 };

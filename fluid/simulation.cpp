@@ -59,12 +59,11 @@ double Simulation<dim>::stable_dt() const {
   const Work& w = *work_;
   const double l0 = w.p.spacing;
   const double fastest = std::sqrt(w.state.velocity.colwise().squaredNorm().maxCoeff());
-  const double eddy = w.p.scheme.c_nu * l0 * std::sqrt(std::max(0.0, w.state.sps_k.maxCoeff()));
   double dt = std::numeric_limits<double>::infinity();
   if (fastest > 0) dt = std::min(dt, w.p.scheme.cfl * l0 / fastest);
   if (w.p.gravity.norm() > 0) dt = std::min(dt, 0.25 * std::sqrt(l0 / w.p.gravity.norm()));
   dt = std::min(dt, column_step(w.p));
-  if (w.p.kinematic_viscosity + eddy > 0) dt = std::min(dt, 0.1 * l0 * l0 / (w.p.kinematic_viscosity + eddy));
+  dt = std::min(dt, viscous_limit(w.p, w.state.sps_k.maxCoeff()));
   return dt;
 }
 

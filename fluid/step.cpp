@@ -5,7 +5,6 @@
 #include "fluid/interface_load.hpp"
 #include "fluid/number_density.hpp"
 #include "fluid/operators.hpp"
-#include "fluid/turbulence.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -129,13 +128,18 @@ void Simulation<dim>::Work::predict() {
     const std::int32_t first = boundary.master_of(i);
     if (state.surface[static_cast<std::size_t>(first < 0 ? i : first)]) wet[static_cast<std::size_t>(i)] = 0;
   }
-  ViscousStage<dim> stage =
-      viscous_stage<dim>(state.position, state.velocity, p, near_gradient(), *far, Masks{wet, wet});
-  viscous = std::move(stage.acceleration);
-  if (stage.sps.k.size() == state.sps_k.size()) state.sps_k = stage.sps.k;
+  describe_rows<dim>(boundary, state, p.wall == WallSlip::free_slip, p.spacing, walls);
+  if (p.scheme.wall_damping) {
+    wall_distance.resize(static_cast<std::size_t>(water));
+    for (std::int64_t i = 0; i < water; ++i)
+      wall_distance[static_cast<std::size_t>(i)] = boundary.tank().distance(state.position.col(i));
+  }
+  viscous.compute(
+      p, {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface, wall_distance},
+      dt, state.sps_k);
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.parked(state, i)) continue;
-    state.velocity.col(i) += dt * (viscous.col(i) + gravity);
+    state.velocity.col(i) += dt * (viscous.acceleration.col(i) + gravity);
     state.impulse_of_gravity += mass * dt * gravity;
   }
   if (!at_star()) return;
@@ -265,9 +269,14 @@ void Simulation<dim>::Work::shift() {
 template <int dim>
 void Simulation<dim>::Work::load_interface() {
   const StageClock clock(seconds, "load");
-  const LoadTerms<dim> terms{
-      viscous,   gravity, motion->acceleration, p.scheme.gradient, gradient_lattice, p.density,
-      p.spacing, &level};
+  const LoadTerms<dim> terms{viscous.acceleration,
+                             gravity,
+                             motion->acceleration,
+                             p.scheme.gradient,
+                             gradient_lattice,
+                             p.density,
+                             p.spacing,
+                             &level};
   const RowForces<dim> forces = row_forces<dim>(state, boundary, near_gradient(), terms);
   force = gather_on_points<dim>(forces, boundary);
   floor = Vector<dim>::Zero();

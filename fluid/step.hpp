@@ -7,6 +7,7 @@
 #include "fluid/poisson_solver.hpp"
 #include "fluid/pressure.hpp"
 #include "fluid/simulation.hpp"
+#include "fluid/viscous_stage.hpp"
 
 #include <Eigen/Core>
 
@@ -59,7 +60,10 @@ struct Simulation<dim>::Work {
   const InterfaceMotion* motion = nullptr;
   const Neighbours* far = nullptr;
   Vector<dim> gravity;
-  Vectors<dim> viscous, gradient;
+  ViscousStage<dim> viscous;
+  WallRows<dim> walls;
+  std::vector<double> wall_distance;  // of the water [m], with wall damping
+  Vectors<dim> gradient;
   Eigen::VectorXd level;  // of the pairs of water and body, with the symmetric gradient
   Eigen::VectorXd n, divergence, deviation;
   std::vector<Row> row;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
-#include "fluid/number_density.hpp"
 #include "fluid/viscosity.hpp"
 
 namespace strake::fluid {
@@ -12,34 +12,68 @@ namespace {
 
 using std::size_t;
 
-/// With fewer neighbours than this a particle is spray: its velocity gradient means nothing (PHYSICS §1).
-constexpr int fewest_neighbours = 4;
 constexpr double van_driest_a = 26;  // A⁺
-
-/// 1 − exp(−y⁺/26), y⁺ = y u_τ/ν, with the friction velocity from the local shear, u_τ² = ν |S|.
-double van_driest(double distance, double rate, double kinematic_viscosity) {
-  if (kinematic_viscosity <= 0) return 1;
-  const double y_plus = std::max(distance, 0.0) * std::sqrt(rate / kinematic_viscosity);
-  return 1 - std::exp(-y_plus / van_driest_a);
-}
-
-/// Distance to the floor and the sides of the tank [m].
-template <int dim>
-Eigen::VectorXd distance_to_tank(const Vectors<dim>& position, const Box& tank) {
-  Eigen::VectorXd distance = position.row(1).transpose().array() - tank.min[1];
-  for (int d = 0; d < dim; ++d) {
-    if (d == 1) continue;
-    distance = distance.array()
-                   .min(position.row(d).transpose().array() - tank.min[d])
-                   .min(tank.max[d] - position.row(d).transpose().array());
-  }
-  return distance;
-}
 
 }  // namespace
 
 double SpsModel::cs() const {
   return std::pow(c_nu * c_nu * c_nu / c_eps, 0.25);
+}
+
+double SpsModel::damping(double distance, double production) const {
+  if (kinematic_viscosity <= 0) return 1;
+  const double y_plus = std::max(distance, 0.0) * std::sqrt(std::sqrt(production) / kinematic_viscosity);
+  const double factor = 1 - std::exp(-y_plus / van_driest_a);
+  return factor * factor;
+}
+
+SpsModel sps_model(const Parameters& p) {
+  return {p.scheme.c_nu, p.scheme.c_eps, p.spacing, p.kinematic_viscosity, p.scheme.wall_damping};
+}
+
+double viscous_limit(const Parameters& p, double largest_k) {
+  double viscosity = p.kinematic_viscosity;
+  if (p.scheme.turbulence != Turbulence::none)
+    viscosity += sps_model(p).eddy_viscosity(std::max(0.0, largest_k));
+  return viscosity > 0 ? 0.125 * p.spacing * p.spacing / viscosity : std::numeric_limits<double>::infinity();
+}
+
+template <int dim>
+void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const LatticeConstants& lattice,
+               const Eigen::VectorXd& production, const Eigen::VectorXd& eddy_viscosity, double dt,
+               Eigen::VectorXd& k, Eigen::VectorXd& scratch) {
+  const WallRows<dim>& walls = flow.walls;
+  const double scale = dt * 2 * dim / (lattice.n0 * lattice.lambda0);
+  const double b = 0.5 * model.c_eps / model.filter * dt;
+  scratch.setZero(k.size());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < walls.first; ++i) {
+    const double q = std::sqrt(k[i]), a = 0.5 * model.c_nu * model.filter * production[i] * dt;
+    const double grown = (q + a) / (1 + b * q);
+    const auto columns = flow.near.row(i);
+    const auto inverses = flow.near.inverses(i);
+    double inflow = 0, share = 0;
+    for (size_t e = 0; e < columns.size(); ++e) {
+      const std::int64_t j = columns[e];
+      const double w = lattice.radius * inverses[e] - 1;
+      if (w <= 0) continue;
+      if (j < walls.first) {
+        const double flux =
+            scale * w * (model.kinematic_viscosity + 0.5 * (eddy_viscosity[i] + eddy_viscosity[j]));
+        inflow += flux * k[j];
+        share += flux;
+      } else if (!flow.dry(j) && !walls.slip[static_cast<size_t>(j - walls.first)]) {
+        // k on the line through zero at the face: k_j = −k_i depth/distance.
+        const auto normal = walls.normal.col(j - walls.first);
+        const double depth = walls.depth[j - walls.first];
+        const double distance = (flow.position.col(i) - flow.position.col(j)).dot(normal) - depth;
+        const double reach = 1 + depth / std::max(distance, 0.25 * model.filter);
+        share += scale * w * reach * (model.kinematic_viscosity + 0.5 * eddy_viscosity[i]);
+      }
+    }
+    scratch[i] = (grown * grown + inflow) / (1 + share);
+  }
+  k.swap(scratch);
 }
 
 // Pr = 2 S_lm S_lm, S = ½(∇u + ∇uᵀ). In the plane this is 2[(∂u/∂x)² + (∂v/∂y)²] + (∂u/∂y + ∂v/∂x)².
@@ -49,26 +83,21 @@ double production(const Tensor<dim>& velocity_gradient) {
   return 2 * strain_rate.squaredNorm();
 }
 
-// k = (C_ν/C_ε) Δ² Pr and ν_t = (C_s Δ)² Pr^½ follow from production = dissipation. Damping acts on the
-// length C_s Δ, so on ν_t with its square.
 template <int dim>
 SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<const std::int32_t> counts,
-                     const SpsModel& model, const Eigen::VectorXd& wall_distance, const Masks& masks) {
+                     const SpsModel& model, std::span<const double> wall_distance, const Masks& masks) {
   assert(counts.size() == velocity_gradient.size());
-  assert(!model.wall_damping || wall_distance.size() == static_cast<Eigen::Index>(counts.size()));
+  assert(!model.wall_damping || wall_distance.size() == counts.size());
   const auto n = static_cast<Eigen::Index>(velocity_gradient.size());
-  const double mixing = model.cs() * model.filter;
   SpsFields fields{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
 #pragma omp parallel for schedule(static)
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto p = static_cast<size_t>(i);
     if ((!masks.row.empty() && !masks.row[p]) || counts[p] < fewest_neighbours) continue;
-    const double pr = production<dim>(velocity_gradient[p]), rate = std::sqrt(pr);
-    double length = mixing;
-    if (model.wall_damping) length *= van_driest(wall_distance[i], rate, model.kinematic_viscosity);
-    fields.production[i] = pr;
-    fields.k[i] = model.c_nu / model.c_eps * model.filter * model.filter * pr;
-    fields.eddy_viscosity[i] = length * length * rate;
+    fields.production[i] = production<dim>(velocity_gradient[p]);
+    fields.k[i] = model.equilibrium(fields.production[i]);
+    fields.eddy_viscosity[i] = model.eddy_viscosity(fields.k[i]);
+    if (model.wall_damping) fields.eddy_viscosity[i] *= model.damping(wall_distance[p], fields.production[i]);
   }
   return fields;
 }
@@ -107,45 +136,12 @@ Vectors<dim> sps_acceleration_laplacian(const Vectors<dim>& position, const Vect
   return acceleration;
 }
 
-template <int dim>
-ViscousStage<dim> viscous_stage(const Vectors<dim>& position, const Vectors<dim>& velocity,
-                                const Parameters& parameters, const Neighbours& near, const Neighbours& far,
-                                const Masks& masks, const Eigen::VectorXd& wall_distance) {
-  const auto& scheme = parameters.scheme;
-  const double l0 = parameters.spacing, nu = parameters.kinematic_viscosity;
-  const auto laplacian_lattice = lattice_constants<dim>(scheme.radius_laplacian, l0);
-  ViscousStage<dim> stage;
-  if (scheme.turbulence == Turbulence::none) {
-    stage.acceleration = viscous_acceleration<dim>(velocity, far, laplacian_lattice, nu, masks);
-    return stage;
-  }
-  assert(scheme.turbulence == Turbulence::statics);
-  const auto gradient_lattice = lattice_constants<dim>(scheme.radius_gradient, l0);
-  std::vector<Tensor<dim>> correction;
-  if (scheme.gradient == Gradient::corrected)
-    correction = gradient_correction<dim>(position, near, gradient_lattice, masks);
-  const auto gradient = velocity_gradient<dim>(position, velocity, near, gradient_lattice, correction, masks);
-  const SpsModel model{scheme.c_nu, scheme.c_eps, l0, nu, scheme.wall_damping};
-  const bool needs_distance = model.wall_damping && wall_distance.size() == 0;
-  stage.sps = sps_fields<dim>(
-      gradient, neighbour_counts(near, gradient_lattice.radius), model,
-      needs_distance ? distance_to_tank<dim>(position, parameters.tank) : wall_distance, masks);
-  if (scheme.sps == SpsForm::laplacian) {
-    stage.acceleration = sps_acceleration_laplacian<dim>(position, velocity, gradient, stage.sps, model, far,
-                                                         gradient_lattice, laplacian_lattice, masks);
-  } else {
-    stage.acceleration = viscous_acceleration<dim>(velocity, far, laplacian_lattice, nu, masks);
-    stage.acceleration += sps_acceleration<dim>(position, gradient, stage.sps, near, gradient_lattice, masks);
-  }
-  return stage;
-}
-
 template double production<2>(const Tensor<2>&);
 template double production<3>(const Tensor<3>&);
 template SpsFields sps_fields<2>(std::span<const Tensor<2>>, std::span<const std::int32_t>, const SpsModel&,
-                                 const Eigen::VectorXd&, const Masks&);
+                                 std::span<const double>, const Masks&);
 template SpsFields sps_fields<3>(std::span<const Tensor<3>>, std::span<const std::int32_t>, const SpsModel&,
-                                 const Eigen::VectorXd&, const Masks&);
+                                 std::span<const double>, const Masks&);
 template Vectors<2> sps_acceleration<2>(const Vectors<2>&, std::span<const Tensor<2>>, const SpsFields&,
                                         const Neighbours&, const LatticeConstants&, const Masks&);
 template Vectors<3> sps_acceleration<3>(const Vectors<3>&, std::span<const Tensor<3>>, const SpsFields&,
@@ -158,11 +154,11 @@ template Vectors<3> sps_acceleration_laplacian<3>(const Vectors<3>&, const Vecto
                                                   std::span<const Tensor<3>>, const SpsFields&,
                                                   const SpsModel&, const Neighbours&, const LatticeConstants&,
                                                   const LatticeConstants&, const Masks&);
-template ViscousStage<2> viscous_stage<2>(const Vectors<2>&, const Vectors<2>&, const Parameters&,
-                                          const Neighbours&, const Neighbours&, const Masks&,
-                                          const Eigen::VectorXd&);
-template ViscousStage<3> viscous_stage<3>(const Vectors<3>&, const Vectors<3>&, const Parameters&,
-                                          const Neighbours&, const Neighbours&, const Masks&,
-                                          const Eigen::VectorXd&);
+template void advance_k<2>(const ViscousFlow<2>&, const SpsModel&, const LatticeConstants&,
+                           const Eigen::VectorXd&, const Eigen::VectorXd&, double, Eigen::VectorXd&,
+                           Eigen::VectorXd&);
+template void advance_k<3>(const ViscousFlow<3>&, const SpsModel&, const LatticeConstants&,
+                           const Eigen::VectorXd&, const Eigen::VectorXd&, double, Eigen::VectorXd&,
+                           Eigen::VectorXd&);
 
 }  // namespace strake::fluid

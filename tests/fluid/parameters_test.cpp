@@ -104,8 +104,6 @@ TEST(FluidKeys, smagorinskys_constant_sets_the_dissipation) {
 TEST(FluidKeys, values_that_are_not_built_yet_are_refused_by_name) {
   expect_in(error_of({"fluid.scheme.pressure.solver=hypre"}), "not built yet");
   expect_in(error_of({"fluid.scheme.pressure.preconditioner=multilevel"}), "not built yet");
-  expect_in(error_of({"fluid.scheme.turbulence.model=k"}), "not built yet");
-  expect_in(error_of({"fluid.dimension=3"}), "not built yet");
 }
 
 TEST(FluidKeys, a_wrong_key_or_value_is_refused_with_its_name) {

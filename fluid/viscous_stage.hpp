@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <span>
+#include <vector>
+
+#include "fluid/operators.hpp"
+#include "fluid/turbulence.hpp"
+#include "fluid/viscous_walls.hpp"
+
+namespace strake::fluid {
+
+/// ν∇²u + ∇·τ of every particle [m/s²] (PHYSICS §1), and what it takes: owned by the caller, so that no step
+/// allocates. At a row it is the reaction of the water per mass of a water particle: times that mass the
+/// force on the row.
+///
+/// `joint` is one sum for ν and the model. With the corrected velocity gradient G = ∇u, the stress per
+/// density τ_i = (ν + ν_t)_i (G_i + G_iᵀ) − (2/3) k_i I and ν̄ = ν + (ν_t,i + ν_t,j)/2,
+///   f_ij = (d/n0) (τ_i + τ_j)·r_ij w/r² + (2d/(n0 λ)) ν̄ (u_j − u_i − ½ (G_i + G_j) r_ij) w,   a_i = Σ_j
+///   f_ij.
+/// The first part is the stress through the pair; alone it would not see a velocity that alternates from
+/// particle to particle. The second is the compact Laplacian of what G misses: nothing in a linear or
+/// quadratic flow, all of it for the alternating one. f is antisymmetric, so linear momentum is exact; a
+/// rigid rotation has no force, at a free surface too, where missing neighbours mean that no stress acts
+/// (∇u·n = 0 of the Laplacian alone would brake it). A pair of water i and row j reads G_i, ν_i, k_i for both
+/// and the velocity that carries the flow on behind the face; a smooth face takes the force along its normal
+/// alone.
+///
+/// With the corrected pressure gradient, which gives up exact momentum for accuracy, water inside sums
+/// (τ_j − τ_i)·C_i r_ij instead: a uniform stress has no force however the particles lie.
+///
+/// `stress_pair` and `laplacian` are the forms of the paper's time, see turbulence.hpp.
+template <int dim>
+class ViscousStage {
+ public:
+  /// k: the energy at the start of the step, advanced by dt with the k model, else overwritten [m²/s²].
+  void compute(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
+
+  Vectors<dim> acceleration;       // [m/s²]
+  Eigen::VectorXd production;      // Pr = 2 S:S [1/s²]
+  Eigen::VectorXd eddy_viscosity;  // ν_t [m²/s]
+
+ private:
+  /// One cache line or two: what a neighbour must know of a particle.
+  static constexpr int components = dim * (dim + 1) / 2;
+  struct alignas(32) Sample {
+    double x[dim], u[dim];
+  };
+  struct alignas(64) Stress {
+    double tau[components], viscosity, g[dim * dim];
+  };
+  struct Symmetric {
+    double c[components];
+  };
+  void gather_gradient(const ViscousFlow<dim>&, const LatticeConstants&);
+  void close(const Parameters&, const ViscousFlow<dim>&, const LatticeConstants&, double dt,
+             Eigen::VectorXd& k);
+  void gather_force(bool corrected, const ViscousFlow<dim>&, const LatticeConstants&);
+  template <bool corrected>
+  Vector<dim> force_on_water(std::int64_t i, const ViscousFlow<dim>&, const LatticeConstants&) const;
+  template <bool corrected>
+  Vector<dim> pair_with_row(std::int64_t i, std::int64_t j, double w, double inverse, const ViscousFlow<dim>&,
+                            const LatticeConstants&) const;
+  Vector<dim> force_on_row(std::int64_t j, const ViscousFlow<dim>&, const LatticeConstants&) const;
+  void separate(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
+
+  VelocityBehind<dim> behind_;
+  std::vector<Sample> sample_;
+  std::vector<Stress> stress_;
+  std::vector<Symmetric> correction_;
+  std::vector<std::int32_t> neighbours_;  // of the water; −1: too few or too flat for a gradient
+  std::vector<std::uint8_t> seen_;
+  Eigen::VectorXd scratch_;
+};
+
+}  // namespace strake::fluid
