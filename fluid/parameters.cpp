@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "fluid/fill.hpp"
+#include "fluid/tank_keys.hpp"
 
 namespace strake::fluid {
 namespace {
@@ -16,8 +17,6 @@ constexpr double arc_radius = 2.1;  // [l0] the arc test looks so far
 
 void read_water(CaseTable t, Parameters& p) {
   t.integer("dimension", p.dimension, {.min = 2, .max = 3, .help = "2: xy-plane, per metre of depth"});
-  if (p.dimension == 3)
-    throw t.error("dimension", "2: three dimensions are not built yet", "fluid.dimension = 2");
   t.number(
       "spacing", p.spacing,
       {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "initial particle distance l0"});
@@ -36,8 +35,6 @@ void read_water(CaseTable t, Parameters& p) {
        .paper = infinity,
        .help =
            "of the water; inf: incompressible, where the pressure of a flat impact grows as 1/time_step"});
-  t.box("tank", p.tank, {.unit = "m", .required = true, .help = "inner faces of the tank, open at the top"});
-  t.box("water", p.water, {.unit = "m", .required = true, .help = "the water at the start, inside the tank"});
 }
 
 void read_radii(CaseTable t, Scheme& s) {
@@ -211,6 +208,7 @@ Parameters read(CaseFile& file, const CommonKeys& common) {
     if (probe.of == "fluid") p.probes.push_back(probe);
   CaseTable fluid = file.root().table("fluid", "the fluid: its box, its material, its scheme");
   read_water(fluid, p);
+  read_tank(fluid, common, p);
   for (ProbeKeys& probe : p.probes)
     if (probe.diameter == 0) probe.diameter = 2 * p.spacing;
   read_scheme(fluid.table("scheme", "the particle method; preset = paper | improved sets the defaults"),

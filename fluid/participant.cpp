@@ -8,6 +8,7 @@
 
 #include "fluid/interface_load.hpp"
 #include "fluid/state_archive.hpp"
+#include "fluid/tank_shape.hpp"
 #include "proto/error.hpp"
 
 namespace strake::fluid {
@@ -73,10 +74,7 @@ void FluidParticipant<dim>::check_sensors() const {
     if (has_body_) {
       nearest = (mesh().position.colwise() - probe.at).colwise().norm().minCoeff();
     } else {
-      for (int d = 0; d < dim; ++d) {
-        nearest = std::min(nearest, probe.at[d] - parameters_.tank.min[d]);
-        if (d != 1) nearest = std::min(nearest, parameters_.tank.max[d] - probe.at[d]);
-      }
+      nearest = std::abs(TankShape<dim>(parameters_).distance(probe.at.template head<dim>()));
       nearest += 0.5 * parameters_.spacing;  // to the middle of the nearest wall particle's face, at worst
     }
     if (nearest <= 0.5 * probe.diameter) continue;
@@ -281,12 +279,10 @@ void FluidParticipant<dim>::flush() {
 template <int dim>
 Frame FluidParticipant<dim>::frame() const {
   const State<dim>& state = simulation_.state();
-  const double end =
-      parameters_.tank.max[0] + 2 * parameters_.spacing;  // lost particles are parked beyond it
   std::vector<Eigen::Index> shown;
   for (std::size_t i = 0; i < state.kind.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    if (has_pressure(state.kind[i]) && (state.kind[i] != Kind::fluid || state.position(0, k) <= end))
+    if (has_pressure(state.kind[i]) && !simulation_.parked(k))
       shown.push_back(k);
   }
   const auto n = static_cast<Eigen::Index>(shown.size());

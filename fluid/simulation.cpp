@@ -80,6 +80,11 @@ void Simulation<dim>::set_state(const State<dim>& state) {
 }
 
 template <int dim>
+bool Simulation<dim>::parked(std::int64_t i) const {
+  return work_->boundary.parked(work_->state, i);
+}
+
+template <int dim>
 State<dim>& Simulation<dim>::mutable_state() {
   return work_->state;
 }

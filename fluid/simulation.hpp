@@ -47,6 +47,7 @@ class Simulation {
   double stable_dt() const;  // [s] at the present state
   const State<dim>& state() const;
   void set_state(const State<dim>&);  // invalidates neighbour lists and factorisations
+  bool parked(std::int64_t i) const;  // particle i has left the tank
   State<dim>& mutable_state();        // for probes and accounts kept by the participant
   /// Wall seconds per stage since construction: neighbours, predictor, density, pressure, corrector, load.
   const std::map<std::string, double>& seconds() const;
