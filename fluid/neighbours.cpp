@@ -6,6 +6,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "proto/error.hpp"
@@ -18,9 +19,12 @@ using std::size_t;
 /// Square of |x_j − x_i| [m²]. This file is compiled without contraction to fused operations, so that i-j and
 /// j-i give the same bits.
 template <int dim>
-inline double squared_distance(const double* a, const double* b) {
+inline double squared_distance(const double* a, const double* b, const Periodic<dim>& periodic) {
   double sum = 0;
-  for (int d = 0; d < dim; ++d) sum += (b[d] - a[d]) * (b[d] - a[d]);
+  for (int d = 0; d < dim; ++d) {
+    const double r = periodic.nearest(b[d] - a[d], d);
+    sum += r * r;
+  }
   return sum;
 }
 
@@ -173,8 +177,17 @@ void drop_filler_pairs(std::span<const std::uint8_t> tag, std::vector<std::int64
 }  // namespace
 
 template <int dim>
-NeighbourSearch<dim>::NeighbourSearch(double radius, double skin) : radius_(radius), skin_(skin) {
+NeighbourSearch<dim>::NeighbourSearch(double radius, double skin, const Periodic<dim>& periodic)
+    : radius_(radius), skin_(skin), periodic_(periodic) {
   assert(radius > 0 && skin >= 0);
+  for (int d = 0; d < dim; ++d)
+    if (const double length = periodic.length()[d], least = 2 * (radius + skin);
+        length > 0 && !(length >= least))
+      throw Error(
+          ExitCode::case_file, "fluid.periodic",
+          fmt::format("the period of {:.6g} m along {} is shorter than twice the search radius, {:.6g} m",
+                      length, "xyz"[d], least),
+          "make fluid.tank larger along it, or fluid.spacing smaller");
 }
 
 template <int dim>
@@ -189,6 +202,38 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
   const auto n = position.cols();
   const double reach = radius_ + skin_;
   const CellGrid<dim> grid(position, reach);
+  if (periodic_.any()) {
+    // Over each seam once more: at most one image of a partner is in reach.
+    candidate_.clear();
+    candidate_start_.assign(1, 0);
+    Buffer mine;
+    const Vector<dim> length = periodic_.length();
+    for (Eigen::Index i = 0; i < n; ++i) {
+      mine.used = 0;
+      for (int image = 0; image < (dim == 2 ? 9 : 27); ++image) {
+        const std::array<int, 3> over{image % 3 - 1, image / 3 % 3 - 1, dim == 2 ? 0 : image / 9 - 1};
+        Vector<dim> at = position.col(i);
+        bool exists = true;
+        for (int d = 0; d < dim; ++d) {
+          const int count = over[static_cast<size_t>(d)];
+          exists = exists && (count == 0 || periodic_.along(d));
+          at[d] += count * length[d];
+        }
+        if (exists) grid.append_within(at.data(), reach * (1 + 1e-9), mine);
+      }
+      const auto begin = mine.value.begin(), end = begin + static_cast<std::ptrdiff_t>(mine.used);
+      std::sort(begin, end);
+      std::copy_if(begin, end, std::back_inserter(candidate_), [i](std::int32_t j) { return j != i; });
+      candidate_start_.push_back(static_cast<std::int64_t>(candidate_.size()));
+    }
+    if (!tag.empty()) drop_filler_pairs(tag, candidate_start_, candidate_);
+    candidate_squared_.resize(candidate_.size());
+    built_at_ = position;
+    built_tag_.assign(tag.begin(), tag.end());
+    valid_ = true;
+    ++rebuilds_;
+    return;
+  }
   // First each particle's partners in the cells' order, in blocks of particles; then the transpose, whose
   // rows come out sorted because the relation is symmetric.
   constexpr Eigen::Index block = 1024;
@@ -242,7 +287,8 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
     // built.
     const double limit = 0.25 * skin_ * skin_;
     for (Eigen::Index i = 0; i < n && valid_; ++i)
-      if (!(squared_distance<dim>(position.col(i).data(), built_at_.col(i).data()) <= limit)) valid_ = false;
+      if (!(squared_distance<dim>(position.col(i).data(), built_at_.col(i).data(), periodic_) <= limit))
+        valid_ = false;
   }
   if (!valid_) rebuild(position, tag);
 
@@ -264,7 +310,7 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
     for (auto c = first; c < last; ++c) {
       double sum = 0;
       for (int d = 0; d < dim; ++d) {
-        const double difference = x[dim * column[c] + d] - at[static_cast<size_t>(d)];
+        const double difference = periodic_.nearest(x[dim * column[c] + d] - at[static_cast<size_t>(d)], d);
         sum += difference * difference;
       }
       square[c] = sum > nearest ? sum : dropped;

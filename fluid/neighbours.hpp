@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "fluid/periodic.hpp"
 #include "fluid/state.hpp"
 
 namespace strake::fluid {
@@ -52,8 +53,9 @@ using KeepPair = std::function<bool(std::int32_t i, std::int32_t j)>;
 template <int dim>
 class NeighbourSearch {
  public:
-  /// radius: largest interaction radius [m]; skin: [m], 0.2 l0 pays (PHYSICS §16.5).
-  NeighbourSearch(double radius, double skin);
+  /// radius: largest interaction radius [m]; skin: [m], 0.2 l0 pays (PHYSICS §16.5). Throws Error(case_file)
+  /// when a period is shorter than 2 (radius + skin), where a particle would meet two images of another.
+  NeighbourSearch(double radius, double skin, const Periodic<dim>& = {});
   /// Rows of the largest radius. tag: empty, or one byte per particle (PairTag).
   const Neighbours& update(const Vectors<dim>& position, std::span<const std::uint8_t> tag = {},
                            const KeepPair& keep = {});
@@ -72,6 +74,7 @@ class NeighbourSearch {
     Neighbours rows;
   };
   double radius_, skin_;
+  Periodic<dim> periodic_;
   bool valid_ = false;
   std::int64_t rebuilds_ = 0;
   Vectors<dim> built_at_;

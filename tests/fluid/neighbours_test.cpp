@@ -14,11 +14,12 @@ namespace strake::fluid {
 namespace {
 
 template <int dim>
-std::vector<std::vector<std::int32_t>> every_pair(const Vectors<dim>& position, double radius) {
+std::vector<std::vector<std::int32_t>> every_pair(const Vectors<dim>& position, double radius,
+                                                  const Periodic<dim>& periodic = {}) {
   std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(position.cols()));
   for (std::int32_t i = 0; i < position.cols(); ++i)
     for (std::int32_t j = 0; j < position.cols(); ++j)
-      if (i != j && (position.col(j) - position.col(i)).norm() < radius)
+      if (i != j && periodic.separation(position.col(i), position.col(j)).norm() < radius)
         rows[static_cast<std::size_t>(i)].push_back(j);
   return rows;
 }
@@ -140,6 +141,79 @@ TEST(Neighbours, coincident_particles_do_not_see_one_another) {
   const auto& rows = search.update(position);
   for (const double inverse : rows.inverse()) EXPECT_TRUE(std::isfinite(inverse));
   for (const auto j : rows.row(12)) EXPECT_NE(j, 3);
+}
+
+template <int dim>
+Vectors<dim> anywhere(int count, const Vector<dim>& size, unsigned seed) {
+  Vectors<dim> position(dim, count);
+  std::mt19937 generator(seed);
+  for (int i = 0; i < count; ++i)
+    for (int d = 0; d < dim; ++d)
+      position(d, i) = std::uniform_real_distribution<double>(0, size[d])(generator);
+  return position;
+}
+
+template <int dim>
+void expect_pairs_over_the_seam(const Vector<dim>& size, const Vector<dim>& length, double radius) {
+  const Periodic<dim> periodic(length);
+  auto position = anywhere<dim>(600, size, 3);
+  NeighbourSearch<dim> search(radius, 0.05 * radius, periodic);
+  for (unsigned step = 0; step < 6; ++step) {
+    expect_rows(search.update(position), every_pair<dim>(position, radius, periodic));
+    jiggle<dim>(position, 0.01 * radius, step);
+    for (Eigen::Index i = 0; i < position.cols(); ++i)
+      position.col(i) = periodic.wrap(position.col(i), Vector<dim>::Zero());
+  }
+  EXPECT_LT(search.rebuilds(), 6);  // a particle that is wrapped has not moved by a period
+}
+
+TEST(Neighbours, pairs_are_found_over_the_seams_of_periodic_directions) {
+  expect_pairs_over_the_seam<2>({0.3, 0.2}, {0.3, 0}, 0.031);
+  expect_pairs_over_the_seam<2>({0.3, 0.2}, {0, 0.2}, 0.031);
+  expect_pairs_over_the_seam<2>({0.3, 0.2}, {0.3, 0.2}, 0.031);
+  expect_pairs_over_the_seam<2>({0.0652, 0.2}, {0.0652, 0}, 0.031);  // no wider than it must be
+  expect_pairs_over_the_seam<2>({0.098, 0.098}, {0.098, 0.098}, 0.031);
+  expect_pairs_over_the_seam<3>({0.2, 0.1, 0.15}, {0.2, 0, 0.15}, 0.031);
+  expect_pairs_over_the_seam<3>({0.066, 0.1, 0.066}, {0.066, 0, 0.066}, 0.031);
+}
+
+TEST(Neighbours, a_particle_parked_beyond_two_periods_sees_nobody) {
+  auto position = anywhere<2>(100, {0.3, 0.2}, 5);
+  position.col(40) << 0.75, 0.1;
+  NeighbourSearch<2> search(0.031, 0.002, Periodic<2>({0.3, 0}));
+  const auto& rows = search.update(position);
+  EXPECT_TRUE(rows.row(40).empty());
+}
+
+TEST(Neighbours, a_period_shorter_than_twice_the_reach_is_an_error_of_the_case) {
+  try {
+    NeighbourSearch<2>(0.031, 0.002, Periodic<2>({0.065, 0}));
+    FAIL() << "two images of one particle would be in reach";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::case_file);
+    EXPECT_EQ(error.where(), "fluid.periodic");
+    EXPECT_NE(error.problem().find("along x"), std::string::npos) << error.problem();
+  }
+}
+
+TEST(Periodic, separation_takes_the_shortest_way_and_is_odd_to_the_last_bit) {
+  const Periodic<2> periodic({0.7, 0});
+  const auto position = anywhere<2>(200, {0.7, 5}, 11);
+  for (Eigen::Index i = 0; i < 200; ++i)
+    for (Eigen::Index j = 0; j < 200; ++j) {
+      const Vector<2> r = periodic.separation(position.col(i), position.col(j));
+      EXPECT_LE(std::abs(r[0]), 0.35);
+      EXPECT_EQ(r[1], position(1, j) - position(1, i));
+      EXPECT_EQ(r, -periodic.separation(position.col(j), position.col(i)));
+    }
+}
+
+TEST(Periodic, wrap_puts_a_place_back_by_one_period) {
+  const Periodic<3> periodic({2, 0, 1});
+  EXPECT_EQ(periodic.wrap({3.5, 9, -0.25}, {1, 0, 0}), Vector<3>(1.5, 9, 0.75));
+  EXPECT_EQ(periodic.wrap({3, -9, 1}, {1, 0, 0}), Vector<3>(1, -9, 0));
+  EXPECT_EQ(Periodic<3>().wrap({7, 8, 9}, {0, 0, 0}), Vector<3>(7, 8, 9));
+  EXPECT_FALSE(Periodic<3>().any());
 }
 
 TEST(Neighbours, a_position_that_is_not_finite_is_an_error_that_names_the_particle) {
