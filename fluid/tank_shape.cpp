@@ -152,6 +152,25 @@ Eigen::Vector2d TankShape<dim>::mitre(std::size_t edge, double depth) const {
   return one.to - depth * (one.normal + two.normal) / (1 + one.normal.dot(two.normal));
 }
 
+/// Corners stand at the ends of a row, rims half an interval beyond it. The corner at its end is the first
+/// place of the next row.
+template <int dim>
+auto TankShape<dim>::row_of(std::size_t e, double depth) const -> Row {
+  const std::size_t before = (e + edges_.size() - 1) % edges_.size();
+  const Edge& edge = edges_[e];
+  Row row;
+  row.starts = joins(before);
+  row.ends = joins(e);
+  row.from = row.starts ? mitre(before, depth) : Vector2(edge.from - depth * edge.normal);
+  const Vector2 to = row.ends ? mitre(e, depth) : Vector2(edge.to - depth * edge.normal);
+  row.length = (to - row.from).dot(edge.along);
+  const double halves = (row.starts ? 0 : 0.5) + (row.ends ? 0 : 0.5);
+  const long intervals = std::max(1L, std::lround(row.length / spacing_ - halves));
+  row.interval = row.length / (static_cast<double>(intervals) + halves);
+  row.count = intervals + (row.ends ? 0 : 1);
+  return row;
+}
+
 template <int dim>
 WallParticles<dim> TankShape<dim>::polygon_particles(int dummy_rows) const {
   WallParticles<dim> all;
@@ -166,37 +185,36 @@ WallParticles<dim> TankShape<dim>::polygon_particles(int dummy_rows) const {
       for (std::size_t e = 0; e < n; ++e) {
         const Edge &edge = edges_[e], &last = edges_[(e + n - 1) % n];
         if (!edge.wall) continue;
-        const bool starts = joins((e + n - 1) % n), ends = joins(e);  // at a corner, or at an open rim
-        const Vector2 from =
-            starts ? mitre((e + n - 1) % n, depth) : Vector2(edge.from - depth * edge.normal);
-        const Vector2 to = ends ? mitre(e, depth) : Vector2(edge.to - depth * edge.normal);
-        const double length = (to - from).dot(edge.along);
-        if (length <= foreign * spacing_) continue;  // the faces beside it have met
-        // Corners stand at the ends of the row, rims half an interval beyond it. The end's corner is the
-        // first place of the next edge.
-        const double halves = (starts ? 0 : 0.5) + (ends ? 0 : 0.5);
-        const long intervals = std::max(1L, std::lround(length / spacing_ - halves));
-        const double h = length / (static_cast<double>(intervals) + halves);
-        const long count = intervals + (ends ? 0 : 1);
-        for (long j = 0; j < count; ++j) {
-          const Vector2 x = from + (static_cast<double>(j) + (starts ? 0 : 0.5)) * h * edge.along;
+        const Row line = row_of(e, depth);
+        if (line.length <= foreign * spacing_) continue;  // the faces beside it have met
+        const bool starts = line.starts, ends = line.ends;
+        for (long j = 0; j < line.count; ++j) {
+          const Vector2 x =
+              line.from + (static_cast<double>(j) + (starts ? 0 : 0.5)) * line.interval * edge.along;
           const Nearest near = nearest(x, true);
           if (near.inside || near.distance < depth - foreign * spacing_ || near.distance > deepest) continue;
           if (!places.take(x)) continue;
           WallParticle<dim> particle{x};
           const bool corner = j == 0 && starts;
-          const bool sharp = corner && std::abs(turn(last.along, edge.along)) > corner_angle;
+          // Beyond the end of its face, or in the mitre, it stands for the face around the corner as well.
+          const double s = (x - edge.from).dot(edge.along), slack = lattice_tolerance * spacing_;
+          const Edge* other = starts && (corner || s < -slack)  ? &last
+                              : ends && s > edge.length + slack ? &edges_[(e + 1) % n]
+                                                                : nullptr;
           particle.normal = corner ? (last.normal + edge.normal).normalized() : edge.normal;
-          if (sharp) particle.normal.setZero();
-          particle.floor = edge.normal.y() > level_floor || (corner && last.normal.y() > level_floor);
-          // The stretch of a face that is nearest to this place along it.
-          const auto covers = [&](const Edge& face) {
-            const double s = (x - face.from).dot(face.along);
-            return std::max(0.0, std::min(face.length, s + 0.5 * h) - std::max(0.0, s - 0.5 * h));
-          };
+          if (other &&
+              std::abs(std::acos(std::clamp(other->along.dot(edge.along), -1.0, 1.0))) > corner_angle)
+            particle.normal.setZero();
+          particle.floor = edge.normal.y() > level_floor || (other && other->normal.y() > level_floor);
+          // The stretch of its face that is nearest to it along the face; a corner's reaches to the end.
           if (row == 0) {
-            particle.area = covers(edge) * edge.normal;
-            if (corner) particle.area += covers(last) * last.normal;
+            const double from = corner ? 0 : s - 0.5 * line.interval, to = s + 0.5 * line.interval;
+            particle.area = std::max(0.0, std::min(edge.length, to) - std::max(0.0, from)) * edge.normal;
+            if (corner) {
+              const double start =
+                  (x - last.from).dot(last.along) - 0.5 * row_of((e + n - 1) % n, depth).interval;
+              particle.area += std::clamp(last.length - start, 0.0, last.length) * last.normal;
+            }
           }
           list.push_back(particle);
         }
@@ -277,6 +295,10 @@ double TankShape<dim>::distance_to_slanted(const Vector<dim>& x) const {
 namespace {
 
 bool segments_cross(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
+  for (int axis = 0; axis < 2; ++axis)  // edges on one line cross only where they overlap
+    if (std::max(a[axis], b[axis]) < std::min(c[axis], d[axis]) ||
+        std::max(c[axis], d[axis]) < std::min(a[axis], b[axis]))
+      return false;
   return cross(b - a, c - a) * cross(b - a, d - a) <= 0 && cross(d - c, a - c) * cross(d - c, b - c) <= 0;
 }
 
@@ -320,11 +342,12 @@ std::string polygon_fault(const Parameters& p, double reach) {
   for (std::size_t k = 0; k < n; ++k) area += 0.5 * cross(corners[k], corners[(k + 1) % n]);
   if (!(area > 0)) return "corners in counter-clockwise order";
   for (std::size_t k = 0; k < n; ++k) {
+    if (p.open_top && k + 1 == n) continue;  // no wall
     const Vector2 before = corners[k] - corners[(k + n - 1) % n], after = corners[(k + 1) % n] - corners[k];
     if (after.norm() < shortest * p.spacing)
       return fmt::format("edges of at least {:g} spacings: the one from {} is {:.3g} m long", shortest,
                          name(k), after.norm());
-    if (std::abs(turn(before, after)) > std::numbers::pi - sharpest)
+    if (!(p.open_top && k == 0) && std::abs(turn(before, after)) > std::numbers::pi - sharpest)
       return fmt::format("corners of at least {:.0f} degrees: the one at {} is sharper",
                          sharpest * 180 / std::numbers::pi, name(k));
   }

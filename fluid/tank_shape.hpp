@@ -58,6 +58,12 @@ class TankShape {
     double length = 0;
     bool wall = true, on_lattice = true;
   };
+  struct Row {  // of particles at one depth behind an edge: from + (j or j + ½) interval
+    Eigen::Vector2d from;
+    double length = 0, interval = 0;
+    long count = 0;
+    bool starts = false, ends = false;  // at a corner; else at an open rim
+  };
   struct Nearest {
     std::size_t edge = 0;
     double distance = 0;
@@ -67,6 +73,7 @@ class TankShape {
   WallParticles<dim> polygon_particles(int dummy_rows) const;
   Nearest nearest(const Vector<dim>& x, bool walls_alone) const;
   bool joins(std::size_t edge) const;  // a wall goes on at the edge's end
+  Row row_of(std::size_t edge, double depth) const;
   Eigen::Vector2d mitre(std::size_t edge, double depth) const;
 
   double spacing_;
