@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "fluid/fill.hpp"
+#include "fluid/poisson_solver.hpp"
 #include "fluid/tank_keys.hpp"
 
 namespace strake::fluid {
@@ -98,15 +99,25 @@ void read_anti_penetration(CaseTable t, Scheme& s) {
 }
 
 void read_pressure(CaseTable t, Scheme& s) {
-  t.choice("solver", s.pressure_solver, {{"cg", PressureSolver::cg}, {"cholmod", PressureSolver::cholmod}},
-           {.not_built = {"hypre"}, .help = "conjugate gradients, or a direct solver to check against"});
+  t.choice(
+      "solver", s.pressure_solver,
+      {{"cg", PressureSolver::cg}, {"cholmod", PressureSolver::cholmod}, {"hypre", PressureSolver::hypre}},
+      {.help = "conjugate gradients; to check against: a direct solver, or hypre's algebraic multigrid"});
+  if (s.pressure_solver == PressureSolver::hypre && !has_hypre())
+    throw t.error("solver", "cg or cholmod: the library hypre was not there when Strake was built",
+                  "install libhypre-dev and build anew, or solver = \"cg\"");
   t.choice("preconditioner", s.preconditioner,
-           {{"jacobi", Preconditioner::jacobi}, {"ic", Preconditioner::ic}},
-           {.paper = "ic", .not_built = {"multilevel"}, .help = "of cg: diagonal, or incomplete Cholesky"});
+           {{"auto", Preconditioner::automatic},
+            {"multilevel", Preconditioner::multilevel},
+            {"jacobi", Preconditioner::jacobi},
+            {"ic", Preconditioner::ic}},
+           {.paper = "ic",
+            .help = "of cg: grids over the particles' cells, diagonal, or incomplete Cholesky; auto: "
+                    "diagonal where compressibility makes it enough, else grids"});
   t.number(
       "tolerance", s.pressure_tolerance,
-      {.min = 0, .max = 1e-2, .exclusive = true, .help = "of cg: residual over right-hand side, 2-norms"});
-  t.integer("max_iterations", s.pressure_max_iterations, {.min = 1, .help = "of cg, per step"});
+      {.min = 0, .max = 1e-2, .exclusive = true, .help = "residual over right-hand side, 2-norms |b - A p| / |b|"});
+  t.integer("max_iterations", s.pressure_max_iterations, {.min = 1, .help = "of cg and hypre, per step"});
 }
 
 /// C_s = (C_ν³/C_ε)^¼: cs given sets the default of c_eps, and the other way round.

@@ -18,8 +18,8 @@ enum class SecondCriterion { none, asymmetry, arc };
 enum class AntiPenetration { none, average, collision };
 enum class Turbulence { none, statics, k };
 enum class SpsForm { joint, stress_pair, laplacian };
-enum class PressureSolver { cg, cholmod };
-enum class Preconditioner { jacobi, ic };
+enum class PressureSolver { cg, cholmod, hypre };
+enum class Preconditioner { automatic, jacobi, multilevel, ic };
 enum class SolidVelocity { replace, add };
 enum class WallSlip { no_slip, free_slip };
 
@@ -43,7 +43,7 @@ struct Scheme {
   double restitution = 0.2;
   bool collision_conserve = true;
   PressureSolver pressure_solver = PressureSolver::cg;
-  Preconditioner preconditioner = Preconditioner::jacobi;
+  Preconditioner preconditioner = Preconditioner::automatic;
   double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
   int pressure_max_iterations = 5000;
   double shifting = 0.0;  // A of PHYSICS §10.4; 0: off

@@ -72,11 +72,6 @@ struct PressureSolution {
   double residual = 0;  // ‖b − A p‖₂ / ‖b‖₂
 };
 
-/// Solves to scheme.pressure_tolerance from `guess`; sums run in fixed blocks, so that the result does not
-/// depend on the number of threads. A residual that is not finite or too large is returned, not thrown: the
-/// caller knows time and CFL.
-PressureSolution solve_pressure(const PressureSystem&, const Eigen::VectorXd& guess, const Scheme&);
-
 /// ‖b − A p‖₂ / ‖b‖₂.
 double pressure_residual(const PressureSystem&, const Eigen::VectorXd& pressure);
 

@@ -69,7 +69,7 @@ struct Simulation<dim>::Work {
   std::vector<Row> row;
   std::vector<std::uint8_t> solved, moves, wet;  // masks: unknowns; water; all but dry bodies
   PressureSystem system;
-  PoissonSolver<dim> poisson{laplacian_lattice.radius, p.spacing};
+  PoissonSolver<dim> poisson{laplacian_lattice.radius};
   CollisionAccount<dim> collisions;
 };
 

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "fluid/coarse_level.hpp"
+#include "fluid/pressure.hpp"
+#include "fluid/state.hpp"
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace strake::fluid {
+
+/// The unknowns of a pressure equation sorted into square cells as large as the reach of its Laplacian, so
+/// that rows reach no further than the adjacent cells. A piece is a part of a cell's unknowns that touch one
+/// another; water on both sides of a plate in one cell makes two. The vertices of the cells carry the coarse
+/// unknowns: one for each part of the pieces around a vertex that touch one another.
+template <int dim>
+class CellPieces {
+ public:
+  static constexpr int corners = 1 << dim;  // of a cell; bit d of a corner's number: upper along axis d
+  static constexpr int around = dim == 2 ? 9 : 27;  // a cell and those adjacent to it
+  static constexpr int middle = (around - 1) / 2;
+
+  /// Sorts; `cell_size` [m].
+  void sort(const PressureSystem&, const Vectors<dim>& position, double cell_size);
+  /// Which of the cells around an unknown its row touches, one bit each, and how many entries lie in its own:
+  /// filled by whoever passes over the matrix, after `sort`.
+  std::vector<std::uint32_t> touched;
+  std::vector<std::int32_t> own_cell_entries;
+  /// Pieces, and the coarse unknowns as `level.place`, `.first`, `.size`.
+  void split(const PressureSystem&, CoarseLevel<dim>& level);
+
+  std::int32_t pieces() const { return static_cast<std::int32_t>(piece_start.size()) - 1; }
+  std::size_t bytes() const;
+
+  /// Place of each unknown in cells from the grid's corner, per axis.
+  std::array<std::vector<float>, dim> at;
+  std::vector<std::int32_t> order;                   // unknowns piece by piece
+  std::vector<std::int32_t> piece_start;             // in order, and one more
+  std::vector<std::int32_t> node;                    // coarse unknown of each corner of each piece
+  std::vector<std::int32_t> meeting_start, meeting;  // per coarse unknown: the piece corners that meet in it
+
+ private:
+  using Link = std::pair<std::int32_t, std::int32_t>;
+  std::int64_t cell_of(std::int64_t unknown) const;
+  void split_cells(const PressureSystem&);
+  bool is_whole(std::int64_t begin, std::int64_t end) const;
+  void find_parts(const PressureSystem&, std::int64_t begin, std::int64_t end);
+  void link_pieces(const PressureSystem&);
+  void gather_vertices(CoarseLevel<dim>& level);
+  bool linked(std::int32_t p, std::int32_t q, int direction) const;
+
+  std::array<std::int32_t, 3> count_{1, 1, 1};   // cells per axis, with an empty ring around
+  std::vector<std::int32_t> cell_, cell_start_;  // of each unknown; unknowns of each cell in order
+  std::vector<std::int32_t> first_piece_;        // of each cell, and one more
+  std::vector<std::uint32_t> piece_touches_;     // bits as `touched`, of all unknowns of the piece
+  std::vector<std::uint8_t> shared_cell_;        // of each piece: its cell holds another one
+  std::vector<std::int32_t> piece_of_;           // of each unknown; filled where a cell is shared
+  std::vector<Link> links_;                      // between pieces of which one shares its cell, sorted
+};
+
+}  // namespace strake::fluid

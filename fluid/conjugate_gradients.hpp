@@ -1,0 +1,33 @@
+#pragma once
+
+#include "fluid/multilevel.hpp"
+#include "fluid/pressure.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strake::fluid {
+
+/// Conjugate gradients in one parallel region per solve. Sums are taken over blocks of rows, each by one
+/// thread, and added in order: the result is the same for any number of threads.
+class ConjugateGradients {
+ public:
+  /// From solution.pressure to ‖b − A p‖₂ <= tolerance ‖b‖₂. preconditioner: built for this system; nullptr:
+  /// the diagonal. Ends as soon as the residual is no number.
+  template <int dim>
+  void solve(const PressureSystem&, Multilevel<dim>* preconditioner, double tolerance, int max_iterations,
+             int threads, PressureSolution& solution);
+  std::size_t bytes() const {
+    return 8 * static_cast<std::size_t>(inverse_.size() + r_.size() + p_.size() + q_.size());
+  }
+
+ private:
+  Eigen::VectorXd inverse_, r_, p_, q_;
+  std::vector<double> first_, second_, third_;  // sums of each block
+};
+
+/// (A x)_k
+double row_times(const PressureSystem&, const double* x, std::int64_t k);
+
+}  // namespace strake::fluid

@@ -1,0 +1,286 @@
+#include "fluid/multilevel.hpp"
+
+#include <omp.h>
+
+#include <cmath>
+
+namespace strake::fluid {
+namespace {
+
+/// Weights of the corners of a cell for a place in it, from 0 to 1 along each axis.
+template <int dim>
+inline std::array<float, std::size_t{1} << dim> corner_weights(const std::array<float, dim>& f) {
+  std::array<float, std::size_t{1} << dim> w;
+  w[0] = 1;
+  for (std::size_t d = 0; d < dim; ++d) {
+    const std::size_t half = std::size_t{1} << d;
+    for (std::size_t a = 0; a < half; ++a) {
+      w[a + half] = w[a] * f[d];
+      w[a] -= w[a + half];
+    }
+  }
+  return w;
+}
+
+/// (A x)_k without the diagonal, in single precision.
+inline float row_times(const PressureSystem& system, const float* value, const float* x, std::int64_t k) {
+  const std::int32_t* column = system.column.data();
+  const std::int64_t begin = system.start.data()[k], end = system.stop.data()[k];
+  float s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+  std::int64_t e = begin;
+  for (; e + 4 <= end; e += 4) {
+    s0 += value[e] * x[column[e]];
+    s1 += value[e + 1] * x[column[e + 1]];
+    s2 += value[e + 2] * x[column[e + 2]];
+    s3 += value[e + 3] * x[column[e + 3]];
+  }
+  for (; e < end; ++e) s0 += value[e] * x[column[e]];
+  return (s0 + s1) + (s2 + s3);
+}
+
+}  // namespace
+
+template <int dim>
+void Multilevel<dim>::build(const PressureSystem& system, const Vectors<dim>& position, double radius,
+                            int threads) {
+  // A trace wider than the reach: rounding must not let a row reach beyond the adjacent cells.
+  pieces_.sort(system, position, 1.001 * radius);
+  read_rows(system, threads);
+  pieces_.split(system, grids_.finest());
+  const auto n = static_cast<std::size_t>(system.size());
+  for (std::size_t d = 0; d < dim; ++d) {
+    within_[d].resize(n);
+    for (std::size_t s = 0; s < n; ++s) {
+      const float u = pieces_.at[d][static_cast<std::size_t>(pieces_.order[s])];
+      within_[d][s] = u - std::floor(u);
+    }
+  }
+  assemble_grid(threads);
+  grids_.build(threads);
+  right_.resize(n);
+  swept_.resize(n);
+  solution_.resize(n);
+  corner_sum_.resize(static_cast<std::size_t>(pieces_.pieces()) * corners);
+}
+
+/// One pass over the rows: A in single precision; what the row holds beyond differences (P = 0 around it,
+/// compressibility); the second moments ½ Σ_j w_ij r_ij r_ijᵀ; and which cells it touches.
+template <int dim>
+void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
+  const std::int64_t n = system.size();
+  value_.resize(system.value.size());
+  for (auto* v : {&diagonal_, &inverse_, &excess_}) v->resize(static_cast<std::size_t>(n));
+  for (auto& m : moment_) m.resize(static_cast<std::size_t>(n));
+  const double* value = system.value.data();
+  const std::int32_t* column = system.column.data();
+  float* single = value_.data();
+  std::array<const float*, dim> at;
+  for (std::size_t d = 0; d < dim; ++d) at[d] = pieces_.at[d].data();
+
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+  for (std::int64_t k = 0; k < n; ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    const std::int64_t begin = system.start[row], end = system.stop[row];
+    double sum = 0;
+    std::array<float, 3> centre{}, cell{};
+    for (std::size_t d = 0; d < dim; ++d) {
+      centre[d] = at[d][k];
+      cell[d] = std::floor(centre[d]);
+    }
+    float xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
+    std::uint32_t touched = 0;
+    std::int32_t own = 0;
+#pragma omp simd reduction(+ : sum, xx, xy, yy, xz, yz, zz, own) reduction(| : touched)
+    for (std::int64_t e = begin; e < end; ++e) {
+      const std::int32_t j = column[e];
+      const double v = value[e];
+      const float w = -static_cast<float>(v);
+      single[e] = -w;
+      sum += v;
+      const float x = at[0][j], y = at[1][j];
+      const float dx = x - centre[0], dy = y - centre[1];
+      xx += w * dx * dx;
+      xy += w * dx * dy;
+      yy += w * dy * dy;
+      int code = static_cast<int>(std::floor(x) - cell[0]) + 3 * static_cast<int>(std::floor(y) - cell[1]);
+      if constexpr (dim == 3) {
+        const float z = at[dim - 1][j], dz = z - centre[dim - 1];
+        xz += w * dx * dz;
+        yz += w * dy * dz;
+        zz += w * dz * dz;
+        code += 9 * static_cast<int>(std::floor(z) - cell[dim - 1]);
+      }
+      own += code == 0 ? 1 : 0;
+      touched |= 1u << ((code + CellPieces<dim>::middle) & 31);
+    }
+    const double diagonal = system.diagonal[k];
+    diagonal_[row] = static_cast<float>(diagonal);
+    inverse_[row] = static_cast<float>(damped_inverse(diagonal, -sum));
+    excess_[row] = static_cast<float>(std::max(0.0, diagonal + sum));
+    moment_[0][row] = 0.5f * xx;
+    moment_[1][row] = 0.5f * xy;
+    if constexpr (dim == 2) {
+      moment_[2][row] = 0.5f * yy;
+    } else {
+      moment_[2][row] = 0.5f * xz;
+      moment_[3][row] = 0.5f * yy;
+      moment_[4][row] = 0.5f * yz;
+      moment_[5][row] = 0.5f * zz;
+    }
+    pieces_.touched[row] = touched;
+    pieces_.own_cell_entries[row] = own;
+  }
+}
+
+/// The energy of a pressure p that is interpolated between the corners, ½ pᵀA p with p_i − p_j ≈ −∇p·r_ij:
+///   E_ab = Σ_i [ e_i N_a N_b + ∇N_a · (½ Σ_j w_ij r_ij r_ijᵀ) ∇N_b ]
+/// over the unknowns i of a piece; N: the corners' weights at i, e: excess of the diagonal.
+template <int dim>
+typename Multilevel<dim>::Element Multilevel<dim>::element(std::int32_t piece) const {
+  std::array<float, static_cast<std::size_t>(corners) * corners> sum{};
+  const auto p = static_cast<std::size_t>(piece);
+  for (auto s = static_cast<std::size_t>(pieces_.piece_start[p]);
+       s < static_cast<std::size_t>(pieces_.piece_start[p + 1]); ++s) {
+    const auto k = static_cast<std::size_t>(pieces_.order[s]);
+    std::array<float, dim> f;
+    for (std::size_t d = 0; d < dim; ++d) f[d] = within_[d][s];
+    const auto weight = corner_weights<dim>(f);
+    std::array<std::array<float, corners>, dim> gradient, flux;
+    for (std::size_t d = 0; d < dim; ++d)
+      for (std::size_t a = 0; a < corners; ++a) {
+        float g = (a >> d & 1) ? 1.0f : -1.0f;
+        for (std::size_t other = 0; other < dim; ++other)
+          if (other != d) g *= (a >> other & 1) ? f[other] : 1 - f[other];
+        gradient[d][a] = g;
+      }
+    for (std::size_t a = 0; a < corners; ++a) {
+      const float gx = gradient[0][a], gy = gradient[1][a];
+      if constexpr (dim == 2) {
+        flux[0][a] = moment_[0][k] * gx + moment_[1][k] * gy;
+        flux[1][a] = moment_[1][k] * gx + moment_[2][k] * gy;
+      } else {
+        const float gz = gradient[dim - 1][a];
+        flux[0][a] = moment_[0][k] * gx + moment_[1][k] * gy + moment_[2][k] * gz;
+        flux[1][a] = moment_[1][k] * gx + moment_[3][k] * gy + moment_[4][k] * gz;
+        flux[dim - 1][a] = moment_[2][k] * gx + moment_[4][k] * gy + moment_[5][k] * gz;
+      }
+    }
+    const float excess = excess_[k];
+    for (std::size_t a = 0; a < corners; ++a)
+      for (std::size_t b = 0; b < corners; ++b) {
+        float e = excess * weight[a] * weight[b];
+        for (std::size_t d = 0; d < dim; ++d) e += gradient[d][a] * flux[d][b];
+        sum[a * corners + b] += e;
+      }
+  }
+  Element out;
+  for (std::size_t a = 0; a < corners; ++a)  // the same for ab and ba, whatever the order of the sums above
+    for (std::size_t b = 0; b < corners; ++b)
+      out[a * corners + b] = 0.5 * (static_cast<double>(sum[a * corners + b]) + sum[b * corners + a]);
+  return out;
+}
+
+template <int dim>
+void Multilevel<dim>::assemble_grid(int threads) {
+  CoarseLevel<dim>& grid = grids_.finest();
+  const std::int32_t n = grid.unknowns(), count = pieces_.pieces();
+  std::vector<Element> elements(static_cast<std::size_t>(count));
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+  for (std::int32_t p = 0; p < count; ++p) elements[static_cast<std::size_t>(p)] = element(p);
+  grid.diagonal.resize(static_cast<std::size_t>(n));
+  std::vector<SparseRows> parts(static_cast<std::size_t>(threads));
+#pragma omp parallel num_threads(threads) if (threads > 1)
+  {
+    const Team team{omp_get_thread_num(), omp_get_num_threads(), nullptr};
+    SparseRows& rows = parts[static_cast<std::size_t>(team.index)];
+    RowGatherer gatherer;
+    gatherer.resize(n);
+    const auto [begin, end] = team.share(n);
+    for (auto i = static_cast<std::int32_t>(begin); i < end; ++i) {
+      for (std::int32_t m = pieces_.meeting_start[static_cast<std::size_t>(i)];
+           m < pieces_.meeting_start[static_cast<std::size_t>(i) + 1]; ++m) {
+        const std::int32_t meeting = pieces_.meeting[static_cast<std::size_t>(m)];
+        const std::int32_t p = meeting / corners, a = meeting % corners;
+        const Element& e = elements[static_cast<std::size_t>(p)];
+        for (std::int32_t b = 0; b < corners; ++b)
+          gatherer.add(pieces_.node[static_cast<std::size_t>(p * corners + b)],
+                       e[static_cast<std::size_t>(a * corners + b)]);
+      }
+      grid.diagonal[static_cast<std::size_t>(i)] = static_cast<float>(gatherer.finish(i, rows));
+    }
+  }
+  join(parts, grid.matrix);
+  grid.prepare();
+}
+
+template <int dim>
+void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
+  const auto [begin, end] = team.share(system.size());
+  const auto [piece_begin, piece_end] = team.share(pieces_.pieces());
+  CoarseLevel<dim>& grid = grids_.finest();
+  const auto [node_begin, node_end] = team.share(grid.unknowns());
+  const float *value = value_.data(), *diagonal = diagonal_.data(), *inverse = inverse_.data();
+  const float* b = right_.data();
+  float *x = swept_.data(), *r = solution_.data();
+  const std::int32_t *order = pieces_.order.data(), *start = pieces_.piece_start.data();
+  std::array<const float*, dim> within;
+  for (std::size_t d = 0; d < dim; ++d) within[d] = within_[d].data();
+  const auto weights_of = [&](std::int32_t s) {
+    std::array<float, dim> f;
+    for (std::size_t d = 0; d < dim; ++d) f[d] = within[d][s];
+    return corner_weights<dim>(f);
+  };
+
+  for (std::int64_t k = begin; k < end; ++k)
+    r[k] = b[k] - diagonal[k] * x[k] - row_times(system, value, x, k);
+  team.wait();
+  for (std::int64_t p = piece_begin; p < piece_end; ++p) {
+    std::array<float, corners> sum{};
+    for (std::int32_t s = start[p]; s < start[p + 1]; ++s) {
+      const auto w = weights_of(s);
+      const float rest = r[order[s]];
+      for (std::size_t a = 0; a < corners; ++a) sum[a] += w[a] * rest;
+    }
+    for (std::size_t a = 0; a < corners; ++a) corner_sum_[static_cast<std::size_t>(p) * corners + a] = sum[a];
+  }
+  team.wait();
+  for (std::int64_t i = node_begin; i < node_end; ++i) {
+    float sum = 0;
+    for (std::int32_t m = pieces_.meeting_start[static_cast<std::size_t>(i)];
+         m < pieces_.meeting_start[static_cast<std::size_t>(i) + 1]; ++m)
+      sum += corner_sum_[static_cast<std::size_t>(pieces_.meeting[static_cast<std::size_t>(m)])];
+    grid.right[static_cast<std::size_t>(i)] = sum;
+  }
+  team.wait();
+  grids_.cycle(team);
+  team.wait();
+  const float* coarse = grid.solution.data();
+  for (std::int64_t p = piece_begin; p < piece_end; ++p) {
+    std::array<float, corners> corner;
+    for (std::size_t a = 0; a < corners; ++a)
+      corner[a] = coarse[pieces_.node[static_cast<std::size_t>(p) * corners + a]];
+    for (std::int32_t s = start[p]; s < start[p + 1]; ++s) {
+      const auto w = weights_of(s);
+      float sum = 0;
+      for (std::size_t a = 0; a < corners; ++a) sum += w[a] * corner[a];
+      x[order[s]] += sum;
+    }
+  }
+  team.wait();
+  for (std::int64_t k = begin; k < end; ++k)
+    r[k] = x[k] + inverse[k] * (b[k] - diagonal[k] * x[k] - row_times(system, value, x, k));
+}
+
+template <int dim>
+std::size_t Multilevel<dim>::bytes() const {
+  std::size_t numbers = value_.capacity() + diagonal_.capacity() + inverse_.capacity() + excess_.capacity() +
+                        right_.capacity() + swept_.capacity() + solution_.capacity() + corner_sum_.capacity();
+  for (const auto& m : moment_) numbers += m.capacity();
+  for (const auto& w : within_) numbers += w.capacity();
+  return 4 * numbers + pieces_.bytes() + grids_.bytes();
+}
+
+template class Multilevel<2>;
+template class Multilevel<3>;
+
+}  // namespace strake::fluid
