@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace strake::fluid {
 
@@ -89,12 +90,18 @@ void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
     mesh_ = outline_.mesh();
     rows_ = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
     const int m = outline_.points();
-    append(state, static_cast<std::int64_t>(rows_) * m);
+    for (const Outline::Run& run : outline_.runs()) {
+      go_beyond(run, false);
+      go_beyond(run, true);
+    }
+    const std::size_t fillers = static_cast<std::size_t>((rows_ - 1) * m) + beyond_.size();
+    append(state, m + static_cast<std::int64_t>(fillers));
     state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::interface);
-    state.kind.insert(state.kind.end(), static_cast<std::size_t>((rows_ - 1) * m), Kind::dummy_interface);
+    state.kind.insert(state.kind.end(), fillers, Kind::dummy_interface);
     point_of_.assign(static_cast<std::size_t>(bodies_), -1);
     for (int row = 0; row < rows_; ++row)
       for (int k = 0; k < m; ++k) point_of_.push_back(k);
+    for (const BeyondCorner& filler : beyond_) point_of_.push_back(filler.point);
     // The mirror images of the rows in the face: where a flat water surface would have its particles.
     flat_water_.setZero(m);
     const double reach = counting_radius_;
@@ -108,6 +115,30 @@ void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
           }
     const Points zero = Points::Zero(3, m);
     move(state, zero, zero, true);
+  }
+}
+
+// At a corner of the angle α inside the body a place at the angle θ from a face is seen through that face by
+// some water for θ < min(α, π); the rows behind the face itself reach θ = π/2. At depth d below the face and
+// s beyond its end tan(θ − π/2) = s/d.
+template <int dim>
+void Boundary<dim>::go_beyond(const Outline::Run& run, bool at_end) {
+  constexpr double round_off = 1e-6;  // [rad]
+  const double angle = std::min(at_end ? run.end_angle : run.start_angle, std::numbers::pi);
+  if (run.closed || angle < 0.5 * std::numbers::pi + round_off) return;
+  const bool concave = angle > std::numbers::pi - round_off;
+  const double slope = concave ? 0.0 : 1 / std::tan(angle - 0.5 * std::numbers::pi);  // least depth over s
+  const int columns = static_cast<int>(std::ceil(reach_ / run.piece));
+  for (int column = 0; column < columns; ++column) {
+    const double beside = (column + 0.5) * run.piece;
+    for (int row = 0; row < rows_; ++row) {
+      const double depth = (row + 0.5) * spacing_;
+      if (depth < slope * beside) continue;
+      if (at_end)
+        beyond_.push_back({run.first + run.count - 1, run.vertex + run.count, beside, depth});
+      else
+        beyond_.push_back({run.first, run.vertex, -beside, depth});
+    }
   }
 }
 
@@ -198,6 +229,17 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
         state.velocity.col(i) = outline_.velocity(k) - depth * outline_.normal_rate(k);
         if (positions) state.position.col(i) = outline_.point(k) - depth * outline_.normal(k);
       }
+    }
+    // Beyond a corner: from the corner along the face, t = (−n_y, n_x).
+    std::int64_t i = bodies_ + static_cast<std::int64_t>(rows_) * m;
+    for (const BeyondCorner& filler : beyond_) {
+      const Vector<2> n = outline_.normal(filler.point), rate = outline_.normal_rate(filler.point);
+      state.velocity.col(i) = outline_.vertex_velocity(filler.vertex) +
+                              filler.beside * Vector<2>(-rate.y(), rate.x()) - filler.depth * rate;
+      if (positions)
+        state.position.col(i) =
+            outline_.vertex(filler.vertex) + filler.beside * Vector<2>(-n.y(), n.x()) - filler.depth * n;
+      ++i;
     }
   }
 }

@@ -21,7 +21,9 @@ namespace strake::fluid {
 /// A body's face owns rows of particles along its inward normal: the first, l0/2 behind the face, carries a
 /// pressure unknown, the deeper ones fill the support. Rows belong to one run of the outline and are seen
 /// only through it: a pair of water and row counts when its segment crosses that run. So a plate thinner than
-/// the support keeps the water above and below apart, and a corner is not counted twice (PHYSICS §10.3).
+/// the support keeps the water above and below apart, and a corner is not counted twice (PHYSICS §10.3). Past
+/// a corner that is blunter than a right angle, or concave, both faces' rows go on into the part of the body
+/// that water sees through the one face and that lies behind the other.
 template <int dim>
 class Boundary {
  public:
@@ -46,7 +48,8 @@ class Boundary {
   /// Puts the bodies at that motion of the interface points. positions = false: velocities alone, at the old
   /// places.
   void move(State<dim>&, const Points& displacement, const Points& velocity, bool positions);
-  /// The tank's rows where its own motion takes them at `time`, the end of the step; positions as above.
+  /// The tank's rows in a step that ends at `time`: first their velocities (positions = false), then their
+  /// places.
   void move_tank(State<dim>& state, double time, bool positions) { tank_.move(state, time, positions); }
   /// Adopts the places that `state` was saved with.
   void adopt(const State<dim>& state);
@@ -83,7 +86,13 @@ class Boundary {
   Vector<dim> parking_place(std::int64_t number) const { return tank_.parking_place(number); }
 
  private:
+  /// A particle of a row that goes on beyond a corner: `beside` it along the face, `depth` behind the face.
+  struct BeyondCorner {
+    int point, vertex;     // the last of the run before the corner, and the corner
+    double beside, depth;  // [m]; beside is negative before a run's start
+  };
   void add_rows(const InterfaceMesh& partner, State<dim>&);
+  void go_beyond(const Outline::Run&, bool at_end);
   void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
   void find_masters(const State<dim>&);
   void check_overlap(const State<dim>&) const;
@@ -96,6 +105,7 @@ class Boundary {
   bool volume_ = false;
   std::int64_t water_, bodies_;
   int rows_ = 0;  // behind a face
+  std::vector<BeyondCorner> beyond_;
   Eigen::VectorXd density_;
   std::vector<int> point_of_;
   std::vector<std::int32_t> master_;  // of a dummy: the row whose pressure it extends; −1

@@ -16,6 +16,8 @@ using Vector2 = Outline::Vector2;
 
 /// A turn of the outline sharper than this makes a corner.
 constexpr double corner_angle = 0.35;  // [rad], 20 degrees
+/// So does a smaller one that stands alone: a smooth outline turns about as much at the points beside it.
+constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
 /// Round-off allowance along a piece, as a share of its length.
 constexpr double tie = 1e-9;
 
@@ -90,10 +92,16 @@ Outline::Outline(const InterfaceMesh& partner, double spacing) {
 void Outline::add_runs(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing) {
   const std::size_t n = loop.size();
   const auto at = [&](std::size_t k) -> Vector2 { return partner.position.col(loop[k % n]).head<2>(); };
-  std::vector<std::size_t> corners;
+  std::vector<double> turn(n);
   for (std::size_t k = 0; k < n; ++k) {
     const Vector2 before = at(k) - at(k + n - 1), after = at(k + 1) - at(k);
-    if (std::abs(std::atan2(cross(before, after), before.dot(after))) > corner_angle) corners.push_back(k);
+    turn[k] = std::atan2(cross(before, after), before.dot(after));
+  }
+  std::vector<std::size_t> corners;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double size = std::abs(turn[k]);
+    const double beside = std::max(std::abs(turn[(k + n - 1) % n]), std::abs(turn[(k + 1) % n]));
+    if (size > corner_angle || (size > lone_angle && beside < lone_share * size)) corners.push_back(k);
   }
   const bool closed = corners.empty();
   if (closed) corners.push_back(0);
@@ -112,6 +120,10 @@ void Outline::add_runs(const InterfaceMesh& partner, const std::vector<int>& loo
     if (closed) run.count = std::max(3, run.count);
     run.vertex = run.first + static_cast<int>(runs_.size());
     run.closed = closed;
+    if (!closed) {
+      run.start_angle = std::numbers::pi - turn[begin];
+      run.end_angle = std::numbers::pi - turn[end % n];
+    }
     run.piece = length.back() / run.count;
     reference_.conservativeResize(2, run.first + run.count);
     half_piece_.conservativeResize(2, run.first + run.count);

@@ -4,11 +4,13 @@
 
 #include <Eigen/Core>
 
+#include <numbers>
 #include <vector>
 
 namespace strake::fluid {
 
-/// The wetted outline of plane bodies as the fluid sees it: straight or smooth runs of faces between corners,
+/// The wetted outline of plane bodies as the fluid sees it: straight or smooth runs of faces between corners
+/// (turns of more than 20 degrees, and smaller ones that stand alone, as where two straight faces meet),
 /// each divided evenly into pieces of about one particle spacing with a wet point in its middle. The motion
 /// is given on the wet points; corners follow from the points beside them, so that a rigid motion is followed
 /// exactly.
@@ -26,6 +28,8 @@ class Outline {
     bool closed = false;                      // smooth body without corners
     bool owns_start = true, owns_end = true;  // a segment through the very corner crosses one run only
     double piece = 0;                         // reference length of a piece [m]
+    // Angle inside the body at its corners [rad], in the reference; π where it has none.
+    double start_angle = std::numbers::pi, end_angle = std::numbers::pi;
   };
 
   Outline() = default;
@@ -45,8 +49,10 @@ class Outline {
   Vector2 velocity(int k) const { return velocity_.col(k); }
   Vector2 normal(int k) const { return normal_.col(k); }
   Vector2 normal_rate(int k) const { return normal_rate_.col(k); }  // dn/dt [1/s]
-  double area(int k) const { return area_[k]; }                     // length of the piece [m]
-  Vector2 low() const { return low_; }                              // bounding box
+  Vector2 vertex(int v) const { return vertex_.col(v); }
+  Vector2 vertex_velocity(int v) const { return vertex_velocity_.col(v); }
+  double area(int k) const { return area_[k]; }  // length of the piece [m]
+  Vector2 low() const { return low_; }           // bounding box
   Vector2 high() const { return high_; }
 
   /// Whether the segment a–b crosses that run. Corners count for the run that owns them.
