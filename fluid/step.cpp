@@ -77,7 +77,7 @@ Simulation<dim>::Work::Work(const Parameters& parameters, const InterfaceMesh& p
       boundary(p, partner, initial_velocity, state),
       search(std::max({density_lattice.radius, gradient_lattice.radius, divergence_lattice.radius,
                        laplacian_lattice.radius}),
-             skin * p.spacing) {
+             skin * p.spacing, boundary.tank().periodic()) {
   omp_set_num_threads(p.threads);
   const auto m = boundary.mesh().position.cols();
   force = Points::Zero(3, m);
@@ -264,6 +264,7 @@ void Simulation<dim>::Work::shift() {
                        std::sqrt(p.gravity.norm() * p.spacing), dt, p.spacing);
   collisions = separate_particles<dim>(state, boundary, near_density(), p.scheme, dt, p.spacing, mass);
   park_lost();
+  boundary.tank().wrap(state);
 }
 
 template <int dim>

@@ -98,6 +98,10 @@ class Grid {
 template <int dim>
 Tank<dim>::Tank(const Parameters& p, double reach, const State<dim>& filled)
     : shape_(p), motion_(p.motion), spacing_(p.spacing), reach_(reach), pivot_(p.motion.pivot.head<dim>()) {
+  Vector<dim> period = Vector<dim>::Zero();
+  for (int d = 0; d < dim; ++d)
+    if (p.periodic[static_cast<std::size_t>(d)]) period[d] = shape_.high()[d] - shape_.low()[d];
+  periodic_ = Periodic<dim>(period);
   first_ = std::count(filled.kind.begin(), filled.kind.end(), Kind::fluid);
   WallParticles<dim> particles = shape_.particles(dummy_rows(p.scheme));
   walls_ = static_cast<std::int64_t>(particles.wall.size());
@@ -109,13 +113,22 @@ Tank<dim>::Tank(const Parameters& p, double reach, const State<dim>& filled)
   if (motion_.moves()) acceleration_.setZero(dim, last_ - first_);
   // Beside the tank, beyond its walls and their reach wherever it moves.
   parking_ = shape_.low();
-  parking_[0] = shape_.high()[0] + 4 * reach;
+  parking_[0] = shape_.high()[0] + 4 * reach + period.norm();
   if (motion_.moves()) {
     parking_[0] += motion_.reach(p.end_time)[0];
     if (motion_.turns())
       parking_[0] += 2 * std::max((shape_.high() - pivot_).norm(), (shape_.low() - pivot_).norm());
   }
   adopt(filled);
+}
+
+template <int dim>
+void Tank<dim>::wrap(State<dim>& state) const {
+  if (!periodic_.any()) return;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < first_; ++i)
+    if (!parked(state.position.col(i)))
+      state.position.col(i) = periodic_.wrap(state.position.col(i), shape_.low());
 }
 
 template <int dim>
@@ -190,20 +203,24 @@ Vector<dim> Tank<dim>::velocity(const Frame& frame, const Vector<dim>& x) const 
   return v;
 }
 
-/// The acceleration is the mean over the step, (v(t + Δt) − v(t))/Δt at the same particle: with it the
-/// pressure at the wall gives the water what the wall gains in the step, to round-off.
+/// The rows' velocity is their mean over the step, (xⁿ⁺¹ − xⁿ)/Δt, as it is for the water, whose places
+/// follow r = rⁿ + Δt uⁿ⁺¹: a wall that moved a little otherwise would drift against it. Their acceleration
+/// is what that velocity gains in the step.
 template <int dim>
 void Tank<dim>::move(State<dim>& state, double time, bool positions) {
   if (!motion_.moves()) return;
-  const Frame before = frame_at(state.time), after = frame_at(time);
+  const Frame after = frame_at(time);
   const double dt = time - state.time;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = first_; i < last_; ++i) {
-    const Vector<dim>& reference = part(i).position;
-    const Vector<dim> x = place(after, reference), v = velocity(after, x);
-    if (dt > 0) acceleration_.col(i - first_) = (v - velocity(before, place(before, reference))) / dt;
+    const Vector<dim> x = place(after, part(i).position);
+    if (positions) {
+      state.position.col(i) = periodic_.wrap(x, shape_.low());
+      continue;
+    }
+    const Vector<dim> v = periodic_.separation(state.position.col(i), x) / dt;
+    acceleration_.col(i - first_) = (v - state.velocity.col(i)) / dt;
     state.velocity.col(i) = v;
-    if (positions) state.position.col(i) = x;
   }
   if (positions) now_ = after;
 }

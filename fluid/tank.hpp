@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fluid/parameters.hpp"
+#include "fluid/periodic.hpp"
 #include "fluid/state.hpp"
 #include "fluid/tank_shape.hpp"
 
@@ -23,6 +24,10 @@ class Tank {
   std::int64_t first() const { return first_; }
   std::int64_t last() const { return last_; }
   bool moves() const { return motion_.moves(); }
+  /// The directions in which the tank repeats itself.
+  const Periodic<dim>& periodic() const { return periodic_; }
+  /// Brings the water back between the tank's periodic sides; call at the end of a step.
+  void wrap(State<dim>&) const;
 
   /// Normal, into the water, of the wall that row i stands for, where the tank is now; zero where two walls
   /// meet and for all that is no tank.
@@ -35,11 +40,11 @@ class Tank {
   bool is_floor(std::int64_t i) const { return part(i).floor; }
   /// First row whose pressure (and velocity) dummy i extends; −1: i is no dummy of the tank.
   std::int32_t master_of(std::int64_t i) const;
-  /// a_w: mean acceleration of row i over the step that `move` was last called for [m/s²].
+  /// a_w: acceleration of row i in the step that `move` began last [m/s²].
   Vector<dim> acceleration_of(std::int64_t i) const;
 
-  /// The tank's rows at the end of the step, `time`: velocities, and places as well if asked. A tank at rest
-  /// costs nothing.
+  /// A step that ends at `time`: first (positions = false) the rows' velocities and accelerations, then
+  /// (true) their places. A tank at rest costs nothing.
   void move(State<dim>&, double time, bool positions);
   /// Adopts the time that `state` was saved at.
   void adopt(const State<dim>& state);
@@ -73,6 +78,7 @@ class Tank {
 
   TankShape<dim> shape_;
   TankMotion motion_;
+  Periodic<dim> periodic_;
   double spacing_, reach_;
   std::int64_t first_ = 0, last_ = 0;
   std::int64_t walls_ = 0;  // [first, first + walls) carry a pressure
