@@ -1,0 +1,126 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fluid/fill.hpp"
+#include "fluid/simulation.hpp"
+#include "tests/fluid/plate_case.hpp"
+
+namespace strake::fluid {
+namespace {
+
+constexpr double g = 9.81;
+
+/// x(t) = ½ a t² along y, as a table of the case would give it.
+MotionTable uniform_acceleration(double a, double end) {
+  std::vector<double> time, place;
+  for (int k = 0; k <= 20; ++k) {
+    time.push_back(end * k / 20);
+    place.push_back(0.5 * a * time.back() * time.back());
+  }
+  constexpr auto absent = MotionColumn::absent;
+  return {time, {absent, MotionColumn::place, absent, absent}, {{{}, place, {}, {}}}};
+}
+
+/// Mean of the bottom's pressure and of the floor's load over a stretch of time, over ρgH and the weight.
+struct Bottom {
+  double pressure = 0, load = 0, noise = 0;
+};
+template <int dim>
+Bottom bottom_of(const Parameters& p, double area, double dt, double from, double end, double depth,
+                 const Eigen::Vector3d& at, double diameter) {
+  Simulation<dim> simulation(p, {}, {});
+  const InterfaceMotion none;
+  Bottom mean;
+  double squares = 0;
+  int count = 0;
+  const double head = p.density * g * depth;
+  for (double t = 0; t < end - 0.5 * dt; t += dt) {
+    simulation.step(dt, none);
+    if (t < from) continue;
+    const double pressure = simulation.sensor_pressure(at, diameter) / head;
+    mean.pressure += pressure;
+    squares += pressure * pressure;
+    mean.load -= simulation.floor_force()[1] / (head * area);
+    ++count;
+  }
+  mean.pressure /= count;
+  mean.load /= count;
+  mean.noise = std::sqrt(std::max(0.0, squares / count - mean.pressure * mean.pressure));
+  EXPECT_EQ(simulation.state().lost, 0);
+  return mean;
+}
+
+Parameters moving_tank(double width, double depth, double spacing, double acceleration, Gradient gradient) {
+  Parameters p = tank_case(width, depth, spacing, 0.1);
+  p.scheme.gradient = gradient;
+  p.end_time = 1;
+  p.motion.table = uniform_acceleration(acceleration, 1);
+  return p;
+}
+
+// In the first step the tank falls ½ g Δt² and the water, from rest, g Δt²: a push of half a step's fall,
+// which the symmetric gradient answers with a tremble of the lattice.
+TEST(Tank, WaterInAFallingTankHasNoPressure) {
+  for (const Gradient gradient : {Gradient::corrected, Gradient::pairwise}) {
+    const Bottom bottom =
+        bottom_of<2>(moving_tank(0.4, 0.4, 0.02, -g, gradient), 0.4, 1e-3, 0.01, 0.3, 0.4, {0, -0.4, 0}, 0.2);
+    EXPECT_NEAR(bottom.pressure, 0, 1e-3);
+    EXPECT_NEAR(bottom.load, 0, 1e-3);
+  }
+}
+
+// The pressure is zero in the middle of the surface row, half a spacing below the surface: l0/2H = 0.8 %.
+TEST(Tank, WaterInATankThatIsLiftedCarriesItsOwnWeightAndTheLift) {
+  const Bottom bottom = bottom_of<2>(moving_tank(0.3, 0.6, 0.01, 0.5 * g, Gradient::corrected), 0.3, 5e-4,
+                                     0.05, 0.2, 0.6, {0, -0.6, 0}, 0.2);
+  EXPECT_NEAR(bottom.pressure, 1.5, 0.015);
+  EXPECT_NEAR(bottom.load, 1.5, 0.015);
+}
+
+// The same half spacing of the surface row: l0/2H = 2.5 %.
+TEST(Tank, StillWaterInSpaceWeighsOnItsFloor) {
+  Parameters p;
+  p.dimension = 3;
+  p.spacing = 0.02;
+  p.tank = {{0, 0, 0}, {0.2, 0.5, 0.16}};
+  p.water = {{0, 0, 0}, {0.2, 0.4, 0.16}};
+  p.threads = 1;
+  p.scheme.gradient = Gradient::corrected;
+  const Bottom bottom = bottom_of<3>(p, 0.2 * 0.16, 1e-3, 0.05, 0.15, 0.4, {0.1, 0, 0.08}, 0.12);
+  EXPECT_NEAR(bottom.pressure, 1, 0.025 + 0.01);
+  EXPECT_NEAR(bottom.load, 1, 0.025 + 0.01);
+}
+
+// A basin of slopes: p = ρ g (H − z) on the flat floor, and the walls carry the weight of all the water.
+TEST(Tank, WaterBetweenSlopesWeighsOnThem) {
+  Parameters p = tank_case(1.0, 0.4, 0.01);
+  p.tank_polygon = {{-0.5, 0.1, 0}, {-0.2, -0.4, 0}, {0.1, -0.4, 0}, {0.5, 0.1, 0}};
+  p.scheme.gradient = Gradient::corrected;
+  p.end_time = 1;
+  Simulation<2> simulation(p, {}, {});
+  const InterfaceMotion none;
+  double pressure = 0;
+  Eigen::Vector2d load = Eigen::Vector2d::Zero();
+  int count = 0;
+  constexpr double dt = 5e-4;
+  for (int step = 0; step < 500; ++step) {
+    const Eigen::Vector2d before = simulation.state().impulse_on_walls;
+    simulation.step(dt, none);
+    if (step < 300) continue;
+    pressure += simulation.sensor_pressure({-0.05, -0.4, 0}, 0.2);
+    load += (simulation.state().impulse_on_walls - before) / dt;
+    ++count;
+  }
+  const auto& state = simulation.state();
+  const auto water = std::count(state.kind.begin(), state.kind.end(), Kind::fluid);
+  const double weight = static_cast<double>(water) * p.density * g * p.spacing * p.spacing;
+  EXPECT_NEAR(pressure / count, p.density * g * 0.4,
+              0.0125 * p.density * g * 0.4 + 0.01 * p.density * g * 0.4);
+  EXPECT_NEAR(-load.y() / count, weight, 0.03 * weight);
+  EXPECT_NEAR(load.x() / count, 0, 0.02 * weight);
+  EXPECT_EQ(state.lost, 0);
+}
+
+}  // namespace
+}  // namespace strake::fluid
