@@ -9,6 +9,8 @@
 #include "fluid/interface_load.hpp"
 #include "fluid/state_archive.hpp"
 #include "fluid/tank_shape.hpp"
+#include "fluid/water.hpp"
+#include "fluid/water_volume.hpp"
 #include "proto/error.hpp"
 
 namespace strake::fluid {
@@ -38,6 +40,10 @@ Points in_space(const Vectors<dim>& value) {
   return points;
 }
 
+bool is_sensor(const ProbeKeys& probe) {
+  return probe.quantity == "pressure";
+}
+
 double peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -53,11 +59,15 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
       entry_speed_(largest_speed(setup)),
       body_length_(extent(setup.partner_mesh)),
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup)),
-      has_body_(simulation_.interface().position.cols() > 0) {
+      has_body_(simulation_.interface().position.cols() > 0),
+      output_every_(common.output_every),
+      end_time_(common.end_time),
+      initial_volume_(volume()) {
   auto& probes = simulation_.mutable_state().probes;
   // A body that enters is measured from its contact, anything else from the first step (VALIDATION A).
-  probes.assign(parameters_.probes.size(),
-                entry_speed_ > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
+  for (const ProbeKeys& probe : parameters_.probes)
+    probes.push_back(is_sensor(probe) && entry_speed_ > 0 ? ProbeRecord::waiting_for_contact()
+                                                          : ProbeRecord{});
   check_sensors();
   description_.lines = describe(parameters_, common, entry_speed_, body_length_);
   description_.columns = columns();
@@ -70,6 +80,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
 template <int dim>
 void FluidParticipant<dim>::check_sensors() const {
   for (const ProbeKeys& probe : parameters_.probes) {
+    if (!is_sensor(probe)) continue;
     double nearest = std::numeric_limits<double>::infinity();
     if (has_body_) {
       nearest = (mesh().position.colwise() - probe.at).colwise().norm().minCoeff();
@@ -92,12 +103,24 @@ template <int dim>
 std::vector<Column> FluidParticipant<dim>::columns() const {
   std::vector<Column> columns;
   for (const ProbeKeys& probe : parameters_.probes) {
+    if (!is_sensor(probe)) {
+      columns.push_back({probe.name, "m"});
+      continue;
+    }
     for (const char* suffix : {"", ".min", ".max", ".mean"}) columns.push_back({probe.name + suffix, "Pa"});
     columns.push_back({probe.name + ".impulse", "Pa s"});
   }
   if (!has_body_) columns.push_back({"floor.y", "N"});
   columns.push_back({"cfl", "1"});
   columns.push_back({"pressure_iterations", "1"});
+  const std::string energy = dim == 2 ? "J/m" : "J";
+  columns.push_back({"water.kinetic_energy", energy});
+  columns.push_back({"water.potential_energy", energy});
+  columns.push_back({"water.largest_speed", "m/s"});
+  for (int d = 0; d < dim; ++d) columns.push_back({std::string("water.centre.") + "xyz"[d], "m"});
+  columns.push_back({"water.inner", "1"});
+  columns.push_back({"water.surface", "1"});
+  columns.push_back({"water.volume", dim == 2 ? "m^2" : "m^3"});
   return columns;
 }
 
@@ -167,25 +190,72 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     floor_ += dt / window.dt * simulation_.floor_force();
     cfl_ = std::max(cfl_, report.cfl);
     pressure_iterations_ = std::max(pressure_iterations_, report.pressure_iterations);
-    follow_sensors(t0, t1);
+    follow_probes(t0, t1);
   }
+  measures_volume_ = frame_due(window);
 }
 
 /// Contact is the first step in which any sensor exceeds ½ρV² (VALIDATION A).
 template <int dim>
-void FluidParticipant<dim>::follow_sensors(double t0, double t1) {
+void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   State<dim>& state = simulation_.mutable_state();
+  std::vector<std::int64_t> particles;
+  if (!std::all_of(parameters_.probes.begin(), parameters_.probes.end(), is_sensor)) particles = water();
   const double threshold = 0.5 * parameters_.density * entry_speed_ * entry_speed_;
   bool contact = false;
   for (std::size_t i = 0; i < state.probes.size(); ++i) {
     const ProbeKeys& probe = parameters_.probes[i];
-    const double pressure = simulation_.sensor_pressure(probe.at, probe.diameter);
-    contact = contact || pressure > threshold;
-    state.probes[i].add(t0, t1, pressure);
+    const double value = pressure_or_place(probe, particles);
+    contact = contact || (is_sensor(probe) && value > threshold);
+    state.probes[i].add(t0, t1, value);
   }
   if (!contact || entry_speed_ == 0 || state.contact_time >= 0) return;
   state.contact_time = t0;
-  for (auto& probe : state.probes) probe.contact(t0);
+  for (std::size_t i = 0; i < state.probes.size(); ++i)
+    if (is_sensor(parameters_.probes[i])) state.probes[i].contact(t0);
+}
+
+template <int dim>
+double FluidParticipant<dim>::pressure_or_place(const ProbeKeys& probe,
+                                                std::span<const std::int64_t> particles) const {
+  if (is_sensor(probe)) return simulation_.sensor_pressure(probe.at, probe.diameter);
+  const Vectors<dim>& position = simulation_.state().position;
+  const Vector<dim> at = probe.at.template head<dim>();
+  const double l0 = parameters_.spacing;
+  if (probe.quantity == "front") return front<dim>(position, particles, at, l0);
+  if (probe.quantity == "level") return level<dim>(position, particles, at, l0);
+  return wetted_height<dim>(position, particles, at, parameters_.tank.min.template head<dim>(),
+                            parameters_.tank.max.template head<dim>(), l0);
+}
+
+/// The volume is measured where a frame is due, as the coupler counts: at the first window's end at or past
+/// each multiple of output.every, and at the end of the run.
+template <int dim>
+bool FluidParticipant<dim>::frame_due(const Window& window) const {
+  const double end = window.t + window.dt, slack = 1e-6 * window.dt;
+  return end >= end_time_ - slack ||
+         std::floor((end + slack) / output_every_) > std::floor((window.t + slack) / output_every_);
+}
+
+/// Water that has not left the tank, by number, ascending.
+template <int dim>
+std::vector<std::int64_t> FluidParticipant<dim>::water() const {
+  std::vector<std::int64_t> numbers;
+  const auto& kind = simulation_.state().kind;
+  for (std::size_t i = 0; i < kind.size(); ++i) {
+    const auto k = static_cast<std::int64_t>(i);
+    if (kind[i] == Kind::fluid && !simulation_.parked(k)) numbers.push_back(k);
+  }
+  return numbers;
+}
+
+template <int dim>
+double FluidParticipant<dim>::volume() const {
+  const std::vector<std::int64_t> numbers = water();
+  Vectors<dim> particles(dim, static_cast<Eigen::Index>(numbers.size()));
+  for (Eigen::Index k = 0; k < particles.cols(); ++k)
+    particles.col(k) = simulation_.state().position.col(numbers[static_cast<std::size_t>(k)]);
+  return water_volume<dim>(particles, parameters_.spacing);
 }
 
 template <int dim>
@@ -195,6 +265,7 @@ Advanced FluidParticipant<dim>::finish() {
   auto& monitor = result.monitor;
   report_sensors(monitor);
   report_accounts(monitor);
+  report_water(monitor);
   if (!has_body_) monitor["floor.y"] = floor_[1];
   monitor["cfl"] = cfl_;
   monitor["pressure_iterations"] = pressure_iterations_;
@@ -209,12 +280,32 @@ void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monito
   for (std::size_t i = 0; i < records.size(); ++i) {
     const std::string& name = parameters_.probes[i].name;
     monitor[name] = records[i].last();
+    records[i].report(name, monitor);
+    if (!is_sensor(parameters_.probes[i])) continue;
     monitor[name + ".min"] = records[i].window_min();
     monitor[name + ".max"] = records[i].window_max();
     monitor[name + ".mean"] = records[i].window_mean();
     monitor[name + ".impulse"] = records[i].running_impulse();
-    records[i].report(name, monitor);
   }
+}
+
+/// Energies, speed, centre of mass, and, where a frame is due, the volume and its change since t = 0.
+template <int dim>
+void FluidParticipant<dim>::report_water(std::map<std::string, double>& monitor) const {
+  const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
+  const WaterAccount<dim> account =
+      account_of<dim>(simulation_.state(), water(), mass, parameters_.gravity.template head<dim>(),
+                      parameters_.tank.min.template head<dim>());
+  monitor["water.kinetic_energy"] = account.kinetic;
+  monitor["water.potential_energy"] = account.potential;
+  monitor["water.largest_speed"] = account.largest_speed;
+  for (int d = 0; d < dim; ++d) monitor[std::string("water.centre.") + "xyz"[d]] = account.centre[d];
+  monitor["water.inner"] = static_cast<double>(account.inner);
+  monitor["water.surface"] = static_cast<double>(account.surface);
+  if (!measures_volume_) return;
+  const double now = volume();
+  monitor["water.volume"] = now;
+  monitor["check.volume_drift"] = now / initial_volume_ - 1;
 }
 
 template <int dim>
@@ -282,11 +373,10 @@ Frame FluidParticipant<dim>::frame() const {
   std::vector<Eigen::Index> shown;
   for (std::size_t i = 0; i < state.kind.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    if (has_pressure(state.kind[i]) && !simulation_.parked(k))
-      shown.push_back(k);
+    if (has_pressure(state.kind[i]) && !simulation_.parked(k)) shown.push_back(k);
   }
   const auto n = static_cast<Eigen::Index>(shown.size());
-  Eigen::MatrixXd pressure(1, n), velocity = Eigen::MatrixXd::Zero(3, n), kind(1, n), surface(1, n);
+  Eigen::MatrixXd pressure(1, n), velocity = Eigen::MatrixXd::Zero(3, n), kind(1, n), surface(1, n), id(1, n);
   Frame frame{
       .time = state.time, .position = Points::Zero(3, n), .cells = {}, .point_data = {}, .cell_data = {}};
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -296,11 +386,13 @@ Frame FluidParticipant<dim>::frame() const {
     pressure(0, k) = state.pressure[i];
     kind(0, k) = static_cast<double>(state.kind[static_cast<std::size_t>(i)]);
     surface(0, k) = state.surface[static_cast<std::size_t>(i)];
+    id(0, k) = static_cast<double>(state.id[static_cast<std::size_t>(i)]);
   }
   frame.point_data = {{"pressure", "Pa", std::move(pressure)},
                       {"velocity", "m/s", std::move(velocity)},
                       {"kind", "1", std::move(kind)},
-                      {"surface", "1", std::move(surface)}};
+                      {"surface", "1", std::move(surface)},
+                      {"id", "1", std::move(id)}};
   return frame;
 }
 

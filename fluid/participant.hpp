@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,9 +39,14 @@ class FluidParticipant final : public Participant {
   void check_sensors() const;
   std::vector<Column> columns() const;
   double longest_step(double t, double rest) const;
-  void follow_sensors(double t0, double t1);
+  void follow_probes(double t0, double t1);
+  double pressure_or_place(const ProbeKeys&, std::span<const std::int64_t> water) const;
+  bool frame_due(const Window&) const;
+  double volume() const;
+  std::vector<std::int64_t> water() const;
   void report_sensors(std::map<std::string, double>& monitor) const;
   void report_accounts(std::map<std::string, double>& monitor) const;
+  void report_water(std::map<std::string, double>& monitor) const;
   double momentum_gap() const;
   Frame frame() const;
 
@@ -48,12 +54,15 @@ class FluidParticipant final : public Participant {
   double entry_speed_, body_length_;  // of the interface at t = 0: largest speed [m/s], extent in x [m]
   Simulation<dim> simulation_;
   bool has_body_;
+  double output_every_, end_time_;  // [s]
+  double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;
   std::optional<FrameWriter> frames_;
   State<dim> committed_;
   std::int64_t steps_ = 0;  // with those that were rewound
 
   // The last window, kept for `finish`.
+  bool measures_volume_ = false;
   Points force_;                                     // its mean force [N]
   double cfl_ = 0;                                   // largest
   int pressure_iterations_ = 0;                      // most in one step

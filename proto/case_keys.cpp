@@ -14,9 +14,12 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
       {.unit = "m", .required = true, .help = "place in the reference configuration; moves with the body"});
   probe.quantity = probe.of == "fluid" ? "pressure" : "deflection";
   table.choice(
-      "quantity", probe.quantity, {"deflection", "displacement", "velocity", "pressure"},
-      {.help = "structure: deflection (displacement less that of the supports, the default), displacement or "
-               "velocity; fluid: pressure"});
+      "quantity", probe.quantity,
+      {"deflection", "displacement", "velocity", "pressure", "front", "level", "height"},
+      {.help =
+           "structure: deflection (displacement less that of the supports, the default), displacement or "
+           "velocity; fluid: pressure (the default), front (x where the water on the floor at `at` ends), "
+           "level (of the water over `at`) or height (wetted length over `at`)"});
   table.number(
       "diameter", probe.diameter,
       {.unit = "m", .min = 0, .exclusive = true, .help = "of a pressure sensor; not given: 2 fluid.spacing"});
@@ -28,10 +31,13 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   for (const ProbeKeys& other : others)
     if (other.name == probe.name)
       throw table.error("name", "a name that no other probe has", "name = \"" + probe.name + "_2\"");
-  if ((probe.of == "fluid") != (probe.quantity == "pressure"))
+  const auto among = [&](std::initializer_list<const char*> names) {
+    return std::any_of(names.begin(), names.end(), [&](const char* name) { return probe.quantity == name; });
+  };
+  if ((probe.of == "fluid") != among({"pressure", "front", "level", "height"}))
     throw table.error(
         "quantity",
-        probe.of == "fluid" ? "\"pressure\" for a probe of the fluid"
+        probe.of == "fluid" ? "pressure, front, level or height for a probe of the fluid"
                             : "deflection, displacement or velocity for a probe of the structure",
         probe.of == "fluid" ? "quantity = \"pressure\"" : "of = \"fluid\", or another quantity");
   return probe;

@@ -13,7 +13,8 @@ struct ProbeKeys {
   std::string of;    // "fluid" | "structure"
   Eigen::Vector3d at =
       Eigen::Vector3d::Zero();  // [m] reference configuration; moves with the body it touches
-  std::string quantity;         // structure: "deflection" | "displacement" | "velocity"; fluid: "pressure"
+  std::string quantity;         // structure: "deflection" | "displacement" | "velocity"; fluid: "pressure" |
+                                // "front" | "level" | "height", which stay where they are in space
   double diameter = 0;          // [m] pressure sensor; 0: 2 l0
 };
 

@@ -223,7 +223,7 @@ TEST(FluidParticipant, a_still_tank_alone_reports_its_floor_load_and_no_force) {
   EXPECT_TRUE(advanced.monitor.contains("floor.y"));
   EXPECT_EQ(participant.mesh().position.cols(), 0);
   for (const auto& column : participant.description().columns)
-    EXPECT_TRUE(advanced.monitor.contains(column.name)) << column.name;
+    EXPECT_TRUE(advanced.monitor.contains(column.name) || column.name == "water.volume") << column.name;
 }
 
 /// A column that collapses, in windows far longer than a step.
@@ -289,6 +289,43 @@ TEST(FluidParticipant, a_frame_that_cannot_be_written_is_told_at_a_later_commit)
   }
   participant.advance(nth(1), at_speed(nth(1)));
   EXPECT_THROW(participant.commit(false), Error);
+}
+
+TEST(FluidParticipant, the_volume_is_measured_where_a_frame_is_due_and_at_the_end) {
+  const Case c = collapse({"output.every=0.05", "end_time=0.14"});
+  FluidParticipant<2> participant(c.parameters, c.common, strake::Setup{});
+  for (int k = 0; k < 7; ++k) {
+    const auto monitor = participant.advance(nth(k, 0.02), {}).monitor;
+    participant.commit(false);
+    const bool due = k == 2 || k == 4 || k == 6;  // past 0.05 s and 0.1 s, and the end
+    EXPECT_EQ(monitor.contains("water.volume"), due) << k;
+    if (due) {
+      EXPECT_NEAR(monitor.at("check.volume_drift"), 0, 0.05);
+    }
+  }
+}
+
+TEST(FluidParticipant, the_front_of_a_collapsing_column_runs_ahead_and_its_head_sinks) {
+  std::string text = small_tank("[-0.15, -0.1]");
+  text +=
+      "quantity = \"front\"\n[[output.probe]]\nname = \"head\"\nof = \"fluid\"\nat = [-0.15, -0.1]\n"
+      "quantity = \"height\"\n";
+  CaseFile file = CaseFile::parse(
+      text, "case.toml",
+      {"fluid.water=[[-0.15,-0.1],[0.0,0.0]]", "fluid.scheme.time_step=inf", "coupling.surface.window=0.02"});
+  const CommonKeys common = read_common(file);
+  FluidParticipant<2> participant(read(file, common), common, strake::Setup{});
+  double place = 0, height = 0.1;
+  for (int k = 0; k < 5; ++k) {
+    const auto monitor = participant.advance(nth(k, 0.02), {}).monitor;
+    participant.commit(false);
+    EXPECT_GT(monitor.at("p"), place) << k;
+    EXPECT_LT(monitor.at("head"), height + 1e-4) << k;
+    place = monitor.at("p");
+    height = monitor.at("head");
+    EXPECT_FALSE(monitor.contains("p.impulse"));
+  }
+  EXPECT_LT(place, 0.15);
 }
 
 TEST(FluidParticipant, a_sensor_that_covers_nothing_is_refused) {
