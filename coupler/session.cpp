@@ -182,10 +182,13 @@ std::vector<std::pair<std::string, std::vector<std::string>>> Session::understoo
 
 std::vector<std::string> Session::warnings() const {
   std::vector<std::string> warnings;
-  const bool elastic =
-      case_.structure && case_.structure->solver != "rigid" && case_.structure->solver != "replay";
+  bool moved = case_.structure && case_.structure->solver != "rigid" && case_.structure->solver != "replay";
+  for (const char* key : {"x", "y", "z", "angle", "rotation"}) {
+    const auto free = case_.value.find(std::string("structure.free.") + key);
+    moved = moved || (free != case_.value.end() && free->second == "true");
+  }
   const bool live = case_.fluid && case_.fluid->solver != "replay";
-  if (scheme_ && elastic && live && case_.common.interface == "surface" && !case_.coupling.iterates()) {
+  if (scheme_ && moved && live && case_.common.interface == "surface" && !case_.coupling.iterates()) {
     const auto ratio = added_mass_ratio(case_);
     warnings.push_back(
         fmt::format("one coupling iteration per window is unstable when the added mass is not small{}; "

@@ -5,23 +5,61 @@
 #include "structure/surface.hpp"
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <limits>
 
 namespace strake::structure {
 namespace {
 
-/// The value at X between the two ends of the nearest segment of the outline: what is known of a point is
-/// what its surface did.
-Eigen::Vector3d on_outline(const InterfaceMesh& mesh, const Points& value, const Eigen::Vector3d& X) {
+/// Weights of a triangle's corners at the point of it that is nearest to x: inside by the normal equations of
+/// x ≈ a + s (b − a) + t (c − a), otherwise on the nearest edge.
+Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corner, const Eigen::Vector3d& x) {
+  const Eigen::Vector3d u = corner.col(1) - corner.col(0), v = corner.col(2) - corner.col(0),
+                        w = x - corner.col(0);
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), det = uu * vv - uv * uv;
+  const double s = (vv * u.dot(w) - uv * v.dot(w)) / det, t = (uu * v.dot(w) - uv * u.dot(w)) / det;
+  if (s >= 0 && t >= 0 && s + t <= 1) return {1 - s - t, s, t};
+  Eigen::Vector3d best = Eigen::Vector3d::Zero();
   double nearest = std::numeric_limits<double>::infinity();
-  Eigen::Vector3d result = Eigen::Vector3d::Zero();
-  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-    const int a = mesh.faces(0, f), b = mesh.faces(1, f);
-    const Eigen::Vector3d along = mesh.position.col(b) - mesh.position.col(a), to = X - mesh.position.col(a);
-    const double s = std::clamp(to.dot(along) / along.squaredNorm(), 0.0, 1.0);
-    const double distance = (to - s * along).norm();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Eigen::Index l = (k + 1) % 3;
+    const Eigen::Vector3d along = corner.col(l) - corner.col(k);
+    const double r = std::clamp((x - corner.col(k)).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    const double distance = (x - corner.col(k) - r * along).norm();
     if (distance >= nearest) continue;
     nearest = distance;
-    result = (1 - s) * value.col(a) + s * value.col(b);
+    best.setZero();
+    best[k] = 1 - r;
+    best[l] = r;
+  }
+  return best;
+}
+
+/// The value at X from the corners of the nearest face: what is known of a point is what its surface did.
+Eigen::Vector3d on_surface(const InterfaceMesh& mesh, const Points& value, const Eigen::Vector3d& X) {
+  double nearest = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d result = Eigen::Vector3d::Zero();
+  const auto corners = mesh.faces.rows();
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+    Eigen::Matrix3d place = Eigen::Matrix3d::Zero(), here = Eigen::Matrix3d::Zero();
+    for (Eigen::Index k = 0; k < corners; ++k) {
+      place.col(k) = mesh.position.col(mesh.faces(k, f));
+      here.col(k) = value.col(mesh.faces(k, f));
+    }
+    Eigen::Vector3d weight = Eigen::Vector3d::Zero();
+    if (corners == 2) {
+      const Eigen::Vector3d along = place.col(1) - place.col(0);
+      weight[1] = std::clamp((X - place.col(0)).dot(along) / along.squaredNorm(), 0.0, 1.0);
+      weight[0] = 1 - weight[1];
+    } else {
+      weight = nearest_in_triangle(place, X);
+    }
+    const double distance = (X - place * weight).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    result = here * weight;
   }
   return result;
 }
@@ -37,7 +75,7 @@ void require_same_mesh(const InterfaceMesh& recorded, const InterfaceMesh& wante
               same_count ? "was recorded on interface points at other places"
                          : fmt::format("was recorded on {} interface points, the case has {}",
                                        recorded.position.cols(), wanted.position.cols()),
-              "the same structure.plate and structure.surface_spacing as in the recorded run, surface "
+              "the same shape and structure.surface_spacing as in the recorded run, surface "
               "coupling in both");
 }
 
@@ -67,11 +105,11 @@ Points Replay::velocity() const {
 }
 
 Eigen::Vector3d Replay::displacement_at(const Eigen::Vector3d& X) const {
-  return on_outline(record_.mesh, displacement(), X);
+  return on_surface(record_.mesh, displacement(), X);
 }
 
 Eigen::Vector3d Replay::velocity_at(const Eigen::Vector3d& X) const {
-  return on_outline(record_.mesh, velocity(), X);
+  return on_surface(record_.mesh, velocity(), X);
 }
 
 void Replay::write(Archive& archive) const {

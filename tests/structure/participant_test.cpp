@@ -164,5 +164,66 @@ TEST(Replay, GivesTheRecordedMotionAndRefusesAnotherMesh) {
   EXPECT_THROW(Replay(other, record), Error);
 }
 
+TEST(Replay, GivesAPlaceInASolidBodyTheMotionOfItsNearestFace) {
+  Parameters p;
+  p.kind = "replay";
+  p.dimension = 3;
+  p.surface_spacing = 0.05;
+  p.plate = {.length = 0.4, .thickness = 0.1, .bottom = {0, 0, 0}};
+  p.shape.depth = 0.3;
+  InterfaceRecord record;
+  record.mesh = surface(p);
+  const Points X = record.mesh.position;
+  Points turned = Points::Zero(3, X.cols());  // linear in x, y, z
+  turned.row(0) = 0.1 * X.row(1);
+  turned.row(1) = -0.1 * X.row(0) + 0.2 * X.row(2);
+  record.initial_displacement = record.initial_velocity = Points::Zero(3, X.cols());
+  record.windows = {{0, 1e-3}};
+  record.displacement = record.velocity = {turned};
+  record.force = {Points::Zero(3, X.cols())};
+  Replay replay(p, record);
+  replay.advance(0, 1e-3, {});
+  const Eigen::Vector3d at(0.033, 0, 0.017), moved(0, -0.0033 + 0.0034, 0);
+  EXPECT_LT((replay.displacement_at(at) - moved).norm(), 1e-15);
+}
+
+TEST(StructureParticipant, AFreeBodyReportsItsMotionAndGoesOnFromACheckpointBitEqual) {
+  Parameters p;
+  p.kind = "rigid";
+  p.shape.kind = ShapeKind::wedge;
+  p.shape.corner = wedge_polygon({.deadrise = 0.5, .width = 0.5, .height = 0.3});
+  p.surface_spacing = 0.02;
+  p.free.y = p.free.angle = true;
+  p.velocity = {0, -6.15, 0};
+  p.gravity = {0, -9.81, 0};
+  const auto body = [&] {
+    return StructureParticipant(std::make_unique<Rigid>(p), p, mid_probe("velocity"), {});
+  };
+  StructureParticipant first = body(), second = body();
+  const auto names = first.description().columns;
+  const auto has = [&](const std::string& name, const std::string& unit) {
+    return std::any_of(names.begin(), names.end(),
+                       [&](const Column& c) { return c.name == name && c.unit == unit; });
+  };
+  EXPECT_TRUE(has("body.y", "m") && has("body.angle", "deg") && has("body.vy", "m/s") &&
+              has("body.fy", "N") && has("body.moment", "N m") && has("energy.kinetic", "J"));
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "free_body_test";
+  std::filesystem::create_directories(folder);
+  first.advance({0, 1e-4}, push(first.mesh(), 3));
+  first.commit(false);
+  first.checkpoint(folder);
+  second.resume(folder);
+  const Advanced a = first.advance({1e-4, 1e-4}, push(first.mesh(), 5)),
+                 b = second.advance({1e-4, 1e-4}, push(second.mesh(), 5));
+  EXPECT_EQ(a.output.at(0).value, b.output.at(0).value);
+  EXPECT_EQ(a.output.at(1).value, b.output.at(1).value);
+  for (const char* name :
+       {"body.y", "body.angle", "body.vy", "body.fy", "mid.y", "check.structure_energy_drift"})
+    EXPECT_EQ(a.monitor.at(name), b.monitor.at(name)) << name;
+  EXPECT_NEAR(a.monitor.at("body.fy"), 5.0 * static_cast<double>(first.mesh().position.cols()), 1e-9);
+  EXPECT_LT(a.monitor.at("check.structure_energy_drift"), 1e-12);
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace strake::structure
