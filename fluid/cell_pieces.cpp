@@ -22,17 +22,17 @@ void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
       low[d] = std::min(low[d], x);
       high[d] = std::max(high[d], x);
     }
+  const double most = 4 * static_cast<double>(n) + 10000;  // cells
   double cells = 1;
   for (std::size_t d = 0; d < dim; ++d) cells *= (high[d] - low[d]) / cell_size + 3;
-  const double longest = 4 * std::pow(static_cast<double>(n), 1.0 / dim) + 64;
-  if (!(cells < 4 * static_cast<double>(n) + 10000)) {
+  if (!(cells < most)) {
+    const double reach = 0.5 * std::pow(most, 1.0 / dim) * cell_size;
     std::vector<double> coordinate(static_cast<std::size_t>(n));
     for (std::size_t d = 0; d < dim; ++d) {
       for (std::int64_t k = 0; k < n; ++k)
         coordinate[static_cast<std::size_t>(k)] = position(static_cast<Eigen::Index>(d), particle[k]);
       const auto middle_one = coordinate.begin() + n / 2;
       std::nth_element(coordinate.begin(), middle_one, coordinate.end());
-      const double reach = 0.5 * longest * cell_size;
       low[d] = std::max(low[d], *middle_one - reach);
       high[d] = std::min(high[d], *middle_one + reach);
     }
@@ -41,7 +41,7 @@ void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
   std::int64_t all = 1;
   for (std::size_t d = 0; d < dim; ++d) {
     const double wide = (high[d] - low[d]) / cell_size;
-    extent[d] = std::floor(wide > 0 && wide < longest ? wide : (wide > 0 ? longest : 0)) + 1;
+    extent[d] = (wide > 0 && wide < most ? std::floor(wide) : 0) + 1;
     count_[d] = static_cast<std::int32_t>(extent[d]) + 2;
     all *= count_[d];
   }
