@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <ranges>
 #include <span>
 #include <vector>
 
+#include "fluid/cell_list.hpp"
 #include "fluid/periodic.hpp"
 #include "fluid/state.hpp"
 
@@ -14,17 +16,20 @@ namespace strake::fluid {
 /// Neighbour rows in compressed form: for particle i the columns row(i), sorted by index, both i-j and j-i
 /// stored. Exactly the pairs with |r_ij| < radius at the positions of the last `update`: a Verlet skin saves
 /// the cell search, never shows in the rows. Counted first, filled second: no capacity to overflow. Beside
-/// each column stand its distance and the inverse, so that no operator takes a root or divides again.
+/// each column stands the inverse of its distance, so that no operator takes a root or divides again.
 class Neighbours {
  public:
   std::span<const std::int32_t> row(std::int64_t i) const { return part(column_, i); }
-  std::span<const double> distances(std::int64_t i) const { return part(distance_, i); }  // |r_ij| [m]
-  std::span<const double> inverses(std::int64_t i) const { return part(inverse_, i); }    // 1/|r_ij| [1/m]
-  std::span<const std::int64_t> start() const { return start_; }                          // n+1
-  std::span<const std::int32_t> column() const { return column_; }                        // one per pair
-  std::span<const double> distance() const { return distance_; }                          // one per pair [m]
-  std::span<const double> inverse() const { return inverse_; }  // one per pair [1/m]
+  std::span<const double> inverses(std::int64_t i) const { return part(inverse_, i); }  // 1/|r_ij| [1/m]
+  /// |r_ij| [m], computed where it is read: a division each.
+  auto distances(std::int64_t i) const {
+    return inverses(i) | std::views::transform([](double inverse) { return 1.0 / inverse; });
+  }
+  std::span<const std::int64_t> start() const { return start_; }    // n+1
+  std::span<const std::int32_t> column() const { return column_; }  // one per pair
+  std::span<const double> inverse() const { return inverse_; }      // one per pair [1/m]
   std::int64_t size() const { return static_cast<std::int64_t>(start_.size()) - 1; }
+  std::size_t bytes() const;
 
  private:
   template <int dim>
@@ -36,7 +41,7 @@ class Neighbours {
   }
   std::vector<std::int64_t> start_{0};
   std::vector<std::int32_t> column_;
-  std::vector<double> distance_, inverse_;
+  std::vector<double> inverse_;
 };
 
 /// What a search must know of a particle beside its place; one byte each, bits may be joined.
@@ -53,10 +58,12 @@ using KeepPair = std::function<bool(std::int32_t i, std::int32_t j)>;
 template <int dim>
 class NeighbourSearch {
  public:
-  /// radius: largest interaction radius [m]; skin: [m], 0.2 l0 pays (PHYSICS §16.5). Throws Error(case_file)
-  /// when a period is shorter than 2 (radius + skin), where a particle would meet two images of another.
+  /// radius: largest interaction radius [m]; skin: [m], 0.2 l0 pays (PHYSICS §16.5); while particles move so
+  /// fast that it would not last two updates it is left out. Throws Error(case_file) when a period is shorter
+  /// than 2 (radius + skin), where a particle would meet two images of another.
   NeighbourSearch(double radius, double skin, const Periodic<dim>& = {});
-  /// Rows of the largest radius. tag: empty, or one byte per particle (PairTag).
+  /// Rows of the largest radius. tag: empty, or one byte per particle (PairTag); the fillers stay the same
+  /// particles as long as the number of particles does.
   const Neighbours& update(const Vectors<dim>& position, std::span<const std::uint8_t> tag = {},
                            const KeepPair& keep = {});
   /// The part of the last update's rows with |r_ij| < radius <= the largest; made on first use, then kept
@@ -65,9 +72,17 @@ class NeighbourSearch {
   const Neighbours& within(double radius);
   void invalidate();  // after set_state or re-ordering
   std::int64_t rebuilds() const { return rebuilds_; }
+  const Periodic<dim>& periodic() const { return periodic_; }
+  std::size_t bytes() const;  // of all rows, candidates and scratch
 
  private:
-  void rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag);
+  double moved(const Vectors<dim>& position) const;
+  void rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double step);
+  void mark_asked(std::span<const std::uint8_t> tag);
+  template <bool seams>
+  void select(const double* x, std::span<const std::uint8_t> tag, const KeepPair* keep);
+  template <bool seams>
+  void fill(const double* x);
   struct Part {
     double radius;
     bool fresh;
@@ -76,12 +91,14 @@ class NeighbourSearch {
   double radius_, skin_;
   Periodic<dim> periodic_;
   bool valid_ = false;
+  double built_skin_ = 0;  // of the present candidates [m]
   std::int64_t rebuilds_ = 0;
   Vectors<dim> built_at_;
-  std::vector<std::uint8_t> built_tag_;
-  std::vector<std::int64_t> candidate_start_;
-  std::vector<std::int32_t> candidate_;
-  std::vector<double> candidate_squared_;  // |r_ij|² of each candidate at the last update [m²]
+  std::vector<std::uint8_t> built_filler_;
+  CellList<dim> cells_;
+  Candidates candidates_;
+  std::vector<std::uint64_t> kept_;        // bits of the candidates that are in the exact rows
+  std::vector<std::uint8_t> meets_asked_;  // particles with an asked one among their candidates
   Neighbours exact_;
   std::list<Part> parts_;
 };

@@ -18,8 +18,8 @@ class Periodic {
     for (int d = 0; d < dim; ++d)
       half_[d] = length[d] > 0 ? 0.5 * length[d] : std::numeric_limits<double>::infinity();
   }
-  /// A grid around the whole of space asks for these.
-  const Vector<dim>& length() const { return length_; }
+  const Vector<dim>& length() const { return length_; }          // [m]; 0: not periodic
+  double half(int direction) const { return half_[direction]; }  // [m]; infinite where not periodic
   bool along(int direction) const { return length_[direction] > 0; }
   bool any() const { return (length_.array() > 0).any(); }
 

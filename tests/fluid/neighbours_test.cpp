@@ -35,7 +35,6 @@ void expect_rows(const Neighbours& found, const std::vector<std::vector<std::int
 bool same(const Neighbours& a, const Neighbours& b) {
   return std::equal(a.start().begin(), a.start().end(), b.start().begin(), b.start().end()) &&
          std::equal(a.column().begin(), a.column().end(), b.column().begin(), b.column().end()) &&
-         std::equal(a.distance().begin(), a.distance().end(), b.distance().begin(), b.distance().end()) &&
          std::equal(a.inverse().begin(), a.inverse().end(), b.inverse().begin(), b.inverse().end());
 }
 
@@ -80,7 +79,7 @@ TEST(Neighbours, pairs_are_symmetric_to_the_last_bit) {
       ASSERT_LT(back, static_cast<std::ptrdiff_t>(rows.row(j).size()));
       ASSERT_EQ(rows.row(j)[static_cast<std::size_t>(back)], i);
       ASSERT_EQ(rows.distances(j)[static_cast<std::size_t>(back)], rows.distances(i)[k]);
-      ASSERT_EQ(rows.inverses(i)[k], 1.0 / rows.distances(i)[k]);
+      ASSERT_EQ(rows.inverses(j)[static_cast<std::size_t>(back)], rows.inverses(i)[k]);
     }
 }
 
