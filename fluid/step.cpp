@@ -135,7 +135,8 @@ void Simulation<dim>::Work::predict() {
       wall_distance[static_cast<std::size_t>(i)] = boundary.tank().distance(state.position.col(i));
   }
   viscous.compute(
-      p, {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface, wall_distance},
+      p, {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface,
+          search.periodic(), wall_distance},
       dt, state.sps_k);
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.parked(state, i)) continue;

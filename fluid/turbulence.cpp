@@ -66,7 +66,8 @@ void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const Lattic
         // k on the line through zero at the face: k_j = −k_i depth/distance.
         const auto normal = walls.normal.col(j - walls.first);
         const double depth = walls.depth[j - walls.first];
-        const double distance = (flow.position.col(i) - flow.position.col(j)).dot(normal) - depth;
+        const Vector<dim> r = flow.periodic.separation(flow.position.col(j), flow.position.col(i));
+        const double distance = r.dot(normal) - depth;
         const double reach = 1 + depth / std::max(distance, 0.25 * model.filter);
         share += scale * w * reach * (model.kinematic_viscosity + 0.5 * eddy_viscosity[i]);
       }

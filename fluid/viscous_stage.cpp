@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -11,16 +12,46 @@
 namespace strake::fluid {
 namespace {
 
+/// Whether the pressure gradient gives up exact momentum for accuracy; then the stresses do as well.
+bool consistent(const Scheme& scheme) {
+  return scheme.gradient == Gradient::corrected || scheme.gradient == Gradient::least_squares;
+}
+
 using std::size_t;
 
 /// A neighbourhood this flat or this small has no gradient, as in `gradient_correction`.
 constexpr double smallest_determinant = 0.05, largest_condition = 20;
 
-/// Place of (a, b) among the components of a symmetric tensor, row by row of its upper half.
-template <int dim>
-constexpr int at(int a, int b) {
-  if (a > b) return at<dim>(b, a);
-  return dim == 2 ? a + b : (a == 0 ? b : a + b + 1);
+/// Columns of a row that are water: they come first.
+inline size_t water_columns(std::span<const std::int32_t> columns, std::int64_t water) {
+  size_t count = columns.size();
+  while (count > 0 && columns[count - 1] >= water) --count;
+  return count;
+}
+
+/// body(j, 1/r, w) of the pairs within the radius.
+template <class Body>
+inline void each_pair(std::span<const std::int32_t> columns, std::span<const double> inverses, double radius,
+                      Body&& body) {
+  for (size_t e = 0; e < columns.size(); ++e)
+    if (const double w = radius * inverses[e] - 1; w > 0) body(columns[e], inverses[e], w);
+}
+
+/// Of {r, u} of a pair, in space {r, 0, u, 0}: all of it twice, and r in every place.
+inline Lanes8 twice(const Lanes4& d) {
+  return __builtin_shufflevector(d, d, 0, 1, 2, 3, 0, 1, 2, 3);
+}
+inline Lanes8 arms(const Lanes4& d) {
+  return __builtin_shufflevector(d, d, 0, 1, 0, 1, 0, 1, 0, 1);
+}
+inline Lanes8 arms(const Lanes8& d) {
+  return __builtin_shufflevector(d, d, 0, 1, 2, 3, 0, 1, 2, 3);
+}
+
+/// The nearest image of a neighbour: r over the seams where that is shorter.
+template <int dim, class Pair>
+inline void over_seams(const Periodic<dim>& periodic, Pair& d) {
+  for (int a = 0; a < dim; ++a) d[a] = periodic.nearest(d[a], a);
 }
 
 /// Whether λ_max/λ_min ≤ c. In the plane (λ1 + λ2)²/(λ1 λ2) = c + 2 + 1/c where the condition is c; in space
@@ -54,10 +85,15 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
   }
   if (scheme.sps == SpsForm::joint) {
     const auto lattice = lattice_constants<dim>(scheme.radius_gradient, parameters.spacing);
-    behind_.extend(flow.position, flow.velocity, flow.near, lattice.radius, flow.walls, flow.wet);
-    gather_gradient(flow, lattice);
-    close(parameters, flow, lattice, dt, k);
-    gather_force(scheme.gradient == Gradient::corrected, flow, lattice);
+    behind_.extend(flow, lattice.radius);
+    model_ = sps_model(parameters);
+    radius_ = lattice.radius;
+    stress_scale_ = dim / lattice.n0;
+    laplacian_scale_ = 2 * dim / (lattice.n0 * lattice.lambda0);
+    kind_ = scheme.turbulence;
+    gather_gradient(flow, k);
+    if (kind_ == Turbulence::k) transport(flow, lattice, dt, k);
+    gather_force(consistent(scheme), flow);
   } else {
     separate(parameters, flow, dt, k);
   }
@@ -65,201 +101,217 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
 
 // G = (d/n0) Σ (u_j − u_i)⊗r_ij w/r² · C_i, C_i = [(d/n0) Σ r⊗r w/r²]⁻¹ of the same neighbours.
 template <int dim>
-void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, const LatticeConstants& lattice) {
+void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::VectorXd& k) {
   const auto n = flow.position.cols();
   const std::int64_t water = flow.walls.first;
+  const bool seams = flow.periodic.any();
   sample_.resize(static_cast<size_t>(n));
   stress_.resize(static_cast<size_t>(water));
   correction_.resize(static_cast<size_t>(water));
+  viscosity_.resize(static_cast<size_t>(water));
   neighbours_.resize(static_cast<size_t>(water));
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < n; ++i)
-    for (int a = 0; a < dim; ++a) {
-      sample_[static_cast<size_t>(i)].x[a] = flow.position(a, i);
-      sample_[static_cast<size_t>(i)].u[a] = i < water ? flow.velocity(a, i) : behind_.velocity(a, i - water);
-    }
-  const double scale = dim / lattice.n0;
+  for (std::int64_t i = 0; i < n; ++i) {
+    const double* const place = flow.position.data() + dim * i;
+    const double* const moves =
+        i < water ? flow.velocity.data() + dim * i : behind_.velocity.data() + dim * (i - water);
+    if constexpr (dim == 2)
+      sample_[static_cast<size_t>(i)].lanes = Lanes4{place[0], place[1], moves[0], moves[1]};
+    else
+      sample_[static_cast<size_t>(i)].lanes =
+          Lanes8{place[0], place[1], place[2], 0, moves[0], moves[1], moves[2], 0};
+  }
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    const Sample here = sample_[static_cast<size_t>(i)];
+    const auto here = sample_[static_cast<size_t>(i)].lanes;
     const auto columns = flow.near.row(i);
     const auto inverses = flow.near.inverses(i);
-    double sum[dim * dim]{}, moment[components]{};
+    // Σ r_b {r, u} w/r²: moments and gradient, column by column; both columns in one in the plane.
+    Lanes8 sum[dim == 2 ? 1 : dim]{};
     int count = 0;
-    for (size_t e = 0; e < columns.size(); ++e) {
-      const std::int32_t j = columns[e];
-      const double w = lattice.radius * inverses[e] - 1;
-      if (w <= 0 || (j >= water && flow.dry(j))) continue;
-      const Sample& there = sample_[static_cast<size_t>(j)];
-      const double s = w * inverses[e] * inverses[e];
-      for (int b = 0; b < dim; ++b) {
-        const double r = there.x[b] - here.x[b], sr = s * r;
-        for (int a = 0; a < dim; ++a) sum[a * dim + b] += (there.u[a] - here.u[a]) * sr;
-        for (int a = 0; a <= b; ++a) moment[at<dim>(a, b)] += (there.x[a] - here.x[a]) * sr;
-      }
+    const auto add = [&](std::int32_t j, double inverse, double w) {
+      auto d = sample_[static_cast<size_t>(j)].lanes - here;
+      if (seams) over_seams<dim>(flow.periodic, d);
+      const double s = w * inverse * inverse;
+      if constexpr (dim == 2)
+        sum[0] += twice(d) * halves(s * d[0], s * d[1]);
+      else
+        for (int b = 0; b < dim; ++b) sum[b] += d * (s * d[b]);
       ++count;
-    }
+    };
+    const size_t inner = water_columns(columns, water);
+    each_pair(columns.first(inner), inverses.first(inner), radius_, add);
+    each_pair(columns.subspan(inner), inverses.subspan(inner), radius_,
+              [&](std::int32_t j, double inverse, double w) {
+                if (!flow.dry(j)) add(j, inverse, w);
+              });
     Tensor<dim> m, g;
     for (int a = 0; a < dim; ++a)
       for (int b = 0; b < dim; ++b) {
-        m(a, b) = scale * moment[at<dim>(a, b)];
-        g(a, b) = scale * sum[a * dim + b];
+        m(a, b) = stress_scale_ * (dim == 2 ? sum[0][4 * b + a] : sum[dim == 2 ? 0 : b][a]);
+        g(a, b) = stress_scale_ * (dim == 2 ? sum[0][4 * b + 2 + a] : sum[dim == 2 ? 0 : b][4 + a]);
       }
     const double determinant = m.determinant();
-    Stress& stress = stress_[static_cast<size_t>(i)];
-    neighbours_[static_cast<size_t>(i)] = count;
-    if (determinant < smallest_determinant || !well_conditioned<dim>(m, determinant)) {
-      stress = {};
-      neighbours_[static_cast<size_t>(i)] = -1;
-      continue;
+    double pr = 0;
+    neighbours_[static_cast<size_t>(i)] = -1;
+    if (determinant >= smallest_determinant && well_conditioned<dim>(m, determinant)) {
+      neighbours_[static_cast<size_t>(i)] = count;
+      const Tensor<dim> correction = m.inverse();
+      correction_[static_cast<size_t>(i)] = correction;
+      g *= correction;
+      for (int a = 0; a < dim; ++a)
+        for (int b = 0; b < dim; ++b) pr += 0.5 * (g(a, b) + g(b, a)) * (g(a, b) + g(b, a));  // 2 S:S
+    } else {
+      g.setZero();
     }
-    const Tensor<dim> inverse = m.inverse(), corrected = g * inverse;
-    double pr = 0;  // 2 S:S = ½ Σ (∂u_a/∂x_b + ∂u_b/∂x_a)²
-    for (int a = 0; a < dim; ++a)
-      for (int b = 0; b < dim; ++b) {
-        stress.g[a * dim + b] = corrected(a, b);
-        pr += 0.5 * (corrected(a, b) + corrected(b, a)) * (corrected(a, b) + corrected(b, a));
-        if (a <= b) correction_[static_cast<size_t>(i)].c[at<dim>(a, b)] = inverse(a, b);
-      }
     production[i] = pr;
+    if (kind_ == Turbulence::statics) k[i] = model_.equilibrium(pr);
+    close(i, g, k[i], flow);
   }
 }
 
-// ν_t and k by the model, τ = (ν + ν_t)(G + Gᵀ) − (2/3) k I.
+// ν_t by the model from its energy, τ = (ν + ν_t)(G + Gᵀ) − (2/3) k I.
 template <int dim>
-void ViscousStage<dim>::close(const Parameters& parameters, const ViscousFlow<dim>& flow,
-                              const LatticeConstants& lattice, double dt, Eigen::VectorXd& k) {
-  const std::int64_t water = flow.walls.first;
-  const SpsModel model = sps_model(parameters);
-  const Turbulence kind = parameters.scheme.turbulence;
-  if (kind == Turbulence::k) {
-    for (std::int64_t i = 0; i < water; ++i) eddy_viscosity[i] = model.eddy_viscosity(k[i]);
-    advance_k<dim>(flow, model, lattice, production, eddy_viscosity, dt, k, scratch_);
+void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energy,
+                              const ViscousFlow<dim>& flow) {
+  double eddy = 0;
+  if (kind_ != Turbulence::none) {
+    if (neighbours_[static_cast<size_t>(i)] >= fewest_neighbours) eddy = model_.eddy_viscosity(energy);
+    if (model_.wall_damping)
+      eddy *= model_.damping(flow.wall_distance[static_cast<size_t>(i)], production[i]);
   }
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
-    Stress& stress = stress_[static_cast<size_t>(i)];
-    double energy = 0;
-    if (kind != Turbulence::none) {
-      if (kind == Turbulence::statics) k[i] = model.equilibrium(production[i]);
-      energy = k[i];
-      eddy_viscosity[i] =
-          neighbours_[static_cast<size_t>(i)] < fewest_neighbours ? 0 : model.eddy_viscosity(energy);
-      if (model.wall_damping)
-        eddy_viscosity[i] *= model.damping(flow.wall_distance[static_cast<size_t>(i)], production[i]);
+  const double viscosity = model_.kinematic_viscosity + eddy;
+  eddy_viscosity[i] = eddy;
+  viscosity_[static_cast<size_t>(i)] = viscosity;
+  Stress stress{};
+  for (int a = 0; a < dim; ++a)
+    for (int b = 0; b < dim; ++b) {
+      stress.set(a, b, viscosity * (g(a, b) + g(b, a)) - (a == b ? 2.0 / 3.0 * energy : 0.0));
+      stress.set(dim + a, b, g(a, b));
     }
-    stress.viscosity = model.kinematic_viscosity + eddy_viscosity[i];
+  stress_[static_cast<size_t>(i)] = stress;
+}
+
+// The k model: k moves on by the ν_t it had, then makes the new one and the stress.
+template <int dim>
+void ViscousStage<dim>::transport(const ViscousFlow<dim>& flow, const LatticeConstants& lattice, double dt,
+                                  Eigen::VectorXd& k) {
+  advance_k<dim>(flow, model_, lattice, production, eddy_viscosity, dt, k, scratch_);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < flow.walls.first; ++i) {
+    Tensor<dim> g;
     for (int a = 0; a < dim; ++a)
-      for (int b = a; b < dim; ++b)
-        stress.tau[at<dim>(a, b)] = stress.viscosity * (stress.g[a * dim + b] + stress.g[b * dim + a]) -
-                                    (a == b ? 2.0 / 3.0 * energy : 0.0);
+      for (int b = 0; b < dim; ++b) g(a, b) = stress_[static_cast<size_t>(i)].g(a, b);
+    close(i, g, k[i], flow);
   }
 }
 
 template <int dim>
-void ViscousStage<dim>::gather_force(bool corrected, const ViscousFlow<dim>& flow,
-                                     const LatticeConstants& lattice) {
+void ViscousStage<dim>::gather_force(bool corrected, const ViscousFlow<dim>& flow) {
   const auto n = flow.position.cols();
-  const std::int64_t water = flow.walls.first;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
-    if (i >= water)
-      acceleration.col(i) = force_on_row(i, flow, lattice);
-    else if (corrected && neighbours_[static_cast<size_t>(i)] > 0 &&
-             (flow.surface.empty() || !flow.surface[static_cast<size_t>(i)]))
-      acceleration.col(i) = force_on_water<true>(i, flow, lattice);
+    const auto at = static_cast<size_t>(i);
+    if (i >= flow.walls.first)
+      acceleration.col(i) = force_on_row(i, flow);
+    else if (corrected && neighbours_[at] > 0 && (flow.surface.empty() || !flow.surface[at]))
+      acceleration.col(i) = force_on_water<true>(i, flow);
     else
-      acceleration.col(i) = force_on_water<false>(i, flow, lattice);
+      acceleration.col(i) = force_on_water<false>(i, flow);
   }
 }
 
-/// τ·r w/r² and the Laplacian's remainder of one pair, u and G as the pair reads them.
+// Products with the rows of τ_j and G_j, lane by lane; the own τ_i and G_i meet the sum of the arms.
 template <int dim>
 template <bool corrected>
-Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<dim>& flow,
-                                              const LatticeConstants& lattice) const {
-  const std::int64_t water = flow.walls.first;
-  const Sample here = sample_[static_cast<size_t>(i)];
-  const Stress own = stress_[static_cast<size_t>(i)];
-  const Symmetric* c = &correction_[static_cast<size_t>(i)];
-  const double stress_scale = dim / lattice.n0, remainder_scale = 2 * dim / (lattice.n0 * lattice.lambda0);
+Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<dim>& flow) const {
+  const auto here = sample_[static_cast<size_t>(i)].lanes;
+  const double viscosity = viscosity_[static_cast<size_t>(i)];
   const auto columns = flow.near.row(i);
   const auto inverses = flow.near.inverses(i);
-  double sum[dim]{};
-  size_t e = 0;
-  for (; e < columns.size() && columns[e] < water; ++e) {
-    const double inverse = inverses[e], w = lattice.radius * inverse - 1;
-    if (w <= 0) continue;
-    const Sample& there = sample_[static_cast<size_t>(columns[e])];
-    const Stress& other = stress_[static_cast<size_t>(columns[e])];
-    const double s = stress_scale * w * inverse * inverse;
-    const double v = 0.5 * remainder_scale * w * (own.viscosity + other.viscosity);
-    double r[dim], arm[dim];
-    for (int a = 0; a < dim; ++a) r[a] = there.x[a] - here.x[a];
-    for (int a = 0; a < dim; ++a) {
-      arm[a] = 0;
-      if constexpr (corrected)
-        for (int b = 0; b < dim; ++b) arm[a] += c->c[at<dim>(a, b)] * r[b];
-      else
-        arm[a] = r[a];
-    }
-    for (int a = 0; a < dim; ++a) {
-      double push = 0, linear = 0;
-      for (int b = 0; b < dim; ++b) {
-        const double mine = own.tau[at<dim>(a, b)], its = other.tau[at<dim>(a, b)];
-        push += (corrected ? its - mine : its + mine) * arm[b];
-        linear += (own.g[a * dim + b] + other.g[a * dim + b]) * r[b];
-      }
-      sum[a] += s * push + v * (there.u[a] - here.u[a] - 0.5 * linear);
-    }
-  }
+  [[maybe_unused]] Lanes8 turn[dim]{};  // C_i for the rows of τ, the identity for those of G; by columns
+  if constexpr (corrected)
+    for (int b = 0; b < dim; ++b)
+      for (int lane = 0; lane < 8; ++lane)
+        if (const int a = lane % width; a < dim)
+          turn[b][lane] = lane < 4 ? correction_[static_cast<size_t>(i)](a, b) : (a == b ? 1.0 : 0.0);
+  Lanes8 sum[parts]{}, arm_sum{};
+  const bool seams = flow.periodic.any();
+  auto drag = here - here;  // Σ v {r, u}
+  const size_t inner = water_columns(columns, flow.walls.first);
+  each_pair(columns.first(inner), inverses.first(inner), radius_,
+            [&](std::int32_t column, double inverse, double w) {
+              const auto j = static_cast<size_t>(column);
+              auto d = sample_[j].lanes - here;
+              if (seams) over_seams<dim>(flow.periodic, d);
+              const double v = 0.5 * laplacian_scale_ * w * (viscosity + viscosity_[j]);
+              Lanes8 arm = arms(d);
+              if constexpr (corrected) {
+                arm = turn[0] * d[0];
+                for (int b = 1; b < dim; ++b) arm += turn[b] * d[b];
+              }
+              arm *= halves(stress_scale_ * w * inverse * inverse, -0.5 * v);  // of τ, of G
+              arm_sum += arm;
+              if constexpr (dim == 2) {
+                sum[0] += stress_[j].part[0] * arm;
+              } else {
+                sum[0] += stress_[j].part[0] * __builtin_shufflevector(arm, arm, 0, 1, 2, 3, 0, 1, 2, 3);
+                sum[1] += stress_[j].part[1] * arm;
+                sum[2] += stress_[j].part[2] * __builtin_shufflevector(arm, arm, 4, 5, 6, 7, 4, 5, 6, 7);
+              }
+              drag += v * d;
+            });
+  const Stress& own = stress_[static_cast<size_t>(i)];
   Vector<dim> force;
-  for (int a = 0; a < dim; ++a) force[a] = sum[a];
-  for (; e < columns.size(); ++e) {
-    const double w = lattice.radius * inverses[e] - 1;
-    if (w > 0 && !flow.dry(columns[e]))
-      force += pair_with_row<corrected>(i, columns[e], w, inverses[e], flow, lattice);
+  for (int a = 0; a < dim; ++a) {
+    double total = drag[width + a];
+    for (int b = 0; b < dim; ++b) {
+      const int t = a * width + b, g = (dim + a) * width + b;
+      total += sum[t / 8][t % 8] + sum[g / 8][g % 8] + own.g(a, b) * arm_sum[4 + b];
+      total += (corrected ? -own.tau(a, b) : own.tau(a, b)) * arm_sum[b];
+    }
+    force[a] = total;
   }
+  each_pair(columns.subspan(inner), inverses.subspan(inner), radius_,
+            [&](std::int32_t j, double inverse, double w) {
+              if (!flow.dry(j)) force += pair_with_row<corrected>(i, j, w, inverse, flow);
+            });
   return force;
 }
 
-/// f of water i by row j. A corrected sum has no (τ_j − τ_i), and reads the flow that a smooth wall mirrors.
+// f of water i by row j. A corrected sum has no (τ_j − τ_i), and reads the flow that a smooth wall mirrors.
 template <int dim>
 template <bool corrected>
 Vector<dim> ViscousStage<dim>::pair_with_row(std::int64_t i, std::int64_t j, double w, double inverse,
-                                             const ViscousFlow<dim>& flow,
-                                             const LatticeConstants& lattice) const {
-  const Sample &here = sample_[static_cast<size_t>(i)], &there = sample_[static_cast<size_t>(j)];
+                                             const ViscousFlow<dim>& flow) const {
+  auto d = sample_[static_cast<size_t>(j)].lanes - sample_[static_cast<size_t>(i)].lanes;
+  over_seams<dim>(flow.periodic, d);
   const Stress& own = stress_[static_cast<size_t>(i)];
-  const double s = 2 * dim / lattice.n0 * w * inverse * inverse;
-  const double v = 2 * dim / (lattice.n0 * lattice.lambda0) * w * own.viscosity;
+  const double s = 2 * stress_scale_ * w * inverse * inverse;
+  const double v = laplacian_scale_ * w * viscosity_[static_cast<size_t>(i)];
   Vector<dim> force;
   for (int a = 0; a < dim; ++a) {
     double push = 0, linear = 0;
     for (int b = 0; b < dim; ++b) {
-      const double r = there.x[b] - here.x[b];
-      push += own.tau[at<dim>(a, b)] * r;
-      linear += own.g[a * dim + b] * r;
+      push += own.tau(a, b) * d[b];
+      linear += own.g(a, b) * d[b];
     }
-    force[a] = (corrected ? 0.0 : s * push) + v * (there.u[a] - here.u[a] - linear);
+    force[a] = (corrected ? 0.0 : s * push) + v * (d[width + a] - linear);
   }
   if (corrected || !flow.walls.slip[static_cast<size_t>(j - flow.walls.first)]) return force;
-  const auto normal = flow.walls.normal.col(j - flow.walls.first);
-  if (normal.squaredNorm() > 0) force = normal * normal.dot(force);
-  return force;
+  const Vector<dim> normal = flow.walls.normal.col(j - flow.walls.first);
+  return normal.squaredNorm() > 0 ? Vector<dim>(normal * normal.dot(force)) : force;
 }
 
 template <int dim>
-Vector<dim> ViscousStage<dim>::force_on_row(std::int64_t j, const ViscousFlow<dim>& flow,
-                                            const LatticeConstants& lattice) const {
+Vector<dim> ViscousStage<dim>::force_on_row(std::int64_t j, const ViscousFlow<dim>& flow) const {
   Vector<dim> force = Vector<dim>::Zero();
   if (flow.dry(j)) return force;
   const auto columns = flow.near.row(j);
   const auto inverses = flow.near.inverses(j);
-  for (size_t e = 0; e < columns.size() && columns[e] < flow.walls.first; ++e) {
-    const double w = lattice.radius * inverses[e] - 1;
-    if (w > 0) force -= pair_with_row<false>(columns[e], j, w, inverses[e], flow, lattice);
-  }
+  for (size_t e = 0; e < columns.size() && columns[e] < flow.walls.first; ++e)
+    if (const double w = radius_ * inverses[e] - 1; w > 0)
+      force -= pair_with_row<false>(columns[e], j, w, inverses[e], flow);
   return force;
 }
 
@@ -282,8 +334,7 @@ void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow
   }
   const auto lattice = lattice_constants<dim>(scheme.radius_gradient, l0);
   std::vector<Tensor<dim>> correction;
-  if (scheme.gradient == Gradient::corrected)
-    correction = gradient_correction<dim>(flow.position, flow.near, lattice, masks);
+  if (consistent(scheme)) correction = gradient_correction<dim>(flow.position, flow.near, lattice, masks);
   const auto gradient =
       velocity_gradient<dim>(flow.position, flow.velocity, flow.near, lattice, correction, masks);
   const SpsModel model = sps_model(parameters);

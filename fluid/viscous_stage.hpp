@@ -3,9 +3,11 @@
 #include <Eigen/Core>
 
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "fluid/operators.hpp"
+#include "fluid/pair_lanes.hpp"
 #include "fluid/turbulence.hpp"
 #include "fluid/viscous_walls.hpp"
 
@@ -42,33 +44,35 @@ class ViscousStage {
   Eigen::VectorXd eddy_viscosity;  // ν_t [m²/s]
 
  private:
-  /// One cache line or two: what a neighbour must know of a particle.
-  static constexpr int components = dim * (dim + 1) / 2;
-  struct alignas(32) Sample {
-    double x[dim], u[dim];
+  /// What a neighbour must know: place and velocity, and the rows of τ, then those of G.
+  using Sample = std::conditional_t<dim == 2, Four, Eight>;
+  static constexpr int width = dim == 2 ? 2 : 4, parts = dim * width / 4;
+  struct Stress {
+    Lanes8 part[parts];
+    void set(int row, int b, double x) { part[(row * width + b) / 8][(row * width + b) % 8] = x; }
+    double tau(int a, int b) const { return part[(a * width + b) / 8][(a * width + b) % 8]; }
+    double g(int a, int b) const { return part[((dim + a) * width + b) / 8][((dim + a) * width + b) % 8]; }
   };
-  struct alignas(64) Stress {
-    double tau[components], viscosity, g[dim * dim];
-  };
-  struct Symmetric {
-    double c[components];
-  };
-  void gather_gradient(const ViscousFlow<dim>&, const LatticeConstants&);
-  void close(const Parameters&, const ViscousFlow<dim>&, const LatticeConstants&, double dt,
-             Eigen::VectorXd& k);
-  void gather_force(bool corrected, const ViscousFlow<dim>&, const LatticeConstants&);
+  void gather_gradient(const ViscousFlow<dim>&, Eigen::VectorXd& k);
+  void close(std::int64_t i, const Tensor<dim>& gradient, double energy, const ViscousFlow<dim>&);
+  void transport(const ViscousFlow<dim>&, const LatticeConstants&, double dt, Eigen::VectorXd& k);
+  void gather_force(bool corrected, const ViscousFlow<dim>&);
   template <bool corrected>
-  Vector<dim> force_on_water(std::int64_t i, const ViscousFlow<dim>&, const LatticeConstants&) const;
+  Vector<dim> force_on_water(std::int64_t i, const ViscousFlow<dim>&) const;
   template <bool corrected>
-  Vector<dim> pair_with_row(std::int64_t i, std::int64_t j, double w, double inverse, const ViscousFlow<dim>&,
-                            const LatticeConstants&) const;
-  Vector<dim> force_on_row(std::int64_t j, const ViscousFlow<dim>&, const LatticeConstants&) const;
+  Vector<dim> pair_with_row(std::int64_t i, std::int64_t j, double w, double inverse,
+                            const ViscousFlow<dim>&) const;
+  Vector<dim> force_on_row(std::int64_t j, const ViscousFlow<dim>&) const;
   void separate(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
 
+  SpsModel model_;
+  double radius_ = 0, stress_scale_ = 0, laplacian_scale_ = 0;  // r_e [m], d/n0, 2d/(n0 λ) [1/m²]
+  Turbulence kind_ = Turbulence::none;
   VelocityBehind<dim> behind_;
   std::vector<Sample> sample_;
   std::vector<Stress> stress_;
-  std::vector<Symmetric> correction_;
+  std::vector<Tensor<dim>> correction_;
+  std::vector<double> viscosity_;         // ν + ν_t of the water [m²/s]
   std::vector<std::int32_t> neighbours_;  // of the water; −1: too few or too flat for a gradient
   std::vector<std::uint8_t> seen_;
   Eigen::VectorXd scratch_;

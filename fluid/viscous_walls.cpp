@@ -56,11 +56,10 @@ void describe_rows(const Boundary<dim>& boundary, const State<dim>& state, bool 
 }
 
 template <int dim>
-void VelocityBehind<dim>::extend(const Vectors<dim>& position, const Vectors<dim>& water,
-                                 const Neighbours& near, double radius, const WallRows<dim>& walls,
-                                 std::span<const std::uint8_t> mask) {
+void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
+  const WallRows<dim>& walls = flow.walls;
   const std::int64_t rows = walls.size();
-  assert(walls.first + rows == position.cols());
+  assert(walls.first + rows == flow.position.cols());
   velocity.resize(dim, rows);
   slope.resize(dim, rows);
   mean.resize(dim, rows);
@@ -68,16 +67,17 @@ void VelocityBehind<dim>::extend(const Vectors<dim>& position, const Vectors<dim
   for (std::int64_t k = 0; k < rows; ++k) {
     if (walls.master[static_cast<size_t>(k)] >= 0) continue;
     const std::int64_t row = walls.first + k;
-    const auto columns = near.row(row);
-    const auto inverses = near.inverses(row);
-    const Vector<dim> at = position.col(row), face = walls.velocity.col(k), normal = walls.normal.col(k);
+    const auto columns = flow.near.row(row);
+    const auto inverses = flow.near.inverses(row);
+    const Vector<dim> at = flow.position.col(row), face = walls.velocity.col(k), normal = walls.normal.col(k);
     Vector<dim> rise = Vector<dim>::Zero(), sum = Vector<dim>::Zero();
     double run = 0, weight = 0;
     for (size_t e = 0; e < columns.size() && columns[e] < walls.first; ++e) {
       const double w = radius * inverses[e] - 1;
       if (w <= 0) continue;
-      const double d = std::max(0.0, (position.col(columns[e]) - at).dot(normal) - walls.depth[k]);
-      const Vector<dim> u = water.col(columns[e]) - face;
+      const Vector<dim> r = flow.periodic.separation(at, flow.position.col(columns[e]));
+      const double d = std::max(0.0, r.dot(normal) - walls.depth[k]);
+      const Vector<dim> u = flow.velocity.col(columns[e]) - face;
       rise += w * d * u;
       run += w * d * d;
       sum += w * u;
@@ -89,7 +89,7 @@ void VelocityBehind<dim>::extend(const Vectors<dim>& position, const Vectors<dim
 #pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < rows; ++k) {
     velocity.col(k) = walls.velocity.col(k);
-    if (!mask.empty() && !mask[static_cast<size_t>(walls.first + k)]) continue;
+    if (flow.dry(walls.first + k)) continue;
     const std::int32_t master = walls.master[static_cast<size_t>(k)];
     const std::int64_t front = master < 0 ? k : master - walls.first;
     const Vector<dim> normal = walls.normal.col(front), rise = walls.depth[k] * slope.col(front);

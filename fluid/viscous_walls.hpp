@@ -8,6 +8,7 @@
 
 #include "fluid/boundary.hpp"
 #include "fluid/neighbours.hpp"
+#include "fluid/periodic.hpp"
 #include "fluid/state.hpp"
 
 namespace strake::fluid {
@@ -40,6 +41,7 @@ struct ViscousFlow {
   const WallRows<dim>& walls;                  // the particles that are no water
   std::span<const std::uint8_t> wet = {};      // 0: a dry row, through which no stress passes; empty: all wet
   std::span<const std::uint8_t> surface = {};  // 1: free surface; empty: none is
+  Periodic<dim> periodic = {};                 // directions in which the flow repeats itself
   std::span<const double> wall_distance = {};  // [m], read with wall damping alone
 
   bool dry(std::int64_t row) const { return !wet.empty() && !wet[static_cast<std::size_t>(row)]; }
@@ -57,8 +59,7 @@ struct VelocityBehind {
   Vectors<dim> velocity;     // of each row [m/s]
   Vectors<dim> slope, mean;  // of the water before each first row, relative to u_w: [1/s], [m/s]
 
-  void extend(const Vectors<dim>& position, const Vectors<dim>& velocity, const Neighbours& near,
-              double radius, const WallRows<dim>&, std::span<const std::uint8_t> mask);
+  void extend(const ViscousFlow<dim>&, double radius);
 };
 
 }  // namespace strake::fluid

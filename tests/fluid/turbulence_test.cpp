@@ -28,6 +28,7 @@ struct Flow {
     parameters.dimension = dim;
     parameters.spacing = l0;
     parameters.kinematic_viscosity = 0;
+    parameters.scheme.gradient = Gradient::pairwise;
     velocity = Vectors<dim>::Zero(dim, position.cols());
   }
   ViscousStage<dim> stage() {
