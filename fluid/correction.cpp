@@ -122,6 +122,7 @@ Vectors<dim> pressure_gradient(const State<dim>& state, const Boundary<dim>& bou
       return gradient;
     }
     case Gradient::corrected:
+    case Gradient::least_squares:
       break;
   }
   const auto correction = gradient_correction<dim>(position, near, lattice, masks);

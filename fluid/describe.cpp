@@ -35,6 +35,8 @@ const char* name(Gradient gradient) {
       return "min-pressure";
     case Gradient::corrected:
       return "corrected";
+    case Gradient::least_squares:
+      return "least-squares";
     case Gradient::pairwise:
       break;
   }

@@ -266,6 +266,14 @@ bool Outline::separates(const Vector2& a, const Vector2& b) const {
   return false;
 }
 
+bool Outline::faces(int run, const Vector2& x) const {
+  const Run& r = runs_[static_cast<std::size_t>(run)];
+  if (r.closed) return true;
+  const Vector2 first = vertex_.col(r.vertex), last = vertex_.col(r.vertex + r.count);
+  return (x - first).dot(vertex_.col(r.vertex + 1) - first) >= 0 &&
+         (x - last).dot(last - vertex_.col(r.vertex + r.count - 1)) <= 0;
+}
+
 bool Outline::inside(const Vector2& x) const {
   if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any()) return false;
   bool odd = false;

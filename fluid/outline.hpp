@@ -60,6 +60,8 @@ class Outline {
   /// Whether it crosses any run, corners included.
   bool separates(const Vector2& a, const Vector2& b) const;
   bool inside(const Vector2& x) const;
+  /// Whether x lies over that run: not past one of its ends, seen along its first and last piece.
+  bool faces(int run, const Vector2& x) const;
 
   struct Foot {
     int point = -1;  // piece it lies on

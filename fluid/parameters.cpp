@@ -114,9 +114,11 @@ void read_pressure(CaseTable t, Scheme& s) {
            {.paper = "ic",
             .help = "of cg: grids over the particles' cells, diagonal, or incomplete Cholesky; auto: "
                     "diagonal where compressibility makes it enough, else grids"});
-  t.number(
-      "tolerance", s.pressure_tolerance,
-      {.min = 0, .max = 1e-2, .exclusive = true, .help = "residual over right-hand side, 2-norms |b - A p| / |b|"});
+  t.number("tolerance", s.pressure_tolerance,
+           {.min = 0,
+            .max = 1e-2,
+            .exclusive = true,
+            .help = "residual over right-hand side, 2-norms |b - A p| / |b|"});
   t.integer("max_iterations", s.pressure_max_iterations, {.min = 1, .help = "of cg and hypre, per step"});
 }
 
@@ -167,20 +169,41 @@ void read_scheme(CaseTable t, const CommonKeys& common, Scheme& s) {
   t.number("acoustic_cfl", s.acoustic_cfl,
            {.min = 0,
             .help = "sound speed times time step over spacing, to resolve pressure waves; 0: no such limit"});
+  // The solids of volume coupling take part in the pressure equation as particles.
+  if (common.interface == "volume") s.gradient = Gradient::pairwise;
+  t.choice(
+      "gradient", s.gradient,
+      {{"least-squares", Gradient::least_squares},
+       {"pairwise", Gradient::pairwise},
+       {"corrected", Gradient::corrected},
+       {"min-pressure", Gradient::min_pressure}},
+      {.paper = "min-pressure",
+       .help =
+           "pressure gradient: least-squares is exact for linear fields at walls and surface too (the other "
+           "operators with it), pairwise keeps momentum; volume coupling has no least-squares"});
+  if (s.gradient == Gradient::least_squares && common.interface == "volume")
+    throw t.error("gradient", "pairwise, corrected or min-pressure with coupling.interface = \"volume\"",
+                  "gradient = \"pairwise\"");
+  if (s.gradient != Gradient::least_squares) {
+    s.negative_pressure = false;
+    s.shifting = 0;
+  }
   read_source(t.table("source", "what the pressure equation corrects"), s);
-  t.choice("gradient", s.gradient,
-           {{"pairwise", Gradient::pairwise},
-            {"corrected", Gradient::corrected},
-            {"min-pressure", Gradient::min_pressure}},
-           {.paper = "min-pressure",
-            .help = "pressure gradient: pairwise keeps momentum, corrected is exact for linear fields"});
   read_surface(t.table("surface", "which particles are free surface"), s);
   t.flag("negative_pressure", s.negative_pressure,
          {.paper = false, .help = "false: pressure below 0 becomes 0"});
   read_anti_penetration(t.table("anti_penetration", "water that comes too near a solid"), s);
   read_pressure(t.table("pressure", "how the pressure equation is solved"), s);
   t.number("shifting", s.shifting,
-           {.min = 0, .max = 1, .help = "strength of particle shifting towards even spacing; 0: off"});
+           {.min = 0,
+            .max = 100,
+            .paper = 0.0,
+            .help = "strength of particle shifting towards even spacing; 0: off"});
+  t.number("filter", s.filter,
+           {.min = 0,
+            .max = 10,
+            .help = "of least-squares: viscosity over l0 times the velocity that its gradient does not "
+                    "explain; 0: off"});
   read_turbulence(t.table("turbulence", "sub-particle-scale stresses"), s);
 }
 

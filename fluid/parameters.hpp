@@ -13,7 +13,7 @@ namespace strake::fluid {
 
 enum class Source { density, divergence, mixed };
 enum class DensityAt { star, old };
-enum class Gradient { min_pressure, pairwise, corrected };
+enum class Gradient { min_pressure, pairwise, corrected, least_squares };
 enum class SecondCriterion { none, asymmetry, arc };
 enum class AntiPenetration { none, average, collision };
 enum class Turbulence { none, statics, k };
@@ -34,10 +34,11 @@ struct Scheme {
   DensityAt density_at = DensityAt::old;
   double gamma = 0.0;  // drift term per step; used when tau = 0
   double tau = 0.02;   // [s] gamma = dt / tau; 0: gamma is used
-  Gradient gradient = Gradient::pairwise;
+  Gradient gradient = Gradient::least_squares;
   double beta = 0.97;
   SecondCriterion second = SecondCriterion::arc;
-  bool negative_pressure = false;  // the pairwise gradient draws water together under tension
+  bool negative_pressure =
+      true;  // false with the pairwise gradient, which draws water together under tension
   AntiPenetration anti_penetration = AntiPenetration::collision;
   double collision_distance = 0.85;  // [l0]
   double restitution = 0.2;
@@ -46,7 +47,8 @@ struct Scheme {
   Preconditioner preconditioner = Preconditioner::automatic;
   double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
   int pressure_max_iterations = 5000;
-  double shifting = 0.0;  // A of PHYSICS §10.4; 0: off
+  double filter = 1.0;    // of least-squares: viscosity filter · l0 · |what ∇u does not explain|
+  double shifting = 5.0;  // A of PHYSICS §10.4; 0: off
   Turbulence turbulence = Turbulence::statics;
   SpsForm sps = SpsForm::joint;
   double c_nu = 0.08, c_eps = 1.0;  // C_s = (c_nu³/c_eps)^¼

@@ -85,6 +85,8 @@ Simulation<dim>::Work::Work(const Parameters& parameters, const InterfaceMesh& p
     boundary.move(state, Points::Zero(3, m), velocity_on(boundary.mesh(), partner, initial_velocity), true);
   for (std::int64_t i = 0; i < boundary.water(); ++i) state.initial_momentum += mass * state.velocity.col(i);
   state.surface.assign(state.kind.size(), 1);
+  if (p.scheme.gradient == Gradient::least_squares)
+    fitted = std::make_unique<FittedScheme<dim>>(p, boundary, state);
   moves.assign(state.kind.size(), 0);
   std::fill_n(moves.begin(), boundary.water(), std::uint8_t{1});
 }
@@ -152,6 +154,7 @@ void Simulation<dim>::Work::predict() {
 template <int dim>
 void Simulation<dim>::Work::measure_number_density() {
   const StageClock clock(seconds, "density");
+  if (fitted) return fitted->measure(boundary, state, *far, near_gradient());
   if (at_star()) {
     check_finite();
     search_neighbours();
@@ -197,15 +200,24 @@ void Simulation<dim>::Work::classify_rows() {
 }
 
 template <int dim>
-void Simulation<dim>::Work::solve_pressure() {
-  const StageClock clock(seconds, "pressure");
-  const Scheme& scheme = p.scheme;
+void Simulation<dim>::Work::assemble() {
+  if (fitted) {
+    fitted->filter(boundary, state, *far, dt);
+    return fitted->assemble(boundary, state, *far, gravity, dt, system);
+  }
   divergence =
       fluid::divergence<dim>(state.position, state.velocity, search.within(divergence_lattice.radius),
                              divergence_lattice, Masks{solved, {}});
   const PressureTerms terms{row,       divergence,    deviation, state.pressure, boundary.density(),
                             p.density, p.sound_speed, dt};
-  assemble_pressure<dim>(*far, terms, scheme, laplacian_lattice, system);
+  assemble_pressure<dim>(*far, terms, p.scheme, laplacian_lattice, system);
+}
+
+template <int dim>
+void Simulation<dim>::Work::solve_pressure() {
+  const StageClock clock(seconds, "pressure");
+  const Scheme& scheme = p.scheme;
+  assemble();
   if (!std::isfinite(p.sound_speed)) close_sealed_blocks(system);
   Eigen::VectorXd guess(system.size());
   for (std::int64_t k = 0; k < system.size(); ++k)
@@ -224,13 +236,14 @@ void Simulation<dim>::Work::solve_pressure() {
   for (std::int64_t k = 0; k < system.size(); ++k)
     state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
   if (!scheme.negative_pressure) state.pressure = state.pressure.cwiseMax(0.0);
-  boundary.fill_dummies(state, gravity, motion->acceleration);
+  if (!fitted) boundary.fill_dummies(state, gravity, motion->acceleration);
 }
 
 /// u = u* − (Δt/ρ)∇p (29), (30); r = r* + Δt (u − u*) (31), or rⁿ + Δt u where the scheme works at rⁿ: both
 /// say r = rⁿ + Δt u, which adds no energy to the lattice's own oscillation; the mean of uⁿ and u would.
 template <int dim>
 void Simulation<dim>::Work::correct() {
+  if (fitted) return correct_fitted();
   {
     const StageClock clock(seconds, "corrector");
     if (p.scheme.gradient == Gradient::pairwise)
@@ -258,11 +271,35 @@ void Simulation<dim>::Work::correct() {
 }
 
 template <int dim>
+void Simulation<dim>::Work::correct_fitted() {
+  {
+    const StageClock clock(seconds, "corrector");
+    fitted->pressure_gradient(boundary, state, *far, dt);
+  }
+  load_interface();
+  const StageClock clock(seconds, "corrector");
+  const std::int64_t water = boundary.water();
+  report.divergence_max = 0;
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (boundary.parked(state, i)) continue;
+    state.velocity.col(i) -= dt / p.density * fitted->pressure_gradient().col(i);
+    state.position.col(i) += dt * state.velocity.col(i);
+    if (!state.surface[static_cast<std::size_t>(i)])
+      report.divergence_max = std::max(report.divergence_max, std::abs(fitted->divergence(i)));
+  }
+  boundary.move(state, motion->displacement, motion->velocity, true);
+  boundary.move_tank(state, state.time + dt, true);
+}
+
+template <int dim>
 void Simulation<dim>::Work::shift() {
   const StageClock clock(seconds, "shift");
   check_finite();
-  shift_particles<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.shifting,
-                       std::sqrt(p.gravity.norm() * p.spacing), dt, p.spacing);
+  if (fitted)
+    fitted->shift(boundary, state, dt);
+  else
+    shift_particles<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.shifting,
+                         std::sqrt(p.gravity.norm() * p.spacing), dt, p.spacing);
   collisions = separate_particles<dim>(state, boundary, near_density(), p.scheme, dt, p.spacing, mass);
   park_lost();
   boundary.tank().wrap(state);
@@ -271,15 +308,22 @@ void Simulation<dim>::Work::shift() {
 template <int dim>
 void Simulation<dim>::Work::load_interface() {
   const StageClock clock(seconds, "load");
-  const LoadTerms<dim> terms{viscous.acceleration,
-                             gravity,
-                             motion->acceleration,
-                             p.scheme.gradient,
-                             gradient_lattice,
-                             p.density,
-                             p.spacing,
-                             &level};
-  const RowForces<dim> forces = row_forces<dim>(state, boundary, near_gradient(), terms);
+  RowForces<dim> forces;
+  if (fitted) {
+    forces = fitted->row_forces(boundary, state, near_gradient(), dt);
+    const auto rows = forces.cols() - boundary.water();
+    forces.rightCols(rows) += mass * viscous.acceleration.rightCols(rows);
+  } else {
+    const LoadTerms<dim> terms{viscous.acceleration,
+                               gravity,
+                               motion->acceleration,
+                               p.scheme.gradient,
+                               gradient_lattice,
+                               p.density,
+                               p.spacing,
+                               &level};
+    forces = row_forces<dim>(state, boundary, near_gradient(), terms);
+  }
   force = gather_on_points<dim>(forces, boundary);
   floor = Vector<dim>::Zero();
   on_walls.setZero(dim, boundary.first_of_bodies());

@@ -2,6 +2,7 @@
 
 #include "fluid/boundary.hpp"
 #include "fluid/collision.hpp"
+#include "fluid/fitted_scheme.hpp"
 #include "fluid/kernel.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/poisson_solver.hpp"
@@ -13,6 +14,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,8 @@ struct Simulation<dim>::Work {
 
   void search_neighbours();
   void classify_rows();
+  void assemble();
+  void correct_fitted();
   void check_finite() const;
   void park_lost();
   std::string where() const;  // "fluid, step 12 (t = 0.0042 s)"
@@ -71,6 +75,7 @@ struct Simulation<dim>::Work {
   PressureSystem system;
   PoissonSolver<dim> poisson{laplacian_lattice.radius};
   CollisionAccount<dim> collisions;
+  std::unique_ptr<FittedScheme<dim>> fitted;  // gradient = least-squares
 };
 
 }  // namespace strake::fluid

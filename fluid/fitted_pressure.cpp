@@ -1,0 +1,136 @@
+#include "fluid/fitted_scheme.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake::fluid {
+
+/// Row i, times −s/ρ … as PressureSystem, s = n0 λ/(2d):
+///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²Δt²)
+///     = Σ_rows w q_ij − (1−σ) ρ g·m_i − s (ρ/Δt) ∇·u* + s pⁿ/(c²Δt²) + s (ρ γ/Δt²) (δ − pⁿ/(ρc²)),
+/// σ the surface's share, γ = Δt/τ, δ = Σ W/Σ_lattice W − 1, not below zero beside the surface.
+template <int dim>
+void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>& state,
+                                 const Neighbours& far, const Vector<dim>& gravity, double dt,
+                                 PressureSystem& system) {
+  approach_from_mean(boundary, state, far);
+  const auto& periodic = boundary.tank().periodic();
+  const std::int64_t water = boundary.water();
+  const double rho = p_.density, c = p_.sound_speed;
+  const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
+  const double compression = std::isfinite(c) ? scale / (c * c * dt * dt) : 0.0;
+  const double drift =
+      p_.scheme.source == Source::divergence ? 0.0 : scale * rho * drift_factor(p_.scheme, dt) / (dt * dt);
+
+  system.particle.clear();
+  system.unknown_of.assign(state.kind.size(), -1);
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (boundary.parked(state, i)) continue;
+    system.unknown_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(system.particle.size());
+    system.particle.push_back(static_cast<std::int32_t>(i));
+  }
+  const auto n = static_cast<std::int64_t>(system.particle.size());
+  system.start.resize(static_cast<std::size_t>(n));
+  system.stop.resize(static_cast<std::size_t>(n));
+  system.column.resize(far.column().size());
+  system.value.resize(far.column().size());
+  system.diagonal.resize(n);
+  system.right.resize(n);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < n; ++k) {
+    const std::int64_t i = system.particle[static_cast<std::size_t>(k)];
+    const auto columns = far.row(i);
+    const auto inverses = far.inverses(i);
+    const auto first = static_cast<std::size_t>(far.start()[static_cast<std::size_t>(i)]);
+    std::size_t e = 0;
+    for (; e < columns.size() && columns[e] < water; ++e) {
+      system.column[first + e] = system.unknown_of[static_cast<std::size_t>(columns[e])];
+      system.value[first + e] = 1 - laplacian_.radius * inverses[e];
+    }
+    system.start[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(first);
+    system.stop[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(first + e);
+    double flux = 0;
+    for (; e < columns.size(); ++e) {
+      const std::int64_t j = columns[e];
+      if (!walls_.wet(j)) continue;
+      const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
+      flux += (laplacian_.radius * inverses[e] - 1) * approach(boundary, state, i, j).dot(walls_.held(j, r));
+    }
+    double deviation = volume_[i] / lattice_.volume - 1;
+    if (surface_factor_[i] > 0) deviation = std::max(deviation, 0.0);
+    if (std::isfinite(c)) deviation -= state.pressure[i] / (rho * c * c);
+    system.diagonal[k] = diagonal_[i] + surface_factor_[i] + compression;
+    system.right[k] = rho / dt * (flux - scale * divergence(i)) -
+                      (1 - surface_share_[i]) * rho * gravity.dot(moment_.col(i)) +
+                      compression * state.pressure[i] + drift * deviation;
+    if (system.diagonal[k] <= 0) {  // nothing near and no compressibility: nothing holds a pressure
+      system.diagonal[k] = 1;
+      system.right[k] = 0;
+    }
+  }
+}
+
+/// ∇p_i = A_i⁻¹ (Σ_water w (p_j − p_i) r/r² + Σ_rows w q P r/r² + (c/d) p_i n): A_i from the same places, so
+/// that it is exact for a linear p with that slope at the walls and p = 0 at the depth d above a surface
+/// particle.
+template <int dim>
+const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& boundary,
+                                                         const State<dim>& state, const Neighbours& far,
+                                                         double dt) {
+  const auto& periodic = boundary.tank().periodic();
+  const std::int64_t water = boundary.water();
+  const double slope = slope_share(dt) * p_.density / dt;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    const auto columns = far.row(i);
+    const auto inverses = far.inverses(i);
+    const Vector<dim> x = state.position.col(i);
+    const double here = state.pressure[i];
+    Vector<dim> sum = surface_pull_[i] * here * inward_.col(i);
+    std::size_t e = 0;
+    for (; e < columns.size() && columns[e] < water; ++e) {
+      const double w = std::max(0.0, gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+      sum += w * (state.pressure[columns[e]] - here) * periodic.separation(x, state.position.col(columns[e]));
+    }
+    for (; e < columns.size(); ++e) {
+      const std::int64_t j = columns[e];
+      const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+      if (w <= 0 || !walls_.wet(j) || !over(boundary, state, i, j)) continue;
+      const Vector<dim> held = walls_.held(j, periodic.separation(x, state.position.col(j)));
+      sum += w * slope * approach(boundary, state, i, j).dot(held) * held;
+    }
+    gradient_of_p_.col(i) = all_[static_cast<std::size_t>(i)] * sum;
+  }
+  return gradient_of_p_;
+}
+
+/// δr = −A |u| Δt l0 ∇C, ∇C = (d/n0) Σ w r/r² (PHYSICS §10.4), at most 0.1 l0; next to the free surface only
+/// along it.
+template <int dim>
+void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, double dt) const {
+  if (p_.scheme.shifting <= 0) return;
+  constexpr double longest = 0.1;  // [l0]
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (boundary.parked(state, i)) continue;
+    const double reach = p_.scheme.shifting * state.velocity.col(i).norm() * dt * p_.spacing;
+    Vector<dim> move = -reach * dim / gradient_.n0 * crowding_.col(i);
+    move -= surface_share_[i] * inward_.col(i) * inward_.col(i).dot(move);
+    const double length = move.norm();
+    if (length > longest * p_.spacing) move *= longest * p_.spacing / length;
+    state.position.col(i) += move;
+    state.velocity.col(i) += velocity_gradient_[static_cast<std::size_t>(i)] * move;
+  }
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                              \
+  template void FittedScheme<dim>::assemble(const Boundary<dim>&, const State<dim>&, const Neighbours&,      \
+                                            const Vector<dim>&, double, PressureSystem&);                    \
+  template const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>&, const State<dim>&, \
+                                                                    const Neighbours&, double);              \
+  template void FittedScheme<dim>::shift(const Boundary<dim>&, State<dim>&, double) const;
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
+
+}  // namespace strake::fluid

@@ -1,0 +1,212 @@
+#include "fluid/fitted_scheme.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake::fluid {
+
+namespace {
+
+/// Ratio of eigenvalues below which neighbours lie on a line (in a plane): that direction is left out; above
+/// twice that it counts in full.
+constexpr double least_ratio = 0.05;
+/// Where |m| is this part of the second row's the surface begins to count, and where it counts in full.
+constexpr double surface_begins = 0.3, surface_counts = 0.8;
+/// Part of the first row's crowding above which a particle is the first row.
+constexpr double first_row = 0.5;
+/// How far from the lattice's the height of a row may be taken.
+constexpr double least_height = 0.6, largest_height = 1.6;
+/// Depth of the middle of the first and the second row below the surface [l0].
+constexpr double first_depth = 0.5, second_depth = 1.5;
+/// A particle that lies less deep than this is shown as surface [l0].
+constexpr double shown_depth = 1.0;
+
+template <int dim>
+Tensor<dim> inverse_where_seen(const Tensor<dim>& m) {
+  const double mean = m.trace() / dim;
+  if (!(mean > 0)) return Tensor<dim>::Zero();
+  // λ_min/λ_max > 0.17 (2-D), 0.12 (3-D) for sure: nothing is left out.
+  if (m.determinant() > 0.5 * std::pow(mean, dim)) return m.inverse();
+  Eigen::SelfAdjointEigenSolver<Tensor<dim>> eigen;
+  eigen.computeDirect(m);
+  const double largest = eigen.eigenvalues()[dim - 1];
+  Vector<dim> inverse;
+  for (int a = 0; a < dim; ++a) {
+    const double value = eigen.eigenvalues()[a];
+    const double seen = std::clamp((value / largest - least_ratio) / least_ratio, 0.0, 1.0);
+    inverse[a] = value > 0 ? seen / value : 0.0;
+  }
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+template <int dim>
+FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& boundary, const State<dim>& state)
+    : p_(p),
+      gradient_(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
+      laplacian_(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
+      lattice_(laplacian_, gradient_, p.spacing),
+      walls_(boundary, state, p.spacing) {
+  const std::int64_t water = boundary.water();
+  const auto count = static_cast<std::size_t>(water);
+  water_.resize(count);
+  all_.resize(count);
+  velocity_gradient_.resize(count);
+  for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &gradient_of_p_, &change_}) v->setZero(dim, water);
+  for (Eigen::VectorXd* v : {&diagonal_, &volume_, &surface_factor_, &surface_pull_, &surface_share_})
+    v->setZero(water);
+  mean_approach_.setZero(dim, state.position.cols());
+}
+
+template <int dim>
+void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
+                                const Neighbours& near) {
+  walls_.update(boundary, state, near);
+  const std::int64_t water = boundary.water();
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) fit(boundary, state, far, i);
+}
+
+template <int dim>
+void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
+                            std::int64_t i) {
+  const auto& periodic = boundary.tank().periodic();
+  const std::int64_t water = boundary.water();
+  const auto columns = far.row(i);
+  const auto inverses = far.inverses(i);
+  const double reach = laplacian_.radius;
+  const Vector<dim> x = state.position.col(i);
+  Tensor<dim> b = Tensor<dim>::Zero(), a = Tensor<dim>::Zero();
+  Vector<dim> open = Vector<dim>::Zero(), crowding = Vector<dim>::Zero(), walled = Vector<dim>::Zero();
+  double diagonal = 0, weights = 0, volume = 0;
+  std::size_t e = 0;
+  for (; e < columns.size() && columns[e] < water; ++e) {
+    const Vector<dim> r = periodic.separation(x, state.position.col(columns[e]));
+    const double inverse = inverses[e], far_weight = reach * inverse - 1;
+    const double near_weight = std::max(0.0, gradient_.radius * inverse - 1) * inverse * inverse;
+    diagonal += far_weight;
+    volume += volume_weight(1 / (inverse * reach));
+    crowding += near_weight * r;
+    open += far_weight * r;
+    b.noalias() += near_weight * r * r.transpose();
+  }
+  weights = diagonal;
+  walled = open;
+  for (; e < columns.size(); ++e) {
+    const std::int64_t j = columns[e];
+    if (!walls_.wet(j)) continue;
+    const Vector<dim> r = periodic.separation(x, state.position.col(j)), held = walls_.held(j, r);
+    const double inverse = inverses[e], far_weight = reach * inverse - 1;
+    const double near_weight = std::max(0.0, gradient_.radius * inverse - 1) * inverse * inverse;
+    weights += far_weight;
+    volume += volume_weight(1 / (inverse * reach));
+    crowding += near_weight * r;
+    open += far_weight * r;
+    walled += far_weight * held;
+    if (near_weight > 0 && over(boundary, state, i, j)) a.noalias() += near_weight * held * held.transpose();
+  }
+  const auto k = static_cast<std::size_t>(i);
+  water_[k] = inverse_where_seen<dim>(b);
+  moment_.col(i) = walled;
+  crowding_.col(i) = crowding;
+  diagonal_[i] = diagonal;
+  volume_[i] = volume;
+
+  const double m = open.norm();
+  double share =
+      std::clamp((m / lattice_.second_moment - surface_begins) / (surface_counts - surface_begins), 0.0, 1.0);
+  double factor = 0, depth = second_depth * p_.spacing;
+  Vector<dim> inward = Vector<dim>::Zero();
+  Tensor<dim> all = a + b;
+  double pull = 0;
+  if (share > 0 || weights < lattice_.first_weights) {
+    if (m > 0) inward = open / m;
+    // The rows' distance beneath the surface: stretched water has a thicker half row.
+    double height = 0, height_squared = 0;
+    for (e = 0; e < columns.size(); ++e) {
+      const double w = gradient_.radius * inverses[e] - 1;
+      if (w <= 0 || (columns[e] >= water && !walls_.wet(columns[e]))) continue;
+      const double down = inward.dot(periodic.separation(x, state.position.col(columns[e])));
+      if (down <= 0.3 * p_.spacing) continue;
+      height += w * down;
+      height_squared += w * down * down;
+    }
+    const double stretch =
+        height > 0 ? std::clamp(height_squared / height / lattice_.row_height, least_height, largest_height)
+                   : 1.0;
+    const double first = std::min(1.0, crowding.norm() / (first_row * lattice_.first_crowding));
+    depth = (second_depth + (first_depth - second_depth) * first) * p_.spacing * stretch;
+    factor = share * std::max(0.0, walled.dot(inward)) / depth;
+    // A film or a drop has surface on both sides, so that m says little: its missing weight does.
+    const double missing = (lattice_.weights - weights) / (lattice_.weights - lattice_.first_weights);
+    const double thin = missing * lattice_.first_moment / (first_depth * p_.spacing);
+    if (weights < lattice_.first_weights && thin > factor) {
+      factor = thin;
+      share = 1;
+    }
+    const double lacking = share * std::max(0.0, gradient_.n0 / dim - inward.dot(all * inward));
+    all.noalias() += lacking * inward * inward.transpose();
+    pull = lacking / depth;
+  }
+  all_[k] = inverse_where_seen<dim>(all);
+  inward_.col(i) = inward;
+  surface_factor_[i] = factor;
+  surface_share_[i] = share;
+  surface_pull_[i] = pull;
+  state.surface[k] = factor > 0 && share >= 1 && depth < shown_depth * p_.spacing ? 1 : 0;
+}
+
+template <int dim>
+void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
+                               double dt) {
+  const auto& periodic = boundary.tank().periodic();
+  const std::int64_t water = boundary.water();
+  const double radius = gradient_.radius;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    const auto columns = far.row(i);
+    const auto inverses = far.inverses(i);
+    const Vector<dim> x = state.position.col(i), u = state.velocity.col(i);
+    Tensor<dim> sum = Tensor<dim>::Zero();
+    for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e) {
+      const double w = (radius * inverses[e] - 1) * inverses[e] * inverses[e];
+      if (w <= 0) continue;
+      sum.noalias() += w * (state.velocity.col(columns[e]) - u) *
+                       periodic.separation(x, state.position.col(columns[e])).transpose();
+    }
+    velocity_gradient_[static_cast<std::size_t>(i)] = sum * water_[static_cast<std::size_t>(i)];
+  }
+  if (p_.scheme.filter <= 0) return;
+  // Δu_i = Δt (2d/(n0 λ)) Σ_j β l0 |δ_ij| δ_ij w, δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij; antisymmetric, so
+  // momentum is exact. |δ| is bounded where the explicit step would overshoot.
+  const double factor = 2.0 * dim / (gradient_.n0 * gradient_.lambda0) * p_.scheme.filter * p_.spacing * dt;
+  constexpr double most_of_a_step = 0.25;
+  const double bound = most_of_a_step / (factor * gradient_.n0);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    const auto columns = far.row(i);
+    const auto inverses = far.inverses(i);
+    const Vector<dim> x = state.position.col(i), u = state.velocity.col(i);
+    const Tensor<dim>& here = velocity_gradient_[static_cast<std::size_t>(i)];
+    Vector<dim> sum = Vector<dim>::Zero();
+    for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e) {
+      const double w = radius * inverses[e] - 1;
+      if (w <= 0) continue;
+      const std::int64_t j = columns[e];
+      const Vector<dim> r = periodic.separation(x, state.position.col(j));
+      const Vector<dim> jump =
+          state.velocity.col(j) - u - 0.5 * ((here + velocity_gradient_[static_cast<std::size_t>(j)]) * r);
+      sum += w * std::min(jump.norm(), bound) * jump;
+    }
+    change_.col(i) = factor * sum;
+  }
+  state.velocity.leftCols(water) += change_;
+}
+
+template class FittedScheme<2>;
+template class FittedScheme<3>;
+
+}  // namespace strake::fluid

@@ -1,0 +1,91 @@
+#pragma once
+
+#include "fluid/boundary.hpp"
+#include "fluid/interface_load.hpp"
+#include "fluid/kernel.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/operators.hpp"
+#include "fluid/parameters.hpp"
+#include "fluid/pressure.hpp"
+#include "fluid/state.hpp"
+#include "fluid/surface_lattice.hpp"
+#include "fluid/wall_contact.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strake::fluid {
+
+/// The scheme of `gradient = "least-squares"`: every operator is exact for linear fields however the
+/// particles lie, at walls and at the free surface too. Unknowns are the water's pressures alone.
+///
+///   A wall or body is a condition on the pressure's slope: over its face, (u* − U)·n ρ/Δt = ∂p/∂n, U the
+///   wall's
+/// velocity at the end of the step, which holds g, the wall's acceleration and an impact alike. In the sums a
+/// row behind the face stands for p_i + q, q = (ρ/Δt) (u* − U)·P r, P what the face holds of r.
+///   The free surface, p = 0, lies half a row above the first particles. With m = Σ w r over water and wet
+///   rows,
+/// |m| is zero inside and known on the lattice for the first and the second row; p = |∇p| d at the depth d
+/// below the surface makes Σ w (p_j − p_i) = κ p_i, κ = |m|/d: a condition without a decision which particle
+/// is surface.
+///   What is left of Σ w r by disorder takes the hydrostatic slope ρ g with it, which is moved to the right
+///   side.
+///
+/// Still water stays at rest to the tolerance of the solver on any lattice with free places. Linear momentum
+/// is not exact by construction: the gap is measured (momentum_gap).
+template <int dim>
+class FittedScheme {
+ public:
+  FittedScheme(const Parameters&, const Boundary<dim>&, const State<dim>&);
+
+  /// Sums over the neighbours at the present places; wet rows; State::surface of the water. far: rows of at
+  /// least the Laplacian's radius; near: of at least 2 l0.
+  void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near);
+  /// ∇u* of the water, and the filter: u* += Δt Σ ν_ij (what ∇u* does not explain of u_j − u_i).
+  void filter(const Boundary<dim>&, State<dim>&, const Neighbours& far, double dt);
+  void assemble(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
+                double dt, PressureSystem&);
+  /// ∇p of the water [Pa/m].
+  const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& far,
+                                        double dt);
+  const Vectors<dim>& pressure_gradient() const { return gradient_of_p_; }  // of the last call
+  /// −p n A of each first row, p the mean of what the water near by says of the face; also State::pressure of
+  /// the rows.
+  RowForces<dim> row_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt) const;
+  /// Particles move towards even spacing, along the surface where they are near it, and take ∇u* with them.
+  void shift(const Boundary<dim>&, State<dim>&, double dt) const;
+
+  /// ∇·u* of the last `filter` [1/s].
+  double divergence(std::int64_t i) const { return velocity_gradient_[static_cast<std::size_t>(i)].trace(); }
+
+ private:
+  /// u* over the face of row j as particle i sees it, less U [m/s]. A particle that lies beyond the face's
+  /// end does not know that velocity: it takes the mean of those that lie over the face.
+  Vector<dim> approach(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
+  bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
+  void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
+  void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, std::int64_t i);
+  /// Share of the half spacing's slope that the face feels in one step: a sound wave goes through only c Δt
+  /// of it.
+  double slope_share(double dt) const;
+
+  Parameters p_;
+  LatticeConstants gradient_, laplacian_;
+  SurfaceLattice<dim> lattice_;
+  WallContact<dim> walls_;
+  std::vector<Tensor<dim>> water_;              // [Σ_water w r⊗r/r²]⁻¹
+  std::vector<Tensor<dim>> all_;                // the same with P r of wet rows and the free surface's part
+  std::vector<Tensor<dim>> velocity_gradient_;  // ∇u* [1/s]
+  Vectors<dim> moment_;                         // Σ w_L r over water, P r over wet rows [m]
+  Vectors<dim> inward_;                         // unit vector away from the free surface
+  Vectors<dim> crowding_;                       // Σ w r/r² [1/m]
+  Eigen::VectorXd diagonal_;                    // Σ w_L over water
+  Eigen::VectorXd volume_;          // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
+  Eigen::VectorXd surface_factor_;  // κ
+  Eigen::VectorXd surface_pull_;    // weight/d of the surface in ∇p
+  Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
+  Vectors<dim> gradient_of_p_, change_, mean_approach_;
+};
+
+}  // namespace strake::fluid
