@@ -80,9 +80,24 @@ std::optional<CurvePoint> largest(const Table& history, const std::string& probe
   return best;
 }
 
-Curve reference_curve(const std::filesystem::path& path) {
-  const Table table = read_table(path);
-  return {table.value[0], table.value[1]};
+/// The reference in seconds and in the probe's unit.
+Curve reference_curve(const CompareBlock& block) {
+  const Table table = read_table(block.file);
+  Curve curve{table.value[0], block.column.empty() ? table.value[1] : table.column(block.column)};
+  for (double& t : curve.time) t = block.axes.time_zero + block.axes.time * t;
+  for (double& q : curve.value) q = block.axes.value_zero + block.axes.value * q;
+  return curve;
+}
+
+/// Its own points within [from, to]: deviations are taken where the reference was measured.
+Curve points_within(const Curve& c, double from, double to) {
+  Curve part;
+  for (std::size_t k = 0; k < c.size(); ++k)
+    if (c.time[k] >= from - slack * std::abs(from) && c.time[k] <= to * (1 + slack)) {
+      part.time.push_back(c.time[k]);
+      part.value.push_back(c.value[k]);
+    }
+  return part;
 }
 
 std::optional<double> from_history(const CompareBlock& block, const std::string& metric, const RunData& data,
@@ -106,10 +121,25 @@ std::optional<double> from_history(const CompareBlock& block, const std::string&
   if (metric == "impulse") return impulse(curve, from, to);
   if (metric == "mean") return mean(curve, from, to);
   if (metric == "rms") return rms(curve, from, to);
+  if (metric == "noise") return noise(curve, from, to);
+  if (metric == "slope") return slope(curve, from, to);
+  if (metric == "drift") return slope(curve, from, to) * (to - from);
   if (metric == "final") return value_at(curve, to);
+  if (metric == "largest_deviation" || metric == "mean_deviation") {
+    const Curve reference = reference_curve(block);
+    // Without a window the whole reference counts, so that the run must have reached its end.
+    if (!block.window && reference.time.back() > to * (1 + slack)) return std::nullopt;
+    const Curve points = points_within(reference, from, to);
+    if (points.size() == 0) return std::nullopt;
+    const Deviation off = deviation(curve, points);
+    return metric == "mean_deviation" ? off.mean : off.largest;
+  }
   const Curve part = clip(curve, from, to);
-  if (metric == "l2") return l2_difference(part, clip(reference_curve(block.file), from, to));
-  if (metric == "dtw") return time_warping(part, clip(reference_curve(block.file), from, to));
+  if (metric == "l2" || metric == "dtw") {
+    const Curve whole = reference_curve(block);
+    const Curve reference = clip(whole, std::max(from, whole.time.front()), std::min(to, whole.time.back()));
+    return metric == "l2" ? l2_difference(part, reference) : time_warping(part, reference);
+  }
   if (metric == "mean_peak_50us") {
     const auto point = peak_of_mean(part, 50e-6);
     return point ? std::optional(point->value) : std::nullopt;
@@ -129,9 +159,15 @@ std::optional<double> measured(const CompareBlock& block, const std::string& met
       if (!contact) return std::nullopt;
       origin = *contact;
       // The probe's own record runs from step to step; the history only from window to window.
-      if (metric == "impulse" && block.window->from == 0 &&
+      if (metric == "impulse" && !block.window->shares && block.window->from == 0 &&
           std::abs(block.window->to - impulse_window) <= slack * impulse_window)
         if (const auto value = known(data, name)) return value;
+    }
+    if (block.window->shares) {
+      const double length = data.time - origin;
+      if (!data.finished || !(length > 0)) return std::nullopt;
+      return from_history(block, metric, data, origin + block.window->from * length,
+                          origin + block.window->to * length);
     }
     const double to = origin + block.window->to;
     if (data.time < to * (1 - slack)) return std::nullopt;
@@ -187,6 +223,7 @@ std::vector<Verdict> judge(const CompareBlock& block, const RunData& data) {
     v.source = block.source;
     v.value = measured(block, metric.name, data);
     if (v.value) {
+      v.value = *v.value / block.divide_by;
       // A peak that the case gives without a sign is one of |q|.
       if (is_magnitude(metric.name) && metric.value >= 0) v.value = std::abs(*v.value);
       const bool within = std::abs(v.deviation()) <= metric.tolerance;  // false for NaN

@@ -14,13 +14,27 @@ namespace strake {
 namespace {
 
 const std::vector<std::string>& known_metrics() {
-  static const std::vector<std::string> names = {"first_peak", "time_of_first_peak",
-                                                 "peak",       "time_of_peak",
-                                                 "impulse",    "mean_peak_50us",
-                                                 "final",      "mean",
-                                                 "rms",        "l2",
-                                                 "dtw"};
+  static const std::vector<std::string> names = {"first_peak",
+                                                 "time_of_first_peak",
+                                                 "peak",
+                                                 "time_of_peak",
+                                                 "impulse",
+                                                 "mean_peak_50us",
+                                                 "final",
+                                                 "mean",
+                                                 "rms",
+                                                 "noise",
+                                                 "slope",
+                                                 "drift",
+                                                 "l2",
+                                                 "dtw",
+                                                 "largest_deviation",
+                                                 "mean_deviation"};
   return names;
+}
+
+bool needs_reference(const std::string& metric) {
+  return metric == "l2" || metric == "dtw" || metric == "largest_deviation" || metric == "mean_deviation";
 }
 
 std::string list(const std::vector<std::string>& names) {
@@ -30,11 +44,18 @@ std::string list(const std::vector<std::string>& names) {
 }
 
 /// Refuses a reference that holds anything but finite numbers, with its line.
-void check_reference(const std::filesystem::path& path) {
+void check_reference(const CompareBlock& block) {
+  const std::filesystem::path& path = block.file;
   const Table table = read_table(path);
   if (table.columns.size() < 2)
     throw Error(ExitCode::case_file, path.string() + ":1",
                 "a reference curve has two columns, time and value");
+  if (!block.column.empty()) table.column(block.column);
+  if (table.columns[0].unit != "s" && block.axes.time == 1)
+    throw Error(ExitCode::case_file, path.string() + ":1",
+                fmt::format("its first column ({}) is in \"{}\", not in seconds", table.columns[0].name,
+                            table.columns[0].unit),
+                "give the compare block the unit: axes = { time = … }, in seconds");
   // Lines of numbers follow the header; comments and empty lines are not rows.
   std::vector<std::size_t> line_of_row;
   std::ifstream in(path);
@@ -86,6 +107,46 @@ std::vector<CompareBlock::Metric> read_metrics(CaseTable block, bool only_declar
     if (std::find(given.begin(), given.end(), name) == given.end())
       throw tolerance.error(name, "a metric that stands in value", "value = { " + name + " = … }");
   return metrics;
+}
+
+/// Either times in seconds, or shares of the record.
+CompareBlock::Span read_window(CaseTable window, bool only_declares) {
+  CompareBlock::Span span;
+  window.choice("after", span.after, {"contact", "start"}, {.help = "where its time begins"});
+  const bool shares = window.has("from_share") || window.has("to_share");
+  if (shares || only_declares) {
+    span.to = 1;
+    window.number("from_share", span.from,
+                  {.min = 0, .max = 1, .help = "instead of from: share of the time up to the run's end"});
+    window.number("to_share", span.to,
+                  {.min = 0, .max = 1, .exclusive = true, .help = "instead of to; not given: the run's end"});
+    span.shares = shares;
+  }
+  if (!shares || only_declares) {
+    span.from = span.to = 0;
+    window.number("from", span.from, {.unit = "s", .min = 0, .help = "begin of the window"});
+    window.number("to", span.to,
+                  {.unit = "s", .min = 0, .exclusive = true, .required = !shares, .help = "its end"});
+  }
+  for (const char* key : {"from", "to"})
+    if (shares && window.has(key))
+      throw window.error(key, "seconds or shares, not both", std::string("leave out ") + key);
+  if (!only_declares && span.to <= span.from)
+    throw shares ? window.error("to_share", fmt::format("more than from_share = {:g}", span.from))
+                 : window.error("to", fmt::format("a time after from = {:g} s", span.from));
+  return span;
+}
+
+void read_axes(CaseTable block, CompareBlock& into) {
+  block.text("column", into.column,
+             {.help = "which column of the file holds the value; not given: the second"});
+  CaseTable axes = block.table("axes", "units of the reference's columns, where they are not SI");
+  axes.number("time", into.axes.time,
+              {.unit = "s", .min = 0, .exclusive = true, .help = "length of one unit of the first column"});
+  axes.number("time_zero", into.axes.time_zero, {.unit = "s", .help = "time of the run where it is 0"});
+  axes.number("value", into.axes.value, {.unit = "SI", .help = "size of one unit of the value's column"});
+  axes.number("value_zero", into.axes.value_zero,
+              {.unit = "SI", .help = "what the probe shows where it is 0"});
 }
 
 std::string unquoted(const std::string& text) {
@@ -162,27 +223,24 @@ std::vector<CompareBlock> read_compare_blocks(CaseFile& file) {
     block.metrics = read_metrics(t, file.only_declares());
     if (t.has("window") || file.only_declares()) {
       CaseTable window = t.table("window", "part of the record that is judged");
-      CompareBlock::Span span;
-      window.choice("after", span.after, {"contact", "start"}, {.help = "where its time begins"});
-      window.number("from", span.from, {.unit = "s", .min = 0, .help = "begin of the window"});
-      window.number("to", span.to,
-                    {.unit = "s", .min = 0, .exclusive = true, .required = true, .help = "its end"});
-      if (!file.only_declares() && span.to <= span.from)
-        throw window.error("to", fmt::format("a time after from = {:g} s", span.from));
-      block.window = span;
+      block.window = read_window(window, file.only_declares());
     }
     t.choice("kind", block.kind, {"theory", "experiment", "code", "calibration"},
              {.help = "what the reference is"});
     t.text("source", block.source, {.help = "where it comes from"});
     if (t.has("file") || file.only_declares())
       t.file("file", block.file,
-             {.help = "reference curve for l2 and dtw: columns time and value, with units"});
+             {.help = "reference curve for l2, dtw and deviations: columns time and value, with units"});
+    if (t.has("file") || file.only_declares()) read_axes(t, block);
+    t.number("divide_by", block.divide_by,
+             {.help = "what is measured is divided by it: a slope by rho V^3 is the K of a wedge"});
     if (!file.only_declares()) {
       if (block.metrics.empty())
         throw t.error("probe", "a value beside it, e.g. value = { first_peak = 1e-3 }");
-      if (!block.file.empty()) check_reference(block.file);
+      if (block.divide_by == 0) throw t.error("divide_by", "a number that is not 0");
+      if (!block.file.empty()) check_reference(block);
       for (const auto& metric : block.metrics)
-        if ((metric.name == "l2" || metric.name == "dtw") && block.file.empty())
+        if (needs_reference(metric.name) && block.file.empty())
           throw t.table("value").error(metric.name, "a reference curve to compare with",
                                        "file = \"reference/….csv\"");
     }

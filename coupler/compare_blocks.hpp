@@ -18,13 +18,18 @@ using CaseLookup = std::function<std::optional<std::string>(const std::string& k
 /// One [[compare]] table: what a case expects of itself.
 struct CompareBlock {
   struct Metric {
-    std::string name;  // first_peak, time_of_first_peak, peak, time_of_peak, impulse, mean_peak_50us, final,
-                       // mean, rms
+    std::string name;  // one of `known_metrics`: first_peak, impulse, mean, slope, largest_deviation …
     double value = 0, tolerance = 0;  // tolerance: relative to |value|, absolute where value = 0
   };
   struct Span {
     std::string after = "start";  // "contact" | "start"
-    double from = 0, to = 0;      // [s]
+    double from = 0, to = 0;      // [s] after that; or its shares of the time up to the end of the run
+    bool shares = false;
+  };
+  /// Units of a reference's two columns: time [s] = time_zero + time · first, quantity = value_zero + value ·
+  /// second.
+  struct Axes {
+    double time = 1, time_zero = 0, value = 1, value_zero = 0;
   };
   std::string probe;                                     // "mid.y", "p_mid"
   std::map<std::string, std::vector<std::string>> when;  // key → values, any of which
@@ -32,8 +37,11 @@ struct CompareBlock {
   std::optional<Span> window;
   std::string kind = "theory";  // theory | experiment | code | calibration
   std::string source;
+  double divide_by = 1;        // what is measured is divided by it
   std::filesystem::path file;  // reference curve, absolute; empty: none
-  std::string where;           // "case.toml:40:1: compare", for messages
+  std::string column;          // of the file; empty: its second
+  Axes axes;
+  std::string where;  // "case.toml:40:1: compare", for messages
 };
 
 /// Declares and reads every [[compare]] table; a reference file is read and must be finite throughout.

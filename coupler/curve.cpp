@@ -79,6 +79,43 @@ double rms(const Curve& c, double from, double to) {
   return std::sqrt(sum / (to - from));
 }
 
+double noise(const Curve& c, double from, double to) {
+  const double middle = mean(c, from, to);
+  Curve rest = c;
+  for (double& q : rest.value) q -= middle;
+  return rms(rest, from, to);
+}
+
+// Σ (t − t̄)(q − q̄) / Σ (t − t̄)²
+double slope(const Curve& c, double from, double to) {
+  const Curve part = clip(c, from, to);
+  const auto n = static_cast<double>(part.size());
+  double t_sum = 0, q_sum = 0;
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    t_sum += part.time[k];
+    q_sum += part.value[k];
+  }
+  double with = 0, square = 0;
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    const double t = part.time[k] - t_sum / n;
+    with += t * (part.value[k] - q_sum / n);
+    square += t * t;
+  }
+  return square > 0 ? with / square : std::numeric_limits<double>::quiet_NaN();
+}
+
+Deviation deviation(const Curve& a, const Curve& reference) {
+  if (a.size() == 0 || reference.size() == 0)
+    return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  Deviation result;
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    const double off = std::abs(value_at(a, reference.time[k]) - reference.value[k]);
+    result.largest = std::max(result.largest, off);
+    result.mean += off / static_cast<double>(reference.size());
+  }
+  return result;
+}
+
 std::optional<CurvePoint> peak_of_mean(const Curve& c, double width) {
   if (c.size() == 0 || c.time.back() - c.time.front() < width) return std::nullopt;
   // Running integral at the samples, and between them by the trapezoidal rule.

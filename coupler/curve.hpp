@@ -28,6 +28,15 @@ std::optional<CurvePoint> first_peak(const Curve&, double contact);
 double impulse(const Curve&, double from, double to);  // ∫ q dt, trapezoidal
 double mean(const Curve&, double from, double to);     // impulse / (to − from)
 double rms(const Curve&, double from, double to);  // √((1/T) ∫ q² dt), exact for the linear interpolant
+double noise(const Curve&, double from, double to);  // rms of q less its mean
+/// Slope of the least-squares line through the samples within [from, to] and the interpolated ends. NaN for
+/// fewer than two.
+double slope(const Curve&, double from, double to);
+/// |a − b| at the samples of b, the reference; a must reach as far as b for them to mean anything.
+struct Deviation {
+  double largest = 0, mean = 0;
+};
+Deviation deviation(const Curve& a, const Curve& reference);
 /// Largest |mean over `width`| of a window that slides from sample to sample, with its sign, at the window's
 /// middle.
 std::optional<CurvePoint> peak_of_mean(const Curve&, double width);

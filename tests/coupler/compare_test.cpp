@@ -109,6 +109,12 @@ TEST(CompareBlocks, RefuseWhatCannotBeJudged) {
         blocks(head + "window = { from = 2, to = 1 }\nvalue = { mean = 0 }\ntolerance = { mean = 0.1 }\n");
       },
       "after from");
+  const std::string metric = "value = { slope = 1 }\ntolerance = { slope = 0.1 }\n";
+  refused([&] { blocks(head + "window = { from_share = 0.9, to_share = 0.8 }\n" + metric); }, "from_share");
+  refused([&] { blocks(head + "window = { from_share = 0.8, to = 1 }\n" + metric); }, "not both");
+  refused([&] { blocks(head + "divide_by = 0\n" + metric); }, "not 0");
+  refused([&] { blocks(head + "value = { mean_deviation = 0 }\ntolerance = { mean_deviation = 1 }\n"); },
+          "file");
   refused([&] { blocks(head + "value = { peak = 1 }\ntolerance = { peak = 1 }\nsauce = \"x\"\n"); },
           "source");
 }
@@ -129,6 +135,8 @@ TEST(CompareBlocks, RefuseAReferenceThatIsNotFiniteWithItsLine) {
   refused([&] { read(head + "1,inf\n2,0\n"); }, "reference.csv:5");
   refused([&] { read(head + "1,2\n2,\n"); }, "reference.csv:6");
   refused([&] { read(head + "1,2\n1,3\n"); }, "does not ascend");
+  refused([&] { read("T [1],Z [1]\n0,0\n1,1\n"); }, "axes = { time");
+  refused([&] { read("T [ms],Z [1]\n0,0\n1,1\n"); }, "not in seconds");
 }
 
 TEST(CompareBlocks, AreExplainedWithoutAFile) {
@@ -230,6 +238,61 @@ TEST(Compare, MeasuresTheDistanceToAReferenceCurve) {
   EXPECT_EQ(judge(block, data).front().result, Result::pass);
   put(folder / "reference.csv", "time [s],u.y [m]\n0.1,-0.25\n1,-2.5\n");
   EXPECT_NEAR(*judge(block, data).front().value, 0.2, 1e-12);
+}
+
+/// u = −2t exactly: the reference's first point is 0.1 off, its second 0.02.
+TEST(Compare, TakesTheDeviationAtThePointsOfTheReferenceInItsOwnUnits) {
+  TemporaryFolder folder;
+  put(folder / "reference.csv", "T [1],Z [1],raw [1]\n1,1.5,0\n4,2.9,0\n");
+  const Table table = history();
+  // T in units of 0.2 s, Z in −0.5 m from 0.45 m on: −0.4 m wants Z = 1.7, −1.6 m wants 4.1
+  CompareBlock block = block_of("u.y", "largest_deviation", 0, 0.1);
+  block.file = folder / "reference.csv";
+  block.axes = {.time = 0.2, .time_zero = 0, .value = -0.5, .value_zero = 0.45};
+  RunData data = {{}, &table, 1.0, true};
+  EXPECT_NEAR(*judge(block, data).front().value, 0.6, 1e-12);
+  block.metrics.front().name = "mean_deviation";
+  EXPECT_NEAR(*judge(block, data).front().value, 0.5 * (0.1 + 0.6), 1e-12);
+  block.column = "raw";
+  EXPECT_NEAR(*judge(block, data).front().value, 0.5 * (0.85 + 2.05), 1e-12);
+  block.column.clear();
+  block.window = {"start", 0.1, 0.5};  // the second point is at 0.8 s
+  EXPECT_NEAR(*judge(block, data).front().value, 0.1, 1e-12);
+  block.window.reset();
+  block.axes.time = 0.3;  // 1.2 s: the run ended before
+  EXPECT_EQ(judge(block, data).front().result, Result::not_reached);
+}
+
+TEST(Compare, TakesTheSlopeOverAShareOfTheRunAndDividesIt) {
+  const Table table = history();
+  RunData data = {{}, &table, 1.0, false};
+  CompareBlock block = block_of("u.y", "slope", -4, 1e-9);
+  block.window = {"start", 0.8, 1.0, true};
+  block.divide_by = 0.5;
+  EXPECT_EQ(judge(block, data).front().result, Result::not_reached);  // the share is not known before the end
+  data.finished = true;
+  EXPECT_EQ(judge(block, data).front().result, Result::pass);
+  block.metrics.front() = {"drift", -2 * 0.2 / 0.5, 1e-9};
+  EXPECT_EQ(judge(block, data).front().result, Result::pass);
+  block.window = {"contact", 0.5, 1.0, true};
+  EXPECT_EQ(judge(block, data).front().result, Result::not_reached);
+  data.monitor = {{"p:contact", 0.25}};
+  block.metrics.front() = {"drift", -2 * 0.375 / 0.5, 1e-9};
+  EXPECT_EQ(judge(block, data).front().result, Result::pass);
+}
+
+TEST(Compare, NoiseIsWhatIsLeftWithoutTheMean) {
+  Table table;
+  table.columns = {{"time", "s"}, {"p", "Pa"}};
+  table.value.resize(2);
+  for (int k = 0; k <= 1000; ++k) {
+    table.value[0].push_back(1e-3 * k);
+    table.value[1].push_back(4905 + 30 * std::sin(2 * 3.141592653589793 * k / 50));
+  }
+  CompareBlock block = block_of("p", "noise", 0, 49);
+  block.window = {"start", 0, 1};
+  const RunData data = {{}, &table, 1.0, false};
+  EXPECT_NEAR(*judge(block, data).front().value, 30 / std::sqrt(2.0), 0.1);  // chords of 50 per period
 }
 
 TEST(Compare, SaysInOneLineWhatWasMeasuredExpectedAndAllowed) {

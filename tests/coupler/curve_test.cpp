@@ -78,6 +78,22 @@ TEST(Curve, MeasuresTheRelativeL2DifferenceAcrossDifferentSamples) {
   EXPECT_NEAR(l2_difference(sampled([&](double t) { return 1.1 * sine(t); }, 0, 10, 10000), fine), 0.1, 1e-9);
 }
 
+TEST(Curve, FitsALineThroughNoiseThatIsEvenAboutIt) {
+  Curve curve;
+  for (int k = 0; k <= 400; ++k) {
+    curve.time.push_back(0.01 * k);
+    curve.value.push_back(3 * curve.time.back() - 7 +
+                          0.5 * std::sin(10 * 3.141592653589793 * curve.time.back()));
+  }
+  // Over whole periods a sine has a slope of its own: −12 A/(ω L²), A its amplitude, L the length.
+  EXPECT_NEAR(slope(curve, 0.2, 3.8), 3 - 12 * 0.5 / (10 * 3.141592653589793 * 3.6 * 3.6), 1e-3);
+  EXPECT_NEAR(noise(curve, 0.2, 3.8), std::sqrt(0.125 + 9 * 3.6 * 3.6 / 12), 0.02);
+  EXPECT_TRUE(std::isnan(slope({{1}, {1}}, 1, 1)));
+  const Deviation off = deviation(curve, {{1, 2}, {-4, 0}});
+  EXPECT_NEAR(off.largest, 1, 1e-9);
+  EXPECT_NEAR(off.mean, 0.5, 1e-9);
+}
+
 TEST(Curve, WarpsTimeSoThatAShiftCostsLittleAndAnotherShapeMuch) {
   const auto pulse = [](double at) { return [at](double t) { return std::exp(-20 * (t - at) * (t - at)); }; };
   const Curve here = sampled(pulse(1), 0, 4, 200), later = sampled(pulse(2), 0, 4, 200);
