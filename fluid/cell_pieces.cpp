@@ -10,7 +10,8 @@ namespace strake::fluid {
 /// box is one around the median, and whoever is outside counts as at its edge: clamping moves no two
 /// particles apart, so rows still reach only adjacent cells.
 template <int dim>
-void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& position, double cell_size) {
+void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& position, double cell_size,
+                           double full) {
   const std::int64_t n = system.size();
   const std::int32_t* particle = system.particle.data();
   std::array<double, dim> low, high;
@@ -69,6 +70,25 @@ void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
         static_cast<std::int32_t>(k);
   touched.resize(static_cast<std::size_t>(n));
   own_cell_entries.resize(static_cast<std::size_t>(n));
+  find_sparse(full);
+}
+
+template <int dim>
+void CellPieces<dim>::find_sparse(double full) {
+  const auto cells = static_cast<std::int64_t>(cell_start_.size()) - 1;
+  density_.assign(static_cast<std::size_t>(cells), 0);
+  for (std::int64_t c = 0; c < cells; ++c) {
+    const auto here = static_cast<std::size_t>(c);
+    const std::int32_t unknowns = cell_start_[here + 1] - cell_start_[here];
+    if (unknowns == 0 || 2 * unknowns >= full) continue;
+    for (int near = 0; near < around; ++near) {
+      const std::int64_t step =
+          (near / 9 - (dim == 3 ? 1 : 0)) * static_cast<std::int64_t>(count_[1]) * count_[0] +
+          (near / 3 % 3 - 1) * static_cast<std::int64_t>(count_[0]) + near % 3 - 1;
+      std::uint8_t& other = density_[static_cast<std::size_t>(c + step)];  // the ring around is empty
+      other = std::max<std::uint8_t>(other, step == 0 ? 2 : 1);
+    }
+  }
 }
 
 template <int dim>
@@ -102,7 +122,7 @@ void CellPieces<dim>::split_cells(const PressureSystem& system) {
   piece_start.clear();
   piece_touches_.clear();
   shared_cell_.clear();
-  piece_of_.resize(order.size());
+  piece_of.resize(order.size());
   for (std::int64_t c = 0; c < cells; ++c) {
     const auto here = static_cast<std::size_t>(c);
     const std::int64_t begin = cell_start_[here], end = cell_start_[here + 1];
@@ -120,7 +140,7 @@ void CellPieces<dim>::split_cells(const PressureSystem& system) {
       for (std::int64_t s = piece_start[p]; s < stop; ++s) {
         const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(s)]);
         bits |= touched[k];
-        piece_of_[k] = static_cast<std::int32_t>(p);
+        piece_of[k] = static_cast<std::int32_t>(p);
       }
       piece_touches_.push_back(bits);
     }
@@ -159,8 +179,7 @@ void CellPieces<dim>::link_pieces(const PressureSystem& system) {
          s < piece_start[static_cast<std::size_t>(p) + 1]; ++s) {
       const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(s)]);
       for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
-        const std::int32_t q =
-            piece_of_[static_cast<std::size_t>(system.column[static_cast<std::size_t>(e)])];
+        const std::int32_t q = piece_of[static_cast<std::size_t>(system.column[static_cast<std::size_t>(e)])];
         if (q == p) continue;
         links_.emplace_back(p, q);
         links_.emplace_back(q, p);
@@ -246,9 +265,9 @@ std::size_t CellPieces<dim>::bytes() const {
   std::size_t numbers = touched.capacity() + own_cell_entries.capacity() + order.capacity() +
                         piece_start.capacity() + node.capacity() + meeting_start.capacity() +
                         meeting.capacity() + cell_.capacity() + cell_start_.capacity() +
-                        first_piece_.capacity() + piece_touches_.capacity() + piece_of_.capacity();
+                        first_piece_.capacity() + piece_touches_.capacity() + piece_of.capacity();
   for (const auto& coordinate : at) numbers += coordinate.capacity();
-  return 4 * numbers + shared_cell_.capacity() + sizeof(Link) * links_.capacity();
+  return 4 * numbers + shared_cell_.capacity() + density_.capacity() + sizeof(Link) * links_.capacity();
 }
 
 template class CellPieces<2>;

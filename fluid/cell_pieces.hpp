@@ -22,8 +22,11 @@ class CellPieces {
   static constexpr int around = dim == 2 ? 9 : 27;  // a cell and those adjacent to it
   static constexpr int middle = (around - 1) / 2;
 
-  /// Sorts; `cell_size` [m].
-  void sort(const PressureSystem&, const Vectors<dim>& position, double cell_size);
+  /// Sorts; `cell_size` [m]; a cell is sparse with less than half of `full` unknowns.
+  void sort(const PressureSystem&, const Vectors<dim>& position, double cell_size, double full);
+  /// Whether the cell of an unknown is sparse, and whether that or an adjacent one is.
+  bool is_sparse(std::int64_t unknown) const { return density(unknown) > 1; }
+  bool is_near_sparse(std::int64_t unknown) const { return density(unknown) > 0; }
   /// Which of the cells around an unknown its row touches, one bit each, and how many entries lie in its own:
   /// filled by whoever passes over the matrix, after `sort`.
   std::vector<std::uint32_t> touched;
@@ -39,11 +42,16 @@ class CellPieces {
   std::vector<std::int32_t> order;                   // unknowns piece by piece
   std::vector<std::int32_t> piece_start;             // in order, and one more
   std::vector<std::int32_t> node;                    // coarse unknown of each corner of each piece
+  std::vector<std::int32_t> piece_of;                // of each unknown
   std::vector<std::int32_t> meeting_start, meeting;  // per coarse unknown: the piece corners that meet in it
 
  private:
   using Link = std::pair<std::int32_t, std::int32_t>;
   std::int64_t cell_of(std::int64_t unknown) const;
+  std::uint8_t density(std::int64_t unknown) const {
+    return density_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(unknown)])];
+  }
+  void find_sparse(double full);
   void split_cells(const PressureSystem&);
   bool is_whole(std::int64_t begin, std::int64_t end) const;
   void find_parts(const PressureSystem&, std::int64_t begin, std::int64_t end);
@@ -56,7 +64,7 @@ class CellPieces {
   std::vector<std::int32_t> first_piece_;        // of each cell, and one more
   std::vector<std::uint32_t> piece_touches_;     // bits as `touched`, of all unknowns of the piece
   std::vector<std::uint8_t> shared_cell_;        // of each piece: its cell holds another one
-  std::vector<std::int32_t> piece_of_;           // of each unknown; filled where a cell is shared
+  std::vector<std::uint8_t> density_;            // of each cell: 2 sparse, 1 beside such a one, 0 neither
   std::vector<Link> links_;                      // between pieces of which one shares its cell, sorted
 };
 

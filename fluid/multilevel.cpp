@@ -7,6 +7,13 @@
 namespace strake::fluid {
 namespace {
 
+/// Neighbours further apart than so many cells see one another over the seam of a periodic direction.
+constexpr float seam = 1.5f;
+
+constexpr float square(float x) {
+  return x * x;
+}
+
 /// Weights of the corners of a cell for a place in it, from 0 to 1 along each axis.
 template <int dim>
 inline std::array<float, std::size_t{1} << dim> corner_weights(const std::array<float, dim>& f) {
@@ -42,9 +49,9 @@ inline float row_times(const PressureSystem& system, const float* value, const f
 
 template <int dim>
 void Multilevel<dim>::build(const PressureSystem& system, const Vectors<dim>& position, double radius,
-                            int threads) {
+                            double reach, int threads) {
   // A trace wider than the reach: rounding must not let a row reach beyond the adjacent cells.
-  pieces_.sort(system, position, 1.001 * radius);
+  pieces_.sort(system, position, 1.001 * radius, std::pow(reach, dim));
   read_rows(system, threads);
   pieces_.split(system, grids_.finest());
   const auto n = static_cast<std::size_t>(system.size());
@@ -55,7 +62,7 @@ void Multilevel<dim>::build(const PressureSystem& system, const Vectors<dim>& po
       within_[d][s] = u - std::floor(u);
     }
   }
-  assemble_grid(threads);
+  assemble_grid(system, threads);
   grids_.build(threads);
   right_.resize(n);
   swept_.resize(n);
@@ -71,6 +78,7 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
   value_.resize(system.value.size());
   for (auto* v : {&diagonal_, &inverse_, &excess_}) v->resize(static_cast<std::size_t>(n));
   for (auto& m : moment_) m.resize(static_cast<std::size_t>(n));
+  scattered_.assign(static_cast<std::size_t>(n), 0);
   const double* value = system.value.data();
   const std::int32_t* column = system.column.data();
   float* single = value_.data();
@@ -89,8 +97,8 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
     }
     float xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
     std::uint32_t touched = 0;
-    std::int32_t own = 0;
-#pragma omp simd reduction(+ : sum, xx, xy, yy, xz, yz, zz, own) reduction(| : touched)
+    std::int32_t own = 0, far = 0;
+#pragma omp simd reduction(+ : sum, xx, xy, yy, xz, yz, zz, own, far) reduction(| : touched)
     for (std::int64_t e = begin; e < end; ++e) {
       const std::int32_t j = column[e];
       const double v = value[e];
@@ -102,12 +110,14 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
       xx += w * dx * dx;
       xy += w * dx * dy;
       yy += w * dy * dy;
+      far += std::max(dx * dx, dy * dy) > square(seam) ? 1 : 0;
       int code = static_cast<int>(std::floor(x) - cell[0]) + 3 * static_cast<int>(std::floor(y) - cell[1]);
       if constexpr (dim == 3) {
         const float z = at[dim - 1][j], dz = z - centre[dim - 1];
         xz += w * dx * dz;
         yz += w * dy * dz;
         zz += w * dz * dz;
+        far += dz * dz > square(seam) ? 1 : 0;
         code += 9 * static_cast<int>(std::floor(z) - cell[dim - 1]);
       }
       own += code == 0 ? 1 : 0;
@@ -129,6 +139,80 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
     }
     pieces_.touched[row] = touched;
     pieces_.own_cell_entries[row] = own;
+    if (far > 0 || pieces_.is_near_sparse(k)) read_scattered_row(system, k);
+  }
+}
+
+/// Entries whose part in the grid's equation is taken as it is, w (P_i − P_j)(P_i − P_j)ᵀ with P the corners'
+/// weights, since a linear pressure around i says little of p_j: where unknowns are sparse, and over the seam
+/// of a periodic direction.
+template <int dim>
+bool Multilevel<dim>::is_exact(std::int64_t i, std::int64_t j) const {
+  if (pieces_.is_sparse(i) || pieces_.is_sparse(j)) return true;
+  for (const auto& at : pieces_.at)
+    if (std::abs(at.data()[i] - at.data()[j]) > seam) return true;
+  return false;
+}
+
+template <int dim>
+void Multilevel<dim>::read_scattered_row(const PressureSystem& system, std::int64_t k) {
+  const auto row = static_cast<std::size_t>(k);
+  std::array<float, moments> sum{};
+  std::uint32_t touched = 0;
+  for (std::int64_t e = system.start[row]; e < system.stop[row]; ++e) {
+    const std::int64_t j = system.column[static_cast<std::size_t>(e)];
+    std::array<float, dim> r;
+    int code = 0, scale = 1;
+    bool adjacent = true;
+    for (std::size_t d = 0; d < dim; ++d, scale *= 3) {
+      const float here = pieces_.at[d].data()[k], there = pieces_.at[d].data()[j];
+      r[d] = there - here;
+      const int step = static_cast<int>(std::floor(there)) - static_cast<int>(std::floor(here));
+      adjacent = adjacent && step >= -1 && step <= 1;
+      code += scale * (step + 1);
+    }
+    if (adjacent) touched |= 1u << code;
+    if (is_exact(k, j)) {
+      scattered_[row] = 1;
+      continue;
+    }
+    const float w = -value_[static_cast<std::size_t>(e)];
+    std::size_t at = 0;
+    for (std::size_t a = 0; a < dim; ++a)
+      for (std::size_t b = a; b < dim; ++b) sum[at++] += 0.5f * w * r[a] * r[b];
+  }
+  for (std::size_t m = 0; m < moments; ++m) moment_[m][row] = sum[m];
+  pieces_.touched[row] = touched;
+}
+
+template <int dim>
+void Multilevel<dim>::add_exact_entries(const PressureSystem& system, std::int32_t piece, std::int32_t corner,
+                                        RowGatherer& gatherer) const {
+  const auto weights_of = [&](std::int64_t k) {
+    std::array<float, dim> f;
+    for (std::size_t d = 0; d < dim; ++d) {
+      const float u = pieces_.at[d].data()[k];
+      f[d] = u - std::floor(u);
+    }
+    return corner_weights<dim>(f);
+  };
+  const auto p = static_cast<std::size_t>(piece);
+  for (std::int32_t s = pieces_.piece_start[p]; s < pieces_.piece_start[p + 1]; ++s) {
+    const std::int64_t i = pieces_.order[static_cast<std::size_t>(s)];
+    if (!scattered_[static_cast<std::size_t>(i)]) continue;
+    const auto weight = weights_of(i);
+    const double own = weight[static_cast<std::size_t>(corner)];
+    for (std::int64_t e = system.start.data()[i]; e < system.stop.data()[i]; ++e) {
+      const std::int64_t j = system.column.data()[e];
+      if (!is_exact(i, j)) continue;
+      const double w = -own * system.value.data()[e];
+      const auto other = weights_of(j);
+      const auto q = static_cast<std::size_t>(pieces_.piece_of.data()[j]);
+      for (std::size_t b = 0; b < corners; ++b) {
+        gatherer.add(pieces_.node[p * corners + b], w * weight[b]);
+        gatherer.add(pieces_.node[q * corners + b], -w * other[b]);
+      }
+    }
   }
 }
 
@@ -181,7 +265,7 @@ typename Multilevel<dim>::Element Multilevel<dim>::element(std::int32_t piece) c
 }
 
 template <int dim>
-void Multilevel<dim>::assemble_grid(int threads) {
+void Multilevel<dim>::assemble_grid(const PressureSystem& system, int threads) {
   CoarseLevel<dim>& grid = grids_.finest();
   const std::int32_t n = grid.unknowns(), count = pieces_.pieces();
   std::vector<Element> elements(static_cast<std::size_t>(count));
@@ -205,6 +289,7 @@ void Multilevel<dim>::assemble_grid(int threads) {
         for (std::int32_t b = 0; b < corners; ++b)
           gatherer.add(pieces_.node[static_cast<std::size_t>(p * corners + b)],
                        e[static_cast<std::size_t>(a * corners + b)]);
+        add_exact_entries(system, p, a, gatherer);
       }
       grid.diagonal[static_cast<std::size_t>(i)] = static_cast<float>(gatherer.finish(i, rows));
     }

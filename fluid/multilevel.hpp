@@ -20,8 +20,8 @@ namespace strake::fluid {
 template <int dim>
 class Multilevel {
  public:
-  /// radius: reach of A [m].
-  void build(const PressureSystem&, const Vectors<dim>& position, double radius, int threads);
+  /// radius: reach of A [m]; reach: the same in spacings.
+  void build(const PressureSystem&, const Vectors<dim>& position, double radius, double reach, int threads);
   /// z ≈ A⁻¹ r: write r to right(), and D⁻¹ r to swept(); z stands in solution(). Each thread of the team
   /// calls it after a wait, and finds its own share of z when it returns.
   void apply(const PressureSystem&, const Team&);
@@ -40,13 +40,17 @@ class Multilevel {
 
   void read_rows(const PressureSystem&, int threads);
   Element element(std::int32_t piece) const;
-  void assemble_grid(int threads);
+  bool is_exact(std::int64_t i, std::int64_t j) const;
+  void read_scattered_row(const PressureSystem&, std::int64_t k);
+  void add_exact_entries(const PressureSystem&, std::int32_t piece, std::int32_t corner, RowGatherer&) const;
+  void assemble_grid(const PressureSystem&, int threads);
 
   CellPieces<dim> pieces_;
   GridCycle<dim> grids_;
   std::vector<float> value_;                        // of A, entry by entry as in the system
   std::vector<float> diagonal_, inverse_, excess_;  // excess: of the diagonal over its row
   std::array<std::vector<float>, moments> moment_;  // ½ Σ w r rᵀ, in cells: xx, xy, yy (xx, xy, xz, …)
+  std::vector<std::uint8_t> scattered_;             // of each unknown: its row has entries that `is_exact`
   std::array<std::vector<float>, dim> within_;      // place in its cell, in the order of the pieces
   std::vector<float> right_, swept_, solution_;
   std::vector<float> corner_sum_;  // per corner of each piece

@@ -86,7 +86,7 @@ const PressureSolution& PoissonSolver<dim>::solve(const PressureSystem& system, 
   } else {
     const int threads = n >= rows_for_threads ? omp_get_max_threads() : 1;
     const bool grids = choice_.preconditioner == Preconditioner::multilevel;
-    if (grids) multilevel_.build(system, position, radius_, threads);
+    if (grids) multilevel_.build(system, position, radius_, scheme.radius_laplacian, threads);
     cg_.solve<dim>(system, grids ? &multilevel_ : nullptr, tolerance, most, threads, solution_);
   }
   return solution_;
