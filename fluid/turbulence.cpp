@@ -50,6 +50,10 @@ void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const Lattic
   for (std::int64_t i = 0; i < walls.first; ++i) {
     const double q = std::sqrt(k[i]), a = 0.5 * model.c_nu * model.filter * production[i] * dt;
     const double grown = (q + a) / (1 + b * q);
+    scratch[i] = grown * grown;
+  }
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < walls.first; ++i) {
     const auto columns = flow.near.row(i);
     const auto inverses = flow.near.inverses(i);
     double inflow = 0, share = 0;
@@ -60,7 +64,7 @@ void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const Lattic
       if (j < walls.first) {
         const double flux =
             scale * w * (model.kinematic_viscosity + 0.5 * (eddy_viscosity[i] + eddy_viscosity[j]));
-        inflow += flux * k[j];
+        inflow += flux * scratch[j];
         share += flux;
       } else if (!flow.dry(j) && !walls.slip[static_cast<size_t>(j - walls.first)]) {
         // k on the line through zero at the face: k_j = −k_i depth/distance.
@@ -72,9 +76,8 @@ void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const Lattic
         share += scale * w * reach * (model.kinematic_viscosity + 0.5 * eddy_viscosity[i]);
       }
     }
-    scratch[i] = (grown * grown + inflow) / (1 + share);
+    k[i] = (scratch[i] + inflow) / (1 + share);
   }
-  k.swap(scratch);
 }
 
 // Pr = 2 S_lm S_lm, S = ½(∇u + ∇uᵀ). In the plane this is 2[(∂u/∂x)² + (∂v/∂y)²] + (∂u/∂y + ∂v/∂x)².

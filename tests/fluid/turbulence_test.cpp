@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "fluid/number_density.hpp"
 #include "fluid/viscosity.hpp"
+#include "tests/fluid/channel.hpp"
 #include "tests/fluid/lattice.hpp"
 
 namespace strake::fluid {
@@ -128,6 +130,77 @@ TEST(Sps, wall_damping_takes_the_eddy_viscosity_to_zero_at_the_wall_and_leaves_i
   const auto damped = sps_fields<2>(gradient, counts, model, std::vector<double>{0.0, 1.0});
   EXPECT_EQ(damped.eddy_viscosity[0], 0);
   EXPECT_NEAR(damped.eddy_viscosity[1], free.eddy_viscosity[1], 1e-12);
+}
+
+// Steady shear: k rises from zero to production = dissipation, (C_ν/C_ε) Δ² Pr, the static closure's value,
+// in some 1/(½ √(C_ν C_ε Pr)) = 0.07 s; uniform away from the edges, where diffusion finds no difference.
+TEST(SpsEnergy, steady_shear_takes_the_k_model_to_the_static_closure) {
+  Channel channel(20, 0.1, true);
+  channel.parameters.scheme.turbulence = Turbulence::k;
+  channel.parameters.kinematic_viscosity = 1e-6;
+  for (std::int64_t i = 0; i < channel.water; ++i) channel.velocity(0, i) = 100 * channel.y(i);
+  for (std::int64_t w = 0; w < channel.walls.size(); ++w) {  // smooth for k, but the shear goes on
+    channel.walls.normal.col(w).setZero();
+    channel.walls.velocity(0, w) = 100 * channel.y(channel.water + w);
+  }
+  for (std::size_t w = 0; w < channel.walls.master.size(); ++w) channel.walls.master[w] = -1;
+  channel.walls.slip.assign(channel.walls.slip.size(), 0);
+  const SpsModel model = sps_model(channel.parameters);
+  const double equilibrium = model.equilibrium(1e4);
+  channel.acceleration(1e-3);
+  const std::int64_t middle = channel.water / 2 + Channel::along / 2;
+  EXPECT_GT(channel.k[middle], 0);
+  EXPECT_LT(channel.k[middle], 0.1 * equilibrium);
+  for (int step = 0; step < 500; ++step) channel.acceleration(1e-3);
+  EXPECT_NEAR(channel.k[middle], equilibrium, 1e-3 * equilibrium);
+  EXPECT_NEAR(channel.stage.eddy_viscosity[middle], std::pow(model.cs() * channel.l0, 2) * 100,
+              1e-3 * model.eddy_viscosity(equilibrium));
+}
+
+// dk/dt = −C_ε k^{3/2}/Δ: k = k0/(1 + ½ C_ε k0^½ t/Δ)², exact for any step.
+TEST(SpsEnergy, k_without_shear_decays_by_the_exact_solution) {
+  Channel channel(10, 0, true);
+  channel.parameters.scheme.turbulence = Turbulence::k;
+  channel.k.head(channel.water).setConstant(0.04);
+  for (const double dt : {0.01, 0.2, 1.0}) {
+    const double before = channel.k[0];
+    channel.acceleration(dt);
+    const double exact = before / std::pow(1 + 0.5 * std::sqrt(before) * dt / channel.l0, 2);
+    EXPECT_NEAR(channel.k.head(channel.water).minCoeff(), exact, 1e-14);
+    EXPECT_NEAR(channel.k.head(channel.water).maxCoeff(), exact, 1e-14);
+  }
+}
+
+TEST(SpsEnergy, diffusion_keeps_k_positive_for_a_huge_step_and_takes_it_to_zero_at_rough_walls) {
+  Channel channel(10, 0.1);
+  channel.parameters.scheme.turbulence = Turbulence::k;
+  channel.k[37] = 1.0;
+  channel.acceleration(100.0);
+  EXPECT_GE(channel.k.head(channel.water).minCoeff(), 0);
+  EXPECT_LT(channel.k.maxCoeff(), 1.0);
+  Channel smooth(10, 0, true), rough(10, 0, false);
+  for (Channel* c : {&smooth, &rough}) {
+    c->parameters.scheme.turbulence = Turbulence::k;
+    c->parameters.scheme.c_eps = 1e-9;  // diffusion alone
+    c->k.head(c->water).setConstant(0.01);
+    for (int step = 0; step < 100; ++step) c->acceleration(1e-3);
+  }
+  EXPECT_NEAR(smooth.k.head(smooth.water).minCoeff(), 0.01, 1e-9);  // no flux
+  EXPECT_LT(rough.k[0], 0.5 * rough.k[rough.water / 2]);
+}
+
+TEST(SpsEnergy, every_model_is_switched_by_its_key) {
+  for (const Turbulence kind : {Turbulence::none, Turbulence::statics, Turbulence::k})
+    for (const SpsForm form : {SpsForm::joint, SpsForm::stress_pair, SpsForm::laplacian}) {
+      Channel channel(10, 0.1);
+      channel.parameters.scheme.turbulence = kind;
+      channel.parameters.scheme.sps = form;
+      channel.parameters.scheme.radius_laplacian = 2.1;
+      for (std::int64_t i = 0; i < channel.water; ++i) channel.velocity(0, i) = std::sin(9 * channel.y(i));
+      channel.acceleration(0.01);
+      EXPECT_TRUE(channel.stage.acceleration.allFinite());
+      EXPECT_EQ(channel.k.maxCoeff() > 0, kind != Turbulence::none);
+    }
 }
 
 TEST(Viscosity, a_parabolic_profile_feels_twice_nu_times_its_curvature) {
