@@ -196,6 +196,22 @@ TEST(Boundary, RowsFollowTheFaceAtTheirDepth) {
   }
 }
 
+TEST(Boundary, ABodyThatFallsThroughTheFloorEndsTheRun) {
+  Scene scene(rectangle(-0.1, 0.05, 0.2, 0.02, l0));
+  const auto m = scene.boundary.mesh().position.cols();
+  Points displacement = Points::Zero(3, m);
+  displacement.row(1).setConstant(0.5);  // out at the open top
+  EXPECT_NO_THROW(scene.boundary.move(scene.state, displacement, Points::Zero(3, m), true));
+  displacement.row(1).setConstant(-0.3);
+  try {
+    scene.boundary.move(scene.state, displacement, Points::Zero(3, m), true);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::solver_fault);
+    EXPECT_NE(to_text(e).find("beyond the walls"), std::string::npos);
+  }
+}
+
 TEST(Boundary, DummiesContinueTheHydrostaticPressureAndTheBodysOwnAcceleration) {
   Scene scene(rectangle(-0.1, 0.0, 0.2, 0.02, l0));
   std::fill(scene.state.surface.begin(), scene.state.surface.end(), std::uint8_t{0});
