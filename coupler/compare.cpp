@@ -123,6 +123,8 @@ std::optional<double> from_history(const CompareBlock& block, const std::string&
   if (metric == "rms") return rms(curve, from, to);
   if (metric == "noise") return noise(curve, from, to);
   if (metric == "slope") return slope(curve, from, to);
+  if (metric == "period") return period(curve, from, to);
+  if (metric == "onset") return onset(curve, from, to);
   if (metric == "drift") return slope(curve, from, to) * (to - from);
   if (metric == "final") return value_at(curve, to);
   if (metric == "largest_deviation" || metric == "mean_deviation") {

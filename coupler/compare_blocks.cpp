@@ -26,6 +26,8 @@ const std::vector<std::string>& known_metrics() {
                                                  "noise",
                                                  "slope",
                                                  "drift",
+                                                 "period",
+                                                 "onset",
                                                  "l2",
                                                  "dtw",
                                                  "largest_deviation",

@@ -104,6 +104,40 @@ double slope(const Curve& c, double from, double to) {
   return square > 0 ? with / square : std::numeric_limits<double>::quiet_NaN();
 }
 
+std::optional<double> period(const Curve& c, double from, double to) {
+  const double middle = mean(c, from, to), half = 0.5 * noise(c, from, to);
+  const Curve part = clip(c, from, to);
+  std::optional<double> first, last, crossing;
+  int rises = 0;
+  bool low = false;  // has been below the band since the last rise
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    const double q = part.value[k] - middle, before = k > 0 ? part.value[k - 1] - middle : q;
+    if (q <= -half) low = true;
+    if (before < 0 && q >= 0)
+      crossing = part.time[k - 1] + before / (before - q) * (part.time[k] - part.time[k - 1]);
+    if (!low || q < half || !crossing) continue;
+    low = false;
+    if (!first) first = crossing;
+    last = crossing;
+    ++rises;
+  }
+  if (rises < 2) return std::nullopt;
+  return (*last - *first) / (rises - 1);
+}
+
+std::optional<double> onset(const Curve& c, double from, double to) {
+  Curve size = c;
+  for (double& q : size.value) q = std::abs(q);
+  const double wanted = 0.5 * mean(size, from, to);
+  for (std::size_t k = 0; k < size.size(); ++k) {
+    if (size.value[k] < wanted) continue;
+    if (k == 0) return size.time[0];
+    const double before = size.value[k - 1], share = (wanted - before) / (size.value[k] - before);
+    return size.time[k - 1] + share * (size.time[k] - size.time[k - 1]);
+  }
+  return std::nullopt;
+}
+
 Deviation deviation(const Curve& a, const Curve& reference) {
   if (a.size() == 0 || reference.size() == 0)
     return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};

@@ -32,6 +32,12 @@ double noise(const Curve&, double from, double to);  // rms of q less its mean
 /// Slope of the least-squares line through the samples within [from, to] and the interpolated ends. NaN for
 /// fewer than two.
 double slope(const Curve&, double from, double to);
+/// Mean time between rises through the mean of the part within [from, to]; one that does not reach half the
+/// rms about that mean on either side of it is noise. None for fewer than two rises.
+std::optional<double> period(const Curve&, double from, double to);
+/// When |q| first reaches half of its mean over [from, to], counted from the curve's first sample: the front
+/// of a plateau. None if that never happens.
+std::optional<double> onset(const Curve&, double from, double to);
 /// |a − b| at the samples of b, the reference; a must reach as far as b for them to mean anything.
 struct Deviation {
   double largest = 0, mean = 0;

@@ -94,6 +94,25 @@ TEST(Curve, FitsALineThroughNoiseThatIsEvenAboutIt) {
   EXPECT_NEAR(off.mean, 0.5, 1e-9);
 }
 
+TEST(Curve, FindsThePeriodOfAWaveThroughItsNoise) {
+  Curve curve;
+  for (int k = 0; k <= 4000; ++k) {
+    const double t = 1e-3 * k;
+    curve.time.push_back(t);
+    curve.value.push_back(0.5 + 0.03 * std::cos(2 * 3.141592653589793 * t / 0.8) +
+                          (k % 2 == 0 ? 0.004 : -0.004));
+  }
+  // Noise of 0.004 moves a crossing by up to 0.004/(0.03 · 7.85/s) = 17 ms, of which four periods share two.
+  EXPECT_NEAR(*period(curve, 0, 4), 0.8, 2 * 0.017 / 4);
+  EXPECT_FALSE(period(curve, 0, 1));
+}
+
+TEST(Curve, FindsTheFrontOfAPlateau) {
+  const Curve curve{{0, 0.6, 0.7, 0.8, 1.2}, {0, 0, 3000, 3600, 3600}};
+  EXPECT_NEAR(*onset(curve, 0.8, 1.2), 0.66, 1e-12);  // 1800 of 3000 on the way from 0.6 s to 0.7 s
+  EXPECT_EQ(*onset({{1, 2}, {1, 1}}, 1, 2), 1);
+}
+
 TEST(Curve, WarpsTimeSoThatAShiftCostsLittleAndAnotherShapeMuch) {
   const auto pulse = [](double at) { return [at](double t) { return std::exp(-20 * (t - at) * (t - at)); }; };
   const Curve here = sampled(pulse(1), 0, 4, 200), later = sampled(pulse(2), 0, 4, 200);
