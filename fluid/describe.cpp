@@ -5,6 +5,7 @@
 
 #include "fluid/fill.hpp"
 #include "fluid/participant.hpp"
+#include "fluid/poisson_solver.hpp"
 #include "fluid/simulation.hpp"
 #include "fluid/turbulence.hpp"
 
@@ -62,6 +63,13 @@ std::string turbulence_text(const Scheme& s) {
   return fmt::format("SPS C_s {:.4g}", SpsModel{.c_nu = s.c_nu, .c_eps = s.c_eps}.cs());
 }
 
+/// What solves the pressure equation, and why.
+std::string pressure_text(const Parameters& p, double dt) {
+  const PressureChoice choice =
+      p.dimension == 2 ? expected_pressure_solver<2>(p, dt) : expected_pressure_solver<3>(p, dt);
+  return fmt::format("pressure by {}, to |b - A p| <= {:g} |b|", choice.text(), p.scheme.pressure_tolerance);
+}
+
 /// The limits of the time step (PHYSICS §11).
 std::string limits_text(const Parameters& p, double speed) {
   const double l0 = p.spacing;
@@ -77,16 +85,19 @@ std::string limits_text(const Parameters& p, double speed) {
 }
 
 /// The first step, with the water at rest: the case's largest unless a limit is shorter.
-std::string step_text(const Parameters& p, double window, double speed) {
+double first_step(const Parameters& p, double window, double speed) {
   const double l0 = p.spacing;
   double first = std::min({p.scheme.time_step, window, column_step(p), acoustic_step(p)});
   if (speed > 0) first = std::min(first, p.scheme.cfl * l0 / speed);
   if (p.kinematic_viscosity > 0) first = std::min(first, 0.1 * l0 * l0 / p.kinematic_viscosity);
-  const double steps = std::max(1.0, std::ceil(window / first - 1e-9));
+  return window / std::max(1.0, std::ceil(window / first - 1e-9));
+}
+
+std::string step_text(const Parameters& p, double window, double step) {
   std::string text = fmt::format("time step {:.4g} s, {:.0f} in a window of {:g} s, more as the flow demands",
-                                 window / steps, steps, window);
+                                 step, window / step, window);
   if (std::isfinite(p.sound_speed))
-    text += fmt::format("   c {:g} m/s   c dt/l0 {:.2g}", p.sound_speed, p.sound_speed * window / steps / l0);
+    text += fmt::format("   c {:g} m/s   c dt/l0 {:.2g}", p.sound_speed, p.sound_speed * step / p.spacing);
   else
     text += "   incompressible: the pressure of a flat impact grows as 1/dt";
   return text;
@@ -114,12 +125,15 @@ std::vector<std::string> describe(const Parameters& p, const CommonKeys& common,
     headline += fmt::format("   Fr {:.1f}", speed / std::sqrt(p.gravity.norm() * length));
 
   const Scheme& s = p.scheme;
+  const double step = first_step(p, common.window, speed);
   return {headline,
           fmt::format("tank of {} wall particles with {} rows ({}) behind them", grouped(wall), dummy_rows(s),
                       grouped(dummies)),
-          step_text(p, common.window, speed), limits_text(p, speed),
+          step_text(p, common.window, step),
+          limits_text(p, speed),
           fmt::format("source {}   gradient {}   surface {}   {}", source_text(s), name(s.gradient),
-                      surface_text(s), turbulence_text(s))};
+                      surface_text(s), turbulence_text(s)),
+          pressure_text(p, step)};
 }
 
 }  // namespace strake::fluid

@@ -32,25 +32,35 @@ double compressible_share(const PressureSystem& system) {
   return smallest > round_off ? smallest : 0;
 }
 
-}  // namespace
+bool is_open(const Scheme& scheme) {
+  return scheme.pressure_solver == PressureSolver::cg && scheme.preconditioner == Preconditioner::automatic;
+}
 
-PressureChoice choose_pressure_solver(const PressureSystem& system, const Scheme& scheme) {
-  PressureChoice choice;
-  choice.solver = scheme.pressure_solver;
-  choice.preconditioner = scheme.preconditioner;
-  if (choice.solver != PressureSolver::cg || choice.preconditioner != Preconditioner::automatic)
-    return choice;
-  const double s = compressible_share(system);
-  choice.compressible_share = s;
+PressureChoice choose(double share, const Scheme& scheme) {
+  PressureChoice choice{scheme.pressure_solver, scheme.preconditioner, share, 0};
+  if (!is_open(scheme)) return choice;
   choice.jacobi_iterations = std::numeric_limits<double>::infinity();
-  if (s > 0) {
-    const double root = std::sqrt((2 - s) / s);
+  if (share > 0) {
+    const double root = std::sqrt((2 - share) / share);
     choice.jacobi_iterations =
         root > 1 ? std::log(2 / scheme.pressure_tolerance) / std::log((root + 1) / (root - 1)) : 1;
   }
   choice.preconditioner = choice.jacobi_iterations <= grids_in_jacobi_iterations ? Preconditioner::jacobi
                                                                                  : Preconditioner::multilevel;
   return choice;
+}
+
+}  // namespace
+
+PressureChoice choose_pressure_solver(const PressureSystem& system, const Scheme& scheme) {
+  return choose(is_open(scheme) ? compressible_share(system) : 0, scheme);
+}
+
+template <int dim>
+PressureChoice expected_pressure_solver(const Parameters& p, double dt) {
+  const LatticeConstants lattice = lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing);
+  const double reach = p.sound_speed * dt;
+  return choose(std::isfinite(reach) ? 1 / (1 + 2 * dim * reach * reach / lattice.lambda0) : 0, p.scheme);
 }
 
 std::string PressureChoice::text() const {
@@ -62,7 +72,7 @@ std::string PressureChoice::text() const {
   if (jacobi_iterations == 0) return fmt::format("cg with {}, as the case asks", name);
   if (compressible_share == 0) return fmt::format("cg with {}: incompressible", name);
   return fmt::format(
-      "cg with {}: compressibility holds {:.2g} of the diagonal, which alone needs {:.0f} iterations at most",
+      "cg with {}: compressibility holds {:.2g} of the diagonal, jacobi alone takes up to {:.0f} iterations",
       name, compressible_share, jacobi_iterations);
 }
 
@@ -102,6 +112,8 @@ double pressure_residual(const PressureSystem& system, const Eigen::VectorXd& pr
   return b2 == 0 ? std::sqrt(r2) : std::sqrt(r2 / b2);
 }
 
+template PressureChoice expected_pressure_solver<2>(const Parameters&, double);
+template PressureChoice expected_pressure_solver<3>(const Parameters&, double);
 template class PoissonSolver<2>;
 template class PoissonSolver<3>;
 

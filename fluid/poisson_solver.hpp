@@ -25,6 +25,9 @@ struct PressureChoice {
 /// ln(2/ε) / ln((√κ+1)/(√κ−1)), κ = (2−s)/s, s the compressible share, is below what the grids cost, else the
 /// grids. A function of the matrix alone.
 PressureChoice choose_pressure_solver(const PressureSystem&, const Scheme&);
+/// The same before there is a matrix: of rows inside the water, s = 1/(1 + 2d (c Δt)²/λ).
+template <int dim>
+PressureChoice expected_pressure_solver(const Parameters&, double dt);
 
 /// Whether hypre was there when this program was built.
 bool has_hypre();

@@ -1,5 +1,7 @@
 #include "fluid/parameters.hpp"
 
+#include "fluid/poisson_solver.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -101,9 +103,11 @@ TEST(FluidKeys, smagorinskys_constant_sets_the_dissipation) {
             "cs or c_eps, not both");
 }
 
-TEST(FluidKeys, values_that_are_not_built_yet_are_refused_by_name) {
-  expect_in(error_of({"fluid.scheme.pressure.solver=hypre"}), "not built yet");
-  expect_in(error_of({"fluid.scheme.pressure.preconditioner=multilevel"}), "not built yet");
+TEST(FluidKeys, hypre_is_refused_with_a_remedy_where_it_was_not_built) {
+  if (has_hypre())
+    EXPECT_EQ(read_with({"fluid.scheme.pressure.solver=hypre"}).scheme.pressure_solver, PressureSolver::hypre);
+  else
+    expect_in(error_of({"fluid.scheme.pressure.solver=hypre"}), "libhypre-dev");
 }
 
 TEST(FluidKeys, a_wrong_key_or_value_is_refused_with_its_name) {
