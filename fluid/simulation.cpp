@@ -29,6 +29,7 @@ Simulation<dim>::~Simulation() = default;
 template <int dim>
 StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion) {
   Work& w = *work_;
+  w.sort_along_cells();
   w.begin(dt, motion);
   w.find_neighbours();         // cell list → CSR
   w.predict();                 // u* = u + dt (ν ∇²u + ∇·τ + g)

@@ -26,6 +26,7 @@ template <int dim>
 struct Simulation<dim>::Work {
   Work(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
 
+  void sort_along_cells();
   void begin(double dt, const InterfaceMotion&);
   void find_neighbours();
   void predict();
