@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "fluid/simulation.hpp"
 
@@ -89,6 +90,32 @@ TEST(ViscousFlow, taylor_green_vortices_keep_the_box_full_and_decay_without_gain
   for (std::int64_t i = 0; i < water; ++i) {
     EXPECT_GT(state.position.col(i).minCoeff(), 0);
     EXPECT_LT(state.position.col(i).maxCoeff(), 1);
+  }
+}
+
+// The models in a whole run: k and the distance to the walls pass through the steps, and the threads do not
+// show.
+TEST(ViscousFlow, every_model_runs_in_a_tank_and_gives_the_same_bits_on_two_threads) {
+  for (const Turbulence model : {Turbulence::statics, Turbulence::k}) {
+    Parameters p = closed_box(16, 1e-4);
+    p.open_top = true;
+    p.water.max[1] = 0.75;
+    p.gravity = {0, -9.81, 0};
+    p.scheme.turbulence = model;
+    p.scheme.wall_damping = true;
+    p.wall = WallSlip::no_slip;
+    std::vector<State<2>> ends;
+    for (const int threads : {1, 2}) {
+      p.threads = threads;
+      Simulation<2> simulation(p, {}, {});
+      State<2>& state = simulation.mutable_state();
+      state.velocity.row(0).head(water_of(state)) = 0.5 * state.position.row(1).head(water_of(state));
+      for (int step = 0; step < 10; ++step) simulation.step(1e-3, {});
+      ends.push_back(state);
+    }
+    EXPECT_GT(ends[0].sps_k.head(water_of(ends[0])).minCoeff(), 0);
+    EXPECT_TRUE((ends[0].sps_k.array() == ends[1].sps_k.array()).all());
+    EXPECT_TRUE((ends[0].velocity.array() == ends[1].velocity.array()).all());
   }
 }
 
