@@ -268,15 +268,16 @@ template <int dim>
 void Multilevel<dim>::assemble_grid(const PressureSystem& system, int threads) {
   CoarseLevel<dim>& grid = grids_.finest();
   const std::int32_t n = grid.unknowns(), count = pieces_.pieces();
-  std::vector<Element> elements(static_cast<std::size_t>(count));
+  elements_.resize(static_cast<std::size_t>(count));
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (std::int32_t p = 0; p < count; ++p) elements[static_cast<std::size_t>(p)] = element(p);
+  for (std::int32_t p = 0; p < count; ++p) elements_[static_cast<std::size_t>(p)] = element(p);
   grid.diagonal.resize(static_cast<std::size_t>(n));
-  std::vector<SparseRows> parts(static_cast<std::size_t>(threads));
+  parts_.resize(static_cast<std::size_t>(threads));
+  for (SparseRows& part : parts_) part.clear();
 #pragma omp parallel num_threads(threads) if (threads > 1)
   {
     const Team team{omp_get_thread_num(), omp_get_num_threads(), nullptr};
-    SparseRows& rows = parts[static_cast<std::size_t>(team.index)];
+    SparseRows& rows = parts_[static_cast<std::size_t>(team.index)];
     RowGatherer gatherer;
     gatherer.resize(n);
     const auto [begin, end] = team.share(n);
@@ -285,7 +286,7 @@ void Multilevel<dim>::assemble_grid(const PressureSystem& system, int threads) {
            m < pieces_.meeting_start[static_cast<std::size_t>(i) + 1]; ++m) {
         const std::int32_t meeting = pieces_.meeting[static_cast<std::size_t>(m)];
         const std::int32_t p = meeting / corners, a = meeting % corners;
-        const Element& e = elements[static_cast<std::size_t>(p)];
+        const Element& e = elements_[static_cast<std::size_t>(p)];
         for (std::int32_t b = 0; b < corners; ++b)
           gatherer.add(pieces_.node[static_cast<std::size_t>(p * corners + b)],
                        e[static_cast<std::size_t>(a * corners + b)]);
@@ -294,7 +295,7 @@ void Multilevel<dim>::assemble_grid(const PressureSystem& system, int threads) {
       grid.diagonal[static_cast<std::size_t>(i)] = static_cast<float>(gatherer.finish(i, rows));
     }
   }
-  join(parts, grid.matrix);
+  join(parts_, grid.matrix);
   grid.prepare();
 }
 
@@ -362,7 +363,7 @@ std::size_t Multilevel<dim>::bytes() const {
                         right_.capacity() + swept_.capacity() + solution_.capacity() + corner_sum_.capacity();
   for (const auto& m : moment_) numbers += m.capacity();
   for (const auto& w : within_) numbers += w.capacity();
-  return 4 * numbers + pieces_.bytes() + grids_.bytes();
+  return 4 * numbers + sizeof(Element) * elements_.capacity() + pieces_.bytes() + grids_.bytes();
 }
 
 template class Multilevel<2>;
