@@ -113,7 +113,9 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (boundary.parked(state, i)) continue;
-    const double reach = p_.scheme.shifting * state.velocity.col(i).norm() * dt * p_.spacing;
+    // Past the tank: the same for an observer who falls or drives along with it.
+    const Vector<dim> past = state.velocity.col(i) - boundary.tank().velocity_at(state.position.col(i));
+    const double reach = p_.scheme.shifting * past.norm() * dt * p_.spacing;
     Vector<dim> move = -reach * dim / gradient_.n0 * crowding_.col(i);
     move -= surface_share_[i] * inward_.col(i) * inward_.col(i).dot(move);
     const double length = move.norm();

@@ -19,9 +19,11 @@ int main(int argc, char** argv) {
     parameters = fluid::read(file, common);
   };
   program.check = [&](CaseFile&) { return fluid::describe(parameters, common); };
-  program.build = [&](CaseFile&, const ParticipantOptions&, const Setup& setup) {
-    return std::make_unique<fluid::FluidParticipant<2>>(parameters, common,
-                                                        setup);  // read() refuses dimension 3
+  program.build = [&](CaseFile&, const ParticipantOptions&,
+                      const Setup& setup) -> std::unique_ptr<Participant> {
+    if (parameters.dimension == 3)
+      return std::make_unique<fluid::FluidParticipant<3>>(parameters, common, setup);
+    return std::make_unique<fluid::FluidParticipant<2>>(parameters, common, setup);
   };
   return participant_main(argc, argv, program);
 }

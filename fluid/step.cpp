@@ -214,7 +214,7 @@ template <int dim>
 void Simulation<dim>::Work::assemble() {
   if (fitted) {
     fitted->filter(boundary, state, *far, dt);
-    return fitted->assemble(boundary, state, *far, gravity, dt, system);
+    return fitted->assemble(boundary, state, *far, gravity - boundary.tank().acceleration(), dt, system);
   }
   divergence =
       fluid::divergence<dim>(state.position, state.velocity, search.within(divergence_lattice.radius),

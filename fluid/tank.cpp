@@ -173,6 +173,12 @@ Vector<dim> Tank<dim>::acceleration_of(std::int64_t i) const {
 }
 
 template <int dim>
+Vector<dim> Tank<dim>::acceleration() const {
+  if (acceleration_.cols() == 0) return Vector<dim>::Zero();
+  return acceleration_.rowwise().mean();
+}
+
+template <int dim>
 auto Tank<dim>::frame_at(double time) const -> Frame {
   const RigidMotion motion = motion_.at(time);
   return {motion.displacement.head<dim>(), motion.velocity.head<dim>(), std::sin(motion.angle),

@@ -42,6 +42,8 @@ class Tank {
   std::int32_t master_of(std::int64_t i) const;
   /// a_w: acceleration of row i in the step that `move` began last [m/s²].
   Vector<dim> acceleration_of(std::int64_t i) const;
+  /// The same of the tank's middle: water at rest in it carries ρ (g − a) [m/s²].
+  Vector<dim> acceleration() const;
 
   /// A step that ends at `time`: first (positions = false) the rows' velocities and accelerations, then
   /// (true) their places. A tank at rest costs nothing.
