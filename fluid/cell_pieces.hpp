@@ -11,6 +11,21 @@
 
 namespace strake::fluid {
 
+/// Weights of the corners of a cell for a place in it, from 0 to 1 along each axis.
+template <int dim>
+inline std::array<float, std::size_t{1} << dim> corner_weights(const std::array<float, dim>& f) {
+  std::array<float, std::size_t{1} << dim> w;
+  w[0] = 1;
+  for (std::size_t d = 0; d < dim; ++d) {
+    const std::size_t half = std::size_t{1} << d;
+    for (std::size_t a = 0; a < half; ++a) {
+      w[a + half] = w[a] * f[d];
+      w[a] -= w[a + half];
+    }
+  }
+  return w;
+}
+
 /// The unknowns of a pressure equation sorted into square cells as large as the reach of its Laplacian, so
 /// that rows reach no further than the adjacent cells. A piece is a part of a cell's unknowns that touch one
 /// another; water on both sides of a plate in one cell makes two. The vertices of the cells carry the coarse

@@ -42,8 +42,9 @@ class Multilevel {
   Element element(std::int32_t piece) const;
   bool is_exact(std::int64_t i, std::int64_t j) const;
   void read_scattered_row(const PressureSystem&, std::int64_t k);
-  void add_exact_entries(const PressureSystem&, std::int32_t piece, std::int32_t corner, RowGatherer&) const;
-  void assemble_grid(const PressureSystem&, int threads);
+  void read_exact_entries(const PressureSystem&, int threads);
+  void add_exact_entries(std::int32_t piece, std::int32_t corner, RowGatherer&) const;
+  void assemble_grid(int threads);
 
   CellPieces<dim> pieces_;
   GridCycle<dim> grids_;
@@ -52,8 +53,10 @@ class Multilevel {
   std::vector<float> value_;                        // of A, entry by entry as in the system
   std::vector<float> diagonal_, inverse_, excess_;  // excess: of the diagonal over its row
   std::array<std::vector<float>, moments> moment_;  // ½ Σ w r rᵀ, in cells: xx, xy, yy (xx, xy, xz, …)
-  std::vector<std::uint8_t> scattered_;             // of each unknown: its row has entries that `is_exact`
-  std::array<std::vector<float>, dim> within_;      // place in its cell, in the order of the pieces
+  std::vector<std::int32_t> scattered_;             // unknowns with entries that `is_exact`
+  std::vector<std::int32_t> exact_row_;             // of each unknown, −1: none
+  SparseRows exact_;  // Σ w (P_i − P_j) over those entries of scattered unknown i
+  std::array<std::vector<float>, dim> within_;  // place in its cell, in the order of the pieces
   std::vector<float> right_, swept_, solution_;
   std::vector<float> corner_sum_;  // per corner of each piece
 };
