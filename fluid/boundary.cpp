@@ -225,7 +225,8 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
     for (int k = 0; positions && k < static_cast<int>(m); ++k) {
       if (tank_.distance(outline_.point(k)) >= -spacing_) continue;
       throw Error(
-          ExitCode::solver_fault, fmt::format("structure, t = {:.6g} s", state.time),
+          state.step == 0 ? ExitCode::case_file : ExitCode::solver_fault,
+          fmt::format("structure, t = {:.6g} s", state.time),
           fmt::format("the body has come to ({:.6g}, {:.6g}), beyond the walls of the tank",
                       outline_.point(k).x(), outline_.point(k).y()),
           "end the run before it gets there, or make fluid.tank larger: bodies do not rebound from walls");
