@@ -22,6 +22,9 @@ struct Candidates {
   std::int64_t length(std::int64_t i) const {
     return start[static_cast<std::size_t>(i) + 1] - start[static_cast<std::size_t>(i)];
   }
+  const std::int32_t* columns(std::int64_t i) const {
+    return column.data() + start[static_cast<std::size_t>(i)];
+  }
   /// First word of row i: a row of m pairs has room for ⌈m/64⌉.
   std::size_t word(std::int64_t i) const {
     return static_cast<std::size_t>(start[static_cast<std::size_t>(i)] / 64 + i);

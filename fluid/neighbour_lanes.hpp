@@ -87,31 +87,6 @@ inline std::uint32_t larger(const double* value, int n, double limit) {
 #endif
 }
 
-/// Which of the first n <= 8 values lie strictly between two limits.
-inline std::uint32_t between(const double* value, int n, double low, double high) {
-#ifdef STRAKE_AVX512
-  const auto mask = static_cast<__mmask8>(first_bits(n));
-  const __m512d v = _mm512_maskz_loadu_pd(mask, value);
-  const __mmask8 above = _mm512_mask_cmp_pd_mask(mask, v, _mm512_set1_pd(low), _CMP_GT_OQ);
-  return _mm512_mask_cmp_pd_mask(above, v, _mm512_set1_pd(high), _CMP_LT_OQ);
-#else
-  std::uint32_t bits = 0;
-  for (int k = 0; k < n; ++k) bits |= (value[k] > low && value[k] < high ? 1U : 0U) << k;
-  return bits;
-#endif
-}
-
-/// to[k] = 1/√value[k] for the first n <= 8.
-inline void inverse_roots(const double* value, int n, double* to) {
-#ifdef STRAKE_AVX512
-  const auto mask = static_cast<__mmask8>(first_bits(n));
-  const __m512d one = _mm512_set1_pd(1), v = _mm512_mask_loadu_pd(one, mask, value);
-  _mm512_mask_storeu_pd(to, mask, _mm512_div_pd(one, _mm512_sqrt_pd(v)));
-#else
-  for (int k = 0; k < n; ++k) to[k] = 1.0 / std::sqrt(value[k]);
-#endif
-}
-
 #ifdef STRAKE_AVX512
 /// Components of eight vectors, one vector of eight lanes each.
 template <int dim>
@@ -157,11 +132,12 @@ inline Components<dim> columns(const double* x, const std::int32_t* j, int n, st
 }
 #endif
 
-/// |x_j − x_i|² of n <= 8 particles j to the nearest image [m²]; the same bits for i-j and j-i.
-template <int dim, bool seams>
-inline void squares(const double* x, std::int32_t i, const std::int32_t* j, int n,
-                    const Periodic<dim>& periodic, double* to) {
 #ifdef STRAKE_AVX512
+/// |x_j − x_i|² of eight particles j to the nearest image [m²]; the same bits for i-j and j-i. Lanes beyond n
+/// hold 0.
+template <int dim, bool seams>
+inline __m512d squares(const double* x, std::int32_t i, const std::int32_t* j, int n,
+                       const Periodic<dim>& periodic) {
   const Components<dim> at = columns<dim>(x, j, n, i);
   __m512d sum = _mm512_setzero_pd();
   for (int d = 0; d < dim; ++d) {
@@ -174,17 +150,49 @@ inline void squares(const double* x, std::int32_t i, const std::int32_t* j, int 
     }
     sum = _mm512_fmadd_pd(r, r, sum);
   }
-  _mm512_storeu_pd(to, sum);
+  return sum;
+}
 #else
-  for (int k = 0; k < n; ++k) {
-    double sum = 0;
-    for (int d = 0; d < dim; ++d) {
-      double r = x[dim * std::int64_t{j[k]} + d] - x[dim * std::int64_t{i} + d];
-      if constexpr (seams) r = periodic.nearest(r, d);
-      sum += r * r;
-    }
-    to[k] = sum;
+template <int dim, bool seams>
+inline double square(const double* x, std::int32_t i, std::int32_t j, const Periodic<dim>& periodic) {
+  double sum = 0;
+  for (int d = 0; d < dim; ++d) {
+    double r = x[dim * std::int64_t{j} + d] - x[dim * std::int64_t{i} + d];
+    if constexpr (seams) r = periodic.nearest(r, d);
+    sum += r * r;
   }
+  return sum;
+}
+#endif
+
+/// Which of n <= 8 particles j have low < |x_j − x_i|² < high.
+template <int dim, bool seams>
+inline std::uint32_t between(const double* x, std::int32_t i, const std::int32_t* j, int n,
+                             const Periodic<dim>& periodic, double low, double high) {
+#ifdef STRAKE_AVX512
+  const __m512d sum = squares<dim, seams>(x, i, j, n, periodic);
+  const __mmask8 above = _mm512_cmp_pd_mask(sum, _mm512_set1_pd(low), _CMP_GT_OQ);
+  return _mm512_mask_cmp_pd_mask(above, sum, _mm512_set1_pd(high), _CMP_LT_OQ);
+#else
+  std::uint32_t bits = 0;
+  for (int k = 0; k < n; ++k) {
+    const double sum = square<dim, seams>(x, i, j[k], periodic);
+    bits |= (sum > low && sum < high ? 1U : 0U) << k;
+  }
+  return bits;
+#endif
+}
+
+/// to[k] = 1/|x_j − x_i| of n <= 8 particles j.
+template <int dim, bool seams>
+inline void inverse_lengths(const double* x, std::int32_t i, const std::int32_t* j, int n,
+                            const Periodic<dim>& periodic, double* to) {
+#ifdef STRAKE_AVX512
+  const __m512d sum = squares<dim, seams>(x, i, j, n, periodic);
+  _mm512_mask_storeu_pd(to, static_cast<__mmask8>(first_bits(n)),
+                        _mm512_div_pd(_mm512_set1_pd(1), _mm512_sqrt_pd(sum)));
+#else
+  for (int k = 0; k < n; ++k) to[k] = 1.0 / std::sqrt(square<dim, seams>(x, i, j[k], periodic));
 #endif
 }
 

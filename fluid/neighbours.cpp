@@ -21,8 +21,8 @@ using std::size_t;
 /// another.
 constexpr double coincident = 1e-9;
 
-/// Rows that a thread takes at a time, so that threads share crowded and empty parts of the rows evenly.
-constexpr int block = 256;
+/// Rows that a thread works on at a time.
+constexpr std::int64_t block = 64;
 
 template <class T>
 size_t bytes_of(const std::vector<T>& v) {
@@ -35,6 +35,17 @@ template <int dim>
   while (position.col(i).array().isFinite().all()) ++i;
   throw Error(ExitCode::solver_fault, "fluid", fmt::format("the position of particle {} is not finite", i),
               "lower fluid.scheme.time_step or fluid.scheme.cfl; look at the last frames for where it began");
+}
+
+/// Without the pairs that `keep` refuses, of the candidates of row i that are kept so far.
+std::uint64_t asked_for(std::uint64_t kept, std::int32_t i, const std::int32_t* column,
+                        std::span<const std::uint8_t> tag, const KeepPair& keep) {
+  for (std::uint64_t rest = kept; rest; rest &= rest - 1) {
+    const int k = std::countr_zero(rest);
+    if ((tag[static_cast<size_t>(i)] | tag[static_cast<size_t>(column[k])]) & asked && !keep(i, column[k]))
+      kept &= ~(1ULL << k);
+  }
+  return kept;
 }
 
 /// Turns the numbers in all but the first place into sums from the start.
@@ -123,44 +134,53 @@ void NeighbourSearch<dim>::mark_asked(std::span<const std::uint8_t> tag) {
   }
 }
 
-/// Which candidates are within the radius: only those at the border need a look. Counts them.
+/// Which candidates are within the radius: only those at the border need a look. Counts them. What is packed
+/// for a block of rows is read when the block is done: a packed store read at once would stall.
 template <int dim>
 template <bool seams>
 void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t> tag, const KeepPair* keep) {
   const auto n = static_cast<std::int64_t>(built_at_.cols());
   const double squared = radius_ * radius_, nearest = squared * coincident * coincident;
-#pragma omp parallel for schedule(static, block)
-  for (std::int64_t i = 0; i < n; ++i) {
-    const std::int32_t* column = candidates_.column.data() + candidates_.start[static_cast<size_t>(i)];
-    std::int64_t left = candidates_.length(i), count = 0;
-    const bool ask = keep && meets_asked_[static_cast<size_t>(i)];
-    for (size_t word = candidates_.word(i); left > 0; ++word, column += 64, left -= 64) {
-      const std::uint64_t all = lanes::first_bits64(left), border = candidates_.border[word];
-      std::array<std::int32_t, 64> look;
-      int n_look = 0;
-      for (int q = 0; q < 64 && border >> q; q += lanes::wide)
-        n_look +=
-            lanes::pack(column + q, static_cast<std::uint32_t>(border >> q) & 0xffffU, look.data() + n_look);
-      std::uint64_t found = 0;
-      for (int q = 0; q < n_look; q += lanes::width) {
-        const int m = std::min(lanes::width, n_look - q);
-        std::array<double, lanes::width> square;
-        lanes::squares<dim, seams>(x, static_cast<std::int32_t>(i), look.data() + q, m, periodic_,
-                                   square.data());
-        found |= std::uint64_t{lanes::between(square.data(), m, nearest, squared)} << q;
+#pragma omp parallel
+  {
+    std::vector<std::int32_t> looks;
+#pragma omp for schedule(static)
+    for (std::int64_t first = 0; first < n; first += block) {
+      const std::int64_t last = std::min(n, first + block);
+      looks.resize(static_cast<size_t>(candidates_.start[static_cast<size_t>(last)] -
+                                       candidates_.start[static_cast<size_t>(first)]));
+      std::int32_t* look = looks.data();
+      for (std::int64_t i = first; i < last; ++i) {
+        const std::int32_t* column = candidates_.columns(i);
+        std::int64_t left = candidates_.length(i);
+        for (size_t word = candidates_.word(i); left > 0; ++word, column += 64, left -= 64)
+          for (std::uint64_t border = candidates_.border[word], q = 0; border;
+               border >>= lanes::wide, q += lanes::wide)
+            look += lanes::pack(column + q, static_cast<std::uint32_t>(border & 0xffffU), look);
       }
-      std::uint64_t kept = (all & ~border) | lanes::deposit(found, border);
-      if (ask)
-        for (std::uint64_t rest = kept; rest; rest &= rest - 1) {
-          const int k = std::countr_zero(rest);
-          if ((tag[static_cast<size_t>(i)] | tag[static_cast<size_t>(column[k])]) & asked &&
-              !(*keep)(static_cast<std::int32_t>(i), column[k]))
-            kept &= ~(1ULL << k);
+      look = looks.data();
+      for (std::int64_t i = first; i < last; ++i) {
+        const std::int32_t* column = candidates_.columns(i);
+        std::int64_t left = candidates_.length(i), count = 0;
+        const bool ask = keep && meets_asked_[static_cast<size_t>(i)];
+        for (size_t word = candidates_.word(i); left > 0; ++word, column += 64, left -= 64) {
+          const std::uint64_t border = candidates_.border[word];
+          const int n_look = std::popcount(border);
+          std::uint64_t found = 0;
+          for (int q = 0; q < n_look; q += lanes::width)
+            found |= std::uint64_t{lanes::between<dim, seams>(x, static_cast<std::int32_t>(i), look + q,
+                                                              std::min(lanes::width, n_look - q), periodic_,
+                                                              nearest, squared)}
+                     << q;
+          look += n_look;
+          std::uint64_t kept = (lanes::first_bits64(left) & ~border) | lanes::deposit(found, border);
+          if (ask) kept = asked_for(kept, static_cast<std::int32_t>(i), column, tag, *keep);
+          kept_[word] = kept;
+          count += std::popcount(kept);
         }
-      kept_[word] = kept;
-      count += std::popcount(kept);
+        exact_.start_[static_cast<size_t>(i) + 1] = count;
+      }
     }
-    exact_.start_[static_cast<size_t>(i) + 1] = count;
   }
 }
 
@@ -168,22 +188,23 @@ template <int dim>
 template <bool seams>
 void NeighbourSearch<dim>::fill(const double* x) {
   const auto n = static_cast<std::int64_t>(built_at_.cols());
-#pragma omp parallel for schedule(static, block)
-  for (std::int64_t i = 0; i < n; ++i) {
-    const std::int32_t* column = candidates_.column.data() + candidates_.start[static_cast<size_t>(i)];
-    std::int32_t* out = exact_.column_.data() + exact_.start_[static_cast<size_t>(i)];
-    std::int64_t left = candidates_.length(i);
-    for (size_t word = candidates_.word(i); left > 0; ++word, column += 64, left -= 64)
-      for (int q = 0; q < 64 && kept_[word] >> q; q += lanes::wide)
-        out += lanes::pack(column + q, static_cast<std::uint32_t>(kept_[word] >> q) & 0xffffU, out);
-    const auto first = exact_.start_[static_cast<size_t>(i)],
-               last = exact_.start_[static_cast<size_t>(i) + 1];
-    for (auto k = first; k < last; k += lanes::width) {
-      const int m = static_cast<int>(std::min<std::int64_t>(lanes::width, last - k));
-      std::array<double, lanes::width> square;
-      lanes::squares<dim, seams>(x, static_cast<std::int32_t>(i), exact_.column_.data() + k, m, periodic_,
-                                 square.data());
-      lanes::inverse_roots(square.data(), m, exact_.inverse_.data() + k);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t first = 0; first < n; first += block) {
+    const std::int64_t last = std::min(n, first + block);
+    std::int32_t* out = exact_.column_.data() + exact_.start_[static_cast<size_t>(first)];
+    for (std::int64_t i = first; i < last; ++i) {
+      const std::int32_t* column = candidates_.columns(i);
+      std::int64_t left = candidates_.length(i);
+      for (size_t word = candidates_.word(i); left > 0; ++word, column += 64, left -= 64)
+        for (std::uint64_t kept = kept_[word], q = 0; kept; kept >>= lanes::wide, q += lanes::wide)
+          out += lanes::pack(column + q, static_cast<std::uint32_t>(kept & 0xffffU), out);
+    }
+    for (std::int64_t i = first; i < last; ++i) {
+      const auto end = exact_.start_[static_cast<size_t>(i) + 1];
+      for (auto k = exact_.start_[static_cast<size_t>(i)]; k < end; k += lanes::width)
+        lanes::inverse_lengths<dim, seams>(x, static_cast<std::int32_t>(i), exact_.column_.data() + k,
+                                           static_cast<int>(std::min<std::int64_t>(lanes::width, end - k)),
+                                           periodic_, exact_.inverse_.data() + k);
     }
   }
 }
@@ -228,7 +249,7 @@ const Neighbours& NeighbourSearch<dim>::within(double radius) {
   const double least = 1 / radius;
   rows.start_.resize(static_cast<size_t>(n) + 1);
   rows.start_[0] = 0;
-#pragma omp parallel for schedule(static, block)
+#pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
     std::int64_t count = 0;
     for (const double inverse : exact_.inverses(i)) count += inverse > least ? 1 : 0;
@@ -237,7 +258,7 @@ const Neighbours& NeighbourSearch<dim>::within(double radius) {
   sum_up(rows.start_);
   rows.column_.resize(static_cast<size_t>(rows.start_.back()));
   rows.inverse_.resize(rows.column_.size());
-#pragma omp parallel for schedule(static, block)
+#pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
     auto k = rows.start_[static_cast<size_t>(i)];
     const auto last = exact_.start_[static_cast<size_t>(i) + 1];
