@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sched.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -27,11 +29,16 @@ class Barrier {
       __builtin_ia32_pause();
 #endif
     }
+    for (int turn = 0; turn < turns; ++turn) {
+      sched_yield();
+      if (round_.load(std::memory_order_acquire) != round) return;
+    }
     while (round_.load(std::memory_order_acquire) == round) round_.wait(round, std::memory_order_acquire);
   }
 
  private:
-  static constexpr int looks = 4000;  // some tens of microseconds
+  static constexpr int looks = 300;  // a few microseconds
+  static constexpr int turns = 200;  // where nobody else wants the processor, some hundred microseconds
   int threads_;
   alignas(64) std::atomic<int> arrived_{0};
   alignas(64) std::atomic<std::uint32_t> round_{0};
