@@ -60,6 +60,24 @@ TableColumn participant_column(const Column& column) {
           [name = column.name, factor](const RunRow& row) { return digits(factor * monitor_of(row, name)); }};
 }
 
+/// What a specialist asks first of a run; what is not known is left out.
+std::string checks_text(const Summary& summary) {
+  const nlohmann::ordered_json json = summary.json(), &checks = json["checks"];
+  std::string text;
+  const auto add = [&](const char* key, auto&& words) {
+    if (checks[key].is_number()) text += "  " + words(checks[key].get<double>());
+  };
+  add("work_gap", [](double x) { return fmt::format("work gap {:.1e}", x); });
+  add("momentum_gap", [](double x) { return fmt::format("momentum gap {:.1e}", x); });
+  add("structure_energy_drift", [](double x) { return fmt::format("energy drift {:.1e}", x); });
+  add("volume_drift", [](double x) { return fmt::format("volume {:+.2f} %", 100 * x); });
+  add("inner_fraction_min",
+      [](double x) { return fmt::format("inner particles at least {:.1f} %", 100 * x); });
+  for (const char* count : {"voids", "penetrations", "lost"})
+    add(count, [count](double x) { return fmt::format("{} {:.0f}", count, x); });
+  return text;
+}
+
 /// The columns worth a place: the y component of each probe (the whole of a scalar), then what else there is.
 std::vector<Column> chosen(const RunHeader& header) {
   std::vector<Column> columns;
@@ -172,6 +190,7 @@ class TableReporter final : public Reporter {
                                   summary.unconverged() == 1 ? "" : "s")) +
           "\n");
     for (const Verdict& verdict : summary.verdicts) put("  " + verdict_text(verdict, style_) + "\n");
+    if (const std::string checks = checks_text(summary); !checks.empty()) put("  checks" + checks + "\n");
     put(fmt::format("  curves  {}\n", (end.folder / "history.csv").string()));
     if (!end.fields.empty()) {
       std::string fields = (end.folder / end.fields.front()).string();
