@@ -117,5 +117,60 @@ TEST(Tank, WaterBetweenSlopesWeighsOnThem) {
   EXPECT_EQ(state.lost, 0);
 }
 
+/// A channel of 20 particles between walls at y = 0 and 0.2 m that repeats itself along x, closed above.
+Parameters channel(WallSlip wall) {
+  Parameters p;
+  p.spacing = 0.01;
+  p.tank = {{0, 0, 0}, {0.2, 0.2, 0}};
+  p.water = p.tank;
+  p.open_top = false;
+  p.periodic = {true, false, false};
+  p.wall = wall;
+  p.gravity.setZero();
+  p.sound_speed = 20;
+  p.threads = 1;
+  return p;
+}
+
+// u = F/(2ν) y (h − y), driven by F; one time h²/(π²ν) of its decay is 0.4 s.
+TEST(Tank, WaterBetweenRoughPlatesThatGoOnForEverKeepsItsParabola) {
+  constexpr double force = 0.2, nu = 0.01, height = 0.2;
+  Parameters p = channel(WallSlip::no_slip);
+  p.gravity = {force, 0, 0};
+  p.kinematic_viscosity = nu;
+  p.scheme.turbulence = Turbulence::none;
+  Simulation<2> simulation(p, {}, {});
+  const auto exact = [&](double y) { return force / (2 * nu) * y * (height - y); };
+  auto& start = simulation.mutable_state();
+  const auto water = std::count(start.kind.begin(), start.kind.end(), Kind::fluid);
+  for (std::int64_t i = 0; i < water; ++i) start.velocity(0, i) = exact(start.position(1, i));
+  for (int step = 0; step < 800; ++step) simulation.step(5e-4, {});
+  const auto& state = simulation.state();
+  double error = 0, norm = 0;
+  for (std::int64_t i = 0; i < water; ++i) {
+    const double u = exact(state.position(1, i));
+    error += (state.velocity(0, i) - u) * (state.velocity(0, i) - u);
+    norm += u * u;
+  }
+  EXPECT_LT(std::sqrt(error / norm), 0.01);
+  EXPECT_EQ(state.lost, 0);
+}
+
+TEST(Tank, WaterSlidesBetweenSmoothPlatesThatGoOnForEver) {
+  Parameters p = channel(WallSlip::free_slip);
+  p.kinematic_viscosity = 0.01;
+  Simulation<2> simulation(p, {}, {});
+  auto& start = simulation.mutable_state();
+  const auto water = std::count(start.kind.begin(), start.kind.end(), Kind::fluid);
+  start.velocity.leftCols(water).row(0).setConstant(1.0);
+  for (int step = 0; step < 600; ++step) simulation.step(5e-4, {});  // one and a half times around
+  const auto velocity = simulation.state().velocity.leftCols(water);
+  // The lattice trembles a little as it passes the rows; nothing holds it back.
+  EXPECT_NEAR(velocity.row(0).mean(), 1, 1e-3);
+  EXPECT_LT((velocity.row(0).array() - 1).abs().maxCoeff(), 0.01);
+  EXPECT_LT(velocity.row(1).cwiseAbs().maxCoeff(), 0.01);
+  EXPECT_LE(simulation.state().position.leftCols(water).row(0).maxCoeff(), 0.2);
+}
+
 }  // namespace
 }  // namespace strake::fluid
