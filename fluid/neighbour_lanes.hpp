@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__) && defined(__BMI2__)
 #define STRAKE_AVX512
@@ -73,18 +74,6 @@ inline int pack(const double* from, std::uint32_t bits, double* to) {
   for (; bits; bits &= bits - 1) *to++ = from[std::countr_zero(bits)];
 #endif
   return count;
-}
-
-/// Which of the first n <= 8 values are larger than `limit`.
-inline std::uint32_t larger(const double* value, int n, double limit) {
-#ifdef STRAKE_AVX512
-  const auto mask = static_cast<__mmask8>(first_bits(n));
-  return _mm512_mask_cmp_pd_mask(mask, _mm512_maskz_loadu_pd(mask, value), _mm512_set1_pd(limit), _CMP_GT_OQ);
-#else
-  std::uint32_t bits = 0;
-  for (int k = 0; k < n; ++k) bits |= (value[k] > limit ? 1U : 0U) << k;
-  return bits;
-#endif
 }
 
 #ifdef STRAKE_AVX512
@@ -183,16 +172,25 @@ inline std::uint32_t between(const double* x, std::int32_t i, const std::int32_t
 #endif
 }
 
-/// to[k] = 1/|x_j − x_i| of n <= 8 particles j.
+/// to[k] = 1/|x_j − x_i| of n <= 8 particles j; beside[p]: which of them are larger than limit[p].
 template <int dim, bool seams>
 inline void inverse_lengths(const double* x, std::int32_t i, const std::int32_t* j, int n,
-                            const Periodic<dim>& periodic, double* to) {
+                            const Periodic<dim>& periodic, double* to, std::span<const double> limit,
+                            std::uint32_t* beside) {
 #ifdef STRAKE_AVX512
-  const __m512d sum = squares<dim, seams>(x, i, j, n, periodic);
-  _mm512_mask_storeu_pd(to, static_cast<__mmask8>(first_bits(n)),
-                        _mm512_div_pd(_mm512_set1_pd(1), _mm512_sqrt_pd(sum)));
+  const auto mask = static_cast<__mmask8>(first_bits(n));
+  const __m512d inverse =
+      _mm512_div_pd(_mm512_set1_pd(1), _mm512_sqrt_pd(squares<dim, seams>(x, i, j, n, periodic)));
+  _mm512_mask_storeu_pd(to, mask, inverse);
+  for (const double least : limit)
+    *beside++ = _mm512_mask_cmp_pd_mask(mask, inverse, _mm512_set1_pd(least), _CMP_GT_OQ);
 #else
   for (int k = 0; k < n; ++k) to[k] = 1.0 / std::sqrt(square<dim, seams>(x, i, j[k], periodic));
+  for (const double least : limit) {
+    std::uint32_t bits = 0;
+    for (int k = 0; k < n; ++k) bits |= (to[k] > least ? 1U : 0U) << k;
+    *beside++ = bits;
+  }
 #endif
 }
 

@@ -21,6 +21,9 @@ using std::size_t;
 /// another.
 constexpr double coincident = 1e-9;
 
+/// Different radii below the largest: the number density's, the gradient's, the divergence's.
+constexpr size_t most_parts = 4;
+
 /// Rows that a thread works on at a time.
 constexpr std::int64_t block = 64;
 
@@ -76,6 +79,7 @@ NeighbourSearch<dim>::NeighbourSearch(double radius, double skin, const Periodic
 template <int dim>
 void NeighbourSearch<dim>::invalidate() {
   valid_ = false;
+  updates_ = 0;
   for (auto& part : parts_) part.fresh = false;
 }
 
@@ -84,7 +88,7 @@ size_t NeighbourSearch<dim>::bytes() const {
   size_t sum = cells_.bytes() + candidates_.bytes() + exact_.bytes() + bytes_of(kept_) +
                bytes_of(meets_asked_) + bytes_of(built_filler_) +
                static_cast<size_t>(built_at_.size()) * sizeof(double);
-  for (const Part& part : parts_) sum += part.rows.bytes();
+  for (const Part& part : parts_) sum += part.rows.bytes() + bytes_of(part.bits);
   return sum;
 }
 
@@ -105,19 +109,21 @@ double NeighbourSearch<dim>::moved(const Vectors<dim>& position) const {
   return std::sqrt(most);
 }
 
-/// step: the longest way of a particle since the last rebuild [m]. A skin that would not last two steps costs
+/// way: the longest of a particle since the last rebuild [m]. A skin that would not last two updates costs
 /// more than it saves.
 template <int dim>
 void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag,
-                                   double step) {
-  if (!position.array().isFinite().all()) report_not_finite<dim>(position);
-  built_skin_ = 4 * step < skin_ || rebuilds_ == 0 ? skin_ : 0;
+                                   double way) {
+  if (!std::isfinite(way)) report_not_finite<dim>(position);
+  const bool lasts = updates_ == 0 || 4 * way < skin_ * static_cast<double>(updates_);
+  built_skin_ = lasts ? skin_ : 0;
   cells_.find(position, tag, radius_, built_skin_, periodic_, candidates_);
   kept_.resize(candidates_.border.size());
   built_at_ = position;
   built_filler_.resize(tag.size());
   std::transform(tag.begin(), tag.end(), built_filler_.begin(), [](std::uint8_t t) { return t & filler; });
   valid_ = true;
+  updates_ = 0;
   ++rebuilds_;
 }
 
@@ -184,10 +190,17 @@ void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t>
   }
 }
 
+/// Columns and inverses of the exact rows, and the bits of the parts' pairs.
 template <int dim>
 template <bool seams>
 void NeighbourSearch<dim>::fill(const double* x) {
   const auto n = static_cast<std::int64_t>(built_at_.cols());
+  std::array<Part*, most_parts> parts{};
+  size_t n_parts = 0;
+  for (Part& part : parts_) {
+    part.bits.resize(word(n) + 1);
+    parts[n_parts++] = &part;
+  }
 #pragma omp parallel for schedule(static)
   for (std::int64_t first = 0; first < n; first += block) {
     const std::int64_t last = std::min(n, first + block);
@@ -200,11 +213,20 @@ void NeighbourSearch<dim>::fill(const double* x) {
           out += lanes::pack(column + q, static_cast<std::uint32_t>(kept & 0xffffU), out);
     }
     for (std::int64_t i = first; i < last; ++i) {
-      const auto end = exact_.start_[static_cast<size_t>(i) + 1];
-      for (auto k = exact_.start_[static_cast<size_t>(i)]; k < end; k += lanes::width)
-        lanes::inverse_lengths<dim, seams>(x, static_cast<std::int32_t>(i), exact_.column_.data() + k,
-                                           static_cast<int>(std::min<std::int64_t>(lanes::width, end - k)),
-                                           periodic_, exact_.inverse_.data() + k);
+      const auto begin = exact_.start_[static_cast<size_t>(i)],
+                 end = exact_.start_[static_cast<size_t>(i) + 1];
+      size_t at = word(i);
+      for (auto k = begin; k < end; k += 64, ++at) {
+        std::array<std::uint64_t, most_parts> bits{};
+        for (auto l = k; l < std::min(k + 64, end); l += lanes::width) {
+          std::array<std::uint32_t, most_parts> found;
+          lanes::inverse_lengths<dim, seams>(x, static_cast<std::int32_t>(i), exact_.column_.data() + l,
+                                             static_cast<int>(std::min<std::int64_t>(lanes::width, end - l)),
+                                             periodic_, exact_.inverse_.data() + l, least_, found.data());
+          for (size_t p = 0; p < n_parts; ++p) bits[p] |= std::uint64_t{found[p]} << (l - k);
+        }
+        for (size_t p = 0; p < n_parts; ++p) parts[p]->bits[at] = bits[p];
+      }
     }
   }
 }
@@ -215,11 +237,16 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   const auto n = position.cols();
   assert(tag.empty() || tag.size() == static_cast<size_t>(n));
   for (auto& part : parts_) part.fresh = false;
-  if (built_at_.cols() != n || built_filler_.size() != tag.size()) valid_ = false;
-  for (size_t i = 0; i < tag.size() && valid_; ++i) valid_ = (tag[i] & filler) == built_filler_[i];
+  if (built_at_.cols() != n || built_filler_.size() != tag.size()) invalidate();
+  unsigned changed = 0;
+  if (valid_)
+    for (size_t i = 0; i < tag.size(); ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
+  if (changed) valid_ = false;
   // Two particles that each moved by less than half the skin were within radius + skin when the cells were
   // built.
-  const double way = built_at_.cols() == n ? moved(position) : 0;
+  if (built_at_.cols() != n) built_at_.setZero(dim, n);
+  const double way = moved(position);
+  if (valid_) ++updates_;
   if (!(way <= 0.5 * built_skin_)) valid_ = false;
   if (!valid_) rebuild(position, tag, way);
 
@@ -236,23 +263,41 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   return exact_;
 }
 
-/// The pairs with a positive weight radius/|r| − 1.
+/// The bits of a part that is asked for the first time: the pairs with a positive weight radius/|r| − 1.
+template <int dim>
+void NeighbourSearch<dim>::choose(Part& part) {
+  const auto n = exact_.size();
+  const double least = 1 / part.radius;
+  part.bits.assign(word(n) + 1, 0);
+  for (std::int64_t i = 0; i < n; ++i) {
+    const auto inverses = exact_.inverses(i);
+    for (size_t k = 0; k < inverses.size(); ++k)
+      part.bits[word(i) + k / 64] |= std::uint64_t{inverses[k] > least} << (k % 64);
+  }
+}
+
 template <int dim>
 const Neighbours& NeighbourSearch<dim>::within(double radius) {
   assert(radius <= radius_ && exact_.size() > 0);
   if (radius == radius_) return exact_;
   auto part = std::find_if(parts_.begin(), parts_.end(), [&](const Part& p) { return p.radius == radius; });
-  if (part == parts_.end()) part = parts_.insert(part, Part{radius, false, {}});
+  if (part == parts_.end()) {
+    assert(parts_.size() < most_parts);
+    part = parts_.insert(part, Part{radius});
+    least_.push_back(1 / radius);
+    choose(*part);
+  }
   if (part->fresh) return part->rows;
-  auto& rows = part->rows;
+  const std::vector<std::uint64_t>& bits = part->bits;
+  Neighbours& rows = part->rows;
   const auto n = exact_.size();
-  const double least = 1 / radius;
   rows.start_.resize(static_cast<size_t>(n) + 1);
   rows.start_[0] = 0;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
-    std::int64_t count = 0;
-    for (const double inverse : exact_.inverses(i)) count += inverse > least ? 1 : 0;
+    std::int64_t count = 0,
+                 left = exact_.start_[static_cast<size_t>(i) + 1] - exact_.start_[static_cast<size_t>(i)];
+    for (size_t at = word(i); left > 0; ++at, left -= 64) count += std::popcount(bits[at]);
     rows.start_[static_cast<size_t>(i) + 1] = count;
   }
   sum_up(rows.start_);
@@ -262,12 +307,14 @@ const Neighbours& NeighbourSearch<dim>::within(double radius) {
   for (std::int64_t i = 0; i < n; ++i) {
     auto k = rows.start_[static_cast<size_t>(i)];
     const auto last = exact_.start_[static_cast<size_t>(i) + 1];
-    for (auto e = exact_.start_[static_cast<size_t>(i)]; e < last; e += lanes::width) {
-      const int m = static_cast<int>(std::min<std::int64_t>(lanes::width, last - e));
-      const double* inverse = exact_.inverse_.data() + e;
-      const std::uint32_t bits = lanes::larger(inverse, m, least);
-      lanes::pack(exact_.column_.data() + e, bits, rows.column_.data() + k);
-      k += lanes::pack(inverse, bits, rows.inverse_.data() + k);
+    size_t at = word(i);
+    for (auto e = exact_.start_[static_cast<size_t>(i)]; e < last; e += 64, ++at) {
+      auto from = e;
+      for (std::uint64_t left = bits[at]; left; left >>= lanes::width, from += lanes::width) {
+        const auto now = static_cast<std::uint32_t>(left & 0xffU);
+        lanes::pack(exact_.column_.data() + from, now, rows.column_.data() + k);
+        k += lanes::pack(exact_.inverse_.data() + from, now, rows.inverse_.data() + k);
+      }
     }
   }
   part->fresh = true;

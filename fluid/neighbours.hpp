@@ -77,23 +77,29 @@ class NeighbourSearch {
   std::size_t bytes() const;                        // of all rows, candidates and scratch
 
  private:
+  struct Part {
+    double radius;
+    bool fresh = false;
+    std::vector<std::uint64_t> bits{};  // which pairs of the exact rows belong to it, each row from a word of
+                                        // its own
+    Neighbours rows{};
+  };
   double moved(const Vectors<dim>& position) const;
-  void rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double step);
+  void rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double way);
   void mark_asked(std::span<const std::uint8_t> tag);
   template <bool seams>
   void select(const double* x, std::span<const std::uint8_t> tag, const KeepPair* keep);
   template <bool seams>
   void fill(const double* x);
-  struct Part {
-    double radius;
-    bool fresh;
-    Neighbours rows;
-  };
+  void choose(Part&);
+  std::size_t word(std::int64_t i) const {
+    return static_cast<std::size_t>(exact_.start_[static_cast<std::size_t>(i)] / 64 + i);
+  }
   double radius_, skin_;
   Periodic<dim> periodic_;
   bool valid_ = false;
-  double built_skin_ = 0;  // of the present candidates [m]
-  std::int64_t rebuilds_ = 0;
+  double built_skin_ = 0;                    // of the present candidates [m]
+  std::int64_t rebuilds_ = 0, updates_ = 0;  // updates: since the last rebuild
   Vectors<dim> built_at_;
   std::vector<std::uint8_t> built_filler_;
   CellList<dim> cells_;
@@ -101,7 +107,8 @@ class NeighbourSearch {
   std::vector<std::uint64_t> kept_;        // bits of the candidates that are in the exact rows
   std::vector<std::uint8_t> meets_asked_;  // particles with an asked one among their candidates
   Neighbours exact_;
-  std::list<Part> parts_;
+  std::vector<double> least_;  // 1/radius of each part [1/m]
+  std::list<Part> parts_;      // stay where they are: references to their rows are handed out
 };
 
 }  // namespace strake::fluid

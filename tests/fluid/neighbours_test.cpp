@@ -68,6 +68,37 @@ TEST(Neighbours, a_skin_never_shows_in_the_rows) {
   EXPECT_GT(with_skin.rebuilds(), 1);
 }
 
+TEST(Neighbours, a_skin_too_thin_for_the_motion_is_left_out_and_taken_up_again) {
+  auto position = block<2>(20, 0.01, 0.2);
+  NeighbourSearch<2> search(0.031, 0.002), fresh(0.031, 0);
+  const auto rebuilds_of = [&](double way, unsigned count) {
+    const auto before = search.rebuilds();
+    for (unsigned step = 0; step < count; ++step) {
+      jiggle<2>(position, way, step);
+      fresh.invalidate();
+      EXPECT_TRUE(same(search.update(position), fresh.update(position)));
+      EXPECT_TRUE(same(search.within(0.021), fresh.within(0.021)));
+    }
+    return search.rebuilds() - before;
+  };
+  search.update(position);
+  EXPECT_EQ(rebuilds_of(2e-3, 10), 10);
+  EXPECT_LT(rebuilds_of(5e-5, 20), 10);
+}
+
+TEST(Neighbours, parts_of_the_rows_follow_them_whether_known_before_an_update_or_not) {
+  auto position = block<3>(8, 0.01, 0.2);
+  NeighbourSearch<3> search(0.031, 0.002);
+  for (unsigned step = 0; step < 4; ++step) {
+    search.update(position);  // rows of more than 64 pairs
+    expect_rows(search.within(0.021), every_pair<3>(position, 0.021));
+    if (step > 1) expect_rows(search.within(0.027), every_pair<3>(position, 0.027));
+    jiggle<3>(position, 5e-4, step);
+  }
+  search.update(position);
+  expect_rows(search.within(0.031), every_pair<3>(position, 0.031));
+}
+
 TEST(Neighbours, pairs_are_symmetric_to_the_last_bit) {
   const auto position = block<2>(20, 0.01, 0.4);
   NeighbourSearch<2> search(0.031, 0.002);
