@@ -24,6 +24,9 @@ constexpr double coincident = 1e-9;
 /// Different radii below the largest: the number density's, the gradient's, the divergence's.
 constexpr size_t most_parts = 4;
 
+/// Least share of the skin asked for, taken while next to nothing moves.
+constexpr double thinnest = 0.1;
+
 /// Rows that a thread works on at a time.
 constexpr std::int64_t block = 64;
 
@@ -115,8 +118,11 @@ template <int dim>
 void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag,
                                    double way) {
   if (!std::isfinite(way)) report_not_finite<dim>(position);
-  const bool lasts = updates_ == 0 || 4 * way < skin_ * static_cast<double>(updates_);
-  built_skin_ = lasts ? skin_ : 0;
+  built_skin_ = skin_;
+  if (updates_ > 0) {
+    const double step = way / static_cast<double>(updates_);
+    built_skin_ = 4 * step < skin_ ? std::clamp(4 * std::sqrt(step * skin_), thinnest * skin_, skin_) : 0;
+  }
   cells_.find(position, tag, radius_, built_skin_, periodic_, candidates_);
   kept_.resize(candidates_.border.size());
   built_at_ = position;
@@ -310,10 +316,12 @@ const Neighbours& NeighbourSearch<dim>::within(double radius) {
     size_t at = word(i);
     for (auto e = exact_.start_[static_cast<size_t>(i)]; e < last; e += 64, ++at) {
       auto from = e;
-      for (std::uint64_t left = bits[at]; left; left >>= lanes::width, from += lanes::width) {
-        const auto now = static_cast<std::uint32_t>(left & 0xffU);
-        lanes::pack(exact_.column_.data() + from, now, rows.column_.data() + k);
-        k += lanes::pack(exact_.inverse_.data() + from, now, rows.inverse_.data() + k);
+      for (std::uint64_t left = bits[at]; left; left >>= lanes::wide, from += lanes::wide) {
+        const auto low = static_cast<std::uint32_t>(left & 0xffU),
+                   high = static_cast<std::uint32_t>(left >> 8 & 0xffU);
+        lanes::pack(exact_.column_.data() + from, high << 8 | low, rows.column_.data() + k);
+        k += lanes::pack(exact_.inverse_.data() + from, low, rows.inverse_.data() + k);
+        k += lanes::pack(exact_.inverse_.data() + from + lanes::width, high, rows.inverse_.data() + k);
       }
     }
   }

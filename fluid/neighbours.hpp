@@ -58,9 +58,9 @@ using KeepPair = std::function<bool(std::int32_t i, std::int32_t j)>;
 template <int dim>
 class NeighbourSearch {
  public:
-  /// radius: largest interaction radius [m]; skin: [m], 0.2 l0 pays (PHYSICS §16.5); while particles move so
-  /// fast that it would not last two updates it is left out. Throws Error(case_file) when a period is shorter
-  /// than 2 (radius + skin), where a particle would meet two images of another.
+  /// radius: largest interaction radius [m]; skin: the thickest to use [m], 0.2 l0 (PHYSICS §16.5); it
+  /// follows the motion and never shows. Throws Error(case_file) when a period is shorter than 2 (radius +
+  /// skin), where a particle would meet two images of another.
   NeighbourSearch(double radius, double skin, const Periodic<dim>& = {});
   /// Rows of the largest radius. tag: empty, or one byte per particle (PairTag); the fillers stay the same
   /// particles as long as the number of particles does.

@@ -11,11 +11,11 @@
 #include "tests/benchmark/machine.hpp"
 #include "tests/fluid/lattice.hpp"
 
-// The neighbour search on a block of water with some disorder, radius 3.1 l0, skin 0.2 l0, rows of 2.1 l0
-// beside them. Arguments: particles along an edge; threads; order of the particles (0 as filled, 1 scrambled,
-// 2 scrambled, then sorted along the cells). rebuild: cells, candidates and rows; update: rows of particles
-// that moved within the skin. Each figure is the shortest of the repeats of one run; beside it the bytes that
-// STREAM triad moves in the same time, per particle.
+// The neighbour search on a block of water with some disorder, skin 0.2 l0. Arguments: particles along an
+// edge; threads; radius in l0/10 (beside 3.1 also the rows of 2.1); order of the particles (0 as filled, 1
+// scrambled, 2 scrambled, then sorted along the cells). rebuild: cells, candidates and rows; update: rows of
+// particles that moved within the skin. Each figure is the shortest of the repeats of one run; beside it the
+// bytes that STREAM triad moves in the same time, per particle.
 
 namespace {
 using namespace strake::fluid;
@@ -38,8 +38,9 @@ template <int dim>
 void neighbours(benchmark::State& state, bool rebuild) {
   const auto threads = static_cast<int>(state.range(1));
   omp_set_num_threads(threads);
-  Vectors<dim> x = water<dim>(static_cast<int>(state.range(0)), static_cast<int>(state.range(2)));
-  NeighbourSearch<dim> search(3.1 * l0, 0.2 * l0);
+  Vectors<dim> x = water<dim>(static_cast<int>(state.range(0)), static_cast<int>(state.range(3)));
+  const double radius = 0.1 * static_cast<double>(state.range(2)) * l0;
+  NeighbourSearch<dim> search(radius, 0.2 * l0);
   search.update(x);
   double shortest = 1e9, way = 0.02 * l0;
   for ([[maybe_unused]] auto step : state) {
@@ -50,14 +51,14 @@ void neighbours(benchmark::State& state, bool rebuild) {
     state.ResumeTiming();
     shortest = std::min(shortest, strake::benchmark_machine::shortest(1, [&] {
                           search.update(x);
-                          search.within(2.1 * l0);
+                          search.within(std::min(radius, 2.1 * l0));
                         }));
   }
   const auto n = static_cast<double>(x.cols());
   state.counters["best ms"] = 1e3 * shortest;
   state.counters["ns per particle"] = 1e9 * shortest / n;
   state.counters["bytes per particle"] = static_cast<double>(search.bytes()) / n;
-  state.counters["pairs per particle"] = static_cast<double>(search.within(3.1 * l0).column().size()) / n;
+  state.counters["pairs per particle"] = static_cast<double>(search.within(radius).column().size()) / n;
   state.counters["triad bytes"] = strake::benchmark_machine::triad_bandwidth(threads) * shortest / n;
 }
 
@@ -65,12 +66,13 @@ void sizes_2d(benchmark::internal::Benchmark* b) {
   for (const int side : {107, 316, 1000})
     for (const int threads : {1, 2})
       for (const int order : {0, 1, 2})
-        if (order == 0 || threads == 1) b->Args({side, threads, order});
+        if (order == 0 || threads == 1) b->Args({side, threads, 31, order});
   b->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 void sizes_3d(benchmark::internal::Benchmark* b) {
   for (const int side : {47, 126})
-    for (const int threads : {1, 2}) b->Args({side, threads, 0});
+    for (const int threads : {1, 2}) b->Args({side, threads, 21, 0});
+  b->Args({47, 1, 21, 1})->Args({47, 1, 21, 2})->Args({47, 1, 31, 0});
   b->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
