@@ -1,5 +1,7 @@
 #include "fluid/fitted_scheme.hpp"
 
+#include "fluid/pair_loop.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -74,33 +76,43 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
 /// that it is exact for a linear p with that slope at the walls and p = 0 at the depth d above a surface
 /// particle.
 template <int dim>
-const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& boundary,
-                                                         const State<dim>& state, const Neighbours& far,
-                                                         double dt) {
+template <bool seams>
+void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, const State<dim>& state,
+                                               const Neighbours& near, double dt) {
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
   const double slope = slope_share(dt) * p_.density / dt;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    const auto columns = far.row(i);
-    const auto inverses = far.inverses(i);
+    const auto columns = near.row(i);
+    const auto inverses = near.inverses(i);
     const Vector<dim> x = state.position.col(i);
     const double here = state.pressure[i];
+    const std::size_t inner = water_pairs(columns, water);
     Vector<dim> sum = surface_pull_[i] * here * inward_.col(i);
-    std::size_t e = 0;
-    for (; e < columns.size() && columns[e] < water; ++e) {
-      const double w = std::max(0.0, gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
-      sum += w * (state.pressure[columns[e]] - here) * periodic.separation(x, state.position.col(columns[e]));
-    }
-    for (; e < columns.size(); ++e) {
-      const std::int64_t j = columns[e];
+    for_pairs<seams>(state, periodic, x, columns.first(inner), [&](std::size_t e, const Vector<dim>& r) {
       const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
-      if (w <= 0 || !walls_.wet(j) || !over(boundary, state, i, j)) continue;
+      sum += (w * (state.pressure[columns[e]] - here)) * r;
+    });
+    for (std::size_t e = inner; e < columns.size(); ++e) {
+      const std::int64_t j = columns[e];
+      if (!walls_.wet(j) || !over(boundary, state, i, j)) continue;
+      const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
       const Vector<dim> held = walls_.held(j, periodic.separation(x, state.position.col(j)));
       sum += w * slope * approach(boundary, state, i, j).dot(held) * held;
     }
-    gradient_of_p_.col(i) = all_[static_cast<std::size_t>(i)] * sum;
+    gradient_of_p_.col(i).noalias() = all_[static_cast<std::size_t>(i)] * sum;
   }
+}
+
+template <int dim>
+const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& boundary,
+                                                         const State<dim>& state, const Neighbours& near,
+                                                         double dt) {
+  if (boundary.tank().periodic().any())
+    find_pressure_gradient<true>(boundary, state, near, dt);
+  else
+    find_pressure_gradient<false>(boundary, state, near, dt);
   return gradient_of_p_;
 }
 

@@ -1,5 +1,7 @@
 #include "fluid/fitted_scheme.hpp"
 
+#include "fluid/pair_loop.hpp"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -13,9 +15,9 @@ namespace {
 /// twice that it counts in full.
 constexpr double least_ratio = 0.05;
 /// Where |m| is this part of the second row's the surface begins to count, and where it counts in full.
-constexpr double surface_begins = 0.3, surface_counts = 0.8;
+constexpr double surface_begins = 0.25, surface_counts = 0.6;
 /// Part of the first row's crowding above which a particle is the first row.
-constexpr double first_row = 0.5;
+constexpr double first_row = 0.25;
 /// How far from the lattice's the height of a row may be taken.
 constexpr double least_height = 0.6, largest_height = 1.6;
 /// Depth of the middle of the first and the second row below the surface [l0].
@@ -67,46 +69,68 @@ void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state
   walls_.update(boundary, state, near);
   const std::int64_t water = boundary.water();
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) fit(boundary, state, far, i);
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (boundary.tank().periodic().any())
+      fit<true>(boundary, state, far, near, i);
+    else
+      fit<false>(boundary, state, far, near, i);
+  }
 }
 
 template <int dim>
+template <bool seams>
 void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
-                            std::int64_t i) {
+                            const Neighbours& near, std::int64_t i) {
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
   const auto columns = far.row(i);
   const auto inverses = far.inverses(i);
   const double reach = laplacian_.radius;
   const Vector<dim> x = state.position.col(i);
-  Tensor<dim> b = Tensor<dim>::Zero(), a = Tensor<dim>::Zero();
-  Vector<dim> open = Vector<dim>::Zero(), crowding = Vector<dim>::Zero(), walled = Vector<dim>::Zero();
-  double diagonal = 0, weights = 0, volume = 0;
-  std::size_t e = 0;
-  for (; e < columns.size() && columns[e] < water; ++e) {
-    const Vector<dim> r = periodic.separation(x, state.position.col(columns[e]));
-    const double inverse = inverses[e], far_weight = reach * inverse - 1;
-    const double near_weight = std::max(0.0, gradient_.radius * inverse - 1) * inverse * inverse;
-    diagonal += far_weight;
-    volume += volume_weight(1 / (inverse * reach));
-    crowding += near_weight * r;
-    open += far_weight * r;
-    b.noalias() += near_weight * r * r.transpose();
+  const std::size_t inner = water_pairs(columns, water);
+  double diagonal = 0, volume = 0;
+#pragma omp simd reduction(+ : diagonal, volume)
+  for (std::size_t e = 0; e < inner; ++e) {
+    diagonal += reach * inverses[e] - 1;
+    volume += volume_weight(1 / (inverses[e] * reach));
   }
-  weights = diagonal;
-  walled = open;
-  for (; e < columns.size(); ++e) {
+  Vector<dim> open = Vector<dim>::Zero();
+  for_pairs<seams>(state, periodic, x, columns.first(inner),
+                   [&](std::size_t e, const Vector<dim>& r) { open += (reach * inverses[e] - 1) * r; });
+  const auto near_columns = near.row(i);
+  const auto near_inverses = near.inverses(i);
+  const std::size_t near_inner = water_pairs(near_columns, water);
+  const auto near_weight = [&](std::size_t e) {
+    return (gradient_.radius * near_inverses[e] - 1) * near_inverses[e] * near_inverses[e];
+  };
+  Tensor<dim> b = Tensor<dim>::Zero(), a = Tensor<dim>::Zero();
+  Vector<dim> crowding = Vector<dim>::Zero();
+  for_pairs<seams>(state, periodic, x, near_columns.first(near_inner),
+                   [&](std::size_t e, const Vector<dim>& r) {
+                     const Vector<dim> weighted = near_weight(e) * r;
+                     crowding += weighted;
+                     b.noalias() += weighted * r.transpose();
+                   });
+  Vector<dim> walled = open;
+  double weights = diagonal;
+  for (std::size_t e = inner; e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
     if (!walls_.wet(j)) continue;
-    const Vector<dim> r = periodic.separation(x, state.position.col(j)), held = walls_.held(j, r);
-    const double inverse = inverses[e], far_weight = reach * inverse - 1;
-    const double near_weight = std::max(0.0, gradient_.radius * inverse - 1) * inverse * inverse;
+    const Vector<dim> r = periodic.separation(x, state.position.col(j));
+    const double far_weight = reach * inverses[e] - 1;
     weights += far_weight;
-    volume += volume_weight(1 / (inverse * reach));
-    crowding += near_weight * r;
+    volume += volume_weight(1 / (inverses[e] * reach));
     open += far_weight * r;
-    walled += far_weight * held;
-    if (near_weight > 0 && over(boundary, state, i, j)) a.noalias() += near_weight * held * held.transpose();
+    walled += far_weight * walls_.held(j, r);
+  }
+  for (std::size_t e = near_inner; e < near_columns.size(); ++e) {
+    const std::int64_t j = near_columns[e];
+    if (!walls_.wet(j)) continue;
+    const Vector<dim> r = periodic.separation(x, state.position.col(j));
+    crowding += near_weight(e) * r;
+    if (!over(boundary, state, i, j)) continue;
+    const Vector<dim> held = walls_.held(j, r);
+    a.noalias() += near_weight(e) * held * held.transpose();
   }
   const auto k = static_cast<std::size_t>(i);
   water_[k] = inverse_where_seen<dim>(b);
@@ -126,10 +150,10 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     if (m > 0) inward = open / m;
     // The rows' distance beneath the surface: stretched water has a thicker half row.
     double height = 0, height_squared = 0;
-    for (e = 0; e < columns.size(); ++e) {
-      const double w = gradient_.radius * inverses[e] - 1;
-      if (w <= 0 || (columns[e] >= water && !walls_.wet(columns[e]))) continue;
-      const double down = inward.dot(periodic.separation(x, state.position.col(columns[e])));
+    for (std::size_t e = 0; e < near_columns.size(); ++e) {
+      const double w = gradient_.radius * near_inverses[e] - 1;
+      if (near_columns[e] >= water && !walls_.wet(near_columns[e])) continue;
+      const double down = inward.dot(periodic.separation(x, state.position.col(near_columns[e])));
       if (down <= 0.3 * p_.spacing) continue;
       height += w * down;
       height_squared += w * down * down;
@@ -159,51 +183,70 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   state.surface[k] = factor > 0 && share >= 1 && depth < shown_depth * p_.spacing ? 1 : 0;
 }
 
+// Σ w (u_j − u_i) ⊗ r/r² [Σ w r⊗r/r²]⁻¹
 template <int dim>
-void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
-                               double dt) {
+template <bool seams>
+void FittedScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, const State<dim>& state,
+                                               const Neighbours& near) {
   const auto& periodic = boundary.tank().periodic();
-  const std::int64_t water = boundary.water();
-  const double radius = gradient_.radius;
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
-    const auto columns = far.row(i);
-    const auto inverses = far.inverses(i);
-    const Vector<dim> x = state.position.col(i), u = state.velocity.col(i);
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    const auto columns = near.row(i);
+    const auto inverses = near.inverses(i);
+    const Vector<dim> u = state.velocity.col(i), x = state.position.col(i);
     Tensor<dim> sum = Tensor<dim>::Zero();
-    for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e) {
-      const double w = (radius * inverses[e] - 1) * inverses[e] * inverses[e];
-      if (w <= 0) continue;
-      sum.noalias() += w * (state.velocity.col(columns[e]) - u) *
-                       periodic.separation(x, state.position.col(columns[e])).transpose();
-    }
-    velocity_gradient_[static_cast<std::size_t>(i)] = sum * water_[static_cast<std::size_t>(i)];
+    for_pairs<seams>(state, periodic, x, columns.first(water_pairs(columns, boundary.water())),
+                     [&](std::size_t e, const Vector<dim>& r) {
+                       const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+                       sum.noalias() += (w * (state.velocity.col(columns[e]) - u)) * r.transpose();
+                     });
+    velocity_gradient_[static_cast<std::size_t>(i)].noalias() = sum * water_[static_cast<std::size_t>(i)];
   }
-  if (p_.scheme.filter <= 0) return;
-  // Δu_i = Δt (2d/(n0 λ)) Σ_j β l0 |δ_ij| δ_ij w, δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij; antisymmetric, so
-  // momentum is exact. |δ| is bounded where the explicit step would overshoot.
+}
+
+// Δu_i = Δt (2d/(n0 λ)) Σ_j β l0 |δ_ij| δ_ij w, δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij; antisymmetric, so
+// momentum is exact. |δ| is bounded where the explicit step would overshoot.
+template <int dim>
+template <bool seams>
+void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, const State<dim>& state,
+                                    const Neighbours& near, double dt) {
+  const auto& periodic = boundary.tank().periodic();
   const double factor = 2.0 * dim / (gradient_.n0 * gradient_.lambda0) * p_.scheme.filter * p_.spacing * dt;
   constexpr double most_of_a_step = 0.25;
   const double bound = most_of_a_step / (factor * gradient_.n0);
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
-    const auto columns = far.row(i);
-    const auto inverses = far.inverses(i);
-    const Vector<dim> x = state.position.col(i), u = state.velocity.col(i);
-    const Tensor<dim>& here = velocity_gradient_[static_cast<std::size_t>(i)];
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    const auto columns = near.row(i);
+    const auto inverses = near.inverses(i);
+    const Vector<dim> u = state.velocity.col(i), x = state.position.col(i);
+    const Tensor<dim> half = 0.5 * velocity_gradient_[static_cast<std::size_t>(i)];
     Vector<dim> sum = Vector<dim>::Zero();
-    for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e) {
-      const double w = radius * inverses[e] - 1;
-      if (w <= 0) continue;
-      const std::int64_t j = columns[e];
-      const Vector<dim> r = periodic.separation(x, state.position.col(j));
-      const Vector<dim> jump =
-          state.velocity.col(j) - u - 0.5 * ((here + velocity_gradient_[static_cast<std::size_t>(j)]) * r);
-      sum += w * std::min(jump.norm(), bound) * jump;
-    }
+    for_pairs<seams>(state, periodic, x, columns.first(water_pairs(columns, boundary.water())),
+                     [&](std::size_t e, const Vector<dim>& r) {
+                       const auto j = static_cast<std::size_t>(columns[e]);
+                       const Vector<dim> jump =
+                           state.velocity.col(columns[e]) - u - half * r - 0.5 * (velocity_gradient_[j] * r);
+                       const double w = gradient_.radius * inverses[e] - 1;
+                       sum += (w * std::min(jump.norm(), bound)) * jump;
+                     });
     change_.col(i) = factor * sum;
   }
-  state.velocity.leftCols(water) += change_;
+}
+
+template <int dim>
+void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                               double dt) {
+  const bool seams = boundary.tank().periodic().any();
+  if (seams)
+    find_velocity_gradient<true>(boundary, state, near);
+  else
+    find_velocity_gradient<false>(boundary, state, near);
+  if (p_.scheme.filter <= 0) return;
+  if (seams)
+    find_filter<true>(boundary, state, near, dt);
+  else
+    find_filter<false>(boundary, state, near, dt);
+  state.velocity.leftCols(boundary.water()) += change_;
 }
 
 template class FittedScheme<2>;

@@ -43,11 +43,11 @@ class FittedScheme {
   /// least the Laplacian's radius; near: of at least 2 l0.
   void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near);
   /// ∇u* of the water, and the filter: u* += Δt Σ ν_ij (what ∇u* does not explain of u_j − u_i).
-  void filter(const Boundary<dim>&, State<dim>&, const Neighbours& far, double dt);
+  void filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt);
   void assemble(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
                 double dt, PressureSystem&);
   /// ∇p of the water [Pa/m].
-  const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& far,
+  const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                         double dt);
   const Vectors<dim>& pressure_gradient() const { return gradient_of_p_; }  // of the last call
   /// −p n A of each first row, p the mean of what the water near by says of the face; also State::pressure of
@@ -65,7 +65,14 @@ class FittedScheme {
   Vector<dim> approach(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
   bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
   void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
-  void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, std::int64_t i);
+  template <bool seams>
+  void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
+  template <bool seams>
+  void find_velocity_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
+  template <bool seams>
+  void find_filter(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
+  template <bool seams>
+  void find_pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
   /// Share of the half spacing's slope that the face feels in one step: a sound wave goes through only c Δt
   /// of it.
   double slope_share(double dt) const;

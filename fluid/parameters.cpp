@@ -184,10 +184,7 @@ void read_scheme(CaseTable t, const CommonKeys& common, Scheme& s) {
   if (s.gradient == Gradient::least_squares && common.interface == "volume")
     throw t.error("gradient", "pairwise, corrected or min-pressure with coupling.interface = \"volume\"",
                   "gradient = \"pairwise\"");
-  if (s.gradient != Gradient::least_squares) {
-    s.negative_pressure = false;
-    s.shifting = 0;
-  }
+  s = with_gradient(s, s.gradient);
   read_source(t.table("source", "what the pressure equation corrects"), s);
   read_surface(t.table("surface", "which particles are free surface"), s);
   t.flag("negative_pressure", s.negative_pressure,

@@ -37,8 +37,7 @@ struct Scheme {
   Gradient gradient = Gradient::least_squares;
   double beta = 0.97;
   SecondCriterion second = SecondCriterion::arc;
-  bool negative_pressure =
-      true;  // false with the pairwise gradient, which draws water together under tension
+  bool negative_pressure = false;  // true where the tank is closed
   AntiPenetration anti_penetration = AntiPenetration::collision;
   double collision_distance = 0.85;  // [l0]
   double restitution = 0.2;
@@ -47,13 +46,20 @@ struct Scheme {
   Preconditioner preconditioner = Preconditioner::automatic;
   double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
   int pressure_max_iterations = 5000;
-  double filter = 1.0;    // of least-squares: viscosity filter · l0 · |what ∇u does not explain|
+  double filter = 4.0;    // of least-squares: viscosity filter · l0 · |what ∇u does not explain|
   double shifting = 5.0;  // A of PHYSICS §10.4; 0: off
   Turbulence turbulence = Turbulence::statics;
   SpsForm sps = SpsForm::joint;
   double c_nu = 0.08, c_eps = 1.0;  // C_s = (c_nu³/c_eps)^¼
   bool wall_damping = false;
 };
+
+/// The scheme with that pressure gradient and the keys that go with it: shifting belongs to least-squares alone.
+inline Scheme with_gradient(Scheme scheme, Gradient gradient) {
+  scheme.gradient = gradient;
+  if (gradient != Gradient::least_squares) scheme.shifting = 0;
+  return scheme;
+}
 
 struct Parameters {
   int dimension = 2;

@@ -213,7 +213,7 @@ void Simulation<dim>::Work::classify_rows() {
 template <int dim>
 void Simulation<dim>::Work::assemble() {
   if (fitted) {
-    fitted->filter(boundary, state, *far, dt);
+    fitted->filter(boundary, state, near_gradient(), dt);
     return fitted->assemble(boundary, state, *far, gravity - boundary.tank().acceleration(), dt, system);
   }
   divergence =
@@ -285,7 +285,7 @@ template <int dim>
 void Simulation<dim>::Work::correct_fitted() {
   {
     const StageClock clock(seconds, "corrector");
-    fitted->pressure_gradient(boundary, state, *far, dt);
+    fitted->pressure_gradient(boundary, state, near_gradient(), dt);
   }
   load_interface();
   const StageClock clock(seconds, "corrector");
