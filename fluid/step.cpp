@@ -86,6 +86,10 @@ Simulation<dim>::Work::Work(const Parameters& parameters, const InterfaceMesh& p
     boundary.move(state, Points::Zero(3, m), velocity_on(boundary.mesh(), partner, initial_velocity), true);
   for (std::int64_t i = 0; i < boundary.water(); ++i) state.initial_momentum += mass * state.velocity.col(i);
   state.surface.assign(state.kind.size(), 1);
+  if (p.scheme.gradient == Gradient::least_squares && boundary.volume())
+    throw Error(ExitCode::case_file, "fluid.scheme.gradient",
+                "least-squares has no volume coupling: the structure's particles are no faces",
+                "set fluid.scheme.gradient = \"pairwise\"");
   if (p.scheme.gradient == Gradient::least_squares)
     fitted = std::make_unique<FittedScheme<dim>>(p, boundary, state);
   moves.assign(state.kind.size(), 0);
@@ -147,10 +151,10 @@ void Simulation<dim>::Work::predict() {
     for (std::int64_t i = 0; i < water; ++i)
       wall_distance[static_cast<std::size_t>(i)] = boundary.tank().distance(state.position.col(i));
   }
-  viscous.compute(
-      p, {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface,
-          search.periodic(), wall_distance},
-      dt, state.sps_k);
+  viscous.compute(p,
+                  {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface,
+                   search.periodic(), wall_distance},
+                  dt, state.sps_k);
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.parked(state, i)) continue;
     state.velocity.col(i) += dt * (viscous.acceleration.col(i) + gravity);

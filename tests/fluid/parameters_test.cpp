@@ -40,16 +40,26 @@ void expect_in(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
-TEST(FluidKeys, the_improved_preset_is_compressible_pairwise_and_without_tension) {
+TEST(FluidKeys, the_improved_preset_is_compressible_least_squares_and_without_tension) {
   const auto p = read_with({});
   EXPECT_EQ(p.sound_speed, 1500);
-  EXPECT_EQ(p.scheme.gradient, Gradient::pairwise);
+  EXPECT_EQ(p.scheme.gradient, Gradient::least_squares);
+  EXPECT_EQ(p.scheme.shifting, 5);
   EXPECT_EQ(p.scheme.second, SecondCriterion::arc);
   EXPECT_EQ(p.scheme.gamma, 0);
   EXPECT_EQ(p.scheme.tau, 0.02);
   EXPECT_FALSE(p.scheme.negative_pressure);
   EXPECT_EQ(p.scheme.anti_penetration, AntiPenetration::collision);
   EXPECT_TRUE(p.scheme.collision_conserve);
+}
+
+TEST(FluidKeys, volume_coupling_takes_the_symmetric_gradient_and_refuses_least_squares) {
+  const auto p = read_with({"coupling.interface=volume", "structure.solver=particle"});
+  EXPECT_EQ(p.scheme.gradient, Gradient::pairwise);
+  EXPECT_EQ(p.scheme.shifting, 0);
+  expect_in(error_of({"coupling.interface=volume", "structure.solver=particle",
+                      "fluid.scheme.gradient=least-squares"}),
+            "pairwise");
 }
 
 TEST(FluidKeys, the_paper_preset_is_the_papers_scheme) {
@@ -105,7 +115,8 @@ TEST(FluidKeys, smagorinskys_constant_sets_the_dissipation) {
 
 TEST(FluidKeys, hypre_is_refused_with_a_remedy_where_it_was_not_built) {
   if (has_hypre())
-    EXPECT_EQ(read_with({"fluid.scheme.pressure.solver=hypre"}).scheme.pressure_solver, PressureSolver::hypre);
+    EXPECT_EQ(read_with({"fluid.scheme.pressure.solver=hypre"}).scheme.pressure_solver,
+              PressureSolver::hypre);
   else
     expect_in(error_of({"fluid.scheme.pressure.solver=hypre"}), "libhypre-dev");
 }

@@ -72,12 +72,25 @@ TEST(Simulation, OneAndTwoThreadsGiveTheSameBits) {
   EXPECT_TRUE(same_bits(one.simulation.state(), two.simulation.state()));
 }
 
-TEST(Simulation, ImpactKeepsItsMomentumAccountAndItsSymmetry) {
-  SmallEntry entry;
+TEST(Simulation, ImpactKeepsItsMomentumAccountAndItsSymmetryWithTheSymmetricGradient) {
+  Parameters p = SmallEntry::parameters();
+  p.scheme = with_gradient(p.scheme, Gradient::pairwise);
+  SmallEntry entry(p);
   entry.steps(40);
   const State<2>& state = entry.simulation.state();
   const double mass = 1000 * 1e-4;
   EXPECT_LT(momentum_gap(state, mass).norm(), 1e-10 * state.impulse_on_bodies.norm());
+  EXPECT_GT(state.impulse_on_bodies.y(), 1);
+  const Points& force = entry.simulation.interface_force();
+  for (int k = 0; k < 10; ++k) EXPECT_NEAR(force(1, k), force(1, 19 - k), 1e-4 * force.row(1).maxCoeff());
+}
+
+TEST(Simulation, ImpactLosesLittleMomentumAndNoSymmetryWithTheLeastSquaresScheme) {
+  SmallEntry entry;
+  entry.steps(40);
+  const State<2>& state = entry.simulation.state();
+  // Not exact by construction: 1 to 2 % on these 20 spacings of plate (measured 0.4 % at 40).
+  EXPECT_LT(momentum_gap(state, 1000 * 1e-4).norm(), 0.03 * state.impulse_on_bodies.norm());
   EXPECT_GT(state.impulse_on_bodies.y(), 1);
   const Points& force = entry.simulation.interface_force();
   for (int k = 0; k < 10; ++k) EXPECT_NEAR(force(1, k), force(1, 19 - k), 1e-4 * force.row(1).maxCoeff());
@@ -144,6 +157,7 @@ InterfaceMesh steel_layers(double low) {
 TEST(Simulation, VolumeCouplingLoadsTheStructureParticlesTheWaterTouchesAndKeepsMomentum) {
   Parameters p = SmallEntry::parameters();
   p.interface = "volume";
+  p.scheme = with_gradient(p.scheme, Gradient::pairwise);
   const InterfaceMesh solid = steel_layers(0.0);
   Simulation<2> simulation(p, solid, PlateEntry::down(solid, 6));
   InterfaceMotion motion{Points::Zero(3, 40), PlateEntry::down(solid, 6), Points::Zero(3, 40)};
