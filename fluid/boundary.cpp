@@ -75,6 +75,7 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
   }
   find_masters(tank);
   check_overlap(tank);
+  built_ = true;
 }
 
 template <int dim>
@@ -225,7 +226,7 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
     for (int k = 0; positions && k < static_cast<int>(m); ++k) {
       if (tank_.distance(outline_.point(k)) >= -spacing_) continue;
       throw Error(
-          state.step == 0 ? ExitCode::case_file : ExitCode::solver_fault,
+          built_ ? ExitCode::solver_fault : ExitCode::case_file,
           fmt::format("structure, t = {:.6g} s", state.time),
           fmt::format("the body has come to ({:.6g}, {:.6g}), beyond the walls of the tank",
                       outline_.point(k).x(), outline_.point(k).y()),

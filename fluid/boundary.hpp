@@ -103,6 +103,7 @@ class Boundary {
   InterfaceMesh mesh_;
   Outline outline_;
   bool volume_ = false;
+  bool built_ = false;  // what is wrong before is a fault of the case
   std::int64_t water_, bodies_;
   int rows_ = 0;  // behind a face
   std::vector<BeyondCorner> beyond_;

@@ -9,6 +9,7 @@
 #include "fluid/interface_load.hpp"
 #include "fluid/state_archive.hpp"
 #include "fluid/tank_shape.hpp"
+#include "fluid/voids.hpp"
 #include "fluid/water.hpp"
 #include "fluid/water_volume.hpp"
 #include "proto/error.hpp"
@@ -192,7 +193,11 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     pressure_iterations_ = std::max(pressure_iterations_, report.pressure_iterations);
     follow_probes(t0, t1);
   }
-  measures_volume_ = frame_due(window);
+  measures_water_ = frame_due(window);
+  if (!measures_water_) return;
+  State<dim>& reached = simulation_.mutable_state();
+  reached.voids =
+      std::max(reached.voids, count_voids<dim>(reached, water(), parameters_.spacing, parameters_.open_top));
 }
 
 /// Contact is the first step in which any sensor exceeds ½ρV² (VALIDATION A).
@@ -228,8 +233,8 @@ double FluidParticipant<dim>::pressure_or_place(const ProbeKeys& probe,
                             parameters_.tank.max.template head<dim>(), l0);
 }
 
-/// The volume is measured where a frame is due, as the coupler counts: at the first window's end at or past
-/// each multiple of output.every, and at the end of the run.
+/// Volume and voids are measured where a frame is due, as the coupler counts: at the first window's end at or
+/// past each multiple of output.every, and at the end of the run.
 template <int dim>
 bool FluidParticipant<dim>::frame_due(const Window& window) const {
   const double end = window.t + window.dt, slack = 1e-6 * window.dt;
@@ -302,7 +307,7 @@ void FluidParticipant<dim>::report_water(std::map<std::string, double>& monitor)
   for (int d = 0; d < dim; ++d) monitor[std::string("water.centre.") + "xyz"[d]] = account.centre[d];
   monitor["water.inner"] = static_cast<double>(account.inner);
   monitor["water.surface"] = static_cast<double>(account.surface);
-  if (!measures_volume_) return;
+  if (!measures_water_) return;
   const double now = volume();
   monitor["water.volume"] = now;
   monitor["check.volume_drift"] = now / initial_volume_ - 1;

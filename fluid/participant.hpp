@@ -62,7 +62,7 @@ class FluidParticipant final : public Participant {
   std::int64_t steps_ = 0;  // with those that were rewound
 
   // The last window, kept for `finish`.
-  bool measures_volume_ = false;
+  bool measures_water_ = false;
   Points force_;                                     // its mean force [N]
   double cfl_ = 0;                                   // largest
   int pressure_iterations_ = 0;                      // most in one step

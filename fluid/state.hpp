@@ -52,7 +52,7 @@ struct State {
   Vector<dim> initial_momentum = Vector<dim>::Zero();       // of the water at t = 0
   double inner_fraction_min = 1;  // smallest share of fluid particles not on the surface
   std::int64_t lost = 0;          // particles that left the domain
-  std::int64_t voids = 0;         // largest count of surface particles deeper than 5 l0
+  std::int64_t voids = 0;         // largest count of surface particles deeper than 5 l0, of the frames
   std::int64_t penetrations = 0;  // largest count of fluid particles inside a body's outline
 };
 

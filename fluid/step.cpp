@@ -23,8 +23,6 @@ namespace {
 
 /// Verlet skin [l0] (PHYSICS §16.5).
 constexpr double skin = 0.2;
-/// A void is surface so far below the initial water level [l0].
-constexpr double void_depth = 5;
 
 /// Adds the wall seconds of its life to one stage.
 class StageClock {
@@ -391,20 +389,15 @@ void Simulation<dim>::Work::finish() {
     state.impulse_on_bodies += collisions.on_points.col(k);
     if (p.scheme.collision_conserve) force.col(k).template head<dim>() += collisions.on_points.col(k) / dt;
   }
-  std::int64_t inner = 0, voids = 0;
+  std::int64_t inner = 0;
   double fastest = 0;
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     fastest = std::max(fastest, state.velocity.col(i).squaredNorm());
-    if (!state.surface[static_cast<std::size_t>(i)]) {
-      ++inner;
-    } else if (state.position(1, i) < p.water.max[1] - void_depth * p.spacing) {
-      ++voids;
-    }
+    inner += state.surface[static_cast<std::size_t>(i)] ? 0 : 1;
   }
   state.inner_fraction_min =
       std::min(state.inner_fraction_min,
                static_cast<double>(inner) / static_cast<double>(std::max<std::int64_t>(1, boundary.water())));
-  state.voids = std::max(state.voids, voids);
   state.penetrations = std::max(state.penetrations, collisions.inside);
   report.cfl = std::sqrt(fastest) * dt / p.spacing;
   state.time += dt;
