@@ -72,6 +72,26 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
   }
 }
 
+template <int dim>
+void FittedScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
+  const std::int64_t water = boundary.water();
+  limited_ = state.pressure.head(water);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (surface_share_[i] < 1 || !(state.pressure[i] > 0)) continue;
+    double inside = 0;
+    bool walled = false;
+    for (const std::int32_t j : near.row(i)) {
+      if (j >= water)
+        walled = walled || walls_.wet(j);
+      else if (surface_share_[j] < 1)
+        inside = std::max(inside, state.pressure[j]);
+    }
+    if (!walled) limited_[i] = std::min(state.pressure[i], inside);
+  }
+  state.pressure.head(water) = limited_;
+}
+
 /// ∇p_i = A_i⁻¹ (Σ_water w (p_j − p_i) r/r² + Σ_rows w q P r/r² + (c/d) p_i n): A_i from the same places, so
 /// that it is exact for a linear p with that slope at the walls and p = 0 at the depth d above a surface
 /// particle.
@@ -138,6 +158,7 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                              \
+  template void FittedScheme<dim>::limit(const Boundary<dim>&, State<dim>&, const Neighbours&);              \
   template void FittedScheme<dim>::assemble(const Boundary<dim>&, const State<dim>&, const Neighbours&,      \
                                             const Vector<dim>&, double, PressureSystem&);                    \
   template const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>&, const State<dim>&, \

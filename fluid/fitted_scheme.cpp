@@ -13,7 +13,7 @@ namespace {
 
 /// Ratio of eigenvalues below which neighbours lie on a line (in a plane): that direction is left out; above
 /// twice that it counts in full.
-constexpr double least_ratio = 0.05;
+constexpr double least_ratio = 0.2;
 /// Where |m| is this part of the second row's the surface begins to count, and where it counts in full.
 constexpr double surface_begins = 0.25, surface_counts = 0.6;
 /// Part of the first row's crowding above which a particle is the first row.
@@ -29,8 +29,9 @@ template <int dim>
 Tensor<dim> inverse_where_seen(const Tensor<dim>& m) {
   const double mean = m.trace() / dim;
   if (!(mean > 0)) return Tensor<dim>::Zero();
-  // λ_min/λ_max > 0.17 (2-D), 0.12 (3-D) for sure: nothing is left out.
-  if (m.determinant() > 0.5 * std::pow(mean, dim)) return m.inverse();
+  // det/mean^d that is reached only where λ_min/λ_max > 2 least_ratio for sure: nothing is left out.
+  constexpr double even = dim == 2 ? 0.89 : 0.87;
+  if (m.determinant() > even * std::pow(mean, dim)) return m.inverse();
   Eigen::SelfAdjointEigenSolver<Tensor<dim>> eigen;
   eigen.computeDirect(m);
   const double largest = eigen.eigenvalues()[dim - 1];

@@ -46,6 +46,9 @@ class FittedScheme {
   void filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt);
   void assemble(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
                 double dt, PressureSystem&);
+  /// Harmonic pressure has no maximum at a free surface: next to it, away from walls, it is at most that of
+  /// the water inside near by; a drop or a film in flight has none.
+  void limit(const Boundary<dim>&, State<dim>&, const Neighbours& near);
   /// ∇p of the water [Pa/m].
   const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                         double dt);
@@ -92,6 +95,7 @@ class FittedScheme {
   Eigen::VectorXd surface_factor_;  // κ
   Eigen::VectorXd surface_pull_;    // weight/d of the surface in ∇p
   Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
+  Eigen::VectorXd limited_;
   Vectors<dim> gradient_of_p_, change_, mean_approach_;
 };
 

@@ -249,6 +249,7 @@ void Simulation<dim>::Work::solve_pressure() {
   for (std::int64_t k = 0; k < system.size(); ++k)
     state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
   if (!scheme.negative_pressure) state.pressure = state.pressure.cwiseMax(0.0);
+  if (fitted) fitted->limit(boundary, state, near_gradient());
   if (!fitted) boundary.fill_dummies(state, gravity, motion->acceleration);
 }
 
