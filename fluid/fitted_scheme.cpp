@@ -13,11 +13,11 @@ namespace {
 
 /// Ratio of eigenvalues below which neighbours lie on a line (in a plane): that direction is left out; above
 /// twice that it counts in full.
-constexpr double least_ratio = 0.2;
+constexpr double least_ratio = 0.1;
 /// Where |m| is this part of the second row's the surface begins to count, and where it counts in full.
-constexpr double surface_begins = 0.25, surface_counts = 0.6;
+constexpr double surface_begins = 0.5, surface_counts = 0.9;
 /// Part of the first row's crowding above which a particle is the first row.
-constexpr double first_row = 0.25;
+constexpr double first_row = 0.5;
 /// How far from the lattice's the height of a row may be taken.
 constexpr double least_height = 0.6, largest_height = 1.6;
 /// Depth of the middle of the first and the second row below the surface [l0].
@@ -30,7 +30,7 @@ Tensor<dim> inverse_where_seen(const Tensor<dim>& m) {
   const double mean = m.trace() / dim;
   if (!(mean > 0)) return Tensor<dim>::Zero();
   // det/mean^d that is reached only where λ_min/λ_max > 2 least_ratio for sure: nothing is left out.
-  constexpr double even = dim == 2 ? 0.89 : 0.87;
+  constexpr double even = dim == 2 ? 0.56 : 0.52;
   if (m.determinant() > even * std::pow(mean, dim)) return m.inverse();
   Eigen::SelfAdjointEigenSolver<Tensor<dim>> eigen;
   eigen.computeDirect(m);

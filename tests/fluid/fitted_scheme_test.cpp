@@ -39,6 +39,7 @@ struct Column {
         scheme(p, boundary, state),
         gravity(p.gravity.head<2>()) {
     state.surface.assign(state.kind.size(), 1);
+    measure();  // on the lattice, where all of the walls is wet
     std::mt19937 random(7);
     std::uniform_real_distribution<double> move(-disorder * p.spacing, disorder * p.spacing);
     for (std::int64_t i = 0; i < boundary.water(); ++i) {
@@ -48,9 +49,12 @@ struct Column {
       state.position(0, i) += move(random);
       state.position(1, i) += move(random);
     }
+    measure();
+    scheme.filter(boundary, state, near(), dt);
+  }
+  void measure() {
     far = &search.update(state.position, boundary.tags(state));
     scheme.measure(boundary, state, *far, near());
-    scheme.filter(boundary, state, near(), dt);
   }
   const Neighbours& near() { return search.within(p.scheme.radius_gradient * p.spacing); }
   double hydrostatic(std::int64_t i) const { return -p.density * 9.81 * state.position(1, i); }
