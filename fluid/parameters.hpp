@@ -37,7 +37,7 @@ struct Scheme {
   Gradient gradient = Gradient::least_squares;
   double beta = 0.97;
   SecondCriterion second = SecondCriterion::arc;
-  bool negative_pressure = false;  // true where the tank is closed
+  bool negative_pressure = false;  // a closed tank always has it
   AntiPenetration anti_penetration = AntiPenetration::collision;
   double collision_distance = 0.85;  // [l0]
   double restitution = 0.2;
@@ -54,7 +54,8 @@ struct Scheme {
   bool wall_damping = false;
 };
 
-/// The scheme with that pressure gradient and the keys that go with it: shifting belongs to least-squares alone.
+/// The scheme with that pressure gradient and the keys that go with it: shifting belongs to least-squares
+/// alone.
 inline Scheme with_gradient(Scheme scheme, Gradient gradient) {
   scheme.gradient = gradient;
   if (gradient != Gradient::least_squares) scheme.shifting = 0;

@@ -231,7 +231,7 @@ void Simulation<dim>::Work::solve_pressure() {
   const StageClock clock(seconds, "pressure");
   const Scheme& scheme = p.scheme;
   assemble();
-  if (!std::isfinite(p.sound_speed)) close_sealed_blocks(system);
+  const bool sealed = !std::isfinite(p.sound_speed) && close_sealed_blocks(system) > 0;
   Eigen::VectorXd guess(system.size());
   for (std::int64_t k = 0; k < system.size(); ++k)
     guess[k] = state.pressure[system.particle[static_cast<std::size_t>(k)]];
@@ -248,7 +248,8 @@ void Simulation<dim>::Work::solve_pressure() {
   state.pressure.setZero();
   for (std::int64_t k = 0; k < system.size(); ++k)
     state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
-  if (!scheme.negative_pressure) state.pressure = state.pressure.cwiseMax(0.0);
+  // In a closed tank pressure has no zero that tension could be measured from.
+  if (!scheme.negative_pressure && p.open_top && !sealed) state.pressure = state.pressure.cwiseMax(0.0);
   if (fitted) fitted->limit(boundary, state, near_gradient());
   if (!fitted) boundary.fill_dummies(state, gravity, motion->acceleration);
 }
