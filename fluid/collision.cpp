@@ -23,9 +23,9 @@ std::vector<Pair> close_pairs(const State<dim>& state, std::int64_t water, const
   for (std::int64_t b = 0; b < blocks; ++b) {
     for (std::int64_t i = b * block; i < std::min(water, (b + 1) * block); ++i) {
       const auto columns = near.row(i);
-      const auto distances = near.distances(i);
+      const auto inverses = near.inverses(i);
       for (std::size_t e = 0; e < columns.size(); ++e) {
-        if (columns[e] <= i || distances[e] > margin) continue;
+        if (columns[e] <= i || inverses[e] * margin < 1) continue;
         const Vector<dim> r = state.position.col(columns[e]) - state.position.col(i);
         if (r.squaredNorm() >= distance * distance) continue;
         if ((state.velocity.col(i) - state.velocity.col(columns[e])).dot(r) <= 0) continue;

@@ -164,8 +164,6 @@ void read_scheme(CaseTable t, const CommonKeys& common, Scheme& s) {
             .exclusive = true,
             .infinite = true,
             .help = "largest; steps end with a window, and inf leaves them to the limits of stability"});
-  t.number("cfl", s.cfl,
-           {.min = 0, .max = 1, .exclusive = true, .help = "largest speed times time step over spacing"});
   t.number("acoustic_cfl", s.acoustic_cfl,
            {.min = 0,
             .help = "sound speed times time step over spacing, to resolve pressure waves; 0: no such limit"});
@@ -185,6 +183,8 @@ void read_scheme(CaseTable t, const CommonKeys& common, Scheme& s) {
     throw t.error("gradient", "pairwise, corrected or min-pressure with coupling.interface = \"volume\"",
                   "gradient = \"pairwise\"");
   s = with_gradient(s, s.gradient);
+  t.number("cfl", s.cfl,
+           {.min = 0, .max = 1, .exclusive = true, .help = "largest speed times time step over spacing"});
   read_source(t.table("source", "what the pressure equation corrects"), s);
   read_surface(t.table("surface", "which particles are free surface"), s);
   t.flag("negative_pressure", s.negative_pressure,

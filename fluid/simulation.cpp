@@ -9,6 +9,8 @@
 namespace strake::fluid {
 
 double column_step(const Parameters& p) {
+  // Nothing pushes particles apart there: a seventieth of the period 2π √(l0/(π g)) of the shortest wave.
+  if (p.scheme.gradient == Gradient::least_squares) return 0.05 * std::sqrt(p.spacing / p.gravity.norm());
   const double depth = p.water.max[1] - p.water.min[1];
   return 0.25 * p.spacing / (2 * std::sqrt(p.gravity.norm() * depth));
 }

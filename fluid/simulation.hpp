@@ -25,7 +25,8 @@ struct InterfaceMotion {
   Points acceleration;  // 3×m [m/s²] over the step
 };
 
-/// 0.25 l0 / (2 √(gH)) [s], H the depth of the water at the start; infinity without gravity.
+/// 0.25 l0 / (2 √(gH)) [s], H the depth of the water at the start, or with the least-squares gradient
+/// 0.05 √(l0/g); infinity without gravity.
 double column_step(const Parameters&);
 /// acoustic_cfl l0 / c [s]; infinity where sound sets no limit.
 double acoustic_step(const Parameters&);
