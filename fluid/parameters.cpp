@@ -212,6 +212,15 @@ void check_together(CaseFile& file, const CommonKeys& common, const Parameters& 
                        fmt::format("at most the exchange interval, coupling.{}.window = {:.6g} s",
                                    common.interface, common.window),
                        fmt::format("time_step = {:.6g}, or a longer window", common.window));
+  if (p.scheme.gradient == Gradient::least_squares) {
+    CaseTable source = scheme.table("source");
+    if (p.scheme.source == Source::density)
+      throw source.error("kind", "mixed or divergence with gradient = \"least-squares\"",
+                         "kind = \"mixed\", or gradient = \"pairwise\"");
+    if (p.scheme.density_at == DensityAt::star)
+      throw source.error("density_at", "old with gradient = \"least-squares\"",
+                         "density_at = \"old\", or gradient = \"pairwise\"");
+  }
   if (p.scheme.second == SecondCriterion::arc && p.scheme.radius_density < arc_radius)
     throw scheme.table("radius").error("density",
                                        fmt::format("at least {} with surface.second = arc", arc_radius),

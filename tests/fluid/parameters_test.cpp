@@ -62,6 +62,11 @@ TEST(FluidKeys, volume_coupling_takes_the_symmetric_gradient_and_refuses_least_s
             "pairwise");
 }
 
+TEST(FluidKeys, least_squares_refuses_sources_that_it_does_not_have) {
+  expect_in(error_of({"fluid.scheme.source.kind=density"}), "least-squares");
+  expect_in(error_of({"fluid.scheme.source.density_at=star"}), "least-squares");
+}
+
 TEST(FluidKeys, the_paper_preset_is_the_papers_scheme) {
   const auto p = read_with({"preset=paper"});
   EXPECT_TRUE(std::isinf(p.sound_speed));
