@@ -142,18 +142,21 @@ template <int dim>
 void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, double dt) const {
   if (p_.scheme.shifting <= 0) return;
   constexpr double longest = 0.1;  // [l0]
+  const bool moves = boundary.tank().moves();
+  const double factor = p_.scheme.shifting * dt * p_.spacing * dim / gradient_.n0;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (boundary.parked(state, i)) continue;
     // Past the tank: the same for an observer who falls or drives along with it.
-    const Vector<dim> past = state.velocity.col(i) - boundary.tank().velocity_at(state.position.col(i));
-    const double reach = p_.scheme.shifting * past.norm() * dt * p_.spacing;
-    Vector<dim> move = -reach * dim / gradient_.n0 * crowding_.col(i);
-    move -= surface_share_[i] * inward_.col(i) * inward_.col(i).dot(move);
+    Vector<dim> past = state.velocity.col(i);
+    if (moves) past -= boundary.tank().velocity_at(state.position.col(i));
+    Vector<dim> move = -factor * past.norm() * crowding_.col(i);
+    const Vector<dim> inward = inward_.col(i);
+    move -= surface_share_[i] * inward.dot(move) * inward;
     const double length = move.norm();
     if (length > longest * p_.spacing) move *= longest * p_.spacing / length;
     state.position.col(i) += move;
-    state.velocity.col(i) += velocity_gradient_[static_cast<std::size_t>(i)] * move;
+    state.velocity.col(i).noalias() += velocity_gradient_[static_cast<std::size_t>(i)] * move;
   }
 }
 

@@ -25,23 +25,46 @@ constexpr double first_depth = 0.5, second_depth = 1.5;
 /// A particle that lies less deep than this is shown as surface [l0].
 constexpr double shown_depth = 1.0;
 
+/// Places of a symmetric tensor's different entries.
 template <int dim>
-Tensor<dim> inverse_where_seen(const Tensor<dim>& m) {
-  const double mean = m.trace() / dim;
-  if (!(mean > 0)) return Tensor<dim>::Zero();
-  // det/mean^d that is reached only where λ_min/λ_max > 2 least_ratio for sure: nothing is left out.
-  constexpr double even = dim == 2 ? 0.56 : 0.52;
-  if (m.determinant() > even * std::pow(mean, dim)) return m.inverse();
+struct Symmetric {
+  static constexpr int parts = dim * (dim + 1) / 2;
+  static constexpr int row[] = {0, 1, 1, 2, 2, 2}, column[] = {0, 0, 1, 0, 1, 2};
+};
+
+template <int dim>
+[[gnu::noinline]] void inverse_of_seen_directions(const Tensor<dim>& m, Tensor<dim>& inverse) {
   Eigen::SelfAdjointEigenSolver<Tensor<dim>> eigen;
   eigen.computeDirect(m);
   const double largest = eigen.eigenvalues()[dim - 1];
-  Vector<dim> inverse;
+  Vector<dim> inverses;
   for (int a = 0; a < dim; ++a) {
     const double value = eigen.eigenvalues()[a];
     const double seen = std::clamp((value / largest - least_ratio) / least_ratio, 0.0, 1.0);
-    inverse[a] = value > 0 ? seen / value : 0.0;
+    inverses[a] = value > 0 ? seen / value : 0.0;
   }
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  inverse.noalias() = eigen.eigenvectors() * inverses.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// Written to its place number by number: a copy would wait for them.
+template <int dim>
+inline void inverse_where_seen(const Tensor<dim>& m, Tensor<dim>& inverse) {
+  const double mean = m.trace() / dim, determinant = m.determinant();
+  // det/mean^d that is reached only where λ_min/λ_max > 2 least_ratio for sure: nothing is left out.
+  constexpr double even = dim == 2 ? 0.56 : 0.52;
+  if (!(mean > 0)) {
+    inverse.setZero();
+  } else if (!(determinant > even * mean * mean * (dim == 3 ? mean : 1.0))) {
+    inverse_of_seen_directions<dim>(m, inverse);
+  } else if constexpr (dim == 2) {
+    const double scale = 1 / determinant;
+    inverse(0, 0) = scale * m(1, 1);
+    inverse(1, 0) = -scale * m(1, 0);
+    inverse(0, 1) = -scale * m(0, 1);
+    inverse(1, 1) = scale * m(0, 0);
+  } else {
+    inverse = m.inverse();
+  }
 }
 
 }  // namespace
@@ -89,29 +112,45 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   const double reach = laplacian_.radius;
   const Vector<dim> x = state.position.col(i);
   const std::size_t inner = water_pairs(columns, water);
-  double diagonal = 0, volume = 0;
-#pragma omp simd reduction(+ : diagonal, volume)
-  for (std::size_t e = 0; e < inner; ++e) {
-    diagonal += reach * inverses[e] - 1;
-    volume += volume_weight(1 / (inverses[e] * reach));
+  // w_L, W and w/r² of eight pairs at a time; the last is zero beyond the gradient's radius.
+  Lanes8 diagonals{}, volumes{}, opens[dim]{}, crowdings[dim]{};
+  Lanes8 moments[Symmetric<dim>::parts]{};  // Σ w r⊗r/r²
+  for (std::size_t e = 0; e < inner; e += lanes::width) {
+    const auto [r, inverse, one] =
+        eight_pairs<seams>(state, periodic, i, columns.first(inner), inverses.first(inner), e);
+    Lanes8 squares = r[0] * r[0];
+    for (int d = 1; d < dim; ++d) squares += r[d] * r[d];
+    const Lanes8 w = positive(reach * inverse - one), q = squares * inverse * (1 / reach);
+    const Lanes8 s = positive(one - q);
+    diagonals += w;
+    volumes += s * s * s * s * (1 + 4 * q);
+    const Lanes8 near_weight = positive(gradient_.radius * inverse - one) * inverse * inverse;
+    Lanes8 arm[dim];
+    for (int d = 0; d < dim; ++d) {
+      opens[d] += w * r[d];
+      arm[d] = near_weight * r[d];
+      crowdings[d] += arm[d];
+    }
+    for (int m = 0; m < Symmetric<dim>::parts; ++m)
+      moments[m] += arm[Symmetric<dim>::row[m]] * r[Symmetric<dim>::column[m]];
   }
-  Vector<dim> open = Vector<dim>::Zero();
-  for_pairs<seams>(state, periodic, x, columns.first(inner),
-                   [&](std::size_t e, const Vector<dim>& r) { open += (reach * inverses[e] - 1) * r; });
+  double diagonal = sum(diagonals), volume = sum(volumes);
+  Tensor<dim> b, a = Tensor<dim>::Zero();
+  Vector<dim> open, crowding;
+  for (int d = 0; d < dim; ++d) {
+    open[d] = sum(opens[d]);
+    crowding[d] = sum(crowdings[d]);
+  }
+  for (int m = 0; m < Symmetric<dim>::parts; ++m) {
+    const int row = Symmetric<dim>::row[m], column = Symmetric<dim>::column[m];
+    b(row, column) = b(column, row) = sum(moments[m]);
+  }
   const auto near_columns = near.row(i);
   const auto near_inverses = near.inverses(i);
   const std::size_t near_inner = water_pairs(near_columns, water);
   const auto near_weight = [&](std::size_t e) {
     return (gradient_.radius * near_inverses[e] - 1) * near_inverses[e] * near_inverses[e];
   };
-  Tensor<dim> b = Tensor<dim>::Zero(), a = Tensor<dim>::Zero();
-  Vector<dim> crowding = Vector<dim>::Zero();
-  for_pairs<seams>(state, periodic, x, near_columns.first(near_inner),
-                   [&](std::size_t e, const Vector<dim>& r) {
-                     const Vector<dim> weighted = near_weight(e) * r;
-                     crowding += weighted;
-                     b.noalias() += weighted * r.transpose();
-                   });
   Vector<dim> walled = open;
   double weights = diagonal;
   for (std::size_t e = inner; e < columns.size(); ++e) {
@@ -134,7 +173,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     a.noalias() += near_weight(e) * held * held.transpose();
   }
   const auto k = static_cast<std::size_t>(i);
-  water_[k] = inverse_where_seen<dim>(b);
+  inverse_where_seen<dim>(b, water_[k]);
   moment_.col(i) = walled;
   crowding_.col(i) = crowding;
   diagonal_[i] = diagonal;
@@ -176,7 +215,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     all.noalias() += lacking * inward * inward.transpose();
     pull = lacking / depth;
   }
-  all_[k] = inverse_where_seen<dim>(all);
+  inverse_where_seen<dim>(all, all_[k]);
   inward_.col(i) = inward;
   surface_factor_[i] = factor;
   surface_share_[i] = share;

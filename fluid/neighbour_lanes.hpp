@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/pair_lanes.hpp"
 #include "fluid/periodic.hpp"
 
 #include <bit>
@@ -86,26 +87,25 @@ struct Components {
 /// The columns x[dim · j] of n <= 8 particles j; lanes beyond n hold particle `self`.
 template <int dim>
 inline Components<dim> columns(const double* x, const std::int32_t* j, int n, std::int32_t self) {
-  const __m256i all =
-      _mm256_mask_loadu_epi32(_mm256_set1_epi32(self), static_cast<__mmask8>(first_bits(n)), j);
-  alignas(32) std::int32_t at[8];
+  std::int32_t filled[8];
+  const std::int32_t* at = j;
+  if (n < 8) {
+    for (int k = 0; k < 8; ++k) filled[k] = k < n ? j[k] : self;
+    at = filled;
+  }
   Components<dim> out;
   if constexpr (dim == 2) {
-    // Even lanes first, then odd ones: the unpacks put them back in order.
-    const __m256i order = _mm256_setr_epi32(0, 2, 4, 6, 1, 3, 5, 7);
-    _mm256_store_si256(reinterpret_cast<__m256i*>(at), _mm256_permutevar8x32_epi32(all, order));
     const auto pair = [&](int k) { return _mm_loadu_pd(x + 2 * std::int64_t{at[k]}); };
     const auto four = [&](int k) {
       __m512d v = _mm512_castpd128_pd512(pair(k));
-      v = _mm512_insertf64x2(v, pair(k + 1), 1);
-      v = _mm512_insertf64x2(v, pair(k + 2), 2);
-      return _mm512_insertf64x2(v, pair(k + 3), 3);
+      v = _mm512_insertf64x2(v, pair(k + 2), 1);
+      v = _mm512_insertf64x2(v, pair(k + 4), 2);
+      return _mm512_insertf64x2(v, pair(k + 6), 3);
     };
-    const __m512d even = four(0), odd = four(4);
+    const __m512d even = four(0), odd = four(1);  // the unpacks put them back in order
     out.along[0] = _mm512_unpacklo_pd(even, odd);
     out.along[1] = _mm512_unpackhi_pd(even, odd);
   } else {
-    _mm256_store_si256(reinterpret_cast<__m256i*>(at), all);
     const auto one = [&](int k) { return _mm256_maskz_loadu_pd(0b111, x + 3 * std::int64_t{at[k]}); };
     const auto two = [&](int k) { return _mm512_insertf64x4(_mm512_castpd256_pd512(one(k)), one(k + 4), 1); };
     const __m512d v04 = two(0), v15 = two(1), v26 = two(2), v37 = two(3);
@@ -120,6 +120,28 @@ inline Components<dim> columns(const double* x, const std::int32_t* j, int n, st
   return out;
 }
 #endif
+
+/// The columns x[dim · j] of n <= 8 particles j, component by component; lanes beyond n hold particle `self`.
+template <int dim>
+inline void gather(const double* x, const std::int32_t* j, int n, std::int32_t self, Lanes8 (&out)[dim]) {
+#ifdef STRAKE_AVX512
+  const Components<dim> found = columns<dim>(x, j, n, self);
+  for (int d = 0; d < dim; ++d) out[d] = reinterpret_cast<const Lanes8&>(found.along[d]);
+#else
+  for (int k = 0; k < width; ++k)
+    for (int d = 0; d < dim; ++d) out[d][k] = x[dim * std::int64_t{k < n ? j[k] : self} + d];
+#endif
+}
+/// The first n <= 8 doubles; zero beyond.
+inline Lanes8 load(const double* from, int n) {
+#ifdef STRAKE_AVX512
+  return reinterpret_cast<Lanes8>(_mm512_maskz_loadu_pd(static_cast<__mmask8>(first_bits(n)), from));
+#else
+  Lanes8 out{};
+  for (int k = 0; k < n; ++k) out[k] = from[k];
+  return out;
+#endif
+}
 
 #ifdef STRAKE_AVX512
 /// |x_j − x_i|² of eight particles j to the nearest image [m²]; the same bits for i-j and j-i. Lanes beyond n

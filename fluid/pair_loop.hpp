@@ -1,5 +1,7 @@
 #pragma once
 
+#include "fluid/neighbour_lanes.hpp"
+#include "fluid/pair_lanes.hpp"
 #include "fluid/periodic.hpp"
 #include "fluid/state.hpp"
 
@@ -29,6 +31,33 @@ inline void for_pairs(const State<dim>& state, const Periodic<dim>& periodic, co
       for (int d = 0; d < dim; ++d) r[d] = periodic.nearest(r[d], d);
     body(e, r);
   }
+}
+
+/// r, 1/|r| of eight pairs, and 1 where there is a pair; lanes without one are zero in all three.
+template <int dim>
+struct EightPairs {
+  Lanes8 r[dim], inverse, one;
+};
+
+/// The pairs e … e + 7 of row i.
+template <bool seams, int dim>
+inline EightPairs<dim> eight_pairs(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t i,
+                                   std::span<const std::int32_t> columns, std::span<const double> inverses,
+                                   std::size_t e) {
+  const double* const place = state.position.data();
+  const int n = static_cast<int>(std::min<std::size_t>(lanes::width, columns.size() - e));
+  EightPairs<dim> pairs;
+  lanes::gather<dim>(place, columns.data() + e, n, static_cast<std::int32_t>(i), pairs.r);
+  for (int d = 0; d < dim; ++d) {
+    pairs.r[d] -= all8(place[dim * i + d]);
+    if constexpr (seams) {
+      const Lanes8 half = all8(periodic.half(d)), length = all8(periodic.length()[d]);
+      pairs.r[d] += (pairs.r[d] < -half ? length : Lanes8{}) - (pairs.r[d] > half ? length : Lanes8{});
+    }
+  }
+  pairs.inverse = lanes::load(inverses.data() + e, n);
+  pairs.one = Lanes8{0, 1, 2, 3, 4, 5, 6, 7} < all8(n) ? all8(1) : Lanes8{};
+  return pairs;
 }
 
 }  // namespace strake::fluid
