@@ -80,12 +80,17 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
 
 template <int dim>
 void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
-  if constexpr (dim != 2) {
-    (void)partner;
-    (void)state;
-    throw Error(ExitCode::case_file, "coupling.interface = \"surface\"",
-                "moving surfaces are not built yet in three dimensions",
-                "set fluid.dimension = 2, or coupling.interface = \"volume\"");
+  if constexpr (dim == 3) {
+    outline_ = Hull(partner, spacing_, reach_);
+    mesh_ = outline_.mesh();
+    const auto m = static_cast<std::size_t>(outline_.points()), rows = outline_.rows().size();
+    append(state, static_cast<std::int64_t>(rows));
+    state.kind.insert(state.kind.end(), m, Kind::interface);
+    state.kind.insert(state.kind.end(), rows - m, Kind::dummy_interface);
+    point_of_.assign(static_cast<std::size_t>(bodies_), -1);
+    for (const Hull::Row& row : outline_.rows()) point_of_.push_back(row.point);
+    const Points zero = Points::Zero(3, mesh_.position.cols());
+    move(state, zero, zero, true);
   } else {
     outline_ = Outline(partner, spacing_);
     mesh_ = outline_.mesh();
@@ -191,9 +196,7 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
   }
   for (std::int64_t i = 0; i < water_; ++i) {
     bool overlap = false;
-    if constexpr (dim == 2) {
-      if (!outline_.empty()) overlap = outline_.inside(state.position.col(i));
-    }
+    if (!outline_.empty()) overlap = outline_.inside(state.position.col(i));
     if (volume_)
       for (std::int64_t j = bodies_; j < state.position.cols() && !overlap; ++j)
         overlap = (state.position.col(j) - state.position.col(i)).norm() < 0.5 * spacing_;
@@ -201,7 +204,7 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
       throw Error(ExitCode::case_file, "structure",
                   fmt::format("the body overlaps the water, for one at ({:.6g}, {:.6g})",
                               state.position(0, i), state.position(1, i)),
-                  "raise the body or lower the upper face of fluid.water");
+                  "raise the body, lower the upper face of fluid.water, or fluid.submerged = true");
   }
 }
 
@@ -220,21 +223,49 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
     if (positions) state.position.rightCols(m) = (mesh_.position + displacement).template topRows<dim>();
     return;
   }
+  if (outline_.empty()) return;
   if constexpr (dim == 2) {
     outline_.move(positions ? displacement.topRows<2>() : state.interface_displacement,
                   velocity.topRows<2>());
-    for (int k = 0; positions && k < static_cast<int>(m); ++k) {
-      if (tank_.distance(outline_.point(k)) >= -spacing_) continue;
-      throw Error(
-          built_ ? ExitCode::solver_fault : ExitCode::case_file,
-          fmt::format("structure, t = {:.6g} s", state.time),
-          fmt::format("the body has come to ({:.6g}, {:.6g}), beyond the walls of the tank",
-                      outline_.point(k).x(), outline_.point(k).y()),
-          "end the run before it gets there, or make fluid.tank larger: bodies do not rebound from walls");
+    if (positions) {
+      Points wet = Points::Zero(3, outline_.points());
+      for (int k = 0; k < outline_.points(); ++k) wet.col(k).head<2>() = outline_.point(k);
+      check_place(state, wet);
     }
+  } else {
+    outline_.move(displacement, velocity, positions);
+    if (positions) check_place(state, mesh_.position + displacement);
+  }
+  place_rows(state, positions);
+}
+
+template <int dim>
+void Boundary<dim>::check_place(const State<dim>& state, const Points& place) const {
+  for (Eigen::Index k = 0; k < place.cols(); ++k) {
+    if (tank_.distance(place.col(k).template head<dim>()) >= -spacing_) continue;
+    throw Error(built_ ? ExitCode::solver_fault : ExitCode::case_file,
+                fmt::format("structure, t = {:.6g} s", state.time),
+                fmt::format("the body has come to ({:.6g}, {:.6g}{}), beyond the walls of the tank",
+                            place(0, k), place(1, k), dim == 3 ? fmt::format(", {:.6g}", place(2, k)) : ""),
+                "end the run before it gets there, or make fluid.tank larger: bodies do not rebound from "
+                "walls");
+  }
+}
+
+template <int dim>
+void Boundary<dim>::place_rows(State<dim>& state, bool positions) const {
+  if constexpr (dim == 3) {
+    const auto& rows = outline_.rows();
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const auto i = bodies_ + static_cast<std::int64_t>(r);
+      state.velocity.col(i) = outline_.velocity(rows[r]);
+      if (positions) state.position.col(i) = outline_.place(rows[r]);
+    }
+  } else {
+    const int m = outline_.points();
     for (int row = 0; row < rows_; ++row) {
       const double depth = (row + 0.5) * spacing_;
-      for (int k = 0; k < static_cast<int>(m); ++k) {
+      for (int k = 0; k < m; ++k) {
         const std::int64_t i = bodies_ + static_cast<std::int64_t>(row) * m + k;
         state.velocity.col(i) = outline_.velocity(k) - depth * outline_.normal_rate(k);
         if (positions) state.position.col(i) = outline_.point(k) - depth * outline_.normal(k);
@@ -257,9 +288,39 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
 template <int dim>
 void Boundary<dim>::adopt(const State<dim>& state) {
   tank_.adopt(state);
-  if constexpr (dim == 2) {
-    if (!outline_.empty()) outline_.move(state.interface_displacement, state.interface_velocity);
+  if (outline_.empty()) return;
+  if constexpr (dim == 2)
+    outline_.move(state.interface_displacement, state.interface_velocity);
+  else
+    outline_.move(state.interface_displacement, state.interface_velocity, true);
+}
+
+template <int dim>
+Points Boundary<dim>::on_mesh(const Vectors<dim>& on_points) const {
+  Points sum = Points::Zero(3, on_points.cols());
+  sum.template topRows<dim>() = on_points;
+  if constexpr (dim == 3) {
+    if (!outline_.empty()) return outline_.spread(sum);
   }
+  return sum;
+}
+
+template <int dim>
+Vector<dim> Boundary<dim>::at_point(const Points& on_mesh, int point) const {
+  if constexpr (dim == 3) {
+    if (!outline_.empty()) return outline_.at(on_mesh, point);
+  }
+  return on_mesh.col(point).template head<dim>();
+}
+
+template <int dim>
+Vector<dim> Boundary<dim>::face_area(std::int64_t row) const {
+  if (row < bodies_) return tank_.area_of(row);
+  const int k = point_of(row);
+  if constexpr (dim == 2)
+    return outline_.area(k) * outline_.normal(k);
+  else
+    return outline_.area_vector(k);
 }
 
 template <int dim>
@@ -268,16 +329,25 @@ std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
   tag_.assign(n, plain);
   for (std::size_t i = static_cast<std::size_t>(water_); i < n; ++i)
     if (is_filler(state.kind[i])) tag_[i] = filler;
+  if (outline_.empty()) return tag_;
+  // A pair that crosses the surface has an end within half its length of the bounding box, or in space of the
+  // surface itself.
+  for (std::size_t i = static_cast<std::size_t>(bodies_); i < n; ++i) tag_[i] |= asked;
   if constexpr (dim == 2) {
-    if (!outline_.empty()) {
-      // A pair that crosses the outline has an end within half its length of the bounding box.
-      const Vector<2> low = outline_.low().array() - 0.5 * reach_,
-                      high = outline_.high().array() + 0.5 * reach_;
-      for (std::int64_t i = 0; i < bodies_; ++i)
-        if ((state.position.col(i).array() >= low.array()).all() &&
-            (state.position.col(i).array() <= high.array()).all())
-          tag_[static_cast<std::size_t>(i)] |= asked;
-      for (std::size_t i = static_cast<std::size_t>(bodies_); i < n; ++i) tag_[i] |= asked;
+    const Vector<2> low = outline_.low().array() - 0.5 * reach_,
+                    high = outline_.high().array() + 0.5 * reach_;
+    for (std::int64_t i = 0; i < bodies_; ++i)
+      if ((state.position.col(i).array() >= low.array()).all() &&
+          (state.position.col(i).array() <= high.array()).all())
+        tag_[static_cast<std::size_t>(i)] |= asked;
+  } else {
+    triangle_near_.assign(static_cast<std::size_t>(bodies_), -1);
+#pragma omp parallel for schedule(static)
+    for (std::int64_t i = 0; i < bodies_; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const auto near = outline_.near(state.position.col(i), reach_);
+      triangle_near_[k] = near.triangle;
+      if (near.distance <= 0.5 * reach_) tag_[k] |= asked;
     }
   }
   return tag_;
@@ -285,24 +355,29 @@ std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
 
 template <int dim>
 bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j) const {
+  const bool i_row = is_row_of_body(state.kind[static_cast<std::size_t>(i)]);
+  const bool j_row = is_row_of_body(state.kind[static_cast<std::size_t>(j)]);
+  if (i_row && j_row) return dim == 2 && outline_.run_of(point_of(i)) == outline_.run_of(point_of(j));
+  const std::int32_t row = i_row ? i : j, other = i_row ? j : i;
+  if ((i_row || j_row) && other >= water_) return false;
   if constexpr (dim == 2) {
-    const bool i_row = is_row_of_body(state.kind[static_cast<std::size_t>(i)]);
-    const bool j_row = is_row_of_body(state.kind[static_cast<std::size_t>(j)]);
-    if (i_row && j_row) return outline_.run_of(point_of(i)) == outline_.run_of(point_of(j));
-    if (i_row || j_row) {
-      const std::int32_t row = i_row ? i : j, other = i_row ? j : i;
-      return other < water_ && outline_.crosses(outline_.run_of(point_of(row)), state.position.col(other),
-                                                state.position.col(row));
-    }
+    if (i_row || j_row)
+      return outline_.crosses(outline_.run_of(point_of(row)), state.position.col(other),
+                              state.position.col(row));
     return !outline_.separates(state.position.col(std::min(i, j)), state.position.col(std::max(i, j)));
+  } else {
+    const auto near = [&](std::int32_t k) { return triangle_near_[static_cast<std::size_t>(k)]; };
+    if (i_row || j_row)
+      return outline_.crosses(point_of(row), near(other), state.position.col(other), state.position.col(row));
+    const auto [a, b] = std::minmax(i, j);
+    return !outline_.separates(state.position.col(a), near(a), state.position.col(b), near(b));
   }
-  return true;
 }
 
 template <int dim>
 void Boundary<dim>::count_water(const State<dim>&, const Neighbours& rows, const LatticeConstants& lattice,
                                 Eigen::VectorXd& n) const {
-  if (outline_.empty()) return;
+  if (outline_.empty() || flat_water_.size() == 0) return;
   for (int k = 0; k < outline_.points(); ++k) {
     const std::int64_t i = bodies_ + k;
     const auto columns = rows.row(i);
@@ -360,7 +435,7 @@ void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
       continue;
     }
     Vector<dim> field = gravity - tank_.acceleration_of(i);
-    if (w >= bodies_ && acceleration.cols() > 0) field -= acceleration.col(point_of(w)).template head<dim>();
+    if (w >= bodies_ && acceleration.cols() > 0) field -= at_point(acceleration, point_of(w));
     state.pressure[i] =
         state.pressure[w] + water_density_ * field.dot(state.position.col(i) - state.position.col(w));
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/hull.hpp"
 #include "fluid/kernel.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/outline.hpp"
@@ -11,9 +12,14 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace strake::fluid {
+
+/// The wetted surface of moving bodies: a closed line in the plane, a closed surface in space.
+template <int dim>
+using BodySurface = std::conditional_t<dim == 2, Outline, Hull>;
 
 /// Everything the water meets: the tank's rows, the rows of moving bodies behind their wetted faces, and, in
 /// volume coupling, the structure's own particles. Order of particles: water, tank rows, then bodies.
@@ -23,7 +29,8 @@ namespace strake::fluid {
 /// only through it: a pair of water and row counts when its segment crosses that run. So a plate thinner than
 /// the support keeps the water above and below apart, and a corner is not counted twice (PHYSICS §10.3). Past
 /// a corner that is blunter than a right angle, or concave, both faces' rows go on into the part of the body
-/// that water sees through the one face and that lies behind the other.
+/// that water sees through the one face and that lies behind the other. In space runs are the patches of a
+/// Hull, and corners its edges.
 template <int dim>
 class Boundary {
  public:
@@ -32,13 +39,19 @@ class Boundary {
   Boundary(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, State<dim>& tank);
 
   const InterfaceMesh& mesh() const { return mesh_; }
-  const Outline& outline() const { return outline_; }  // empty in volume coupling
+  const BodySurface<dim>& outline() const { return outline_; }  // empty in volume coupling
+  /// Places on the bodies that rows belong to: wet points, in volume coupling the structure's particles.
+  std::int64_t points() const { return outline_.empty() ? mesh_.position.cols() : outline_.points(); }
+  /// Sums over those places, dim×points, as sums over the points of `mesh`, 3×m.
+  Points on_mesh(const Vectors<dim>& on_points) const;
+  /// What is given on the points of `mesh`, at one of those places.
+  Vector<dim> at_point(const Points& on_mesh, int point) const;
   bool volume() const { return volume_; }
   std::int64_t water() const { return water_; }                // particles [0, water) are water
   std::int64_t first_of_bodies() const { return bodies_; }     // [water, first_of_bodies) are the tank
   const Eigen::VectorXd& density() const { return density_; }  // ρ_i [kg/m³]
 
-  /// Interface point that particle i belongs to; −1: none.
+  /// Place on the body, one of `points`, that particle i belongs to; −1: none.
   int point_of(std::int64_t i) const { return point_of_[static_cast<std::size_t>(i)]; }
   /// First row whose pressure dummy i extends; −1: i is no dummy.
   std::int32_t master_of(std::int64_t i) const { return master_[static_cast<std::size_t>(i)]; }
@@ -75,8 +88,17 @@ class Boundary {
   /// Normal, into the water, of the tank wall that row i stands for; zero in corners and for all that is no
   /// tank.
   Vector<dim> normal_of(std::int64_t i) const { return tank_.normal_of(i); }
+  /// Whether x lies over the face of that wet point: not past the ends of its run.
+  bool is_over(int point, const Vector<dim>& x) const {
+    if constexpr (dim == 2)
+      return outline_.faces(outline_.run_of(point), x);
+    else
+      return outline_.faces(point, x);
+  }
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
+  /// The same of the face that a first row stands for, of tank or body.
+  Vector<dim> face_area(std::int64_t row) const;
 
   /// Particles out of the tank are parked where nothing reaches them, each on its own place.
   bool parked(const State<dim>& state, std::int64_t i) const {
@@ -92,6 +114,8 @@ class Boundary {
     double beside, depth;  // [m]; beside is negative before a run's start
   };
   void add_rows(const InterfaceMesh& partner, State<dim>&);
+  void place_rows(State<dim>&, bool positions) const;
+  void check_place(const State<dim>&, const Points& place) const;
   void go_beyond(const Outline::Run&, bool at_end);
   void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
   void find_masters(const State<dim>&);
@@ -101,7 +125,7 @@ class Boundary {
   double reach_, counting_radius_;  // largest radius, and that of the number density [m]
   Tank<dim> tank_;
   InterfaceMesh mesh_;
-  Outline outline_;
+  BodySurface<dim> outline_;
   bool volume_ = false;
   bool built_ = false;  // what is wrong before is a fault of the case
   std::int64_t water_, bodies_;
@@ -111,7 +135,8 @@ class Boundary {
   std::vector<int> point_of_;
   std::vector<std::int32_t> master_;  // of a dummy: the row whose pressure it extends; −1
   std::vector<std::uint8_t> buried_, tag_;
-  Eigen::VectorXd flat_water_;  // Σ_water w of each interface point under a flat surface at l0
+  std::vector<int> triangle_near_;  // in space: of what is no body, nearest within reach; −1: none
+  Eigen::VectorXd flat_water_;      // Σ_water w of each interface point under a flat surface at l0
 };
 
 }  // namespace strake::fluid

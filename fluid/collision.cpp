@@ -52,21 +52,19 @@ void give(CollisionAccount<dim>& account, const Boundary<dim>& boundary, std::in
 template <int dim>
 void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, double mass,
               CollisionAccount<dim>& account) {
-  if constexpr (dim == 2) {
-    const Outline& outline = boundary.outline();
-    if (outline.empty()) return;
-    for (std::int64_t i = 0; i < boundary.water(); ++i) {
-      if (!outline.inside(state.position.col(i))) continue;
-      ++account.inside;
-      const auto foot = outline.nearest(state.position.col(i));
-      const Vector<2> n = outline.normal(foot.point);
-      state.position.col(i) = foot.position + 0.05 * spacing * n;
-      const double into = (state.velocity.col(i) - outline.velocity(foot.point)).dot(n);
-      if (into >= 0) continue;
-      state.velocity.col(i) -= into * n;
-      account.on_points.col(foot.point) += mass * into * n;
-      account.on_water -= mass * into * n;
-    }
+  const BodySurface<dim>& outline = boundary.outline();
+  if (outline.empty()) return;
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (!outline.inside(state.position.col(i))) continue;
+    ++account.inside;
+    const auto foot = outline.nearest(state.position.col(i));
+    const Vector<dim> n = outline.normal(foot.point);
+    state.position.col(i) = foot.position + 0.05 * spacing * n;
+    const double into = (state.velocity.col(i) - outline.velocity(foot.point)).dot(n);
+    if (into >= 0) continue;
+    state.velocity.col(i) -= into * n;
+    account.on_points.col(foot.point) += mass * into * n;
+    account.on_water -= mass * into * n;
   }
 }
 
@@ -77,7 +75,7 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
                                          const Neighbours& near, const Scheme& scheme, double dt,
                                          double spacing, double particle_mass) {
   CollisionAccount<dim> account;
-  account.on_points = Vectors<dim>::Zero(dim, boundary.mesh().position.cols());
+  account.on_points = Vectors<dim>::Zero(dim, boundary.points());
   const std::int64_t water = boundary.water();
   if (scheme.anti_penetration != AntiPenetration::none) {
     const double distance = scheme.collision_distance * spacing;

@@ -13,11 +13,8 @@ constexpr double face_reach = 1.6;
 template <int dim>
 bool FittedScheme<dim>::over(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
                              std::int64_t row) const {
-  if constexpr (dim == 2)
-    if (row >= boundary.first_of_bodies() && !boundary.volume())
-      return boundary.outline().faces(boundary.outline().run_of(boundary.point_of(row)),
-                                      state.position.col(i));
-  return true;
+  return row < boundary.first_of_bodies() || boundary.volume() ||
+         boundary.is_over(boundary.point_of(row), state.position.col(i));
 }
 
 template <int dim>
@@ -98,13 +95,7 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
     }
     if (weights <= 0) continue;
     state.pressure[j] = sum / weights;
-    double area = 0;
-    if (j < boundary.first_of_bodies()) {
-      area = boundary.wall_area(state, j).norm();
-    } else if constexpr (dim == 2) {
-      area = boundary.outline().area(boundary.point_of(j));
-    }
-    forces.col(j) = -state.pressure[j] * area * normal;
+    forces.col(j) = -state.pressure[j] * boundary.face_area(j);
   }
   return forces;
 }

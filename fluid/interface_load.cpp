@@ -33,16 +33,11 @@ Vector<dim> pair_reaction(const State<dim>& state, const Boundary<dim>& boundary
 template <int dim>
 Vector<dim> face_force(const State<dim>& state, const Boundary<dim>& boundary, const LoadTerms<dim>& terms,
                        std::int64_t i) {
-  Vector<dim> area = Vector<dim>::Zero();  // into the water
+  const Vector<dim> area = boundary.face_area(i);  // into the water
   Vector<dim> field = terms.gravity - boundary.tank().acceleration_of(i);
   const Kind kind = state.kind[static_cast<std::size_t>(i)];
-  if (kind == Kind::wall) {
-    area = boundary.wall_area(state, i);
-  } else if constexpr (dim == 2) {
-    const int point = boundary.point_of(i);
-    area = boundary.outline().normal(point) * boundary.outline().area(point);
-    if (terms.acceleration.cols() > 0) field -= terms.acceleration.col(point).template head<dim>();
-  }
+  if (kind != Kind::wall && terms.acceleration.cols() > 0)
+    field -= boundary.at_point(terms.acceleration, boundary.point_of(i));
   const double size = area.norm();
   if (size == 0 || state.surface[static_cast<std::size_t>(i)]) return Vector<dim>::Zero();
   const Vector<dim> to_face = 0.5 * terms.spacing * area / size;
@@ -71,10 +66,10 @@ RowForces<dim> row_forces(const State<dim>& state, const Boundary<dim>& boundary
 }
 
 template <int dim>
-Points gather_on_points(const RowForces<dim>& force, const Boundary<dim>& boundary) {
-  Points on_points = Points::Zero(3, boundary.mesh().position.cols());
+Vectors<dim> gather_on_points(const RowForces<dim>& force, const Boundary<dim>& boundary) {
+  Vectors<dim> on_points = Vectors<dim>::Zero(dim, boundary.points());
   for (std::int64_t i = boundary.first_of_bodies(); i < force.cols(); ++i)
-    on_points.col(boundary.point_of(i)).template head<dim>() += force.col(i);
+    on_points.col(boundary.point_of(i)) += force.col(i);
   return on_points;
 }
 
@@ -91,7 +86,7 @@ Vector<dim> momentum_gap(const State<dim>& state, double particle_mass) {
 #define STRAKE_INSTANTIATE(dim)                                                                       \
   template RowForces<dim> row_forces<dim>(const State<dim>&, const Boundary<dim>&, const Neighbours&, \
                                           const LoadTerms<dim>&);                                     \
-  template Points gather_on_points<dim>(const RowForces<dim>&, const Boundary<dim>&);                 \
+  template Vectors<dim> gather_on_points<dim>(const RowForces<dim>&, const Boundary<dim>&);           \
   template Vector<dim> momentum_gap<dim>(const State<dim>&, double);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

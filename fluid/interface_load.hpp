@@ -37,9 +37,9 @@ template <int dim>
 RowForces<dim> row_forces(const State<dim>& state, const Boundary<dim>&, const Neighbours& near,
                           const LoadTerms<dim>&);
 
-/// Sum of row forces on each interface point, 3×m [N].
+/// Sum of row forces on each of the boundary's `points` [N].
 template <int dim>
-Points gather_on_points(const RowForces<dim>&, const Boundary<dim>&);
+Vectors<dim> gather_on_points(const RowForces<dim>&, const Boundary<dim>&);
 
 /// Momentum that is not accounted for, [N s]: water − initial − gravity + bodies + tank. Round-off for the
 /// pairwise gradient, a measured number for the others.

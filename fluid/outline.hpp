@@ -45,6 +45,7 @@ class Outline {
   /// Moves the outline: displacement and velocity of the wet points, 2×m.
   void move(const Vectors2& displacement, const Vectors2& velocity);
 
+  Eigen::Vector3d reference(int k) const { return mesh_.position.col(k); }
   Vector2 point(int k) const { return point_.col(k); }
   Vector2 velocity(int k) const { return velocity_.col(k); }
   Vector2 normal(int k) const { return normal_.col(k); }

@@ -77,6 +77,7 @@ struct Parameters {
   std::vector<Eigen::Vector3d> tank_polygon;  // [m] counter-clockwise; empty: the tank is the box
   std::vector<std::vector<Eigen::Vector3d>>
       water_shapes;                     // [m] two corners of a box, or a polygon; empty: the box
+  bool submerged = false;               // the water gives way to a body that stands in it at the start
   bool open_top = true;                 // box: no lid; polygon: no wall from its last corner to its first
   std::array<bool, 3> periodic{};       // axes along which the tank repeats itself
   WallSlip wall = WallSlip::free_slip;  // of the tank

@@ -103,15 +103,13 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
   const double reach = 0.5 * diameter * (1 + 1e-9);
   const auto covers = [&](const Eigen::Vector3d& x) { return (x - at).norm() <= reach; };
   double load = 0, area = 0;
-  if constexpr (dim == 2) {
-    const Outline& outline = w.boundary.outline();
-    for (int k = 0; k < outline.points(); ++k) {
-      if (!covers(w.boundary.mesh().position.col(k))) continue;
-      load -= w.force.col(k).template head<2>().dot(outline.normal(k));
-      area += outline.area(k);
-    }
-    if (!outline.empty()) return area > 0 ? load / area : 0.0;
+  const BodySurface<dim>& outline = w.boundary.outline();
+  for (int k = 0; k < outline.points(); ++k) {
+    if (!covers(outline.reference(k))) continue;
+    load -= w.on_points.col(k).dot(outline.normal(k));
+    area += outline.area(k);
   }
+  if (!outline.empty()) return area > 0 ? load / area : 0.0;
   if (w.boundary.volume()) {  // no faces: the mean over the structure's particles
     for (Eigen::Index k = 0; k < w.boundary.mesh().position.cols(); ++k) {
       if (!covers(w.boundary.mesh().position.col(k))) continue;

@@ -1,11 +1,11 @@
 #include "fluid/step.hpp"
 
 #include "fluid/correction.hpp"
-#include "fluid/fill.hpp"
 #include "fluid/interface_load.hpp"
 #include "fluid/number_density.hpp"
 #include "fluid/operators.hpp"
 #include "fluid/reorder.hpp"
+#include "fluid/submerged.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -42,7 +42,8 @@ class StageClock {
 
 /// Velocity of the partner's points at the fluid's own, by the nearest point of the partner's faces.
 Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, const Points& velocity) {
-  if (velocity.cols() == mesh.position.cols() && partner.faces.cols() == 0) return velocity;
+  const bool same = partner.faces.cols() == 0 || mesh.dimension == 3;  // points of both meshes
+  if (velocity.cols() == mesh.position.cols() && same) return velocity;
   Points on_mesh = Points::Zero(3, mesh.position.cols());
   if (velocity.cols() != partner.position.cols()) return on_mesh;
   for (Eigen::Index k = 0; k < mesh.position.cols(); ++k) {
@@ -72,7 +73,7 @@ Simulation<dim>::Work::Work(const Parameters& parameters, const InterfaceMesh& p
       divergence_lattice(lattice_constants<dim>(p.scheme.radius_divergence, p.spacing)),
       laplacian_lattice(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
       mass(p.density * std::pow(p.spacing, dim)),
-      state(fill<dim>(p)),
+      state(fill_around<dim>(p, partner)),
       boundary(p, partner, initial_velocity, state),
       search(std::max({density_lattice.radius, gradient_lattice.radius, divergence_lattice.radius,
                        laplacian_lattice.radius}),
@@ -80,6 +81,11 @@ Simulation<dim>::Work::Work(const Parameters& parameters, const InterfaceMesh& p
   omp_set_num_threads(p.threads);
   const auto m = boundary.mesh().position.cols();
   force = Points::Zero(3, m);
+  on_points = Vectors<dim>::Zero(dim, boundary.points());
+  if (dim == 3 && m > 0 && !boundary.volume() && p.scheme.gradient != Gradient::least_squares)
+    throw Error(ExitCode::case_file, "fluid.scheme.gradient",
+                "moving surfaces in three dimensions are built for least-squares alone",
+                "set fluid.scheme.gradient = \"least-squares\", or fluid.dimension = 2");
   if (m > 0)
     boundary.move(state, Points::Zero(3, m), velocity_on(boundary.mesh(), partner, initial_velocity), true);
   for (std::int64_t i = 0; i < boundary.water(); ++i) state.initial_momentum += mass * state.velocity.col(i);
@@ -339,7 +345,7 @@ void Simulation<dim>::Work::load_interface() {
                                &level};
     forces = row_forces<dim>(state, boundary, near_gradient(), terms);
   }
-  force = gather_on_points<dim>(forces, boundary);
+  on_points = gather_on_points<dim>(forces, boundary);
   floor = Vector<dim>::Zero();
   on_walls.setZero(dim, boundary.first_of_bodies());
   for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
@@ -348,8 +354,7 @@ void Simulation<dim>::Work::load_interface() {
     on_walls.col(master < 0 ? i : master) += forces.col(i);
     if (boundary.tank().is_floor(i)) floor += forces.col(i);
   }
-  for (Eigen::Index k = 0; k < force.cols(); ++k)
-    state.impulse_on_bodies += dt * force.col(k).template head<dim>();
+  for (Eigen::Index k = 0; k < on_points.cols(); ++k) state.impulse_on_bodies += dt * on_points.col(k);
 }
 
 template <int dim>
@@ -389,8 +394,9 @@ void Simulation<dim>::Work::finish() {
   state.impulse_on_walls += collisions.on_walls;
   for (Eigen::Index k = 0; k < collisions.on_points.cols(); ++k) {
     state.impulse_on_bodies += collisions.on_points.col(k);
-    if (p.scheme.collision_conserve) force.col(k).template head<dim>() += collisions.on_points.col(k) / dt;
+    if (p.scheme.collision_conserve) on_points.col(k) += collisions.on_points.col(k) / dt;
   }
+  force = boundary.on_mesh(on_points);
   std::int64_t inner = 0;
   double fastest = 0;
   for (std::int64_t i = 0; i < boundary.water(); ++i) {

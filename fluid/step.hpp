@@ -56,7 +56,8 @@ struct Simulation<dim>::Work {
   NeighbourSearch<dim> search;
   std::map<std::string, double> seconds;
   StepReport report;
-  Points force;                             // on the interface points [N]
+  Vectors<dim> on_points;                   // on the boundary's points [N]
+  Points force;                             // the same on the interface's [N]
   Vectors<dim> on_walls;                    // on each wall particle with the dummies behind it [N]
   Vector<dim> floor = Vector<dim>::Zero();  // on the tank floor [N]
 

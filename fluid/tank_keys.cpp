@@ -56,6 +56,8 @@ void read_water(CaseTable& t, Parameters& p) {
     if (more.has("box")) p.water_shapes.push_back({box.min, box.max});
     if (!corners.empty()) p.water_shapes.push_back(corners);
   }
+  t.flag("submerged", p.submerged,
+         {.help = "the water gives way to a body that stands in it at the start; false: that is an error"});
   if (p.water_shapes.empty()) return;
   p.water = bounds(p.water_shapes.front());
   for (const Shape& shape : p.water_shapes) {

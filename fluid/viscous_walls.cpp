@@ -45,7 +45,7 @@ void describe_rows(const Boundary<dim>& boundary, const State<dim>& state, bool 
     } else if (boundary.volume()) {
       walls.slip[static_cast<size_t>(k)] = 0;
       walls.velocity.col(k) = state.velocity.col(i);
-    } else if constexpr (dim == 2) {
+    } else {
       const int point = boundary.point_of(i);
       walls.normal.col(k) = boundary.outline().normal(point);
       walls.depth[k] =

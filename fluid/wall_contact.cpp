@@ -46,13 +46,11 @@ WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& s
 
 template <int dim>
 void WallContact<dim>::place_bodies(const Boundary<dim>& boundary, const State<dim>& state) {
-  if constexpr (dim == 2) {
-    if (boundary.outline().empty()) return;
-    for (std::int64_t j = boundary.first_of_bodies(); j < state.position.cols(); ++j) {
-      const int k = boundary.point_of(j);
-      axis_.col(j) = boundary.outline().normal(k);
-      depth_[j] = axis_.col(j).dot(boundary.outline().point(k) - state.position.col(j));
-    }
+  if (boundary.outline().empty()) return;
+  for (std::int64_t j = boundary.first_of_bodies(); j < state.position.cols(); ++j) {
+    const int k = boundary.point_of(j);
+    axis_.col(j) = boundary.outline().normal(k);
+    depth_[j] = axis_.col(j).dot(boundary.outline().point(k) - state.position.col(j));
   }
 }
 

@@ -47,7 +47,7 @@ struct Scene {
 TEST(InterfaceLoad, FacesFeelTheAmbientPressureWithEveryGradient) {
   for (const Gradient gradient : {Gradient::min_pressure, Gradient::pairwise, Gradient::corrected}) {
     Scene scene;
-    const Points force = gather_on_points<2>(scene.forces(gradient), scene.boundary);
+    const Vectors<2> force = gather_on_points<2>(scene.forces(gradient), scene.boundary);
     // The four points at each end also see water beside the plate (pairwise) or miss none (face integral).
     for (int k = 4; k < 16; ++k) {
       EXPECT_NEAR(force(1, k), scene.ambient * l0, 0.01 * scene.ambient * l0);
@@ -69,7 +69,7 @@ TEST(InterfaceLoad, SymmetricGradientGivesToTankAndBodyWhatItTakesFromTheWater) 
 
 TEST(InterfaceLoad, DryFacesFeelNothingFromTheFaceIntegral) {
   Scene scene;
-  const Points force = gather_on_points<2>(scene.forces(Gradient::corrected), scene.boundary);
+  const Vectors<2> force = gather_on_points<2>(scene.forces(Gradient::corrected), scene.boundary);
   for (int k = 20; k < scene.boundary.outline().points(); ++k) EXPECT_EQ(force.col(k).norm(), 0);
 }
 

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "proto/interface.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strake::fluid {
+
+/// The smooth parts of a closed surface of triangles, and the edges between them.
+struct SurfacePatches {
+  /// An edge of a patch as its own triangle walks it, with the body's angle there [rad]: π is flat, less is
+  /// convex.
+  struct Border {
+    int patch = 0, triangle = 0, from = 0, to = 0;  // points of the mesh
+    int other = 0;                                  // the patch beyond it
+    double angle = 0;
+  };
+  std::vector<int> of_triangle;
+  std::vector<double> area;  // [m²] of each patch
+  std::vector<Border> border;
+  int count() const { return static_cast<int>(area.size()); }
+};
+
+/// Triangles belong together across edges where the surface turns by less than 20 degrees; a smaller turn
+/// that stands alone between flat faces parts them too. Throws Error(case_file) when the surface is not
+/// closed, or its normals point into the body.
+SurfacePatches find_patches(const InterfaceMesh&);
+
+}  // namespace strake::fluid
