@@ -16,12 +16,10 @@ namespace {
 constexpr double least_ratio = 0.1;
 /// Where |m| is this part of the second row's the surface begins to count, and where it counts in full.
 constexpr double surface_begins = 0.5, surface_counts = 0.9;
-/// Part of the first row's crowding above which a particle is the first row.
-constexpr double first_row = 0.5;
-/// How far from the lattice's the height of a row may be taken.
-constexpr double least_height = 0.6, largest_height = 1.6;
-/// Depth of the middle of the first and the second row below the surface [l0].
-constexpr double first_depth = 0.5, second_depth = 1.5;
+/// Depth of the middle of the first row below the surface, and the bounds of what is taken for a depth [l0].
+constexpr double first_depth = 0.5, least_depth = 0.4, largest_depth = 2.0;
+/// Part of the first row's weights whose lack makes an edge: no flat surface, and no depth below first_depth.
+constexpr double edge = 0.25;
 /// A particle that lies less deep than this is shown as surface [l0].
 constexpr double shown_depth = 1.0;
 
@@ -74,7 +72,7 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
     : p_(p),
       gradient_(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
       laplacian_(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
-      lattice_(laplacian_, gradient_, p.spacing),
+      lattice_(laplacian_, p.spacing),
       walls_(boundary, state, p.spacing) {
   const std::int64_t water = boundary.water();
   const auto count = static_cast<std::size_t>(water);
@@ -85,12 +83,14 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
   for (Eigen::VectorXd* v : {&diagonal_, &volume_, &surface_factor_, &surface_pull_, &surface_share_})
     v->setZero(water);
   mean_approach_.setZero(dim, state.position.cols());
+  cover_.setZero(state.position.cols());
 }
 
 template <int dim>
 void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
                                 const Neighbours& near) {
   walls_.update(boundary, state, near);
+  cover_rows(boundary, state, near);
   const std::int64_t water = boundary.water();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
@@ -99,6 +99,31 @@ void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state
     else
       fit<false>(boundary, state, far, near, i);
   }
+}
+
+// Hats of width l0 over the layer of water next to the face: a lattice's sum to one inside, and to as much of
+// the row's length as lies below the water's level at its end.
+template <int dim>
+void FittedScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<dim>& state,
+                                   const Neighbours& near) {
+  const auto n = static_cast<std::int64_t>(state.kind.size());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t j = boundary.water(); j < n; ++j) {
+    if (boundary.master_of(j) >= 0) continue;
+    cover_[j] = walls_.wet(j) ? 1 : 0;
+    if (!walls_.wet(j) || walls_.corner(j)) continue;
+    double sum = 0;
+    const auto columns = near.row(j);
+    for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
+      const Vector<dim> r =
+          boundary.tank().periodic().separation(state.position.col(j), state.position.col(columns[e]));
+      const double up = r.dot(walls_.normal(j)), aside = std::sqrt(std::max(0.0, r.squaredNorm() - up * up));
+      if (up - walls_.depth(j) < p_.spacing) sum += std::max(0.0, 1 - aside / p_.spacing);
+    }
+    cover_[j] = std::min(1.0, sum);
+  }
+  for (std::int64_t j = boundary.water(); j < n; ++j)
+    if (const std::int32_t master = boundary.master_of(j); master >= 0) cover_[j] = cover_[master];
 }
 
 template <int dim>
@@ -152,14 +177,16 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     return (gradient_.radius * near_inverses[e] - 1) * near_inverses[e] * near_inverses[e];
   };
   Vector<dim> walled = open;
-  double weights = diagonal;
+  double weights = diagonal, filled = 1 + volume;
   for (std::size_t e = inner; e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
     if (!walls_.wet(j)) continue;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
     const double far_weight = reach * inverses[e] - 1;
     weights += far_weight;
-    volume += volume_weight(1 / (inverses[e] * reach));
+    const double part = volume_weight(1 / (inverses[e] * reach));
+    volume += part;
+    filled += cover_[j] * part;
     open += far_weight * r;
     walled += far_weight * walls_.held(j, r);
   }
@@ -182,27 +209,16 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   const double m = open.norm();
   double share =
       std::clamp((m / lattice_.second_moment - surface_begins) / (surface_counts - surface_begins), 0.0, 1.0);
-  double factor = 0, depth = second_depth * p_.spacing;
+  double factor = 0, depth = largest_depth * p_.spacing;
   Vector<dim> inward = Vector<dim>::Zero();
   Tensor<dim> all = a + b;
   double pull = 0;
   if (share > 0 || weights < lattice_.first_weights) {
     if (m > 0) inward = open / m;
-    // The rows' distance beneath the surface: stretched water has a thicker half row.
-    double height = 0, height_squared = 0;
-    for (std::size_t e = 0; e < near_columns.size(); ++e) {
-      const double w = gradient_.radius * near_inverses[e] - 1;
-      if (near_columns[e] >= water && !walls_.wet(near_columns[e])) continue;
-      const double down = inward.dot(periodic.separation(x, state.position.col(near_columns[e])));
-      if (down <= 0.3 * p_.spacing) continue;
-      height += w * down;
-      height_squared += w * down * down;
-    }
-    const double stretch =
-        height > 0 ? std::clamp(height_squared / height / lattice_.row_height, least_height, largest_height)
-                   : 1.0;
-    const double first = std::min(1.0, crowding.norm() / (first_row * lattice_.first_crowding));
-    depth = (second_depth + (first_depth - second_depth) * first) * p_.spacing * stretch;
+    const double sharp = std::clamp((1 - weights / lattice_.first_weights) / edge, 0.0, 1.0);
+    depth = std::clamp(lattice_.depth(filled / (1 + lattice_.volume)),
+                       (least_depth + (first_depth - least_depth) * sharp) * p_.spacing,
+                       largest_depth * p_.spacing);
     factor = share * std::max(0.0, walled.dot(inward)) / depth;
     // A film or a drop has surface on both sides, so that m says little: its missing weight does.
     const double missing = (lattice_.weights - weights) / (lattice_.weights - lattice_.first_weights);

@@ -68,6 +68,7 @@ class FittedScheme {
   Vector<dim> approach(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
   bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
   void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
+  void cover_rows(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   template <bool seams>
   void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
   template <bool seams>
@@ -95,6 +96,7 @@ class FittedScheme {
   Eigen::VectorXd surface_factor_;  // κ
   Eigen::VectorXd surface_pull_;    // weight/d of the surface in ∇p
   Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
+  Eigen::VectorXd cover_;           // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
   Vectors<dim> gradient_of_p_, change_, mean_approach_;
 };
