@@ -41,7 +41,7 @@ double ordered_sum(const std::vector<double>& partial) {
 inline double times(const PressureSystem& system, const double* x, std::int64_t k) {
   const std::int64_t begin = system.start.data()[k], end = system.stop.data()[k];
   const std::int32_t* column = system.column.data();
-  const double* value = system.value.data();
+  const float* value = system.value.data();
   double s0 = system.diagonal.data()[k] * x[k], s1 = 0, s2 = 0, s3 = 0;
   std::int64_t e = begin;
   for (; e + 4 <= end; e += 4) {

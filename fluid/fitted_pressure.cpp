@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace strake::fluid {
 
@@ -24,35 +25,24 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
   const double drift =
       p_.scheme.source == Source::divergence ? 0.0 : scale * rho * drift_factor(p_.scheme, dt) / (dt * dt);
 
-  system.particle.clear();
-  system.unknown_of.assign(state.kind.size(), -1);
-  for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.parked(state, i)) continue;
-    system.unknown_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(system.particle.size());
-    system.particle.push_back(static_cast<std::int32_t>(i));
+  // Row and unknown are those of the particle; one that is parked has neither neighbours nor pressure.
+  if (system.size() != water) {
+    system.particle.resize(static_cast<std::size_t>(water));
+    std::iota(system.particle.begin(), system.particle.end(), 0);
   }
-  const auto n = static_cast<std::int64_t>(system.particle.size());
-  system.start.resize(static_cast<std::size_t>(n));
-  system.stop.resize(static_cast<std::size_t>(n));
-  system.column.resize(far.column().size());
-  system.value.resize(far.column().size());
-  system.diagonal.resize(n);
-  system.right.resize(n);
+  system.start = far.start();
+  system.stop = water_stop_;
+  system.column = far.column();
+  system.value = entry_;
+  system.diagonal.resize(water);
+  system.right.resize(water);
 #pragma omp parallel for schedule(static)
-  for (std::int64_t k = 0; k < n; ++k) {
-    const std::int64_t i = system.particle[static_cast<std::size_t>(k)];
+  for (std::int64_t i = 0; i < water; ++i) {
+    const auto k = static_cast<std::size_t>(i);
     const auto columns = far.row(i);
     const auto inverses = far.inverses(i);
-    const auto first = static_cast<std::size_t>(far.start()[static_cast<std::size_t>(i)]);
-    std::size_t e = 0;
-    for (; e < columns.size() && columns[e] < water; ++e) {
-      system.column[first + e] = system.unknown_of[static_cast<std::size_t>(columns[e])];
-      system.value[first + e] = 1 - laplacian_.radius * inverses[e];
-    }
-    system.start[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(first);
-    system.stop[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(first + e);
     double flux = 0;
-    for (; e < columns.size(); ++e) {
+    for (auto e = static_cast<std::size_t>(water_stop_[k] - far.start()[k]); e < columns.size(); ++e) {
       const std::int64_t j = columns[e];
       if (!walls_.wet(j)) continue;
       const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
@@ -61,13 +51,14 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
     double deviation = volume_[i] / lattice_.volume - 1;
     if (surface_factor_[i] > 0) deviation = std::max(deviation, 0.0);
     if (std::isfinite(c)) deviation -= state.pressure[i] / (rho * c * c);
-    system.diagonal[k] = diagonal_[i] + surface_factor_[i] + compression;
-    system.right[k] = rho / dt * (flux - scale * divergence(i)) -
+    system.diagonal[i] = diagonal_[i] + surface_factor_[i] + compression;
+    system.right[i] = rho / dt * (flux - scale * divergence(i)) -
                       (1 - surface_share_[i]) * rho * gravity.dot(moment_.col(i)) +
                       compression * state.pressure[i] + drift * deviation;
-    if (system.diagonal[k] <= 0) {  // nothing near and no compressibility: nothing holds a pressure
-      system.diagonal[k] = 1;
-      system.right[k] = 0;
+    // Nothing near and no compressibility: nothing holds a pressure.
+    if (system.diagonal[i] <= 0 || boundary.parked(state, i)) {
+      system.diagonal[i] = 1;
+      system.right[i] = 0;
     }
   }
 }

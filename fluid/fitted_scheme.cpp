@@ -79,7 +79,9 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
   water_.resize(count);
   all_.resize(count);
   velocity_gradient_.resize(count);
-  for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &gradient_of_p_, &change_}) v->setZero(dim, water);
+  motion_.resize(count);
+  water_stop_.resize(count);
+  for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &gradient_of_p_}) v->setZero(dim, water);
   for (Eigen::VectorXd* v : {&diagonal_, &volume_, &surface_factor_, &surface_pull_, &surface_share_})
     v->setZero(water);
   mean_approach_.setZero(dim, state.position.cols());
@@ -92,6 +94,7 @@ void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state
   walls_.update(boundary, state, near);
   cover_rows(boundary, state, near);
   const std::int64_t water = boundary.water();
+  entry_.resize(far.column().size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.tank().periodic().any())
@@ -137,6 +140,9 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   const double reach = laplacian_.radius;
   const Vector<dim> x = state.position.col(i);
   const std::size_t inner = water_pairs(columns, water);
+  const auto k = static_cast<std::size_t>(i);
+  float* const entries = entry_.data() + far.start()[k];
+  water_stop_[k] = far.start()[k] + static_cast<std::int64_t>(inner);
   // w_L, W and w/r² of eight pairs at a time; the last is zero beyond the gradient's radius.
   Lanes8 diagonals{}, volumes{}, opens[dim]{}, crowdings[dim]{};
   Lanes8 moments[Symmetric<dim>::parts]{};  // Σ w r⊗r/r²
@@ -144,28 +150,35 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     const auto [r, inverse, one] =
         eight_pairs<seams>(state, periodic, i, columns.first(inner), inverses.first(inner), e);
     Lanes8 squares = r[0] * r[0];
+#pragma GCC unroll 6
     for (int d = 1; d < dim; ++d) squares += r[d] * r[d];
-    const Lanes8 w = positive(reach * inverse - one), q = squares * inverse * (1 / reach);
+    const Floats8 single = lanes::narrowed(positive(reach * inverse - one));
+    lanes::store(-single, entries + e, inner - e);
+    const Lanes8 w = lanes::widened(single), q = squares * inverse * (1 / reach);
     const Lanes8 s = positive(one - q);
     diagonals += w;
     volumes += s * s * s * s * (1 + 4 * q);
     const Lanes8 near_weight = positive(gradient_.radius * inverse - one) * inverse * inverse;
     Lanes8 arm[dim];
+#pragma GCC unroll 6
     for (int d = 0; d < dim; ++d) {
       opens[d] += w * r[d];
       arm[d] = near_weight * r[d];
       crowdings[d] += arm[d];
     }
+#pragma GCC unroll 6
     for (int m = 0; m < Symmetric<dim>::parts; ++m)
       moments[m] += arm[Symmetric<dim>::row[m]] * r[Symmetric<dim>::column[m]];
   }
   double diagonal = sum(diagonals), volume = sum(volumes);
   Tensor<dim> b, a = Tensor<dim>::Zero();
   Vector<dim> open, crowding;
+#pragma GCC unroll 6
   for (int d = 0; d < dim; ++d) {
     open[d] = sum(opens[d]);
     crowding[d] = sum(crowdings[d]);
   }
+#pragma GCC unroll 6
   for (int m = 0; m < Symmetric<dim>::parts; ++m) {
     const int row = Symmetric<dim>::row[m], column = Symmetric<dim>::column[m];
     b(row, column) = b(column, row) = sum(moments[m]);
@@ -199,21 +212,20 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     const Vector<dim> held = walls_.held(j, r);
     a.noalias() += near_weight(e) * held * held.transpose();
   }
-  const auto k = static_cast<std::size_t>(i);
   inverse_where_seen<dim>(b, water_[k]);
   moment_.col(i) = walled;
   crowding_.col(i) = crowding;
   diagonal_[i] = diagonal;
   volume_[i] = volume;
 
-  const double m = open.norm();
-  double share =
-      std::clamp((m / lattice_.second_moment - surface_begins) / (surface_counts - surface_begins), 0.0, 1.0);
-  double factor = 0, depth = largest_depth * p_.spacing;
+  double factor = 0, depth = largest_depth * p_.spacing, share = 0, pull = 0;
   Vector<dim> inward = Vector<dim>::Zero();
   Tensor<dim> all = a + b;
-  double pull = 0;
-  if (share > 0 || weights < lattice_.first_weights) {
+  const double least_moment = surface_begins * lattice_.second_moment;
+  if (open.squaredNorm() > least_moment * least_moment || weights < lattice_.first_weights) {
+    const double m = open.norm();
+    share =
+        std::clamp((m - least_moment) / (surface_counts * lattice_.second_moment - least_moment), 0.0, 1.0);
     if (m > 0) inward = open / m;
     const double sharp = std::clamp((1 - weights / lattice_.first_weights) / edge, 0.0, 1.0);
     depth = std::clamp(lattice_.depth(filled / (1 + lattice_.volume)),
@@ -245,18 +257,32 @@ template <bool seams>
 void FittedScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, const State<dim>& state,
                                                const Neighbours& near) {
   const auto& periodic = boundary.tank().periodic();
+  const double *const places = state.position.data(), *const velocities = state.velocity.data();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     const auto columns = near.row(i);
     const auto inverses = near.inverses(i);
-    const Vector<dim> u = state.velocity.col(i), x = state.position.col(i);
-    Tensor<dim> sum = Tensor<dim>::Zero();
-    for_pairs<seams>(state, periodic, x, columns.first(water_pairs(columns, boundary.water())),
-                     [&](std::size_t e, const Vector<dim>& r) {
-                       const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
-                       sum.noalias() += (w * (state.velocity.col(columns[e]) - u)) * r.transpose();
-                     });
-    velocity_gradient_[static_cast<std::size_t>(i)].noalias() = sum * water_[static_cast<std::size_t>(i)];
+    const auto x = column_at<dim>(places + dim * i), u = column_at<dim>(velocities + dim * i);
+    Column<dim> sum[dim]{};
+    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
+      const std::int64_t j = columns[e];
+      auto r = column_at<dim>(places + dim * j) - x;
+      if constexpr (seams) over_seams<dim>(periodic, r);
+      const auto du = column_at<dim>(velocities + dim * j) - u;
+      r *= (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+      for (int b = 0; b < dim; ++b) sum[b] += du * r[b];
+    }
+    const auto k = static_cast<std::size_t>(i);
+    const Tensor<dim>& inverse = water_[k];
+    Motion& motion = motion_[k];
+    motion.place = x;
+    motion.velocity = u;
+    for (int b = 0; b < dim; ++b) {
+      Column<dim> g = sum[0] * inverse(0, b);
+      for (int a = 1; a < dim; ++a) g += sum[a] * inverse(a, b);
+      motion.gradient[b] = g;
+      for (int a = 0; a < dim; ++a) velocity_gradient_[k](a, b) = g[a];
+    }
   }
 }
 
@@ -264,8 +290,8 @@ void FittedScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, co
 // momentum is exact. |δ| is bounded where the explicit step would overshoot.
 template <int dim>
 template <bool seams>
-void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, const State<dim>& state,
-                                    const Neighbours& near, double dt) {
+void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                                    double dt) {
   const auto& periodic = boundary.tank().periodic();
   const double factor = 2.0 * dim / (gradient_.n0 * gradient_.lambda0) * p_.scheme.filter * p_.spacing * dt;
   constexpr double most_of_a_step = 0.25;
@@ -274,18 +300,19 @@ void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, const State<d
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     const auto columns = near.row(i);
     const auto inverses = near.inverses(i);
-    const Vector<dim> u = state.velocity.col(i), x = state.position.col(i);
-    const Tensor<dim> half = 0.5 * velocity_gradient_[static_cast<std::size_t>(i)];
-    Vector<dim> sum = Vector<dim>::Zero();
-    for_pairs<seams>(state, periodic, x, columns.first(water_pairs(columns, boundary.water())),
-                     [&](std::size_t e, const Vector<dim>& r) {
-                       const auto j = static_cast<std::size_t>(columns[e]);
-                       const Vector<dim> jump =
-                           state.velocity.col(columns[e]) - u - half * r - 0.5 * (velocity_gradient_[j] * r);
-                       const double w = gradient_.radius * inverses[e] - 1;
-                       sum += (w * std::min(jump.norm(), bound)) * jump;
-                     });
-    change_.col(i) = factor * sum;
+    const Motion own = motion_[static_cast<std::size_t>(i)];
+    Column<dim> sum{};
+    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
+      const Motion& other = motion_[static_cast<std::size_t>(columns[e])];
+      auto r = other.place - own.place;
+      if constexpr (seams) over_seams<dim>(periodic, r);
+      auto jump = other.velocity - own.velocity;
+      for (int b = 0; b < dim; ++b) jump -= (own.gradient[b] + other.gradient[b]) * (0.5 * r[b]);
+      double square = jump[0] * jump[0];
+      for (int d = 1; d < dim; ++d) square += jump[d] * jump[d];
+      sum += jump * ((gradient_.radius * inverses[e] - 1) * std::min(std::sqrt(square), bound));
+    }
+    for (int d = 0; d < dim; ++d) state.velocity(d, i) += factor * sum[d];
   }
 }
 
@@ -302,7 +329,6 @@ void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state,
     find_filter<true>(boundary, state, near, dt);
   else
     find_filter<false>(boundary, state, near, dt);
-  state.velocity.leftCols(boundary.water()) += change_;
 }
 
 template class FittedScheme<2>;

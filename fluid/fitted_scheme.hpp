@@ -5,6 +5,7 @@
 #include "fluid/kernel.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/operators.hpp"
+#include "fluid/pair_lanes.hpp"
 #include "fluid/parameters.hpp"
 #include "fluid/pressure.hpp"
 #include "fluid/state.hpp"
@@ -74,12 +75,17 @@ class FittedScheme {
   template <bool seams>
   void find_velocity_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   template <bool seams>
-  void find_filter(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
+  void find_filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt);
   template <bool seams>
   void find_pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
   /// Share of the half spacing's slope that the face feels in one step: a sound wave goes through only c Δt
   /// of it.
   double slope_share(double dt) const;
+
+  /// What the filter reads of a neighbour, side by side in memory.
+  struct Motion {
+    Column<dim> place, velocity, gradient[dim];
+  };
 
   Parameters p_;
   LatticeConstants gradient_, laplacian_;
@@ -88,6 +94,9 @@ class FittedScheme {
   std::vector<Tensor<dim>> water_;              // [Σ_water w r⊗r/r²]⁻¹
   std::vector<Tensor<dim>> all_;                // the same with P r of wet rows and the free surface's part
   std::vector<Tensor<dim>> velocity_gradient_;  // ∇u* [1/s]
+  std::vector<float> entry_;                    // −w_L of each pair of water, as far's columns
+  std::vector<std::int64_t> water_stop_;        // end of the water in each row of far
+  std::vector<Motion> motion_;                  // of the last `filter`, before it
   Vectors<dim> moment_;                         // Σ w_L r over water, P r over wet rows [m]
   Vectors<dim> inward_;                         // unit vector away from the free surface
   Vectors<dim> crowding_;                       // Σ w r/r² [1/m]
@@ -98,7 +107,7 @@ class FittedScheme {
   Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
   Eigen::VectorXd cover_;           // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
-  Vectors<dim> gradient_of_p_, change_, mean_approach_;
+  Vectors<dim> gradient_of_p_, mean_approach_;
 };
 
 }  // namespace strake::fluid

@@ -8,7 +8,8 @@ namespace strake::fluid {
 namespace {
 
 /// (A x)_k without the diagonal, in single precision.
-inline float row_times(const PressureSystem& system, const float* value, const float* x, std::int64_t k) {
+inline float row_times(const PressureSystem& system, const float* x, std::int64_t k) {
+  const float* value = system.value.data();
   const std::int32_t* column = system.column.data();
   const std::int64_t begin = system.start.data()[k], end = system.stop.data()[k];
   float s0 = 0, s1 = 0, s2 = 0, s3 = 0;
@@ -55,7 +56,7 @@ void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
   const auto [piece_begin, piece_end] = team.share(pieces_.pieces());
   CoarseLevel<dim>& grid = grids_.finest();
   const auto [node_begin, node_end] = team.share(grid.unknowns());
-  const float *value = value_.data(), *diagonal = diagonal_.data(), *inverse = inverse_.data();
+  const float *diagonal = diagonal_.data(), *inverse = inverse_.data();
   const float* b = right_.data();
   float *x = swept_.data(), *r = solution_.data();
   const std::int32_t *order = pieces_.order.data(), *start = pieces_.piece_start.data();
@@ -67,8 +68,7 @@ void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
     return corner_weights<dim>(f);
   };
 
-  for (std::int64_t k = begin; k < end; ++k)
-    r[k] = b[k] - diagonal[k] * x[k] - row_times(system, value, x, k);
+  for (std::int64_t k = begin; k < end; ++k) r[k] = b[k] - diagonal[k] * x[k] - row_times(system, x, k);
   team.wait();
   for (std::int64_t p = piece_begin; p < piece_end; ++p) {
     std::array<float, corners> sum{};
@@ -104,13 +104,13 @@ void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
   }
   team.wait();
   for (std::int64_t k = begin; k < end; ++k)
-    r[k] = x[k] + inverse[k] * (b[k] - diagonal[k] * x[k] - row_times(system, value, x, k));
+    r[k] = x[k] + inverse[k] * (b[k] - diagonal[k] * x[k] - row_times(system, x, k));
 }
 
 template <int dim>
 std::size_t Multilevel<dim>::bytes() const {
-  std::size_t numbers = value_.capacity() + diagonal_.capacity() + inverse_.capacity() + excess_.capacity() +
-                        right_.capacity() + swept_.capacity() + solution_.capacity() + corner_sum_.capacity();
+  std::size_t numbers = diagonal_.capacity() + inverse_.capacity() + excess_.capacity() + right_.capacity() +
+                        swept_.capacity() + solution_.capacity() + corner_sum_.capacity();
   for (const auto& m : moment_) numbers += m.capacity();
   for (const auto& w : within_) numbers += w.capacity();
   return 4 * numbers + sizeof(Element) * elements_.capacity() + pieces_.bytes() + grids_.bytes();

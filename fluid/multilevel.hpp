@@ -50,7 +50,6 @@ class Multilevel {
   GridCycle<dim> grids_;
   std::vector<Element> elements_;                   // of each piece
   std::vector<SparseRows> parts_;                   // of the grid's rows, one per thread
-  std::vector<float> value_;                        // of A, entry by entry as in the system
   std::vector<float> diagonal_, inverse_, excess_;  // excess: of the diagonal over its row
   std::array<std::vector<float>, moments> moment_;  // ½ Σ w r rᵀ, in cells: xx, xy, yy (xx, xy, xz, …)
   std::vector<std::int32_t> scattered_;             // unknowns with entries that `is_exact`

@@ -19,18 +19,16 @@ constexpr float square(float x) {
 
 }  // namespace
 
-/// One pass over the rows: A in single precision; what the row holds beyond differences (P = 0 around it,
+/// One pass over the rows: what the row holds beyond differences (P = 0 around it,
 /// compressibility); the second moments ½ Σ_j w_ij r_ij r_ijᵀ; and which cells it touches.
 template <int dim>
 void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
   const std::int64_t n = system.size();
-  value_.resize(system.value.size());
   for (auto* v : {&diagonal_, &inverse_, &excess_}) v->resize(static_cast<std::size_t>(n));
   for (auto& m : moment_) m.resize(static_cast<std::size_t>(n));
   exact_row_.assign(static_cast<std::size_t>(n), -1);
-  const double* value = system.value.data();
+  const float* value = system.value.data();
   const std::int32_t* column = system.column.data();
-  float* single = value_.data();
   std::array<const float*, dim> at;
   for (std::size_t d = 0; d < dim; ++d) at[d] = pieces_.at[d].data();
 
@@ -50,10 +48,8 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
 #pragma omp simd reduction(+ : sum, xx, xy, yy, xz, yz, zz, own, far) reduction(| : touched)
     for (std::int64_t e = begin; e < end; ++e) {
       const std::int32_t j = column[e];
-      const double v = value[e];
-      const float w = -static_cast<float>(v);
-      single[e] = -w;
-      sum += v;
+      const float w = -value[e];
+      sum -= w;
       const float x = at[0][j], y = at[1][j];
       const float dx = x - centre[0], dy = y - centre[1];
       xx += w * dx * dx;
@@ -125,7 +121,7 @@ void Multilevel<dim>::read_scattered_row(const PressureSystem& system, std::int6
       exact_row_[row] = 0;  // numbered later
       continue;
     }
-    const float w = -value_[static_cast<std::size_t>(e)];
+    const float w = -system.value[static_cast<std::size_t>(e)];
     std::size_t at = 0;
     for (std::size_t a = 0; a < dim; ++a)
       for (std::size_t b = a; b < dim; ++b) sum[at++] += 0.5f * w * r[a] * r[b];

@@ -3,6 +3,7 @@
 #include "fluid/pair_lanes.hpp"
 #include "fluid/periodic.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -140,6 +141,30 @@ inline Lanes8 load(const double* from, int n) {
   Lanes8 out{};
   for (int k = 0; k < n; ++k) out[k] = from[k];
   return out;
+#endif
+}
+/// To the nearest of single precision, and back.
+inline Floats8 narrowed(const Lanes8& x) {
+#ifdef STRAKE_AVX512
+  return reinterpret_cast<Floats8>(_mm512_cvtpd_ps(reinterpret_cast<__m512d>(x)));
+#else
+  return __builtin_convertvector(x, Floats8);
+#endif
+}
+inline Lanes8 widened(const Floats8& x) {
+#ifdef STRAKE_AVX512
+  return reinterpret_cast<Lanes8>(_mm512_cvtps_pd(reinterpret_cast<__m256>(x)));
+#else
+  return __builtin_convertvector(x, Lanes8);
+#endif
+}
+/// Writes the first n lanes, all of them where n is larger.
+inline void store(const Floats8& from, float* to, std::size_t n) {
+#ifdef STRAKE_AVX512
+  _mm256_mask_storeu_ps(to, static_cast<__mmask8>(first_bits(static_cast<std::int64_t>(n))),
+                        reinterpret_cast<__m256>(from));
+#else
+  for (std::size_t k = 0; k < std::min<std::size_t>(n, width); ++k) to[k] = from[static_cast<int>(k)];
 #endif
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 namespace strake::fluid {
 
 /// Doubles that one instruction works on, where the machine has such wide ones; GCC's and Clang's vector
@@ -9,12 +11,25 @@ typedef double Lanes2 __attribute__((vector_size(16)));
 typedef double Lanes4 __attribute__((vector_size(32)));
 typedef double Lanes8 __attribute__((vector_size(64)));
 
+typedef float Floats8 __attribute__((vector_size(32)));
+
 struct Four {
   Lanes4 lanes;
 };
 struct Eight {
   Lanes8 lanes;
 };
+
+/// A vector of the plane, or of space with a zero behind it.
+template <int dim>
+using Column = std::conditional_t<dim == 2, Lanes2, Lanes4>;
+template <int dim>
+inline Column<dim> column_at(const double* x) {
+  if constexpr (dim == 2)
+    return Lanes2{x[0], x[1]};
+  else
+    return Lanes4{x[0], x[1], x[2], 0};
+}
 
 inline Lanes8 all8(double x) {
   return Lanes8{x, x, x, x, x, x, x, x};

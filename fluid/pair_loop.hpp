@@ -18,6 +18,12 @@ inline std::size_t water_pairs(std::span<const std::int32_t> columns, std::int64
   return n;
 }
 
+/// The nearest image of a neighbour: r over the seams where that is shorter.
+template <int dim, class Pair>
+inline void over_seams(const Periodic<dim>& periodic, Pair& r) {
+  for (int d = 0; d < dim; ++d) r[d] = periodic.nearest(r[d], d);
+}
+
 /// body(e, r): for each column of a row its number in the row and r = x_j − x over the seams.
 template <bool seams, int dim, class Body>
 inline void for_pairs(const State<dim>& state, const Periodic<dim>& periodic, const Vector<dim>& x,

@@ -38,18 +38,19 @@ template <int dim>
 void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms, const Scheme& scheme,
                        const LatticeConstants& laplacian, PressureSystem& system) {
   const auto n = static_cast<std::int64_t>(terms.row.size());
+  auto& own = system.own;
   system.particle.clear();
-  system.unknown_of.assign(terms.row.size(), -1);
+  own.unknown_of.assign(terms.row.size(), -1);
   for (std::int64_t i = 0; i < n; ++i) {
     if (terms.row[static_cast<std::size_t>(i)] != Row::unknown) continue;
-    system.unknown_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(system.particle.size());
+    own.unknown_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(system.particle.size());
     system.particle.push_back(static_cast<std::int32_t>(i));
   }
   const std::int64_t unknowns = system.size();
-  system.start.resize(system.particle.size());
-  system.stop.resize(system.particle.size());
-  system.column.resize(neighbours.column().size());
-  system.value.resize(neighbours.column().size());
+  own.start.resize(system.particle.size());
+  own.stop.resize(system.particle.size());
+  own.column.resize(neighbours.column().size());
+  own.value.resize(neighbours.column().size());
   system.diagonal.resize(unknowns);
   system.right.resize(unknowns);
 
@@ -74,15 +75,15 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
       if (role == Row::none || inverses[e] <= inverse_radius) continue;
       const double between =
           density[i] == rho || density[j] == rho ? 1.0 : 2.0 * rho / (density[i] + density[j]);
-      const double w = (radius * inverses[e] - 1.0) * between;
+      const auto w = static_cast<float>((radius * inverses[e] - 1.0) * between);
       diagonal += w;
       if (role == Row::zero) continue;
-      system.column[static_cast<std::size_t>(at)] = system.unknown_of[static_cast<std::size_t>(j)];
-      system.value[static_cast<std::size_t>(at)] = -w;
+      own.column[static_cast<std::size_t>(at)] = own.unknown_of[static_cast<std::size_t>(j)];
+      own.value[static_cast<std::size_t>(at)] = -w;
       ++at;
     }
-    system.start[static_cast<std::size_t>(k)] = first;
-    system.stop[static_cast<std::size_t>(k)] = at;
+    own.start[static_cast<std::size_t>(k)] = first;
+    own.stop[static_cast<std::size_t>(k)] = at;
     system.diagonal[k] = diagonal + scale / (c_dt * c_dt);
     system.right[k] = right_side(terms, scheme, scale, gamma, i);
     if (system.diagonal[k] <= 0) {  // no neighbour and no compressibility: nothing holds a pressure
@@ -90,6 +91,10 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
       system.right[k] = 0;
     }
   }
+  system.start = own.start;
+  system.stop = own.stop;
+  system.column = own.column;
+  system.value = own.value;
 }
 
 int close_sealed_blocks(PressureSystem& system) {

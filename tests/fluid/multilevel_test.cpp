@@ -213,7 +213,7 @@ TEST(Multilevel, WhatIsNoNumberEndsTheSolveAndShowsInTheResidual) {
   right.right[17] = nan;
   EXPECT_FALSE(solve(right, c, scheme).residual <= tolerance);
   PressureSystem matrix = c.assemble();
-  matrix.value[static_cast<std::size_t>(matrix.start[100])] = nan;
+  matrix.own.value[static_cast<std::size_t>(matrix.start[100])] = nan;
   EXPECT_FALSE(solve(matrix, c, scheme).residual <= tolerance);
   PressureCase<2> places = c;
   const PressureSystem good = c.assemble();
