@@ -10,13 +10,17 @@ namespace strake::fluid {
 
 /// Row i, times −s/ρ … as PressureSystem, s = n0 λ/(2d):
 ///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²Δt²)
+///     + Σ_rows w (−m·P r)/(cΔt) (p_i − p_still)
 ///     = Σ_rows w q_ij − (1−σ) ρ g·m_i − s (ρ/Δt) ∇·u* + s pⁿ/(c²Δt²) + s (ρ γ/Δt²) (δ − pⁿ/(ρc²)),
-/// σ the surface's share, γ = Δt/τ, δ = Σ W/Σ_lattice W − 1, not below zero beside the surface.
+/// m the normals of absorbing walls, σ the surface's share, γ = Δt/τ, δ = Σ W/Σ_lattice W − 1, not below zero
+/// beside the surface.
 template <int dim>
 void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>& state,
                                  const Neighbours& far, const Vector<dim>& gravity, double dt,
                                  PressureSystem& system) {
   approach_from_mean(boundary, state, far);
+  gravity_ = gravity;
+  const bool absorbs = boundary.tank().absorbs();
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
   const double rho = p_.density, c = p_.sound_speed;
@@ -41,20 +45,24 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
     const auto k = static_cast<std::size_t>(i);
     const auto columns = far.row(i);
     const auto inverses = far.inverses(i);
-    double flux = 0;
+    double flux = 0, yields = 0;
     for (auto e = static_cast<std::size_t>(water_stop_[k] - far.start()[k]); e < columns.size(); ++e) {
       const std::int64_t j = columns[e];
       if (!walls_.wet(j)) continue;
       const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
-      flux += (laplacian_.radius * inverses[e] - 1) * approach(boundary, state, i, j).dot(walls_.held(j, r));
+      const double w = laplacian_.radius * inverses[e] - 1;
+      const Vector<dim> held = walls_.held(j, r);
+      flux += w * approach(boundary, state, i, j).dot(held);
+      if (absorbs) yields -= w * boundary.tank().absorbing(j).dot(held) / (c * dt);
     }
     double deviation = volume_[i] / lattice_.volume - 1;
     if (surface_factor_[i] > 0) deviation = std::max(deviation, 0.0);
     if (std::isfinite(c)) deviation -= state.pressure[i] / (rho * c * c);
-    system.diagonal[i] = diagonal_[i] + surface_factor_[i] + compression;
+    system.diagonal[i] = diagonal_[i] + surface_factor_[i] + compression + yields;
     system.right[i] = rho / dt * (flux - scale * divergence(i)) -
                       (1 - surface_share_[i]) * rho * gravity.dot(moment_.col(i)) +
                       compression * state.pressure[i] + drift * deviation;
+    if (absorbs) system.right[i] += yields * still_pressure(boundary, state.position.col(i));
     // Nothing near and no compressibility: nothing holds a pressure.
     if (system.diagonal[i] <= 0 || boundary.parked(state, i)) {
       system.diagonal[i] = 1;
@@ -110,7 +118,8 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
       if (!walls_.wet(j) || !over(boundary, state, i, j)) continue;
       const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
       const Vector<dim> held = walls_.held(j, periodic.separation(x, state.position.col(j)));
-      sum += w * slope * approach(boundary, state, i, j).dot(held) * held;
+      const Vector<dim> past = approach(boundary, state, i, j) + yielding(boundary, state, i, j);
+      sum += w * slope * past.dot(held) * held;
     }
     gradient_of_p_.col(i).noalias() = all_[static_cast<std::size_t>(i)] * sum;
   }

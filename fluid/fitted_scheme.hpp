@@ -67,6 +67,11 @@ class FittedScheme {
   /// u* over the face of row j as particle i sees it, less U [m/s]. A particle that lies beyond the face's
   /// end does not know that velocity: it takes the mean of those that lie over the face.
   Vector<dim> approach(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
+  /// What an absorbing wall's yielding adds to it, U = −(p_i − p_still)/(ρc) m, m its normals: a wave that
+  /// goes out finds the water's own ρc [m/s].
+  Vector<dim> yielding(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
+  /// ρ g times the depth of x under the water's upper edge at the start [Pa].
+  double still_pressure(const Boundary<dim>&, const Vector<dim>& x) const;
   bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
   void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   void cover_rows(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
@@ -107,6 +112,7 @@ class FittedScheme {
   Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
   Eigen::VectorXd cover_;           // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
+  Vector<dim> gravity_ = Vector<dim>::Zero();  // of the step, less the tank's acceleration [m/s²]
   Vectors<dim> gradient_of_p_, mean_approach_;
 };
 

@@ -37,6 +37,20 @@ Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const Sta
 }
 
 template <int dim>
+double FittedScheme<dim>::still_pressure(const Boundary<dim>& boundary, const Vector<dim>& x) const {
+  const double depth = p_.water.max[1] - boundary.tank().in_tank(x)[1];
+  return std::max(0.0, -p_.density * gravity_[1] * depth);
+}
+
+template <int dim>
+Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>& boundary, const State<dim>& state,
+                                        std::int64_t i, std::int64_t j) const {
+  if (!boundary.tank().absorbs()) return Vector<dim>::Zero();
+  const double excess = state.pressure[i] - still_pressure(boundary, state.position.col(i));
+  return excess / (p_.density * p_.sound_speed) * boundary.tank().absorbing(j);
+}
+
+template <int dim>
 void FittedScheme<dim>::approach_from_mean(const Boundary<dim>& boundary, const State<dim>& state,
                                            const Neighbours& far) {
   const auto n = static_cast<std::int64_t>(state.kind.size());
@@ -90,7 +104,8 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
       const double w = gradient_.radius * inverses[e] - 1;
       if (w <= 0 || !over(boundary, state, i, j)) continue;
       const double up = normal.dot(boundary.tank().periodic().separation(state.position.col(i), face));
-      sum += w * (state.pressure[i] + slope * up * normal.dot(approach(boundary, state, i, j)));
+      sum += w * (state.pressure[i] +
+                  slope * up * normal.dot(approach(boundary, state, i, j) + yielding(boundary, state, i, j)));
       weights += w;
     }
     if (weights <= 0) continue;
@@ -107,6 +122,9 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
                                                    std::int64_t) const;                                      \
   template void FittedScheme<dim>::approach_from_mean(const Boundary<dim>&, const State<dim>&,               \
                                                       const Neighbours&);                                    \
+  template Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>&, const State<dim>&, std::int64_t,    \
+                                                   std::int64_t) const;                                      \
+  template double FittedScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const;         \
   template double FittedScheme<dim>::slope_share(double) const;                                              \
   template RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>&, State<dim>&,                   \
                                                         const Neighbours&, double) const;

@@ -212,6 +212,10 @@ void check_together(CaseFile& file, const CommonKeys& common, const Parameters& 
                        fmt::format("at most the exchange interval, coupling.{}.window = {:.6g} s",
                                    common.interface, common.window),
                        fmt::format("time_step = {:.6g}, or a longer window", common.window));
+  if ((p.absorbing_bottom || p.absorbing_sides) && p.scheme.gradient != Gradient::least_squares)
+    throw scheme.error("gradient",
+                       "least-squares with fluid.absorbing: the other schemes' walls do not yield",
+                       "gradient = \"least-squares\", or leave fluid.absorbing out");
   if (p.scheme.gradient == Gradient::least_squares) {
     CaseTable source = scheme.table("source");
     if (p.scheme.source == Source::density)

@@ -81,9 +81,10 @@ struct Parameters {
   bool open_top = true;                 // box: no lid; polygon: no wall from its last corner to its first
   std::array<bool, 3> periodic{};       // axes along which the tank repeats itself
   WallSlip wall = WallSlip::free_slip;  // of the tank
-  TankMotion motion;                    // of the tank
-  double end_time = 0;                  // [s] of the run: how far the tank may move
-  std::string interface = "surface";    // surface | volume
+  bool absorbing_bottom = false, absorbing_sides = false;  // walls that let sound out
+  TankMotion motion;                                       // of the tank
+  double end_time = 0;                                     // [s] of the run: how far the tank may move
+  std::string interface = "surface";                       // surface | volume
   SolidVelocity solid_velocity = SolidVelocity::replace;
   Scheme scheme;
   std::vector<ProbeKeys> probes;  // those of the fluid

@@ -97,7 +97,12 @@ class Grid {
 
 template <int dim>
 Tank<dim>::Tank(const Parameters& p, double reach, const State<dim>& filled)
-    : shape_(p), motion_(p.motion), spacing_(p.spacing), reach_(reach), pivot_(p.motion.pivot.head<dim>()) {
+    : shape_(p),
+      motion_(p.motion),
+      spacing_(p.spacing),
+      reach_(reach),
+      absorbs_(p.absorbing_bottom || p.absorbing_sides),
+      pivot_(p.motion.pivot.head<dim>()) {
   Vector<dim> period = Vector<dim>::Zero();
   for (int d = 0; d < dim; ++d)
     if (p.periodic[static_cast<std::size_t>(d)]) period[d] = shape_.high()[d] - shape_.low()[d];
@@ -152,6 +157,12 @@ template <int dim>
 Vector<dim> Tank<dim>::area_of(std::int64_t i) const {
   if (!has(i)) return Vector<dim>::Zero();
   return motion_.turns() ? turned(now_, part(i).area) : part(i).area;
+}
+
+template <int dim>
+Vector<dim> Tank<dim>::absorbing(std::int64_t i) const {
+  if (!has(i)) return Vector<dim>::Zero();
+  return motion_.turns() ? turned(now_, part(i).absorbing) : part(i).absorbing;
 }
 
 template <int dim>

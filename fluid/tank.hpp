@@ -23,6 +23,8 @@ class Tank {
   const TankShape<dim>& shape() const { return shape_; }
   std::int64_t first() const { return first_; }
   std::int64_t last() const { return last_; }
+  /// Whether any wall yields to sound.
+  bool absorbs() const { return absorbs_; }
   bool moves() const { return motion_.moves(); }
   /// The directions in which the tank repeats itself.
   const Periodic<dim>& periodic() const { return periodic_; }
@@ -34,6 +36,8 @@ class Tank {
   Vector<dim> normal_of(std::int64_t i) const;
   /// Area of the faces that wall particle i stands for, into the water [m, m² in 3-D].
   Vector<dim> area_of(std::int64_t i) const;
+  /// Sum of the normals of the absorbing faces that row i stands for; zero: it does not yield.
+  Vector<dim> absorbing(std::int64_t i) const;
   /// Middle of its face in the tank as the case gives it: where a sensor looks for it.
   Vector<dim> face_of(std::int64_t i) const;
   /// Whether its load is the floor's: rows below the water.
@@ -86,6 +90,7 @@ class Tank {
   std::int64_t walls_ = 0;  // [first, first + walls) carry a pressure
   std::vector<WallParticle<dim>> part_;
   std::vector<std::int32_t> master_;
+  bool absorbs_;
   Frame now_;                  // of the particles' places
   Vectors<dim> acceleration_;  // empty for a tank at rest
   Vector<dim> pivot_, parking_;

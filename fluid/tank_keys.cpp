@@ -86,6 +86,24 @@ void read_periodic(CaseTable& t, Parameters& p) {
                   "fluid.tank = [[...], [...]]");
 }
 
+void read_absorbing(CaseTable& t, Parameters& p) {
+  std::vector<std::string> walls;
+  t.texts(
+      "absorbing", walls,
+      {.help =
+           "walls that send no echo back, \"bottom\", \"sides\": they yield by (p - rho g depth)/(rho c); "
+           "with least-squares and a finite sound_speed"});
+  for (const std::string& wall : walls) {
+    if (wall != "bottom" && wall != "sides")
+      throw t.error("absorbing", "a list of \"bottom\" and \"sides\"", "absorbing = [\"bottom\", \"sides\"]");
+    (wall == "bottom" ? p.absorbing_bottom : p.absorbing_sides) = true;
+  }
+  if (!walls.empty() && !std::isfinite(p.sound_speed))
+    throw t.error("absorbing",
+                  "nothing: incompressible water has no echo, and a wall that yields would let it out",
+                  "leave absorbing out, or sound_speed = 1500");
+}
+
 void read_motion_keys(CaseTable t, const CommonKeys& common, Parameters& p) {
   TankMotion& m = p.motion;
   std::filesystem::path file;
@@ -145,6 +163,7 @@ void read_tank(CaseTable t, const CommonKeys& common, Parameters& p) {
       "wall", p.wall, {{"free-slip", WallSlip::free_slip}, {"no-slip", WallSlip::no_slip}},
       {.paper = "no-slip",
        .help = "of the tank for viscous stresses; the layer of water on a wall is far thinner than spacing"});
+  read_absorbing(t, p);
   read_motion_keys(t.table("motion", "how the tank moves: a table, or a sine; at rest where it is not given"),
                    common, p);
 }

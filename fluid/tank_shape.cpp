@@ -68,6 +68,8 @@ TankShape<dim>::TankShape(const Parameters& p)
       low_(p.tank.min.head<dim>()),
       high_(p.tank.max.head<dim>()),
       open_top_(p.open_top),
+      absorbing_bottom_(p.absorbing_bottom),
+      absorbing_sides_(p.absorbing_sides),
       periodic_(p.periodic) {
   if constexpr (dim == 2) {
     const std::size_t n = p.tank_polygon.size();
@@ -129,6 +131,8 @@ WallParticles<dim> TankShape<dim>::box_particles(int dummy_rows) const {
           if (out <= 0) continue;
           layer = std::max(layer, out);
           particle.normal[d] = c[k] < 0 ? 1 : -1;
+          const bool absorbs = d == 1 ? absorbing_bottom_ && c[k] < 0 : absorbing_sides_;
+          if (absorbs) particle.absorbing[d] = particle.normal[d];
           ++sides;
         }
         if (layer == 0) continue;
@@ -205,6 +209,13 @@ WallParticles<dim> TankShape<dim>::polygon_particles(int dummy_rows) const {
           if (other &&
               std::abs(std::acos(std::clamp(other->along.dot(edge.along), -1.0, 1.0))) > corner_angle)
             particle.normal.setZero();
+          for (const Edge* face : {&edge, other}) {
+            if (!face) continue;
+            const bool bottom = face->normal.y() > level_floor,
+                       side = std::abs(face->normal.y()) <= level_floor;
+            if ((bottom && absorbing_bottom_) || (side && absorbing_sides_))
+              particle.absorbing += face->normal;
+          }
           particle.floor = edge.normal.y() > level_floor || (other && other->normal.y() > level_floor);
           // The stretch of its face that is nearest to it along the face; a corner's reaches to the end.
           if (row == 0) {

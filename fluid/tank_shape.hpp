@@ -15,9 +15,10 @@ namespace strake::fluid {
 template <int dim>
 struct WallParticle {
   Vector<dim> position;
-  Vector<dim> normal = Vector<dim>::Zero();  // of the face, into the water; zero where two faces meet
-  Vector<dim> area = Vector<dim>::Zero();    // of the faces it stands for, into the water [m, m² in 3-D]
-  bool floor = false;                        // below the water: its load counts as the floor's
+  Vector<dim> normal = Vector<dim>::Zero();     // of the face, into the water; zero where two faces meet
+  Vector<dim> area = Vector<dim>::Zero();       // of the faces it stands for, into the water [m, m² in 3-D]
+  Vector<dim> absorbing = Vector<dim>::Zero();  // sum of the normals of its absorbing faces
+  bool floor = false;                           // below the water: its load counts as the floor's
 };
 template <int dim>
 struct WallParticles {
@@ -78,7 +79,7 @@ class TankShape {
 
   double spacing_;
   Vector<dim> low_, high_;
-  bool open_top_;
+  bool open_top_, absorbing_bottom_, absorbing_sides_;
   std::array<bool, 3> periodic_;
   std::vector<Edge> edges_;  // empty: a box
 };

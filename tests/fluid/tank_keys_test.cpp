@@ -91,6 +91,16 @@ TEST(TankKeys, three_dimensions_are_read) {
   EXPECT_EQ(fill<3>(p).kind.size() % 10, 0u);  // every row of ten along z
 }
 
+TEST(TankKeys, walls_that_absorb_sound_are_named) {
+  const auto p = read_with(box + "absorbing = [\"bottom\", \"sides\"]\n");
+  EXPECT_TRUE(p.absorbing_bottom);
+  EXPECT_TRUE(p.absorbing_sides);
+  EXPECT_FALSE(read_with(box + "absorbing = [\"bottom\"]\n").absorbing_sides);
+  expect_error(box + "absorbing = [\"lid\"]\n", "\"bottom\" and \"sides\"");
+  expect_error(box + "absorbing = [\"bottom\"]\nsound_speed = inf\n", "no echo");
+  expect_error(box + "absorbing = [\"bottom\"]\n[fluid.scheme]\ngradient = \"pairwise\"\n", "least-squares");
+}
+
 TEST(TankKeys, periodic_axes_are_checked) {
   EXPECT_TRUE(read_with(box + "periodic = [\"x\"]\n").periodic[0]);
   expect_error(box + "periodic = [\"z\"]\n", "\"x\" and \"y\"");
