@@ -101,6 +101,7 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
   const double slope = slope_share(dt) * p_.density / dt;
+  const double *const place = state.position.data(), *const pressure = state.pressure.data();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     const auto columns = near.row(i);
@@ -108,11 +109,17 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
     const Vector<dim> x = state.position.col(i);
     const double here = state.pressure[i];
     const std::size_t inner = water_pairs(columns, water);
-    Vector<dim> sum = surface_pull_[i] * here * inward_.col(i);
-    for_pairs<seams>(state, periodic, x, columns.first(inner), [&](std::size_t e, const Vector<dim>& r) {
+    const auto middle = column_at<dim>(place + dim * i);
+    Column<dim> rises{};
+    for (std::size_t e = 0; e < inner; ++e) {
+      const std::int64_t j = columns[e];
+      auto r = column_at<dim>(place + dim * j) - middle;
+      if constexpr (seams) over_seams<dim>(periodic, r);
       const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
-      sum += (w * (state.pressure[columns[e]] - here)) * r;
-    });
+      rises += r * (w * (pressure[j] - here));
+    }
+    Vector<dim> sum = surface_pull_[i] * here * inward_.col(i);
+    sum += Eigen::Map<const Vector<dim>>(reinterpret_cast<const double*>(&rises));
     for (std::size_t e = inner; e < columns.size(); ++e) {
       const std::int64_t j = columns[e];
       if (!walls_.wet(j) || !over(boundary, state, i, j)) continue;

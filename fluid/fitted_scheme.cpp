@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace strake::fluid {
 
@@ -42,6 +43,19 @@ template <int dim>
     inverses[a] = value > 0 ? seen / value : 0.0;
   }
   inverse.noalias() = eigen.eigenvectors() * inverses.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// The sums of the lanes, all at once: numbers written one by one and read as a vector would be waited for.
+template <int dim>
+inline Vector<dim> vector_of(const Lanes8 (&lanes)[dim]) {
+  Vector<dim> out;
+  if constexpr (dim == 2) {
+    const Lanes2 both{sum(lanes[0]), sum(lanes[1])};
+    std::memcpy(out.data(), &both, sizeof both);
+  } else {
+    for (int d = 0; d < dim; ++d) out[d] = sum(lanes[d]);
+  }
+  return out;
 }
 
 /// Written to its place number by number: a copy would wait for them.
@@ -172,12 +186,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   }
   double diagonal = sum(diagonals), volume = sum(volumes);
   Tensor<dim> b, a = Tensor<dim>::Zero();
-  Vector<dim> open, crowding;
-#pragma GCC unroll 6
-  for (int d = 0; d < dim; ++d) {
-    open[d] = sum(opens[d]);
-    crowding[d] = sum(crowdings[d]);
-  }
+  Vector<dim> open = vector_of<dim>(opens), crowding = vector_of<dim>(crowdings);
 #pragma GCC unroll 6
   for (int m = 0; m < Symmetric<dim>::parts; ++m) {
     const int row = Symmetric<dim>::row[m], column = Symmetric<dim>::column[m];
@@ -203,6 +212,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     open += far_weight * r;
     walled += far_weight * walls_.held(j, r);
   }
+  bool beside_wall = false;
   for (std::size_t e = near_inner; e < near_columns.size(); ++e) {
     const std::int64_t j = near_columns[e];
     if (!walls_.wet(j)) continue;
@@ -211,6 +221,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     if (!over(boundary, state, i, j)) continue;
     const Vector<dim> held = walls_.held(j, r);
     a.noalias() += near_weight(e) * held * held.transpose();
+    beside_wall = true;
   }
   inverse_where_seen<dim>(b, water_[k]);
   moment_.col(i) = walled;
@@ -220,7 +231,6 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
 
   double factor = 0, depth = largest_depth * p_.spacing, share = 0, pull = 0;
   Vector<dim> inward = Vector<dim>::Zero();
-  Tensor<dim> all = a + b;
   const double least_moment = surface_begins * lattice_.second_moment;
   if (open.squaredNorm() > least_moment * least_moment || weights < lattice_.first_weights) {
     const double m = open.norm();
@@ -239,11 +249,16 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
       factor = thin;
       share = 1;
     }
+    Tensor<dim> all = a + b;
     const double lacking = share * std::max(0.0, gradient_.n0 / dim - inward.dot(all * inward));
     all.noalias() += lacking * inward * inward.transpose();
     pull = lacking / depth;
+    inverse_where_seen<dim>(all, all_[k]);
+  } else if (beside_wall) {
+    inverse_where_seen<dim>(a + b, all_[k]);
+  } else {
+    inverse_where_seen<dim>(b, all_[k]);
   }
-  inverse_where_seen<dim>(all, all_[k]);
   inward_.col(i) = inward;
   surface_factor_[i] = factor;
   surface_share_[i] = share;

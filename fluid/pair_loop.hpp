@@ -24,21 +24,6 @@ inline void over_seams(const Periodic<dim>& periodic, Pair& r) {
   for (int d = 0; d < dim; ++d) r[d] = periodic.nearest(r[d], d);
 }
 
-/// body(e, r): for each column of a row its number in the row and r = x_j − x over the seams.
-template <bool seams, int dim, class Body>
-inline void for_pairs(const State<dim>& state, const Periodic<dim>& periodic, const Vector<dim>& x,
-                      std::span<const std::int32_t> columns, Body&& body) {
-  const double* const place = state.position.data();
-  for (std::size_t e = 0; e < columns.size(); ++e) {
-    const double* const other = place + dim * static_cast<std::ptrdiff_t>(columns[e]);
-    Vector<dim> r;
-    for (int d = 0; d < dim; ++d) r[d] = other[d] - x[d];
-    if constexpr (seams)
-      for (int d = 0; d < dim; ++d) r[d] = periodic.nearest(r[d], d);
-    body(e, r);
-  }
-}
-
 /// r, 1/|r| of eight pairs, and 1 where there is a pair; lanes without one are zero in all three.
 template <int dim>
 struct EightPairs {

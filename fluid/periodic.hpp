@@ -17,11 +17,12 @@ class Periodic {
   explicit Periodic(const Vector<dim>& length) : length_(length) {
     for (int d = 0; d < dim; ++d)
       half_[d] = length[d] > 0 ? 0.5 * length[d] : std::numeric_limits<double>::infinity();
+    any_ = (length.array() > 0).any();
   }
   const Vector<dim>& length() const { return length_; }          // [m]; 0: not periodic
   double half(int direction) const { return half_[direction]; }  // [m]; infinite where not periodic
   bool along(int direction) const { return length_[direction] > 0; }
-  bool any() const { return (length_.array() > 0).any(); }
+  bool any() const { return any_; }
 
   /// One component of a difference of places, over the seam where that is shorter. Exactly odd in its
   /// argument.
@@ -33,7 +34,8 @@ class Periodic {
   /// b − a to the nearest image of b; separation(b, a) is the same with the other sign, to the last bit.
   Vector<dim> separation(const Vector<dim>& a, const Vector<dim>& b) const {
     Vector<dim> r = b - a;
-    for (int d = 0; d < dim; ++d) r[d] = nearest(r[d], d);
+    if (any_)  // else left as it is: numbers written one by one would be waited for
+      for (int d = 0; d < dim; ++d) r[d] = nearest(r[d], d);
     return r;
   }
   /// The image of x in [low, low + length) of each periodic direction, for x not further off than one length.
@@ -48,6 +50,7 @@ class Periodic {
 
  private:
   Vector<dim> length_, half_;
+  bool any_ = false;
 };
 
 }  // namespace strake::fluid

@@ -71,6 +71,23 @@ bool well_conditioned(const Tensor<dim>& moment, double determinant) {
   return values[0] > 0 && values[dim - 1] <= c * values[0];
 }
 
+template <int dim>
+inline void invert(const Tensor<dim>& m, double determinant, Tensor<dim>& inverse) {
+  const double scale = 1 / determinant;
+  if constexpr (dim == 2) {
+    inverse(0, 0) = scale * m(1, 1);
+    inverse(1, 0) = -scale * m(1, 0);
+    inverse(0, 1) = -scale * m(0, 1);
+    inverse(1, 1) = scale * m(0, 0);
+  } else {
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b < dim; ++b) {
+        const int p = (b + 1) % dim, q = (b + 2) % dim, r = (a + 1) % dim, t = (a + 2) % dim;
+        inverse(a, b) = scale * (m(p, r) * m(q, t) - m(p, t) * m(q, r));
+      }
+  }
+}
+
 }  // namespace
 
 template <int dim>
@@ -148,20 +165,28 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
               [&](std::int32_t j, double inverse, double w) {
                 if (!flow.dry(j)) add(j, inverse, w);
               });
-    Tensor<dim> m, g;
+    // Number by number: a copy or product of whole tensors would wait for the numbers just written.
+    Tensor<dim> m;
+    double raw[dim][dim];
     for (int a = 0; a < dim; ++a)
       for (int b = 0; b < dim; ++b) {
         m(a, b) = stress_scale_ * (dim == 2 ? sum[0][4 * b + a] : sum[dim == 2 ? 0 : b][a]);
-        g(a, b) = stress_scale_ * (dim == 2 ? sum[0][4 * b + 2 + a] : sum[dim == 2 ? 0 : b][4 + a]);
+        raw[a][b] = stress_scale_ * (dim == 2 ? sum[0][4 * b + 2 + a] : sum[dim == 2 ? 0 : b][4 + a]);
       }
     const double determinant = m.determinant();
     double pr = 0;
     neighbours_[static_cast<size_t>(i)] = -1;
+    Tensor<dim> g;
     if (determinant >= smallest_determinant<dim> && well_conditioned<dim>(m, determinant)) {
       neighbours_[static_cast<size_t>(i)] = count;
-      const Tensor<dim> correction = m.inverse();
-      correction_[static_cast<size_t>(i)] = correction;
-      g *= correction;
+      Tensor<dim>& correction = correction_[static_cast<size_t>(i)];
+      invert<dim>(m, determinant, correction);
+      for (int a = 0; a < dim; ++a)
+        for (int b = 0; b < dim; ++b) {
+          double entry = raw[a][0] * correction(0, b);
+          for (int c = 1; c < dim; ++c) entry += raw[a][c] * correction(c, b);
+          g(a, b) = entry;
+        }
       for (int a = 0; a < dim; ++a)
         for (int b = 0; b < dim; ++b) pr += 0.5 * (g(a, b) + g(b, a)) * (g(a, b) + g(b, a));  // 2 S:S
     } else {
@@ -232,12 +257,18 @@ Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<
   const double viscosity = viscosity_[static_cast<size_t>(i)];
   const auto columns = flow.near.row(i);
   const auto inverses = flow.near.inverses(i);
-  [[maybe_unused]] Lanes8 turn[dim]{};  // C_i for the rows of τ, the identity for those of G; by columns
-  if constexpr (corrected)
-    for (int b = 0; b < dim; ++b)
-      for (int lane = 0; lane < 8; ++lane)
-        if (const int a = lane % width; a < dim)
-          turn[b][lane] = lane < 4 ? correction_[static_cast<size_t>(i)](a, b) : (a == b ? 1.0 : 0.0);
+  [[maybe_unused]] Lanes8 turn[dim];  // C_i for the rows of τ, the identity for those of G; by columns
+  if constexpr (corrected) {
+    const Tensor<dim>& c = correction_[static_cast<size_t>(i)];
+    if constexpr (dim == 2) {
+      turn[0] = Lanes8{c(0, 0), c(1, 0), c(0, 0), c(1, 0), 1, 0, 1, 0};
+      turn[1] = Lanes8{c(0, 1), c(1, 1), c(0, 1), c(1, 1), 0, 1, 0, 1};
+    } else {
+      turn[0] = Lanes8{c(0, 0), c(1, 0), c(2, 0), 0, 1, 0, 0, 0};
+      turn[1] = Lanes8{c(0, 1), c(1, 1), c(2, 1), 0, 0, 1, 0, 0};
+      turn[dim - 1] = Lanes8{c(0, dim - 1), c(1, dim - 1), c(dim - 1, dim - 1), 0, 0, 0, 1, 0};
+    }
+  }
   Lanes8 sum[parts]{}, arm_sum{};
   const bool seams = flow.periodic.any();
   auto drag = here - here;  // Σ v {r, u}
