@@ -89,6 +89,10 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
       lattice_(laplacian_, p.spacing),
       walls_(boundary, state, p.spacing) {
   const std::int64_t water = boundary.water();
+  constexpr double gap = 0.01;  // that a packed lattice between slopes may leave
+  full_ =
+      boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
+      static_cast<double>(water) * std::pow(p.spacing, dim) > (1 - gap) * boundary.tank().shape().volume();
   const auto count = static_cast<std::size_t>(water);
   water_.resize(count);
   all_.resize(count);
@@ -232,7 +236,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   double factor = 0, depth = largest_depth * p_.spacing, share = 0, pull = 0;
   Vector<dim> inward = Vector<dim>::Zero();
   const double least_moment = surface_begins * lattice_.second_moment;
-  if (open.squaredNorm() > least_moment * least_moment || weights < lattice_.first_weights) {
+  if (!full_ && (open.squaredNorm() > least_moment * least_moment || weights < lattice_.first_weights)) {
     const double m = open.norm();
     share =
         std::clamp((m - least_moment) / (surface_counts * lattice_.second_moment - least_moment), 0.0, 1.0);

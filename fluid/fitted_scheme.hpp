@@ -96,6 +96,7 @@ class FittedScheme {
   LatticeConstants gradient_, laplacian_;
   SurfaceLattice<dim> lattice_;
   WallContact<dim> walls_;
+  bool full_;  // a closed tank without a gap or a body: no surface anywhere, whatever disorder shows
   std::vector<Tensor<dim>> water_;              // [Σ_water w r⊗r/r²]⁻¹
   std::vector<Tensor<dim>> all_;                // the same with P r of wet rows and the free surface's part
   std::vector<Tensor<dim>> velocity_gradient_;  // ∇u* [1/s]

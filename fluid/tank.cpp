@@ -261,6 +261,16 @@ Vector<dim> Tank<dim>::in_tank(const Vector<dim>& x) const {
 }
 
 template <int dim>
+std::optional<WallFoot<dim>> Tank<dim>::behind(const Vector<dim>& x) const {
+  auto foot = shape_.behind(in_tank(x));
+  if (foot && motion_.moves()) {
+    foot->position = place(now_, foot->position);
+    foot->normal = turned(now_, foot->normal);
+  }
+  return foot;
+}
+
+template <int dim>
 std::int64_t Tank<dim>::parking_column() const {
   return std::max<std::int64_t>(
       1, static_cast<std::int64_t>((shape_.high()[1] - shape_.low()[1]) / (2 * reach_)));

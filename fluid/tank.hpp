@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "fluid/parameters.hpp"
@@ -62,6 +63,8 @@ class Tank {
 
   /// Distance to the nearest wall, where the tank is now [m].
   double distance(const Vector<dim>& x) const { return shape_.distance(in_tank(x)); }
+  /// The face that x lies behind, where the tank is now.
+  std::optional<WallFoot<dim>> behind(const Vector<dim>& x) const;
   bool left(const Vector<dim>& x) const { return shape_.left(in_tank(x)); }
   /// Particles out of the tank are parked where nothing reaches them, each on its own place.
   bool parked(const Vector<dim>& x) const { return x[0] >= parking_[0] && on_parking_place(x); }

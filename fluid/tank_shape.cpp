@@ -288,6 +288,44 @@ bool TankShape<dim>::left(const Vector<dim>& x) const {
 }
 
 template <int dim>
+auto TankShape<dim>::behind(const Vector<dim>& x) const -> std::optional<WallFoot<dim>> {
+  if (!edges_.empty()) {
+    if constexpr (dim == 2) {
+      if (distance(x) >= 0) return {};
+      const Edge& edge = edges_[nearest(x, true).edge];
+      const double along = std::clamp((x - edge.from).dot(edge.along), 0.0, edge.length);
+      const Vector2 foot = edge.from + along * edge.along;
+      // Beyond the end of a wall at the rim nothing lies behind it.
+      if ((x - foot).dot(edge.normal) >= 0) return {};
+      return WallFoot<dim>{foot, edge.normal};
+    }
+    return {};
+  }
+  if (open_top_ && x[1] > high_[1]) return {};
+  for (int d = 0; d < dim; ++d) {
+    if (periodic_[static_cast<std::size_t>(d)]) continue;
+    const bool low = x[d]<low_[d], high = x[d]> high_[d] && (d != 1 || !open_top_);
+    if (!low && !high) continue;
+    WallFoot<dim> foot{x, Vector<dim>::Zero()};
+    foot.position[d] = low ? low_[d] : high_[d];
+    foot.normal[d] = low ? 1 : -1;
+    return foot;
+  }
+  return {};
+}
+
+template <int dim>
+double TankShape<dim>::volume() const {
+  if (edges_.empty()) return open_top_ ? infinity : (high_ - low_).prod();
+  double twice = 0;
+  for (const Edge& edge : edges_) {
+    if (!edge.wall) return infinity;
+    twice += edge.from.x() * edge.to.y() - edge.from.y() * edge.to.x();
+  }
+  return 0.5 * twice;
+}
+
+template <int dim>
 bool TankShape<dim>::on_lattice() const {
   return std::all_of(edges_.begin(), edges_.end(), [](const Edge& e) { return !e.wall || e.on_lattice; });
 }

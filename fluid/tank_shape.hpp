@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,12 @@ struct WallParticles {
   std::vector<WallParticle<dim>> dummy;  // the rows behind it
 };
 
+/// Where a place behind a wall belongs.
+template <int dim>
+struct WallFoot {
+  Vector<dim> position, normal;  // on the face; into the water
+};
+
 /// The faces of the tank as the case gives them, before any motion: a box, or in the plane a polygon. A box
 /// may be open at the top and periodic along an axis; an open polygon has no wall from its last corner to
 /// its first. Behind each face stand rows of particles at (k + ½) l0.
@@ -45,6 +52,11 @@ class TankShape {
   bool contains(const Vector<dim>& x) const { return distance(x) >= 0; }
   /// More than l0 behind a wall, or higher above an open side than the tank is tall.
   bool left(const Vector<dim>& x) const;
+  /// The nearest place on the face of a wall that x lies behind; none between the walls, or outside of the
+  /// tank above its rim.
+  std::optional<WallFoot<dim>> behind(const Vector<dim>& x) const;
+  /// Between its walls; infinity where a side is open [m², m³].
+  double volume() const;
   /// Whether all faces stand on the lattice that starts at `low`.
   bool on_lattice() const;
   /// Distance to the nearest face that is off the lattice [m]; infinity: there is none.

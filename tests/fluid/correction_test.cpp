@@ -43,6 +43,7 @@ class AntiPenetrationRule : public testing::TestWithParam<AntiPenetration> {};
 TEST_P(AntiPenetrationRule, KeepsMomentumAndMakesNoEnergy) {
   Scene scene;
   scene.p.scheme.anti_penetration = GetParam();
+  scene.p.scheme.gradient = Gradient::pairwise;
   disturb(scene);
   const Eigen::Vector2d before = scene.momentum();
   const double energy = scene.energy();
@@ -61,6 +62,7 @@ INSTANTIATE_TEST_SUITE_P(Both, AntiPenetrationRule,
 
 TEST(AntiPenetration, TwoParticlesPartWithTheirCoefficientOfRestitution) {
   Scene scene;
+  scene.p.scheme.gradient = Gradient::pairwise;
   scene.state.position.leftCols(scene.boundary.water()).row(0).array() += 10;  // all others far away
   scene.state.position.col(0) << 0, 0.1;
   scene.state.position.col(1) << 0.8 * l0, 0.1;
@@ -69,6 +71,39 @@ TEST(AntiPenetration, TwoParticlesPartWithTheirCoefficientOfRestitution) {
   scene.separate();
   EXPECT_NEAR(scene.state.velocity(0, 1) - scene.state.velocity(0, 0), 0.2 * 2, 1e-12);
   EXPECT_NEAR(scene.state.velocity(1, 0), 0.5, 1e-12);  // nothing along the contact
+}
+
+// The shear of any flow brings particles past one another at 0.8 l0.
+TEST(AntiPenetration, WaterOfTheLeastSquaresSchemeCollidesOnlyWhenItIsNearerThanAnyShearBringsIt) {
+  for (const double apart : {0.8, 0.65}) {
+    Scene scene;
+    scene.state.position.leftCols(scene.boundary.water()).row(0).array() += 10;
+    scene.state.position.col(0) << 0, 0.1;
+    scene.state.position.col(1) << apart * l0, 0.1;
+    scene.state.velocity.col(0) << 1, 0;
+    scene.state.velocity.col(1) << -1, 0;
+    scene.separate();
+    EXPECT_NEAR(scene.state.velocity(0, 1) - scene.state.velocity(0, 0), apart > 0.7 ? -2 : 0.2 * 2, 1e-12);
+  }
+}
+
+TEST(AntiPenetration, WaterBehindAWallIsPutBackOnItsFaceAndTheWallFeelsIt) {
+  Scene scene;
+  scene.p.scheme.anti_penetration = AntiPenetration::none;  // of pairs
+  const auto corner = scene.boundary.water() - 1;           // of the tank at its right wall
+  scene.state.position.col(corner) << 0.2 + 0.3 * l0, -0.2 - 0.2 * l0;
+  scene.state.velocity.col(corner) << 3, -4;
+  const CollisionAccount<2> account = scene.separate();
+  EXPECT_EQ(scene.state.position(0, corner), 0.2);
+  EXPECT_EQ(scene.state.position(1, corner), -0.2);
+  EXPECT_EQ(scene.state.velocity(0, corner), 0);
+  EXPECT_EQ(scene.state.velocity(1, corner), 0);
+  EXPECT_LT((account.on_walls - mass * Vector<2>(3, -4)).norm(), 1e-12);
+  EXPECT_LT((account.on_walls + account.on_water).norm(), 1e-12);
+  // Over the rim there is no wall.
+  scene.state.position.col(corner) << 0.2 + 0.3 * l0, 0.25;
+  scene.separate();
+  EXPECT_EQ(scene.state.position(0, corner), 0.2 + 0.3 * l0);
 }
 
 TEST(AntiPenetration, WaterInsideABodyIsPutBackOnItsFaceAndTheBodyFeelsIt) {

@@ -44,7 +44,7 @@ TEST(ViscousFlow, a_channel_between_rough_walls_follows_its_start_up_series_with
   Simulation<2> simulation(p, {}, {});
   const State<2>& state = simulation.state();
   const std::int64_t water = water_of(state);
-  for (const double stop : {0.02, 0.1, 0.3}) {
+  for (const double stop : {0.02, 0.1, 0.3, 1.0}) {
     while (state.time < stop - 1e-12)
       simulation.step(std::min(simulation.stable_dt(), stop - state.time), {});
     double off = 0, all = 0;
@@ -64,9 +64,9 @@ TEST(ViscousFlow, a_channel_between_rough_walls_follows_its_start_up_series_with
 }
 
 // VALIDATION C3: four vortices at Re = 100 in a box with smooth walls; their energy falls as e^{−16π²νt}. The
-// gate of 3 % is for 100 particles across. With 50 the lattice the run starts from breaks up under the
-// vortices' strain within a fifth of their turn, which costs energy that no viscosity takes: a third of it is
-// allowed here. No surface may open in the closed box and no particle leave it.
+// gate of 3 % is for 100 particles across (tests/benchmark/viscous_flows.py: 1.5 %); half as many are allowed
+// twice as much. The vortices' strain breaks up the lattice the run starts from within a fifth of their turn.
+// No surface may open in the closed box and no particle leave it.
 TEST(ViscousFlow, taylor_green_vortices_keep_the_box_full_and_decay_without_gaining_energy) {
   Parameters p = closed_box(50, 0.01);
   Simulation<2> simulation(p, {}, {});
@@ -80,12 +80,12 @@ TEST(ViscousFlow, taylor_green_vortices_keep_the_box_full_and_decay_without_gain
   const double start = energy();
   double before = start;
   while (state.time < 0.4) {
-    simulation.step(std::min(simulation.stable_dt(), 0.2 * p.spacing), {});
-    EXPECT_LT(energy(), 1.02 * before);
+    simulation.step(simulation.stable_dt(), {});
+    EXPECT_LT(energy(), before);
     before = energy();
   }
   const double rate = -std::log(energy() / start) / state.time;
-  EXPECT_NEAR(rate / (16 * pi * pi * 0.01), 1, 0.33);
+  EXPECT_NEAR(rate / (16 * pi * pi * 0.01), 1, 0.06);
   EXPECT_EQ(state.lost, 0);
   for (std::int64_t i = 0; i < water; ++i) {
     EXPECT_GT(state.position.col(i).minCoeff(), 0);
