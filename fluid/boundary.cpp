@@ -336,6 +336,7 @@ std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
   if constexpr (dim == 2) {
     const Vector<2> low = outline_.low().array() - 0.5 * reach_,
                     high = outline_.high().array() + 0.5 * reach_;
+#pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < bodies_; ++i)
       if ((state.position.col(i).array() >= low.array()).all() &&
           (state.position.col(i).array() <= high.array()).all())

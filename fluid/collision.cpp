@@ -83,7 +83,12 @@ void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, 
               CollisionAccount<dim>& account) {
   const BodySurface<dim>& outline = boundary.outline();
   if (outline.empty()) return;
-  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+  const std::int64_t water = boundary.water();
+  bool any = false;
+#pragma omp parallel for schedule(static) reduction(|| : any)
+  for (std::int64_t i = 0; i < water; ++i) any = any || outline.inside(state.position.col(i));
+  if (!any) return;
+  for (std::int64_t i = 0; i < water; ++i) {
     if (!outline.inside(state.position.col(i))) continue;
     ++account.inside;
     const auto foot = outline.nearest(state.position.col(i));

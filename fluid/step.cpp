@@ -24,22 +24,6 @@ namespace {
 /// Verlet skin [l0] (PHYSICS §16.5).
 constexpr double skin = 0.2;
 
-/// Adds the wall seconds of its life to one stage.
-class StageClock {
- public:
-  StageClock(std::map<std::string, double>& seconds, const char* stage)
-      : seconds_(seconds[stage]), start_(std::chrono::steady_clock::now()) {}
-  ~StageClock() {
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  StageClock(const StageClock&) = delete;
-  StageClock& operator=(const StageClock&) = delete;
-
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point start_;
-};
-
 /// Velocity of the partner's points at the fluid's own, by the nearest point of the partner's faces.
 Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, const Points& velocity) {
   const bool same = partner.faces.cols() == 0 || mesh.dimension == 3;  // points of both meshes
@@ -152,6 +136,7 @@ void Simulation<dim>::Work::predict() {
   describe_rows<dim>(boundary, state, p.wall == WallSlip::free_slip, p.spacing, walls);
   if (p.scheme.wall_damping) {
     wall_distance.resize(static_cast<std::size_t>(water));
+#pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < water; ++i)
       wall_distance[static_cast<std::size_t>(i)] = boundary.tank().distance(state.position.col(i));
   }
@@ -159,11 +144,14 @@ void Simulation<dim>::Work::predict() {
                   {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface,
                    search.periodic(), wall_distance},
                   dt, state.sps_k);
+  std::int64_t pulled = 0;
+#pragma omp parallel for schedule(static) reduction(+ : pulled)
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.parked(state, i)) continue;
     state.velocity.col(i) += dt * (viscous.acceleration.col(i) + gravity);
-    state.impulse_of_gravity += mass * dt * gravity;
+    ++pulled;
   }
+  state.impulse_of_gravity += static_cast<double>(pulled) * mass * dt * gravity;
   if (!at_star()) return;
   state.position.leftCols(water) += dt * state.velocity.leftCols(water);
   if (!boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
@@ -238,7 +226,7 @@ void Simulation<dim>::Work::solve_pressure() {
   const Scheme& scheme = p.scheme;
   assemble();
   const bool sealed = !std::isfinite(p.sound_speed) && close_sealed_blocks(system) > 0;
-  Eigen::VectorXd guess(system.size());
+  guess.resize(system.size());
   for (std::int64_t k = 0; k < system.size(); ++k)
     guess[k] = state.pressure[system.particle[static_cast<std::size_t>(k)]];
   const PressureSolution& solution = poisson.solve(system, state.position, guess, scheme);
@@ -300,14 +288,18 @@ void Simulation<dim>::Work::correct_fitted() {
   load_interface();
   const StageClock clock(seconds, "corrector");
   const std::int64_t water = boundary.water();
-  report.divergence_max = 0;
+  const double factor = dt / p.density;
+  double largest = 0;
+#pragma omp parallel for schedule(static) reduction(max : largest)
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.parked(state, i)) continue;
-    state.velocity.col(i) -= dt / p.density * fitted->pressure_gradient().col(i);
-    state.position.col(i) += dt * state.velocity.col(i);
+    const Vector<dim> velocity = state.velocity.col(i) - factor * fitted->pressure_gradient().col(i);
+    state.velocity.col(i) = velocity;
+    state.position.col(i) += dt * velocity;
     if (!state.surface[static_cast<std::size_t>(i)])
-      report.divergence_max = std::max(report.divergence_max, std::abs(fitted->divergence(i)));
+      largest = std::max(largest, std::abs(fitted->divergence(i)));
   }
+  report.divergence_max = largest;
   boundary.move(state, motion->displacement, motion->velocity, true);
   boundary.move_tank(state, state.time + dt, true);
 }
@@ -324,92 +316,6 @@ void Simulation<dim>::Work::shift() {
   collisions = separate_particles<dim>(state, boundary, near_density(), p.scheme, dt, p.spacing, mass);
   park_lost();
   boundary.tank().wrap(state);
-}
-
-template <int dim>
-void Simulation<dim>::Work::load_interface() {
-  const StageClock clock(seconds, "load");
-  RowForces<dim> forces;
-  if (fitted) {
-    forces = fitted->row_forces(boundary, state, near_gradient(), dt);
-    const auto rows = forces.cols() - boundary.water();
-    forces.rightCols(rows) += mass * viscous.acceleration.rightCols(rows);
-  } else {
-    const LoadTerms<dim> terms{viscous.acceleration,
-                               gravity,
-                               motion->acceleration,
-                               p.scheme.gradient,
-                               gradient_lattice,
-                               p.density,
-                               p.spacing,
-                               &level};
-    forces = row_forces<dim>(state, boundary, near_gradient(), terms);
-  }
-  on_points = gather_on_points<dim>(forces, boundary);
-  floor = Vector<dim>::Zero();
-  on_walls.setZero(dim, boundary.first_of_bodies());
-  for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
-    state.impulse_on_walls += dt * forces.col(i);
-    const std::int32_t master = boundary.master_of(i);
-    on_walls.col(master < 0 ? i : master) += forces.col(i);
-    if (boundary.tank().is_floor(i)) floor += forces.col(i);
-  }
-  for (Eigen::Index k = 0; k < on_points.cols(); ++k) state.impulse_on_bodies += dt * on_points.col(k);
-}
-
-template <int dim>
-std::string Simulation<dim>::Work::where() const {
-  return fmt::format("fluid, step {} (t = {:.9g} s)", state.step, state.time);
-}
-
-template <int dim>
-void Simulation<dim>::Work::check_finite() const {
-  for (std::int64_t i = 0; i < boundary.water(); ++i) {
-    if (state.position.col(i).allFinite() && state.velocity.col(i).allFinite()) continue;
-    throw Error(
-        ExitCode::solver_fault, where(),
-        fmt::format("particle {} is no longer finite: position ({:.6g}, {:.6g}), velocity ({:.6g}, {:.6g})",
-                    state.id[static_cast<std::size_t>(i)], state.position(0, i), state.position(1, i),
-                    state.velocity(0, i), state.velocity(1, i)),
-        "reduce fluid.scheme.time_step or fluid.scheme.cfl");
-  }
-}
-
-template <int dim>
-void Simulation<dim>::Work::park_lost() {
-  for (std::int64_t i = 0; i < boundary.water(); ++i) {
-    if (boundary.parked(state, i) || !boundary.left_domain(state.position.col(i))) continue;
-    state.impulse_on_walls += mass * state.velocity.col(i);  // it takes its momentum out of the account
-    state.position.col(i) = boundary.parking_place(state.lost++);
-    state.velocity.col(i).setZero();
-    state.pressure[i] = 0;
-    search.invalidate();
-  }
-}
-
-/// Accounts of the step; the load of collisions joins the interface force when the scheme conserves.
-template <int dim>
-void Simulation<dim>::Work::finish() {
-  state.impulse_of_collisions += collisions.on_water;
-  state.impulse_on_walls += collisions.on_walls;
-  for (Eigen::Index k = 0; k < collisions.on_points.cols(); ++k) {
-    state.impulse_on_bodies += collisions.on_points.col(k);
-    if (p.scheme.collision_conserve) on_points.col(k) += collisions.on_points.col(k) / dt;
-  }
-  force = boundary.on_mesh(on_points);
-  std::int64_t inner = 0;
-  double fastest = 0;
-  for (std::int64_t i = 0; i < boundary.water(); ++i) {
-    fastest = std::max(fastest, state.velocity.col(i).squaredNorm());
-    inner += state.surface[static_cast<std::size_t>(i)] ? 0 : 1;
-  }
-  state.inner_fraction_min =
-      std::min(state.inner_fraction_min,
-               static_cast<double>(inner) / static_cast<double>(std::max<std::int64_t>(1, boundary.water())));
-  state.penetrations = std::max(state.penetrations, collisions.inside);
-  report.cfl = std::sqrt(fastest) * dt / p.spacing;
-  state.time += dt;
-  ++state.step;
 }
 
 template struct Simulation<2>::Work;

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -19,6 +20,22 @@
 #include <vector>
 
 namespace strake::fluid {
+
+/// Adds the wall seconds of its life to one stage.
+class StageClock {
+ public:
+  StageClock(std::map<std::string, double>& seconds, const char* stage)
+      : seconds_(seconds[stage]), start_(std::chrono::steady_clock::now()) {}
+  ~StageClock() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  StageClock(const StageClock&) = delete;
+  StageClock& operator=(const StageClock&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_;
+};
 
 /// The stages of one step and what they hand to one another: private to simulation.cpp and step.cpp. All that
 /// outlives a step is in `state`; the rest is memory used again.
@@ -71,7 +88,7 @@ struct Simulation<dim>::Work {
   std::vector<double> wall_distance;  // of the water [m], with wall damping
   Vectors<dim> gradient;
   Eigen::VectorXd level;  // of the pairs of water and body, with the symmetric gradient
-  Eigen::VectorXd n, divergence, deviation;
+  Eigen::VectorXd n, divergence, deviation, guess;
   std::vector<Row> row;
   std::vector<std::uint8_t> solved, moves, wet;  // masks: unknowns; water; all but dry bodies
   PressureSystem system;
