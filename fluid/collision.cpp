@@ -8,9 +8,10 @@ namespace strake::fluid {
 
 namespace {
 
-/// Two particles of water nearer than this are too near in the least-squares scheme [l0]. Its operators bear
-/// disorder, and the shear of any flow brings particles past one another at 0.7 to 0.85 l0: to part those
-/// takes energy that no viscosity does (Taylor–Green vortices at Re 100 then decay 6 % too fast on 100²).
+/// Two particles inside the water nearer than this are too near in the least-squares scheme [l0]. Its
+/// operators bear disorder, and the shear of any flow brings particles past one another at 0.7 to 0.85 l0: to
+/// part those takes energy that no viscosity does (Taylor–Green vortices at Re 100 then decay 6 % too fast on
+/// 100²).
 constexpr double water_to_water = 0.7;
 
 struct Pair {
@@ -32,7 +33,10 @@ std::vector<Pair> close_pairs(const State<dim>& state, std::int64_t water, const
       for (std::size_t e = 0; e < columns.size(); ++e) {
         if (columns[e] <= i || inverses[e] * margin < 1) continue;
         const Vector<dim> r = state.position.col(columns[e]) - state.position.col(i);
-        const double limit = columns[e] < water ? of_water : distance;
+        const auto j = static_cast<std::size_t>(columns[e]);
+        const bool inside =
+            columns[e] < water && !state.surface[static_cast<std::size_t>(i)] && !state.surface[j];
+        const double limit = inside ? of_water : distance;
         if (r.squaredNorm() >= limit * limit) continue;
         if ((state.velocity.col(i) - state.velocity.col(columns[e])).dot(r) <= 0) continue;
         found[static_cast<std::size_t>(b)].push_back({static_cast<std::int32_t>(i), columns[e]});

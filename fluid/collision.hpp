@@ -28,9 +28,9 @@ struct CollisionAccount {
 /// Rows of tank and body are infinitely heavy, structure particles have their mass but keep the motion they
 /// were given; what they receive is in the account. Pairs are taken one after the other in the order of the
 /// particles: the result is the same for any number of threads, momentum is exact, and no collision makes
-/// energy. With the least-squares gradient two particles of water collide only below 0.7 l0. Afterwards a
-/// water particle inside a body's outline or behind a wall of the tank is put back on the face and loses its
-/// velocity into it.
+/// energy. With the least-squares gradient two particles inside the water collide only below 0.7 l0.
+/// Afterwards a water particle inside a body's outline or behind a wall of the tank is put back on the face
+/// and loses its velocity into it.
 template <int dim>
 CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&, const Neighbours& near,
                                          const Scheme&, double dt, double spacing, double particle_mass);

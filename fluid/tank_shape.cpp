@@ -274,7 +274,8 @@ double TankShape<dim>::distance(const Vector<dim>& x) const {
 
 template <int dim>
 bool TankShape<dim>::left(const Vector<dim>& x) const {
-  const double height = high_[1] - low_[1];
+  // A drop thrown up between the walls falls back between them: √(2g 3H) is faster than a column H high runs.
+  const double height = 3 * (high_[1] - low_[1]);
   if (!edges_.empty()) {
     const Nearest near = nearest(x, false);
     return !near.inside && !(near.distance <= (edges_[near.edge].wall ? spacing_ : height));

@@ -50,7 +50,7 @@ class TankShape {
   double distance(const Vector<dim>& x) const;
   /// Between the walls, or above an open side.
   bool contains(const Vector<dim>& x) const { return distance(x) >= 0; }
-  /// More than l0 behind a wall, or higher above an open side than the tank is tall.
+  /// More than l0 behind a wall, or above an open side by three times the tank's height.
   bool left(const Vector<dim>& x) const;
   /// The nearest place on the face of a wall that x lies behind; none between the walls, or outside of the
   /// tank above its rim.

@@ -74,7 +74,7 @@ TEST(AntiPenetration, TwoParticlesPartWithTheirCoefficientOfRestitution) {
 }
 
 // The shear of any flow brings particles past one another at 0.8 l0.
-TEST(AntiPenetration, WaterOfTheLeastSquaresSchemeCollidesOnlyWhenItIsNearerThanAnyShearBringsIt) {
+TEST(AntiPenetration, WaterInsideCollidesOnlyWhenItIsNearerThanAnyShearBringsItWithTheLeastSquaresScheme) {
   for (const double apart : {0.8, 0.65}) {
     Scene scene;
     scene.state.position.leftCols(scene.boundary.water()).row(0).array() += 10;

@@ -64,9 +64,9 @@ TEST(ViscousFlow, a_channel_between_rough_walls_follows_its_start_up_series_with
 }
 
 // VALIDATION C3: four vortices at Re = 100 in a box with smooth walls; their energy falls as e^{−16π²νt}. The
-// gate of 3 % is for 100 particles across (tests/benchmark/viscous_flows.py: 1.5 %); half as many are allowed
-// twice as much. The vortices' strain breaks up the lattice the run starts from within a fifth of their turn.
-// No surface may open in the closed box and no particle leave it.
+// gate of 3 % is for 100 particles across (tests/benchmark/fluid_accuracy.cpp: 1.5 %); half as many are
+// allowed twice as much. The vortices' strain breaks up the lattice the run starts from within a fifth of
+// their turn. No surface may open in the closed box and no particle leave it.
 TEST(ViscousFlow, taylor_green_vortices_keep_the_box_full_and_decay_without_gaining_energy) {
   Parameters p = closed_box(50, 0.01);
   Simulation<2> simulation(p, {}, {});
