@@ -20,8 +20,8 @@ struct Pair {
 
 /// Pairs with a water particle i < j that are too close and approach each other, in order.
 template <int dim>
-std::vector<Pair> close_pairs(const State<dim>& state, std::int64_t water, const Neighbours& near,
-                              double distance, double of_water, double margin) {
+std::vector<Pair> close_pairs(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t water,
+                              const Neighbours& near, double distance, double of_water, double margin) {
   constexpr std::int64_t block = 1024;
   const std::int64_t blocks = (water + block - 1) / block;
   std::vector<std::vector<Pair>> found(static_cast<std::size_t>(blocks));
@@ -32,7 +32,7 @@ std::vector<Pair> close_pairs(const State<dim>& state, std::int64_t water, const
       const auto inverses = near.inverses(i);
       for (std::size_t e = 0; e < columns.size(); ++e) {
         if (columns[e] <= i || inverses[e] * margin < 1) continue;
-        const Vector<dim> r = state.position.col(columns[e]) - state.position.col(i);
+        const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(columns[e]));
         const auto j = static_cast<std::size_t>(columns[e]);
         const bool inside =
             columns[e] < water && !state.surface[static_cast<std::size_t>(i)] && !state.surface[j];
@@ -71,6 +71,7 @@ void put_back_from_walls(State<dim>& state, const Boundary<dim>& boundary, const
     for (int turn = 0; turn < dim; ++turn) {
       const auto foot = boundary.tank().behind(state.position.col(i));
       if (!foot) break;
+      account.behind_walls += turn == 0 ? 1 : 0;
       state.position.col(i) = foot->position;
       const Vector<dim> past = state.velocity.col(i) - boundary.tank().velocity_at(foot->position);
       const double into = past.dot(foot->normal);
@@ -115,12 +116,13 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
   CollisionAccount<dim> account;
   account.on_points = Vectors<dim>::Zero(dim, boundary.points());
   const std::int64_t water = boundary.water();
+  const auto& periodic = boundary.tank().periodic();
   if (scheme.anti_penetration != AntiPenetration::none) {
     const double distance = scheme.collision_distance * spacing;
     const double of_water =
         scheme.gradient == Gradient::least_squares ? std::min(distance, water_to_water * spacing) : distance;
     // Rows of neighbours stand for the positions before the step; none moved by more than half a spacing.
-    const auto pairs = close_pairs<dim>(state, water, near, distance, of_water, distance + spacing);
+    const auto pairs = close_pairs<dim>(state, periodic, water, near, distance, of_water, distance + spacing);
     account.pairs = static_cast<std::int64_t>(pairs.size());
     std::vector<int> count;
     if (scheme.anti_penetration == AntiPenetration::average) {
@@ -132,7 +134,7 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
     }
     const double volume = std::pow(spacing, dim);
     for (const Pair& pair : pairs) {
-      const Vector<dim> r = state.position.col(pair.j) - state.position.col(pair.i);
+      const Vector<dim> r = periodic.separation(state.position.col(pair.i), state.position.col(pair.j));
       const double length = r.norm();
       if (length == 0) continue;
       const Vector<dim> e = r / length;

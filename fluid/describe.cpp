@@ -60,7 +60,9 @@ std::string surface_text(const Scheme& s) {
 
 std::string turbulence_text(const Scheme& s) {
   if (s.turbulence == Turbulence::none) return "no sub-particle stress";
-  return fmt::format("SPS C_s {:.4g}", SpsModel{.c_nu = s.c_nu, .c_eps = s.c_eps}.cs());
+  const double cs = SpsModel{.c_nu = s.c_nu, .c_eps = s.c_eps}.cs();
+  if (s.turbulence == Turbulence::k) return fmt::format("SPS by an equation for k, C_s {:.4g}", cs);
+  return fmt::format("SPS C_s {:.4g}", cs);
 }
 
 /// What solves the pressure equation, and why.
@@ -68,6 +70,13 @@ std::string pressure_text(const Parameters& p, double dt) {
   const PressureChoice choice =
       p.dimension == 2 ? expected_pressure_solver<2>(p, dt) : expected_pressure_solver<3>(p, dt);
   return fmt::format("pressure by {}, to |b - A p| <= {:g} |b|", choice.text(), p.scheme.pressure_tolerance);
+}
+
+std::string absorbing_text(const Parameters& p) {
+  if (!p.absorbing_bottom && !p.absorbing_sides) return "";
+  return fmt::format("   no echo from the {}", !p.absorbing_sides    ? "bottom"
+                                               : !p.absorbing_bottom ? "sides"
+                                                                     : "bottom and sides");
 }
 
 /// The limits of the time step (PHYSICS §11).
@@ -127,8 +136,8 @@ std::vector<std::string> describe(const Parameters& p, const CommonKeys& common,
   const Scheme& s = p.scheme;
   const double step = first_step(p, common.window, speed);
   return {headline,
-          fmt::format("tank of {} wall particles with {} rows ({}) behind them", grouped(wall), dummy_rows(s),
-                      grouped(dummies)),
+          fmt::format("tank of {} wall particles with {} rows ({}) behind them{}", grouped(wall),
+                      dummy_rows(s), grouped(dummies), absorbing_text(p)),
           step_text(p, common.window, step),
           limits_text(p, speed),
           fmt::format("source {}   gradient {}   surface {}   {}", source_text(s), name(s.gradient),

@@ -19,6 +19,11 @@ namespace strake::fluid {
 /// body that enters [m/s], [m]; 0: none, and no Reynolds and Froude numbers.
 std::vector<std::string> describe(const Parameters&, const CommonKeys&, double speed = 0, double length = 0);
 
+/// Whether a probe is a pressure sensor, on the body or a wall; the others follow the water's places.
+inline bool is_sensor(const ProbeKeys& probe) {
+  return probe.quantity == "pressure";
+}
+
 /// The MPS method as the scheme sees it: motion in, force out; sub-steps, sensors, accounts, frames.
 template <int dim>
 class FluidParticipant final : public Participant {

@@ -9,10 +9,14 @@
 namespace strake::fluid {
 
 double column_step(const Parameters& p) {
+  return column_step(p, p.gravity.norm());
+}
+
+double column_step(const Parameters& p, double field) {
   // Nothing pushes particles apart there: a seventieth of the period 2π √(l0/(π g)) of the shortest wave.
-  if (p.scheme.gradient == Gradient::least_squares) return 0.05 * std::sqrt(p.spacing / p.gravity.norm());
+  if (p.scheme.gradient == Gradient::least_squares) return 0.05 * std::sqrt(p.spacing / field);
   const double depth = p.water.max[1] - p.water.min[1];
-  return 0.25 * p.spacing / (2 * std::sqrt(p.gravity.norm() * depth));
+  return 0.25 * p.spacing / (2 * std::sqrt(field * depth));
 }
 
 double acoustic_step(const Parameters& p) {
@@ -64,8 +68,9 @@ double Simulation<dim>::stable_dt() const {
   const double fastest = std::sqrt(w.state.velocity.colwise().squaredNorm().maxCoeff());
   double dt = std::numeric_limits<double>::infinity();
   if (fastest > 0) dt = std::min(dt, w.p.scheme.cfl * l0 / fastest);
-  if (w.p.gravity.norm() > 0) dt = std::min(dt, 0.25 * std::sqrt(l0 / w.p.gravity.norm()));
-  dt = std::min(dt, column_step(w.p));
+  const double field = (w.p.gravity.template head<dim>() - w.boundary.tank().acceleration()).norm();
+  if (field > 0) dt = std::min(dt, 0.25 * std::sqrt(l0 / field));
+  dt = std::min(dt, column_step(w.p, field));
   dt = std::min(dt, viscous_limit(w.p, w.state.sps_k.maxCoeff()));
   return dt;
 }

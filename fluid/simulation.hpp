@@ -28,6 +28,8 @@ struct InterfaceMotion {
 /// 0.25 l0 / (2 √(gH)) [s], H the depth of the water at the start, or with the least-squares gradient
 /// 0.05 √(l0/g); infinity without gravity.
 double column_step(const Parameters&);
+/// The same in a tank whose water feels `field` = |g − a| [m/s²].
+double column_step(const Parameters&, double field);
 /// acoustic_cfl l0 / c [s]; infinity where sound sets no limit.
 double acoustic_step(const Parameters&);
 

@@ -54,6 +54,7 @@ struct State {
   std::int64_t lost = 0;          // particles that left the domain
   std::int64_t voids = 0;         // largest count of surface particles deeper than 5 l0, of the frames
   std::int64_t penetrations = 0;  // largest count of fluid particles inside a body's outline
+  std::int64_t behind_walls = 0;  // times that water was put back from behind a wall of the tank
 };
 
 }  // namespace strake::fluid

@@ -41,7 +41,7 @@ template <int dim>
 void save(const State<dim>& state, Archive& archive) {
   for_each_real(state, [&](const char* name, const auto& value) { archive.real[name] = value; });
   archive.real["scalars"] = Eigen::Vector3d(state.time, state.contact_time, state.inner_fraction_min);
-  archive.integer["counts"] = {state.step, state.lost, state.voids, state.penetrations};
+  archive.integer["counts"] = {state.step, state.lost, state.voids, state.penetrations, state.behind_walls};
   archive.integer["id"] = state.id;
   auto& kind = archive.integer["kind"];
   for (const Kind k : state.kind) kind.push_back(static_cast<std::int64_t>(k));
@@ -63,7 +63,7 @@ State<dim> load(const Archive& archive, std::size_t n_probes) {
   });
   const auto& scalars = entry(archive.real, "scalars");
   const auto& counts = entry(archive.integer, "counts");
-  if (scalars.size() != 3 || counts.size() != 4)
+  if (scalars.size() != 3 || counts.size() != 5)
     throw Error(ExitCode::case_file, "checkpoint of the fluid", "is of another version");
   state.time = scalars(0);
   state.contact_time = scalars(1);
@@ -72,6 +72,7 @@ State<dim> load(const Archive& archive, std::size_t n_probes) {
   state.lost = counts[1];
   state.voids = counts[2];
   state.penetrations = counts[3];
+  state.behind_walls = counts[4];
   state.id = entry(archive.integer, "id");
   for (const auto k : entry(archive.integer, "kind")) state.kind.push_back(static_cast<Kind>(k));
   for (const auto s : entry(archive.integer, "surface"))

@@ -108,6 +108,7 @@ void Simulation<dim>::Work::finish() {
       std::min(state.inner_fraction_min,
                static_cast<double>(inner) / static_cast<double>(std::max<std::int64_t>(1, water)));
   state.penetrations = std::max(state.penetrations, collisions.inside);
+  state.behind_walls += collisions.behind_walls;
   report.cfl = std::sqrt(fastest) * dt / p.spacing;
   state.time += dt;
   ++state.step;

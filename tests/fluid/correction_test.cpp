@@ -38,6 +38,43 @@ void disturb(Scene& scene) {
   scene.state.velocity.leftCols(n) = 5 * Eigen::Matrix2Xd::Random(2, n);
 }
 
+// Two particles beside the seam, nearer than 0.85 l0 over it, that approach.
+TEST(AntiPenetration, SeesPairsOverAPeriodicSeam) {
+  Parameters p = tank_case(0.4, 0.2, l0, 0.2);
+  p.periodic = {true, false, false};
+  State<2> state = fill<2>(p);
+  const Boundary<2> boundary(p, {}, {}, state);
+  std::int64_t left = -1, right = -1;
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (std::abs(state.position(1, i) + 0.5 * l0) > 1e-9) continue;
+    if (state.position(0, i) < -0.2 + l0) left = i;
+    if (state.position(0, i) > 0.2 - l0) right = i;
+  }
+  ASSERT_TRUE(left >= 0 && right >= 0);
+  state.position(0, left) -= 0.2 * l0;
+  state.velocity(0, left) = -1;
+  NeighbourSearch<2> search(2.1 * l0, 0, boundary.tank().periodic());
+  const auto account =
+      separate_particles<2>(state, boundary, search.update(state.position), p.scheme, dt, l0, mass);
+  EXPECT_EQ(account.pairs, 1);
+  // Two equal bodies with the restitution b: −(1−b)/2 and −(1+b)/2 of the speed.
+  EXPECT_NEAR(state.velocity(0, left), -0.5 * (1 - p.scheme.restitution), 1e-12);
+  EXPECT_NEAR(state.velocity(0, right), -0.5 * (1 + p.scheme.restitution), 1e-12);
+}
+
+TEST(AntiPenetration, WaterBehindAWallGivesItsMomentumToTheTank) {
+  Scene scene;
+  scene.p.scheme.anti_penetration = AntiPenetration::none;
+  scene.state.position.col(0) << 0.2 + 0.3 * l0, -0.1;
+  scene.state.velocity.col(0) << 3, 1;
+  const CollisionAccount<2> account = scene.separate();
+  EXPECT_EQ(account.behind_walls, 1);
+  EXPECT_LT((account.on_walls - mass * Eigen::Vector2d(3, 0)).norm(), 1e-12);
+  EXPECT_LT((account.on_water + account.on_walls).norm(), 1e-12);
+  EXPECT_EQ(scene.state.velocity.col(0), Eigen::Vector2d(0, 1));
+  EXPECT_LT(scene.state.position(0, 0), 0.2);
+}
+
 class AntiPenetrationRule : public testing::TestWithParam<AntiPenetration> {};
 
 TEST_P(AntiPenetrationRule, KeepsMomentumAndMakesNoEnergy) {

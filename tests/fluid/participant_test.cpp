@@ -359,6 +359,15 @@ TEST(FluidParticipant, the_headline_names_method_particles_and_the_numbers_of_th
   EXPECT_EQ(describe(c.parameters, c.common).at(0), "MPS-LES 2-D, improved   300 water particles   l0 10 mm");
 }
 
+TEST(FluidParticipant, the_log_names_the_turbulence_model_and_the_walls_that_absorb) {
+  Case c;
+  c.parameters.scheme.turbulence = Turbulence::k;
+  c.parameters.absorbing_bottom = true;
+  const auto lines = describe(c.parameters, c.common);
+  EXPECT_NE(lines.at(1).find("no echo from the bottom"), std::string::npos) << lines.at(1);
+  EXPECT_NE(lines.at(4).find("SPS by an equation for k"), std::string::npos) << lines.at(4);
+}
+
 TEST(WindowMotion, without_a_velocity_the_points_move_with_constant_acceleration) {
   const double x1 = 3e-4, v0 = 10.0, dt = 1e-4, a = 2 * (x1 - v0 * dt) / (dt * dt);
   const Points start = Points::Zero(3, 1), velocity = Eigen::Vector3d(0, v0, 0);

@@ -116,6 +116,38 @@ TEST(Simulation, ParticleThatLeavesTheTankIsCountedAndParked) {
   EXPECT_EQ(simulation.state().kind[3], Kind::fluid);
 }
 
+TEST(Simulation, ParticleBehindAWallIsPutBackAndCounted) {
+  Parameters p = tank_case(0.3, 0.1, 0.01, 0.05);
+  Simulation<2> simulation(p, {}, {});
+  simulation.step(1e-4, {});
+  simulation.mutable_state().position.col(3) << 0.15 + 0.004, 0.03;
+  simulation.mutable_state().velocity.col(3) << 3, 1;
+  simulation.set_state(State<2>(simulation.state()));
+  simulation.step(1e-4, {});
+  EXPECT_EQ(simulation.state().lost, 0);
+  EXPECT_GE(simulation.state().behind_walls, 1);
+  EXPECT_LT(simulation.state().position(0, 3), 0.15);
+  EXPECT_LT(simulation.state().velocity(0, 3), 1e-9);
+  const std::int64_t count = simulation.state().behind_walls;
+  for (int k = 0; k < 3; ++k) simulation.step(1e-4, {});
+  EXPECT_EQ(simulation.state().behind_walls, count);
+}
+
+TEST(Simulation, AStepInALiftedTankIsShorter) {
+  Parameters p = tank_case(0.3, 0.1, 0.01, 0.05);
+  p.end_time = 1;
+  constexpr auto absent = MotionColumn::absent;
+  std::vector<double> time, place;
+  for (int k = 0; k <= 10; ++k) {
+    time.push_back(0.1 * k);
+    place.push_back(0.5 * 3 * 9.81 * time.back() * time.back());
+  }
+  p.motion.table = MotionTable(time, {absent, MotionColumn::place, absent, absent}, {{{}, place, {}, {}}});
+  Simulation<2> lifted(p, {}, {});
+  for (int k = 0; k < 5; ++k) lifted.step(1e-4, {});
+  EXPECT_LT(lifted.stable_dt(), 0.55 * column_step(p));
+}
+
 TEST(Simulation, ValueThatIsNotFiniteNamesParticlePlaceAndTime) {
   Parameters p = tank_case(0.3, 0.1, 0.01, 0.05);
   Simulation<2> simulation(p, {}, {});
