@@ -196,8 +196,8 @@ TEST(TankShape, PolygonsThatCanBeNoTankAreRefused) {
 TEST(TankShape, DropletsMayFlyOverAnOpenSideAndNowhereElse) {
   const TankShape<2> box(polygon_tank({{0, 0.5, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0.5, 0}}, 0.3));
   EXPECT_FALSE(box.left({0.5, 0.2}));
-  EXPECT_FALSE(box.left({0.5, 0.95}));
-  EXPECT_TRUE(box.left({0.5, 1.05}));
+  EXPECT_FALSE(box.left({0.5, 1.95}));
+  EXPECT_TRUE(box.left({0.5, 2.05}));
   EXPECT_FALSE(box.left({-0.5 * l0, 0.2}));
   EXPECT_TRUE(box.left({-1.5 * l0, 0.2}));
   EXPECT_TRUE(box.left({1.2, 0.8}));
