@@ -232,9 +232,9 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position) {
     bits_start_[o + 1] += bits_start_[o];
     next_[static_cast<size_t>(occupied_[o])] = list_start_[o];
   }
-  list_.resize(static_cast<size_t>(list_start_.back()));
-  near_.resize(static_cast<size_t>(bits_start_.back()));
-  border_.resize(near_.size());
+  make_room(list_, static_cast<size_t>(list_start_.back()));
+  make_room(near_, static_cast<size_t>(bits_start_.back()));
+  make_room(border_, near_.size());
 #pragma omp parallel
   {
     // As many list entries for each thread.
@@ -333,8 +333,8 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
     }
   }
   for (size_t i = 1; i < out.start.size(); ++i) out.start[i] += out.start[i - 1];
-  out.column.resize(static_cast<size_t>(out.start.back()));
-  out.border.resize(out.word(n) + 1);
+  make_room(out.column, static_cast<size_t>(out.start.back()));
+  make_room(out.border, out.word(n) + 1);
 #pragma omp parallel for schedule(dynamic, 16)
   for (std::int64_t o = 0; o < occupied; ++o) {
     const std::int32_t cell = occupied_[static_cast<size_t>(o)];

@@ -10,6 +10,17 @@
 
 namespace strake::fluid {
 
+/// Room for n entries that are all written anew: the old ones are given back before new memory is taken, and
+/// little is held in reserve.
+template <class T>
+void make_room(std::vector<T>& values, std::size_t n) {
+  if (n > values.capacity()) {
+    std::vector<T>().swap(values);
+    values.reserve(n + n / 16);
+  }
+  values.resize(n);
+}
+
 /// Rows that hold every pair within a reach and a few beyond it, sorted by index. A bit marks the pairs at
 /// the border: those that a motion within the skin may take over the radius, and those that nearly coincide.
 /// All others are within the radius as long as the rows are valid.

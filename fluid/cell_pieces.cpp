@@ -6,6 +6,11 @@
 
 namespace strake::fluid {
 
+namespace {
+/// Below this many rows threads cost more than they bring.
+constexpr std::int64_t rows_for_threads = 4000;
+}  // namespace
+
 /// Cells of a box around the unknowns. Where a few far flyers would make it much larger than the water, the
 /// box is one around the median, and whoever is outside counts as at its edge: clamping moves no two
 /// particles apart, so rows still reach only adjacent cells.
@@ -17,12 +22,19 @@ void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
   std::array<double, dim> low, high;
   low.fill(std::numeric_limits<double>::max());
   high.fill(std::numeric_limits<double>::lowest());
-  for (std::int64_t k = 0; k < n; ++k)
-    for (std::size_t d = 0; d < dim; ++d) {
+  for (std::size_t d = 0; d < dim; ++d) {
+    double least = low[d], largest = high[d];
+#pragma omp parallel for schedule(static) reduction(min                    \
+                                                    : least) reduction(max \
+                                                                       : largest) if (n >= rows_for_threads)
+    for (std::int64_t k = 0; k < n; ++k) {
       const double x = position(static_cast<Eigen::Index>(d), particle[k]);
-      low[d] = std::min(low[d], x);
-      high[d] = std::max(high[d], x);
+      least = std::min(least, x);
+      largest = std::max(largest, x);
     }
+    low[d] = least;
+    high[d] = largest;
+  }
   const double most = 4 * static_cast<double>(n) + 10000;  // cells
   double cells = 1;
   for (std::size_t d = 0; d < dim; ++d) cells *= (high[d] - low[d]) / cell_size + 3;
@@ -50,6 +62,7 @@ void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
   cell_.resize(static_cast<std::size_t>(n));
   cell_start_.assign(static_cast<std::size_t>(all) + 1, 0);
   constexpr double edge = 1e-3;
+#pragma omp parallel for schedule(static) if (n >= rows_for_threads)
   for (std::int64_t k = 0; k < n; ++k) {
     for (std::size_t d = 0; d < dim; ++d) {
       const double u = (position(static_cast<Eigen::Index>(d), particle[k]) - low[d]) / cell_size;
@@ -57,10 +70,9 @@ void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
       at[d][static_cast<std::size_t>(k)] =
           static_cast<float>(u > 0 ? (u < extent[d] - edge ? u : extent[d] - edge) : 0.0);
     }
-    const std::int64_t c = cell_of(k);
-    cell_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(c);
-    ++cell_start_[static_cast<std::size_t>(c) + 1];
+    cell_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(cell_of(k));
   }
+  for (const std::int32_t c : cell_) ++cell_start_[static_cast<std::size_t>(c) + 1];
   for (std::size_t c = 1; c < cell_start_.size(); ++c) cell_start_[c] += cell_start_[c - 1];
   order.resize(static_cast<std::size_t>(n));
   first_piece_.assign(cell_start_.begin(), cell_start_.end());  // as a cursor, for now

@@ -112,7 +112,7 @@ void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state
   walls_.update(boundary, state, near);
   cover_rows(boundary, state, near);
   const std::int64_t water = boundary.water();
-  entry_.resize(far.column().size());
+  make_room(entry_, far.column().size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.tank().periodic().any())

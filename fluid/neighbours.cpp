@@ -27,8 +27,8 @@ constexpr size_t most_parts = 4;
 /// Least share of the skin asked for, taken while next to nothing moves.
 constexpr double thinnest = 0.1;
 
-/// Rows that a thread works on at a time. It takes eight such blocks at once, whichever are next: rows of
-/// walls are short, and pairs near bodies must be asked about.
+/// Rows that a thread works on at a time, whichever are next: rows of walls are short, and pairs near bodies
+/// must be asked about.
 constexpr std::int64_t block = 64;
 
 template <class T>
@@ -125,7 +125,7 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
     built_skin_ = 4 * step < skin_ ? std::clamp(4 * std::sqrt(step * skin_), thinnest * skin_, skin_) : 0;
   }
   cells_.find(position, tag, radius_, built_skin_, periodic_, candidates_);
-  kept_.resize(candidates_.border.size());
+  make_room(kept_, candidates_.border.size());
   built_at_ = position;
   built_filler_.resize(tag.size());
   std::transform(tag.begin(), tag.end(), built_filler_.begin(), [](std::uint8_t t) { return t & filler; });
@@ -157,7 +157,7 @@ void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t>
 #pragma omp parallel
   {
     std::vector<std::int32_t> looks;
-#pragma omp for schedule(dynamic, 8)
+#pragma omp for schedule(dynamic)
     for (std::int64_t first = 0; first < n; first += block) {
       const std::int64_t last = std::min(n, first + block);
       looks.resize(static_cast<size_t>(candidates_.start[static_cast<size_t>(last)] -
@@ -205,10 +205,10 @@ void NeighbourSearch<dim>::fill(const double* x) {
   std::array<Part*, most_parts> parts{};
   size_t n_parts = 0;
   for (Part& part : parts_) {
-    part.bits.resize(word(n) + 1);
+    make_room(part.bits, word(n) + 1);
     parts[n_parts++] = &part;
   }
-#pragma omp parallel for schedule(dynamic, 8)
+#pragma omp parallel for schedule(dynamic, 2)
   for (std::int64_t first = 0; first < n; first += block) {
     const std::int64_t last = std::min(n, first + block);
     std::int32_t* out = exact_.column_.data() + exact_.start_[static_cast<size_t>(first)];
@@ -264,8 +264,8 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   exact_.start_[0] = 0;
   seams ? select<true>(x, tag, ask ? &keep : nullptr) : select<false>(x, tag, ask ? &keep : nullptr);
   sum_up(exact_.start_);
-  exact_.column_.resize(static_cast<size_t>(exact_.start_.back()));
-  exact_.inverse_.resize(exact_.column_.size());
+  make_room(exact_.column_, static_cast<size_t>(exact_.start_.back()));
+  make_room(exact_.inverse_, exact_.column_.size());
   seams ? fill<true>(x) : fill<false>(x);
   return exact_;
 }
@@ -308,8 +308,8 @@ const Neighbours& NeighbourSearch<dim>::within(double radius) {
     rows.start_[static_cast<size_t>(i) + 1] = count;
   }
   sum_up(rows.start_);
-  rows.column_.resize(static_cast<size_t>(rows.start_.back()));
-  rows.inverse_.resize(rows.column_.size());
+  make_room(rows.column_, static_cast<size_t>(rows.start_.back()));
+  make_room(rows.inverse_, rows.column_.size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
     auto k = rows.start_[static_cast<size_t>(i)];

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fluid/number_density.hpp"
+#include "fluid/pair_loop.hpp"
 #include "fluid/viscosity.hpp"
 
 namespace strake::fluid {
@@ -25,13 +26,6 @@ template <int dim>
 constexpr double smallest_determinant = dim == 2 ? 0.05 : 0.01;
 constexpr double largest_condition = 20;
 
-/// Columns of a row that are water: they come first.
-inline size_t water_columns(std::span<const std::int32_t> columns, std::int64_t water) {
-  size_t count = columns.size();
-  while (count > 0 && columns[count - 1] >= water) --count;
-  return count;
-}
-
 /// body(j, 1/r, w) of the pairs within the radius.
 template <class Body>
 inline void each_pair(std::span<const std::int32_t> columns, std::span<const double> inverses, double radius,
@@ -49,12 +43,6 @@ inline Lanes8 arms(const Lanes4& d) {
 }
 inline Lanes8 arms(const Lanes8& d) {
   return __builtin_shufflevector(d, d, 0, 1, 2, 3, 0, 1, 2, 3);
-}
-
-/// The nearest image of a neighbour: r over the seams where that is shorter.
-template <int dim, class Pair>
-inline void over_seams(const Periodic<dim>& periodic, Pair& d) {
-  for (int a = 0; a < dim; ++a) d[a] = periodic.nearest(d[a], a);
 }
 
 /// Whether λ_max/λ_min ≤ c. In the plane (λ1 + λ2)²/(λ1 λ2) = c + 2 + 1/c where the condition is c; in space
@@ -159,7 +147,7 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
         for (int b = 0; b < dim; ++b) sum[b] += d * (s * d[b]);
       ++count;
     };
-    const size_t inner = water_columns(columns, water);
+    const size_t inner = water_pairs(columns, water);
     each_pair(columns.first(inner), inverses.first(inner), radius_, add);
     each_pair(columns.subspan(inner), inverses.subspan(inner), radius_,
               [&](std::int32_t j, double inverse, double w) {
@@ -272,7 +260,7 @@ Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<
   Lanes8 sum[parts]{}, arm_sum{};
   const bool seams = flow.periodic.any();
   auto drag = here - here;  // Σ v {r, u}
-  const size_t inner = water_columns(columns, flow.walls.first);
+  const size_t inner = water_pairs(columns, flow.walls.first);
   each_pair(columns.first(inner), inverses.first(inner), radius_,
             [&](std::int32_t column, double inverse, double w) {
               const auto j = static_cast<size_t>(column);
