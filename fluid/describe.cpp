@@ -87,8 +87,7 @@ std::string limits_text(const Parameters& p, double speed) {
   if (p.gravity.norm() > 0)
     text += fmt::format("   gravity {:.2g} s   column {:.2g} s", 0.25 * std::sqrt(l0 / p.gravity.norm()),
                         column_step(p));
-  if (p.kinematic_viscosity > 0)
-    text += fmt::format("   viscosity {:.2g} s", 0.1 * l0 * l0 / p.kinematic_viscosity);
+  if (p.kinematic_viscosity > 0) text += fmt::format("   viscosity {:.2g} s", viscous_limit(p, 0));
   if (std::isfinite(acoustic_step(p))) text += fmt::format("   sound {:.2g} s", acoustic_step(p));
   return text;
 }
@@ -98,7 +97,7 @@ double first_step(const Parameters& p, double window, double speed) {
   const double l0 = p.spacing;
   double first = std::min({p.scheme.time_step, window, column_step(p), acoustic_step(p)});
   if (speed > 0) first = std::min(first, p.scheme.cfl * l0 / speed);
-  if (p.kinematic_viscosity > 0) first = std::min(first, 0.1 * l0 * l0 / p.kinematic_viscosity);
+  if (p.kinematic_viscosity > 0) first = std::min(first, viscous_limit(p, 0));
   return window / std::max(1.0, std::ceil(window / first - 1e-9));
 }
 
