@@ -27,8 +27,8 @@ constexpr size_t most_parts = 4;
 /// Least share of the skin asked for, taken while next to nothing moves.
 constexpr double thinnest = 0.1;
 
-/// Rows that a thread works on at a time, whichever are next: rows of walls are short, and pairs near bodies
-/// must be asked about.
+/// Rows that a thread works on at a time. Threads keep their part of the rows from loop to loop: rows that
+/// another processor has written last cost more than even shares save.
 constexpr std::int64_t block = 64;
 
 template <class T>
@@ -157,7 +157,7 @@ void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t>
 #pragma omp parallel
   {
     std::vector<std::int32_t> looks;
-#pragma omp for schedule(dynamic)
+#pragma omp for schedule(static)
     for (std::int64_t first = 0; first < n; first += block) {
       const std::int64_t last = std::min(n, first + block);
       looks.resize(static_cast<size_t>(candidates_.start[static_cast<size_t>(last)] -
@@ -208,7 +208,7 @@ void NeighbourSearch<dim>::fill(const double* x) {
     make_room(part.bits, word(n) + 1);
     parts[n_parts++] = &part;
   }
-#pragma omp parallel for schedule(dynamic, 2)
+#pragma omp parallel for schedule(static)
   for (std::int64_t first = 0; first < n; first += block) {
     const std::int64_t last = std::min(n, first + block);
     std::int32_t* out = exact_.column_.data() + exact_.start_[static_cast<size_t>(first)];
