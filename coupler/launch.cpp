@@ -124,6 +124,7 @@ std::map<std::string, std::string> quiet_environment(int threads) {
        "1"},                           // else MPI_Init of a single process forks a daemon that outlives it
       {"OPENBLAS_NUM_THREADS", "1"},   // results must not depend on the machine
       {"OMP_WAIT_POLICY", "passive"},  // processes take turns: one that waits must not spin
+      {"GOMP_SPINCOUNT", "2000"},  // but for the microseconds between two loops: sleeping there costs more
       {"OMP_NUM_THREADS", std::to_string(threads)},
   };
 }
