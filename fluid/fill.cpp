@@ -173,6 +173,7 @@ State<dim> fill(const Parameters& parameters) {
   state.velocity = Vectors<dim>::Zero(dim, n);
   state.pressure = Eigen::VectorXd::Zero(n);
   state.sps_k = Eigen::VectorXd::Zero(n);
+  state.residual_divergence = Eigen::VectorXd::Zero(n);
   state.surface.assign(static_cast<size_t>(n), 0);
   Eigen::Index i = 0;
   const auto add = [&](const Vector<dim>& place, Kind kind) {

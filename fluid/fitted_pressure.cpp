@@ -20,8 +20,7 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
                                  PressureSystem& system) {
   approach_from_mean(boundary, state, far);
   gravity_ = gravity;
-  const bool absorbs = boundary.tank().absorbs();
-  const auto& periodic = boundary.tank().periodic();
+  const double kept = kept_residual(state, gravity, dt);
   const std::int64_t water = boundary.water();
   const double rho = p_.density, c = p_.sound_speed;
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
@@ -42,27 +41,20 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
   system.right.resize(water);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    const auto k = static_cast<std::size_t>(i);
     const auto columns = far.row(i);
     const auto inverses = far.inverses(i);
-    double flux = 0, yields = 0;
-    for (auto e = static_cast<std::size_t>(water_stop_[k] - far.start()[k]); e < columns.size(); ++e) {
-      const std::int64_t j = columns[e];
-      if (!walls_.wet(j)) continue;
-      const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
-      const double w = laplacian_.radius * inverses[e] - 1;
-      const Vector<dim> held = walls_.held(j, r);
-      flux += w * approach(boundary, state, i, j).dot(held);
-      if (absorbs) yields -= w * boundary.tank().absorbing(j).dot(held) / (c * dt);
-    }
+    const Inflow in = inflow(boundary, state, far, dt, i);
     double deviation = volume_[i] / lattice_.volume - 1;
     if (surface_factor_[i] > 0) deviation = std::max(deviation, 0.0);
     if (std::isfinite(c)) deviation -= state.pressure[i] / (rho * c * c);
-    system.diagonal[i] = diagonal_[i] + surface_factor_[i] + compression + yields;
-    system.right[i] = rho / dt * (flux - scale * divergence(i)) -
-                      (1 - surface_share_[i]) * rho * gravity.dot(moment_.col(i)) +
-                      compression * state.pressure[i] + drift * deviation;
-    if (absorbs) system.right[i] += yields * still_pressure(boundary, state.position.col(i));
+    yielding_[i] = compression + in.yields;
+    meant_[i] = compression * state.pressure[i] + drift * deviation;
+    if (in.yields > 0) meant_[i] += in.yields * still_pressure(boundary, state.position.col(i));
+    system.diagonal[i] = diagonal_[i] + surface_factor_[i] + yielding_[i];
+    const double held = 1 - compression / system.diagonal[i];
+    system.right[i] =
+        rho / dt * (in.flux - scale * (divergence(i) - kept * held * state.residual_divergence[i])) -
+        (1 - surface_share_[i]) * rho * gravity.dot(moment_.col(i)) + meant_[i];
     // Nothing near and no compressibility: nothing holds a pressure.
     if (system.diagonal[i] <= 0 || boundary.parked(state, i)) {
       system.diagonal[i] = 1;
@@ -72,9 +64,63 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
 }
 
 template <int dim>
+typename FittedScheme<dim>::Inflow FittedScheme<dim>::inflow(const Boundary<dim>& boundary,
+                                                             const State<dim>& state, const Neighbours& far,
+                                                             double dt, std::int64_t i) const {
+  const auto& periodic = boundary.tank().periodic();
+  const bool absorbs = boundary.tank().absorbs();
+  const auto k = static_cast<std::size_t>(i);
+  const auto columns = far.row(i);
+  const auto inverses = far.inverses(i);
+  Inflow in;
+  for (auto e = static_cast<std::size_t>(water_stop_[k] - far.start()[k]); e < columns.size(); ++e) {
+    const std::int64_t j = columns[e];
+    if (!walls_.wet(j)) continue;
+    const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
+    const double w = laplacian_.radius * inverses[e] - 1;
+    const Vector<dim> held = walls_.held(j, r);
+    in.flux += w * approach(boundary, state, i, j).dot(held);
+    if (absorbs) in.yields -= w * boundary.tank().absorbing(j).dot(held) / (p_.sound_speed * dt);
+  }
+  return in;
+}
+
+// (1 − Δt max|u|/l0) u²/(u² + gH), u = max|u|: all at once in water that hardly moves.
+template <int dim>
+double FittedScheme<dim>::kept_residual(const State<dim>& state, const Vector<dim>& gravity,
+                                        double dt) const {
+  const double fastest = std::sqrt(state.velocity.colwise().squaredNorm().maxCoeff());
+  if (!(fastest > 0)) return 0;
+  const double waves = gravity.cwiseAbs().dot((p_.water.max - p_.water.min).template head<dim>());
+  return std::max(0.0, 1 - dt * fastest / p_.spacing) / (1 + waves / (fastest * fastest));
+}
+
+/// ∇·u of the new velocity at the same places, walls with it, less what the pressure equation asked for:
+///   e = ∇·u − Σ_rows w (u−U)·P r/s + Δt/(ρs) (s p/(c²Δt²) + yields p − what stood on the right side)
+template <int dim>
+void FittedScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<dim>& state,
+                                         const Neighbours& far, const Neighbours& near, double dt) {
+  fit_velocity(boundary, state, near);
+  approach_from_mean(boundary, state, far);
+  const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
+  const double factor = dt / (p_.density * scale);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    // Where pressure was cut off the water opens or closes as it likes.
+    const bool cut =
+        cut_[static_cast<std::size_t>(i)] || (state.pressure[i] <= 0 && !p_.scheme.negative_pressure);
+    state.residual_divergence[i] = cut || boundary.parked(state, i)
+                                       ? 0.0
+                                       : divergence(i) - inflow(boundary, state, far, dt, i).flux / scale +
+                                             factor * (yielding_[i] * state.pressure[i] - meant_[i]);
+  }
+}
+
+template <int dim>
 void FittedScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
   const std::int64_t water = boundary.water();
   limited_ = state.pressure.head(water);
+  cut_.assign(static_cast<std::size_t>(water), 0);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (surface_share_[i] < 1 || !(state.pressure[i] > 0)) continue;
@@ -86,7 +132,10 @@ void FittedScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state, 
       else if (surface_share_[j] < 1)
         inside = std::max(inside, state.pressure[j]);
     }
-    if (!walled) limited_[i] = std::min(state.pressure[i], inside);
+    if (!walled && inside < state.pressure[i]) {
+      limited_[i] = inside;
+      cut_[static_cast<std::size_t>(i)] = 1;
+    }
   }
   state.pressure.head(water) = limited_;
 }
@@ -144,20 +193,23 @@ const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& bo
 }
 
 /// δr = −A |u| Δt l0 ∇C, ∇C = (d/n0) Σ w r/r² (PHYSICS §10.4), at most 0.1 l0; next to the free surface only
-/// along it.
+/// along it. A displacement δ from an even lattice makes ∇C = 1.9 δ/l0² (square lattice, reach 2.1 l0), one
+/// of opposite neighbours up to twice that: from A |u| Δt = 0.53 l0 on particles would be thrown past their
+/// places and back at every other step, and the pressure with them.
 template <int dim>
 void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, double dt) const {
   if (p_.scheme.shifting <= 0) return;
-  constexpr double longest = 0.1;  // [l0]
+  constexpr double longest = 0.1, most_of_a_step = 0.35;  // [l0]
   const bool moves = boundary.tank().moves();
-  const double factor = p_.scheme.shifting * dt * p_.spacing * dim / gradient_.n0;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (boundary.parked(state, i)) continue;
     // Past the tank: the same for an observer who falls or drives along with it.
     Vector<dim> past = state.velocity.col(i);
     if (moves) past -= boundary.tank().velocity_at(state.position.col(i));
-    Vector<dim> move = -factor * past.norm() * crowding_.col(i);
+    const double reach =
+        p_.spacing * std::min(most_of_a_step * p_.spacing, p_.scheme.shifting * past.norm() * dt);
+    Vector<dim> move = -reach * dim / gradient_.n0 * crowding_.col(i);
     const Vector<dim> inward = inward_.col(i);
     move -= surface_share_[i] * inward.dot(move) * inward;
     const double length = move.norm();
@@ -168,6 +220,8 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                              \
+  template void FittedScheme<dim>::measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours&,    \
+                                                    const Neighbours&, double);                              \
   template void FittedScheme<dim>::limit(const Boundary<dim>&, State<dim>&, const Neighbours&);              \
   template void FittedScheme<dim>::assemble(const Boundary<dim>&, const State<dim>&, const Neighbours&,      \
                                             const Vector<dim>&, double, PressureSystem&);                    \

@@ -100,7 +100,8 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
   motion_.resize(count);
   water_stop_.resize(count);
   for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &gradient_of_p_}) v->setZero(dim, water);
-  for (Eigen::VectorXd* v : {&diagonal_, &volume_, &surface_factor_, &surface_pull_, &surface_share_})
+  for (Eigen::VectorXd* v :
+       {&meant_, &yielding_, &diagonal_, &volume_, &surface_factor_, &surface_pull_, &surface_share_})
     v->setZero(water);
   mean_approach_.setZero(dim, state.position.cols());
   cover_.setZero(state.position.cols());
@@ -336,13 +337,19 @@ void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& s
 }
 
 template <int dim>
-void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                               double dt) {
-  const bool seams = boundary.tank().periodic().any();
-  if (seams)
+void FittedScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const State<dim>& state,
+                                     const Neighbours& near) {
+  if (boundary.tank().periodic().any())
     find_velocity_gradient<true>(boundary, state, near);
   else
     find_velocity_gradient<false>(boundary, state, near);
+}
+
+template <int dim>
+void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                               double dt) {
+  const bool seams = boundary.tank().periodic().any();
+  fit_velocity(boundary, state, near);
   if (p_.scheme.filter <= 0) return;
   if (seams)
     find_filter<true>(boundary, state, near, dt);

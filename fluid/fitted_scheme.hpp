@@ -60,6 +60,9 @@ class FittedScheme {
   /// Particles move towards even spacing, along the surface where they are near it, and take ∇u* with them.
   void shift(const Boundary<dim>&, State<dim>&, double dt) const;
 
+  /// State::residual_divergence of the new velocity, before the particles move.
+  void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
+                        double dt);
   /// ∇·u* of the last `filter` [1/s].
   double divergence(std::int64_t i) const { return velocity_gradient_[static_cast<std::size_t>(i)].trace(); }
 
@@ -72,6 +75,16 @@ class FittedScheme {
   Vector<dim> yielding(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
   /// ρ g times the depth of x under the water's upper edge at the start [Pa].
   double still_pressure(const Boundary<dim>&, const Vector<dim>& x) const;
+  /// What the rows do to the water of particle i: Σ w (u−U)·P r [m²/s], and the diagonal's part of walls that
+  /// absorb.
+  struct Inflow {
+    double flux = 0, yields = 0;
+  };
+  Inflow inflow(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
+                std::int64_t i) const;
+  /// Part of the residual divergence that a step leaves as it is.
+  double kept_residual(const State<dim>&, const Vector<dim>& gravity, double dt) const;
+  void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
   void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   void cover_rows(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
@@ -106,6 +119,9 @@ class FittedScheme {
   Vectors<dim> moment_;                         // Σ w_L r over water, P r over wet rows [m]
   Vectors<dim> inward_;                         // unit vector away from the free surface
   Vectors<dim> crowding_;                       // Σ w r/r² [1/m]
+  Eigen::VectorXd yielding_;                    // of p_i in the equation, but for ∇²p and the surface
+  Eigen::VectorXd meant_;                       // of the right side, but for ∇·u* and g
+  std::vector<std::uint8_t> cut_;               // pressures that `limit` made smaller
   Eigen::VectorXd diagonal_;                    // Σ w_L over water
   Eigen::VectorXd volume_;          // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
   Eigen::VectorXd surface_factor_;  // κ

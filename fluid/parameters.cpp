@@ -91,7 +91,10 @@ void read_anti_penetration(CaseTable t, Scheme& s) {
        {"none", AntiPenetration::none}},
       {.paper = "average", .help = "water too near a solid: two-body collision, or the mean of velocities"});
   t.number("distance", s.collision_distance,
-           {.unit = "l0", .min = 0, .max = 1, .help = "too near is nearer than this"});
+           {.unit = "l0",
+            .min = 0,
+            .max = 1,
+            .help = "too near is nearer than this; 0.85 but with least-squares"});
   t.number("restitution", s.restitution, {.min = 0, .max = 1, .help = "of the collision"});
   t.flag(
       "conserve", s.collision_conserve,

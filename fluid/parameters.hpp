@@ -39,7 +39,7 @@ struct Scheme {
   SecondCriterion second = SecondCriterion::arc;
   bool negative_pressure = false;  // a closed tank always has it
   AntiPenetration anti_penetration = AntiPenetration::collision;
-  double collision_distance = 0.85;  // [l0]
+  double collision_distance = 0.5;  // [l0]; 0.85 where pressure alone does not keep particles apart
   double restitution = 0.2;
   bool collision_conserve = true;
   PressureSolver pressure_solver = PressureSolver::cg;
@@ -61,6 +61,7 @@ inline Scheme with_gradient(Scheme scheme, Gradient gradient) {
   if (gradient != Gradient::least_squares) {
     scheme.shifting = 0;
     scheme.cfl = 0.2;
+    scheme.collision_distance = 0.85;
   }
   return scheme;
 }

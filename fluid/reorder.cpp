@@ -100,6 +100,7 @@ void reorder(State<dim>& state, std::span<const std::int32_t> order) {
   permute_columns(state.velocity, order);
   permute(state.pressure, order);
   permute(state.sps_k, order);
+  permute(state.residual_divergence, order);
   permute(state.kind, order);
   permute(state.id, order);
   permute(state.surface, order);

@@ -30,11 +30,12 @@ inline bool has_pressure(Kind kind) {
 /// disk.
 template <int dim>
 struct State {
-  double time = 0;               // [s]
-  std::int64_t step = 0;         // steps taken
-  Vectors<dim> position;         // dim×n [m]
-  Vectors<dim> velocity;         // dim×n [m/s]
-  Eigen::VectorXd pressure;      // n [Pa]
+  double time = 0;                      // [s]
+  std::int64_t step = 0;                // steps taken
+  Vectors<dim> position;                // dim×n [m]
+  Vectors<dim> velocity;                // dim×n [m/s]
+  Eigen::VectorXd pressure;             // n [Pa]
+  Eigen::VectorXd residual_divergence;  // n [1/s] that the projection of the last step left (least-squares)
   Eigen::VectorXd sps_k;         // n [m²/s²] sub-particle-scale energy (k model); static model: last value
   std::vector<Kind> kind;        // n
   std::vector<std::int64_t> id;  // n, identity of a particle whatever its place

@@ -290,12 +290,16 @@ void Simulation<dim>::Work::correct_fitted() {
   const std::int64_t water = boundary.water();
   const double factor = dt / p.density;
   double largest = 0;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (boundary.parked(state, i)) continue;
+    state.velocity.col(i) -= factor * fitted->pressure_gradient().col(i);
+  }
+  fitted->measure_residual(boundary, state, *far, near_gradient(), dt);
 #pragma omp parallel for schedule(static) reduction(max : largest)
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.parked(state, i)) continue;
-    const Vector<dim> velocity = state.velocity.col(i) - factor * fitted->pressure_gradient().col(i);
-    state.velocity.col(i) = velocity;
-    state.position.col(i) += dt * velocity;
+    state.position.col(i) += dt * state.velocity.col(i);
     if (!state.surface[static_cast<std::size_t>(i)])
       largest = std::max(largest, std::abs(fitted->divergence(i)));
   }

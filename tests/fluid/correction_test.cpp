@@ -16,7 +16,9 @@ struct Scene {
   State<2> state = fill<2>(p);
   Boundary<2> boundary;
   NeighbourSearch<2> search{2.1 * l0, 0};
-  explicit Scene(const InterfaceMesh& body = {}) : boundary(p, body, {}, state) {}
+  explicit Scene(const InterfaceMesh& body = {}) : boundary(p, body, {}, state) {
+    p.scheme.collision_distance = 0.85;
+  }
   const Neighbours& near() {
     const auto keep = [this](std::int32_t i, std::int32_t j) { return boundary.keep(state, i, j); };
     return search.update(state.position, boundary.tags(state), keep);
@@ -42,6 +44,7 @@ void disturb(Scene& scene) {
 TEST(AntiPenetration, SeesPairsOverAPeriodicSeam) {
   Parameters p = tank_case(0.4, 0.2, l0, 0.2);
   p.periodic = {true, false, false};
+  p.scheme.collision_distance = 0.85;
   State<2> state = fill<2>(p);
   const Boundary<2> boundary(p, {}, {}, state);
   std::int64_t left = -1, right = -1;
