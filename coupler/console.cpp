@@ -73,7 +73,7 @@ std::string checks_text(const Summary& summary) {
   add("volume_drift", [](double x) { return fmt::format("volume {:+.2f} %", 100 * x); });
   add("inner_fraction_min",
       [](double x) { return fmt::format("inner particles at least {:.1f} %", 100 * x); });
-  for (const char* count : {"voids", "penetrations", "lost"})
+  for (const char* count : {"voids", "openings", "penetrations", "lost"})
     add(count, [count](double x) { return fmt::format("{} {:.0f}", count, x); });
   return text;
 }

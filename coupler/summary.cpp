@@ -152,7 +152,7 @@ Json Summary::json() const {
 
   json["checks"]["work_gap"] = coupled_ ? finite(work_gap_) : Json(nullptr);
   for (const char* check : {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids",
-                            "penetrations", "lost", "volume_drift"})
+                            "openings", "penetrations", "lost", "volume_drift"})
     json["checks"][check] = either(fluid_, structure_, std::string("check.") + check);
 
   json["compare"] = Json::array();

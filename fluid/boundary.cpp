@@ -44,6 +44,7 @@ void append(State<dim>& state, std::int64_t count) {
   state.residual_divergence.tail(count).setZero();
   for (std::int64_t k = 0; k < count; ++k) state.id.push_back(n + k);
   state.surface.resize(static_cast<std::size_t>(n + count), 1);
+  state.aired.resize(static_cast<std::size_t>(n + count), 0);
 }
 
 }  // namespace

@@ -175,6 +175,7 @@ State<dim> fill(const Parameters& parameters) {
   state.sps_k = Eigen::VectorXd::Zero(n);
   state.residual_divergence = Eigen::VectorXd::Zero(n);
   state.surface.assign(static_cast<size_t>(n), 0);
+  state.aired.assign(static_cast<size_t>(n), 1);
   Eigen::Index i = 0;
   const auto add = [&](const Vector<dim>& place, Kind kind) {
     state.position.col(i) = place;

@@ -19,8 +19,9 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
                                  const Neighbours& far, const Vector<dim>& gravity, double dt,
                                  PressureSystem& system) {
   approach_from_mean(boundary, state, far);
+  cut_.assign(static_cast<std::size_t>(boundary.water()), 0);
   gravity_ = gravity;
-  const double kept = kept_residual(state, gravity, dt);
+  const double kept = kept_residual(boundary, state, gravity, dt);
   const std::int64_t water = boundary.water();
   const double rho = p_.density, c = p_.sound_speed;
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
@@ -85,14 +86,25 @@ typename FittedScheme<dim>::Inflow FittedScheme<dim>::inflow(const Boundary<dim>
   return in;
 }
 
-// (1 − Δt max|u|/l0) u²/(u² + gH), u = max|u|: all at once in water that hardly moves.
 template <int dim>
-double FittedScheme<dim>::kept_residual(const State<dim>& state, const Vector<dim>& gravity,
-                                        double dt) const {
-  const double fastest = std::sqrt(state.velocity.colwise().squaredNorm().maxCoeff());
-  if (!(fastest > 0)) return 0;
+double FittedScheme<dim>::fastest(const Boundary<dim>& boundary, const State<dim>& state) const {
+  if (!boundary.tank().moves()) return std::sqrt(state.velocity.colwise().squaredNorm().maxCoeff());
+  double speed = 0;
+#pragma omp parallel for schedule(static) reduction(max : speed)
+  for (Eigen::Index i = 0; i < state.velocity.cols(); ++i)
+    speed =
+        std::max(speed, (state.velocity.col(i) - boundary.tank().velocity_at(state.position.col(i))).norm());
+  return speed;
+}
+
+// (1 − Δt max|u|/l0) u²/(u² + gH), u = max|u| past the tank: all at once in water that hardly moves.
+template <int dim>
+double FittedScheme<dim>::kept_residual(const Boundary<dim>& boundary, const State<dim>& state,
+                                        const Vector<dim>& gravity, double dt) const {
+  const double speed = fastest(boundary, state);
+  if (!(speed > 0)) return 0;
   const double waves = gravity.cwiseAbs().dot((p_.water.max - p_.water.min).template head<dim>());
-  return std::max(0.0, 1 - dt * fastest / p_.spacing) / (1 + waves / (fastest * fastest));
+  return std::max(0.0, 1 - dt * speed / p_.spacing) / (1 + waves / (speed * speed));
 }
 
 /// ∇·u of the new velocity at the same places, walls with it, less what the pressure equation asked for:
@@ -107,8 +119,7 @@ void FittedScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<di
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     // Where pressure was cut off the water opens or closes as it likes.
-    const bool cut =
-        cut_[static_cast<std::size_t>(i)] || (state.pressure[i] <= 0 && !p_.scheme.negative_pressure);
+    const bool cut = cut_[static_cast<std::size_t>(i)];
     state.residual_divergence[i] = cut || boundary.parked(state, i)
                                        ? 0.0
                                        : divergence(i) - inflow(boundary, state, far, dt, i).flux / scale +
@@ -120,7 +131,6 @@ template <int dim>
 void FittedScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
   const std::int64_t water = boundary.water();
   limited_ = state.pressure.head(water);
-  cut_.assign(static_cast<std::size_t>(water), 0);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (surface_share_[i] < 1 || !(state.pressure[i] > 0)) continue;
@@ -223,6 +233,7 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
   template void FittedScheme<dim>::measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours&,    \
                                                     const Neighbours&, double);                              \
   template void FittedScheme<dim>::limit(const Boundary<dim>&, State<dim>&, const Neighbours&);              \
+  template double FittedScheme<dim>::fastest(const Boundary<dim>&, const State<dim>&) const;                 \
   template void FittedScheme<dim>::assemble(const Boundary<dim>&, const State<dim>&, const Neighbours&,      \
                                             const Vector<dim>&, double, PressureSystem&);                    \
   template const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>&, const State<dim>&, \

@@ -50,6 +50,10 @@ class FittedScheme {
   /// Harmonic pressure has no maximum at a free surface: next to it, away from walls, it is at most that of
   /// the water inside near by; a drop or a film in flight has none.
   void limit(const Boundary<dim>&, State<dim>&, const Neighbours& near);
+  /// Water next to the free surface parts without tension. Deeper it holds what the air above it presses: the
+  /// cores of vortices stay closed. More than turning water makes, ρ max|u|², it never bears: where nothing
+  /// turns, a pull only parts it.
+  void release_tension(const Boundary<dim>&, State<dim>&, const Neighbours& far);
   /// ∇p of the water [Pa/m].
   const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                         double dt);
@@ -82,8 +86,10 @@ class FittedScheme {
   };
   Inflow inflow(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
                 std::int64_t i) const;
+  /// max |u| past the tank: the same for an observer who falls or drives along with it [m/s].
+  double fastest(const Boundary<dim>&, const State<dim>&) const;
   /// Part of the residual divergence that a step leaves as it is.
-  double kept_residual(const State<dim>&, const Vector<dim>& gravity, double dt) const;
+  double kept_residual(const Boundary<dim>&, const State<dim>&, const Vector<dim>& gravity, double dt) const;
   void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
   void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
@@ -105,6 +111,9 @@ class FittedScheme {
     Column<dim> place, velocity, gradient[dim];
   };
 
+  /// Pressure of the atmosphere less that of water's vapour: where water is torn [Pa].
+  static constexpr double largest_tension = 0.99e5;
+
   Parameters p_;
   LatticeConstants gradient_, laplacian_;
   SurfaceLattice<dim> lattice_;
@@ -121,7 +130,7 @@ class FittedScheme {
   Vectors<dim> crowding_;                       // Σ w r/r² [1/m]
   Eigen::VectorXd yielding_;                    // of p_i in the equation, but for ∇²p and the surface
   Eigen::VectorXd meant_;                       // of the right side, but for ∇·u* and g
-  std::vector<std::uint8_t> cut_;               // pressures that `limit` made smaller
+  std::vector<std::uint8_t> cut_;               // pressures that `limit` or `release_tension` has cut
   Eigen::VectorXd diagonal_;                    // Σ w_L over water
   Eigen::VectorXd volume_;          // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
   Eigen::VectorXd surface_factor_;  // κ

@@ -166,8 +166,9 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   measures_water_ = frame_due(window);
   if (!measures_water_) return;
   State<dim>& reached = simulation_.mutable_state();
-  reached.voids =
-      std::max(reached.voids, count_voids<dim>(reached, water(), parameters_.spacing, parameters_.open_top));
+  const Voids voids = count_voids<dim>(reached, water(), parameters_.spacing, parameters_.open_top);
+  reached.voids = std::max(reached.voids, voids.all);
+  reached.openings = std::max(reached.openings, voids.openings);
 }
 
 /// Contact is the first step in which any sensor exceeds ½ρV² (VALIDATION A).

@@ -89,6 +89,7 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   for (const char* prefix : {"count.", "check."}) {
     monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);
     monitor[prefix + std::string("voids")] = static_cast<double>(state.voids);
+    monitor[prefix + std::string("openings")] = static_cast<double>(state.openings);
     monitor[prefix + std::string("penetrations")] = static_cast<double>(state.penetrations);
   }
   monitor["count.behind_walls"] = static_cast<double>(state.behind_walls);

@@ -104,6 +104,7 @@ void reorder(State<dim>& state, std::span<const std::int32_t> order) {
   permute(state.kind, order);
   permute(state.id, order);
   permute(state.surface, order);
+  permute(state.aired, order);
 }
 
 template std::vector<std::int32_t> cell_order<2>(const Eigen::Ref<const Vectors<2>>&, double);

@@ -40,6 +40,7 @@ struct State {
   std::vector<Kind> kind;        // n
   std::vector<std::int64_t> id;  // n, identity of a particle whatever its place
   std::vector<std::uint8_t> surface;  // n, free-surface flag of the last step (hysteresis)
+  std::vector<std::uint8_t> aired;    // n, of surface water: beside air that came from outside (voids.hpp)
 
   Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
   Vectors<dim> interface_velocity;      // dim×m [m/s]
@@ -54,6 +55,7 @@ struct State {
   double inner_fraction_min = 1;  // smallest share of fluid particles not on the surface
   std::int64_t lost = 0;          // particles that left the domain
   std::int64_t voids = 0;         // largest count of surface particles deeper than 5 l0, of the frames
+  std::int64_t openings = 0;      // the same of those that are not aired
   std::int64_t penetrations = 0;  // largest count of fluid particles inside a body's outline
   std::int64_t behind_walls = 0;  // times that water was put back from behind a wall of the tank
 };

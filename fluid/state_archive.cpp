@@ -42,11 +42,13 @@ template <int dim>
 void save(const State<dim>& state, Archive& archive) {
   for_each_real(state, [&](const char* name, const auto& value) { archive.real[name] = value; });
   archive.real["scalars"] = Eigen::Vector3d(state.time, state.contact_time, state.inner_fraction_min);
-  archive.integer["counts"] = {state.step, state.lost, state.voids, state.penetrations, state.behind_walls};
+  archive.integer["counts"] = {state.step,         state.lost,         state.voids,
+                               state.penetrations, state.behind_walls, state.openings};
   archive.integer["id"] = state.id;
   auto& kind = archive.integer["kind"];
   for (const Kind k : state.kind) kind.push_back(static_cast<std::int64_t>(k));
   archive.integer["surface"].assign(state.surface.begin(), state.surface.end());
+  archive.integer["aired"].assign(state.aired.begin(), state.aired.end());
   for (std::size_t i = 0; i < state.probes.size(); ++i) state.probes[i].save(probe_name(i), archive);
 }
 
@@ -64,7 +66,7 @@ State<dim> load(const Archive& archive, std::size_t n_probes) {
   });
   const auto& scalars = entry(archive.real, "scalars");
   const auto& counts = entry(archive.integer, "counts");
-  if (scalars.size() != 3 || counts.size() != 5)
+  if (scalars.size() != 3 || counts.size() != 6)
     throw Error(ExitCode::case_file, "checkpoint of the fluid", "is of another version");
   state.time = scalars(0);
   state.contact_time = scalars(1);
@@ -74,13 +76,15 @@ State<dim> load(const Archive& archive, std::size_t n_probes) {
   state.voids = counts[2];
   state.penetrations = counts[3];
   state.behind_walls = counts[4];
+  state.openings = counts[5];
   state.id = entry(archive.integer, "id");
   for (const auto k : entry(archive.integer, "kind")) state.kind.push_back(static_cast<Kind>(k));
   for (const auto s : entry(archive.integer, "surface"))
     state.surface.push_back(static_cast<std::uint8_t>(s));
+  for (const auto a : entry(archive.integer, "aired")) state.aired.push_back(static_cast<std::uint8_t>(a));
   const auto n = static_cast<std::size_t>(state.position.cols());
   if (state.velocity.cols() != state.position.cols() || state.pressure.size() != state.position.cols() ||
-      state.kind.size() != n || state.id.size() != n || state.surface.size() != n)
+      state.kind.size() != n || state.id.size() != n || state.surface.size() != n || state.aired.size() != n)
     throw Error(ExitCode::case_file, "checkpoint of the fluid", "has arrays of different lengths");
   state.probes.resize(n_probes);
   for (std::size_t i = 0; i < n_probes; ++i) state.probes[i].load(probe_name(i), archive);

@@ -6,6 +6,7 @@
 #include "fluid/operators.hpp"
 #include "fluid/reorder.hpp"
 #include "fluid/submerged.hpp"
+#include "fluid/voids.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -161,7 +162,10 @@ void Simulation<dim>::Work::predict() {
 template <int dim>
 void Simulation<dim>::Work::measure_number_density() {
   const StageClock clock(seconds, "density");
-  if (fitted) return fitted->measure(boundary, state, *far, near_gradient());
+  if (fitted) {
+    fitted->measure(boundary, state, *far, near_gradient());
+    return follow_air(state, near_gradient(), boundary.water(), newly_aired);
+  }
   if (at_star()) {
     check_finite();
     search_neighbours();
@@ -174,6 +178,7 @@ void Simulation<dim>::Work::measure_number_density() {
       surface_flags<dim>(state.position, state.kind, near, n, test, state.surface);
   boundary.hold_apart(state, near, state.surface, flags);
   state.surface.swap(flags);
+  follow_air(state, near, boundary.water(), newly_aired);
   classify_rows();
 }
 
@@ -243,7 +248,12 @@ void Simulation<dim>::Work::solve_pressure() {
   for (std::int64_t k = 0; k < system.size(); ++k)
     state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
   // In a closed tank pressure has no zero that tension could be measured from.
-  if (!scheme.negative_pressure && p.open_top && !sealed) state.pressure = state.pressure.cwiseMax(0.0);
+  if (!scheme.negative_pressure && p.open_top && !sealed) {
+    if (fitted)
+      fitted->release_tension(boundary, state, *far);
+    else
+      state.pressure = state.pressure.cwiseMax(0.0);
+  }
   if (fitted) fitted->limit(boundary, state, near_gradient());
   if (!fitted) boundary.fill_dummies(state, gravity, motion->acceleration);
 }

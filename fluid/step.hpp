@@ -91,6 +91,7 @@ struct Simulation<dim>::Work {
   Eigen::VectorXd n, divergence, deviation, guess;
   std::vector<Row> row;
   std::vector<std::uint8_t> solved, moves, wet;  // masks: unknowns; water; all but dry bodies
+  std::vector<std::uint8_t> newly_aired;
   PressureSystem system;
   PoissonSolver<dim> poisson{laplacian_lattice.radius};
   CollisionAccount<dim> collisions;

@@ -23,11 +23,13 @@ void take_out(State<dim>& state, const std::vector<Eigen::Index>& kept) {
   rest.residual_divergence = state.residual_divergence(kept).eval();
   rest.kind.clear();
   rest.surface.clear();
+  rest.aired.clear();
   rest.id.clear();
   for (Eigen::Index k = 0; k < n; ++k) {
     const auto i = static_cast<std::size_t>(kept[static_cast<std::size_t>(k)]);
     rest.kind.push_back(state.kind[i]);
     rest.surface.push_back(state.surface[i]);
+    rest.aired.push_back(state.aired[i]);
     rest.id.push_back(k);
   }
   state = std::move(rest);

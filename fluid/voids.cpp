@@ -131,21 +131,51 @@ class Grid {
 }  // namespace
 
 template <int dim>
-std::int64_t count_voids(const State<dim>& state, std::span<const std::int64_t> water, double spacing,
-                         bool open_top) {
-  if (water.empty()) return 0;
+Voids count_voids(const State<dim>& state, std::span<const std::int64_t> water, double spacing,
+                  bool open_top) {
+  Voids voids;
+  if (water.empty()) return voids;
   Grid<dim> grid(state, water, spacing);
-  if (!grid.cover()) return 0;
+  if (!grid.cover()) return voids;
   if (open_top)
     grid.fill_from_above();
   else
     grid.fill_largest();
-  return std::count_if(water.begin(), water.end(), [&](std::int64_t i) {
-    return state.surface[static_cast<std::size_t>(i)] != 0 && !grid.near_air(i);
-  });
+  for (const std::int64_t i : water) {
+    const auto k = static_cast<std::size_t>(i);
+    if (state.surface[k] == 0 || grid.near_air(i)) continue;
+    ++voids.all;
+    if (state.aired[k] == 0) ++voids.openings;
+  }
+  return voids;
 }
 
-template std::int64_t count_voids(const State<2>&, std::span<const std::int64_t>, double, bool);
-template std::int64_t count_voids(const State<3>&, std::span<const std::int64_t>, double, bool);
+template <int dim>
+void follow_air(State<dim>& state, const Neighbours& near, std::int64_t water,
+                std::vector<std::uint8_t>& scratch) {
+  scratch.resize(static_cast<std::size_t>(water));
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    std::uint8_t aired = state.aired[k];
+    if (!state.surface[k]) {
+      aired = 0;
+    } else if (!aired) {
+      const auto columns = near.row(i);
+      for (std::size_t e = 0; e < columns.size() && columns[e] < water && !aired; ++e)
+        aired = state.aired[static_cast<std::size_t>(columns[e])];
+      if (columns.empty()) aired = 1;  // alone in the air
+    }
+    scratch[k] = aired;
+  }
+  std::copy(scratch.begin(), scratch.end(), state.aired.begin());
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                    \
+  template Voids count_voids<dim>(const State<dim>&, std::span<const std::int64_t>, double, bool); \
+  template void follow_air<dim>(State<dim>&, const Neighbours&, std::int64_t, std::vector<std::uint8_t>&);
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
 
 }  // namespace strake::fluid

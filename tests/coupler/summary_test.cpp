@@ -40,7 +40,7 @@ TEST(Summary, HoldsExactlyTheKeysThatScriptsRelyOn) {
   EXPECT_EQ(keys(json["peak_memory_bytes"]), (std::set<std::string>{"fluid", "structure", "coupler"}));
   EXPECT_EQ(keys(json["checks"]),
             (std::set<std::string>{"work_gap", "momentum_gap", "structure_energy_drift", "inner_fraction_min",
-                                   "voids", "penetrations", "lost", "volume_drift"}));
+                                   "voids", "openings", "penetrations", "lost", "volume_drift"}));
 }
 
 TEST(Summary, CollectsWhatTheParticipantsReport) {

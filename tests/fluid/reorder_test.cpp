@@ -65,6 +65,7 @@ TEST(Reorder, every_array_of_the_state_goes_along) {
   blank.kind.assign(n, Kind::fluid);
   blank.id.assign(n, 0);
   blank.surface.assign(n, 0);
+  blank.aired.assign(n, 0);
   Archive archive;
   save(blank, archive);
   int arrays = 0;

@@ -82,6 +82,16 @@ TEST(Viscosity, a_smooth_wall_mirrors_the_flow_and_feels_no_shear) {
 // u = ½ y (1 − y) − Σ 4/m³ sin(m y) e^{−m² t}, m = (2n + 1)π: a unit force on water at rest, ν = 1
 // (VALIDATION C3). On places that do not move, to the steady state; the walls then carry the weight of the
 // water.
+TEST(Viscosity, a_row_of_drops_on_the_very_face_of_a_wall_is_not_thrown_off) {
+  Channel channel(16, 0, true);
+  for (std::int64_t i = 0; i < channel.water; ++i)
+    channel.position(1, i) = channel.y(i) < channel.l0 ? 1e-16 : 0.5 + 0.5 * channel.y(i);
+  channel.near = &channel.search.update(channel.position);
+  channel.velocity.leftCols(channel.water).colwise() = Vector<2>(1, -1);
+  // ν u/l0² at that distance, a few times.
+  EXPECT_LT(channel.acceleration().cwiseAbs().maxCoeff(), 100 / (channel.l0 * channel.l0));
+}
+
 TEST(Viscosity, a_channel_started_from_rest_follows_its_series_within_1_percent_at_20_particles) {
   const auto series = [](double y, double t) {
     double u = 0.5 * y * (1 - y);

@@ -40,8 +40,9 @@ void flag(State<2>& state, Where&& where) {
 TEST(Voids, the_outer_surface_of_a_column_is_none_however_low_it_has_sunk) {
   State<2> state = column();
   flag(state, [](const Vector<2>& x) { return x[0] > 1.2 - l0 || x[1] > 0.6 - l0; });
-  EXPECT_EQ(count_voids<2>(state, water(state), l0, true), 0);
-  EXPECT_EQ(count_voids<2>(state, water(state), l0, false), 0);  // the air of the tank is the largest space
+  EXPECT_EQ(count_voids<2>(state, water(state), l0, true).all, 0);
+  EXPECT_EQ(count_voids<2>(state, water(state), l0, false).all,
+            0);  // the air of the tank is the largest space
 }
 
 TEST(Voids, flags_more_than_five_spacings_and_a_cell_below_the_surface_are_counted) {
@@ -52,7 +53,7 @@ TEST(Voids, flags_more_than_five_spacings_and_a_cell_below_the_surface_are_count
       return std::abs(x[1] - y) < 0.1 * l0 && std::abs(x[0] - 0.5) < 2.1 * l0;
     });
     if (depth == 5) continue;  // within the width of a cell
-    EXPECT_EQ(count_voids<2>(state, water(state), l0, true), depth > 6 ? 4 : 0) << depth;
+    EXPECT_EQ(count_voids<2>(state, water(state), l0, true).all, depth > 6 ? 4 : 0) << depth;
   }
 }
 
@@ -68,12 +69,48 @@ TEST(Voids, the_skin_of_a_hole_in_the_water_is_counted_but_not_that_of_a_bay) {
       if (!in_hole && !in_channel) left.push_back(i);
     }
     flag(state, [&](const Vector<2>& x) { return (x - middle).norm() < 5.2 * l0; });
-    const auto voids = count_voids<2>(state, left, l0, true);
+    const auto voids = count_voids<2>(state, left, l0, true).all;
     if (open)
       EXPECT_EQ(voids, 0);
     else
       EXPECT_GT(voids, 10);
   }
+}
+
+/// The state after so many looks with those flags.
+void follow(State<2>& state, int times) {
+  NeighbourSearch<2> search(2.1 * l0, 0.1 * l0);
+  const auto count = static_cast<std::int64_t>(water(state).size());
+  std::vector<std::uint8_t> scratch;
+  for (int k = 0; k < times; ++k) follow_air<2>(state, search.update(state.position), count, scratch);
+}
+
+TEST(Voids, air_that_water_shuts_in_stays_air_and_a_hole_that_opens_inside_is_none) {
+  State<2> state = column();
+  const auto at_top = [](const Vector<2>& x) { return x[1] > 0.6 - l0; };
+  const auto in_bay = [](const Vector<2>& x) { return std::abs(x[0] - 0.3) < 2 * l0 && x[1] > 0.3; };
+  const auto in_pocket = [&](const Vector<2>& x) { return in_bay(x) && x[1] < 0.4; };
+  const auto in_hole = [](const Vector<2>& x) { return (x - Vector<2>(0.9, 0.3)).norm() < 2 * l0; };
+  flag(state, at_top);
+  flag(state, in_bay);  // from the air down, and then closed at its mouth
+  follow(state, 30);
+  std::fill(state.surface.begin(), state.surface.end(), std::uint8_t{0});
+  flag(state, at_top);
+  flag(state, in_pocket);
+  flag(state, in_hole);
+  follow(state, 3);
+  std::int64_t pocket = 0, hole = 0;
+  for (const std::int64_t i : water(state)) {
+    const Vector<2> x = state.position.col(i);
+    pocket += in_pocket(x) ? 1 : 0;
+    hole += in_hole(x) ? 1 : 0;
+    EXPECT_EQ(state.aired[static_cast<std::size_t>(i)] != 0, at_top(x) || in_pocket(x)) << x.transpose();
+  }
+  ASSERT_GT(pocket, 0);
+  ASSERT_GT(hole, 0);
+  const Voids voids = count_voids<2>(state, water(state), l0, true);
+  EXPECT_EQ(voids.openings, hole);
+  EXPECT_EQ(voids.all, hole + pocket);
 }
 
 }  // namespace

@@ -1,0 +1,38 @@
+#include "fluid/fitted_scheme.hpp"
+
+#include <algorithm>
+
+namespace strake::fluid {
+
+namespace {
+/// Water nearer than the first to the free surface parts without tension; from the second on, which is the
+/// Laplacian's reach, air finds no way in and it holds all [l0].
+constexpr double parts_to = 1.6, holds_from = 3.1;
+}  // namespace
+
+template <int dim>
+void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim>& state,
+                                        const Neighbours& far) {
+  const std::int64_t water = boundary.water();
+  const double speed = fastest(boundary, state);
+  const double most = std::min(largest_tension, p_.density * speed * speed);
+  limited_ = state.pressure.head(water);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (state.pressure[i] > 0) continue;
+    const auto columns = far.row(i);
+    const auto inverses = far.inverses(i);
+    double nearest = surface_share_[i] > 0 ? 0 : holds_from * p_.spacing;
+    for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e)
+      if (surface_share_[columns[e]] >= 1) nearest = std::min(nearest, 1 / inverses[e]);
+    const double held = std::clamp((nearest / p_.spacing - parts_to) / (holds_from - parts_to), 0.0, 1.0);
+    limited_[i] = std::max(held * state.pressure[i], -most);
+    if (held < 1 || limited_[i] > state.pressure[i]) cut_[static_cast<std::size_t>(i)] = 1;
+  }
+  state.pressure.head(water) = limited_;
+}
+
+template void FittedScheme<2>::release_tension(const Boundary<2>&, State<2>&, const Neighbours&);
+template void FittedScheme<3>::release_tension(const Boundary<3>&, State<3>&, const Neighbours&);
+
+}  // namespace strake::fluid
