@@ -12,8 +12,8 @@ namespace strake::fluid {
 ///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²Δt²)
 ///     + Σ_rows w (−m·P r)/(cΔt) (p_i − p_still)
 ///     = Σ_rows w q_ij − (1−σ) ρ g·m_i − s (ρ/Δt) ∇·u* + s pⁿ/(c²Δt²) + s (ρ γ/Δt²) (δ − pⁿ/(ρc²)),
-/// m the normals of absorbing walls, σ the surface's share, γ = Δt/τ, δ = Σ W/Σ_lattice W − 1, not below zero
-/// beside the surface.
+/// m the normals of absorbing walls, σ the surface's share, γ of drift_share, δ = Σ W/Σ_lattice W − 1, not
+/// below zero beside the surface.
 template <int dim>
 void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>& state,
                                  const Neighbours& far, const Vector<dim>& gravity, double dt,
@@ -21,13 +21,14 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
   approach_from_mean(boundary, state, far);
   cut_.assign(static_cast<std::size_t>(boundary.water()), 0);
   gravity_ = gravity;
-  const double kept = kept_residual(boundary, state, gravity, dt);
+  speed_ = fastest(boundary, state);
+  const double kept = kept_residual(gravity, dt);
   const std::int64_t water = boundary.water();
   const double rho = p_.density, c = p_.sound_speed;
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
   const double compression = std::isfinite(c) ? scale / (c * c * dt * dt) : 0.0;
   const double drift =
-      p_.scheme.source == Source::divergence ? 0.0 : scale * rho * drift_factor(p_.scheme, dt) / (dt * dt);
+      p_.scheme.source == Source::divergence ? 0.0 : scale * rho * drift_share(dt) / (dt * dt);
 
   // Row and unknown are those of the particle; one that is parked has neither neighbours nor pressure.
   if (system.size() != water) {
@@ -97,14 +98,20 @@ double FittedScheme<dim>::fastest(const Boundary<dim>& boundary, const State<dim
   return speed;
 }
 
+// γ = Δt/τ', τ' = max(τ, l0/max|u|): what disorder grows while water passes a spacing is not taken away
+// faster than that, or it would stir a slow flow.
+template <int dim>
+double FittedScheme<dim>::drift_share(double dt) const {
+  const double share = drift_factor(p_.scheme, dt);
+  return p_.scheme.tau > 0 ? std::min(share, dt * speed_ / p_.spacing) : share;
+}
+
 // (1 − Δt max|u|/l0) u²/(u² + gH), u = max|u| past the tank: all at once in water that hardly moves.
 template <int dim>
-double FittedScheme<dim>::kept_residual(const Boundary<dim>& boundary, const State<dim>& state,
-                                        const Vector<dim>& gravity, double dt) const {
-  const double speed = fastest(boundary, state);
-  if (!(speed > 0)) return 0;
+double FittedScheme<dim>::kept_residual(const Vector<dim>& gravity, double dt) const {
+  if (!(speed_ > 0)) return 0;
   const double waves = gravity.cwiseAbs().dot((p_.water.max - p_.water.min).template head<dim>());
-  return std::max(0.0, 1 - dt * speed / p_.spacing) / (1 + waves / (speed * speed));
+  return std::max(0.0, 1 - dt * speed_ / p_.spacing) / (1 + waves / (speed_ * speed_));
 }
 
 /// ∇·u of the new velocity at the same places, walls with it, less what the pressure equation asked for:

@@ -86,10 +86,12 @@ class FittedScheme {
   };
   Inflow inflow(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
                 std::int64_t i) const;
+  /// γ: part of the density error that a step takes away.
+  double drift_share(double dt) const;
   /// max |u| past the tank: the same for an observer who falls or drives along with it [m/s].
   double fastest(const Boundary<dim>&, const State<dim>&) const;
   /// Part of the residual divergence that a step leaves as it is.
-  double kept_residual(const Boundary<dim>&, const State<dim>&, const Vector<dim>& gravity, double dt) const;
+  double kept_residual(const Vector<dim>& gravity, double dt) const;
   void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
   void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
@@ -138,6 +140,7 @@ class FittedScheme {
   Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
   Eigen::VectorXd cover_;           // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
+  double speed_ = 0;                           // `fastest` of the step
   Vector<dim> gravity_ = Vector<dim>::Zero();  // of the step, less the tank's acceleration [m/s²]
   Vectors<dim> gradient_of_p_, mean_approach_;
 };

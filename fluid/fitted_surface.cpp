@@ -14,8 +14,7 @@ template <int dim>
 void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim>& state,
                                         const Neighbours& far) {
   const std::int64_t water = boundary.water();
-  const double speed = fastest(boundary, state);
-  const double most = std::min(largest_tension, p_.density * speed * speed);
+  const double most = std::min(largest_tension, p_.density * speed_ * speed_);
   limited_ = state.pressure.head(water);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {

@@ -58,11 +58,12 @@ void read_source(CaseTable t, Scheme& s) {
            {.help = "number density of the source at the start of the step, or after the explicit stage"});
   NumberKey gamma{
       .min = 0, .max = 1, .paper = 0.01, .help = "share of the density error removed per step; or tau"};
-  NumberKey tau{
-      .unit = "s",
-      .min = 0,
-      .paper = 0.0,
-      .help = "time in which the density error decays: gamma = time step / tau, free of the time step"};
+  NumberKey tau{.unit = "s",
+                .min = 0,
+                .paper = 0.0,
+                .help =
+                    "time in which the density error decays, gamma = time step / tau; of least-squares at "
+                    "least spacing / largest speed"};
   if (t.has("gamma") && !t.has("tau")) {
     s.tau = 0;
     tau.paper = 0;

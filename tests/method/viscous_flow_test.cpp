@@ -34,7 +34,8 @@ std::int64_t water_of(const State<2>& state) {
 }
 
 // VALIDATION C3: u = ½ (F/ν) y (1 − y) less its start-up series, walls without slip, periodic along x. ν = 1,
-// F = 1: the flow is steady at t = 0.5, when the middle has gone a twentieth of its width.
+// F = 1: the flow is steady at t = 0.5, when the middle has gone a twentieth of its width; at t = 3 its rows have
+// passed one another by up to a third of it.
 TEST(ViscousFlow, a_channel_between_rough_walls_follows_its_start_up_series_within_1_percent) {
   constexpr int across = 20;
   Parameters p = closed_box(across, 1);
@@ -44,7 +45,7 @@ TEST(ViscousFlow, a_channel_between_rough_walls_follows_its_start_up_series_with
   Simulation<2> simulation(p, {}, {});
   const State<2>& state = simulation.state();
   const std::int64_t water = water_of(state);
-  for (const double stop : {0.02, 0.1, 0.3, 1.0}) {
+  for (const double stop : {0.02, 0.1, 0.3, 1.0, 3.0}) {
     while (state.time < stop - 1e-12)
       simulation.step(std::min(simulation.stable_dt(), stop - state.time), {});
     double off = 0, all = 0;
