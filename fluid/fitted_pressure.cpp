@@ -38,13 +38,11 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
   system.start = far.start();
   system.stop = water_stop_;
   system.column = far.column();
-  system.value = entry_;
+  system.value = shares_entries(far) ? far.entry() : entry_;
   system.diagonal.resize(water);
   system.right.resize(water);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    const auto columns = far.row(i);
-    const auto inverses = far.inverses(i);
     const Inflow in = inflow(boundary, state, far, dt, i);
     double deviation = volume_[i] / lattice_.volume - 1;
     if (surface_factor_[i] > 0) deviation = std::max(deviation, 0.0);
@@ -73,13 +71,12 @@ typename FittedScheme<dim>::Inflow FittedScheme<dim>::inflow(const Boundary<dim>
   const bool absorbs = boundary.tank().absorbs();
   const auto k = static_cast<std::size_t>(i);
   const auto columns = far.row(i);
-  const auto inverses = far.inverses(i);
   Inflow in;
   for (auto e = static_cast<std::size_t>(water_stop_[k] - far.start()[k]); e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
     if (!walls_.wet(j)) continue;
     const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
-    const double w = laplacian_.radius * inverses[e] - 1;
+    const double w = laplacian_.radius * far.inverse_of(far.start()[k] + static_cast<std::int64_t>(e)) - 1;
     const Vector<dim> held = walls_.held(j, r);
     in.flux += w * approach(boundary, state, i, j).dot(held);
     if (absorbs) in.yields -= w * boundary.tank().absorbing(j).dot(held) / (p_.sound_speed * dt);

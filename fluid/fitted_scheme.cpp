@@ -113,13 +113,16 @@ void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state
   walls_.update(boundary, state, near);
   cover_rows(boundary, state, near);
   const std::int64_t water = boundary.water();
-  make_room(entry_, far.column().size());
+  const bool seams = boundary.tank().periodic().any(), shares = shares_entries(far);
+  if (!shares) make_room(entry_, far.column().size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.tank().periodic().any())
-      fit<true>(boundary, state, far, near, i);
+    if (shares)
+      seams ? fit<true, true>(boundary, state, far, near, i)
+            : fit<false, true>(boundary, state, far, near, i);
     else
-      fit<false>(boundary, state, far, near, i);
+      seams ? fit<true, false>(boundary, state, far, near, i)
+            : fit<false, false>(boundary, state, far, near, i);
   }
 }
 
@@ -149,30 +152,40 @@ void FittedScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<di
 }
 
 template <int dim>
-template <bool seams>
+template <bool seams, bool shares>
 void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
                             const Neighbours& near, std::int64_t i) {
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
   const auto columns = far.row(i);
-  const auto inverses = far.inverses(i);
   const double reach = laplacian_.radius;
   const Vector<dim> x = state.position.col(i);
   const std::size_t inner = water_pairs(columns, water);
   const auto k = static_cast<std::size_t>(i);
-  float* const entries = entry_.data() + far.start()[k];
-  water_stop_[k] = far.start()[k] + static_cast<std::int64_t>(inner);
+  const std::int64_t first = far.start()[k];
+  const float* const shared = far.entry().data() + first;
+  float* const entries = shares ? nullptr : entry_.data() + first;
+  water_stop_[k] = first + static_cast<std::int64_t>(inner);
   // w_L, W and w/r² of eight pairs at a time; the last is zero beyond the gradient's radius.
   Lanes8 diagonals{}, volumes{}, opens[dim]{}, crowdings[dim]{};
   Lanes8 moments[Symmetric<dim>::parts]{};  // Σ w r⊗r/r²
   for (std::size_t e = 0; e < inner; e += lanes::width) {
-    const auto [r, inverse, one] =
-        eight_pairs<seams>(state, periodic, i, columns.first(inner), inverses.first(inner), e);
+    const auto [r, one] = eight_pairs<seams>(state, periodic, i, columns.first(inner), e);
+    const int count = static_cast<int>(std::min<std::size_t>(lanes::width, inner - e));
+    Lanes8 inverse;
+    Floats8 single;
+    if constexpr (shares) {
+      single = -lanes::load(shared + e, count);
+      inverse = (one + lanes::widened(single)) * far.scale();
+    } else {
+      inverse = Lanes8{};
+      for (int p = 0; p < count; ++p) inverse[p] = far.inverse_of(first + static_cast<std::int64_t>(e) + p);
+      single = lanes::narrowed(positive(reach * inverse - one));
+      lanes::store(-single, entries + e, inner - e);
+    }
     Lanes8 squares = r[0] * r[0];
 #pragma GCC unroll 6
     for (int d = 1; d < dim; ++d) squares += r[d] * r[d];
-    const Floats8 single = lanes::narrowed(positive(reach * inverse - one));
-    lanes::store(-single, entries + e, inner - e);
     const Lanes8 w = lanes::widened(single), q = squares * inverse * (1 / reach);
     const Lanes8 s = positive(one - q);
     diagonals += w;
@@ -209,9 +222,10 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     const std::int64_t j = columns[e];
     if (!walls_.wet(j)) continue;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
-    const double far_weight = reach * inverses[e] - 1;
+    const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
+    const double far_weight = reach * inverse - 1;
     weights += far_weight;
-    const double part = volume_weight(1 / (inverses[e] * reach));
+    const double part = volume_weight(1 / (inverse * reach));
     volume += part;
     filled += cover_[j] * part;
     open += far_weight * r;

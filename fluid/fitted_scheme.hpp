@@ -93,10 +93,14 @@ class FittedScheme {
   /// Part of the residual divergence that a step leaves as it is.
   double kept_residual(const Vector<dim>& gravity, double dt) const;
   void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
+  /// Whether the rows stand as the matrix's; else `entry_` does.
+  bool shares_entries(const Neighbours& far) const {
+    return far.data() == PairData::entries && far.scale() == 1 / laplacian_.radius;
+  }
   bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
   void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   void cover_rows(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
-  template <bool seams>
+  template <bool seams, bool shares>
   void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
   template <bool seams>
   void find_velocity_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
@@ -124,7 +128,7 @@ class FittedScheme {
   std::vector<Tensor<dim>> water_;              // [Σ_water w r⊗r/r²]⁻¹
   std::vector<Tensor<dim>> all_;                // the same with P r of wet rows and the free surface's part
   std::vector<Tensor<dim>> velocity_gradient_;  // ∇u* [1/s]
-  std::vector<float> entry_;                    // −w_L of each pair of water, as far's columns
+  std::vector<float> entry_;                    // −w_L of each pair, where far has not got it
   std::vector<std::int64_t> water_stop_;        // end of the water in each row of far
   std::vector<Motion> motion_;                  // of the last `filter`, before it
   Vectors<dim> moment_;                         // Σ w_L r over water, P r over wet rows [m]

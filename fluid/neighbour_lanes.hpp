@@ -78,6 +78,21 @@ inline int pack(const double* from, std::uint32_t bits, double* to) {
   return count;
 }
 
+/// (1 − entry) scale of the entries of the set bits, eight at most, packed as doubles.
+inline int pack_inverses(const float* from, std::uint32_t bits, double scale, double* to) {
+  const int count = std::popcount(bits);
+#ifdef STRAKE_AVX512
+  const auto mask = static_cast<__mmask8>(bits);
+  const __m512d entry = _mm512_cvtps_pd(_mm256_maskz_loadu_ps(mask, from));
+  const __m512d inverse = _mm512_mul_pd(_mm512_sub_pd(_mm512_set1_pd(1), entry), _mm512_set1_pd(scale));
+  _mm512_mask_storeu_pd(to, static_cast<__mmask8>(first_bits(count)),
+                        _mm512_maskz_compress_pd(mask, inverse));
+#else
+  for (; bits; bits &= bits - 1) *to++ = (1.0 - from[std::countr_zero(bits)]) * scale;
+#endif
+  return count;
+}
+
 #ifdef STRAKE_AVX512
 /// Components of eight vectors, one vector of eight lanes each.
 template <int dim>
@@ -139,6 +154,16 @@ inline Lanes8 load(const double* from, int n) {
   return reinterpret_cast<Lanes8>(_mm512_maskz_loadu_pd(static_cast<__mmask8>(first_bits(n)), from));
 #else
   Lanes8 out{};
+  for (int k = 0; k < n; ++k) out[k] = from[k];
+  return out;
+#endif
+}
+/// The first n <= 8 floats; zero beyond.
+inline Floats8 load(const float* from, int n) {
+#ifdef STRAKE_AVX512
+  return reinterpret_cast<Floats8>(_mm256_maskz_loadu_ps(static_cast<__mmask8>(first_bits(n)), from));
+#else
+  Floats8 out{};
   for (int k = 0; k < n; ++k) out[k] = from[k];
   return out;
 #endif
@@ -236,6 +261,34 @@ inline void inverse_lengths(const double* x, std::int32_t i, const std::int32_t*
   for (const double least : limit) {
     std::uint32_t bits = 0;
     for (int k = 0; k < n; ++k) bits |= (to[k] > least ? 1U : 0U) << k;
+    *beside++ = bits;
+  }
+#endif
+}
+
+/// to[k] = 1 − 1/√(scale |x_j − x_i|²) of n <= 8 particles j, not above zero; beside[p]: which of them are
+/// less than limit[p].
+template <int dim, bool seams>
+inline void entries(const double* x, std::int32_t i, const std::int32_t* j, int n,
+                    const Periodic<dim>& periodic, double scale, float* to, std::span<const float> limit,
+                    std::uint32_t* beside) {
+#ifdef STRAKE_AVX512
+  const auto mask = static_cast<__mmask8>(first_bits(n));
+  const __m512d sum = squares<dim, seams>(x, i, j, n, periodic);
+  const __m256 square = _mm512_cvtpd_ps(_mm512_mul_pd(sum, _mm512_set1_pd(scale))), one = _mm256_set1_ps(1);
+  const __m256 inverse = _mm256_div_ps(one, _mm256_sqrt_ps(square));
+  const __m256 entry = _mm256_min_ps(_mm256_sub_ps(one, inverse), _mm256_setzero_ps());
+  _mm256_mask_storeu_ps(to, mask, entry);
+  for (const float most : limit)
+    *beside++ = _mm256_mask_cmp_ps_mask(mask, entry, _mm256_set1_ps(most), _CMP_LT_OQ);
+#else
+  for (int k = 0; k < n; ++k) {
+    const auto square = static_cast<float>(scale * lanes::square<dim, seams>(x, i, j[k], periodic));
+    to[k] = std::min(1 - 1 / std::sqrt(square), 0.0F);
+  }
+  for (const float most : limit) {
+    std::uint32_t bits = 0;
+    for (int k = 0; k < n; ++k) bits |= (to[k] < most ? 1U : 0U) << k;
     *beside++ = bits;
   }
 #endif

@@ -63,13 +63,16 @@ void sum_up(std::vector<std::int64_t>& start) {
 }  // namespace
 
 size_t Neighbours::bytes() const {
-  return bytes_of(start_) + bytes_of(column_) + bytes_of(inverse_);
+  return bytes_of(start_) + bytes_of(column_) + bytes_of(inverse_) + bytes_of(entry_);
 }
 
 template <int dim>
-NeighbourSearch<dim>::NeighbourSearch(double radius, double skin, const Periodic<dim>& periodic)
+NeighbourSearch<dim>::NeighbourSearch(double radius, double skin, const Periodic<dim>& periodic,
+                                      PairData data)
     : radius_(radius), skin_(skin), periodic_(periodic) {
   assert(radius > 0 && skin >= 0);
+  exact_.scale_ = 1 / radius;
+  exact_.data_ = data;
   for (int d = 0; d < dim; ++d)
     if (const double length = periodic.length()[d], least = 2 * (radius + skin);
         length > 0 && !(length >= least))
@@ -197,11 +200,12 @@ void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t>
   }
 }
 
-/// Columns and inverses of the exact rows, and the bits of the parts' pairs.
+/// Columns and pair data of the exact rows, and the bits of the parts' pairs.
 template <int dim>
-template <bool seams>
+template <bool seams, bool single>
 void NeighbourSearch<dim>::fill(const double* x) {
   const auto n = static_cast<std::int64_t>(built_at_.cols());
+  [[maybe_unused]] const double scale = 1 / (radius_ * radius_);
   std::array<Part*, most_parts> parts{};
   size_t n_parts = 0;
   for (Part& part : parts_) {
@@ -227,9 +231,15 @@ void NeighbourSearch<dim>::fill(const double* x) {
         std::array<std::uint64_t, most_parts> bits{};
         for (auto l = k; l < std::min(k + 64, end); l += lanes::width) {
           std::array<std::uint32_t, most_parts> found;
-          lanes::inverse_lengths<dim, seams>(x, static_cast<std::int32_t>(i), exact_.column_.data() + l,
-                                             static_cast<int>(std::min<std::int64_t>(lanes::width, end - l)),
-                                             periodic_, exact_.inverse_.data() + l, least_, found.data());
+          const auto self = static_cast<std::int32_t>(i);
+          const std::int32_t* const others = exact_.column_.data() + l;
+          const int count = static_cast<int>(std::min<std::int64_t>(lanes::width, end - l));
+          if constexpr (single)
+            lanes::entries<dim, seams>(x, self, others, count, periodic_, scale, exact_.entry_.data() + l,
+                                       most_, found.data());
+          else
+            lanes::inverse_lengths<dim, seams>(x, self, others, count, periodic_, exact_.inverse_.data() + l,
+                                               least_, found.data());
           for (size_t p = 0; p < n_parts; ++p) bits[p] |= std::uint64_t{found[p]} << (l - k);
         }
         for (size_t p = 0; p < n_parts; ++p) parts[p]->bits[at] = bits[p];
@@ -265,33 +275,49 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   seams ? select<true>(x, tag, ask ? &keep : nullptr) : select<false>(x, tag, ask ? &keep : nullptr);
   sum_up(exact_.start_);
   make_room(exact_.column_, static_cast<size_t>(exact_.start_.back()));
-  make_room(exact_.inverse_, exact_.column_.size());
-  seams ? fill<true>(x) : fill<false>(x);
+  keeps_entries() ? make_room(exact_.entry_, exact_.column_.size())
+                  : make_room(exact_.inverse_, exact_.column_.size());
+  if (keeps_entries())
+    seams ? fill<true, true>(x) : fill<false, true>(x);
+  else
+    seams ? fill<true, false>(x) : fill<false, false>(x);
   return exact_;
 }
 
-/// The bits of a part that is asked for the first time: the pairs with a positive weight radius/|r| − 1.
+/// The inverses of the pairs that eight bits choose, packed; returns their number.
+template <int dim>
+int NeighbourSearch<dim>::pack_inverses(std::int64_t from, std::uint32_t bits, double* to) const {
+  return keeps_entries() ? lanes::pack_inverses(exact_.entry_.data() + from, bits, exact_.scale_, to)
+                         : lanes::pack(exact_.inverse_.data() + from, bits, to);
+}
+
+/// The bits of a part that is asked for the first time, as `fill` finds them.
 template <int dim>
 void NeighbourSearch<dim>::choose(Part& part) {
   const auto n = exact_.size();
-  const double least = 1 / part.radius;
+  const double least = least_.back();
+  const float most = most_.back();
   part.bits.assign(word(n) + 1, 0);
   for (std::int64_t i = 0; i < n; ++i) {
-    const auto inverses = exact_.inverses(i);
-    for (size_t k = 0; k < inverses.size(); ++k)
-      part.bits[word(i) + k / 64] |= std::uint64_t{inverses[k] > least} << (k % 64);
+    const auto first = static_cast<size_t>(exact_.start_[static_cast<size_t>(i)]);
+    for (size_t k = 0; k < exact_.row(i).size(); ++k) {
+      const bool within =
+          keeps_entries() ? exact_.entry_[first + k] < most : exact_.inverse_[first + k] > least;
+      part.bits[word(i) + k / 64] |= std::uint64_t{within} << (k % 64);
+    }
   }
 }
 
 template <int dim>
 const Neighbours& NeighbourSearch<dim>::within(double radius) {
   assert(radius <= radius_ && exact_.size() > 0);
-  if (radius == radius_) return exact_;
+  if (radius == radius_ && !keeps_entries()) return exact_;
   auto part = std::find_if(parts_.begin(), parts_.end(), [&](const Part& p) { return p.radius == radius; });
   if (part == parts_.end()) {
     assert(parts_.size() < most_parts);
     part = parts_.insert(part, Part{radius});
     least_.push_back(1 / radius);
+    most_.push_back(static_cast<float>(1 - radius_ / radius));
     choose(*part);
   }
   if (part->fresh) return part->rows;
@@ -321,8 +347,8 @@ const Neighbours& NeighbourSearch<dim>::within(double radius) {
         const auto low = static_cast<std::uint32_t>(left & 0xffU),
                    high = static_cast<std::uint32_t>(left >> 8 & 0xffU);
         lanes::pack(exact_.column_.data() + from, high << 8 | low, rows.column_.data() + k);
-        k += lanes::pack(exact_.inverse_.data() + from, low, rows.inverse_.data() + k);
-        k += lanes::pack(exact_.inverse_.data() + from + lanes::width, high, rows.inverse_.data() + k);
+        k += pack_inverses(from, low, rows.inverse_.data() + k);
+        k += pack_inverses(from + lanes::width, high, rows.inverse_.data() + k);
       }
     }
   }

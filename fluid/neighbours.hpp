@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cassert>
 #include <cstdint>
 #include <functional>
 #include <list>
@@ -13,21 +14,40 @@
 
 namespace strake::fluid {
 
+/// What stands beside each column of a neighbour row.
+enum class PairData : std::uint8_t {
+  inverses,  // 1/|r_ij| [1/m], in double precision
+  entries,   // 1 − R/|r_ij|, R the search's radius, in single precision: minus the weight
+};
+
 /// Neighbour rows in compressed form: for particle i the columns row(i), sorted by index, both i-j and j-i
 /// stored. Exactly the pairs with |r_ij| < radius at the positions of the last `update`: a Verlet skin saves
 /// the cell search, never shows in the rows. Counted first, filled second: no capacity to overflow. Beside
-/// each column stands the inverse of its distance, so that no operator takes a root or divides again.
+/// each column stands the inverse of its distance, so that no operator takes a root or divides again; or its
+/// entry, half as large, which is the matrix of the pressure as it stands.
 class Neighbours {
  public:
   std::span<const std::int32_t> row(std::int64_t i) const { return part(column_, i); }
-  std::span<const double> inverses(std::int64_t i) const { return part(inverse_, i); }  // 1/|r_ij| [1/m]
+  std::span<const double> inverses(std::int64_t i) const {  // 1/|r_ij| [1/m]
+    assert(data_ == PairData::inverses);
+    return part(inverse_, i);
+  }
+  std::span<const float> entries(std::int64_t i) const { return part(entry_, i); }
   /// |r_ij| [m], computed where it is read: a division each.
   auto distances(std::int64_t i) const {
     return inverses(i) | std::views::transform([](double inverse) { return 1.0 / inverse; });
   }
   std::span<const std::int64_t> start() const { return start_; }    // n+1
   std::span<const std::int32_t> column() const { return column_; }  // one per pair
-  std::span<const double> inverse() const { return inverse_; }      // one per pair [1/m]
+  std::span<const double> inverse() const { return inverse_; }      // one per pair [1/m], or empty
+  std::span<const float> entry() const { return entry_; }           // the same
+  PairData data() const { return data_; }
+  double scale() const { return scale_; }  // 1/R of the entries [1/m]
+  /// Whatever the rows keep: 1/|r_ij| of a pair in the numbering of column().
+  double inverse_of(std::int64_t pair) const {
+    const auto e = static_cast<std::size_t>(pair);
+    return data_ == PairData::inverses ? inverse_[e] : (1.0 - entry_[e]) * scale_;
+  }
   std::int64_t size() const { return static_cast<std::int64_t>(start_.size()) - 1; }
   std::size_t bytes() const;
 
@@ -42,6 +62,9 @@ class Neighbours {
   std::vector<std::int64_t> start_{0};
   std::vector<std::int32_t> column_;
   std::vector<double> inverse_;
+  std::vector<float> entry_;
+  PairData data_ = PairData::inverses;
+  double scale_ = 1;
 };
 
 /// What a search must know of a particle beside its place; one byte each, bits may be joined.
@@ -60,8 +83,9 @@ class NeighbourSearch {
  public:
   /// radius: largest interaction radius [m]; skin: the thickest to use [m], 0.2 l0 (PHYSICS §16.5); it
   /// follows the motion and never shows. Throws Error(case_file) when a period is shorter than 2 (radius +
-  /// skin), where a particle would meet two images of another.
-  NeighbourSearch(double radius, double skin, const Periodic<dim>& = {});
+  /// skin), where a particle would meet two images of another. data: of the rows of `update`; those of
+  /// `within` have inverses.
+  NeighbourSearch(double radius, double skin, const Periodic<dim>& = {}, PairData data = PairData::inverses);
   /// Rows of the largest radius. tag: empty, or one byte per particle (PairTag); the fillers stay the same
   /// particles as long as the number of particles does.
   const Neighbours& update(const Vectors<dim>& position, std::span<const std::uint8_t> tag = {},
@@ -89,9 +113,11 @@ class NeighbourSearch {
   void mark_asked(std::span<const std::uint8_t> tag);
   template <bool seams>
   void select(const double* x, std::span<const std::uint8_t> tag, const KeepPair* keep);
-  template <bool seams>
+  template <bool seams, bool single>
   void fill(const double* x);
   void choose(Part&);
+  bool keeps_entries() const { return exact_.data_ == PairData::entries; }
+  int pack_inverses(std::int64_t from, std::uint32_t bits, double* to) const;
   std::size_t word(std::int64_t i) const {
     return static_cast<std::size_t>(exact_.start_[static_cast<std::size_t>(i)] / 64 + i);
   }
@@ -108,6 +134,7 @@ class NeighbourSearch {
   std::vector<std::uint8_t> meets_asked_;  // particles with an asked one among their candidates
   Neighbours exact_;
   std::vector<double> least_;  // 1/radius of each part [1/m]
+  std::vector<float> most_;    // entry at the radius of each part
   std::list<Part> parts_;      // stay where they are: references to their rows are handed out
 };
 

@@ -24,17 +24,18 @@ inline void over_seams(const Periodic<dim>& periodic, Pair& r) {
   for (int d = 0; d < dim; ++d) r[d] = periodic.nearest(r[d], d);
 }
 
-/// r, 1/|r| of eight pairs, and 1 where there is a pair; lanes without one are zero in all three.
+/// r of eight pairs, and 1 where there is a pair; lanes without one are zero in both.
 template <int dim>
 struct EightPairs {
-  Lanes8 r[dim], inverse, one;
+  Lanes8 r[dim], one;
 };
 
 /// The pairs e … e + 7 of row i.
 template <bool seams, int dim>
-inline EightPairs<dim> eight_pairs(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t i,
-                                   std::span<const std::int32_t> columns, std::span<const double> inverses,
-                                   std::size_t e) {
+[[gnu::always_inline]] inline EightPairs<dim> eight_pairs(const State<dim>& state,
+                                                          const Periodic<dim>& periodic, std::int64_t i,
+                                                          std::span<const std::int32_t> columns,
+                                                          std::size_t e) {
   const double* const place = state.position.data();
   const int n = static_cast<int>(std::min<std::size_t>(lanes::width, columns.size() - e));
   EightPairs<dim> pairs;
@@ -46,7 +47,6 @@ inline EightPairs<dim> eight_pairs(const State<dim>& state, const Periodic<dim>&
       pairs.r[d] += (pairs.r[d] < -half ? length : Lanes8{}) - (pairs.r[d] > half ? length : Lanes8{});
     }
   }
-  pairs.inverse = lanes::load(inverses.data() + e, n);
   pairs.one = Lanes8{0, 1, 2, 3, 4, 5, 6, 7} < all8(n) ? all8(1) : Lanes8{};
   return pairs;
 }

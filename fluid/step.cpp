@@ -25,6 +25,12 @@ namespace {
 /// Verlet skin [l0] (PHYSICS §16.5).
 constexpr double skin = 0.2;
 
+/// The joint stress and the fitted scheme read the rows of the largest radius as the matrix of the pressure
+/// alone.
+bool keeps_entries(const Scheme& scheme) {
+  return scheme.gradient == Gradient::least_squares && scheme.sps == SpsForm::joint;
+}
+
 /// Velocity of the partner's points at the fluid's own, by the nearest point of the partner's faces.
 Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, const Points& velocity) {
   const bool same = partner.faces.cols() == 0 || mesh.dimension == 3;  // points of both meshes
@@ -62,7 +68,8 @@ Simulation<dim>::Work::Work(const Parameters& parameters, const InterfaceMesh& p
       boundary(p, partner, initial_velocity, state),
       search(std::max({density_lattice.radius, gradient_lattice.radius, divergence_lattice.radius,
                        laplacian_lattice.radius}),
-             skin * p.spacing, boundary.tank().periodic()) {
+             skin * p.spacing, boundary.tank().periodic(),
+             keeps_entries(p.scheme) ? PairData::entries : PairData::inverses) {
   omp_set_num_threads(p.threads);
   const auto m = boundary.mesh().position.cols();
   force = Points::Zero(3, m);

@@ -125,6 +125,30 @@ TEST(Neighbours, a_smaller_radius_gives_the_part_of_the_rows_within_it) {
   expect_rows(search.within(0.031), every_pair<2>(position, 0.031));
 }
 
+TEST(Neighbours, entries_say_the_same_distances_to_single_precision_alike_from_both_ends) {
+  const double radius = 0.031, rounding = 4 * std::numeric_limits<float>::epsilon();
+  const auto position = block<2>(20, 0.01, 0.4);
+  NeighbourSearch<2> with_entries(radius, 0.002, {}, PairData::entries), with_inverses(radius, 0.002);
+  const Neighbours &rows = with_entries.update(position), &exact = with_inverses.update(position);
+  const Neighbours &near = with_entries.within(0.021), &exact_near = with_inverses.within(0.021);
+  expect_rows(rows, every_pair<2>(position, radius));
+  expect_rows(near, every_pair<2>(position, 0.021));
+  ASSERT_EQ(rows.column().size(), exact.column().size());
+  for (std::size_t e = 0; e < rows.entry().size(); ++e) {
+    const double ratio = radius * exact.inverse()[e];
+    EXPECT_NEAR(rows.entry()[e], 1 - ratio, rounding * ratio);
+    EXPECT_LE(rows.entry()[e], 0);
+  }
+  for (std::size_t e = 0; e < near.inverse().size(); ++e)
+    EXPECT_NEAR(near.inverse()[e], exact_near.inverse()[e], rounding * exact_near.inverse()[e]);
+  for (std::int32_t i = 0; i < rows.size(); ++i)
+    for (std::size_t k = 0; k < rows.row(i).size(); ++k) {
+      const auto j = rows.row(i)[k];
+      const auto back = std::lower_bound(rows.row(j).begin(), rows.row(j).end(), i) - rows.row(j).begin();
+      ASSERT_EQ(rows.entries(j)[static_cast<std::size_t>(back)], rows.entries(i)[k]);
+    }
+}
+
 TEST(Neighbours, two_fillers_do_not_see_one_another) {
   const auto position = block<2>(10, 0.01);
   std::vector<std::uint8_t> tag(100, plain);
