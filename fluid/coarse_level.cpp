@@ -9,8 +9,9 @@ namespace {
 
 /// A level with no more unknowns than this is solved by a dense factorisation.
 constexpr std::int32_t direct_size = 160;
-/// A level with fewer unknowns is one thread's work: waiting would cost more.
-constexpr std::int32_t rows_for_team = 6000;
+/// A level with fewer unknowns is one thread's work: waiting would cost more. Its making has one wait, a
+/// cycle has seven.
+constexpr std::int32_t rows_for_team = 6000, rows_for_making = 600;
 /// Sweeps on a last level that does not get smaller, one of scattered drops, where Jacobi is nearly exact.
 constexpr int last_sweeps = 4;
 
@@ -176,7 +177,7 @@ void GridCycle<dim>::build(int threads) {
     CoarseLevel<dim>& last = levels_[static_cast<std::size_t>(used_) - 1];
     if (last.unknowns() <= direct_size) break;
     if (!last.coarsen(levels_[static_cast<std::size_t>(used_)],
-                      last.unknowns() >= rows_for_team ? threads : 1))
+                      last.unknowns() >= rows_for_making ? threads : 1))
       break;
     ++used_;
   }

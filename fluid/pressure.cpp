@@ -127,12 +127,21 @@ std::vector<char> doubtful_rows(const PressureSystem& system) {
     char& both = doubtful[static_cast<std::size_t>(std::min(a, b))];
     both = static_cast<char>(both & doubtful[static_cast<std::size_t>(std::max(a, b))]);
   };
-  std::iota(root.begin(), root.end(), 0);
+  // A row whose first neighbour comes before it has that one's root, which is known by then.
+  const std::int32_t* const column = system.column.data();
+  for (std::int64_t k = 0; k < n; ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    const auto own = static_cast<std::int32_t>(k);
+    const bool hangs = system.start[row] < system.stop[row] && column[system.start[row]] < own;
+    const std::int32_t top = hangs ? root.data()[column[system.start[row]]] : own;
+    root[row] = top;
+    doubtful.data()[top] = static_cast<char>(doubtful.data()[top] & doubtful[row]);
+  }
   for (std::int64_t k = 0; k < n; ++k) {
     const auto row = static_cast<std::size_t>(k);
     if (system.start[row] == system.stop[row]) continue;
-    join(static_cast<std::int32_t>(k), system.column[static_cast<std::size_t>(system.start[row])]);
-    join(static_cast<std::int32_t>(k), system.column[static_cast<std::size_t>(system.stop[row] - 1)]);
+    for (const std::int64_t e : {system.start[row], system.stop[row] - 1})
+      if (root[row] != root.data()[column[e]]) join(static_cast<std::int32_t>(k), column[e]);
   }
   for (std::int64_t k = 0; k < n; ++k)
     doubtful[static_cast<std::size_t>(k)] =
