@@ -20,10 +20,11 @@ void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim
   for (std::int64_t i = 0; i < water; ++i) {
     if (state.pressure[i] > 0) continue;
     const auto columns = far.row(i);
-    const auto inverses = far.inverses(i);
+    const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
     double nearest = surface_share_[i] > 0 ? 0 : holds_from * p_.spacing;
     for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e)
-      if (surface_share_[columns[e]] >= 1) nearest = std::min(nearest, 1 / inverses[e]);
+      if (surface_share_[columns[e]] >= 1)
+        nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)));
     const double held = std::clamp((nearest / p_.spacing - parts_to) / (holds_from - parts_to), 0.0, 1.0);
     limited_[i] = std::max(held * state.pressure[i], -most);
     if (held < 1 || limited_[i] > state.pressure[i]) cut_[static_cast<std::size_t>(i)] = 1;
