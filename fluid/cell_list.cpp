@@ -37,13 +37,17 @@ struct Screen {
   std::vector<std::int32_t> member;  // places in the list of the cell's own particles
 };
 
-/// Compares member k with the whole list: bits near and border, sixteen partners at a time. Returns the
-/// number near.
+/// Bits of sixteen partners, and above them those of the partners at the border.
+std::int32_t joined(std::uint32_t near, std::uint32_t border) {
+  return static_cast<std::int32_t>(border << 16 | near);
+}
+
+/// Compares member k with the whole list, sixteen partners at a time. Returns the number near.
 template <int dim>
 std::int64_t screen_row(const std::array<std::vector<float>, dim>& x, const Screen<dim>& screen, size_t k,
-                        size_t length, const Limits& limits, std::uint16_t* near, std::uint16_t* border) {
+                        size_t length, const Limits& limits, std::int32_t* bits) {
   std::int64_t count = 0;
-  for (size_t b = 0; b < length; b += lanes::wide, ++near, ++border) {
+  for (size_t b = 0; b < length; b += lanes::wide, ++bits) {
 #ifdef STRAKE_AVX512
     __m512 sum = _mm512_setzero_ps();
     for (size_t d = 0; d < dim; ++d) {
@@ -59,8 +63,6 @@ std::int64_t screen_row(const std::array<std::vector<float>, dim>& x, const Scre
     const __mmask16 sure =
         _mm512_mask_cmp_ps_mask(_mm512_cmp_ps_mask(sum, _mm512_set1_ps(limits.low), _CMP_GT_OQ), sum,
                                 _mm512_set1_ps(limits.inside), _CMP_LT_OQ);
-    *near = static_cast<std::uint16_t>(close);
-    *border = static_cast<std::uint16_t>(close & ~sure);
 #else
     std::uint32_t close = 0, sure = 0;
     for (size_t l = 0; l < lanes::wide; ++l) {
@@ -73,25 +75,21 @@ std::int64_t screen_row(const std::array<std::vector<float>, dim>& x, const Scre
       close |= (sum < limits.near ? 1U : 0U) << l;
       sure |= (sum > limits.low && sum < limits.inside ? 1U : 0U) << l;
     }
-    *near = static_cast<std::uint16_t>(close);
-    *border = static_cast<std::uint16_t>(close & ~sure);
 #endif
-    if (k - b < lanes::wide) {  // itself
-      const auto self = static_cast<std::uint16_t>(~(1U << (k - b)));
-      *near &= self;
-      *border &= self;
-    }
-    count += std::popcount(*near);
+    std::uint32_t near = close;
+    if (k - b < lanes::wide) near &= ~(1U << (k - b));  // itself
+    *bits = joined(near, near & ~sure);
+    count += std::popcount(near);
   }
   return count;
 }
 
 /// Every partner of a particle so far outside the grid that single precision says nothing about it.
-std::int64_t take_all(size_t k, size_t length, std::uint16_t* near, std::uint16_t* border) {
-  for (size_t b = 0; b < length; b += lanes::wide, ++near, ++border) {
-    std::uint32_t bits = lanes::first_bits(static_cast<std::int64_t>(std::min<size_t>(16, length - b)));
-    if (k - b < lanes::wide) bits &= ~(1U << (k - b));
-    *near = *border = static_cast<std::uint16_t>(bits);
+std::int64_t take_all(size_t k, size_t length, std::int32_t* bits) {
+  for (size_t b = 0; b < length; b += lanes::wide, ++bits) {
+    std::uint32_t near = lanes::first_bits(static_cast<std::int64_t>(std::min<size_t>(16, length - b)));
+    if (k - b < lanes::wide) near &= ~(1U << (k - b));
+    *bits = joined(near, near);
   }
   return static_cast<std::int64_t>(length) - 1;
 }
@@ -201,7 +199,7 @@ void CellList<dim>::around(const Place& p, Body&& body) const {
 
 /// Each thread owns a range of cells, counts their members, and appends to their lists.
 template <int dim>
-void CellList<dim>::fill_lists(const Vectors<dim>& position) {
+void CellList<dim>::fill_lists(const Vectors<dim>& position, std::vector<std::int32_t>& lists) {
   const auto n = static_cast<std::int64_t>(position.cols());
   const std::int64_t cells = std::int64_t{count_[0]} * count_[1] * count_[2];
   cell_.resize(static_cast<size_t>(n));
@@ -217,7 +215,7 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position) {
   const auto occupied = static_cast<std::int64_t>(occupied_.size());
   list_start_.resize(occupied_.size() + 1);
   bits_start_.resize(occupied_.size() + 1);
-  list_start_[0] = bits_start_[0] = 0;
+  list_start_[0] = 0;
 #pragma omp parallel for schedule(static)
   for (std::int64_t o = 0; o < occupied; ++o) {
     std::int64_t length = 0;
@@ -229,12 +227,11 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position) {
   }
   for (size_t o = 0; o < occupied_.size(); ++o) {
     list_start_[o + 1] += list_start_[o];
-    bits_start_[o + 1] += bits_start_[o];
     next_[static_cast<size_t>(occupied_[o])] = list_start_[o];
   }
-  make_room(list_, static_cast<size_t>(list_start_.back()));
-  make_room(near_, static_cast<size_t>(bits_start_.back()));
-  make_room(border_, near_.size());
+  bits_start_[0] = list_start_.back();  // behind the lists
+  for (size_t o = 0; o < occupied_.size(); ++o) bits_start_[o + 1] += bits_start_[o];
+  make_room(lists, static_cast<size_t>(bits_start_.back()));
 #pragma omp parallel
   {
     // As many list entries for each thread.
@@ -244,7 +241,7 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position) {
       return o < occupied ? std::int64_t{occupied_[static_cast<size_t>(o)]} : cells;
     };
     const std::int64_t first = share(omp_get_thread_num()), last = share(omp_get_thread_num() + 1);
-    std::array<std::int64_t*, 27> lists{};
+    std::array<std::int64_t*, 27> ends{};
     size_t n_lists = 0;
     std::int32_t of = -1;
     for (std::int64_t i = 0; i < n; ++i) {
@@ -254,22 +251,23 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position) {
         n_lists = 0;
         around(place_of(c), [&](std::int32_t b) {
           if (b >= first && b < last && next_[static_cast<size_t>(b)] >= 0)
-            lists[n_lists++] = &next_[static_cast<size_t>(b)];
+            ends[n_lists++] = &next_[static_cast<size_t>(b)];
         });
       }
       for (size_t l = 0; l < n_lists; ++l)
-        list_[static_cast<size_t>((*lists[l])++)] = static_cast<std::int32_t>(i);
+        lists[static_cast<size_t>((*ends[l])++)] = static_cast<std::int32_t>(i);
     }
   }
 }
 
 template <int dim>
 void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double radius,
-                         double skin, const Periodic<dim>& periodic, Candidates& out) {
+                         double skin, const Periodic<dim>& periodic, Candidates& out,
+                         std::vector<std::int32_t>& lists) {
   const auto n = static_cast<std::int64_t>(position.cols());
   const double reach = (radius + skin) * (1 + screening);
   lay_grid(position, reach, periodic);
-  fill_lists(position);
+  fill_lists(position, lists);
   const double low = skin + screening * radius, inside = std::max(0.0, radius - skin - screening * radius);
   Limits limits{static_cast<float>(reach * reach), static_cast<float>(low * low),
                 static_cast<float>(inside * inside)};
@@ -289,7 +287,7 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
 #pragma omp for schedule(dynamic, 16)
     for (std::int64_t o = 0; o < occupied; ++o) {
       const std::int32_t cell = occupied_[static_cast<size_t>(o)];
-      const std::int32_t* list = list_.data() + list_start_[static_cast<size_t>(o)];
+      const std::int32_t* list = lists.data() + list_start_[static_cast<size_t>(o)];
       const auto length =
           static_cast<size_t>(list_start_[static_cast<size_t>(o) + 1] - list_start_[static_cast<size_t>(o)]);
       const size_t blocks = (length + lanes::wide - 1) / lanes::wide;
@@ -323,11 +321,11 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
         bool far = false;
         for (size_t d = 0; d < dim; ++d) far = far || std::abs(screen.all[d][k]) > 2 * size_[d];
         const bool filler = fillers && (tag[static_cast<size_t>(i)] & 1);
-        std::uint16_t *near = near_.data() + bits, *border = border_.data() + bits;
+        std::int32_t* const row = lists.data() + bits;
         out.start[static_cast<size_t>(i) + 1] =
-            far ? take_all(k, length, near, border)
+            far ? take_all(k, length, row)
                 : screen_row<dim>(filler ? screen.without_fillers : screen.all, screen, k, length, limits,
-                                  near, border);
+                                  row);
         bits += static_cast<std::int64_t>(blocks);
       }
     }
@@ -341,17 +339,17 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
     const auto first = list_start_[static_cast<size_t>(o)], last = list_start_[static_cast<size_t>(o) + 1];
     auto bits = static_cast<size_t>(bits_start_[static_cast<size_t>(o)]);
     for (auto m = first; m < last; ++m) {
-      const std::int32_t i = list_[static_cast<size_t>(m)];
+      const std::int32_t i = lists[static_cast<size_t>(m)];
       if (cell_[static_cast<size_t>(i)] != cell) continue;
       std::int32_t* column = out.column.data() + out.start[static_cast<size_t>(i)];
       std::uint64_t* word = out.border.data() + out.word(i);
       std::uint64_t collected = 0;
       int filled = 0;
       for (auto b = first; b < last; b += lanes::wide, ++bits) {
-        const std::uint32_t near = near_[bits];
-        const int count = lanes::pack(list_.data() + b, near, column);
+        const auto both = static_cast<std::uint32_t>(lists[bits]), near = both & 0xffffU;
+        const int count = lanes::pack(lists.data() + b, near, column);
         column += count;
-        const std::uint64_t border = lanes::extract(border_[bits], near);
+        const std::uint64_t border = lanes::extract(both >> 16, near);
         collected |= border << filled;
         filled += count;
         if (filled < 64) continue;

@@ -52,16 +52,16 @@ struct Candidates {
 template <int dim>
 class CellList {
  public:
-  /// Every pair nearer than radius + skin but those of two fillers (tag & 1); tag may be empty.
+  /// Every pair nearer than radius + skin but those of two fillers (tag & 1); tag may be empty. lists: memory
+  /// that nobody needs while it works.
   void find(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double radius, double skin,
-            const Periodic<dim>&, Candidates&);
+            const Periodic<dim>&, Candidates&, std::vector<std::int32_t>& lists);
   /// Cell of each particle of the last `find`, numbered along x first, then y, then z.
   std::span<const std::int32_t> cells() const { return cell_; }
 
   std::size_t bytes() const {
-    return 4 * (cell_.capacity() + members_.capacity() + occupied_.capacity() + list_.capacity()) +
-           8 * (list_start_.capacity() + next_.capacity() + bits_start_.capacity()) +
-           2 * (near_.capacity() + border_.capacity());
+    return 4 * (cell_.capacity() + members_.capacity() + occupied_.capacity()) +
+           8 * (list_start_.capacity() + next_.capacity() + bits_start_.capacity());
   }
 
  private:
@@ -73,7 +73,7 @@ class CellList {
   Vector<dim> centre(const Place&) const;
   template <class Body>
   void around(const Place&, Body&&) const;
-  void fill_lists(const Vectors<dim>& position);
+  void fill_lists(const Vectors<dim>& position, std::vector<std::int32_t>& lists);
 
   std::array<double, 3> origin_{}, size_{1, 1, 1};
   std::array<std::int32_t, 3> count_{1, 1, 1};
@@ -83,9 +83,8 @@ class CellList {
   std::vector<std::int32_t> occupied_;    // cells with members
   std::vector<std::int64_t> list_start_;  // of each occupied cell
   std::vector<std::int64_t> next_;        // of each cell: end of its list so far; −1: none
-  std::vector<std::int32_t> list_;
-  std::vector<std::int64_t> bits_start_;      // of each occupied cell
-  std::vector<std::uint16_t> near_, border_;  // of each member against its cell's list, sixteen at a time
+  // Of each occupied cell, behind the lists: of each member against the list, sixteen partners at a time.
+  std::vector<std::int64_t> bits_start_;
 };
 
 }  // namespace strake::fluid

@@ -229,7 +229,7 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
     const double length = move.norm();
     if (length > longest * p_.spacing) move *= longest * p_.spacing / length;
     state.position.col(i) += move;
-    state.velocity.col(i).noalias() += velocity_gradient_[static_cast<std::size_t>(i)] * move;
+    state.velocity.col(i).noalias() += velocity_gradient(i) * move;
   }
 }
 

@@ -96,7 +96,6 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
   const auto count = static_cast<std::size_t>(water);
   water_.resize(count);
   all_.resize(count);
-  velocity_gradient_.resize(count);
   motion_.resize(count);
   water_stop_.resize(count);
   for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &gradient_of_p_}) v->setZero(dim, water);
@@ -312,10 +311,8 @@ void FittedScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, co
     motion.place = x;
     motion.velocity = u;
     for (int b = 0; b < dim; ++b) {
-      Column<dim> g = sum[0] * inverse(0, b);
-      for (int a = 1; a < dim; ++a) g += sum[a] * inverse(a, b);
-      motion.gradient[b] = g;
-      for (int a = 0; a < dim; ++a) velocity_gradient_[k](a, b) = g[a];
+      motion.gradient[b] = sum[0] * inverse(0, b);
+      for (int a = 1; a < dim; ++a) motion.gradient[b] += sum[a] * inverse(a, b);
     }
   }
 }

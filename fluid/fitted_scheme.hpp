@@ -68,9 +68,19 @@ class FittedScheme {
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
   /// ∇·u* of the last `filter` [1/s].
-  double divergence(std::int64_t i) const { return velocity_gradient_[static_cast<std::size_t>(i)].trace(); }
+  double divergence(std::int64_t i) const { return velocity_gradient(i).trace(); }
 
  private:
+  /// What the filter reads of a neighbour, side by side in memory.
+  struct Motion {
+    Column<dim> place, velocity, gradient[dim];  // columns of ∇u* [1/s]
+  };
+  Tensor<dim> velocity_gradient(std::int64_t i) const {
+    Tensor<dim> gradient;
+    for (int b = 0; b < dim; ++b)
+      for (int a = 0; a < dim; ++a) gradient(a, b) = motion_[static_cast<std::size_t>(i)].gradient[b][a];
+    return gradient;
+  }
   /// u* over the face of row j as particle i sees it, less U [m/s]. A particle that lies beyond the face's
   /// end does not know that velocity: it takes the mean of those that lie over the face.
   Vector<dim> approach(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
@@ -112,11 +122,6 @@ class FittedScheme {
   /// of it.
   double slope_share(double dt) const;
 
-  /// What the filter reads of a neighbour, side by side in memory.
-  struct Motion {
-    Column<dim> place, velocity, gradient[dim];
-  };
-
   /// Pressure of the atmosphere less that of water's vapour: where water is torn [Pa].
   static constexpr double largest_tension = 0.99e5;
 
@@ -125,24 +130,23 @@ class FittedScheme {
   SurfaceLattice<dim> lattice_;
   WallContact<dim> walls_;
   bool full_;  // a closed tank without a gap or a body: no surface anywhere, whatever disorder shows
-  std::vector<Tensor<dim>> water_;              // [Σ_water w r⊗r/r²]⁻¹
-  std::vector<Tensor<dim>> all_;                // the same with P r of wet rows and the free surface's part
-  std::vector<Tensor<dim>> velocity_gradient_;  // ∇u* [1/s]
-  std::vector<float> entry_;                    // −w_L of each pair, where far has not got it
-  std::vector<std::int64_t> water_stop_;        // end of the water in each row of far
-  std::vector<Motion> motion_;                  // of the last `filter`, before it
-  Vectors<dim> moment_;                         // Σ w_L r over water, P r over wet rows [m]
-  Vectors<dim> inward_;                         // unit vector away from the free surface
-  Vectors<dim> crowding_;                       // Σ w r/r² [1/m]
-  Eigen::VectorXd yielding_;                    // of p_i in the equation, but for ∇²p and the surface
-  Eigen::VectorXd meant_;                       // of the right side, but for ∇·u* and g
-  std::vector<std::uint8_t> cut_;               // pressures that `limit` or `release_tension` has cut
-  Eigen::VectorXd diagonal_;                    // Σ w_L over water
-  Eigen::VectorXd volume_;          // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
-  Eigen::VectorXd surface_factor_;  // κ
-  Eigen::VectorXd surface_pull_;    // weight/d of the surface in ∇p
-  Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
-  Eigen::VectorXd cover_;           // of the rows: part of the face that water covers, 0 … 1
+  std::vector<Tensor<dim>> water_;        // [Σ_water w r⊗r/r²]⁻¹
+  std::vector<Tensor<dim>> all_;          // the same with P r of wet rows and the free surface's part
+  std::vector<float> entry_;              // −w_L of each pair, where far has not got it
+  std::vector<std::int64_t> water_stop_;  // end of the water in each row of far
+  std::vector<Motion> motion_;            // of the last `filter`, before it
+  Vectors<dim> moment_;                   // Σ w_L r over water, P r over wet rows [m]
+  Vectors<dim> inward_;                   // unit vector away from the free surface
+  Vectors<dim> crowding_;                 // Σ w r/r² [1/m]
+  Eigen::VectorXd yielding_;              // of p_i in the equation, but for ∇²p and the surface
+  Eigen::VectorXd meant_;                 // of the right side, but for ∇·u* and g
+  std::vector<std::uint8_t> cut_;         // pressures that `limit` or `release_tension` has cut
+  Eigen::VectorXd diagonal_;              // Σ w_L over water
+  Eigen::VectorXd volume_;                // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
+  Eigen::VectorXd surface_factor_;        // κ
+  Eigen::VectorXd surface_pull_;          // weight/d of the surface in ∇p
+  Eigen::VectorXd surface_share_;         // 0 inside … 1 in the rows next to the free surface
+  Eigen::VectorXd cover_;                 // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
   double speed_ = 0;                           // `fastest` of the step
   Vector<dim> gravity_ = Vector<dim>::Zero();  // of the step, less the tank's acceleration [m/s²]

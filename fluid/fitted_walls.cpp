@@ -32,7 +32,7 @@ Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const Sta
                     boundary.tank().periodic().separation(state.position.col(j), state.position.col(i)) +
                         state.position.col(j));
   const double trust = 1 - surface_share_[i];
-  u -= trust * height * (velocity_gradient_[static_cast<std::size_t>(i)] * walls_.normal(j));
+  u -= trust * height * (velocity_gradient(i) * walls_.normal(j));
   return u;
 }
 
@@ -67,7 +67,7 @@ void FittedScheme<dim>::approach_from_mean(const Boundary<dim>& boundary, const 
       const double q = to_face.norm() / (face_reach * p_.spacing);
       if (q >= 1 || !over(boundary, state, i, j)) continue;
       const double w = (1 - q) * (1 - q);
-      sum += w * (state.velocity.col(i) + velocity_gradient_[static_cast<std::size_t>(i)] * to_face);
+      sum += w * (state.velocity.col(i) + velocity_gradient(i) * to_face);
       weights += w;
     }
     mean_approach_.col(j).setZero();

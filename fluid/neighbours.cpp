@@ -127,7 +127,7 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
     const double step = way / static_cast<double>(updates_);
     built_skin_ = 4 * step < skin_ ? std::clamp(4 * std::sqrt(step * skin_), thinnest * skin_, skin_) : 0;
   }
-  cells_.find(position, tag, radius_, built_skin_, periodic_, candidates_);
+  cells_.find(position, tag, radius_, built_skin_, periodic_, candidates_, exact_.column_);
   make_room(kept_, candidates_.border.size());
   built_at_ = position;
   built_filler_.resize(tag.size());
