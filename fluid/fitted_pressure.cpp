@@ -86,13 +86,15 @@ typename FittedScheme<dim>::Inflow FittedScheme<dim>::inflow(const Boundary<dim>
 
 template <int dim>
 double FittedScheme<dim>::fastest(const Boundary<dim>& boundary, const State<dim>& state) const {
-  if (!boundary.tank().moves()) return std::sqrt(state.velocity.colwise().squaredNorm().maxCoeff());
-  double speed = 0;
-#pragma omp parallel for schedule(static) reduction(max : speed)
-  for (Eigen::Index i = 0; i < state.velocity.cols(); ++i)
-    speed =
-        std::max(speed, (state.velocity.col(i) - boundary.tank().velocity_at(state.position.col(i))).norm());
-  return speed;
+  const bool moves = boundary.tank().moves();
+  double square = 0;
+#pragma omp parallel for schedule(static) reduction(max : square)
+  for (Eigen::Index i = 0; i < state.velocity.cols(); ++i) {
+    Vector<dim> past = state.velocity.col(i);
+    if (moves) past -= boundary.tank().velocity_at(state.position.col(i));
+    square = std::max(square, past.squaredNorm());
+  }
+  return std::sqrt(square);
 }
 
 // γ = Δt/τ', τ' = max(τ, l0/max|u|): what disorder grows while water passes a spacing is not taken away

@@ -67,6 +67,8 @@ class FittedScheme {
   /// State::residual_divergence of the new velocity, before the particles move.
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
+  /// Memory of one tensor per particle of water that nothing is kept in from step to step.
+  std::vector<Tensor<dim>>& tensors() { return all_; }
   /// ∇·u* of the last `filter` [1/s].
   double divergence(std::int64_t i) const { return velocity_gradient(i).trace(); }
 

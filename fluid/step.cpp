@@ -148,10 +148,13 @@ void Simulation<dim>::Work::predict() {
     for (std::int64_t i = 0; i < water; ++i)
       wall_distance[static_cast<std::size_t>(i)] = boundary.tank().distance(state.position.col(i));
   }
+  // Both write theirs anew before they read it, one after the other.
+  if (fitted) viscous.exchange_tensors(fitted->tensors());
   viscous.compute(p,
                   {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface,
                    search.periodic(), wall_distance},
                   dt, state.sps_k);
+  if (fitted) viscous.exchange_tensors(fitted->tensors());
   std::int64_t pulled = 0;
 #pragma omp parallel for schedule(static) reduction(+ : pulled)
   for (std::int64_t i = 0; i < water; ++i) {
@@ -239,6 +242,7 @@ void Simulation<dim>::Work::solve_pressure() {
   assemble();
   const bool sealed = !std::isfinite(p.sound_speed) && close_sealed_blocks(system) > 0;
   guess.resize(system.size());
+#pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < system.size(); ++k)
     guess[k] = state.pressure[system.particle[static_cast<std::size_t>(k)]];
   const PressureSolution& solution = poisson.solve(system, state.position, guess, scheme);
@@ -252,6 +256,7 @@ void Simulation<dim>::Work::solve_pressure() {
                     system.size()),
         "reduce fluid.scheme.time_step, or raise fluid.scheme.pressure.max_iterations or .tolerance");
   state.pressure.setZero();
+#pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < system.size(); ++k)
     state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
   // In a closed tank pressure has no zero that tension could be measured from.

@@ -39,6 +39,9 @@ class ViscousStage {
   /// k: the energy at the start of the step, advanced by dt with the k model, else overwritten [m²/s²].
   void compute(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
 
+  /// Memory of one tensor per particle of water that its owner does not need during `compute`, and back.
+  void exchange_tensors(std::vector<Tensor<dim>>& other) { correction_.swap(other); }
+
   Vectors<dim> acceleration;       // [m/s²]
   Eigen::VectorXd production;      // Pr = 2 S:S [1/s²]
   Eigen::VectorXd eddy_viscosity;  // ν_t [m²/s]
