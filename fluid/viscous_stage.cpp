@@ -225,15 +225,18 @@ void ViscousStage<dim>::transport(const ViscousFlow<dim>& flow, const LatticeCon
 template <int dim>
 void ViscousStage<dim>::gather_force(bool corrected, const ViscousFlow<dim>& flow) {
   const auto n = flow.position.cols();
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < n; ++i) {
-    const auto at = static_cast<size_t>(i);
-    if (i >= flow.walls.first)
-      acceleration.col(i) = force_on_row(i, flow);
-    else if (corrected && neighbours_[at] > 0 && (flow.surface.empty() || !flow.surface[at]))
-      acceleration.col(i) = force_on_water<true>(i, flow);
-    else
-      acceleration.col(i) = force_on_water<false>(i, flow);
+#pragma omp parallel
+  {
+    // Water and rows each in equal parts: a row costs next to nothing.
+#pragma omp for schedule(static) nowait
+    for (std::int64_t i = 0; i < flow.walls.first; ++i) {
+      const auto at = static_cast<size_t>(i);
+      const bool inside = neighbours_[at] > 0 && (flow.surface.empty() || !flow.surface[at]);
+      acceleration.col(i) =
+          corrected && inside ? force_on_water<true>(i, flow) : force_on_water<false>(i, flow);
+    }
+#pragma omp for schedule(static)
+    for (std::int64_t j = flow.walls.first; j < n; ++j) acceleration.col(j) = force_on_row(j, flow);
   }
 }
 
