@@ -22,7 +22,7 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
   cut_.assign(static_cast<std::size_t>(boundary.water()), 0);
   gravity_ = gravity;
   speed_ = fastest(boundary, state);
-  const double kept = kept_residual(gravity, dt);
+  const double kept = kept_residual(dt);
   const std::int64_t water = boundary.water();
   const double rho = p_.density, c = p_.sound_speed;
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
@@ -97,20 +97,28 @@ double FittedScheme<dim>::fastest(const Boundary<dim>& boundary, const State<dim
   return std::sqrt(square);
 }
 
-// γ = Δt/τ', τ' = max(τ, l0/max|u|): what disorder grows while water passes a spacing is not taken away
-// faster than that, or it would stir a slow flow.
+// g·H, H the water's extent at the start: square of the speed of its waves [m²/s²].
+template <int dim>
+double FittedScheme<dim>::wave_speed_squared() const {
+  return gravity_.cwiseAbs().dot((p_.water.max - p_.water.min).template head<dim>());
+}
+
+// γ = Δt/τ', τ' = max(τ, l0/U): disorder, and with it the error, grows while water passes a spacing; taken
+// away faster it would stir a slow flow. Under a free surface the error is depth besides, which waves level:
+// U = max|u|, there at least √(gH).
 template <int dim>
 double FittedScheme<dim>::drift_share(double dt) const {
   const double share = drift_factor(p_.scheme, dt);
-  return p_.scheme.tau > 0 ? std::min(share, dt * speed_ / p_.spacing) : share;
+  if (!(p_.scheme.tau > 0)) return share;
+  const double speed = full_ ? speed_ : std::max(speed_, std::sqrt(wave_speed_squared()));
+  return std::min(share, dt * speed / p_.spacing);
 }
 
 // (1 − Δt max|u|/l0) u²/(u² + gH), u = max|u| past the tank: all at once in water that hardly moves.
 template <int dim>
-double FittedScheme<dim>::kept_residual(const Vector<dim>& gravity, double dt) const {
+double FittedScheme<dim>::kept_residual(double dt) const {
   if (!(speed_ > 0)) return 0;
-  const double waves = gravity.cwiseAbs().dot((p_.water.max - p_.water.min).template head<dim>());
-  return std::max(0.0, 1 - dt * speed_ / p_.spacing) / (1 + waves / (speed_ * speed_));
+  return std::max(0.0, 1 - dt * speed_ / p_.spacing) / (1 + wave_speed_squared() / (speed_ * speed_));
 }
 
 /// ∇·u of the new velocity at the same places, walls with it, less what the pressure equation asked for:

@@ -103,7 +103,8 @@ class FittedScheme {
   /// max |u| past the tank: the same for an observer who falls or drives along with it [m/s].
   double fastest(const Boundary<dim>&, const State<dim>&) const;
   /// Part of the residual divergence that a step leaves as it is.
-  double kept_residual(const Vector<dim>& gravity, double dt) const;
+  double kept_residual(double dt) const;
+  double wave_speed_squared() const;
   void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   /// Whether the rows stand as the matrix's; else `entry_` does.
   bool shares_entries(const Neighbours& far) const {

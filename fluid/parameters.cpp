@@ -63,7 +63,7 @@ void read_source(CaseTable t, Scheme& s) {
                 .paper = 0.0,
                 .help =
                     "time in which the density error decays, gamma = time step / tau; of least-squares at "
-                    "least spacing / largest speed"};
+                    "least spacing / speed of water and waves"};
   if (t.has("gamma") && !t.has("tau")) {
     s.tau = 0;
     tau.paper = 0;
