@@ -37,11 +37,13 @@ void append(State<dim>& state, std::int64_t count) {
   state.pressure.conservativeResize(n + count);
   state.sps_k.conservativeResize(n + count);
   state.residual_divergence.conservativeResize(n + count);
+  state.residual_approach.conservativeResize(Eigen::NoChange, n + count);
   state.position.rightCols(count).setZero();
   state.velocity.rightCols(count).setZero();
   state.pressure.tail(count).setZero();
   state.sps_k.tail(count).setZero();
   state.residual_divergence.tail(count).setZero();
+  state.residual_approach.rightCols(count).setZero();
   for (std::int64_t k = 0; k < count; ++k) state.id.push_back(n + k);
   state.surface.resize(static_cast<std::size_t>(n + count), 1);
   state.aired.resize(static_cast<std::size_t>(n + count), 0);

@@ -174,6 +174,7 @@ State<dim> fill(const Parameters& parameters) {
   state.pressure = Eigen::VectorXd::Zero(n);
   state.sps_k = Eigen::VectorXd::Zero(n);
   state.residual_divergence = Eigen::VectorXd::Zero(n);
+  state.residual_approach = Vectors<dim>::Zero(dim, n);
   state.surface.assign(static_cast<size_t>(n), 0);
   state.aired.assign(static_cast<size_t>(n), 1);
   Eigen::Index i = 0;

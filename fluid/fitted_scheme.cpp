@@ -98,9 +98,10 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
   all_.resize(count);
   motion_.resize(count);
   water_stop_.resize(count);
-  for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &gradient_of_p_}) v->setZero(dim, water);
-  for (Eigen::VectorXd* v :
-       {&meant_, &yielding_, &diagonal_, &volume_, &surface_factor_, &surface_pull_, &surface_share_})
+  for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &reaction_, &gradient_of_p_})
+    v->setZero(dim, water);
+  for (Eigen::VectorXd* v : {&stiffness_, &eased_, &meant_, &yielding_, &diagonal_, &volume_,
+                             &surface_factor_, &surface_pull_, &surface_share_})
     v->setZero(water);
   mean_approach_.setZero(dim, state.position.cols());
   cover_.setZero(state.position.cols());
@@ -166,7 +167,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   float* const entries = shares ? nullptr : entry_.data() + first;
   water_stop_[k] = first + static_cast<std::int64_t>(inner);
   // w_L, W and w/r² of eight pairs at a time; the last is zero beyond the gradient's radius.
-  Lanes8 diagonals{}, volumes{}, opens[dim]{}, crowdings[dim]{};
+  Lanes8 diagonals{}, volumes{}, stiffnesses{}, opens[dim]{}, crowdings[dim]{};
   Lanes8 moments[Symmetric<dim>::parts]{};  // Σ w r⊗r/r²
   for (std::size_t e = 0; e < inner; e += lanes::width) {
     const auto [r, one] = eight_pairs<seams>(state, periodic, i, columns.first(inner), e);
@@ -190,6 +191,8 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     diagonals += w;
     volumes += s * s * s * s * (1 + 4 * q);
     const Lanes8 near_weight = positive(gradient_.radius * inverse - one) * inverse * inverse;
+    // Of w r/r² along r: −d/dr (R/r − 1)/r = (2R/r − 1)/r².
+    stiffnesses += positive(2 * gradient_.radius * inverse - one) * inverse * inverse;
     Lanes8 arm[dim];
 #pragma GCC unroll 6
     for (int d = 0; d < dim; ++d) {
@@ -201,7 +204,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     for (int m = 0; m < Symmetric<dim>::parts; ++m)
       moments[m] += arm[Symmetric<dim>::row[m]] * r[Symmetric<dim>::column[m]];
   }
-  double diagonal = sum(diagonals), volume = sum(volumes);
+  double diagonal = sum(diagonals), volume = sum(volumes), stiffness = sum(stiffnesses);
   Tensor<dim> b, a = Tensor<dim>::Zero();
   Vector<dim> open = vector_of<dim>(opens), crowding = vector_of<dim>(crowdings);
 #pragma GCC unroll 6
@@ -236,6 +239,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     if (!walls_.wet(j)) continue;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
     crowding += near_weight(e) * r;
+    stiffness += (2 * gradient_.radius * near_inverses[e] - 1) * near_inverses[e] * near_inverses[e];
     if (!over(boundary, state, i, j)) continue;
     const Vector<dim> held = walls_.held(j, r);
     a.noalias() += near_weight(e) * held * held.transpose();
@@ -244,6 +248,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   inverse_where_seen<dim>(b, water_[k]);
   moment_.col(i) = walled;
   crowding_.col(i) = crowding;
+  stiffness_[i] = stiffness * p_.spacing * p_.spacing / gradient_.n0;
   diagonal_[i] = diagonal;
   volume_[i] = volume;
 

@@ -14,6 +14,7 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
 #include <vector>
 
 namespace strake::fluid {
@@ -52,19 +53,19 @@ class FittedScheme {
   void limit(const Boundary<dim>&, State<dim>&, const Neighbours& near);
   /// Water next to the free surface parts without tension. Deeper it holds what the air above it presses: the
   /// cores of vortices stay closed. More than turning water makes, ρ max|u|², it never bears: where nothing
-  /// turns, a pull only parts it.
+  /// turns, a pull only parts it. A face pulls no particle more than its own water does.
   void release_tension(const Boundary<dim>&, State<dim>&, const Neighbours& far);
   /// ∇p of the water [Pa/m].
   const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                         double dt);
   const Vectors<dim>& pressure_gradient() const { return gradient_of_p_; }  // of the last call
-  /// −p n A of each first row, p the mean of what the water near by says of the face; also State::pressure of
-  /// the rows.
-  RowForces<dim> row_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt) const;
+  /// −p n A of each first row; also State::pressure of the rows. p is the mean of what the water near by says
+  /// of the face, p_i + h ∂p/∂n with its own ∇p, and the reaction to what the rows push it beyond that.
+  RowForces<dim> row_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near) const;
   /// Particles move towards even spacing, along the surface where they are near it, and take ∇u* with them.
   void shift(const Boundary<dim>&, State<dim>&, double dt) const;
 
-  /// State::residual_divergence of the new velocity, before the particles move.
+  /// State::residual_divergence and State::residual_approach of the new velocity, before the particles move.
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
   /// Memory of one tensor per particle of water that nothing is kept in from step to step.
@@ -91,6 +92,16 @@ class FittedScheme {
   Vector<dim> yielding(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
   /// ρ g times the depth of x under the water's upper edge at the start [Pa].
   double still_pressure(const Boundary<dim>&, const Vector<dim>& x) const;
+  /// What stands behind the face at row j over p_i: (ρ/Δt) (u*−U)·P r, of which the part that the last step
+  /// was meant to leave is taken away. Without tension the face's own pressure is not below zero [Pa].
+  double rise(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j,
+              const Vector<dim>& held, double slope) const;
+  /// Reaction of the faces to what their rows push particle i beyond its own ∇p, per weight of a row [N].
+  Vector<dim> reaction(const Boundary<dim>&, const State<dim>&, const Neighbours& near, std::int64_t i,
+                       double slope) const;
+  /// (u−U) past the faces that the particle touches [m/s].
+  Vector<dim> left_approach(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
+                            std::int64_t i) const;
   /// What the rows do to the water of particle i: Σ w (u−U)·P r [m²/s], and the diagonal's part of walls that
   /// absorb.
   struct Inflow {
@@ -121,6 +132,8 @@ class FittedScheme {
   void find_filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt);
   template <bool seams>
   void find_pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
+  /// Of an inverse of Σ w r⊗r/r² that can be inverted again: a millionth of the lattice's.
+  double least_determinant() const { return 1e-6 * std::pow(dim / gradient_.n0, dim); }
   /// Share of the half spacing's slope that the face feels in one step: a sound wave goes through only c Δt
   /// of it.
   double slope_share(double dt) const;
@@ -141,15 +154,20 @@ class FittedScheme {
   Vectors<dim> moment_;                   // Σ w_L r over water, P r over wet rows [m]
   Vectors<dim> inward_;                   // unit vector away from the free surface
   Vectors<dim> crowding_;                 // Σ w r/r² [1/m]
+  Vectors<dim> reaction_;                 // of the faces [N], see `reaction`
+  Eigen::VectorXd stiffness_;             // of l0² ∇C against the particle's place
+  Eigen::VectorXd eased_;                 // part of its residual that the step leaves as it is
   Eigen::VectorXd yielding_;              // of p_i in the equation, but for ∇²p and the surface
   Eigen::VectorXd meant_;                 // of the right side, but for ∇·u* and g
-  std::vector<std::uint8_t> cut_;         // pressures that `limit` or `release_tension` has cut
-  Eigen::VectorXd diagonal_;              // Σ w_L over water
-  Eigen::VectorXd volume_;                // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
-  Eigen::VectorXd surface_factor_;        // κ
-  Eigen::VectorXd surface_pull_;          // weight/d of the surface in ∇p
-  Eigen::VectorXd surface_share_;         // 0 inside … 1 in the rows next to the free surface
-  Eigen::VectorXd cover_;                 // of the rows: part of the face that water covers, 0 … 1
+  enum class Cut : std::uint8_t { none, limited, released };
+  std::vector<Cut> cut_;            // pressures that `limit` or `release_tension` has cut
+  bool tension_ = true;             // no `release_tension` in this step
+  Eigen::VectorXd diagonal_;        // Σ w_L over water
+  Eigen::VectorXd volume_;          // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
+  Eigen::VectorXd surface_factor_;  // κ
+  Eigen::VectorXd surface_pull_;    // weight/d of the surface in ∇p
+  Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
+  Eigen::VectorXd cover_;           // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
   double speed_ = 0;                           // `fastest` of the step
   Vector<dim> gravity_ = Vector<dim>::Zero();  // of the step, less the tank's acceleration [m/s²]

@@ -15,6 +15,7 @@ void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim
                                         const Neighbours& far) {
   const std::int64_t water = boundary.water();
   const double most = std::min(largest_tension, p_.density * speed_ * speed_);
+  tension_ = false;
   limited_ = state.pressure.head(water);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
@@ -27,7 +28,7 @@ void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim
         nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)));
     const double held = std::clamp((nearest / p_.spacing - parts_to) / (holds_from - parts_to), 0.0, 1.0);
     limited_[i] = std::max(held * state.pressure[i], -most);
-    if (held < 1 || limited_[i] > state.pressure[i]) cut_[static_cast<std::size_t>(i)] = 1;
+    if (held < 1 || limited_[i] > state.pressure[i]) cut_[static_cast<std::size_t>(i)] = Cut::released;
   }
   state.pressure.head(water) = limited_;
 }

@@ -1,5 +1,9 @@
 #include "fluid/fitted_scheme.hpp"
 
+#include "fluid/pair_loop.hpp"
+
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 
@@ -84,33 +88,107 @@ double FittedScheme<dim>::slope_share(double dt) const {
   return (1 - std::exp(-layers)) / layers;
 }
 
+// Water that comes nearer to a face than half its place on a lattice is stopped at once.
+template <int dim>
+double FittedScheme<dim>::rise(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
+                               std::int64_t j, const Vector<dim>& held, double slope) const {
+  constexpr double stopped = 0.2, free = 0.4;  // [l0]
+  const Vector<dim> from_row =
+      boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
+  const double height =
+      walls_.corner(j) ? 0.5 * held.norm() : walls_.normal(j).dot(from_row) - walls_.depth(j);
+  const double eased = eased_[i] * std::clamp((height / p_.spacing - stopped) / (free - stopped), 0.0, 1.0);
+  const Vector<dim> past = approach(boundary, state, i, j) + yielding(boundary, state, i, j) -
+                           eased * state.residual_approach.col(i);
+  const double rise = slope * past.dot(held);
+  if (tension_ || rise >= 0) return rise;
+  // p_i + (h/|P r|) q ≥ min(0, p_i), h the particle's height over the face; half the way in a corner.
+  const double part = std::clamp(height / held.norm(), 0.0, 1.0);
+  return std::max(rise, part > 1e-3 ? -std::max(0.0, state.pressure[i]) / part : 0.0);
+}
+
+// The slope s that the water's side alone gives is that of A ∇p = Σ_rows w q P r + (A − a) s, a = Σ_rows w P
+// r ⊗ P r: V (∇p − s)/2 = ½ V (A − a)⁻¹ Σ_rows w (q − ∇p·P r) P r is what particle i gets from the faces and
+// neither p_i + h ∂p/∂n nor the water next to it tells of. On an even lattice faces carry p_i + q/2 with it,
+// and momentum is exact.
+template <int dim>
+Vector<dim> FittedScheme<dim>::reaction(const Boundary<dim>& boundary, const State<dim>& state,
+                                        const Neighbours& near, std::int64_t i, double slope) const {
+  constexpr double least = 1e-3;  // of n0, added to A − a: a film of one particle has none across
+  const auto columns = near.row(i);
+  const auto inverses = near.inverses(i);
+  const Vector<dim> gradient = gradient_of_p_.col(i);
+  Tensor<dim> rest = Tensor<dim>::Zero();
+  Vector<dim> beyond = Vector<dim>::Zero();
+  double weights = 0;
+  for (std::size_t e = water_pairs(columns, boundary.water()); e < columns.size(); ++e) {
+    const std::int64_t j = columns[e];
+    if (!walls_.wet(j) || !over(boundary, state, i, j)) continue;
+    const double weight = gradient_.radius * inverses[e] - 1;
+    const double w = weight * inverses[e] * inverses[e];
+    const Vector<dim> held =
+        walls_.held(j, boundary.tank().periodic().separation(state.position.col(i), state.position.col(j)));
+    rest.noalias() -= w * held * held.transpose();
+    beyond += w * (rise(boundary, state, i, j, held, slope) - gradient.dot(held)) * held;
+    if (boundary.master_of(j) < 0 && !walls_.corner(j)) weights += std::max(0.0, weight);
+  }
+  const Tensor<dim>& inverse = all_[static_cast<std::size_t>(i)];
+  if (!(weights > 0) || !(inverse.determinant() > least_determinant())) return Vector<dim>::Zero();
+  rest += inverse.inverse();
+  rest.diagonal().array() += least * gradient_.n0;
+  return 0.5 * std::pow(p_.spacing, dim) / weights * (rest.inverse() * beyond);
+}
+
+template <int dim>
+Vector<dim> FittedScheme<dim>::left_approach(const Boundary<dim>& boundary, const State<dim>& state,
+                                             const Neighbours& near, std::int64_t i) const {
+  const auto columns = near.row(i);
+  const auto inverses = near.inverses(i);
+  Tensor<dim> seen = Tensor<dim>::Zero();
+  Vector<dim> left = Vector<dim>::Zero();
+  for (std::size_t e = water_pairs(columns, boundary.water()); e < columns.size(); ++e) {
+    const std::int64_t j = columns[e];
+    if (!walls_.wet(j) || !over(boundary, state, i, j)) continue;
+    const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+    const Vector<dim> held =
+        walls_.held(j, boundary.tank().periodic().separation(state.position.col(i), state.position.col(j)));
+    seen.noalias() += w * held * held.transpose();
+    left += w * held * held.dot(approach(boundary, state, i, j) + yielding(boundary, state, i, j));
+  }
+  if (!(seen.trace() > 0)) return left;
+  seen.diagonal().array() += 1e-6 * seen.trace();  // nothing is held along a face
+  return seen.inverse() * left;
+}
+
 template <int dim>
 RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, State<dim>& state,
-                                             const Neighbours& near, double dt) const {
+                                             const Neighbours& near) const {
   const auto n = static_cast<std::int64_t>(state.kind.size());
   const std::int64_t water = boundary.water();
-  const double slope = slope_share(dt) * p_.density / dt;
   RowForces<dim> forces = RowForces<dim>::Zero(dim, n);
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = water; j < n; ++j) {
     if (boundary.master_of(j) >= 0 || !walls_.wet(j) || walls_.corner(j)) continue;
-    const Vector<dim> normal = walls_.normal(j);
+    const Vector<dim> normal = walls_.normal(j), area = boundary.face_area(j);
     const Vector<dim> face = state.position.col(j) + walls_.depth(j) * normal;
     const auto columns = near.row(j);
     const auto inverses = near.inverses(j);
-    double sum = 0, weights = 0;
+    double sum = 0, weights = 0, reactions = 0, least = 0;
     for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e) {
       const std::int64_t i = columns[e];
       const double w = gradient_.radius * inverses[e] - 1;
       if (w <= 0 || !over(boundary, state, i, j)) continue;
       const double up = normal.dot(boundary.tank().periodic().separation(state.position.col(i), face));
-      sum += w * (state.pressure[i] +
-                  slope * up * normal.dot(approach(boundary, state, i, j) + yielding(boundary, state, i, j)));
+      const double on_face = state.pressure[i] + up * normal.dot(gradient_of_p_.col(i));
+      sum += w * (tension_ ? on_face : std::max(std::min(0.0, state.pressure[i]), on_face));
+      least = std::min(least, state.pressure[i]);
+      reactions += w * normal.dot(reaction_.col(i));
       weights += w;
     }
-    if (weights <= 0) continue;
-    state.pressure[j] = sum / weights;
-    forces.col(j) = -state.pressure[j] * boundary.face_area(j);
+    if (weights <= 0 || !(area.norm() > 0)) continue;
+    const double pressure = sum / weights - reactions / area.norm();
+    state.pressure[j] = tension_ ? pressure : std::max(least, pressure);
+    forces.col(j) = -state.pressure[j] * area;
   }
   return forces;
 }
@@ -125,9 +203,15 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
   template Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>&, const State<dim>&, std::int64_t,    \
                                                    std::int64_t) const;                                      \
   template double FittedScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const;         \
+  template double FittedScheme<dim>::rise(const Boundary<dim>&, const State<dim>&, std::int64_t,             \
+                                          std::int64_t, const Vector<dim>&, double) const;                   \
+  template Vector<dim> FittedScheme<dim>::reaction(const Boundary<dim>&, const State<dim>&,                  \
+                                                   const Neighbours&, std::int64_t, double) const;           \
+  template Vector<dim> FittedScheme<dim>::left_approach(const Boundary<dim>&, const State<dim>&,             \
+                                                        const Neighbours&, std::int64_t) const;              \
   template double FittedScheme<dim>::slope_share(double) const;                                              \
   template RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>&, State<dim>&,                   \
-                                                        const Neighbours&, double) const;
+                                                        const Neighbours&) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -101,6 +101,7 @@ void reorder(State<dim>& state, std::span<const std::int32_t> order) {
   permute(state.pressure, order);
   permute(state.sps_k, order);
   permute(state.residual_divergence, order);
+  permute_columns(state.residual_approach, order);
   permute(state.kind, order);
   permute(state.id, order);
   permute(state.surface, order);

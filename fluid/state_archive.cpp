@@ -15,6 +15,7 @@ void for_each_real(State& s, Visit&& visit) {
   visit("pressure", s.pressure);
   visit("sps_k", s.sps_k);
   visit("residual_divergence", s.residual_divergence);
+  visit("residual_approach", s.residual_approach);
   visit("interface_displacement", s.interface_displacement);
   visit("interface_velocity", s.interface_velocity);
   visit("impulse_on_bodies", s.impulse_on_bodies);

@@ -17,7 +17,7 @@ void Simulation<dim>::Work::load_interface() {
   const StageClock clock(seconds, "load");
   RowForces<dim> forces;
   if (fitted) {
-    forces = fitted->row_forces(boundary, state, near_gradient(), dt);
+    forces = fitted->row_forces(boundary, state, near_gradient());
     const auto rows = forces.cols() - boundary.water();
     forces.rightCols(rows) += mass * viscous.acceleration.rightCols(rows);
   } else {

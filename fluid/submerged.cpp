@@ -21,6 +21,7 @@ void take_out(State<dim>& state, const std::vector<Eigen::Index>& kept) {
   rest.pressure = state.pressure(kept).eval();
   rest.sps_k = state.sps_k(kept).eval();
   rest.residual_divergence = state.residual_divergence(kept).eval();
+  rest.residual_approach = state.residual_approach(Eigen::all, kept).eval();
   rest.kind.clear();
   rest.surface.clear();
   rest.aired.clear();

@@ -51,6 +51,7 @@ OneStep one_step(double dt) {
 
 struct Impact {
   double contact = -1, first_peak = 0, peak = 0;
+  double first_mean = 0;                 // over the first 50 µs after contact [Pa]
   std::optional<double> at_133, at_300;  // impulse [Pa s] so long after contact
 };
 
@@ -74,6 +75,7 @@ Impact impact(const Parameters& p, double gap, double dt, double after_contact) 
     if (!fallen && std::abs(q) > result.first_peak) result.first_peak = std::abs(q);
     fallen = fallen || std::abs(q) < 0.8 * result.first_peak;
     const double since = entry.time - result.contact + 1e-3 * dt;
+    if (since <= 50e-6) result.first_mean = impulse / since;
     if (!result.at_133 && since >= 133e-6) result.at_133 = impulse;
     if (!result.at_300 && since >= 300e-6) result.at_300 = impulse;
     if (since >= after_contact) break;
@@ -131,13 +133,16 @@ TEST(FlatPlate, CompressibleImpulseAndFirstPeakAreThoseOfLinearAcoustics) {
   ASSERT_TRUE(fine.at_133 && fine.at_300);
   EXPECT_NEAR(*fine.at_133 / scale, 0.99, 0.08 * 0.99);
   EXPECT_NEAR(*fine.at_300 / scale, 1.27, 0.08 * 1.27);
-  EXPECT_NEAR(fine.first_peak / water_hammer, 1, 0.10);
+  // The centre feels the edges after 133 microseconds; single steps ring about ρcV behind the front.
+  EXPECT_NEAR(fine.first_mean / water_hammer, 1, 0.05);
   // The rise is over after 40 microseconds: that is all the finer run needs.
   const Impact finer = impact(p, 0.0003, 5e-7, 4.5e-5);
   EXPECT_NEAR(finer.first_peak / fine.first_peak, 1, 0.05);
   RecordProperty("first_peak",
-                 fmt::format("{:.4g} Pa at 2e-6 s, {:.4g} Pa at 5e-7 s; impulse {:.4g}, {:.4g} rho V a",
-                             fine.first_peak, finer.first_peak, *fine.at_133 / scale, *fine.at_300 / scale));
+                 fmt::format("{:.4g} rho c V over 50 us; {:.4g} Pa at 2e-6 s, {:.4g} Pa at 5e-7 s; "
+                             "impulse {:.4g}, {:.4g} rho V a",
+                             fine.first_mean / water_hammer, fine.first_peak, finer.first_peak,
+                             *fine.at_133 / scale, *fine.at_300 / scale));
 }
 
 }  // namespace
