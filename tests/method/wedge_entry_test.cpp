@@ -1,3 +1,4 @@
+#include "fluid/interface_load.hpp"
 #include "tests/fluid/plate_case.hpp"
 
 #include <gtest/gtest.h>
