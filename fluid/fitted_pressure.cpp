@@ -238,6 +238,7 @@ template <int dim>
 void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, double dt) const {
   if (p_.scheme.shifting <= 0) return;
   constexpr double longest = 0.1;  // [l0]
+  constexpr double soft = 0.02;    // αS that changes nothing
   const bool moves = boundary.tank().moves();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
@@ -248,15 +249,18 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
     if (moves) past -= boundary.tank().velocity_at(state.position.col(i));
     const double alpha = std::min(1.0, p_.scheme.shifting * past.norm() * dt / p_.spacing);
     if (!(alpha > 0)) continue;
-    // S is as uneven as the neighbours are, Σ w r⊗r/r².
-    Tensor<dim> answer = Tensor<dim>::Identity();
-    if (water_[k].determinant() > least_determinant()) {
-      answer = water_[k].inverse();
-      answer *= dim / answer.trace();
-    }
-    answer = Tensor<dim>::Identity() + alpha * stiffness_[i] * answer;
     const double reach = alpha * p_.spacing * p_.spacing * dim / gradient_.n0;
-    Vector<dim> move = -reach * (answer.inverse() * crowding_.col(i));
+    Vector<dim> move = -reach * crowding_.col(i);
+    if (alpha * stiffness_[i] > soft) {
+      // S is as uneven as the neighbours are, Σ w r⊗r/r².
+      Tensor<dim> answer = Tensor<dim>::Identity();
+      if (water_[k].determinant() > least_determinant()) {
+        answer = water_[k].inverse();
+        answer *= dim / answer.trace();
+      }
+      answer = Tensor<dim>::Identity() + alpha * stiffness_[i] * answer;
+      move = (answer.inverse() * move).eval();
+    }
     const Vector<dim> inward = inward_.col(i);
     move -= surface_share_[i] * inward.dot(move) * inward;
     const double length = move.norm();
