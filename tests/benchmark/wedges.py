@@ -43,11 +43,11 @@ def case(deadrise, l0):
     reach = 1 + max(0.0, EXACT[deadrise][2])  # of the largest pressure over the apex, in V t
     depth = HALF * slope / reach              # V t at the end
     gap = 0.5 * l0
-    end = (depth + gap) / SPEED
     width = 2 * HALF * 1.5
     tank, floor = round(6 * HALF / l0) * l0, round(5 * HALF / l0) * l0
     rim = round((0.5 * width * slope + gap + 1.0) / l0) * l0
     step = arguments.step * l0 / SPEED
+    end = round((depth + gap) / SPEED / step) * step  # a short last step would show what the others leave, over its own length
     text = f"""title = "wedge benchmark"
 preset = "improved"
 end_time = {end!r}
