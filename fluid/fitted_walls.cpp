@@ -88,11 +88,11 @@ double FittedScheme<dim>::slope_share(double dt) const {
   return (1 - std::exp(-layers)) / layers;
 }
 
-// Water that comes nearer to a face than half its place on a lattice is stopped at once.
+// Water that comes nearer to a face than on a lattice is stopped at once.
 template <int dim>
 double FittedScheme<dim>::rise(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
                                std::int64_t j, const Vector<dim>& held, double slope) const {
-  constexpr double stopped = 0.2, free = 0.4;  // [l0]
+  constexpr double stopped = 0.3, free = 0.5;  // [l0]
   const Vector<dim> from_row =
       boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
   const double height =
