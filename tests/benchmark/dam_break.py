@@ -7,12 +7,10 @@ incompressible: the well-known case of SPHinXsys, with g = 9.81 m/s^2 in place o
 whole particles. Every frame of 0.1 units is written. Other machines differ: beside each figure stands the time of a
 particle-step as so many plain sparse products per row, and as the bytes that STREAM triad would have moved.
 Shortest of --repeats runs, since what else runs on the machine only ever adds."""
-import argparse
-import json
 import math
-import pathlib
 import subprocess
-import tempfile
+
+import runs
 
 # seconds per sqrt(H/g) with 1 and 2 threads, on 2 virtual cores of 3.9 GHz with triad 29 and 58 GB/s (48 MB)
 PEERS = {
@@ -53,15 +51,12 @@ quantity = "pressure"
 diameter = 0.1
 """
 
-parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("bin_dir", nargs="?", type=pathlib.Path)
+parser = runs.command(__doc__)
 parser.add_argument("--particles", type=int, action="append")
 parser.add_argument("--threads", type=int, action="append")
 parser.add_argument("--units", type=float, default=8.0)
 parser.add_argument("--repeats", type=int, default=1)
-parser.add_argument("--set", action="append", default=[])
 arguments = parser.parse_args()
-bin_dir = arguments.bin_dir or pathlib.Path(__file__).resolve().parents[2] / "build" / "bin"
 unit = math.sqrt(1 / 9.81)  # s
 
 
@@ -70,14 +65,7 @@ def run(particles, threads):
     l0 = round(1 / high, 12)
     text = CASE.format(end=repr(arguments.units * unit), l0=l0, length=round(5.366 / l0) * l0, height=round(4 / l0) * l0,
                        column=2 * high * l0, depth=high * l0, window=0.05 * unit, every=0.1 * unit, threads=threads)
-    with tempfile.TemporaryDirectory() as place:
-        case = pathlib.Path(place) / "dam_break_benchmark.toml"
-        case.write_text(text)
-        words = [str(bin_dir / "strake"), "run", str(case), "--quiet"]
-        for pair in arguments.set:
-            words += ["--set", pair]
-        subprocess.run(words, cwd=place, check=True, stdout=subprocess.DEVNULL)
-        return json.loads((pathlib.Path(place) / "runs" / case.stem / "summary.json").read_text())
+    return runs.run(arguments.bin_dir, text, arguments.set).summary
 
 
 for particles in arguments.particles or [10_000]:
@@ -88,7 +76,7 @@ for particles in arguments.particles or [10_000]:
         print(f"{count} water particles, {threads} thread{'s' if threads > 1 else ''}: "
               f"{wall / arguments.units:.2f} s per sqrt(H/g)   ({steps / arguments.units:.0f} steps per unit, "
               f"{1e3 * wall / steps:.2f} ms per step, {1e-6 * count * steps / wall:.2f} million particle-steps/s)")
-        machine = bin_dir / "machine_benchmark"
+        machine = arguments.bin_dir / "machine_benchmark"
         if machine.exists():
             triad, product = map(float, subprocess.run([str(machine), str(count), str(threads)], check=True,
                                                        capture_output=True, text=True).stdout.split())

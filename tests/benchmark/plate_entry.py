@@ -2,21 +2,11 @@
 
 usage: tests/benchmark/plate_entry.py [BIN_DIR] [--set KEY=VALUE]…     (default: build/bin)
 The settings of the cost row: structure rigid, c = 1500 m/s, time step 1e-5 s, 30 ms, one thread."""
-import json
-import pathlib
-import subprocess
-import sys
-import tempfile
+import runs
 
-root = pathlib.Path(__file__).resolve().parents[2]
-words = sys.argv[1:]
-bin_dir = pathlib.Path(words.pop(0)) if words and not words[0].startswith("--") else root / "build" / "bin"
-with tempfile.TemporaryDirectory() as place:
-    command = [str(bin_dir / "strake"), "run", str(root / "cases" / "plate_entry.toml"), "--quiet", "--set",
-               "structure.solver=rigid", "--set", "fluid.scheme.time_step=1e-5", "--set", "run.threads=1", *words]
-    subprocess.run(command, cwd=place, check=True, stdout=subprocess.DEVNULL)
-    run = next(pathlib.Path(place).glob("runs/*"))
-    summary = json.loads((run / "summary.json").read_text())
+arguments = runs.command(__doc__).parse_args()
+summary = runs.run(arguments.bin_dir, runs.ROOT / "cases" / "plate_entry.toml", [
+    "structure.solver=rigid", "fluid.scheme.time_step=1e-5", "run.threads=1", *arguments.set]).summary
 steps = summary["steps"]["fluid"]
 stages = summary["seconds"]["fluid"]
 print(f"{summary['particles']['fluid']:.0f} water particles, {steps:.0f} fluid steps, "

@@ -5,48 +5,36 @@ usage: tests/benchmark/wedges.py [BIN_DIR] [--deadrise DEG]… [--across N] [--s
 Prints for each angle, over the last 20 % of growth:
   K        slope of F against t over rho V^3 (least squares), the figure of merit of VALIDATION C4
   F/t      mean of F/(rho V^3 t), t from the moment the apex meets the still level
+  rms      of F/(rho V^3 t) about its mean, over the mean
   Cp       largest mean of p/(rho V^2/2) over bins of z/(V t), without 3 l0 at the apex, and its place
   sides    difference of the mean force on the two faces' horizontal parts over the vertical force
   gap      |momentum of water - impulses| over the vertical impulse on the body
-and writes the distribution of pressure beside --keep DIR/wedge-DEG.csv: z/Vt [1], Cp [1].
-Reference: theory, exact similarity flow (VALIDATION C4: Dobrovol'skaya's problem solved by collocation), for water without
-bounds; the tank is twelve half wetted widths long each side of the wedge and ten deep: half of that adds 4 % to the force at 40 degrees."""
-import argparse
-import csv
-import json
+and writes to DIR the table (wedges.csv), the distribution of pressure (wedge-DEG.csv: z/Vt [1], Cp [1], Cp of theory at the same
+height [1]) and its picture over the similarity curve (wedge-DEG.svg), the force against time (wedge-DEG-force.csv).
+Reference: theory, exact similarity flow (similarity.py, which needs numpy: Dobrovol'skaya's problem; VALIDATION C4), for water without bounds; the
+tank is twelve half wetted widths long each side of the wedge and ten deep: half of that adds 4 % to the force at 40 degrees."""
 import math
-import pathlib
-import subprocess
-import tempfile
 
-# deadrise [deg]: K = F/(rho V^3 t), largest Cp, its z/(V t); 60 degrees: at the apex
-EXACT = {4: (1490.1, 501.4, 0.567), 7.5: (397.78, 140.3, 0.561), 10: (213.02, 77.7, 0.554), 15: (84.964, 33.18, 0.535),
-         20: (42.287, 17.74, 0.508), 30: (14.024, 6.896, 0.426), 40: (5.4478, 3.253, 0.290), 45: (3.4484, 2.706, -1.0),
-         60: (0.80459, 1.804, -1.0), 70: (0.24229, 1.44, -1.0)}
+import numpy
+
+import drawing
+import runs
+import similarity
+
 SPEED, DENSITY, HALF = 10.0, 1000.0, 1.0  # m/s, kg/m^3, half wetted width at the end [m]
 PROBES = 60
-
-parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("bin_dir", nargs="?", type=pathlib.Path)
-parser.add_argument("--deadrise", type=float, action="append")
-parser.add_argument("--across", type=int, default=100)
-parser.add_argument("--step", type=float, default=0.06)
-parser.add_argument("--threads", type=int, default=2)
-parser.add_argument("--set", action="append", default=[])
-parser.add_argument("--keep", type=pathlib.Path)
-arguments = parser.parse_args()
-bin_dir = arguments.bin_dir or pathlib.Path(__file__).resolve().parents[2] / "build" / "bin"
+BIN = 0.02                                # of z/(V t)
 
 
-def case(deadrise, l0):
+def case(deadrise, l0, exact, step, threads):
     slope = math.tan(math.radians(deadrise))
-    reach = 1 + max(0.0, EXACT[deadrise][2])  # of the largest pressure over the apex, in V t
+    reach = 1 + max(0.0, exact.largest[1])    # of the largest pressure over the apex, in V t
     depth = HALF * slope / reach              # V t at the end
     gap = 0.5 * l0
     width = 2 * HALF * 1.5
     tank, floor = round(12 * HALF / l0) * l0, round(10 * HALF / l0) * l0
     rim = round((0.5 * width * slope + gap + 1.0) / l0) * l0
-    step = arguments.step * l0 / SPEED
+    step *= l0 / SPEED
     end = round((depth + gap) / SPEED / step) * step  # a short last step would show what the others leave, over its own length
     text = f"""title = "wedge benchmark"
 preset = "improved"
@@ -72,68 +60,92 @@ apex = [0.0, {gap!r}, 0.0]
 [coupling.surface]
 window = {step!r}
 [run]
-threads = {arguments.threads}
+threads = {threads}
 [output]
 every = {end!r}
 """
-    for k in range(PROBES):
-        x = 1.2 * HALF * (k + 0.5) / PROBES
+    for k, height in enumerate(probe_heights(slope)):
         text += f"""[[output.probe]]
 name = "p{k:02d}"
 of = "fluid"
-at = [{x!r}, {gap + x * slope!r}, 0.0]
+at = [{height / slope!r}, {gap + height!r}, 0.0]
 quantity = "pressure"
 diameter = {2 * l0!r}
 """
-    return text, gap, end, depth, slope
+    return text, gap / SPEED, slope
 
 
-def fit_slope(times, values):
-    n, mt, mv = len(times), sum(times) / len(times), sum(values) / len(values)
-    return sum((t - mt) * (v - mv) for t, v in zip(times, values)) / sum((t - mt) ** 2 for t in times)
+def probe_heights(slope):
+    """Over the apex [m], along the right face."""
+    return [1.2 * HALF * (k + 0.5) / PROBES * slope for k in range(PROBES)]
 
 
-print(f"{'deadrise':>8} {'K':>8} {'exact':>8} {'':>8} {'F/t':>8} {'':>8} {'rms':>6} {'Cp':>7} {'exact':>7} {'z/Vt':>6} {'exact':>6} "
-      f"{'sides':>7} {'gap':>7} {'particles':>9} {'wall':>8}")
-for deadrise in arguments.deadrise or [10.0, 20.0, 30.0, 40.0, 60.0]:
-    exact, cp_exact, z_exact = EXACT[deadrise]
-    l0 = HALF / arguments.across
-    text, gap, end, depth, slope = case(deadrise, l0)
-    with tempfile.TemporaryDirectory() as place:
-        path = pathlib.Path(place) / "wedge_benchmark.toml"
-        path.write_text(text)
-        words = [str(bin_dir / "strake"), "run", str(path), "--quiet"]
-        for pair in arguments.set:
-            words += ["--set", pair]
-        subprocess.run(words, cwd=place, check=True, stdout=subprocess.DEVNULL)
-        run = pathlib.Path(place) / "runs" / path.stem
-        summary = json.loads((run / "summary.json").read_text())
-        rows = list(csv.DictReader((run / "history.csv").open()))
-    met = gap / SPEED
-    growth = end - met
-    rows = [r for r in rows if float(r["time [s]"]) > met + 0.8 * growth]
-    times = [float(r["time [s]"]) - met for r in rows]
-    unit = DENSITY * SPEED**3
-    force = [float(r["force.y [N/m]"]) / unit for r in rows]
-    side = sum(float(r["force.x [N/m]"]) for r in rows) / sum(float(r["force.y [N/m]"]) for r in rows)
-    mean = sum(f / t for f, t in zip(force, times)) / len(rows)
-    rms = math.sqrt(sum((f / t - mean) ** 2 for f, t in zip(force, times)) / len(rows))
+def pressure_curve(run, heights, kept, met, lowest):
+    """Means of Cp over bins of z/(V t), from the rows kept; probes lower than `lowest` over the apex are left out."""
     bins = {}
-    for row, t in zip(rows, times):
-        for k in range(PROBES):
-            height = 1.2 * HALF * (k + 0.5) / PROBES * slope  # over the apex
-            if height < 3 * l0 * math.sin(math.radians(deadrise)):
-                continue
-            bins.setdefault(round((height / (SPEED * t) - 1) / 0.02), []).append(
-                float(row[f"p{k:02d}.mean [Pa]"]) / (0.5 * DENSITY * SPEED**2))
-    curve = sorted((0.02 * b, sum(v) / len(v)) for b, v in bins.items() if len(v) >= 10)
-    z_at, cp = max(curve, key=lambda point: point[1])
-    if arguments.keep:
-        arguments.keep.mkdir(parents=True, exist_ok=True)
-        with (arguments.keep / f"wedge-{deadrise:g}.csv").open("w") as file:
-            file.write("z/Vt [1],Cp [1]\n" + "".join(f"{z:.3f},{c:.4g}\n" for z, c in curve))
-    k = fit_slope(times, force)
-    gap_of = summary["checks"].get("momentum_gap")
-    print(f"{deadrise:8g} {k:8.2f} {exact:8.2f} {100 * (k / exact - 1):+7.1f}% {mean:8.2f} {100 * (mean / exact - 1):+7.1f}% "
-          f"{rms / mean:6.2f} {cp:7.2f} {cp_exact:7.2f} {z_at:6.2f} {z_exact:6.2f} {side:7.3f} {gap_of:7.4f} "
-          f"{summary['particles']['fluid']:9d} {summary['seconds']['wall']:6.0f} s", flush=True)
+    for k, height in enumerate(heights):
+        if height < lowest:
+            continue
+        pressure = run[f"p{k:02d}.mean"]
+        for row in kept:
+            z = height / (SPEED * (run["time"][row] - met)) - 1
+            bins.setdefault(round(z / BIN), []).append(pressure[row] / (0.5 * DENSITY * SPEED**2))
+    return sorted((BIN * b, sum(v) / len(v)) for b, v in bins.items() if len(v) >= 10)
+
+
+def keep_curve(folder, name, deadrise, across, curve, exact):
+    folder.mkdir(parents=True, exist_ok=True)
+    theory = numpy.interp([z for z, _ in curve], exact.height[::-1], exact.pressure[::-1], right=0.0)
+    with (folder / f"{name}.csv").open("w", encoding="utf-8") as file:
+        file.write("z/Vt [1],Cp [1],Cp theory [1]\n" + "".join(f"{z:.3f},{c:.4g},{t:.4g}\n" for (z, c), t in zip(curve, theory)))
+    picture = drawing.Drawing(f"Wedge of {deadrise:g} degrees: pressure along the face", "height over the still level, z / (V t) [1]",
+                              "p / (rho V^2 / 2) [1]", (-1.0, 1.05 * exact.tip), (0.0, 1.25 * exact.largest[0]))
+    picture.line(exact.height, exact.pressure, "theory: exact similarity flow (Dobrovol'skaya's problem)", "#444444")
+    picture.points([z for z, _ in curve], [c for _, c in curve],
+                   f"particles, {across} spacings per half wetted width, mean over the last fifth", drawing.COLOURS[1])
+    picture.write(folder / f"{name}.svg")
+
+
+def keep_force(folder, name, run, met):
+    with (folder / f"{name}-force.csv").open("w", encoding="utf-8") as file:
+        file.write("t [s],F/(rho V^3) [s]\n" + "".join(
+            f"{t - met:.6g},{f / (DENSITY * SPEED**3):.6g}\n" for t, f in zip(run["time"], run["force.y"])))
+
+
+def main():
+    parser = runs.command(__doc__, keeps=True)
+    parser.add_argument("--deadrise", type=float, action="append")
+    parser.add_argument("--across", type=int, default=100)
+    parser.add_argument("--step", type=float, default=0.06)
+    parser.add_argument("--threads", type=int, default=2)
+    arguments = parser.parse_args()
+    table = runs.Table([("deadrise", 8), ("K", 7), ("exact", 7), ("off", 8), ("F/t", 7), ("off", 8), ("rms", 5), ("Cp", 6),
+                        ("exact", 6), ("off", 8), ("z/Vt", 5), ("exact", 5), ("sides", 7), ("gap", 7), ("particles", 9), ("wall [s]", 8)])
+    l0 = HALF / arguments.across
+    for deadrise in arguments.deadrise or [10.0, 20.0, 30.0, 40.0, 60.0]:
+        exact = similarity.SimilarFlow(deadrise)
+        text, met, slope = case(deadrise, l0, exact, arguments.step, arguments.threads)
+        run = runs.run(arguments.bin_dir, text, arguments.set)
+        growth = run["time"][-1] - met
+        kept = [row for row, t in enumerate(run["time"]) if t > met + 0.8 * growth]
+        times = [run["time"][row] - met for row in kept]
+        force = [run["force.y"][row] / (DENSITY * SPEED**3) for row in kept]
+        side = sum(run["force.x"][row] for row in kept) / sum(run["force.y"][row] for row in kept)
+        mean = sum(f / t for f, t in zip(force, times)) / len(kept)
+        rms = math.sqrt(sum((f / t - mean) ** 2 for f, t in zip(force, times)) / len(kept))
+        curve = pressure_curve(run, probe_heights(slope), kept, met, 3 * l0 * math.sin(math.radians(deadrise)))
+        z_at, cp = max(curve, key=lambda point: point[1])
+        if arguments.keep:
+            keep_curve(arguments.keep, f"wedge-{deadrise:g}", deadrise, arguments.across, curve, exact)
+            keep_force(arguments.keep, f"wedge-{deadrise:g}", run, met)
+        k = runs.fit_slope(times, force)
+        gap = run.summary["checks"]["momentum_gap"]
+        table.row(f"{deadrise:g}", f"{k:.2f}", f"{exact.force:.2f}", runs.off(k, exact.force), f"{mean:.2f}",
+                  runs.off(mean, exact.force), f"{rms / mean:.2f}", f"{cp:.2f}", f"{exact.largest[0]:.2f}",
+                  runs.off(cp, exact.largest[0]), f"{z_at:.2f}", f"{exact.largest[1]:.2f}", f"{side:.3f}",
+                  "unknown" if gap is None else f"{gap:.4f}", f"{run.summary['particles']['fluid']}",
+                  f"{run.summary['seconds']['wall']:.0f}")
+        table.keep(arguments.keep, "wedges.csv")
+
+
+main()
