@@ -6,6 +6,8 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "fluid/packing.hpp"
 #include "fluid/tank_shape.hpp"
@@ -109,12 +111,15 @@ int dummy_rows(const Scheme& scheme) {
 
 namespace {
 
-/// Whether the middle of a cell is water of that shape: two corners of a box, or a polygon.
+/// Whether the middle of a cell is water of that shape: two corners of a box, or a polygon. One that lies on
+/// an edge of the polygon counts as a little above and to the right of it, so that round-off decides nothing.
 template <int dim>
-bool holds(const std::vector<Eigen::Vector3d>& shape, const Vector<dim>& x) {
+bool holds(const std::vector<Eigen::Vector3d>& shape, Vector<dim> x, double spacing) {
   if (shape.size() == 2)
     return (x.array() > shape[0].head<dim>().array()).all() &&
            (x.array() < shape[1].head<dim>().array()).all();
+  x[1] += lattice_tolerance * spacing;
+  x[0] += 0.1 * lattice_tolerance * spacing;
   bool odd = false;
   for (size_t k = 0; k < shape.size(); ++k) {
     const Eigen::Vector3d &a = shape[k], &b = shape[(k + 1) % shape.size()];
@@ -124,26 +129,31 @@ bool holds(const std::vector<Eigen::Vector3d>& shape, const Vector<dim>& x) {
   return odd;
 }
 
-/// Middles of the cells between the tank's walls; those of the air stay out, unless packing needs them.
+/// Middles of the cells between the tank's walls; those of the air stay out, unless packing needs them. A
+/// cell whose middle lies on a slanted wall is half water: of each wall's, every other one is taken.
 template <int dim>
 std::vector<Vector<dim>> water_places(const Parameters& p, const TankShape<dim>& tank,
                                       const WallParticles<dim>& walls) {
   const auto shapes = water_shapes(p);
   const auto is_water = [&](const Vector<dim>& x) {
-    return std::any_of(shapes.begin(), shapes.end(), [&](const auto& shape) { return holds<dim>(shape, x); });
+    return std::any_of(shapes.begin(), shapes.end(),
+                       [&](const auto& shape) { return holds<dim>(shape, x, p.spacing); });
   };
   const bool packed = !tank.on_lattice();
   std::array<long, 3> cells{1, 1, 1}, c{};
   for (int d = 0; d < dim; ++d)
     cells[static_cast<size_t>(d)] = std::lround((tank.high()[d] - tank.low()[d]) / p.spacing);
   std::vector<Vector<dim>> places;
+  std::map<size_t, int> halved;  // by the wall's edge
   for (c[2] = 0; c[2] < cells[2]; ++c[2])
     for (c[1] = 0; c[1] < cells[1]; ++c[1])
       for (c[0] = 0; c[0] < cells[0]; ++c[0]) {
         Vector<dim> x;
         for (int d = 0; d < dim; ++d)
           x[d] = tank.low()[d] + (static_cast<double>(c[static_cast<size_t>(d)]) + 0.5) * p.spacing;
-        if ((packed || is_water(x)) && tank.contains(x)) places.push_back(x);
+        if (!packed && !is_water(x)) continue;
+        const auto edge = packed ? tank.slanted_edge_at(x) : std::nullopt;
+        if (edge ? halved[*edge]++ % 2 == 0 : tank.contains(x)) places.push_back(x);
       }
   if (!packed) return places;
   if constexpr (dim == 2) pack(places, tank, walls, p.spacing);

@@ -169,7 +169,8 @@ auto TankShape<dim>::row_of(std::size_t e, double depth) const -> Row {
   const Vector2 to = row.ends ? mitre(e, depth) : Vector2(edge.to - depth * edge.normal);
   row.length = (to - row.from).dot(edge.along);
   const double halves = (row.starts ? 0 : 0.5) + (row.ends ? 0 : 0.5);
-  const long intervals = std::max(1L, std::lround(row.length / spacing_ - halves));
+  // A row of half an interval more than a whole number has the longer ones, whatever round-off says.
+  const long intervals = std::max(1L, std::lround(row.length / spacing_ - halves - lattice_tolerance));
   row.interval = row.length / (static_cast<double>(intervals) + halves);
   row.count = intervals + (row.ends ? 0 : 1);
   return row;
@@ -340,6 +341,17 @@ double TankShape<dim>::distance_to_slanted(const Vector<dim>& x) const {
         distance = std::min(distance, distance_to_segment(x, edge.from, edge.to));
   }
   return distance;
+}
+
+template <int dim>
+std::optional<std::size_t> TankShape<dim>::slanted_edge_at(const Vector<dim>& x) const {
+  if constexpr (dim == 2) {
+    for (std::size_t e = 0; e < edges_.size(); ++e)
+      if (edges_[e].wall && !edges_[e].on_lattice &&
+          distance_to_segment(x, edges_[e].from, edges_[e].to) < lattice_tolerance * spacing_)
+        return e;
+  }
+  return {};
 }
 
 namespace {

@@ -61,6 +61,8 @@ class TankShape {
   bool on_lattice() const;
   /// Distance to the nearest face that is off the lattice [m]; infinity: there is none.
   double distance_to_slanted(const Vector<dim>& x) const;
+  /// The edge off the lattice on which x lies but for round-off.
+  std::optional<std::size_t> slanted_edge_at(const Vector<dim>& x) const;
 
   const Vector<dim>& low() const { return low_; }  // bounding box
   const Vector<dim>& high() const { return high_; }

@@ -45,7 +45,7 @@ struct Column {
     for (std::int64_t i = 0; i < boundary.water(); ++i) {
       state.velocity.col(i) = dt * gravity;
       // The surface's condition speaks of a lattice; the rows that see it stay in order.
-      if (state.position(1, i) > -4.5 * p.spacing) continue;
+      if (state.position(1, i) > -5 * p.spacing) continue;  // between two rows
       state.position(0, i) += move(random);
       state.position(1, i) += move(random);
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -153,6 +154,22 @@ TEST(TankShape, WaterOnASlopeHasNearlyFullSupport) {
     EXPECT_GT(near.least, 0.95) << degrees;
     EXPECT_LT(near.most, 1.08) << degrees;
   }
+}
+
+// At 45 degrees the slope goes through the middles of cells: half of them are water, whichever side of it
+// round-off puts them on.
+TEST(TankShape, RoundOffDecidesOfNoParticle) {
+  const auto counts = [](double nudge) {
+    Parameters p = sloping(45);
+    for (auto& corner : p.tank_polygon) corner.x() += nudge;
+    const auto rows = TankShape<2>(p).particles(3);
+    p.tank.min.x() += nudge;
+    p.water.min.x() += nudge;
+    const auto state = fill<2>(p);
+    return std::array{std::ssize(state.kind), std::ssize(rows.wall), std::ssize(rows.dummy)};
+  };
+  const auto level = counts(0);
+  for (const double nudge : {1e-15, -1e-15, 1e-13, -1e-13}) EXPECT_EQ(counts(nudge), level) << nudge;
 }
 
 TEST(TankShape, AWaterPolygonAndSeveralBoxesFillTheirArea) {
