@@ -105,7 +105,10 @@ std::string step_text(const Parameters& p, double window, double step) {
   std::string text = fmt::format("time step {:.4g} s, {:.0f} in a window of {:g} s, more as the flow demands",
                                  step, window / step, window);
   if (std::isfinite(p.sound_speed))
-    text += fmt::format("   c {:g} m/s   c dt/l0 {:.2g}", p.sound_speed, p.sound_speed * step / p.spacing);
+    text += fmt::format(
+        "   c {:g} m/s{}   c dt/l0 {:.2g}", p.sound_speed,
+        std::isfinite(p.sound_depth) ? fmt::format(" down to {:g} m, no echo from there", p.sound_depth) : "",
+        p.sound_speed * step / p.spacing);
   else
     text += "   incompressible: the pressure of a flat impact grows as 1/dt";
   return text;

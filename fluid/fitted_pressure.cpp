@@ -12,10 +12,10 @@ namespace strake::fluid {
 
 /// Row i, times −s/ρ … as PressureSystem, s = n0 λ/(2d):
 ///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²Δt²)
-///     + Σ_rows w (−m·P r)/(cΔt) (p_i − p_still)
+///     + (Σ_rows w (−m·P r) + s g)/(cΔt) (p_i − p_still)
 ///     = Σ_rows w q_ij − (1−σ) ρ g·m_i − s (ρ/Δt) ∇·u* + s pⁿ/(c²Δt²) + s (ρ γ/Δt²) (δ − pⁿ/(ρc²)),
-/// m the normals of absorbing walls, σ the surface's share, γ of drift_share, δ = Σ W/Σ_lattice W − 1, not
-/// below zero beside the surface.
+/// m the normals of absorbing walls, g and 1/c² those of SoundLayer at the particle's depth, σ the surface's
+/// share, γ of drift_share, δ = Σ W/Σ_lattice W − 1, not below zero beside the surface.
 template <int dim>
 void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>& state,
                                  const Neighbours& far, const Vector<dim>& gravity, double dt,
@@ -25,7 +25,9 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
   tension_ = true;
   gravity_ = gravity;
   speed_ = fastest(boundary, state);
-  const double kept = kept_residual(dt);
+  const double kept = kept_residual(dt), part = part_of_step(state, dt);
+  undone_ = 1 - part;
+  pull_ = dt * gravity;
   const std::int64_t water = boundary.water();
   const double rho = p_.density, c = p_.sound_speed;
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
@@ -47,14 +49,27 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     const Inflow in = inflow(boundary, state, far, dt, i);
+    double local = compression, sheet = 0, sound = 1;
+    if (!sound_.is_whole()) {
+      const double depth = depth_of(boundary, state.position.col(i));
+      sound = sound_.compressible(depth);
+      local = sound * compression;
+      sheet = scale * sound_.yields(depth) / (c * dt);
+    }
+    const double yields = sound * in.yields + sheet;
     double deviation = volume_[i] / lattice_.volume - 1;
     if (surface_factor_[i] > 0) deviation = std::max(deviation, 0.0);
-    if (std::isfinite(c)) deviation -= state.pressure[i] / (rho * c * c);
-    yielding_[i] = compression + in.yields;
-    meant_[i] = compression * state.pressure[i] + drift * deviation;
-    if (in.yields > 0) meant_[i] += in.yields * still_pressure(boundary, state.position.col(i));
+    if (std::isfinite(c)) deviation -= sound * state.pressure[i] / (rho * c * c);
+    yielding_[i] = local + yields;
+    meant_[i] = local * state.pressure[i] + drift * deviation;
+    if (yields > 0) meant_[i] += yields * still_pressure(boundary, state.position.col(i));
     system.diagonal[i] = diagonal_[i] + surface_factor_[i] + yielding_[i];
-    eased_[i] = 0.5 * (1 + surface_share_[i]) * kept * (1 - compression / system.diagonal[i]);
+    soft_[i] = 1 - local / system.diagonal[i];
+    eased_[i] = 0.5 * (1 + surface_share_[i]) * kept * part * soft_[i];
+    if (undone_ > 0)
+      meant_[i] += undone_ * soft_[i] *
+                   (rho / dt * (scale * divergence(i) - in.flux + pull_.dot(in.held)) +
+                    yielding_[i] * state.pressure[i] - meant_[i]);
     system.right[i] =
         rho / dt * (in.flux - scale * (divergence(i) - eased_[i] * state.residual_divergence[i])) -
         (1 - surface_share_[i]) * rho * gravity.dot(moment_.col(i)) + meant_[i];
@@ -82,6 +97,7 @@ typename FittedScheme<dim>::Inflow FittedScheme<dim>::inflow(const Boundary<dim>
     const double w = laplacian_.radius * far.inverse_of(far.start()[k] + static_cast<std::int64_t>(e)) - 1;
     const Vector<dim> held = walls_.held(j, r);
     in.flux += w * approach(boundary, state, i, j).dot(held);
+    in.held += w * held;
     if (absorbs) in.yields -= w * boundary.tank().absorbing(j).dot(held) / (p_.sound_speed * dt);
   }
   return in;
@@ -128,6 +144,16 @@ double FittedScheme<dim>::kept_residual(double dt) const {
   return std::max(0.0, 1 - dt * speed_ / p_.spacing) / (1 + wave_speed_squared() / (speed_ * speed_));
 }
 
+// min(1, Δt/τ), τ the step in which particles and walls made the moves that the velocity has not followed
+// yet. A step that is shorter and did all of that at once would need a pressure larger by τ/Δt. Where steps
+// are short because the water has become fast nothing is left: it would move particles by more than the CFL
+// number.
+template <int dim>
+double FittedScheme<dim>::part_of_step(const State<dim>& state, double dt) const {
+  const double time = std::min(state.residual_step, speed_ > 0 ? p_.scheme.cfl * p_.spacing / speed_ : 0.0);
+  return dt < time ? dt / time : 1.0;
+}
+
 /// ∇·u of the new velocity at the same places, walls with it, less what the pressure equation asked for:
 ///   e = ∇·u − Σ_rows w (u−U)·P r/s + Δt/(ρs) (s p/(c²Δt²) + yields p − what stood on the right side)
 /// Water from which tension was kept opens as it likes; what closes it remains known, or the next step would
@@ -135,6 +161,12 @@ double FittedScheme<dim>::kept_residual(double dt) const {
 template <int dim>
 void FittedScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<dim>& state,
                                          const Neighbours& far, const Neighbours& near, double dt) {
+  // Slowly against the dt/τ with which what is left itself follows, so that its rate hardly changes.
+  constexpr double slowly = 0.2;
+  if (undone_ > 0)
+    state.residual_step -= slowly * (1 - undone_) * std::max(0.0, state.residual_step - dt);
+  else
+    state.residual_step = dt;
   fit_velocity(boundary, state, near);
   approach_from_mean(boundary, state, far);
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
@@ -148,7 +180,9 @@ void FittedScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<di
     const double left = divergence(i) - inflow(boundary, state, far, dt, i).flux / scale +
                         factor * (yielding_[i] * state.pressure[i] - meant_[i]);
     state.residual_divergence[i] = cut == Cut::released ? std::min(0.0, left) : left;
-    if (cut == Cut::none) state.residual_approach.col(i) = left_approach(boundary, state, near, i);
+    if (cut != Cut::none) continue;
+    state.residual_approach.col(i) = left_approach(boundary, state, near, i);
+    if (undone_ > 0) state.residual_approach.col(i) -= undone_approach_.col(i);
   }
 }
 
@@ -184,7 +218,8 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
                                                const Neighbours& near, double dt) {
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
-  const double slope = slope_share(dt) * p_.density / dt;
+  if (undone_ > 0) undone_approach_.resize(dim, water);
+  const double share = slope_share(dt), whole = p_.density / dt;
   const double *const place = state.position.data(), *const pressure = state.pressure.data();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
@@ -192,6 +227,7 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
     const auto inverses = near.inverses(i);
     const Vector<dim> x = state.position.col(i);
     const double here = state.pressure[i];
+    const double slope = whole * (1 - compressible(boundary, x) * (1 - share));
     const std::size_t inner = water_pairs(columns, water);
     const auto middle = column_at<dim>(place + dim * i);
     Column<dim> rises{};
@@ -212,6 +248,8 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
       sum += w * rise(boundary, state, i, j, held, slope) * held;
     }
     gradient_of_p_.col(i).noalias() = all_[static_cast<std::size_t>(i)] * sum;
+    if (undone_ > 0)
+      undone_approach_.col(i) = undone_ * soft_[i] * (left_approach(boundary, state, near, i) - pull_);
     if (inner < columns.size()) reaction_.col(i) = reaction(boundary, state, near, i, slope);
   }
 }

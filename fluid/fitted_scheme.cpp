@@ -87,7 +87,8 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
       gradient_(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
       laplacian_(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
       lattice_(laplacian_, p.spacing),
-      walls_(boundary, state, p.spacing) {
+      walls_(boundary, state, p.spacing),
+      sound_(p.sound_depth, p.spacing) {
   const std::int64_t water = boundary.water();
   constexpr double gap = 0.01;  // that a packed lattice between slopes may leave
   full_ =
@@ -100,7 +101,7 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
   water_stop_.resize(count);
   for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &reaction_, &gradient_of_p_})
     v->setZero(dim, water);
-  for (Eigen::VectorXd* v : {&stiffness_, &eased_, &meant_, &yielding_, &diagonal_, &volume_,
+  for (Eigen::VectorXd* v : {&stiffness_, &eased_, &soft_, &meant_, &yielding_, &diagonal_, &volume_,
                              &surface_factor_, &surface_pull_, &surface_share_})
     v->setZero(water);
   mean_approach_.setZero(dim, state.position.cols());

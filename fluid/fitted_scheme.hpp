@@ -8,6 +8,7 @@
 #include "fluid/pair_lanes.hpp"
 #include "fluid/parameters.hpp"
 #include "fluid/pressure.hpp"
+#include "fluid/sound_layer.hpp"
 #include "fluid/state.hpp"
 #include "fluid/surface_lattice.hpp"
 #include "fluid/wall_contact.hpp"
@@ -90,8 +91,14 @@ class FittedScheme {
   /// What an absorbing wall's yielding adds to it, U = −(p_i − p_still)/(ρc) m, m its normals: a wave that
   /// goes out finds the water's own ρc [m/s].
   Vector<dim> yielding(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
-  /// ρ g times the depth of x under the water's upper edge at the start [Pa].
+  /// Of x under the water's upper edge at the start [m].
+  double depth_of(const Boundary<dim>&, const Vector<dim>& x) const;
+  /// ρ g times that depth [Pa].
   double still_pressure(const Boundary<dim>&, const Vector<dim>& x) const;
+  /// Part of 1/(ρc²) that the water has there.
+  double compressible(const Boundary<dim>& boundary, const Vector<dim>& x) const {
+    return sound_.is_whole() ? 1.0 : sound_.compressible(depth_of(boundary, x));
+  }
   /// What stands behind the face at row j over p_i: (ρ/Δt) (u*−U)·P r, of which the part that the last step
   /// was meant to leave is taken away. Without tension the face's own pressure is not below zero [Pa].
   double rise(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j,
@@ -106,6 +113,7 @@ class FittedScheme {
   /// absorb.
   struct Inflow {
     double flux = 0, yields = 0;
+    Vector<dim> held = Vector<dim>::Zero();  // Σ w P r [m]
   };
   Inflow inflow(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
                 std::int64_t i) const;
@@ -115,6 +123,15 @@ class FittedScheme {
   double fastest(const Boundary<dim>&, const State<dim>&) const;
   /// Part of the residual divergence that a step leaves as it is.
   double kept_residual(double dt) const;
+  /// Part of what the moves of the last steps have left undone that a step of dt does: all of it unless it is
+  /// shorter than they were.
+  double part_of_step(const State<dim>&, double dt) const;
+  /// Velocity past the faces that the step leaves as it is, where nothing holds it up [m/s].
+  Vector<dim> left_past(const State<dim>& state, std::int64_t i, const Vector<dim>& approach) const {
+    Vector<dim> left = eased_[i] * state.residual_approach.col(i);
+    if (undone_ > 0) left += undone_ * soft_[i] * (approach - pull_);
+    return left;
+  }
   double wave_speed_squared() const;
   void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   /// Whether the rows stand as the matrix's; else `entry_` does.
@@ -145,6 +162,7 @@ class FittedScheme {
   LatticeConstants gradient_, laplacian_;
   SurfaceLattice<dim> lattice_;
   WallContact<dim> walls_;
+  SoundLayer sound_;
   bool full_;  // a closed tank without a gap or a body: no surface anywhere, whatever disorder shows
   std::vector<Tensor<dim>> water_;        // [Σ_water w r⊗r/r²]⁻¹
   std::vector<Tensor<dim>> all_;          // the same with P r of wet rows and the free surface's part
@@ -157,6 +175,7 @@ class FittedScheme {
   Vectors<dim> reaction_;                 // of the faces [N], see `reaction`
   Eigen::VectorXd stiffness_;             // of l0² ∇C against the particle's place
   Eigen::VectorXd eased_;                 // part of its residual that the step leaves as it is
+  Eigen::VectorXd soft_;                  // part of the equation's diagonal that no compressibility makes
   Eigen::VectorXd yielding_;              // of p_i in the equation, but for ∇²p and the surface
   Eigen::VectorXd meant_;                 // of the right side, but for ∇·u* and g
   enum class Cut : std::uint8_t { none, limited, released };
@@ -169,9 +188,11 @@ class FittedScheme {
   Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
   Eigen::VectorXd cover_;           // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
+  double undone_ = 0;                          // 1 − part_of_step
+  Vector<dim> pull_ = Vector<dim>::Zero();     // velocity that gravity_ gives in the step [m/s]
   double speed_ = 0;                           // `fastest` of the step
   Vector<dim> gravity_ = Vector<dim>::Zero();  // of the step, less the tank's acceleration [m/s²]
-  Vectors<dim> gradient_of_p_, mean_approach_;
+  Vectors<dim> gradient_of_p_, mean_approach_, undone_approach_;
 };
 
 }  // namespace strake::fluid

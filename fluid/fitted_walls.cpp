@@ -41,9 +41,13 @@ Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const Sta
 }
 
 template <int dim>
+double FittedScheme<dim>::depth_of(const Boundary<dim>& boundary, const Vector<dim>& x) const {
+  return p_.water.max[1] - boundary.tank().in_tank(x)[1];
+}
+
+template <int dim>
 double FittedScheme<dim>::still_pressure(const Boundary<dim>& boundary, const Vector<dim>& x) const {
-  const double depth = p_.water.max[1] - boundary.tank().in_tank(x)[1];
-  return std::max(0.0, -p_.density * gravity_[1] * depth);
+  return std::max(0.0, -p_.density * gravity_[1] * depth_of(boundary, x));
 }
 
 template <int dim>
@@ -51,7 +55,8 @@ Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>& boundary, const Sta
                                         std::int64_t i, std::int64_t j) const {
   if (!boundary.tank().absorbs()) return Vector<dim>::Zero();
   const double excess = state.pressure[i] - still_pressure(boundary, state.position.col(i));
-  return excess / (p_.density * p_.sound_speed) * boundary.tank().absorbing(j);
+  return excess / (p_.density * p_.sound_speed) * compressible(boundary, state.position.col(i)) *
+         boundary.tank().absorbing(j);
 }
 
 template <int dim>
@@ -97,9 +102,9 @@ double FittedScheme<dim>::rise(const Boundary<dim>& boundary, const State<dim>& 
       boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
   const double height =
       walls_.corner(j) ? 0.5 * held.norm() : walls_.normal(j).dot(from_row) - walls_.depth(j);
-  const double eased = eased_[i] * std::clamp((height / p_.spacing - stopped) / (free - stopped), 0.0, 1.0);
-  const Vector<dim> past = approach(boundary, state, i, j) + yielding(boundary, state, i, j) -
-                           eased * state.residual_approach.col(i);
+  const double eased = std::clamp((height / p_.spacing - stopped) / (free - stopped), 0.0, 1.0);
+  const Vector<dim> u = approach(boundary, state, i, j);
+  const Vector<dim> past = u + yielding(boundary, state, i, j) - eased * left_past(state, i, u);
   const double rise = slope * past.dot(held);
   if (tension_ || rise >= 0) return rise;
   // p_i + (h/|P r|) q ≥ min(0, p_i), h the particle's height over the face; half the way in a corner.
@@ -202,6 +207,7 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
                                                       const Neighbours&);                                    \
   template Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>&, const State<dim>&, std::int64_t,    \
                                                    std::int64_t) const;                                      \
+  template double FittedScheme<dim>::depth_of(const Boundary<dim>&, const Vector<dim>&) const;               \
   template double FittedScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const;         \
   template double FittedScheme<dim>::rise(const Boundary<dim>&, const State<dim>&, std::int64_t,             \
                                           std::int64_t, const Vector<dim>&, double) const;                   \

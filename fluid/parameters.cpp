@@ -8,6 +8,7 @@
 
 #include "fluid/fill.hpp"
 #include "fluid/poisson_solver.hpp"
+#include "fluid/sound_layer.hpp"
 #include "fluid/tank_keys.hpp"
 
 namespace strake::fluid {
@@ -36,6 +37,14 @@ void read_water(CaseTable t, Parameters& p) {
        .paper = infinity,
        .help =
            "of the water; inf: incompressible, where the pressure of a flat impact grows as 1/time_step"});
+  t.number("sound_depth", p.sound_depth,
+           {.unit = "m",
+            .min = 0,
+            .exclusive = true,
+            .infinite = true,
+            .help = "water less deep than this has sound_speed, deeper water is incompressible; sound that "
+                    "comes down to there goes on without an echo (the water yields by (p - rho g depth)/(rho "
+                    "c) over 4 l0); inf: all of it"});
 }
 
 void read_radii(CaseTable t, Scheme& s) {
@@ -210,6 +219,27 @@ void read_scheme(CaseTable t, const CommonKeys& common, Scheme& s) {
   read_turbulence(t.table("turbulence", "sub-particle-scale stresses"), s);
 }
 
+void check_sound_depth(CaseTable& fluid, CaseTable& scheme, const Parameters& p) {
+  if (p.scheme.gradient != Gradient::least_squares)
+    throw scheme.error("gradient",
+                       "least-squares with fluid.sound_depth: in the other schemes all water has sound_speed",
+                       "gradient = \"least-squares\", or leave fluid.sound_depth out");
+  if (!std::isfinite(p.sound_speed))
+    throw fluid.error("sound_depth", "nothing with sound_speed = inf: there is no sound to keep from an echo",
+                      "leave sound_depth out, or sound_speed = 1500");
+  if (p.absorbing_bottom)
+    throw fluid.error("sound_depth",
+                      "a sound_depth or an absorbing bottom, not both: no sound comes down there",
+                      "leave \"bottom\" out of absorbing, or leave sound_depth out");
+  const double sheet = SoundLayer::thickness(p.spacing), water = p.water.max[1] - p.water.min[1];
+  if (p.sound_depth < sheet || p.sound_depth > water - sheet)
+    throw fluid.error("sound_depth",
+                      fmt::format("from {:.4g} to {:.4g} m, in water {:.4g} m deep: the sheet that takes the "
+                                  "sound is {:.2g} m to either side",
+                                  sheet, water - sheet, water, sheet),
+                      "leave sound_depth out; absorbing = [\"bottom\"] takes the sound at the bottom");
+}
+
 void check_together(CaseFile& file, const CommonKeys& common, const Parameters& p) {
   CaseTable fluid = file.root().table("fluid"), scheme = fluid.table("scheme");
   if (const auto fault = find_box_fault(p)) throw fluid.error(fault->key, fault->expected, fault->fix);
@@ -222,6 +252,7 @@ void check_together(CaseFile& file, const CommonKeys& common, const Parameters& 
     throw scheme.error("gradient",
                        "least-squares with fluid.absorbing: the other schemes' walls do not yield",
                        "gradient = \"least-squares\", or leave fluid.absorbing out");
+  if (std::isfinite(p.sound_depth)) check_sound_depth(fluid, scheme, p);
   if (p.scheme.gradient == Gradient::least_squares) {
     CaseTable source = scheme.table("source");
     if (p.scheme.source == Source::density)

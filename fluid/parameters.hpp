@@ -68,14 +68,16 @@ inline Scheme with_gradient(Scheme scheme, Gradient gradient) {
 
 struct Parameters {
   int dimension = 2;
-  double spacing = 0.01;                      // l0 [m]
-  double density = 1000;                      // [kg/m^3]
-  double kinematic_viscosity = 1e-6;          // [m²/s]
-  Eigen::Vector3d gravity{0, -9.81, 0};       // [m/s²]
-  double gravity_ramp = 0;                    // [s] g · ½(1 − cos(πt/ramp)); 0: at once
-  double sound_speed = 1500;                  // [m/s]; infinity: incompressible
-  Box tank, water;                            // [m]; a polygon's and several shapes' bounding box
-  std::vector<Eigen::Vector3d> tank_polygon;  // [m] counter-clockwise; empty: the tank is the box
+  double spacing = 0.01;                 // l0 [m]
+  double density = 1000;                 // [kg/m^3]
+  double kinematic_viscosity = 1e-6;     // [m²/s]
+  Eigen::Vector3d gravity{0, -9.81, 0};  // [m/s²]
+  double gravity_ramp = 0;               // [s] g · ½(1 − cos(πt/ramp)); 0: at once
+  double sound_speed = 1500;             // [m/s]; infinity: incompressible
+  double sound_depth =
+      std::numeric_limits<double>::infinity();  // [m] of the water that has it, see SoundLayer
+  Box tank, water;                              // [m]; a polygon's and several shapes' bounding box
+  std::vector<Eigen::Vector3d> tank_polygon;    // [m] counter-clockwise; empty: the tank is the box
   std::vector<std::vector<Eigen::Vector3d>>
       water_shapes;                     // [m] two corners of a box, or a polygon; empty: the box
   bool submerged = false;               // the water gives way to a body that stands in it at the start

@@ -60,7 +60,8 @@ template <int dim>
 PressureChoice expected_pressure_solver(const Parameters& p, double dt) {
   const LatticeConstants lattice = lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing);
   const double reach = p.sound_speed * dt;
-  return choose(std::isfinite(reach) ? 1 / (1 + 2 * dim * reach * reach / lattice.lambda0) : 0, p.scheme);
+  const bool holds = std::isfinite(reach) && std::isinf(p.sound_depth);  // every row
+  return choose(holds ? 1 / (1 + 2 * dim * reach * reach / lattice.lambda0) : 0, p.scheme);
 }
 
 std::string PressureChoice::text() const {

@@ -37,6 +37,7 @@ struct State {
   Eigen::VectorXd pressure;             // n [Pa]
   Eigen::VectorXd residual_divergence;  // n [1/s] that the projection of the last step left (least-squares)
   Vectors<dim> residual_approach;       // dim×n [m/s] of the water past the walls it touches, left likewise
+  double residual_step = 0;             // [s] length of the steps whose moves the velocity has not followed
   Eigen::VectorXd sps_k;         // n [m²/s²] sub-particle-scale energy (k model); static model: last value
   std::vector<Kind> kind;        // n
   std::vector<std::int64_t> id;  // n, identity of a particle whatever its place

@@ -42,7 +42,8 @@ const auto& entry(const Map& map, const std::string& name) {
 template <int dim>
 void save(const State<dim>& state, Archive& archive) {
   for_each_real(state, [&](const char* name, const auto& value) { archive.real[name] = value; });
-  archive.real["scalars"] = Eigen::Vector3d(state.time, state.contact_time, state.inner_fraction_min);
+  archive.real["scalars"] =
+      Eigen::Vector4d(state.time, state.contact_time, state.inner_fraction_min, state.residual_step);
   archive.integer["counts"] = {state.step,         state.lost,         state.voids,
                                state.penetrations, state.behind_walls, state.openings};
   archive.integer["id"] = state.id;
@@ -67,10 +68,11 @@ State<dim> load(const Archive& archive, std::size_t n_probes) {
   });
   const auto& scalars = entry(archive.real, "scalars");
   const auto& counts = entry(archive.integer, "counts");
-  if (scalars.size() != 3 || counts.size() != 6)
+  if (scalars.size() != 4 || counts.size() != 6)
     throw Error(ExitCode::case_file, "checkpoint of the fluid", "is of another version");
   state.time = scalars(0);
   state.contact_time = scalars(1);
+  state.residual_step = scalars(3);
   state.inner_fraction_min = scalars(2);
   state.step = counts[0];
   state.lost = counts[1];

@@ -240,7 +240,8 @@ void Simulation<dim>::Work::solve_pressure() {
   const StageClock clock(seconds, "pressure");
   const Scheme& scheme = p.scheme;
   assemble();
-  const bool sealed = !std::isfinite(p.sound_speed) && close_sealed_blocks(system) > 0;
+  const bool sealed =
+      !(std::isfinite(p.sound_speed) && std::isinf(p.sound_depth)) && close_sealed_blocks(system) > 0;
   guess.resize(system.size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < system.size(); ++k)

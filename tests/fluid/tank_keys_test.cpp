@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -99,6 +100,16 @@ TEST(TankKeys, walls_that_absorb_sound_are_named) {
   expect_error(box + "absorbing = [\"lid\"]\n", "\"bottom\" and \"sides\"");
   expect_error(box + "absorbing = [\"bottom\"]\nsound_speed = inf\n", "no echo");
   expect_error(box + "absorbing = [\"bottom\"]\n[fluid.scheme]\ngradient = \"pairwise\"\n", "least-squares");
+}
+
+TEST(TankKeys, sound_may_keep_to_the_water_near_the_surface) {
+  EXPECT_TRUE(std::isinf(read_with(box).sound_depth));
+  EXPECT_EQ(read_with(box + "sound_depth = 0.1\n").sound_depth, 0.1);
+  expect_error(box + "sound_depth = 0.1\nsound_speed = inf\n", "no sound");
+  expect_error(box + "sound_depth = 0.1\nabsorbing = [\"bottom\"]\n", "not both");
+  expect_error(box + "sound_depth = 0.01\n", "the sheet");
+  expect_error(box + "sound_depth = 10.0\n", "the sheet");
+  expect_error(box + "sound_depth = 0.1\n[fluid.scheme]\ngradient = \"pairwise\"\n", "least-squares");
 }
 
 TEST(TankKeys, periodic_axes_are_checked) {

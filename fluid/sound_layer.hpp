@@ -1,0 +1,41 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake::fluid {
+
+/// Water that is compressible near its surface alone, down to the depth D, and incompressible beneath.
+///
+/// Sound would come back from there as from a rigid wall. A sheet at D in which the water yields to the
+/// excess p' over the pressure at rest,
+///   ∇·u = −g p'/(ρc),   ∫ g dy = 1,
+/// has the admittance 1/(ρc) of the water above, and the water beneath, which no plane wave moves, adds none:
+/// no echo, at whatever frequency. A slow flow goes through it into the deep water: of the pressure of an
+/// incompressible flow u the yielding takes u/c. A sheet spread over the width of a hat, −h … h, lets sound
+/// in too deep by ∫ (1 − (∫_y^h g)²) dy up to its middle less ∫ (∫_y^h g)² dy beyond it, (7/30) h, and lies
+/// deeper by as much; then its echo is of second order in h over the wave's length: 2 % of a wave of 25 l0,
+/// 7 % at half of that.
+class SoundLayer {
+ public:
+  SoundLayer(double depth, double spacing) : depth_(depth), half_(half_width * spacing) {}
+
+  bool is_whole() const { return std::isinf(depth_); }  // all of the water
+  /// Part of 1/(ρc²) that the water at that depth has, falling from 1 to 0 over D ± h.
+  double compressible(double depth) const {
+    return is_whole() ? 1.0 : std::clamp(0.5 * (1 - (depth - depth_) / half_), 0.0, 1.0);
+  }
+  /// g [1/m].
+  double yields(double depth) const {
+    return is_whole() ? 0.0 : std::max(0.0, 1 - std::abs(depth - depth_ - lag * half_) / half_) / half_;
+  }
+  /// D past which all of the sheet lies [m].
+  static double thickness(double spacing) { return (1 + lag) * half_width * spacing; }
+
+ private:
+  static constexpr double half_width = 2;  // [l0]: a lattice's rows sum to one wherever they stand
+  static constexpr double lag = 7.0 / 30;
+  double depth_, half_;
+};
+
+}  // namespace strake::fluid
