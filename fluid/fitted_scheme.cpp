@@ -257,6 +257,19 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   Vector<dim> inward = Vector<dim>::Zero();
   const double least_moment = surface_begins * lattice_.second_moment;
   if (!full_ && (open.squaredNorm() > least_moment * least_moment || weights < lattice_.first_weights)) {
+    // Past the end of a face its rows are no water above the particle: an edge is as sharp as the lattice
+    // allows.
+    for (std::size_t e = inner; e < columns.size(); ++e) {
+      const std::int64_t j = columns[e];
+      if (j < boundary.first_of_bodies() || !walls_.wet(j) || over(boundary, state, i, j)) continue;
+      const Vector<dim> r = periodic.separation(x, state.position.col(j));
+      const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
+      const double far_weight = reach * inverse - 1;
+      weights -= far_weight;
+      filled -= cover_[j] * volume_weight(1 / (inverse * reach));
+      open -= far_weight * r;
+      walled -= far_weight * walls_.held(j, r);
+    }
     const double m = open.norm();
     share =
         std::clamp((m - least_moment) / (surface_counts * lattice_.second_moment - least_moment), 0.0, 1.0);
