@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "fluid/packing.hpp"
+#include "fluid/tank_polygon.hpp"
 #include "fluid/tank_shape.hpp"
 #include "proto/error.hpp"
 
