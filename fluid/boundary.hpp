@@ -91,9 +91,13 @@ class Boundary {
   /// Whether x lies over the face of that wet point: not past the ends of its run.
   bool is_over(int point, const Vector<dim>& x) const {
     if constexpr (dim == 2)
-      return outline_.faces(outline_.run_of(point), x);
+      return outline_.within(outline_.run_of(point), x) >= 0;
     else
       return outline_.faces(point, x);
+  }
+  /// How far over it, from the nearer end of its run [m]; plane bodies.
+  double within(int point, const Vector<2>& x) const requires(dim == 2) {
+    return outline_.within(outline_.run_of(point), x);
   }
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }

@@ -86,7 +86,8 @@ class FittedScheme {
     return gradient;
   }
   /// u* over the face of row j as particle i sees it, less U [m/s]. A particle that lies beyond the face's
-  /// end does not know that velocity: it takes the mean of those that lie over the face.
+  /// end does not know that velocity: it takes the mean of those that lie over the face, and goes over to its
+  /// own along the half spacing up to the first row's middle: at once would be a blow to the water.
   Vector<dim> approach(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
   /// What an absorbing wall's yielding adds to it, U = −(p_i − p_still)/(ρc) m, m its normals: a wave that
   /// goes out finds the water's own ρc [m/s].

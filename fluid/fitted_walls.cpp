@@ -12,6 +12,8 @@ namespace strake::fluid {
 namespace {
 /// Water so near to the middle of a face says what velocity and pressure are there [l0].
 constexpr double face_reach = 1.6;
+/// So far from a face's end a particle's own velocity counts in full [l0].
+constexpr double known_from = 0.5;
 }  // namespace
 
 template <int dim>
@@ -24,10 +26,11 @@ bool FittedScheme<dim>::over(const Boundary<dim>& boundary, const State<dim>& st
 template <int dim>
 Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const State<dim>& state,
                                         std::int64_t i, std::int64_t j) const {
-  if (!over(boundary, state, i, j)) {
+  const auto mean = [&] {
     const std::int32_t master = boundary.master_of(j);
     return mean_approach_.col(master < 0 ? j : master);
-  }
+  };
+  if (!over(boundary, state, i, j)) return mean();
   Vector<dim> u = state.velocity.col(i) - state.velocity.col(j);
   if (walls_.corner(j)) return u;
   // ∇u* carries the particle's velocity to the face; beside the free surface it is one-sided and left out.
@@ -37,6 +40,11 @@ Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const Sta
                         state.position.col(j));
   const double trust = 1 - surface_share_[i];
   u -= trust * height * (velocity_gradient(i) * walls_.normal(j));
+  if constexpr (dim == 2)
+    if (j >= boundary.first_of_bodies() && !boundary.volume()) {
+      const double from_end = boundary.within(boundary.point_of(j), state.position.col(i)) / p_.spacing;
+      if (from_end < known_from) u = mean() + from_end / known_from * (u - mean());
+    }
   return u;
 }
 

@@ -18,6 +18,8 @@ using Vector2 = Outline::Vector2;
 constexpr double corner_angle = 0.35;  // [rad], 20 degrees
 /// So does a smaller one that stands alone: a smooth outline turns about as much at the points beside it.
 constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
+/// A corner whose angle inside the body is smaller has a tip thinner than a spacing along its first piece.
+constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
 /// Round-off allowance along a piece, as a share of its length.
 constexpr double tie = 1e-9;
 
@@ -244,6 +246,10 @@ bool Outline::crosses(int r, const Vector2& a, const Vector2& b, bool with_corne
     begin = static_cast<int>(std::clamp(std::floor(std::min(sa, sb)) - 1, 0.0, last));
     end = static_cast<int>(std::clamp(std::ceil(std::max(sa, sb)) + 1, 0.0, last));
   }
+  if (with_corners && !run.closed) {
+    if (run.start_angle < sharp_angle) begin = std::max(begin, 1);
+    if (run.end_angle < sharp_angle) end = std::min(end, run.count - 1);
+  }
   for (int i = begin; i < end; ++i) {
     const Vector2 v = vertex_.col(run.vertex + i);
     const Vector2 e = vertex_.col(run.vertex + i + 1) - v;
@@ -266,12 +272,12 @@ bool Outline::separates(const Vector2& a, const Vector2& b) const {
   return false;
 }
 
-bool Outline::faces(int run, const Vector2& x) const {
+double Outline::within(int run, const Vector2& x) const {
   const Run& r = runs_[static_cast<std::size_t>(run)];
-  if (r.closed) return true;
+  if (r.closed) return std::numeric_limits<double>::infinity();
   const Vector2 first = vertex_.col(r.vertex), last = vertex_.col(r.vertex + r.count);
-  return (x - first).dot(vertex_.col(r.vertex + 1) - first) >= 0 &&
-         (x - last).dot(last - vertex_.col(r.vertex + r.count - 1)) <= 0;
+  const Vector2 begins = vertex_.col(r.vertex + 1) - first, ends = last - vertex_.col(r.vertex + r.count - 1);
+  return std::min((x - first).dot(begins) / begins.norm(), (last - x).dot(ends) / ends.norm());
 }
 
 bool Outline::inside(const Vector2& x) const {

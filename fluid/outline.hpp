@@ -58,11 +58,14 @@ class Outline {
 
   /// Whether the segment a–b crosses that run. Corners count for the run that owns them.
   bool crosses(int run, const Vector2& a, const Vector2& b) const { return crosses(run, a, b, false); }
-  /// Whether it crosses any run, corners included.
+  /// Whether it crosses any run, corners included. The first piece beside a corner sharper than a right angle
+  /// does not count: the tip is thinner than a spacing there, and water on its two sides stays as near as it
+  /// was before the tip came between.
   bool separates(const Vector2& a, const Vector2& b) const;
   bool inside(const Vector2& x) const;
-  /// Whether x lies over that run: not past one of its ends, seen along its first and last piece.
-  bool faces(int run, const Vector2& x) const;
+  /// How far x lies over that run from the nearer of its ends, seen along its first and last piece; negative
+  /// past an end, infinite where there is none [m].
+  double within(int run, const Vector2& x) const;
 
   struct Foot {
     int point = -1;  // piece it lies on

@@ -143,6 +143,34 @@ TEST(Outline, CornersAreFoundFromTheSharpToTheNearlyFlatAndCirclesHaveNone) {
   EXPECT_EQ(Outline(polygon(circle), l0).runs().size(), 1u);
 }
 
+// A wedge of 60 degrees is thinner than a spacing over the first piece of its faces; one of 120 parts water
+// at once, and both do behind that.
+TEST(Outline, ATipThinnerThanASpacingDoesNotPartWaterAndABluntOneDoes) {
+  for (const double angle : {60.0, 120.0}) {
+    const auto corners = with_corner(angle);
+    const Outline outline(polygon(corners), l0);
+    const auto across = [&](double along) {  // between the faces, so far up from the apex
+      const Eigen::Vector2d right = corners[0] + along * (corners[1] - corners[0]).normalized();
+      const Eigen::Vector2d out(0.5 * l0, 0);
+      return outline.separates(Eigen::Vector2d(-right.x(), right.y()) - out, right + out);
+    };
+    EXPECT_EQ(across(0.6 * l0), angle > 90) << angle;
+    EXPECT_TRUE(across(1.4 * l0)) << angle;
+    EXPECT_FALSE(across(-0.1 * l0)) << angle;
+  }
+}
+
+TEST(Outline, HowFarAPlaceLiesOverAFaceIsCountedFromItsNearerEnd) {
+  const Outline outline(polygon(with_corner(90)), l0);
+  const auto& run = outline.runs()[0];
+  const Eigen::Vector2d start = outline.vertex(run.vertex), end = outline.vertex(run.vertex + run.count);
+  const Eigen::Vector2d along = (end - start).normalized(), out(along.y(), -along.x());
+  for (const double past : {-0.7, 0.3, 2.0}) {
+    EXPECT_NEAR(outline.within(0, start + past * l0 * along + 0.4 * l0 * out), past * l0, 1e-12);
+    EXPECT_NEAR(outline.within(0, end - past * l0 * along + 0.4 * l0 * out), past * l0, 1e-12);
+  }
+}
+
 // What water sees behind a corner is as full as what it sees behind a flat face: the sum of the weights of
 // the rows it is paired with against the integral of the weight over the inside of the body, in units of n0.
 TEST(Boundary, BehindACornerOfAnyAngleTheBodyIsFilledOnce) {
