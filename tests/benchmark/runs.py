@@ -69,6 +69,13 @@ def fit_slope(times, values):
     return sum((t - mt) * (v - mv) for t, v in zip(times, values)) / sum((t - mt) ** 2 for t in times)
 
 
+def slope_error(times, values):
+    """Standard error of that slope, where what the line leaves is as random from sample to sample as it looks."""
+    slope, mt, mv = fit_slope(times, values), sum(times) / len(times), sum(values) / len(values)
+    left = sum((v - mv - slope * (t - mt)) ** 2 for t, v in zip(times, values)) / (len(times) - 2)
+    return math.sqrt(left / sum((t - mt) ** 2 for t in times))
+
+
 def off(value, reference):
     """Relative deviation in per cent, for a table."""
     return f"{100 * (value / reference - 1):+.1f} %" if math.isfinite(value) else "unknown"

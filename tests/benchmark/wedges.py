@@ -4,9 +4,13 @@ usage: tests/benchmark/wedges.py [BIN_DIR] [--deadrise DEG]… [--across N] [--s
        (default: build/bin, 10 20 30 40 60 degrees, 100 spacings per half wetted width, steps of 0.06 l0/V)
 Prints for each angle, over the last 20 % of growth:
   K        slope of F against t over rho V^3 (least squares), the figure of merit of VALIDATION C4
+  +-       its standard error from the scatter about that line, over the exact K: what one run can tell
   F/t      mean of F/(rho V^3 t), t from the moment the apex meets the still level
   rms      of F/(rho V^3 t) about its mean, over the mean
-  Cp       largest mean of p/(rho V^2/2) over bins of z/(V t), without 3 l0 at the apex, and its place
+  Cp       largest mean of p/(rho V^2/2) over bins of z/(V t), without 3 l0 at the apex, and its place; where theory has it at the
+           apex (above 40 degrees), the line through the bins of the lower half carried to the apex, over s^(2 pi/angle - 2) as the
+           flow in the water's corner has it, s from the apex, angle = deadrise + 90 degrees
+  flank    length of the exact pressure's fall from 0.9 to 0.1 of its largest, in spacings, at the end: below 3 no Cp is resolved
   sides    difference of the mean force on the two faces' horizontal parts over the vertical force
   gap      |momentum of water - impulses| over the vertical impulse on the body
 and writes to DIR the table (wedges.csv), the distribution of pressure (wedge-DEG.csv: z/Vt [1], Cp [1], Cp of theory at the same
@@ -93,6 +97,21 @@ def pressure_curve(run, heights, kept, met, lowest):
     return sorted((BIN * b, sum(v) / len(v)) for b, v in bins.items() if len(v) >= 10)
 
 
+def carried_to_apex(curve, deadrise):
+    """Cp at the apex: least-squares line of Cp over (z + 1)^(2 pi/angle - 2), z < -0.5."""
+    power = 2 * math.pi / math.radians(deadrise + 90) - 2
+    low = [(z, cp) for z, cp in curve if z < -0.5]
+    arms, values = [(z + 1) ** power for z, _ in low], [cp for _, cp in low]
+    return sum(values) / len(values) - runs.fit_slope(arms, values) * sum(arms) / len(arms)
+
+
+def flank(deadrise, exact):
+    """Along the face, in V t."""
+    after = [(p, z) for p, z in zip(exact.pressure[::-1], exact.height[::-1]) if z > exact.largest[1]]
+    place = lambda share: next(z for p, z in after if p < share * exact.largest[0])
+    return (place(0.1) - place(0.9)) / math.sin(math.radians(deadrise))
+
+
 def keep_curve(folder, name, deadrise, across, curve, exact):
     folder.mkdir(parents=True, exist_ok=True)
     theory = numpy.interp([z for z, _ in curve], exact.height[::-1], exact.pressure[::-1], right=0.0)
@@ -119,8 +138,8 @@ def main():
     parser.add_argument("--step", type=float, default=0.06)
     parser.add_argument("--threads", type=int, default=2)
     arguments = parser.parse_args()
-    table = runs.Table([("deadrise", 8), ("K", 7), ("exact", 7), ("off", 8), ("F/t", 7), ("off", 8), ("rms", 5), ("Cp", 6),
-                        ("exact", 6), ("off", 8), ("z/Vt", 5), ("exact", 5), ("sides", 7), ("gap", 7), ("particles", 9), ("wall [s]", 8)])
+    table = runs.Table([("deadrise", 8), ("K", 7), ("exact", 7), ("off", 8), ("+-", 6), ("F/t", 7), ("off", 8), ("rms", 5), ("Cp", 6),
+                        ("exact", 6), ("off", 8), ("z/Vt", 5), ("exact", 5), ("flank", 5), ("sides", 7), ("gap", 7), ("particles", 9), ("wall [s]", 8)])
     l0 = HALF / arguments.across
     for deadrise in arguments.deadrise or [10.0, 20.0, 30.0, 40.0, 60.0]:
         exact = similarity.SimilarFlow(deadrise)
@@ -135,14 +154,17 @@ def main():
         rms = math.sqrt(sum((f / t - mean) ** 2 for f, t in zip(force, times)) / len(kept))
         curve = pressure_curve(run, probe_heights(slope), kept, met, 3 * l0 * math.sin(math.radians(deadrise)))
         z_at, cp = max(curve, key=lambda point: point[1])
+        steep = f"{flank(deadrise, exact) * SPEED * times[-1] / l0:.1f}"
+        if exact.largest[1] < -0.999:
+            z_at, cp, steep = -1.0, carried_to_apex(curve, deadrise), ""
         if arguments.keep:
             keep_curve(arguments.keep, f"wedge-{deadrise:g}", deadrise, arguments.across, curve, exact)
             keep_force(arguments.keep, f"wedge-{deadrise:g}", run, met)
         k = runs.fit_slope(times, force)
         gap = run.summary["checks"]["momentum_gap"]
-        table.row(f"{deadrise:g}", f"{k:.2f}", f"{exact.force:.2f}", runs.off(k, exact.force), f"{mean:.2f}",
+        table.row(f"{deadrise:g}", f"{k:.2f}", f"{exact.force:.2f}", runs.off(k, exact.force), f"{100 * runs.slope_error(times, force) / exact.force:.0f} %", f"{mean:.2f}",
                   runs.off(mean, exact.force), f"{rms / mean:.2f}", f"{cp:.2f}", f"{exact.largest[0]:.2f}",
-                  runs.off(cp, exact.largest[0]), f"{z_at:.2f}", f"{exact.largest[1]:.2f}", f"{side:.3f}",
+                  runs.off(cp, exact.largest[0]), f"{z_at:.2f}", f"{exact.largest[1]:.2f}", steep, f"{side:.3f}",
                   "unknown" if gap is None else f"{gap:.4f}", f"{run.summary['particles']['fluid']}",
                   f"{run.summary['seconds']['wall']:.0f}")
         table.keep(arguments.keep, "wedges.csv")
