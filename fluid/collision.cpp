@@ -1,5 +1,7 @@
 #include "fluid/collision.hpp"
 
+#include "fluid/neighbour_lanes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -18,6 +20,24 @@ struct Pair {
   std::int32_t i, j;
 };
 
+/// Whether one of them may lie nearer to particle i: eight at a time, for all that the exact look need not
+/// see.
+template <int dim>
+bool any_within(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t i,
+                std::span<const std::int32_t> columns, double distance) {
+  constexpr double round_off = 1e-9;
+  const double limit = (1 + round_off) * distance * distance;
+  const double* const x = state.position.data();
+  std::uint32_t found = 0;
+  for (std::size_t e = 0; e < columns.size(); e += lanes::width) {
+    const int n = static_cast<int>(std::min<std::size_t>(lanes::width, columns.size() - e));
+    const auto self = static_cast<std::int32_t>(i);
+    found |= periodic.any() ? lanes::between<dim, true>(x, self, columns.data() + e, n, periodic, 0, limit)
+                            : lanes::between<dim, false>(x, self, columns.data() + e, n, periodic, 0, limit);
+  }
+  return found != 0;
+}
+
 /// Pairs with a water particle i < j that are too close and approach each other, in order.
 template <int dim>
 std::vector<Pair> close_pairs(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t water,
@@ -30,8 +50,12 @@ std::vector<Pair> close_pairs(const State<dim>& state, const Periodic<dim>& peri
     for (std::int64_t i = b * block; i < std::min(water, (b + 1) * block); ++i) {
       const auto columns = near.row(i);
       const auto inverses = near.inverses(i);
-      for (std::size_t e = 0; e < columns.size(); ++e) {
-        if (columns[e] <= i || inverses[e] * margin < 1) continue;
+      const auto later = std::upper_bound(columns.begin(), columns.end(), static_cast<std::int32_t>(i));
+      const auto first = static_cast<std::size_t>(later - columns.begin());
+      if (!any_within<dim>(state, periodic, i, columns.subspan(first), std::max(distance, of_water)))
+        continue;
+      for (std::size_t e = first; e < columns.size(); ++e) {
+        if (inverses[e] * margin < 1) continue;
         const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(columns[e]));
         const auto j = static_cast<std::size_t>(columns[e]);
         const bool inside =

@@ -180,14 +180,15 @@ class FittedScheme {
   Eigen::VectorXd yielding_;              // of p_i in the equation, but for ∇²p and the surface
   Eigen::VectorXd meant_;                 // of the right side, but for ∇·u* and g
   enum class Cut : std::uint8_t { none, limited, released };
-  std::vector<Cut> cut_;            // pressures that `limit` or `release_tension` has cut
-  bool tension_ = true;             // no `release_tension` in this step
-  Eigen::VectorXd diagonal_;        // Σ w_L over water
-  Eigen::VectorXd volume_;          // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
-  Eigen::VectorXd surface_factor_;  // κ
-  Eigen::VectorXd surface_pull_;    // weight/d of the surface in ∇p
-  Eigen::VectorXd surface_share_;   // 0 inside … 1 in the rows next to the free surface
-  Eigen::VectorXd cover_;           // of the rows: part of the face that water covers, 0 … 1
+  std::vector<Cut> cut_;                    // pressures that `limit` or `release_tension` has cut
+  std::vector<std::uint8_t> sees_surface_;  // of `release_tension`: free surface within the far rows
+  bool tension_ = true;                     // no `release_tension` in this step
+  Eigen::VectorXd diagonal_;                // Σ w_L over water
+  Eigen::VectorXd volume_;                  // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
+  Eigen::VectorXd surface_factor_;          // κ
+  Eigen::VectorXd surface_pull_;            // weight/d of the surface in ∇p
+  Eigen::VectorXd surface_share_;           // 0 inside … 1 in the rows next to the free surface
+  Eigen::VectorXd cover_;                   // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
   double undone_ = 0;                          // 1 − part_of_step
   Vector<dim> pull_ = Vector<dim>::Zero();     // velocity that gravity_ gives in the step [m/s]

@@ -1,6 +1,7 @@
 #include "fluid/fitted_scheme.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 namespace strake::fluid {
 
@@ -17,9 +18,25 @@ void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim
   const double most = std::min(largest_tension, p_.density * speed_ * speed_);
   tension_ = false;
   limited_ = state.pressure.head(water);
+  // Rows are symmetric: what sees the free surface is in the surface's rows. All who write there write the
+  // same.
+  sees_surface_.assign(static_cast<std::size_t>(water), 0);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t j = 0; j < water; ++j) {
+    if (surface_share_[j] < 1) continue;
+    for (const std::int32_t i : far.row(j)) {
+      if (i >= water) break;
+      std::atomic_ref(sees_surface_[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);
+    }
+  }
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (state.pressure[i] > 0) continue;
+    if (!sees_surface_[static_cast<std::size_t>(i)] && !(surface_share_[i] > 0)) {
+      limited_[i] = std::max(state.pressure[i], -most);
+      if (limited_[i] > state.pressure[i]) cut_[static_cast<std::size_t>(i)] = Cut::released;
+      continue;
+    }
     const auto columns = far.row(i);
     const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
     double nearest = surface_share_[i] > 0 ? 0 : holds_from * p_.spacing;

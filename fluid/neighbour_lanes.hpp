@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__) && defined(__BMI2__)
@@ -78,19 +79,46 @@ inline int pack(const double* from, std::uint32_t bits, double* to) {
   return count;
 }
 
-/// (1 − entry) scale of the entries of the set bits, eight at most, packed as doubles.
-inline int pack_inverses(const float* from, std::uint32_t bits, double scale, double* to) {
+/// (1 − entry) scale of the entries of the set bits, sixteen at most, packed.
+inline int pack_inverses(const float* from, std::uint32_t bits, float scale, float* to) {
   const int count = std::popcount(bits);
 #ifdef STRAKE_AVX512
-  const auto mask = static_cast<__mmask8>(bits);
-  const __m512d entry = _mm512_cvtps_pd(_mm256_maskz_loadu_ps(mask, from));
-  const __m512d inverse = _mm512_mul_pd(_mm512_sub_pd(_mm512_set1_pd(1), entry), _mm512_set1_pd(scale));
-  _mm512_mask_storeu_pd(to, static_cast<__mmask8>(first_bits(count)),
-                        _mm512_maskz_compress_pd(mask, inverse));
+  const auto mask = static_cast<__mmask16>(bits);
+  const __m512 inverse = _mm512_mul_ps(_mm512_sub_ps(_mm512_set1_ps(1), _mm512_maskz_loadu_ps(mask, from)),
+                                       _mm512_set1_ps(scale));
+  _mm512_mask_storeu_ps(to, static_cast<__mmask16>(first_bits(count)),
+                        _mm512_maskz_compress_ps(mask, inverse));
 #else
-  for (; bits; bits &= bits - 1) *to++ = (1.0 - from[std::countr_zero(bits)]) * scale;
+  for (; bits; bits &= bits - 1) *to++ = (1 - from[std::countr_zero(bits)]) * scale;
 #endif
   return count;
+}
+
+/// Which of n <= 16 numbers are less than the limit, or greater.
+inline std::uint32_t below(const float* x, int n, float limit) {
+#ifdef STRAKE_AVX512
+  const auto mask = static_cast<__mmask16>(first_bits(n));
+  return _mm512_mask_cmp_ps_mask(mask, _mm512_maskz_loadu_ps(mask, x), _mm512_set1_ps(limit), _CMP_LT_OQ);
+#else
+  std::uint32_t bits = 0;
+  for (int k = 0; k < n; ++k) bits |= (x[k] < limit ? 1U : 0U) << k;
+  return bits;
+#endif
+}
+inline std::uint32_t above(const double* x, int n, double limit) {
+#ifdef STRAKE_AVX512
+  const std::uint32_t bits = first_bits(n);
+  const auto low = static_cast<__mmask8>(bits & 0xffU), high = static_cast<__mmask8>(bits >> width);
+  const __m512d least = _mm512_set1_pd(limit);
+  return _mm512_mask_cmp_pd_mask(low, _mm512_maskz_loadu_pd(low, x), least, _CMP_GT_OQ) |
+         std::uint32_t{
+             _mm512_mask_cmp_pd_mask(high, _mm512_maskz_loadu_pd(high, x + width), least, _CMP_GT_OQ)}
+             << width;
+#else
+  std::uint32_t bits = 0;
+  for (int k = 0; k < n; ++k) bits |= (x[k] > limit ? 1U : 0U) << k;
+  return bits;
+#endif
 }
 
 #ifdef STRAKE_AVX512
@@ -106,7 +134,9 @@ inline Components<dim> columns(const double* x, const std::int32_t* j, int n, st
   std::int32_t filled[8];
   const std::int32_t* at = j;
   if (n < 8) {
-    for (int k = 0; k < 8; ++k) filled[k] = k < n ? j[k] : self;
+    _mm256_storeu_si256(
+        reinterpret_cast<__m256i*>(filled),
+        _mm256_mask_loadu_epi32(_mm256_set1_epi32(self), static_cast<__mmask8>(first_bits(n)), j));
     at = filled;
   }
   Components<dim> out;
@@ -183,6 +213,13 @@ inline Lanes8 widened(const Floats8& x) {
   return __builtin_convertvector(x, Lanes8);
 #endif
 }
+inline Lanes4 root(const Lanes4& x) {
+#ifdef STRAKE_AVX512
+  return reinterpret_cast<Lanes4>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(x)));
+#else
+  return Lanes4{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+#endif
+}
 /// Writes the first n lanes, all of them where n is larger.
 inline void store(const Floats8& from, float* to, std::size_t n) {
 #ifdef STRAKE_AVX512
@@ -244,52 +281,33 @@ inline std::uint32_t between(const double* x, std::int32_t i, const std::int32_t
 #endif
 }
 
-/// to[k] = 1/|x_j − x_i| of n <= 8 particles j; beside[p]: which of them are larger than limit[p].
+/// to[k] = 1/|x_j − x_i| of n <= 8 particles j.
 template <int dim, bool seams>
 inline void inverse_lengths(const double* x, std::int32_t i, const std::int32_t* j, int n,
-                            const Periodic<dim>& periodic, double* to, std::span<const double> limit,
-                            std::uint32_t* beside) {
+                            const Periodic<dim>& periodic, double* to) {
 #ifdef STRAKE_AVX512
-  const auto mask = static_cast<__mmask8>(first_bits(n));
   const __m512d inverse =
       _mm512_div_pd(_mm512_set1_pd(1), _mm512_sqrt_pd(squares<dim, seams>(x, i, j, n, periodic)));
-  _mm512_mask_storeu_pd(to, mask, inverse);
-  for (const double least : limit)
-    *beside++ = _mm512_mask_cmp_pd_mask(mask, inverse, _mm512_set1_pd(least), _CMP_GT_OQ);
+  _mm512_mask_storeu_pd(to, static_cast<__mmask8>(first_bits(n)), inverse);
 #else
   for (int k = 0; k < n; ++k) to[k] = 1.0 / std::sqrt(square<dim, seams>(x, i, j[k], periodic));
-  for (const double least : limit) {
-    std::uint32_t bits = 0;
-    for (int k = 0; k < n; ++k) bits |= (to[k] > least ? 1U : 0U) << k;
-    *beside++ = bits;
-  }
 #endif
 }
 
-/// to[k] = 1 − 1/√(scale |x_j − x_i|²) of n <= 8 particles j, not above zero; beside[p]: which of them are
-/// less than limit[p].
+/// to[k] = 1 − 1/√(scale |x_j − x_i|²) of n <= 8 particles j, not above zero.
 template <int dim, bool seams>
 inline void entries(const double* x, std::int32_t i, const std::int32_t* j, int n,
-                    const Periodic<dim>& periodic, double scale, float* to, std::span<const float> limit,
-                    std::uint32_t* beside) {
+                    const Periodic<dim>& periodic, double scale, float* to) {
 #ifdef STRAKE_AVX512
-  const auto mask = static_cast<__mmask8>(first_bits(n));
   const __m512d sum = squares<dim, seams>(x, i, j, n, periodic);
   const __m256 square = _mm512_cvtpd_ps(_mm512_mul_pd(sum, _mm512_set1_pd(scale))), one = _mm256_set1_ps(1);
   const __m256 inverse = _mm256_div_ps(one, _mm256_sqrt_ps(square));
   const __m256 entry = _mm256_min_ps(_mm256_sub_ps(one, inverse), _mm256_setzero_ps());
-  _mm256_mask_storeu_ps(to, mask, entry);
-  for (const float most : limit)
-    *beside++ = _mm256_mask_cmp_ps_mask(mask, entry, _mm256_set1_ps(most), _CMP_LT_OQ);
+  _mm256_mask_storeu_ps(to, static_cast<__mmask8>(first_bits(n)), entry);
 #else
   for (int k = 0; k < n; ++k) {
     const auto square = static_cast<float>(scale * lanes::square<dim, seams>(x, i, j[k], periodic));
     to[k] = std::min(1 - 1 / std::sqrt(square), 0.0F);
-  }
-  for (const float most : limit) {
-    std::uint32_t bits = 0;
-    for (int k = 0; k < n; ++k) bits |= (to[k] < most ? 1U : 0U) << k;
-    *beside++ = bits;
   }
 #endif
 }

@@ -21,9 +21,6 @@ using std::size_t;
 /// another.
 constexpr double coincident = 1e-9;
 
-/// Different radii below the largest: the number density's, the gradient's, the divergence's.
-constexpr size_t most_parts = 4;
-
 /// Least share of the skin asked for, taken while next to nothing moves.
 constexpr double thinnest = 0.1;
 
@@ -63,7 +60,7 @@ void sum_up(std::vector<std::int64_t>& start) {
 }  // namespace
 
 size_t Neighbours::bytes() const {
-  return bytes_of(start_) + bytes_of(column_) + bytes_of(inverse_) + bytes_of(entry_);
+  return bytes_of(start_) + bytes_of(column_) + bytes_of(inverse_) + bytes_of(single_);
 }
 
 template <int dim>
@@ -95,7 +92,7 @@ size_t NeighbourSearch<dim>::bytes() const {
   size_t sum = cells_.bytes() + candidates_.bytes() + exact_.bytes() + bytes_of(kept_) +
                bytes_of(meets_asked_) + bytes_of(built_filler_) +
                static_cast<size_t>(built_at_.size()) * sizeof(double);
-  for (const Part& part : parts_) sum += part.rows.bytes() + bytes_of(part.bits);
+  for (const Part& part : parts_) sum += part.rows.bytes();
   return sum;
 }
 
@@ -200,18 +197,12 @@ void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t>
   }
 }
 
-/// Columns and pair data of the exact rows, and the bits of the parts' pairs.
+/// Columns and pair data of the exact rows.
 template <int dim>
 template <bool seams, bool single>
 void NeighbourSearch<dim>::fill(const double* x) {
   const auto n = static_cast<std::int64_t>(built_at_.cols());
   [[maybe_unused]] const double scale = 1 / (radius_ * radius_);
-  std::array<Part*, most_parts> parts{};
-  size_t n_parts = 0;
-  for (Part& part : parts_) {
-    make_room(part.bits, word(n) + 1);
-    parts[n_parts++] = &part;
-  }
 #pragma omp parallel for schedule(static)
   for (std::int64_t first = 0; first < n; first += block) {
     const std::int64_t last = std::min(n, first + block);
@@ -226,23 +217,14 @@ void NeighbourSearch<dim>::fill(const double* x) {
     for (std::int64_t i = first; i < last; ++i) {
       const auto begin = exact_.start_[static_cast<size_t>(i)],
                  end = exact_.start_[static_cast<size_t>(i) + 1];
-      size_t at = word(i);
-      for (auto k = begin; k < end; k += 64, ++at) {
-        std::array<std::uint64_t, most_parts> bits{};
-        for (auto l = k; l < std::min(k + 64, end); l += lanes::width) {
-          std::array<std::uint32_t, most_parts> found;
-          const auto self = static_cast<std::int32_t>(i);
-          const std::int32_t* const others = exact_.column_.data() + l;
-          const int count = static_cast<int>(std::min<std::int64_t>(lanes::width, end - l));
-          if constexpr (single)
-            lanes::entries<dim, seams>(x, self, others, count, periodic_, scale, exact_.entry_.data() + l,
-                                       most_, found.data());
-          else
-            lanes::inverse_lengths<dim, seams>(x, self, others, count, periodic_, exact_.inverse_.data() + l,
-                                               least_, found.data());
-          for (size_t p = 0; p < n_parts; ++p) bits[p] |= std::uint64_t{found[p]} << (l - k);
-        }
-        for (size_t p = 0; p < n_parts; ++p) parts[p]->bits[at] = bits[p];
+      const auto self = static_cast<std::int32_t>(i);
+      for (auto k = begin; k < end; k += lanes::width) {
+        const std::int32_t* const others = exact_.column_.data() + k;
+        const int count = static_cast<int>(std::min<std::int64_t>(lanes::width, end - k));
+        if constexpr (single)
+          lanes::entries<dim, seams>(x, self, others, count, periodic_, scale, exact_.single_.data() + k);
+        else
+          lanes::inverse_lengths<dim, seams>(x, self, others, count, periodic_, exact_.inverse_.data() + k);
       }
     }
   }
@@ -275,7 +257,7 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   seams ? select<true>(x, tag, ask ? &keep : nullptr) : select<false>(x, tag, ask ? &keep : nullptr);
   sum_up(exact_.start_);
   make_room(exact_.column_, static_cast<size_t>(exact_.start_.back()));
-  keeps_entries() ? make_room(exact_.entry_, exact_.column_.size())
+  keeps_entries() ? make_room(exact_.single_, exact_.column_.size())
                   : make_room(exact_.inverse_, exact_.column_.size());
   if (keeps_entries())
     seams ? fill<true, true>(x) : fill<false, true>(x);
@@ -284,76 +266,66 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   return exact_;
 }
 
-/// The inverses of the pairs that eight bits choose, packed; returns their number.
-template <int dim>
-int NeighbourSearch<dim>::pack_inverses(std::int64_t from, std::uint32_t bits, double* to) const {
-  return keeps_entries() ? lanes::pack_inverses(exact_.entry_.data() + from, bits, exact_.scale_, to)
-                         : lanes::pack(exact_.inverse_.data() + from, bits, to);
-}
-
-/// The bits of a part that is asked for the first time, as `fill` finds them.
-template <int dim>
-void NeighbourSearch<dim>::choose(Part& part) {
-  const auto n = exact_.size();
-  const double least = least_.back();
-  const float most = most_.back();
-  part.bits.assign(word(n) + 1, 0);
-  for (std::int64_t i = 0; i < n; ++i) {
-    const auto first = static_cast<size_t>(exact_.start_[static_cast<size_t>(i)]);
-    for (size_t k = 0; k < exact_.row(i).size(); ++k) {
-      const bool within =
-          keeps_entries() ? exact_.entry_[first + k] < most : exact_.inverse_[first + k] > least;
-      part.bits[word(i) + k / 64] |= std::uint64_t{within} << (k % 64);
-    }
-  }
-}
-
 template <int dim>
 const Neighbours& NeighbourSearch<dim>::within(double radius) {
   assert(radius <= radius_ && exact_.size() > 0);
   if (radius == radius_ && !keeps_entries()) return exact_;
   auto part = std::find_if(parts_.begin(), parts_.end(), [&](const Part& p) { return p.radius == radius; });
-  if (part == parts_.end()) {
-    assert(parts_.size() < most_parts);
-    part = parts_.insert(part, Part{radius});
-    least_.push_back(1 / radius);
-    most_.push_back(static_cast<float>(1 - radius_ / radius));
-    choose(*part);
-  }
-  if (part->fresh) return part->rows;
-  const std::vector<std::uint64_t>& bits = part->bits;
-  Neighbours& rows = part->rows;
+  if (part == parts_.end()) part = parts_.insert(part, Part{radius});
+  if (!part->fresh) keeps_entries() ? gather_part<true>(*part) : gather_part<false>(*part);
+  part->fresh = true;
+  return part->rows;
+}
+
+/// Counted first, filled second, sixteen pairs at a time.
+template <int dim>
+template <bool single>
+void NeighbourSearch<dim>::gather_part(Part& part) const {
+  Neighbours& rows = part.rows;
   const auto n = exact_.size();
+  [[maybe_unused]] const auto scale = static_cast<float>(exact_.scale_);
+  rows.data_ = single ? PairData::single_inverses : PairData::inverses;
   rows.start_.resize(static_cast<size_t>(n) + 1);
   rows.start_[0] = 0;
+  const auto chosen = [&](std::int64_t from, std::int64_t last) {
+    const int count = static_cast<int>(std::min<std::int64_t>(lanes::wide, last - from));
+    if constexpr (single)
+      return lanes::below(exact_.single_.data() + from, count, static_cast<float>(1 - radius_ / part.radius));
+    else
+      return lanes::above(exact_.inverse_.data() + from, count, 1 / part.radius);
+  };
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
-    std::int64_t count = 0,
-                 left = exact_.start_[static_cast<size_t>(i) + 1] - exact_.start_[static_cast<size_t>(i)];
-    for (size_t at = word(i); left > 0; ++at, left -= 64) count += std::popcount(bits[at]);
+    const auto first = exact_.start_[static_cast<size_t>(i)],
+               last = exact_.start_[static_cast<size_t>(i) + 1];
+    std::int64_t count = 0;
+    for (auto e = first; e < last; e += lanes::wide) count += std::popcount(chosen(e, last));
     rows.start_[static_cast<size_t>(i) + 1] = count;
   }
   sum_up(rows.start_);
   make_room(rows.column_, static_cast<size_t>(rows.start_.back()));
-  make_room(rows.inverse_, rows.column_.size());
+  if constexpr (single)
+    make_room(rows.single_, rows.column_.size());
+  else
+    make_room(rows.inverse_, rows.column_.size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
-    auto k = rows.start_[static_cast<size_t>(i)];
-    const auto last = exact_.start_[static_cast<size_t>(i) + 1];
-    size_t at = word(i);
-    for (auto e = exact_.start_[static_cast<size_t>(i)]; e < last; e += 64, ++at) {
-      auto from = e;
-      for (std::uint64_t left = bits[at]; left; left >>= lanes::wide, from += lanes::wide) {
-        const auto low = static_cast<std::uint32_t>(left & 0xffU),
-                   high = static_cast<std::uint32_t>(left >> 8 & 0xffU);
-        lanes::pack(exact_.column_.data() + from, high << 8 | low, rows.column_.data() + k);
-        k += pack_inverses(from, low, rows.inverse_.data() + k);
-        k += pack_inverses(from + lanes::width, high, rows.inverse_.data() + k);
+    const auto first = exact_.start_[static_cast<size_t>(i)],
+               last = exact_.start_[static_cast<size_t>(i) + 1];
+    auto to = rows.start_[static_cast<size_t>(i)];
+    for (auto e = first; e < last; e += lanes::wide) {
+      const std::uint32_t bits = chosen(e, last);
+      const int count = lanes::pack(exact_.column_.data() + e, bits, rows.column_.data() + to);
+      if constexpr (single) {
+        lanes::pack_inverses(exact_.single_.data() + e, bits, scale, rows.single_.data() + to);
+      } else {
+        const int low = lanes::pack(exact_.inverse_.data() + e, bits & 0xffU, rows.inverse_.data() + to);
+        lanes::pack(exact_.inverse_.data() + e + lanes::width, bits >> lanes::width,
+                    rows.inverse_.data() + to + low);
       }
+      to += count;
     }
   }
-  part->fresh = true;
-  return rows;
 }
 
 template class NeighbourSearch<2>;

@@ -16,8 +16,26 @@ namespace strake::fluid {
 
 /// What stands beside each column of a neighbour row.
 enum class PairData : std::uint8_t {
-  inverses,  // 1/|r_ij| [1/m], in double precision
-  entries,   // 1 − R/|r_ij|, R the search's radius, in single precision: minus the weight
+  inverses,         // 1/|r_ij| [1/m], in double precision
+  entries,          // 1 − R/|r_ij|, R the search's radius, in single precision: minus the weight
+  single_inverses,  // 1/|r_ij| [1/m] of such entries
+};
+
+/// 1/|r_ij| of a row's pairs [1/m], of double or of single precision.
+class InverseRow {
+ public:
+  InverseRow(const double* all, const float* single, std::size_t size)
+      : double_(all), single_(single), size_(size) {}
+  std::size_t size() const { return size_; }
+  double operator[](std::size_t e) const { return double_ ? double_[e] : single_[e]; }
+  InverseRow subspan(std::size_t from) const {
+    return {double_ ? double_ + from : nullptr, double_ ? nullptr : single_ + from, size_ - from};
+  }
+
+ private:
+  const double* double_;
+  const float* single_;
+  std::size_t size_;
 };
 
 /// Neighbour rows in compressed form: for particle i the columns row(i), sorted by index, both i-j and j-i
@@ -28,25 +46,31 @@ enum class PairData : std::uint8_t {
 class Neighbours {
  public:
   std::span<const std::int32_t> row(std::int64_t i) const { return part(column_, i); }
-  std::span<const double> inverses(std::int64_t i) const {  // 1/|r_ij| [1/m]
-    assert(data_ == PairData::inverses);
-    return part(inverse_, i);
+  InverseRow inverses(std::int64_t i) const {  // 1/|r_ij| [1/m]
+    const auto first = start_[static_cast<std::size_t>(i)];
+    const auto size = static_cast<std::size_t>(start_[static_cast<std::size_t>(i) + 1] - first);
+    assert(data_ != PairData::entries);
+    const bool single = data_ == PairData::single_inverses;
+    return {single ? nullptr : inverse_.data() + first, single ? single_.data() + first : nullptr, size};
   }
-  std::span<const float> entries(std::int64_t i) const { return part(entry_, i); }
+  std::span<const float> entries(std::int64_t i) const { return part(single_, i); }
   /// |r_ij| [m], computed where it is read: a division each.
   auto distances(std::int64_t i) const {
-    return inverses(i) | std::views::transform([](double inverse) { return 1.0 / inverse; });
+    const InverseRow row = inverses(i);
+    return std::views::iota(std::size_t{0}, row.size()) |
+           std::views::transform([row](std::size_t e) { return 1.0 / row[e]; });
   }
   std::span<const std::int64_t> start() const { return start_; }    // n+1
   std::span<const std::int32_t> column() const { return column_; }  // one per pair
   std::span<const double> inverse() const { return inverse_; }      // one per pair [1/m], or empty
-  std::span<const float> entry() const { return entry_; }           // the same
+  std::span<const float> entry() const { return single_; }          // the same
   PairData data() const { return data_; }
   double scale() const { return scale_; }  // 1/R of the entries [1/m]
   /// Whatever the rows keep: 1/|r_ij| of a pair in the numbering of column().
   double inverse_of(std::int64_t pair) const {
     const auto e = static_cast<std::size_t>(pair);
-    return data_ == PairData::inverses ? inverse_[e] : (1.0 - entry_[e]) * scale_;
+    if (data_ == PairData::entries) return (1.0 - single_[e]) * scale_;
+    return data_ == PairData::inverses ? inverse_[e] : single_[e];
   }
   std::int64_t size() const { return static_cast<std::int64_t>(start_.size()) - 1; }
   std::size_t bytes() const;
@@ -62,7 +86,7 @@ class Neighbours {
   std::vector<std::int64_t> start_{0};
   std::vector<std::int32_t> column_;
   std::vector<double> inverse_;
-  std::vector<float> entry_;
+  std::vector<float> single_;
   PairData data_ = PairData::inverses;
   double scale_ = 1;
 };
@@ -83,8 +107,8 @@ class NeighbourSearch {
  public:
   /// radius: largest interaction radius [m]; skin: the thickest to use [m], 0.2 l0 (PHYSICS §16.5); it
   /// follows the motion and never shows. Throws Error(case_file) when a period is shorter than 2 (radius +
-  /// skin), where a particle would meet two images of another. data: of the rows of `update`; those of
-  /// `within` have inverses.
+  /// skin), where a particle would meet two images of another. data: of the rows of `update`;
+  /// those of `within` have inverses, single ones of entries.
   NeighbourSearch(double radius, double skin, const Periodic<dim>& = {}, PairData data = PairData::inverses);
   /// Rows of the largest radius. tag: empty, or one byte per particle (PairTag); the fillers stay the same
   /// particles as long as the number of particles does.
@@ -104,8 +128,6 @@ class NeighbourSearch {
   struct Part {
     double radius;
     bool fresh = false;
-    std::vector<std::uint64_t> bits{};  // which pairs of the exact rows belong to it, each row from a word of
-                                        // its own
     Neighbours rows{};
   };
   double moved(const Vectors<dim>& position) const;
@@ -115,12 +137,9 @@ class NeighbourSearch {
   void select(const double* x, std::span<const std::uint8_t> tag, const KeepPair* keep);
   template <bool seams, bool single>
   void fill(const double* x);
-  void choose(Part&);
   bool keeps_entries() const { return exact_.data_ == PairData::entries; }
-  int pack_inverses(std::int64_t from, std::uint32_t bits, double* to) const;
-  std::size_t word(std::int64_t i) const {
-    return static_cast<std::size_t>(exact_.start_[static_cast<std::size_t>(i)] / 64 + i);
-  }
+  template <bool single>
+  void gather_part(Part&) const;
   double radius_, skin_;
   Periodic<dim> periodic_;
   bool valid_ = false;
@@ -133,9 +152,7 @@ class NeighbourSearch {
   std::vector<std::uint64_t> kept_;        // bits of the candidates that are in the exact rows
   std::vector<std::uint8_t> meets_asked_;  // particles with an asked one among their candidates
   Neighbours exact_;
-  std::vector<double> least_;  // 1/radius of each part [1/m]
-  std::vector<float> most_;    // entry at the radius of each part
-  std::list<Part> parts_;      // stay where they are: references to their rows are handed out
+  std::list<Part> parts_;  // stay where they are: references to their rows are handed out
 };
 
 }  // namespace strake::fluid

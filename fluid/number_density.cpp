@@ -105,7 +105,8 @@ Eigen::VectorXd number_density(const Neighbours& rows, double radius) {
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
     double sum = 0;
-    for (const double inverse : rows.inverses(i)) sum += std::max(radius * inverse - 1, 0.0);
+    const InverseRow inverses = rows.inverses(i);
+    for (std::size_t e = 0; e < inverses.size(); ++e) sum += std::max(radius * inverses[e] - 1, 0.0);
     density[i] = sum;
   }
   return density;

@@ -28,7 +28,7 @@ constexpr double largest_condition = 20;
 
 /// body(j, 1/r, w) of the pairs within the radius.
 template <class Body>
-inline void each_pair(std::span<const std::int32_t> columns, std::span<const double> inverses, double radius,
+inline void each_pair(std::span<const std::int32_t> columns, const InverseRow& inverses, double radius,
                       Body&& body) {
   for (size_t e = 0; e < columns.size(); ++e)
     if (const double w = radius * inverses[e] - 1; w > 0) body(columns[e], inverses[e], w);
@@ -148,7 +148,7 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
       ++count;
     };
     const size_t inner = water_pairs(columns, water);
-    each_pair(columns.first(inner), inverses.first(inner), radius_, add);
+    each_pair(columns.first(inner), inverses, radius_, add);
     each_pair(columns.subspan(inner), inverses.subspan(inner), radius_,
               [&](std::int32_t j, double inverse, double w) {
                 if (!flow.dry(j)) add(j, inverse, w);
@@ -264,28 +264,27 @@ Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<
   const bool seams = flow.periodic.any();
   auto drag = here - here;  // Σ v {r, u}
   const size_t inner = water_pairs(columns, flow.walls.first);
-  each_pair(columns.first(inner), inverses.first(inner), radius_,
-            [&](std::int32_t column, double inverse, double w) {
-              const auto j = static_cast<size_t>(column);
-              auto d = sample_[j].lanes - here;
-              if (seams) over_seams<dim>(flow.periodic, d);
-              const double v = 0.5 * laplacian_scale_ * w * (viscosity + viscosity_[j]);
-              Lanes8 arm = arms(d);
-              if constexpr (corrected) {
-                arm = turn[0] * d[0];
-                for (int b = 1; b < dim; ++b) arm += turn[b] * d[b];
-              }
-              arm *= halves(stress_scale_ * w * inverse * inverse, -0.5 * v);  // of τ, of G
-              arm_sum += arm;
-              if constexpr (dim == 2) {
-                sum[0] += stress_[j].part[0] * arm;
-              } else {
-                sum[0] += stress_[j].part[0] * __builtin_shufflevector(arm, arm, 0, 1, 2, 3, 0, 1, 2, 3);
-                sum[1] += stress_[j].part[1] * arm;
-                sum[2] += stress_[j].part[2] * __builtin_shufflevector(arm, arm, 4, 5, 6, 7, 4, 5, 6, 7);
-              }
-              drag += v * d;
-            });
+  each_pair(columns.first(inner), inverses, radius_, [&](std::int32_t column, double inverse, double w) {
+    const auto j = static_cast<size_t>(column);
+    auto d = sample_[j].lanes - here;
+    if (seams) over_seams<dim>(flow.periodic, d);
+    const double v = 0.5 * laplacian_scale_ * w * (viscosity + viscosity_[j]);
+    Lanes8 arm = arms(d);
+    if constexpr (corrected) {
+      arm = turn[0] * d[0];
+      for (int b = 1; b < dim; ++b) arm += turn[b] * d[b];
+    }
+    arm *= halves(stress_scale_ * w * inverse * inverse, -0.5 * v);  // of τ, of G
+    arm_sum += arm;
+    if constexpr (dim == 2) {
+      sum[0] += stress_[j].part[0] * arm;
+    } else {
+      sum[0] += stress_[j].part[0] * __builtin_shufflevector(arm, arm, 0, 1, 2, 3, 0, 1, 2, 3);
+      sum[1] += stress_[j].part[1] * arm;
+      sum[2] += stress_[j].part[2] * __builtin_shufflevector(arm, arm, 4, 5, 6, 7, 4, 5, 6, 7);
+    }
+    drag += v * d;
+  });
   const Stress& own = stress_[static_cast<size_t>(i)];
   Vector<dim> force;
   for (int a = 0; a < dim; ++a) {

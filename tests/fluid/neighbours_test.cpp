@@ -139,8 +139,8 @@ TEST(Neighbours, entries_say_the_same_distances_to_single_precision_alike_from_b
     EXPECT_NEAR(rows.entry()[e], 1 - ratio, rounding * ratio);
     EXPECT_LE(rows.entry()[e], 0);
   }
-  for (std::size_t e = 0; e < near.inverse().size(); ++e)
-    EXPECT_NEAR(near.inverse()[e], exact_near.inverse()[e], rounding * exact_near.inverse()[e]);
+  for (std::int64_t e = 0; e < near.start().back(); ++e)
+    EXPECT_NEAR(near.inverse_of(e), exact_near.inverse_of(e), rounding * exact_near.inverse_of(e));
   for (std::int32_t i = 0; i < rows.size(); ++i)
     for (std::size_t k = 0; k < rows.row(i).size(); ++k) {
       const auto j = rows.row(i)[k];
