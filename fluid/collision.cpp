@@ -88,10 +88,18 @@ void give(CollisionAccount<dim>& account, const Boundary<dim>& boundary, std::in
 template <int dim>
 void put_back_from_walls(State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                          double mass, CollisionAccount<dim>& account) {
-  for (std::int64_t i = 0; i < boundary.water(); ++i) {
-    // Nothing moves by more than a spacing in a step: what passes a wall had its rows near before.
+  // Nothing moves by more than a spacing in a step: what passes a wall had its rows near before.
+  const auto beside = [&](std::int64_t i) {
     const auto columns = near.row(i);
-    if (columns.empty() || columns.back() < boundary.water()) continue;
+    return !columns.empty() && columns.back() >= boundary.water();
+  };
+  bool any = false;
+#pragma omp parallel for schedule(static) reduction(|| : any)
+  for (std::int64_t i = 0; i < boundary.water(); ++i)
+    any = any || (beside(i) && boundary.tank().behind(state.position.col(i)));
+  if (!any) return;
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (!beside(i)) continue;
     for (int turn = 0; turn < dim; ++turn) {
       const auto foot = boundary.tank().behind(state.position.col(i));
       if (!foot) break;

@@ -79,10 +79,9 @@ void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* pr
   const std::int64_t n = system.size();
   const Blocks blocks(n);
   for (auto* sums : {&first_, &second_, &third_}) sums->resize(static_cast<std::size_t>(blocks.count));
-  for (auto* v : {&inverse_, &r_, &p_, &q_}) v->resize(n);
   solution.iterations = 0;
-  double *x = solution.pressure.data(), *r = r_.data(), *p = p_.data(), *q = q_.data();
-  double* inverse = inverse_.data();
+  double* const inverse = memory_.of<double>(4 * static_cast<std::size_t>(n)).data();
+  double *const x = solution.pressure.data(), *const r = inverse + n, *const p = r + n, *const q = p + n;
   const double* b = system.right.data();
   Barrier barrier(threads);
 

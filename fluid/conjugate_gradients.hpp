@@ -2,6 +2,7 @@
 
 #include "fluid/multilevel.hpp"
 #include "fluid/pressure.hpp"
+#include "fluid/shared_memory.hpp"
 
 #include <Eigen/Core>
 
@@ -18,12 +19,11 @@ class ConjugateGradients {
   template <int dim>
   void solve(const PressureSystem&, Multilevel<dim>* preconditioner, double tolerance, int max_iterations,
              int threads, PressureSolution& solution);
-  std::size_t bytes() const {
-    return 8 * static_cast<std::size_t>(inverse_.size() + r_.size() + p_.size() + q_.size());
-  }
+  std::size_t bytes() const { return memory_.bytes(); }
+  SharedMemory& memory() { return memory_; }  // nothing is kept in it
 
  private:
-  Eigen::VectorXd inverse_, r_, p_, q_;
+  SharedMemory memory_;                         // inverse diagonal, r, p, q
   std::vector<double> first_, second_, third_;  // sums of each block
 };
 

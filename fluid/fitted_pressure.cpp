@@ -240,17 +240,20 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
     }
     Vector<dim> sum = surface_pull_[i] * here * inward_.col(i);
     sum += Eigen::Map<const Vector<dim>>(reinterpret_cast<const double*>(&rises));
+    Faces faces;
     for (std::size_t e = inner; e < columns.size(); ++e) {
       const std::int64_t j = columns[e];
       if (!walls_.wet(j) || !over(boundary, state, i, j)) continue;
-      const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+      const double weight = gradient_.radius * inverses[e] - 1, w = weight * inverses[e] * inverses[e];
       const Vector<dim> held = walls_.held(j, periodic.separation(x, state.position.col(j)));
-      sum += w * rise(boundary, state, i, j, held, slope) * held;
+      faces.rises += w * rise(boundary, state, i, j, held, slope) * held;
+      faces.held.noalias() += w * held * held.transpose();
+      if (boundary.master_of(j) < 0 && !walls_.corner(j)) faces.weights += std::max(0.0, weight);
     }
-    gradient_of_p_.col(i).noalias() = all_[static_cast<std::size_t>(i)] * sum;
+    gradient_of_p_.col(i).noalias() = all_[static_cast<std::size_t>(i)] * (sum + faces.rises);
     if (undone_ > 0)
       undone_approach_.col(i) = undone_ * soft_[i] * (left_approach(boundary, state, near, i) - pull_);
-    if (inner < columns.size()) reaction_.col(i) = reaction(boundary, state, near, i, slope);
+    if (inner < columns.size()) reaction_.col(i) = reaction(i, faces);
   }
 }
 

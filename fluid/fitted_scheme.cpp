@@ -113,15 +113,16 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
   const auto count = static_cast<std::size_t>(water);
   water_.resize(count);
   all_.resize(count);
-  motion_.resize(count);
+  motion_ = motions_.of<Motion>(count);
+  std::fill(motion_.begin(), motion_.end(), Motion{});
   water_stop_.resize(count);
   for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &reaction_, &gradient_of_p_})
     v->setZero(dim, water);
   for (Eigen::VectorXd* v : {&stiffness_, &eased_, &soft_, &meant_, &yielding_, &diagonal_, &volume_,
                              &surface_factor_, &surface_pull_, &surface_share_})
     v->setZero(water);
-  mean_approach_.setZero(dim, state.position.cols());
-  cover_.setZero(state.position.cols());
+  mean_approach_.setZero(dim, state.position.cols() - water);
+  cover_.setZero(state.position.cols() - water);
 }
 
 template <int dim>
@@ -148,11 +149,11 @@ void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state
 template <int dim>
 void FittedScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<dim>& state,
                                    const Neighbours& near) {
-  const auto n = static_cast<std::int64_t>(state.kind.size());
+  const std::int64_t n = state.position.cols(), water = boundary.water();
 #pragma omp parallel for schedule(static)
-  for (std::int64_t j = boundary.water(); j < n; ++j) {
+  for (std::int64_t j = water; j < n; ++j) {
     if (boundary.master_of(j) >= 0) continue;
-    cover_[j] = walls_.wet(j) ? 1 : 0;
+    cover_[j - water] = walls_.wet(j) ? 1 : 0;
     if (!walls_.wet(j) || walls_.corner(j)) continue;
     double sum = 0;
     const auto columns = near.row(j);
@@ -162,10 +163,11 @@ void FittedScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<di
       const double up = r.dot(walls_.normal(j)), aside = std::sqrt(std::max(0.0, r.squaredNorm() - up * up));
       if (up - walls_.depth(j) < p_.spacing) sum += std::max(0.0, 1 - aside / p_.spacing);
     }
-    cover_[j] = std::min(1.0, sum);
+    cover_[j - water] = std::min(1.0, sum);
   }
   for (std::int64_t j = boundary.water(); j < n; ++j)
-    if (const std::int32_t master = boundary.master_of(j); master >= 0) cover_[j] = cover_[master];
+    if (const std::int32_t master = boundary.master_of(j); master >= 0)
+      cover_[j - water] = cover_[master - water];
 }
 
 template <int dim>
@@ -246,7 +248,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     weights += far_weight;
     const double part = volume_weight(1 / (inverse * reach));
     volume += part;
-    filled += cover_[j] * part;
+    filled += cover_[j - water] * part;
     open += far_weight * r;
     walled += far_weight * walls_.held(j, r);
   }
@@ -310,7 +312,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   } else if (beside_wall) {
     inverse_where_seen<dim>(a + b, all_[k]);
   } else {
-    inverse_where_seen<dim>(b, all_[k]);
+    for (int c = 0; c < dim * dim; ++c) all_[k].data()[c] = water_[k].data()[c];
   }
   inward_.col(i) = inward;
   surface_factor_[i] = factor;
@@ -411,6 +413,7 @@ void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& s
 template <int dim>
 void FittedScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const State<dim>& state,
                                      const Neighbours& near) {
+  motion_ = motions_.of<Motion>(static_cast<std::size_t>(boundary.water()));
   if (boundary.tank().periodic().any())
     find_velocity_gradient<true>(boundary, state, near);
   else

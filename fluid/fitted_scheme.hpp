@@ -8,6 +8,7 @@
 #include "fluid/pair_lanes.hpp"
 #include "fluid/parameters.hpp"
 #include "fluid/pressure.hpp"
+#include "fluid/shared_memory.hpp"
 #include "fluid/sound_layer.hpp"
 #include "fluid/state.hpp"
 #include "fluid/surface_lattice.hpp"
@@ -71,6 +72,7 @@ class FittedScheme {
                         double dt);
   /// Memory of one tensor per particle of water that nothing is kept in from step to step.
   std::vector<Tensor<dim>>& tensors() { return all_; }
+  SharedMemory& memory() { return motions_; }  // the same of any size
   /// ∇·u* of the last `filter` [1/s].
   double divergence(std::int64_t i) const { return velocity_gradient(i).trace(); }
 
@@ -104,9 +106,14 @@ class FittedScheme {
   /// was meant to leave is taken away. Without tension the face's own pressure is not below zero [Pa].
   double rise(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j,
               const Vector<dim>& held, double slope) const;
+  /// Sums over the wet rows whose faces a particle lies over.
+  struct Faces {
+    Vector<dim> rises = Vector<dim>::Zero();  // Σ w q P r/r²
+    Tensor<dim> held = Tensor<dim>::Zero();   // a = Σ w P r ⊗ P r/r²
+    double weights = 0;                       // Σ w of the first rows
+  };
   /// Reaction of the faces to what their rows push particle i beyond its own ∇p, per weight of a row [N].
-  Vector<dim> reaction(const Boundary<dim>&, const State<dim>&, const Neighbours& near, std::int64_t i,
-                       double slope) const;
+  Vector<dim> reaction(std::int64_t i, const Faces&) const;
   /// (u−U) past the faces that the particle touches [m/s].
   Vector<dim> left_approach(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                             std::int64_t i) const;
@@ -169,16 +176,17 @@ class FittedScheme {
   std::vector<Tensor<dim>> all_;          // the same with P r of wet rows and the free surface's part
   std::vector<float> entry_;              // −w_L of each pair, where far has not got it
   std::vector<std::int64_t> water_stop_;  // end of the water in each row of far
-  std::vector<Motion> motion_;            // of the last `filter`, before it
-  Vectors<dim> moment_;                   // Σ w_L r over water, P r over wet rows [m]
-  Vectors<dim> inward_;                   // unit vector away from the free surface
-  Vectors<dim> crowding_;                 // Σ w r/r² [1/m]
-  Vectors<dim> reaction_;                 // of the faces [N], see `reaction`
-  Eigen::VectorXd stiffness_;             // of l0² ∇C against the particle's place
-  Eigen::VectorXd eased_;                 // part of its residual that the step leaves as it is
-  Eigen::VectorXd soft_;                  // part of the equation's diagonal that no compressibility makes
-  Eigen::VectorXd yielding_;              // of p_i in the equation, but for ∇²p and the surface
-  Eigen::VectorXd meant_;                 // of the right side, but for ∇·u* and g
+  SharedMemory motions_;
+  std::span<Motion> motion_;   // of the last `filter`, before it, or of `measure_residual`
+  Vectors<dim> moment_;        // Σ w_L r over water, P r over wet rows [m]
+  Vectors<dim> inward_;        // unit vector away from the free surface
+  Vectors<dim> crowding_;      // Σ w r/r² [1/m]
+  Vectors<dim> reaction_;      // of the faces [N], see `reaction`
+  Eigen::VectorXd stiffness_;  // of l0² ∇C against the particle's place
+  Eigen::VectorXd eased_;      // part of its residual that the step leaves as it is
+  Eigen::VectorXd soft_;       // part of the equation's diagonal that no compressibility makes
+  Eigen::VectorXd yielding_;   // of p_i in the equation, but for ∇²p and the surface
+  Eigen::VectorXd meant_;      // of the right side, but for ∇·u* and g
   enum class Cut : std::uint8_t { none, limited, released };
   std::vector<Cut> cut_;                    // pressures that `limit` or `release_tension` has cut
   std::vector<std::uint8_t> sees_surface_;  // of `release_tension`: free surface within the far rows

@@ -28,7 +28,7 @@ Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const Sta
                                         std::int64_t i, std::int64_t j) const {
   const auto mean = [&] {
     const std::int32_t master = boundary.master_of(j);
-    return mean_approach_.col(master < 0 ? j : master);
+    return mean_approach_.col((master < 0 ? j : master) - boundary.water());
   };
   if (!over(boundary, state, i, j)) return mean();
   Vector<dim> u = state.velocity.col(i) - state.velocity.col(j);
@@ -87,8 +87,8 @@ void FittedScheme<dim>::approach_from_mean(const Boundary<dim>& boundary, const 
       sum += w * (state.velocity.col(i) + velocity_gradient(i) * to_face);
       weights += w;
     }
-    mean_approach_.col(j).setZero();
-    if (weights > 0) mean_approach_.col(j) = sum / weights - state.velocity.col(j);
+    mean_approach_.col(j - boundary.water()).setZero();
+    if (weights > 0) mean_approach_.col(j - boundary.water()) = sum / weights - state.velocity.col(j);
   }
 }
 
@@ -125,31 +125,14 @@ double FittedScheme<dim>::rise(const Boundary<dim>& boundary, const State<dim>& 
 // neither p_i + h ∂p/∂n nor the water next to it tells of. On an even lattice faces carry p_i + q/2 with it,
 // and momentum is exact.
 template <int dim>
-Vector<dim> FittedScheme<dim>::reaction(const Boundary<dim>& boundary, const State<dim>& state,
-                                        const Neighbours& near, std::int64_t i, double slope) const {
+Vector<dim> FittedScheme<dim>::reaction(std::int64_t i, const Faces& faces) const {
   constexpr double least = 1e-3;  // of n0, added to A − a: a film of one particle has none across
-  const auto columns = near.row(i);
-  const auto inverses = near.inverses(i);
-  const Vector<dim> gradient = gradient_of_p_.col(i);
-  Tensor<dim> rest = Tensor<dim>::Zero();
-  Vector<dim> beyond = Vector<dim>::Zero();
-  double weights = 0;
-  for (std::size_t e = water_pairs(columns, boundary.water()); e < columns.size(); ++e) {
-    const std::int64_t j = columns[e];
-    if (!walls_.wet(j) || !over(boundary, state, i, j)) continue;
-    const double weight = gradient_.radius * inverses[e] - 1;
-    const double w = weight * inverses[e] * inverses[e];
-    const Vector<dim> held =
-        walls_.held(j, boundary.tank().periodic().separation(state.position.col(i), state.position.col(j)));
-    rest.noalias() -= w * held * held.transpose();
-    beyond += w * (rise(boundary, state, i, j, held, slope) - gradient.dot(held)) * held;
-    if (boundary.master_of(j) < 0 && !walls_.corner(j)) weights += std::max(0.0, weight);
-  }
   const Tensor<dim>& inverse = all_[static_cast<std::size_t>(i)];
-  if (!(weights > 0) || !(inverse.determinant() > least_determinant())) return Vector<dim>::Zero();
-  rest += inverse.inverse();
+  if (!(faces.weights > 0) || !(inverse.determinant() > least_determinant())) return Vector<dim>::Zero();
+  Tensor<dim> rest = inverse.inverse() - faces.held;
   rest.diagonal().array() += least * gradient_.n0;
-  return 0.5 * std::pow(p_.spacing, dim) / weights * (rest.inverse() * beyond);
+  const Vector<dim> beyond = faces.rises - faces.held * gradient_of_p_.col(i);
+  return 0.5 * std::pow(p_.spacing, dim) / faces.weights * (rest.inverse() * beyond);
 }
 
 template <int dim>
@@ -219,8 +202,7 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
   template double FittedScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const;         \
   template double FittedScheme<dim>::rise(const Boundary<dim>&, const State<dim>&, std::int64_t,             \
                                           std::int64_t, const Vector<dim>&, double) const;                   \
-  template Vector<dim> FittedScheme<dim>::reaction(const Boundary<dim>&, const State<dim>&,                  \
-                                                   const Neighbours&, std::int64_t, double) const;           \
+  template Vector<dim> FittedScheme<dim>::reaction(std::int64_t, const Faces&) const;                        \
   template Vector<dim> FittedScheme<dim>::left_approach(const Boundary<dim>&, const State<dim>&,             \
                                                         const Neighbours&, std::int64_t) const;              \
   template double FittedScheme<dim>::slope_share(double) const;                                              \

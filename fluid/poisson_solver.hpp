@@ -47,6 +47,8 @@ class PoissonSolver {
                                 const Eigen::VectorXd& guess, const Scheme&);
   /// Of the last solve.
   const PressureChoice& choice() const { return choice_; }
+  /// Memory that nothing is kept in between two solves.
+  SharedMemory& memory() { return cg_.memory(); }
   std::size_t bytes() const { return multilevel_.bytes() + cg_.bytes(); }
 
  private:

@@ -65,13 +65,19 @@ template <int dim>
 double Simulation<dim>::stable_dt() const {
   const Work& w = *work_;
   const double l0 = w.p.spacing;
-  const double fastest = std::sqrt(w.state.velocity.colwise().squaredNorm().maxCoeff());
+  double square = 0, energy = 0;
+#pragma omp parallel for schedule(static) reduction(max : square, energy)
+  for (Eigen::Index i = 0; i < w.state.velocity.cols(); ++i) {
+    square = std::max(square, w.state.velocity.col(i).squaredNorm());
+    energy = std::max(energy, w.state.sps_k[i]);
+  }
+  const double fastest = std::sqrt(square);
   double dt = std::numeric_limits<double>::infinity();
   if (fastest > 0) dt = std::min(dt, w.p.scheme.cfl * l0 / fastest);
   const double field = (w.p.gravity.template head<dim>() - w.boundary.tank().acceleration()).norm();
   if (field > 0) dt = std::min(dt, 0.25 * std::sqrt(l0 / field));
   dt = std::min(dt, column_step(w.p, field));
-  dt = std::min(dt, viscous_limit(w.p, w.state.sps_k.maxCoeff()));
+  dt = std::min(dt, viscous_limit(w.p, energy));
   return dt;
 }
 

@@ -149,12 +149,12 @@ void Simulation<dim>::Work::predict() {
       wall_distance[static_cast<std::size_t>(i)] = boundary.tank().distance(state.position.col(i));
   }
   // Both write theirs anew before they read it, one after the other.
-  if (fitted) viscous.exchange_tensors(fitted->tensors());
+  if (fitted) viscous.exchange(fitted->tensors(), fitted->memory(), poisson.memory());
   viscous.compute(p,
                   {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface,
                    search.periodic(), wall_distance},
                   dt, state.sps_k);
-  if (fitted) viscous.exchange_tensors(fitted->tensors());
+  if (fitted) viscous.exchange(fitted->tensors(), fitted->memory(), poisson.memory());
   std::int64_t pulled = 0;
 #pragma omp parallel for schedule(static) reduction(+ : pulled)
   for (std::int64_t i = 0; i < water; ++i) {

@@ -51,7 +51,8 @@ template <int dim>
 bool well_conditioned(const Tensor<dim>& moment, double determinant) {
   constexpr double c = largest_condition;
   const double trace = moment.trace();
-  if constexpr (dim == 2) return trace * trace <= determinant * (1 + c) * (1 + c) / c;
+  constexpr double least = (1 + c) * (1 + c) / c;
+  if constexpr (dim == 2) return trace * trace <= determinant * least;
   if (trace * trace * trace <= 4 * c * determinant) return true;
   Eigen::SelfAdjointEigenSolver<Tensor<dim>> spectrum;
   spectrum.computeDirect(moment, Eigen::EigenvaluesOnly);
@@ -86,7 +87,7 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
   assert(k.size() == n && flow.walls.first + flow.walls.size() == n);
   acceleration.setZero(dim, n);
   production.setZero(n);
-  eddy_viscosity.setZero(n);
+  eddy_viscosity.setZero(scheme.turbulence == Turbulence::k ? n : 0);
   if (scheme.turbulence == Turbulence::none) {
     k.setZero();
     if (parameters.kinematic_viscosity == 0) return;
@@ -113,8 +114,8 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
   const auto n = flow.position.cols();
   const std::int64_t water = flow.walls.first;
   const bool seams = flow.periodic.any();
-  sample_.resize(static_cast<size_t>(n));
-  stress_.resize(static_cast<size_t>(water));
+  sample_ = samples_.of<Sample>(static_cast<size_t>(n));
+  stress_ = stresses_.of<Stress>(static_cast<size_t>(water));
   correction_.resize(static_cast<size_t>(water));
   viscosity_.resize(static_cast<size_t>(water));
   neighbours_.resize(static_cast<size_t>(water));
@@ -197,7 +198,7 @@ void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energ
       eddy *= model_.damping(flow.wall_distance[static_cast<size_t>(i)], production[i]);
   }
   const double viscosity = model_.kinematic_viscosity + eddy;
-  eddy_viscosity[i] = eddy;
+  if (kind_ == Turbulence::k) eddy_viscosity[i] = eddy;
   viscosity_[static_cast<size_t>(i)] = viscosity;
   Stress stress{};
   for (int a = 0; a < dim; ++a)

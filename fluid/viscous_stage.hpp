@@ -8,6 +8,7 @@
 
 #include "fluid/operators.hpp"
 #include "fluid/pair_lanes.hpp"
+#include "fluid/shared_memory.hpp"
 #include "fluid/turbulence.hpp"
 #include "fluid/viscous_walls.hpp"
 
@@ -39,12 +40,17 @@ class ViscousStage {
   /// k: the energy at the start of the step, advanced by dt with the k model, else overwritten [m²/s²].
   void compute(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
 
-  /// Memory of one tensor per particle of water that its owner does not need during `compute`, and back.
-  void exchange_tensors(std::vector<Tensor<dim>>& other) { correction_.swap(other); }
+  /// Memory that its owners do not need during `compute`, and back: one tensor per particle of water, and two
+  /// pieces of any size.
+  void exchange(std::vector<Tensor<dim>>& tensors, SharedMemory& one, SharedMemory& other) {
+    correction_.swap(tensors);
+    stresses_.swap(one);
+    samples_.swap(other);
+  }
 
   Vectors<dim> acceleration;       // [m/s²]
   Eigen::VectorXd production;      // Pr = 2 S:S [1/s²]
-  Eigen::VectorXd eddy_viscosity;  // ν_t [m²/s]
+  Eigen::VectorXd eddy_viscosity;  // ν_t [m²/s], with the k model alone
 
  private:
   /// What a neighbour must know: place and velocity, and the rows of τ, then those of G.
@@ -72,8 +78,9 @@ class ViscousStage {
   double radius_ = 0, stress_scale_ = 0, laplacian_scale_ = 0;  // r_e [m], d/n0, 2d/(n0 λ) [1/m²]
   Turbulence kind_ = Turbulence::none;
   VelocityBehind<dim> behind_;
-  std::vector<Sample> sample_;
-  std::vector<Stress> stress_;
+  SharedMemory samples_, stresses_;
+  std::span<Sample> sample_;  // of the last `compute`, as `stress_`
+  std::span<Stress> stress_;
   std::vector<Tensor<dim>> correction_;
   std::vector<double> viscosity_;         // ν + ν_t of the water [m²/s]
   std::vector<std::int32_t> neighbours_;  // of the water; −1: too few or too flat for a gradient

@@ -18,17 +18,17 @@ constexpr double corner_margin = 0.02;
 
 template <int dim>
 WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& state, double spacing)
-    : spacing_(spacing) {
+    : spacing_(spacing), first_(boundary.water()) {
   const auto n = state.position.cols();
-  axis_.setZero(dim, n);
-  depth_.setZero(n);
+  axis_.setZero(dim, n - first_);
+  depth_.setZero(n - first_);
   corner_.assign(static_cast<std::size_t>(n), 0);
   wet_.assign(static_cast<std::size_t>(n), 0);
   const auto& shape = boundary.tank().shape();
   for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j) {
-    axis_.col(j) = boundary.normal_of(j);
-    depth_[j] = -boundary.tank().distance(state.position.col(j));
-    if (axis_.col(j).squaredNorm() > 0) continue;
+    axis_.col(j - first_) = boundary.normal_of(j);
+    depth_[j - first_] = -boundary.tank().distance(state.position.col(j));
+    if (axis_.col(j - first_).squaredNorm() > 0) continue;
     corner_[static_cast<std::size_t>(j)] = 1;
     if constexpr (dim == 3) {
       // On the edge of two walls the direction along it is free.
@@ -39,7 +39,7 @@ WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& s
           ++inside;
           free = a;
         }
-      if (inside == 1) axis_(free, j) = 1;
+      if (inside == 1) axis_(free, j - first_) = 1;
     }
   }
 }
@@ -49,8 +49,8 @@ void WallContact<dim>::place_bodies(const Boundary<dim>& boundary, const State<d
   if (boundary.outline().empty()) return;
   for (std::int64_t j = boundary.first_of_bodies(); j < state.position.cols(); ++j) {
     const int k = boundary.point_of(j);
-    axis_.col(j) = boundary.outline().normal(k);
-    depth_[j] = axis_.col(j).dot(boundary.outline().point(k) - state.position.col(j));
+    axis_.col(j - first_) = boundary.outline().normal(k);
+    depth_[j - first_] = axis_.col(j - first_).dot(boundary.outline().point(k) - state.position.col(j));
   }
 }
 
@@ -58,7 +58,7 @@ template <int dim>
 void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
   if (boundary.tank().moves())
     for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j)
-      if (!corner(j)) axis_.col(j) = boundary.normal_of(j);
+      if (!corner(j)) axis_.col(j - first_) = boundary.normal_of(j);
   place_bodies(boundary, state);
   const auto n = static_cast<std::int64_t>(state.kind.size());
 #pragma omp parallel for schedule(static)
@@ -75,9 +75,9 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
         nearest = std::min(nearest, joining_height - corner_margin + off);
         continue;
       }
-      const double up = r.dot(axis_.col(j));
+      const double up = r.dot(axis_.col(j - first_));
       if (r.squaredNorm() - up * up > aside * aside * spacing_ * spacing_) continue;
-      nearest = std::min(nearest, (up - depth_[j]) / spacing_);
+      nearest = std::min(nearest, (up - depth_[j - first_]) / spacing_);
     }
     const bool was_dry = state.surface[k] != 0;
     const bool is_wet = nearest < (was_dry ? joining_height : leaving_height);

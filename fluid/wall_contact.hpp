@@ -29,23 +29,25 @@ class WallContact {
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
   /// Part of r that the face holds: along its normal, or all that leaves a corner of the tank.
   Vector<dim> held(std::int64_t row, const Vector<dim>& r) const {
-    const Vector<dim> axis = axis_.col(row);
+    const Vector<dim> axis = axis_.col(row - first_);
     const double along = axis.dot(r);
     return corner_[static_cast<std::size_t>(row)] ? Vector<dim>(r - along * axis) : Vector<dim>(along * axis);
   }
   bool corner(std::int64_t row) const { return corner_[static_cast<std::size_t>(row)] != 0; }
   /// Of the face, into the water; only for rows that are no corner.
-  Vector<dim> normal(std::int64_t row) const { return axis_.col(row); }
-  double depth(std::int64_t row) const { return depth_[row]; }  // of the row behind its face [m]
+  Vector<dim> normal(std::int64_t row) const { return axis_.col(row - first_); }
+  double depth(std::int64_t row) const { return depth_[row - first_]; }  // of the row behind its face [m]
   /// Height of x over the face of that row [m], zero beneath it.
   double height(std::int64_t row, const Vector<dim>& row_position, const Vector<dim>& x) const {
-    return corner(row) ? 0.0 : std::max(0.0, axis_.col(row).dot(x - row_position) - depth_[row]);
+    return corner(row) ? 0.0
+                       : std::max(0.0, axis_.col(row - first_).dot(x - row_position) - depth_[row - first_]);
   }
 
  private:
   void place_bodies(const Boundary<dim>&, const State<dim>&);
   double spacing_;
-  Vectors<dim> axis_;  // normal of a face; direction of an edge between two walls; zero in a corner
+  std::int64_t first_;  // row
+  Vectors<dim> axis_;   // normal of a face; direction of an edge between two walls; zero in a corner
   Eigen::VectorXd depth_;
   std::vector<std::uint8_t> corner_, wet_;
 };
