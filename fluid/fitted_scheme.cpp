@@ -284,7 +284,7 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
       const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
       const double far_weight = reach * inverse - 1;
       weights -= far_weight;
-      filled -= cover_[j] * volume_weight(1 / (inverse * reach));
+      filled -= cover_[j - water] * volume_weight(1 / (inverse * reach));
       open -= far_weight * r;
       walled -= far_weight * walls_.held(j, r);
     }
