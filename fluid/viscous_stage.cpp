@@ -87,7 +87,7 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
   assert(k.size() == n && flow.walls.first + flow.walls.size() == n);
   acceleration.setZero(dim, n);
   production.setZero(n);
-  eddy_viscosity.setZero(scheme.turbulence == Turbulence::k ? n : 0);
+  eddy_viscosity.setZero(n);
   if (scheme.turbulence == Turbulence::none) {
     k.setZero();
     if (parameters.kinematic_viscosity == 0) return;
@@ -198,7 +198,7 @@ void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energ
       eddy *= model_.damping(flow.wall_distance[static_cast<size_t>(i)], production[i]);
   }
   const double viscosity = model_.kinematic_viscosity + eddy;
-  if (kind_ == Turbulence::k) eddy_viscosity[i] = eddy;
+  eddy_viscosity[i] = eddy;
   viscosity_[static_cast<size_t>(i)] = viscosity;
   Stress stress{};
   for (int a = 0; a < dim; ++a)

@@ -50,7 +50,7 @@ class ViscousStage {
 
   Vectors<dim> acceleration;       // [m/s²]
   Eigen::VectorXd production;      // Pr = 2 S:S [1/s²]
-  Eigen::VectorXd eddy_viscosity;  // ν_t [m²/s], with the k model alone
+  Eigen::VectorXd eddy_viscosity;  // ν_t [m²/s]
 
  private:
   /// What a neighbour must know: place and velocity, and the rows of τ, then those of G.
