@@ -12,6 +12,8 @@ namespace {
 constexpr double joining_height = 0.52, leaving_height = 1.0;
 /// How far beside a row's middle water counts [l0].
 constexpr double aside = 1.01;
+/// A body that lies so near before a wall covers it [l0].
+constexpr double covered = 0.1;
 /// A corner has no face: its distance to the first lattice particle is √dim l0.
 constexpr double corner_margin = 0.02;
 }  // namespace
@@ -80,7 +82,13 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
       nearest = std::min(nearest, (up - depth_[j - first_]) / spacing_);
     }
     const bool was_dry = state.surface[k] != 0;
-    const bool is_wet = nearest < (was_dry ? joining_height : leaving_height);
+    bool is_wet = nearest < (was_dry ? joining_height : leaving_height);
+    if (is_wet && j < boundary.first_of_bodies() && !corner(j) && !boundary.outline().empty()) {
+      // Behind a body that touches the wall there is no water, however near its corner is to some.
+      const Vector<dim> before =
+          state.position.col(j) + (depth_[j - first_] + covered * spacing_) * axis_.col(j - first_);
+      is_wet = !boundary.outline().inside(before);
+    }
     state.surface[k] = is_wet ? 0 : 1;
     wet_[k] = is_wet ? 1 : 0;
   }

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace strake::fluid {
@@ -199,6 +200,36 @@ TEST(Simulation, VolumeCouplingLoadsTheStructureParticlesTheWaterTouchesAndKeeps
   EXPECT_LT(force.row(1).tail(20).cwiseAbs().maxCoeff(), 0.2 * force.row(1).sum());  // upper layer
   EXPECT_LT(momentum_gap(simulation.state(), 0.1).norm(),
             1e-10 * simulation.state().impulse_on_bodies.norm());
+}
+
+// The rows of the tank's walls beside the plate have the water's corner particle one spacing above them: were
+// they wet by it, each of its small moves would knock on the plate.
+TEST(Simulation, WallsBehindABodyThatCoversThemStayDry) {
+  constexpr double spacing = 0.025, width = 0.5, depth = 0.5, thick = 2 * spacing;
+  Parameters p = tank_case(width, depth, spacing, 4 * spacing);
+  p.tank.min[1] = -depth - thick;
+  const InterfaceMesh plate = rectangle(-0.5 * width, -depth - thick, width, thick, spacing);
+  Simulation<2> simulation(p, plate, Points::Zero(3, plate.position.cols()));
+  State<2>& state = simulation.mutable_state();
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i)  // nearer to the wall: past the plate's corner
+    if (state.kind[static_cast<std::size_t>(i)] == Kind::fluid && state.position(1, i) < -depth + spacing)
+      state.position(0, i) += std::copysign(0.2 * spacing, state.position(0, i)) *
+                              (std::abs(state.position(0, i)) > 0.5 * width - spacing ? 1 : 0);
+  const auto n = simulation.interface().position.cols();
+  simulation.step(1e-4, {Points::Zero(3, n), Points::Zero(3, n), Points::Zero(3, n)});
+  int covered = 0, wet_above = 0;
+  for (std::size_t j = 0; j < state.kind.size(); ++j) {
+    if (state.kind[j] != Kind::wall) continue;
+    const double y = state.position(1, static_cast<Eigen::Index>(j));
+    if (y > -depth) {
+      wet_above += state.surface[j] ? 0 : 1;
+      continue;
+    }
+    ++covered;
+    EXPECT_EQ(state.surface[j], 1) << "at " << state.position.col(static_cast<Eigen::Index>(j)).transpose();
+  }
+  EXPECT_GT(covered, 4);
+  EXPECT_GT(wet_above, 30);
 }
 
 }  // namespace
