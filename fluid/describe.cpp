@@ -52,6 +52,7 @@ std::string source_text(const Scheme& s) {
 }
 
 std::string surface_text(const Scheme& s) {
+  if (s.gradient == Gradient::least_squares) return "by the first moment of its neighbours";
   const char* second = s.second == SecondCriterion::arc         ? " and open arc"
                        : s.second == SecondCriterion::asymmetry ? " and asymmetry"
                                                                 : "";
