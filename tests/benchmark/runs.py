@@ -50,10 +50,15 @@ def run(bin_dir, case, sets=()):
         path = case if isinstance(case, pathlib.Path) else pathlib.Path(place) / "benchmark.toml"
         if path is not case:
             path.write_text(case)
-        words = [str(bin_dir.resolve() / "strake"), "run", str(path), "--quiet"]
+        program = bin_dir.resolve() / "strake"
+        if not program.is_file():
+            raise SystemExit(f"{bin_dir}: expected the folder of the program strake\n  fix: build it (tests/run.sh), or name its folder as BIN_DIR")
+        words = [str(program), "run", str(path), "--quiet"]
         for pair in sets:
             words += ["--set", pair]
-        subprocess.run(words, cwd=place, check=True, stdout=subprocess.DEVNULL, env={**ENVIRONMENT, **os.environ})
+        done = subprocess.run(words, cwd=place, stdout=subprocess.DEVNULL, env={**ENVIRONMENT, **os.environ})
+        if done.returncode != 0:
+            raise SystemExit(f"{' '.join(words[1:])}: ended with exit code {done.returncode}, its own message is above")
         return Run(pathlib.Path(place) / "runs" / path.stem)
 
 

@@ -16,7 +16,10 @@ The water stays with the face's end: int_face |h'|^2/|z'| = int_face |z'| gives 
 Solved by Newton in ln f over even steps of ln(l/(1 - l)), where all decays exponentially; ends are powers, taken exactly."""
 import sys
 
-import numpy
+try:
+    import numpy
+except ImportError:
+    raise SystemExit("similarity.py: needs numpy\n  fix: install the package python3-numpy, and call the system's python3") from None
 
 # deadrise [deg]: largest Cp, its z/(V t), F/(rho V^3 t); Zhao & Faltinsen 1993 (quoted in VALIDATION C4)
 TABULATED = {4: (503.030, 0.5695, 1503.638), 7.5: (140.587, 0.5623, 399.816), 10: (77.847, 0.5556, 213.980),

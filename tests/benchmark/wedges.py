@@ -19,11 +19,11 @@ Reference: theory, exact similarity flow (similarity.py, which needs numpy: Dobr
 tank is twelve half wetted widths long each side of the wedge and ten deep: half of that adds 4 % to the force at 40 degrees."""
 import math
 
+import similarity  # first: it says what is missing where numpy is
 import numpy
 
 import drawing
 import runs
-import similarity
 
 SPEED, DENSITY, HALF = 10.0, 1000.0, 1.0  # m/s, kg/m^3, half wetted width at the end [m]
 PROBES = 60
@@ -138,6 +138,9 @@ def main():
     parser.add_argument("--step", type=float, default=0.06)
     parser.add_argument("--threads", type=int, default=2)
     arguments = parser.parse_args()
+    for deadrise in arguments.deadrise or []:
+        if not 4 <= deadrise <= 81:
+            parser.error(f"--deadrise {deadrise:g}: expected 4 to 81 degrees, where the similarity solution is known well")
     table = runs.Table([("deadrise", 8), ("K", 7), ("exact", 7), ("off", 8), ("+-", 6), ("F/t", 7), ("off", 8), ("rms", 5), ("Cp", 6),
                         ("exact", 6), ("off", 8), ("z/Vt", 5), ("exact", 5), ("flank", 5), ("sides", 7), ("gap", 7), ("particles", 9), ("wall [s]", 8)])
     l0 = HALF / arguments.across
