@@ -9,7 +9,6 @@ if [ "${1:-}" = "--sanitize" ]; then
   shift
   export STRAKE_BUILD="$PWD/build-sanitize" STRAKE_CMAKE_OPTIONS="-DSTRAKE_SANITIZE=ON -DSTRAKE_NATIVE=OFF"
   export ASAN_OPTIONS=detect_leaks=1:halt_on_error=1 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
-  export LSAN_OPTIONS=suppressions="$here/lsan.supp":print_suppressions=0
   labels=(-L 'unit|method')
 fi
 . cases/setup.sh

@@ -8,7 +8,12 @@
 #include <Eigen/Eigenvalues>
 
 #include <array>
+#include <cstdlib>
 #include <limits>
+
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace strake::fluid {
 namespace {
@@ -244,6 +249,15 @@ TEST(Hypre, AgreesWithTheDirectSolverWhereItIsBuilt) {
     EXPECT_THROW(solve(system, c, scheme), Error);
     return;
   }
+#ifdef __SANITIZE_ADDRESS__
+  {
+    // MPI starts with the first system; its plug-ins never give back all they took, and are gone when leaks
+    // are named.
+    const __lsan::ScopedDisabler unwatched;
+    solve(system, c, scheme);
+    std::atexit(__lsan_disable);  // comes before MPI's own end
+  }
+#endif
   const PressureSolution direct = solve(system, c, scheme_of(Preconditioner::ic, PressureSolver::cholmod));
   const PressureSolution amg = solve(system, c, scheme);
   EXPECT_LT((amg.pressure - direct.pressure).norm(), 1e-7 * direct.pressure.norm());
