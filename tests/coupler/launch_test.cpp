@@ -76,9 +76,13 @@ TEST_F(Launching, TheDestructorEndsAProgramThatIgnoresSigterm) {
 }
 
 TEST_F(Launching, ASuspendedProgramIsRecognisedAndEnds) {
-  Child child(shell("sleep 30"));
+  // exec: a shell that has just split off a program waits for it inside the kernel, where it cannot be
+  // stopped.
+  Child child(shell("exec sleep 30"));
   child.signal(SIGSTOP);
-  while (!child.stopped()) usleep(1000);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  while (!child.stopped() && std::chrono::steady_clock::now() < deadline) usleep(1000);
+  EXPECT_TRUE(child.stopped());
   child.end(milliseconds(2000));
   EXPECT_EQ(child.exit()->signal, SIGTERM);
   end_orphans();
