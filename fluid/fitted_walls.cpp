@@ -23,6 +23,32 @@ bool FittedScheme<dim>::over(const Boundary<dim>& boundary, const State<dim>& st
          boundary.is_over(boundary.point_of(row), state.position.col(i));
 }
 
+// Hats of width l0 over the layer of water next to the face: a lattice's sum to one inside, and to as much of
+// the row's length as lies below the water's level at its end.
+template <int dim>
+void FittedScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<dim>& state,
+                                   const Neighbours& near) {
+  const std::int64_t n = state.position.cols(), water = boundary.water();
+#pragma omp parallel for schedule(static)
+  for (std::int64_t j = water; j < n; ++j) {
+    if (boundary.master_of(j) >= 0) continue;
+    cover_[j - water] = walls_.wet(j) ? 1 : 0;
+    if (!walls_.wet(j) || walls_.corner(j)) continue;
+    double sum = 0;
+    const auto columns = near.row(j);
+    for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
+      const Vector<dim> r =
+          boundary.tank().periodic().separation(state.position.col(j), state.position.col(columns[e]));
+      const double up = r.dot(walls_.normal(j)), aside = std::sqrt(std::max(0.0, r.squaredNorm() - up * up));
+      if (up - walls_.depth(j) < p_.spacing) sum += std::max(0.0, 1 - aside / p_.spacing);
+    }
+    cover_[j - water] = std::min(1.0, sum);
+  }
+  for (std::int64_t j = boundary.water(); j < n; ++j)
+    if (const std::int32_t master = boundary.master_of(j); master >= 0)
+      cover_[j - water] = cover_[master - water];
+}
+
 template <int dim>
 Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const State<dim>& state,
                                         std::int64_t i, std::int64_t j) const {
@@ -194,6 +220,7 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
       const;                                                                                                 \
   template Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>&, const State<dim>&, std::int64_t,    \
                                                    std::int64_t) const;                                      \
+  template void FittedScheme<dim>::cover_rows(const Boundary<dim>&, const State<dim>&, const Neighbours&);   \
   template void FittedScheme<dim>::approach_from_mean(const Boundary<dim>&, const State<dim>&,               \
                                                       const Neighbours&);                                    \
   template Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>&, const State<dim>&, std::int64_t,    \
