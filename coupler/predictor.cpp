@@ -9,18 +9,18 @@
 namespace strake {
 namespace {
 
-/// Lagrange polynomial through the last `n` motions: Σ_k f_k Π_(j≠k) (t − t_j)/(t_k − t_j).
-Eigen::MatrixXd extrapolate(const MotionHistory& history, std::size_t n, Eigen::MatrixXd Motion::*what,
-                            double time) {
+/// Lagrange polynomial of field number `f` through the last `n` samples: Σ_k f_k Π_(j≠k) (t − t_j)/(t_k −
+/// t_j).
+Eigen::MatrixXd extrapolate(const Samples& history, std::size_t n, std::size_t f, double time) {
   const std::size_t first = history.size() - n;
   // Differences to the newest value: a travel much larger than its changes loses no digits.
-  const Eigen::MatrixXd& newest = history.back().*what;
+  const Eigen::MatrixXd& newest = history.back().fields[f].value;
   Eigen::MatrixXd value = newest;
   for (std::size_t k = first; k + 1 < history.size(); ++k) {
     double weight = 1;
     for (std::size_t j = first; j < history.size(); ++j)
       if (j != k) weight *= (time - history[j].time) / (history[k].time - history[j].time);
-    value += weight * (history[k].*what - newest);
+    value += weight * (history[k].fields[f].value - newest);
   }
   return value;
 }
@@ -35,27 +35,37 @@ Predictor predictor_kind(const std::string& name) {
               fmt::format("\"{}\" is not a predictor", name), "quadratic, linear or constant");
 }
 
-void remember(MotionHistory& history, Motion motion) {
+void remember(Samples& history, Sample sample) {
   constexpr std::size_t longest = 3;
   if (history.size() == longest) history.erase(history.begin());
-  history.push_back(std::move(motion));
+  history.push_back(std::move(sample));
 }
 
-Motion predict(Predictor kind, const MotionHistory& history, double time) {
-  const Motion& last = history.back();
+Sample predict(Predictor kind, const Samples& history, double time) {
+  const Sample& last = history.back();
   const std::size_t wanted = kind == Predictor::constant ? 1 : kind == Predictor::linear ? 2 : 3;
   const std::size_t n = std::min(wanted, history.size());
-  Motion guess = {time, last.displacement, last.velocity};
-  if (wanted == 1) return guess;
-  if (n == 1) {
-    if (last.velocity.size() > 0) guess.displacement += (time - last.time) * last.velocity;
-    return guess;
+  const Field *u = find(last.fields, "displacement"), *v = find(last.fields, "velocity");
+  Sample guess = {time, {}};
+  for (std::size_t f = 0; f < last.fields.size(); ++f) {
+    const Field& field = last.fields[f];
+    guess.fields.push_back({field.quantity, field.unit, field.conservative, {}});
+    Eigen::MatrixXd& value = guess.fields.back().value;
+    if (n == 1 && wanted > 1 && v && &field == u)
+      value = field.value + (time - last.time) * v->value;
+    else if (n == 1 || (u && &field == v))
+      value = field.value;
+    else
+      value = extrapolate(history, n, f, time);
   }
-  guess.displacement = extrapolate(history, n, &Motion::displacement, time);
-  // The velocity that an interface moved with constant acceleration has at the end, as the fluid follows it
-  // (DESIGN 2).
-  if (last.velocity.size() > 0)
-    guess.velocity = 2 / (time - last.time) * (guess.displacement - last.displacement) - last.velocity;
+  if (n > 1 && u && v) {
+    // As the fluid follows it (DESIGN 2).
+    const auto index = [&](const Field* field) {
+      return static_cast<std::size_t>(field - last.fields.data());
+    };
+    guess.fields[index(v)].value =
+        2 / (time - last.time) * (guess.fields[index(u)].value - u->value) - v->value;
+  }
   return guess;
 }
 

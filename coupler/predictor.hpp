@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -8,23 +7,18 @@
 
 namespace strake {
 
-/// First guess of a window's end displacement and velocity, from what was committed.
+/// First guess of what a side will send at a window's end, from what was committed.
 enum class Predictor { constant, linear, quadratic };
 /// "constant" | "linear" | "quadratic"; throws Error(case_file) otherwise.
 Predictor predictor_kind(const std::string&);
 
-/// Interface motion at the end of a committed window, on the structure's mesh.
-struct Motion {
-  double time = 0;               // [s]
-  Eigen::MatrixXd displacement;  // 3×n [m]
-  Eigen::MatrixXd velocity;      // 3×n [m/s]; empty: unknown
-};
-
-/// The last committed motions, oldest first, at most three.
-using MotionHistory = std::vector<Motion>;
-void remember(MotionHistory&, Motion);
-/// Motion at `time`: the polynomial of the predictor's degree through the last motions; while there are too
-/// few, the highest degree they allow; from one motion with a velocity, u + v (t − t_n).
-Motion predict(Predictor, const MotionHistory&, double time);
+/// What a side sent at the ends of the last committed windows, oldest first, at most three samples; each has
+/// the same fields.
+using Samples = std::vector<Sample>;
+void remember(Samples&, Sample);
+/// The fields at `time`: each by the polynomial of the predictor's degree through the last samples; while
+/// there are too few, by the highest degree they allow. A velocity beside a displacement goes with it: from
+/// one sample u + v (t − t_n), and always the end velocity of a motion with constant acceleration.
+Sample predict(Predictor, const Samples&, double time);
 
 }  // namespace strake

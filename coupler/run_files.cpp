@@ -8,25 +8,38 @@ namespace strake {
 
 namespace {
 
-std::vector<Column> history_columns(bool coupled, int dimension, const std::vector<Column>& participants) {
+std::string residual_unit(const RunFiles::Options& options) {
+  return options.measured.empty() ? "m" : options.measured.front().unit;
+}
+
+std::vector<Column> history_columns(const RunFiles::Options& options) {
+  const int dimension = options.dimension;
   std::vector<Column> columns = {{"window", "1"}, {"time", "s"}};
-  if (coupled) {
+  if (options.coupled) {
     const std::string newton = dimension == 2 ? "N/m" : "N";
-    columns.insert(columns.end(),
-                   {{"iterations", "1"}, {"residual", "m"}, {"force.x", newton}, {"force.y", newton}});
+    columns.insert(columns.end(), {{"iterations", "1"},
+                                   {"residual", residual_unit(options)},
+                                   {"force.x", newton},
+                                   {"force.y", newton}});
     if (dimension == 3) columns.push_back({"force.z", newton});
     columns.push_back({"work_gap", "1"});
   }
-  columns.insert(columns.end(), participants.begin(), participants.end());
+  columns.insert(columns.end(), options.columns.begin(), options.columns.end());
   return columns;
 }
 
-std::vector<Column> iteration_columns(int dimension) {
-  const std::string newton = dimension == 2 ? "N/m" : "N";
+std::vector<Column> iteration_columns(const RunFiles::Options& options) {
+  const int dimension = options.dimension;
+  const std::string newton = dimension == 2 ? "N/m" : "N", unit = residual_unit(options);
   std::vector<Column> columns = {
-      {"window", "1"},     {"time", "s"},    {"iteration", "1"}, {"residual", "m"},   {"threshold", "m"},
+      {"window", "1"},     {"time", "s"},    {"iteration", "1"}, {"residual", unit},  {"threshold", unit},
       {"relaxation", "1"}, {"columns", "1"}, {"dropped", "1"},   {"force.x", newton}, {"force.y", newton}};
   if (dimension == 3) columns.push_back({"force.z", newton});
+  for (std::size_t k = 1; k < options.measured.size(); ++k) {
+    const auto& [quantity, own_unit] = options.measured[k];
+    columns.push_back({"residual." + quantity, own_unit});
+    columns.push_back({"threshold." + quantity, own_unit});
+  }
   return columns;
 }
 
@@ -61,12 +74,12 @@ void add_force(std::vector<double>& row, const Eigen::Vector3d& force, int dimen
 
 RunFiles::RunFiles(Options options) : options_(std::move(options)) {
   const auto& folder = options_.folder;
-  table_.columns = history_columns(options_.coupled, options_.dimension, options_.columns);
+  table_.columns = history_columns(options_);
   table_.value.resize(table_.columns.size());
   history_ = open(folder / "history.csv", table_.columns, options_.resume_at, &table_);
   if (!options_.coupled) return;
-  iterations_ =
-      open(folder / "iterations.csv", iteration_columns(options_.dimension), options_.resume_at, nullptr);
+  iterations_ = open(folder / "iterations.csv", iteration_columns(options_), options_.resume_at, nullptr);
+  if (!options_.mechanical) return;
   interface_ = std::make_unique<InterfaceRecorder>(folder, options_.mesh, options_.initial);
   if (options_.resume_at) interface_->resume(*options_.resume_at);
 }
@@ -94,6 +107,10 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
                                      static_cast<double>(iteration.columns),
                                      static_cast<double>(iteration.dropped)};
     add_force(values_of, iteration.force, options_.dimension);
+    for (std::size_t k = 1; k < iteration.fields.size(); ++k) {
+      values_of.push_back(iteration.fields[k].residual);
+      values_of.push_back(iteration.fields[k].threshold);
+    }
     iterations_->append(values_of);
   }
   if (interface_) interface_->append(report.window, report.displacement, report.velocity, report.force);

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <string_view>
 
+#include "coupler/scheme_iterate.hpp"
 #include "proto/error.hpp"
 
 namespace strake {
@@ -14,53 +14,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-/// √(Σ |a_i|² / n) over the n columns.
-double rms(const MatrixXd& a) {
-  return a.cols() == 0 ? 0 : std::sqrt(a.squaredNorm() / static_cast<double>(a.cols()));
-}
-
-/// v_(n+1) = 2 (u_(n+1) − u_n)/dt − v_n, the end velocity of an interface that moves with constant
-/// acceleration (DESIGN 2). From the structure's committed motion, so that what one window leaves unconverged
-/// does not add up in the next.
-MatrixXd followed_velocity(const Motion& committed, const MatrixXd& displacement, double dt) {
-  return 2 / dt * (displacement - committed.displacement) - committed.velocity;
-}
-
-/// The place of a fault: which participant, window and iteration.
-struct Place {
-  const char* name;
-  Window window;
-  int number, iteration;
-  std::string text() const {
-    return fmt::format("{}, window {} (t = {:g} s), iteration {}", name, number, window.t, iteration);
-  }
-};
-
-/// A field of a participant's answer, checked; 0×0 when it may be absent and is.
-MatrixXd taken(const Advanced& answer, const std::string& quantity, const InterfaceMesh& mesh,
-               const Place& place, bool required) {
-  const Field* field = find(answer.output, quantity);
-  if (!field) {
-    if (!required) return {};
-    throw Error(ExitCode::solver_fault, place.text(), fmt::format("sent no {}", quantity),
-                "it must send displacement (structure) or force (fluid) with each window");
-  }
-  if (field->value.rows() != 3 || field->value.cols() != mesh.position.cols())
-    throw Error(ExitCode::solver_fault, place.text(),
-                fmt::format("sent a {} of {}×{}, its mesh needs 3×{}", quantity, field->value.rows(),
-                            field->value.cols(), mesh.position.cols()));
-  for (Index i = 0; i < field->value.cols(); ++i)
-    if (!field->value.col(i).allFinite()) {
-      const auto X = mesh.position.col(i);
-      throw Error(ExitCode::solver_fault, place.text(),
-                  fmt::format("the {} of interface point {}, X = ({:g}, {:g}, {:g}) m, is not finite",
-                              quantity, i, X.x(), X.y(), X.z()),
-                  "see its log; a smaller coupling window or solver step may help");
-    }
-  return field->value;
-}
 
 double dot(const MatrixXd& a, const MatrixXd& b) {
   return a.reshaped().dot(b.reshaped());
@@ -68,102 +21,93 @@ double dot(const MatrixXd& a, const MatrixXd& b) {
 
 }  // namespace
 
-double WindowReport::work_gap() const {
-  const double larger = std::max(std::abs(work_fluid), std::abs(work_structure));
-  return larger == 0 ? 0 : std::abs(work_fluid - work_structure) / larger;
-}
-
-std::map<std::string, double> WindowReport::monitor() const {
-  std::map<std::string, double> merged;
-  for (const auto* side : {&fluid, &structure})
-    for (const auto& [name, value] : *side) {
-      const auto begins = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
-      if (!begins("seconds.") && !begins("count.") && !begins("check.") && !begins("memory."))
-        merged.emplace(name, value);
-    }
-  return merged;
-}
-
-Scheme::Scheme(Participant& fluid, Participant& structure, Mapping mapping, SchemeParameters parameters,
+Scheme::Scheme(Participant& fluid, Participant& structure, Transfer transfer, SchemeParameters parameters,
                double start_time)
     : fluid_(fluid),
       structure_(structure),
-      mapping_(std::move(mapping)),
+      transfer_(std::move(transfer)),
       parameters_(std::move(parameters)),
+      of_structure_(fields_of_structure(structure)),
+      of_fluid_(fields_of_fluid(fluid)),
+      moves_(is_motion(of_structure_)),
       accelerator_(make_accelerator(parameters_.accelerator)) {
-  const Index n = structure_.mesh().position.cols();
-  if (mapping_.weights().rows() != fluid_.mesh().position.cols() || mapping_.weights().cols() != n)
-    throw Error(
-        ExitCode::case_file, "coupling",
-        fmt::format("the mapping is {}×{}, the meshes have {} and {} points", mapping_.weights().rows(),
-                    mapping_.weights().cols(), fluid_.mesh().position.cols(), n));
-  const auto& initial = structure_.description().initial;
-  const Field* u = find(initial, "displacement");
-  const Field* v = find(initial, "velocity");
-  Motion start = {start_time, u ? u->value : MatrixXd::Zero(3, n), v ? v->value : MatrixXd::Zero(3, n)};
-  if (start.displacement.cols() != n || (v && v->value.cols() != n))
-    throw Error(ExitCode::solver_fault, "structure", "its motion at the start does not fit its mesh");
-  if (parameters_.volume && !v)
+  const Index n = structure_.mesh().position.cols(), n_wet = fluid_.mesh().position.cols();
+  const auto check = [](const Mapping& mapping, Index rows, Index columns) {
+    const auto& weights = mapping.weights();
+    if (weights.rows() != rows || weights.cols() != columns)
+      throw Error(ExitCode::case_file, "coupling",
+                  fmt::format("the mapping is {}×{}, the meshes have {} and {} points", weights.rows(),
+                              weights.cols(), rows, columns));
+  };
+  check(mapping(), n_wet, n);
+  if (transfer_.to_structure()) check(*transfer_.to_structure(), n, n_wet);
+  if (Transfer::needs_way_back(of_structure_, of_fluid_) && !transfer_.to_structure())
+    throw Error(ExitCode::case_file, "coupling",
+                "the fluid sends a field that is not a load, or the structure one that is: there is no "
+                "mapping for it");
+  if (parameters_.volume && (!moves_ || !find(structure_.description().initial, "velocity")))
     throw Error(ExitCode::case_file, "coupling.interface = \"volume\"",
                 "the structure gives no velocity, which the fluid needs for the solid's particles",
                 "structure.solver = \"particle\"");
-  state_.sends_velocity = v != nullptr;
-  state_.motion = {std::move(start)};
-  state_.force = MatrixXd::Zero(3, n);
+  parameters_.parallel = parameters_.parallel && !parameters_.volume;
+  state_.sends_velocity = find(structure_.description().initial, "velocity") != nullptr;
+  state_.structure = {{start_time, of_structure_}};
+  state_.fluid = {{start_time, {}}};
+  for (const Field& field : of_fluid_) state_.fluid.back().fields.push_back(transfer_.onto_structure(field));
 }
 
 void Scheme::set_state(CouplingState state) {
   assert(!open_);
   const Index n = structure_.mesh().position.cols();
-  if (state.motion.empty() || state.motion.back().displacement.cols() != n)
+  // An archive keeps names and values; units and how a field is mapped stand in the announcement.
+  const auto complete = [n](Samples& samples, const std::vector<Field>& announced) {
+    bool fits = !samples.empty();
+    for (Sample& sample : samples) {
+      fits = fits && sample.fields.size() == announced.size();
+      for (std::size_t k = 0; fits && k < announced.size(); ++k) {
+        Field& field = sample.fields[k];
+        fits = field.quantity == announced[k].quantity && field.value.cols() == n &&
+               field.value.rows() == announced[k].value.rows();
+        field.unit = announced[k].unit;
+        field.conservative = announced[k].conservative;
+      }
+    }
+    return fits;
+  };
+  if (!complete(state.structure, of_structure_) || !complete(state.fluid, of_fluid_))
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5",
-                fmt::format("its interface does not have the structure's {} points", n),
+                fmt::format("its interface does not have the structure's {} points and fields", n),
                 "resume with the case that the checkpoint was made with");
   state_ = std::move(state);
 }
 
-/// One evaluation of H.
-struct Scheme::Iterate {
-  Motion guess, answer;         // x and H(x) on the structure's mesh
-  Advanced wet, dry;            // of the fluid and the structure
-  MatrixXd fluid_force, force;  // 3×n [N] on each side
-};
-
-// H: motion of the structure's surface → fluid → force → structure → motion. The fluid is given x, the
-// structure answers H(x); a window is done when rms(H(x) − x) is small enough.
+// H: what the structure sends → fluid → load → structure. The fluid is given x, the structure answers H(x); a
+// window is done when H(x) − x is small enough. In a parallel scheme x holds the load as well, and each side
+// answers to the other's part of x.
 WindowReport Scheme::advance(const Window& window) {
   assert(!open_);
   const Convergence& convergence = parameters_.convergence;
-  pending_ = state_;
-  if (pending_.velocity_scale == 0) pending_.velocity_scale = 0.5 * window.dt;
+  pending_ = {};
+  pending_.velocity_scale = state_.velocity_scale == 0 ? 0.5 * window.dt : state_.velocity_scale;
+  pending_.sends_velocity = state_.sends_velocity;
   accelerator_->set_state(state_.accelerator);
   accelerator_->start_window();
 
-  const Motion& committed = state_.motion.back();
-  const bool volume = parameters_.volume;
-  const int most = volume ? 1 : std::max(1, convergence.max_iterations);
+  const int most = parameters_.volume ? 1 : std::max(1, convergence.max_iterations);
   WindowReport report;
   report.window = window;
   report.number = state_.windows + 1;
-  Iterate now;
-  now.guess = volume ? committed : predict(parameters_.predictor, state_.motion, window.t + window.dt);
+  Iterate now = first_guess(window);
   for (int iteration = 1;; ++iteration) {
-    const MatrixXd previous_force = now.force;
     if (const auto limit = evaluate(window, iteration, now)) return retry(window, *limit);
-    IterationReport row = volume ? IterationReport{} : measure(window, now, previous_force);
-    row.iteration = iteration;
-    row.force = now.force.rowwise().sum();
-    report.converged = row.residual <= row.threshold;
-    if ((report.converged && iteration >= convergence.min_iterations) || iteration >= most) {
-      if (!volume) accelerator_->finish_window(stack(now.guess), stack(now.answer));
-      report.log.push_back(row);
-      break;
-    }
-    now.guess = next_guess(window, now);
+    report.log.push_back(measure(window, iteration, now, report.log.empty() ? nullptr : &report.log.front()));
+    IterationReport& row = report.log.back();
+    report.converged = row.settled();
+    if ((report.converged && iteration >= convergence.min_iterations) || iteration >= most) break;
+    next_guess(window, now);
     row.relaxation = accelerator_->last_step().relaxation;
     row.columns = accelerator_->last_step().columns;
     row.dropped = accelerator_->last_step().dropped;
-    report.log.push_back(row);
     take_back();
   }
   if (!report.converged && most > 1) {
@@ -173,78 +117,65 @@ WindowReport Scheme::advance(const Window& window) {
     }
     if (convergence.then == Unconverged::stop) stop_unconverged(report);
   }
+  if (most > 1) accelerator_->finish_window(stack(now.guess, now.load_guess), stack(now.answer, now.load));
   close(report, now);
   return report;
 }
 
-std::optional<double> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
-  const double end = window.t + window.dt;
-  const Place fluid = {"fluid", window, state_.windows + 1, iteration};
-  const Place structure = {"structure", window, state_.windows + 1, iteration};
-  const Sample motion = {parameters_.volume ? window.t : end,
-                         {mapping_.consistent({"displacement", "m", false, now.guess.displacement}),
-                          mapping_.consistent({"velocity", "m/s", false, now.guess.velocity})}};
-  now.wet = fluid_.advance(window, {{motion}});
-  if (now.wet.retry_smaller_dt) {
-    fluid_.rewind();
-    return now.wet.dt_limit;
-  }
-  now.fluid_force = taken(now.wet, "force", fluid_.mesh(), fluid, true);
-  const Field force = mapping_.conservative({"force", "N", true, now.fluid_force});
-  now.force = force.value;
-
-  now.dry = structure_.advance(window, {{{end, {force}}}});
-  if (now.dry.retry_smaller_dt) {
-    take_back();
-    return now.dry.dt_limit;
-  }
-  now.answer.time = end;
-  now.answer.displacement = taken(now.dry, "displacement", structure_.mesh(), structure, true);
-  now.answer.velocity = taken(now.dry, "velocity", structure_.mesh(), structure, parameters_.volume);
-  pending_.sends_velocity = now.answer.velocity.size() > 0;
-  if (!pending_.sends_velocity)
-    now.answer.velocity = followed_velocity(state_.motion.back(), now.answer.displacement, window.dt);
-  return std::nullopt;
+/// None in explicit schemes: there is nothing that settles.
+Limits Scheme::limits_of_load() const {
+  const Convergence& c = parameters_.convergence;
+  if (parameters_.volume || c.max_iterations <= 1) return {};
+  Limits limits = c.load;
+  if (c.measure == Measure::value && limits.relative == 0) limits.relative = c.relative;
+  return limits;
 }
 
-IterationReport Scheme::measure(const Window& window, const Iterate& now,
-                                const MatrixXd& previous_force) const {
+std::vector<Column> Scheme::measured() const {
+  std::vector<Column> columns;
+  for (std::size_t k = 0; k < of_structure_.size(); ++k)
+    if (!moves_ || k != 1) columns.push_back({of_structure_[k].quantity, of_structure_[k].unit});
+  if (limits_of_load().any())
+    for (const Field& field : of_fluid_) columns.push_back({field.quantity, field.unit});
+  return columns;
+}
+
+bool Scheme::is_mechanical() const {
+  return moves_ && find(of_fluid_, "force");
+}
+
+IterationReport Scheme::measure(const Window& window, int iteration, const Iterate& now,
+                                const IterationReport* first) const {
   const Convergence& c = parameters_.convergence;
   const bool by_value = c.measure == Measure::value;
   IterationReport row;
-  row.residual = std::max(rms(now.answer.displacement - now.guess.displacement),
-                          0.5 * window.dt * rms(now.answer.velocity - now.guess.velocity));
-  const double scale =
-      rms(by_value ? now.answer.displacement : now.answer.displacement - state_.motion.back().displacement);
-  row.threshold = std::max(c.absolute, c.relative * scale);
-  // By value the force has to settle too: its change counts as a residual of the same relative size.
-  if (by_value && c.max_iterations > 1) {
-    const double change = previous_force.size() == 0 ? rms(now.force) : rms(now.force - previous_force);
-    const double part = change / std::max(rms(now.force), change);
-    if (change > c.relative * rms(now.force))
-      row.residual = std::max(row.residual, part * std::max(scale, row.threshold / c.relative));
+  row.iteration = iteration;
+  if (const Field* force = find(now.load, "force")) row.force = force->value.rowwise().sum();
+  if (parameters_.volume) return row;
+  const auto add = [&](const Field& field, double residual, double scale, const Limits& limits) {
+    const double before = first ? first->fields[row.fields.size()].residual : -1;
+    row.fields.push_back(judge(field, residual, scale, limits, before));
+  };
+  for (std::size_t k = 0; k < of_structure_.size(); ++k) {
+    if (moves_ && k == 1) continue;  // stands with the displacement
+    const Field& answer = now.answer.fields[k];
+    double residual = rms(answer.value - now.guess.fields[k].value);
+    if (moves_ && k == 0)
+      residual =
+          std::max(residual, 0.5 * window.dt * rms(now.answer.fields[1].value - now.guess.fields[1].value));
+    const double scale =
+        rms(by_value ? answer.value : answer.value - state_.structure.back().fields[k].value);
+    add(answer, residual, scale, {c.relative, k == 0 ? c.absolute : 0, c.residual_relative});
   }
+  row.residual = row.fields.front().residual;
+  row.threshold = row.fields.front().threshold;
+  if (const Limits load = limits_of_load(); load.any())
+    for (std::size_t k = 0; k < of_fluid_.size(); ++k) {
+      const Field& before = parameters_.parallel ? now.load_guess[k] : now.load_before[k];
+      add(now.load[k], rms(now.load[k].value - before.value), rms(now.load[k].value), load);
+    }
+  refuse_non_finite(row.fields, Place{"coupling", window, state_.windows + 1, iteration}.text());
   return row;
-}
-
-// Displacement [m] and, where the structure sends it, velocity × scale [m], one below the other: one linear
-// combination moves both.
-VectorXd Scheme::stack(const Motion& motion) const {
-  if (!pending_.sends_velocity) return motion.displacement.reshaped();
-  VectorXd x(motion.displacement.size() + motion.velocity.size());
-  x << motion.displacement.reshaped(), pending_.velocity_scale * motion.velocity.reshaped();
-  return x;
-}
-
-Motion Scheme::next_guess(const Window& window, const Iterate& now) {
-  const VectorXd x = accelerator_->next(stack(now.guess), stack(now.answer));
-  const Index n = now.guess.displacement.size();
-  Motion guess = now.guess;
-  guess.displacement = x.head(n).reshaped(3, n / 3);
-  guess.velocity = pending_.sends_velocity
-                       ? MatrixXd(x.tail(n).reshaped(3, n / 3) / pending_.velocity_scale)
-                       : followed_velocity(state_.motion.back(), guess.displacement, window.dt);
-  return guess;
 }
 
 void Scheme::take_back() {
@@ -263,33 +194,44 @@ WindowReport Scheme::retry(const Window& window, double limit) const {
 
 void Scheme::stop_unconverged(const WindowReport& report) const {
   const IterationReport& last = report.log.back();
+  std::string what;
+  for (const FieldResidual& field : last.fields)
+    if (!field.settled())
+      what += fmt::format(", {} {:.1e} {}, wanted {:.1e} {}",
+                          last.fields.size() > 1 ? field.quantity : "residual", field.residual, field.unit,
+                          field.threshold, field.unit);
   throw Error(
       ExitCode::solver_fault, fmt::format("coupling, window {} (t = {:g} s)", report.number, report.window.t),
-      fmt::format("did not converge\n{} iterations, residual {:.1e} m, wanted {:.1e} m", last.iteration,
-                  last.residual, last.threshold),
+      fmt::format("did not converge\n{} iterations{}", last.iteration, what),
       "lower coupling.surface.window, raise converged.max_iterations, or accept and count such windows");
 }
 
 void Scheme::close(WindowReport& report, Iterate& now) {
-  const Field increment = {"displacement", "m", false,
-                           now.answer.displacement - state_.motion.back().displacement};
   report.iterations = report.log.back().iteration;
   report.residual = report.log.back().residual;
   report.threshold = report.log.back().threshold;
-  report.dt_limit = std::min(now.wet.dt_limit, now.dry.dt_limit);
-  report.work_fluid = dot(now.fluid_force, mapping_.consistent(increment).value);
-  report.work_structure = dot(now.force, increment.value);
-  if (!parameters_.volume)
-    report.work_unconverged = dot(now.force, now.answer.displacement - now.guess.displacement);
-  report.displacement = now.answer.displacement;
-  if (pending_.sends_velocity) report.velocity = now.answer.velocity;
-  report.force = now.force;
-  report.fluid = std::move(now.wet.monitor);
-  report.structure = std::move(now.dry.monitor);
-  pending_.force = now.force;
+  report.dt_limit = std::min(now.from_fluid.dt_limit, now.from_structure.dt_limit);
+  report.fluid = std::move(now.from_fluid.monitor);
+  report.structure = std::move(now.from_structure.monitor);
+  const Field *force = find(now.load, "force"), *wet = find(now.wet, "force");
+  if (moves_ && force) {
+    const MatrixXd& displacement = now.answer.fields[0].value;
+    const Field increment = {"displacement", "m", false,
+                             displacement - state_.structure.back().fields[0].value};
+    report.work_fluid = dot(wet->value, transfer_.onto_fluid(increment).value);
+    report.work_structure = dot(force->value, increment.value);
+    if (!parameters_.volume)
+      report.work_unconverged = dot(force->value, displacement - now.guess.fields[0].value);
+    // In a parallel scheme the structure moved under another load than the fluid's.
+    if (const Field* given = find(now.load_guess, "force"))
+      report.work_unconverged += dot(given->value - force->value, increment.value);
+    report.displacement = displacement;
+    if (pending_.sends_velocity) report.velocity = now.answer.fields[1].value;
+    report.force = force->value;
+  }
+  pending_.structure = std::move(now.answer);
+  pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
   pending_.accelerator = accelerator_->state();
-  remember(pending_.motion, std::move(now.answer));
-  ++pending_.windows;
   open_ = true;
 }
 
@@ -297,7 +239,14 @@ void Scheme::commit(bool write_output) {
   assert(open_);
   fluid_.commit(write_output);
   structure_.commit(write_output);
-  state_ = std::move(pending_);
+  ++state_.windows;
+  state_.velocity_scale = pending_.velocity_scale;
+  state_.sends_velocity = pending_.sends_velocity;
+  remember(state_.structure, std::move(pending_.structure));
+  if (!parameters_.parallel)
+    state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
+  remember(state_.fluid, std::move(pending_.fluid));
+  state_.accelerator = std::move(pending_.accelerator);
   open_ = false;
 }
 

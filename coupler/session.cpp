@@ -27,7 +27,7 @@ Deadlines deadlines_of(const CouplingKeys& keys, bool patient) {
   return deadlines;
 }
 
-SchemeParameters scheme_of(const CaseView& view) {
+SchemeParameters scheme_of(const CaseView& view, const Participant& structure) {
   const CouplingKeys& keys = view.coupling;
   SchemeParameters scheme;
   scheme.volume = view.common.interface == "volume";
@@ -37,8 +37,10 @@ SchemeParameters scheme_of(const CaseView& view) {
                         .reused_windows = keys.reused_windows,
                         .filter = keys.filter};
   scheme.convergence.relative = keys.relative;
-  scheme.convergence.absolute =
-      keys.absolute > 0 ? keys.absolute : absolute_residual * view.number("fluid.spacing").value_or(0.01);
+  // A length is no measure of a field that is none.
+  scheme.convergence.absolute = keys.absolute;
+  if (keys.absolute == 0 && is_motion(fields_of_structure(structure)))
+    scheme.convergence.absolute = absolute_residual * view.number("fluid.spacing").value_or(0.01);
   scheme.convergence.min_iterations = keys.min_iterations;
   scheme.convergence.max_iterations = keys.max_iterations;
   scheme.convergence.then = keys.stop_unconverged ? Unconverged::stop : Unconverged::accept;
@@ -50,6 +52,13 @@ Mapping mapping_of(const CaseView& view, const InterfaceMesh& structure, const I
   const auto spacing = view.number("fluid.spacing");
   const double limit = spacing ? farthest_wet_point * *spacing : std::numeric_limits<double>::infinity();
   return make_mapping(view.coupling.mapping, structure, fluid, limit);
+}
+
+Transfer transfer_of(const CaseView& view, const Participant& structure, const Participant& fluid) {
+  std::optional<Mapping> back;
+  if (Transfer::needs_way_back(fields_of_structure(structure), fields_of_fluid(fluid)))
+    back = mapping_of(view, fluid.mesh(), structure.mesh());
+  return {mapping_of(view, structure.mesh(), fluid.mesh()), std::move(back)};
 }
 
 std::string accelerator_title(const std::string& kind) {
@@ -96,8 +105,8 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
   if (view.fluid) fluid_ = &set_up(*view.fluid, setup);
 
   if (view.coupled())
-    scheme_ = std::make_unique<Scheme>(*fluid_, *structure_,
-                                       mapping_of(view, structure_->mesh(), fluid_->mesh()), scheme_of(view));
+    scheme_ = std::make_unique<Scheme>(*fluid_, *structure_, transfer_of(view, *structure_, *fluid_),
+                                       scheme_of(view, *structure_));
 }
 
 void Session::launch(const SideView& side) {

@@ -82,7 +82,7 @@ void Summary::add(const CommittedWindow& window) {
   iterations_ += report.iterations;
   max_iterations_ = std::max(max_iterations_, report.iterations);
   unconverged_ += report.converged ? 0 : 1;
-  coupled_ = coupled_ || (!report.fluid.empty() && !report.structure.empty());
+  coupled_ = coupled_ || !report.log.empty() || (!report.fluid.empty() && !report.structure.empty());
   work_gap_ = std::max(work_gap_, report.work_gap());
   fluid_ = report.fluid;
   structure_ = report.structure;

@@ -1,0 +1,31 @@
+#include "coupler/convergence.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "proto/error.hpp"
+
+namespace strake {
+
+double rms(const Eigen::MatrixXd& a) {
+  return a.cols() == 0 ? 0 : std::sqrt(a.squaredNorm() / static_cast<double>(a.cols()));
+}
+
+FieldResidual judge(const Field& field, double residual, double scale, const Limits& limits, double first) {
+  if (first < 0) first = residual;
+  return {field.quantity, field.unit, residual,
+          std::max({limits.absolute, limits.relative * scale, limits.residual_relative * first})};
+}
+
+void refuse_non_finite(const std::vector<FieldResidual>& fields, const std::string& place) {
+  for (const FieldResidual& field : fields)
+    if (!std::isfinite(field.residual) || !std::isfinite(field.threshold))
+      throw Error(ExitCode::solver_fault, place,
+                  fmt::format("the residual of {} is {} {}, its threshold {}: the iteration has blown up",
+                              field.quantity, field.residual, field.unit, field.threshold),
+                  "a smaller coupling window, or more iterations per window");
+}
+
+}  // namespace strake

@@ -1,0 +1,145 @@
+// One evaluation of the coupled map: who is asked when, and what crosses the interface.
+
+#include <algorithm>
+
+#include "coupler/scheme_iterate.hpp"
+#include "proto/error.hpp"
+
+namespace strake {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MatrixXd followed_velocity(const Sample& committed, const MatrixXd& displacement, double dt) {
+  return 2 / dt * (displacement - committed.fields[0].value) - committed.fields[1].value;
+}
+
+Scheme::Iterate Scheme::first_guess(const Window& window) const {
+  Iterate now;
+  const double end = window.t + window.dt;
+  now.guess =
+      parameters_.volume ? state_.structure.back() : predict(parameters_.predictor, state_.structure, end);
+  if (parameters_.parallel) now.load_guess = predict(parameters_.predictor, state_.fluid, end).fields;
+  now.load = state_.fluid.back().fields;
+  return now;
+}
+
+std::optional<double> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
+  now.load_before = std::move(now.load);
+  return parameters_.parallel ? evaluate_parallel(window, iteration, now)
+                              : evaluate_serial(window, iteration, now);
+}
+
+std::optional<double> Scheme::evaluate_serial(const Window& window, int iteration, Iterate& now) {
+  now.from_fluid = fluid_.advance(window, for_fluid(window, now));
+  if (now.from_fluid.retry_smaller_dt) {
+    fluid_.rewind();
+    return now.from_fluid.dt_limit;
+  }
+  take_wet(window, iteration, now);
+
+  now.from_structure = structure_.advance(window, {{{window.t + window.dt, now.load}}});
+  if (now.from_structure.retry_smaller_dt) {
+    take_back();
+    return now.from_structure.dt_limit;
+  }
+  take_dry(window, iteration, now);
+  return std::nullopt;
+}
+
+std::optional<double> Scheme::evaluate_parallel(const Window& window, int iteration, Iterate& now) {
+  fluid_.start(window, for_fluid(window, now));
+  structure_.start(window, {{{window.t + window.dt, now.load_guess}}});
+  now.from_fluid = fluid_.finish();
+  now.from_structure = structure_.finish();
+  std::optional<double> limit;
+  for (const Advanced* answer : {&now.from_fluid, &now.from_structure})
+    if (answer->retry_smaller_dt) limit = std::min(limit.value_or(window.dt), answer->dt_limit);
+  if (limit) {
+    take_back();
+    return limit;
+  }
+  take_wet(window, iteration, now);
+  take_dry(window, iteration, now);
+  return std::nullopt;
+}
+
+Input Scheme::for_fluid(const Window& window, const Iterate& now) const {
+  Sample sample = {parameters_.volume ? window.t : window.t + window.dt, {}};
+  for (const Field& field : now.guess.fields) sample.fields.push_back(transfer_.onto_fluid(field));
+  return {{std::move(sample)}};
+}
+
+void Scheme::take_wet(const Window& window, int iteration, Iterate& now) const {
+  now.wet = take_fields(std::move(now.from_fluid.output), of_fluid_, fluid_.mesh(),
+                        {"fluid", window, state_.windows + 1, iteration});
+  now.load.clear();
+  for (const Field& field : now.wet) now.load.push_back(transfer_.onto_structure(field));
+}
+
+void Scheme::take_dry(const Window& window, int iteration, Iterate& now) {
+  const Place place = {"structure", window, state_.windows + 1, iteration};
+  now.answer.time = window.t + window.dt;
+  now.answer.fields =
+      take_fields(std::move(now.from_structure.output), of_structure_, structure_.mesh(), place);
+  if (!moves_) return;
+  MatrixXd& velocity = now.answer.fields[1].value;
+  pending_.sends_velocity = velocity.size() > 0;
+  if (pending_.sends_velocity) return;
+  if (parameters_.volume)
+    throw Error(ExitCode::solver_fault, place.text(), "sent no velocity",
+                "volume coupling needs the velocity of the solid's particles with each window");
+  velocity = followed_velocity(state_.structure.back(), now.answer.fields[0].value, window.dt);
+}
+
+// All unknowns one below the other: the structure's fields, and in a parallel scheme the fluid's.
+// Displacement [m] and, where the structure sends it, velocity × scale [m]: one linear combination moves
+// both.
+VectorXd Scheme::stack(const Sample& structure, const std::vector<Field>& load) const {
+  const auto left_out = [&](std::size_t k) { return moves_ && k == 1 && !pending_.sends_velocity; };
+  Eigen::Index size = 0;
+  for (std::size_t k = 0; k < structure.fields.size(); ++k)
+    if (!left_out(k)) size += structure.fields[k].value.size();
+  if (parameters_.parallel)
+    for (const Field& field : load) size += field.value.size();
+  VectorXd x(size);
+  Eigen::Index at = 0;
+  const auto append = [&](const auto& values) {
+    x.segment(at, values.size()) = values;
+    at += values.size();
+  };
+  for (std::size_t k = 0; k < structure.fields.size(); ++k) {
+    if (left_out(k)) continue;
+    const auto values = structure.fields[k].value.reshaped();
+    if (moves_ && k == 1)
+      append(pending_.velocity_scale * values);
+    else
+      append(values);
+  }
+  if (parameters_.parallel)
+    for (const Field& field : load) append(field.value.reshaped());
+  return x;
+}
+
+void Scheme::next_guess(const Window& window, Iterate& now) {
+  const VectorXd x = accelerator_->next(stack(now.guess, now.load_guess), stack(now.answer, now.load));
+  Eigen::Index at = 0;
+  const auto take = [&](Field& field) {
+    MatrixXd& value = field.value;
+    value.reshaped() = x.segment(at, value.size());
+    at += value.size();
+  };
+  for (std::size_t k = 0; k < now.guess.fields.size(); ++k) {
+    Field& field = now.guess.fields[k];
+    const bool velocity = moves_ && k == 1;
+    if (velocity && !pending_.sends_velocity) {
+      field.value = followed_velocity(state_.structure.back(), now.guess.fields[0].value, window.dt);
+      continue;
+    }
+    take(field);
+    if (velocity) field.value /= pending_.velocity_scale;
+  }
+  for (Field& field : now.load_guess) take(field);
+}
+
+}  // namespace strake
