@@ -23,6 +23,7 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
                                .stop = &stop});
   fmt::print("{}\n", view.common.title.empty() ? options.case_file.string() : view.common.title);
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
+  fmt::print("{}", block_text("mapping", session.mapping_lines()));
   for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", warning);
 
   fmt::print("\nevery value and where it came from\n{}", view.resolved);

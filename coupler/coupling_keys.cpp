@@ -6,11 +6,34 @@ namespace strake {
 
 namespace {
 
+void read_mapping(CaseTable mapping, MappingParameters& p) {
+  mapping.choice(
+      "kind", p.kind, {"nearest-projection", "nearest-neighbour", "linear-cell", "radial-basis"},
+      {.help = "weights W: u_fluid = W u_structure; linear-cell goes on beyond the surface's border"});
+  mapping.choice("constraint", p.constraint, {"conservative", "consistent", "scaled-consistent"},
+                 {.help = "force: by the transpose of W; or per area of the fluid's points, as it is or with "
+                          "the sum kept"});
+  CaseTable basis = mapping.table("radial_basis", "interpolation through points, without faces");
+  basis.choice("function", p.radial_basis.function,
+               {"wendland-c2", "wendland-c4", "wendland-c6", "thin-plate"},
+               {.help = "smoother ones are more accurate and worse conditioned"});
+  basis.number(
+      "support", p.radial_basis.support,
+      {.unit = "m",
+       .min = 0,
+       .help = "where a Wendland function ends; 0: 30, 20 or 12 spacings of the points (C2, C4, C6)"});
+  basis.choice("polynomial", p.radial_basis.polynomial, {"linear", "constant"},
+               {.help = "fields that are reproduced exactly; thin-plate always has the linear one"});
+  basis.choice("solve", p.radial_basis.solve, {"partition", "global"},
+               {.help = "many small overlapping systems, or one of at most 2000 structure points"});
+  basis.integer("patch_points", p.radial_basis.patch_points,
+                {.min = 8, .max = 500, .help = "structure points of one small system, about"});
+  basis.number("overlap", p.radial_basis.overlap,
+               {.min = 0, .max = 1, .help = "of the small systems, relative to their radius"});
+}
+
 void read_surface(CaseTable surface, CouplingKeys& keys) {
-  CaseTable mapping = surface.table("mapping", "how displacement and force cross the interface");
-  mapping.choice("kind", keys.mapping, {"nearest-projection", "nearest-neighbour"},
-                 {.not_built = {"radial-basis"},
-                  .help = "weights of W: displacement goes with W, force with its transpose"});
+  read_mapping(surface.table("mapping", "how displacement and force cross the interface"), keys.mapping);
 
   CaseTable accelerator = surface.table("accelerator", "how the next interface displacement is chosen");
   accelerator.choice("kind", keys.accelerator, {"iqn-ils", "aitken", "constant"},

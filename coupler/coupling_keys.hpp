@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "coupler/mapping.hpp"
 #include "proto/case_file.hpp"
 #include "proto/case_keys.hpp"
 
@@ -11,12 +12,12 @@ namespace strake {
 /// CommonKeys.
 struct CouplingKeys {
   // [coupling.surface]
-  std::string mapping = "nearest-projection";  // nearest-projection | nearest-neighbour
-  std::string accelerator = "iqn-ils";         // iqn-ils | aitken | constant
-  double initial_relaxation = 0.1;             // ω of the first iterations, and of `constant`
-  int reused_windows = 8;                      // windows whose columns IQN-ILS keeps
-  double filter = 1e-2;                        // QR filter of IQN-ILS, relative
-  std::string predictor = "quadratic";         // constant | linear | quadratic
+  MappingParameters mapping;
+  std::string accelerator = "iqn-ils";  // iqn-ils | aitken | constant
+  double initial_relaxation = 0.1;      // ω of the first iterations, and of `constant`
+  int reused_windows = 8;               // windows whose columns IQN-ILS keeps
+  double filter = 1e-2;                 // QR filter of IQN-ILS, relative
+  std::string predictor = "quadratic";  // constant | linear | quadratic
   double relative = 1e-4;  // converged when rms(H(x) − x) <= max(absolute, relative · rms(H(x) − x_n))
   double absolute = 0;     // [m]; 0: 1e-6 of the fluid's spacing
   int min_iterations = 1, max_iterations = 20;

@@ -50,8 +50,9 @@ SchemeParameters scheme_of(const CaseView& view, const Participant& structure) {
 Mapping mapping_of(const CaseView& view, const InterfaceMesh& structure, const InterfaceMesh& fluid) {
   if (view.common.interface == "volume") return identity(structure, fluid);
   const auto spacing = view.number("fluid.spacing");
-  const double limit = spacing ? farthest_wet_point * *spacing : std::numeric_limits<double>::infinity();
-  return make_mapping(view.coupling.mapping, structure, fluid, limit);
+  MappingParameters mapping = view.coupling.mapping;
+  if (spacing) mapping.limit = farthest_wet_point * *spacing;
+  return make_mapping(mapping, structure, fluid);
 }
 
 Transfer transfer_of(const CaseView& view, const Participant& structure, const Participant& fluid) {
@@ -168,9 +169,9 @@ std::vector<std::string> Session::coupling_lines() const {
   if (case_.common.interface == "volume")
     lines.push_back("volume, one iteration   " + windows);
   else if (!case_.coupling.iterates())
-    lines.push_back(fmt::format("surface, {}, explicit   {}", case_.coupling.mapping, windows));
+    lines.push_back(fmt::format("surface, {}, explicit   {}", case_.coupling.mapping.kind, windows));
   else
-    lines.push_back(fmt::format("surface, {}, {}   {}", case_.coupling.mapping,
+    lines.push_back(fmt::format("surface, {}, {}   {}", case_.coupling.mapping.kind,
                                 accelerator_title(case_.coupling.accelerator), windows));
   const MappingQuality& quality = scheme_->mapping().quality();
   std::string second = fmt::format("{} wet points on {} structure points, at most {:.1e} m apart",
@@ -187,6 +188,11 @@ std::vector<std::pair<std::string, std::vector<std::string>>> Session::understoo
   if (structure_ != nullptr) blocks.emplace_back("structure", structure_->description().lines);
   blocks.emplace_back("coupling", coupling_lines());
   return blocks;
+}
+
+std::vector<std::string> Session::mapping_lines() const {
+  if (!scheme_ || case_.common.interface != "surface") return {};
+  return quality_lines(scheme_->mapping().quality(), fluid_->mesh().position);
 }
 
 std::vector<std::string> Session::warnings() const {
@@ -208,7 +214,8 @@ std::vector<std::string> Session::warnings() const {
     const MappingQuality& quality = scheme_->mapping().quality();
     if (quality.without_load > 0 && case_.common.interface == "surface")
       warnings.push_back(
-          fmt::format("{} of {} structure points feel no load: the fluid's interface points are coarser",
+          fmt::format("{} of {} structure points feel no load: the fluid's interface points are coarser; "
+                      "coupling.surface.mapping.constraint = \"scaled-consistent\" loads them all",
                       quality.without_load, quality.n_structure));
   }
   return warnings;

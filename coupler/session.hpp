@@ -46,6 +46,8 @@ class Session {
   std::vector<double> values(const WindowReport&) const;
   /// "fluid", "structure", "coupling" with what each understood, the headline first.
   std::vector<std::pair<std::string, std::vector<std::string>>> understood() const;
+  /// The quality of the mapping, a line each; empty without a surface between two participants.
+  std::vector<std::string> mapping_lines() const;
   std::vector<std::string> warnings() const;
   int dimension() const;
 

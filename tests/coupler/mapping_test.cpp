@@ -5,7 +5,9 @@
 #include <cmath>
 #include <random>
 
+#include "coupler/surface_area.hpp"
 #include "proto/error.hpp"
+#include "tests/coupler/surfaces.hpp"
 
 namespace strake {
 namespace {
@@ -13,54 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
-
-/// The underside of a plate, walked from left to right: n segments.
-InterfaceMesh strip(const std::string& name, int n, double length, double y = 0) {
-  InterfaceMesh mesh = {name, 2, Points::Zero(3, n + 1), Eigen::MatrixXi(2, n), {}};
-  for (int i = 0; i <= n; ++i) mesh.position.col(i) = Vector3d(length * i / n, y, 0);
-  for (int i = 0; i < n; ++i) mesh.faces.col(i) = Eigen::Vector2i(i, i + 1);
-  return mesh;
-}
-
-/// A rectangle of 2 m² triangles in the plane z = x/2.
-InterfaceMesh sheet(int m) {
-  InterfaceMesh mesh = {"sheet", 3, Points::Zero(3, (m + 1) * (m + 1)), Eigen::MatrixXi(3, 2 * m * m), {}};
-  for (int j = 0; j <= m; ++j)
-    for (int i = 0; i <= m; ++i) {
-      const double x = 1.0 * i / m;
-      mesh.position.col(j * (m + 1) + i) = Vector3d(x, 2.0 * j / m, 0.5 * x);
-    }
-  Index f = 0;
-  for (int j = 0; j < m; ++j)
-    for (int i = 0; i < m; ++i) {
-      const int a = j * (m + 1) + i;
-      mesh.faces.col(f++) = Eigen::Vector3i(a, a + 1, a + m + 2);
-      mesh.faces.col(f++) = Eigen::Vector3i(a, a + m + 2, a + m + 1);
-    }
-  return mesh;
-}
-
-InterfaceMesh scattered(const InterfaceMesh& like, int n,
-                        const std::function<Vector3d(double, double)>& place) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> unit(0, 1);
-  InterfaceMesh mesh = {"fluid", like.dimension, Points(3, n), {}, {}};
-  for (int i = 0; i < n; ++i) {
-    const double a = unit(random), b = unit(random);
-    mesh.position.col(i) = place(a, b);
-  }
-  return mesh;
-}
-
-MatrixXd random_values(Index n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  return MatrixXd::NullaryExpr(3, n, [&] { return normal(random); });
-}
-
-double dot(const MatrixXd& a, const MatrixXd& b) {
-  return a.reshaped().dot(b.reshaped());
-}
 
 struct Pair {
   InterfaceMesh structure, fluid;
@@ -76,8 +30,8 @@ std::vector<Pair> pairs() {
 
 TEST(Mapping, DoesTheSameVirtualWorkOnBothSidesAndHasRowsThatSumToOne) {
   for (const Pair& p : pairs())
-    for (const char* kind : {"nearest-neighbour", "nearest-projection"}) {
-      const Mapping mapping = make_mapping(kind, p.structure, p.fluid);
+    for (const char* kind : {"nearest-neighbour", "nearest-projection", "linear-cell", "radial-basis"}) {
+      const Mapping mapping = make_mapping({.kind = kind}, p.structure, p.fluid);
       EXPECT_LE(mapping.quality().row_sum_error, 1e-12);
       const Field u = {"displacement", "m", false, random_values(p.structure.position.cols(), 1)};
       const Field f = {"force", "N", true, random_values(p.fluid.position.cols(), 2)};
@@ -92,8 +46,8 @@ TEST(Mapping, DoesTheSameVirtualWorkOnBothSidesAndHasRowsThatSumToOne) {
 
 TEST(Mapping, ReproducesConstants) {
   for (const Pair& p : pairs())
-    for (const char* kind : {"nearest-neighbour", "nearest-projection"}) {
-      const Mapping mapping = make_mapping(kind, p.structure, p.fluid);
+    for (const char* kind : {"nearest-neighbour", "nearest-projection", "linear-cell"}) {
+      const Mapping mapping = make_mapping({.kind = kind}, p.structure, p.fluid);
       const Vector3d rigid(0.1, -6.26, 3);
       const Field u = {"velocity", "m/s", false, rigid.replicate(1, p.structure.position.cols())};
       EXPECT_LE((mapping.consistent(u).value.colwise() - rigid).cwiseAbs().maxCoeff(), 1e-14 * rigid.norm());
@@ -103,11 +57,6 @@ TEST(Mapping, ReproducesConstants) {
 // Fluid points above the inside of a flat face: the foot of the perpendicular carries the linear field
 // exactly.
 TEST(Mapping, ReproducesLinearFieldsByProjectionOnFlatFaces) {
-  const auto linear = [](const Points& x) {
-    Eigen::Matrix3d gradient;
-    gradient << 1, 2, -1, 0.5, 0, 3, -2, 1, 1;
-    return MatrixXd(gradient * x);
-  };
   const InterfaceMesh line = strip("structure", 13, 0.4);
   const InterfaceMesh below = scattered(line, 50, [](double a, double) { return Vector3d(0.4 * a, 0, 0); });
   const InterfaceMesh plane = sheet(5);
@@ -122,6 +71,37 @@ TEST(Mapping, ReproducesLinearFieldsByProjectionOnFlatFaces) {
   }
 }
 
+// On a plane the linear function of a border face goes on for a face's length; a projection takes the
+// border's value.
+TEST(Mapping, ReproducesLinearFieldsByCellsWhereTheFluidOverhangs) {
+  const InterfaceMesh line = strip("structure", 13, 0.4), plane = sheet(5);
+  const InterfaceMesh below =
+      scattered(line, 50, [](double a, double) { return Vector3d(0.44 * a - 0.02, 0, 0); });
+  const InterfaceMesh on = scattered(plane, 300, [](double a, double b) {
+    const double x = 1.2 * a - 0.1, y = 2.2 * b - 0.1;
+    return Vector3d(x, y, 0.5 * x);
+  });
+  for (const Pair& p : {Pair{line, below}, Pair{plane, on}}) {
+    const Field u = {"displacement", "m", false, linear(p.structure.position)};
+    const MatrixXd exact = linear(p.fluid.position);
+    const Mapping cell = linear_cell(p.structure, p.fluid),
+                  projection = nearest_projection(p.structure, p.fluid);
+    EXPECT_LE((cell.consistent(u).value - exact).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_GT((projection.consistent(u).value - exact).cwiseAbs().maxCoeff(), 1e-2);
+    EXPECT_GT(cell.quality().outside, 0);
+    EXPECT_EQ(cell.quality().outside, projection.quality().outside);
+  }
+}
+
+TEST(Mapping, TakesTheBordersValueFartherThanAFaceBeyondIt) {
+  const InterfaceMesh line = strip("structure", 4, 0.4);
+  InterfaceMesh fluid = {"fluid", 2, Points::Zero(3, 2), {}, {}};
+  fluid.position.row(0) << 0.45, 0.55;
+  MatrixXd expected(2, 5);
+  expected << 0, 0, 0, -0.5, 1.5, 0, 0, 0, 0, 1;
+  EXPECT_LE((MatrixXd(linear_cell(line, fluid).weights()) - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 TEST(Mapping, KeepsTheMomentOfPressureOnAFlatFace) {
   const InterfaceMesh line = strip("structure", 13, 0.4);
   const InterfaceMesh fluid = strip("fluid", 40, 0.4);
@@ -133,8 +113,8 @@ TEST(Mapping, KeepsTheMomentOfPressureOnAFlatFace) {
 }
 
 TEST(Mapping, IsTheIdentityBetweenEqualMeshes) {
-  for (const char* kind : {"nearest-neighbour", "nearest-projection", "identity"}) {
-    const Mapping mapping = make_mapping(kind, sheet(4), sheet(4));
+  for (const char* kind : {"nearest-neighbour", "nearest-projection", "linear-cell", "identity"}) {
+    const Mapping mapping = make_mapping({.kind = kind}, sheet(4), sheet(4));
     EXPECT_EQ((MatrixXd(mapping.weights()) - MatrixXd::Identity(25, 25)).cwiseAbs().maxCoeff(), 0) << kind;
     EXPECT_EQ(mapping.quality().outside, 0) << kind;
   }
@@ -169,6 +149,91 @@ TEST(Mapping, CountsStructurePointsThatFeelNoLoad) {
   EXPECT_EQ(mapping.quality().without_load, 6);
 }
 
+TEST(Mapping, GivesFieldsOfAnyNumberOfComponents) {
+  const Pair p = pairs()[2];
+  const Mapping mapping = nearest_projection(p.structure, p.fluid);
+  for (const Index components : {1, 2, 3, 5}) {
+    const MatrixXd value = MatrixXd::Random(components, p.structure.position.cols());
+    const MatrixXd expected = (MatrixXd(mapping.weights()) * value.transpose()).transpose();
+    const Field mapped = mapping.consistent({"pressure", "Pa", false, value});
+    EXPECT_LE((mapped.value - expected).cwiseAbs().maxCoeff(), 1e-14) << components;
+    EXPECT_EQ(mapped.quantity, "pressure");
+  }
+}
+
+// The fluid is coarser than the structure: the transpose of a nearest neighbour loads a third of its points,
+// a force per area loads all.
+TEST(Mapping, LoadsEveryStructurePointByTheForcePerArea) {
+  const InterfaceMesh structure = strip("structure", 30, 0.4), fluid = strip("fluid", 11, 0.4);
+  const Eigen::VectorXd area = point_areas(fluid), on = point_areas(structure);
+  const double pressure = 2e5;
+  Field f = {"force", "N", true, MatrixXd::Zero(3, area.size())};
+  f.value.row(1) = pressure * area.transpose();
+  for (const char* kind : {"nearest-neighbour", "nearest-projection", "radial-basis"}) {
+    EXPECT_GT(make_mapping({.kind = "nearest-neighbour"}, structure, fluid).quality().without_load, 15);
+    const Mapping mapping = make_mapping({.kind = kind, .constraint = "consistent"}, structure, fluid);
+    EXPECT_EQ(mapping.quality().without_load, 0) << kind;
+    // An even pressure is a constant.
+    const MatrixXd force = mapping.force(f).value;
+    EXPECT_LE((force.row(1) - pressure * on.transpose()).cwiseAbs().maxCoeff(),
+              1e-9 * pressure * on.maxCoeff())
+        << kind;
+  }
+}
+
+TEST(Mapping, KeepsTheSumOfTheForceWhereItIsScaled) {
+  const InterfaceMesh structure = wavy(13), fluid = wavy(9, 0.3);
+  const Field f = {"force", "N", true, random_values(fluid.position.cols(), 5)};
+  const Vector3d sum = f.value.rowwise().sum();
+  for (const char* kind : {"nearest-neighbour", "nearest-projection", "linear-cell", "radial-basis"}) {
+    const Mapping plain = make_mapping({.kind = kind, .constraint = "consistent"}, structure, fluid),
+                  scaled = make_mapping({.kind = kind, .constraint = "scaled-consistent"}, structure, fluid);
+    EXPECT_GT((plain.force(f).value.rowwise().sum() - sum).norm(), 1e-3 * sum.norm()) << kind;
+    EXPECT_LE((scaled.force(f).value.rowwise().sum() - sum).norm(), 1e-12 * f.value.norm()) << kind;
+    EXPECT_EQ(make_mapping({.kind = kind}, structure, fluid).force(f).value, plain.conservative(f).value)
+        << kind;
+  }
+}
+
+TEST(Mapping, MatchesTheIntegralOfAPressureAndLeavesDryPointsDry) {
+  const InterfaceMesh structure = wavy(20), fluid = wavy(8, 0.3);
+  const Eigen::VectorXd from = point_areas(fluid), to = point_areas(structure);
+  MatrixXd pressure = (fluid.position.row(0).array() - 0.4).max(0);
+  const Eigen::VectorXd integral = pressure * from;
+  MatrixXd mapped =
+      nearest_projection(fluid, structure).consistent({"pressure", "Pa", false, pressure}).value;
+  const MatrixXd plain = mapped;
+  EXPECT_GT(std::abs((mapped * to - integral)[0]), 1e-3 * integral[0]);
+  match_integral(mapped, to, integral);
+  EXPECT_NEAR((mapped * to)[0], integral[0], 1e-13 * integral[0]);
+  for (Index i = 0; i < plain.cols(); ++i)
+    if (plain(0, i) == 0) {
+      EXPECT_EQ(mapped(0, i), 0) << i;
+    }
+  // Of one sign: the usual scaling by one factor.
+  EXPECT_LE((mapped - integral[0] / (plain * to)[0] * plain).cwiseAbs().maxCoeff(), 1e-14);
+}
+
+TEST(Mapping, AddsUpTheAreaOfASurface) {
+  EXPECT_NEAR(point_areas(sheet(7)).sum(), 2 * std::sqrt(1.25), 1e-14);
+  EXPECT_NEAR(point_areas(strip("line", 9, 0.4)).sum(), 0.4, 1e-15);
+  EXPECT_NEAR(point_areas(strip("line", 4, 0.4))[0], 0.05, 1e-15);
+}
+
+TEST(Mapping, SaysWhatItLeavesToBeDesired) {
+  const InterfaceMesh line = strip("structure", 4, 0.4);
+  const InterfaceMesh fluid = strip("fluid", 1, 0.45, -0.01);
+  const auto lines = quality_lines(nearest_projection(line, fluid).quality(), fluid.position);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[0], "largest distance 0.051 m, fluid point 1 at (0.45, -0.01, 0) m");
+  EXPECT_EQ(lines[1], "1 of 2 fluid points are not covered by the structure's surface");
+  EXPECT_EQ(lines[2], "3 of 5 structure points feel no load");
+  EXPECT_EQ(lines[3], "rows sum to 1 within 0.0e+00, 1 structure points behind a fluid point");
+  const auto radial = quality_lines(radial_basis(line, fluid).quality(), fluid.position);
+  ASSERT_EQ(radial.size(), 5u);
+  EXPECT_NE(radial[4].find("the worst of 1 system of 5 points"), std::string::npos) << radial[4];
+}
+
 void refused(const std::function<void()>& act, const std::string& part) {
   try {
     act();
@@ -195,7 +260,12 @@ TEST(Mapping, RefusesMeshesThatDoNotBelongTogether) {
   refused([&] { nearest_projection(line, strip("fluid", 4, 0.4, 0.3), 0.1); }, "0.3 m from the structure");
   refused([&] { identity(line, strip("fluid", 5, 0.4)); }, "identity");
   refused([&] { identity(line, strip("fluid", 4, 0.5)); }, "m from the structure");
-  refused([&] { make_mapping("radial", line, line); }, "nearest-projection");
+  refused([&] { radial_basis(line, strip("fluid", 4, 0.4, 0.3), {}, 0.1); }, "0.3 m from the structure");
+  refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "consistent"}, line, bare); },
+          "the fluid's interface has no faces");
+  refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "scaled"}, line, line); },
+          "\"scaled\" is not a constraint");
+  refused([&] { make_mapping({.kind = "radial"}, line, line); }, "nearest-projection");
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "proto/interface.hpp"
+
+namespace strake {
+
+/// Overlapping balls that cover a cloud of sources and divide the targets among them: a partition of unity.
+struct Patch {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // [m]
+  double radius = 0;                                 // [m]
+  double spacing = 0;                                // [m] mean distance of its sources to the nearest other
+  std::vector<Eigen::Index> source, target;          // ascending
+};
+
+struct PatchParameters {
+  int points = 50;        // sources of one patch, about; a cloud of no more is one patch
+  double overlap = 0.15;  // radius beyond the cell that the patch serves, relative
+};
+
+struct Partition {
+  std::vector<Patch> patches;
+  std::vector<std::vector<Eigen::Index>> of_target;  // its patches, ascending, at least one
+  Eigen::Index beyond = 0;  // targets in no ball: served by the nearest source's patch
+};
+
+Partition divide(const Points& sources, const Points& targets, const PatchParameters&);
+
+/// Shares of the patches in the target i, in the order of of_target[i]; they sum to 1 and fall to 0 at a
+/// ball's border.
+std::vector<double> shares(const Partition&, Eigen::Index i, const Eigen::Vector3d& position);
+
+}  // namespace strake
