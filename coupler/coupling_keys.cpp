@@ -19,9 +19,7 @@ void read_mapping(CaseTable mapping, MappingParameters& p) {
                {.help = "smoother ones are more accurate and worse conditioned"});
   basis.number(
       "support", p.radial_basis.support,
-      {.unit = "m",
-       .min = 0,
-       .help = "where a Wendland function ends; 0: 30, 20 or 12 spacings of the points (C2, C4, C6)"});
+      {.unit = "m", .min = 0, .help = "where a Wendland function ends; 0: 40 spacings of the points"});
   basis.choice("polynomial", p.radial_basis.polynomial, {"linear", "constant"},
                {.help = "fields that are reproduced exactly; thin-plate always has the linear one"});
   basis.choice("solve", p.radial_basis.solve, {"partition", "global"},

@@ -124,7 +124,7 @@ Field Transfer::onto_fluid(const Field& field) const {
 
 Field Transfer::onto_structure(const Field& field) const {
   assert(field.conservative || to_structure_);
-  return field.conservative ? to_fluid_.force(field) : to_structure_->consistent(field);
+  return field.conservative ? to_fluid_.force(field) : to_structure_->per_area(field);
 }
 
 }  // namespace strake

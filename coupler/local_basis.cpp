@@ -88,11 +88,6 @@ bool has_support(RadialFunction function) {
   return function != RadialFunction::thin_plate;
 }
 
-double usual_support(RadialFunction function) {
-  if (function == RadialFunction::wendland_c2) return 30;
-  return function == RadialFunction::wendland_c4 ? 20 : 12;
-}
-
 // Wendland, positive definite in space, q = r/support < 1, 0 beyond:
 //   C2 (1−q)⁴(4q+1),  C4 (1−q)⁶(35q²+18q+3)/3,  C6 (1−q)⁸(32q³+25q²+8q+1);
 // thin plate r² ln r, conditionally positive definite with linear polynomials

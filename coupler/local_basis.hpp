@@ -14,9 +14,9 @@ enum class RadialFunction { wendland_c2, wendland_c4, wendland_c6, thin_plate };
 /// "thin-plate".
 RadialFunction radial_function(const std::string& name);
 bool has_support(RadialFunction);
-/// The support that is taken where none is given, in spacings of the points: wide enough for the order that
-/// the function's smoothness allows, near enough that the systems keep some eight digits.
-double usual_support(RadialFunction);
+/// The support that is taken where none is given, in spacings of the points: wider gains little, and the
+/// systems keep some six digits or more.
+constexpr double usual_support = 40;
 
 /// φ at squared distances [any unit], `support` in that unit (no matter for a function without).
 Eigen::ArrayXd radial_values(RadialFunction, double support, const Eigen::ArrayXd& squared_distance);

@@ -136,19 +136,26 @@ Mapping plain_mapping(const MappingParameters& p, const InterfaceMesh& structure
 }
 
 /// f_s = A_s V A_f⁻¹ f_f: the force per area of the fluid's points, interpolated by V at the structure's
-/// points and taken on the area of those; A: the areas of the points [m², m in 2-D].
-Mapping::Matrix force_by_area(Mapping::Matrix to_structure, const InterfaceMesh& structure,
-                              const InterfaceMesh& fluid) {
-  const Eigen::VectorXd of_structure = point_areas(structure), of_fluid = point_areas(fluid);
-  for (Index j = 0; j < of_fluid.size(); ++j)
-    if (!(of_fluid[j] > 0))
-      throw Error(ExitCode::case_file, title(structure, fluid),
-                  fmt::format("fluid point {} belongs to no face: it has no area to take its force per", j),
-                  "coupling.surface.mapping.constraint = \"conservative\"");
+/// points and taken on the area of those.
+Mapping::Matrix force_by_area(Mapping::Matrix to_structure, const Eigen::VectorXd& of_structure,
+                              const Eigen::VectorXd& of_fluid) {
   for (Index i = 0; i < to_structure.rows(); ++i)
     for (Mapping::Matrix::InnerIterator v(to_structure, i); v; ++v)
       v.valueRef() *= of_structure[i] / of_fluid[v.col()];
   return to_structure;
+}
+
+/// Throws Error(case_file) where a point of the mesh has no area to take its force per.
+void check_areas(const Eigen::VectorXd& area, const char* side, const InterfaceMesh& structure,
+                 const InterfaceMesh& fluid) {
+  const char* fix = "coupling.surface.mapping.constraint = \"conservative\"";
+  for (Index i = 0; i < area.size(); ++i)
+    if (!(area[i] > 0))
+      throw Error(ExitCode::case_file, title(structure, fluid),
+                  fmt::format("point {} of the {}'s interface belongs to no face: it has no area, which a "
+                              "force per area needs",
+                              i, side),
+                  fix);
 }
 
 }  // namespace
@@ -208,7 +215,20 @@ Field Mapping::force(const Field& on_fluid) const {
   return on_structure;
 }
 
-void Mapping::set_force_weights(Matrix weights, bool scaled) {
+Field Mapping::per_area(const Field& on_structure) const {
+  Field on_fluid = consistent(on_structure);
+  if (area_of_fluid_.size() > 0)
+    match_integral(on_fluid.value, area_of_fluid_, on_structure.value * area_of_structure_);
+  return on_fluid;
+}
+
+void Mapping::set_areas(Eigen::VectorXd of_structure, Eigen::VectorXd of_fluid) {
+  assert(of_structure.size() == weights_.cols() && of_fluid.size() == weights_.rows());
+  area_of_structure_ = std::move(of_structure);
+  area_of_fluid_ = std::move(of_fluid);
+}
+
+void Mapping::set_force(Matrix weights, bool scaled) {
   assert(weights.rows() == weights_.cols() && weights.cols() == weights_.rows());
   force_weights_ = std::move(weights);
   scaled_ = scaled;
@@ -264,17 +284,16 @@ Mapping make_mapping(const MappingParameters& p, const InterfaceMesh& structure,
     throw Error(ExitCode::case_file, "coupling.surface.mapping.constraint",
                 fmt::format("\"{}\" is not a constraint", p.constraint),
                 "conservative, consistent or scaled-consistent");
-  if (fluid.faces.cols() == 0 || structure.faces.cols() == 0)
-    throw Error(ExitCode::case_file, title(structure, fluid),
-                fmt::format("the {}'s interface has no faces, which a force per area needs",
-                            fluid.faces.cols() == 0 ? "fluid" : "structure"),
-                "coupling.surface.mapping.constraint = \"conservative\"");
+  const Eigen::VectorXd of_structure = point_areas(structure), of_fluid = point_areas(fluid);
+  check_areas(of_structure, "structure", structure, fluid);
+  check_areas(of_fluid, "fluid", structure, fluid);
   // Every structure point takes its load from the fluid, however far that ends before the structure does.
   MappingParameters back = p;
   back.limit = std::numeric_limits<double>::infinity();
-  const Mapping to_structure = plain_mapping(back, fluid, structure);
-  mapping.set_force_weights(force_by_area(to_structure.weights(), structure, fluid),
-                            p.constraint == "scaled-consistent");
+  const bool scaled = p.constraint == "scaled-consistent";
+  mapping.set_force(force_by_area(plain_mapping(back, fluid, structure).weights(), of_structure, of_fluid),
+                    scaled);
+  if (scaled) mapping.set_areas(of_structure, of_fluid);
   return mapping;
 }
 

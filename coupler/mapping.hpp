@@ -28,10 +28,10 @@ struct MappingQuality {
 /// Where the weights of radial basis functions come from.
 struct RadialBasis {
   std::string function = "wendland-c4";  // wendland-c2 | wendland-c4 | wendland-c6 | thin-plate
-  double support = 0;                    // [m] where a Wendland function ends; 0: some spacings of the points
+  double support = 0;                    // [m] where a Wendland function ends; 0: 40 spacings of the points
   std::string polynomial = "linear";     // linear | constant: reproduced exactly
   std::string solve = "partition";       // partition | global
-  int patch_points = 50;                 // structure points of one patch of the partition, about
+  int patch_points = 30;                 // structure points of one patch of the partition, about
   double overlap = 0.15;                 // radius of a patch beyond the cell that it serves, relative
 };
 
@@ -56,18 +56,22 @@ class Mapping {
   explicit Mapping(Matrix weights, MappingQuality quality = {});  // n_fluid × n_structure
   Field consistent(const Field& on_structure) const;
   Field conservative(const Field& on_fluid) const;
-  /// The force as the case's constraint wants it: Wᵀ f_f, or `force_weights` where the constraint is not
-  /// conservative.
+  /// The force as the case's constraint wants it: Wᵀ f_f, or by the matrix of `set_force`.
   Field force(const Field& on_fluid) const;
+  /// As `consistent`, for what is per area (pressure): the integral is kept where `set_areas` was called.
+  Field per_area(const Field& on_structure) const;
   const Matrix& weights() const { return weights_; }
   const MappingQuality& quality() const { return quality_; }
 
   /// The force goes with a matrix of its own from now on (n_structure × n_fluid). `scaled`: each component is
   /// then scaled until Σ f_s = Σ f_f.
-  void set_force_weights(Matrix weights, bool scaled);
+  void set_force(Matrix weights, bool scaled);
+  /// What the points stand for [m², m in 2-D].
+  void set_areas(Eigen::VectorXd of_structure, Eigen::VectorXd of_fluid);
 
  private:
   Matrix weights_, transpose_, force_weights_;
+  Eigen::VectorXd area_of_structure_, area_of_fluid_;
   MappingQuality quality_;
   bool scaled_ = false;
 };
@@ -91,7 +95,7 @@ Mapping radial_basis(const InterfaceMesh& structure, const InterfaceMesh& fluid,
 /// W = 1, for volume coupling: both meshes are the same points.
 Mapping identity(const InterfaceMesh& structure, const InterfaceMesh& fluid);
 /// By name, with the constraint of the force. For a field per area (pressure) from fluid to structure make a
-/// mapping with the meshes exchanged and use its `consistent`.
+/// mapping with the meshes exchanged and use its `per_area`.
 Mapping make_mapping(const MappingParameters&, const InterfaceMesh& structure, const InterfaceMesh& fluid);
 
 }  // namespace strake

@@ -77,7 +77,7 @@ Matrix spread(Matrix weights, const Sources& sources, Index n_structure) {
 LocalWeights patch_weights(const Patch& patch, const RadialBasis& basis, RadialFunction function,
                            const Points& sources, const Points& targets) {
   const double unit = std::isfinite(patch.radius) && patch.radius > 0 ? patch.radius : 1;
-  const double support = basis.support > 0 ? basis.support : usual_support(function) * patch.spacing;
+  const double support = basis.support > 0 ? basis.support : usual_support * patch.spacing;
   return local_weights(function, support / unit, basis.polynomial == "linear",
                        (sources(Eigen::all, patch.source).colwise() - patch.centre) / unit,
                        (targets(Eigen::all, patch.target).colwise() - patch.centre) / unit);

@@ -210,6 +210,10 @@ TEST(Mapping, MatchesTheIntegralOfAPressureAndLeavesDryPointsDry) {
     if (plain(0, i) == 0) {
       EXPECT_EQ(mapped(0, i), 0) << i;
     }
+  const Mapping scaled =
+      make_mapping({.kind = "nearest-projection", .constraint = "scaled-consistent"}, fluid, structure);
+  EXPECT_EQ(scaled.per_area({"pressure", "Pa", false, pressure}).value, mapped);
+  EXPECT_EQ(scaled.consistent({"pressure", "Pa", false, pressure}).value, plain);
   // Of one sign: the usual scaling by one factor.
   EXPECT_LE((mapped - integral[0] / (plain * to)[0] * plain).cwiseAbs().maxCoeff(), 1e-14);
 }
@@ -262,7 +266,7 @@ TEST(Mapping, RefusesMeshesThatDoNotBelongTogether) {
   refused([&] { identity(line, strip("fluid", 4, 0.5)); }, "m from the structure");
   refused([&] { radial_basis(line, strip("fluid", 4, 0.4, 0.3), {}, 0.1); }, "0.3 m from the structure");
   refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "consistent"}, line, bare); },
-          "the fluid's interface has no faces");
+          "point 0 of the fluid's interface belongs to no face");
   refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "scaled"}, line, line); },
           "\"scaled\" is not a constraint");
   refused([&] { make_mapping({.kind = "radial"}, line, line); }, "nearest-projection");

@@ -118,7 +118,7 @@ TEST(RadialBasis, DoesNotFollowASlopeThatThePointsBarelyShow) {
   for (Index i = 0; i < fluid.position.cols(); ++i) {
     double size = 0;
     for (Mapping::Matrix::InnerIterator w(mapping.weights(), i); w; ++w) size += std::abs(w.value());
-    ASSERT_LE(size, 10) << i;
+    ASSERT_LE(size, 50) << i;  // with that slope 0.1/1e-4 = 1000
   }
 }
 
