@@ -135,7 +135,9 @@ struct Convergence {
   double least;  // order that the method promises
 };
 
-// Spacing halved twice, the largest error anywhere, borders included, where the fluid overhangs by 0.3 h.
+// Spacing halved twice, the largest error anywhere, borders included, where the fluid overhangs by 0.3 h: a
+// projection holds the border's value there, the others go on. The order is that over both halvings: where
+// the patches lie on the border differs from mesh to mesh.
 TEST(RadialBasis, ConvergesOnAWavySurfaceWithTheOrderOfTheMethod) {
   for (const Convergence& c :
        {Convergence{"nearest-neighbour", "", 0.9}, Convergence{"nearest-projection", "", 0.9},
@@ -152,7 +154,7 @@ TEST(RadialBasis, ConvergesOnAWavySurfaceWithTheOrderOfTheMethod) {
       error.push_back(error_of(mapping, structure, fluid));
       condition = mapping.quality().condition;
     }
-    const double order = std::log2(error[1] / error[2]);
+    const double order = 0.5 * std::log2(error[0] / error[2]);
     std::printf("  %-18s %-12s errors %.2e %.2e %.2e  order %.2f  condition %.1e\n", c.kind.c_str(),
                 c.function.c_str(), error[0], error[1], error[2], order, condition);
     EXPECT_GE(order, c.least) << c.kind << " " << c.function;
