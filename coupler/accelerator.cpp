@@ -4,22 +4,36 @@
 
 #include <cassert>
 #include <cmath>
+#include <numeric>
+#include <string_view>
 
 #include "coupler/aitken.hpp"
 #include "coupler/iqn_ils.hpp"
+#include "coupler/iqn_imvj.hpp"
 #include "proto/error.hpp"
 
 namespace strake {
 namespace {
 
-void refuse_non_finite(const Eigen::VectorXd& values, const char* what, int iteration) {
+/// `what`: a sentence's subject with {} for the name of the field.
+void refuse_non_finite(const Eigen::VectorXd& values, const std::vector<AcceleratorBlock>& blocks,
+                       std::string_view what, int iteration) {
   if (values.allFinite()) return;
   Eigen::Index first = 0;
   while (std::isfinite(values[first])) ++first;
-  throw Error(
-      ExitCode::solver_fault, fmt::format("coupling, iteration {}", iteration),
-      fmt::format("{} is not finite: value {} of {} is {}", what, first, values.size(), values[first]),
-      "see the log of the solver that sent it; a smaller coupling window may help");
+  const double value = values[first];
+  std::string name = "interface motion";
+  Eigen::Index size = values.size();
+  for (const AcceleratorBlock& block : blocks) {
+    name = block.name;
+    size = block.size;
+    if (first < block.size) break;
+    first -= block.size;
+  }
+  throw Error(ExitCode::solver_fault, fmt::format("coupling, iteration {}", iteration),
+              fmt::format("{} is not finite: value {} of {} is {}", fmt::format(fmt::runtime(what), name),
+                          first, size, value),
+              "see the log of the solver that sent it; a smaller coupling window may help");
 }
 
 /// x + ω (H(x) − x)
@@ -39,14 +53,22 @@ class Constant : public Accelerator {
 
 }  // namespace
 
+void Accelerator::set_blocks(std::vector<AcceleratorBlock> blocks) {
+  blocks_ = std::move(blocks);
+}
+
 void Accelerator::learn(const Eigen::VectorXd&, const Eigen::VectorXd&) {}
 
 void Accelerator::observe(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) {
   assert(x.size() == hx.size());
+  assert(blocks_.empty() || std::accumulate(blocks_.begin(), blocks_.end(), Eigen::Index{0},
+                                            [](Eigen::Index sum, const AcceleratorBlock& block) {
+                                              return sum + block.size;
+                                            }) == x.size());
   step_ = {};
   ++state_.iteration;
-  refuse_non_finite(x, "the interface motion sent to the fluid", state_.iteration);
-  refuse_non_finite(hx, "the interface motion returned by the structure", state_.iteration);
+  refuse_non_finite(x, blocks_, "the {} that was sent", state_.iteration);
+  refuse_non_finite(hx, blocks_, "the {} that came back", state_.iteration);
   learn(hx - x, hx);
   state_.previous_residual = hx - x;
   state_.previous_image = hx;
@@ -55,7 +77,7 @@ void Accelerator::observe(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) {
 Eigen::VectorXd Accelerator::next(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) {
   observe(x, hx);
   Eigen::VectorXd result = iterate(x, hx);
-  refuse_non_finite(result, "the accelerated interface motion", state_.iteration);
+  refuse_non_finite(result, blocks_, "the accelerated {}", state_.iteration);
   return result;
 }
 
@@ -72,31 +94,31 @@ void Accelerator::start_window() {
 std::unique_ptr<Accelerator> make_accelerator(const AcceleratorParameters& p) {
   if (p.kind == "constant") return std::make_unique<Constant>(p.initial_relaxation);
   if (p.kind == "aitken") return std::make_unique<Aitken>(p.initial_relaxation);
-  if (p.kind == "iqn-ils") return std::make_unique<IqnIls>(p.initial_relaxation, p.reused_windows, p.filter);
+  if (p.kind == "iqn-ils") return std::make_unique<IqnIls>(p);
+  if (p.kind == "iqn-imvj") return std::make_unique<IqnImvj>(p);
   throw Error(ExitCode::case_file, "coupling.surface.accelerator.kind",
-              fmt::format("\"{}\" is not an accelerator", p.kind), "iqn-ils, aitken or constant");
+              fmt::format("\"{}\" is not an accelerator", p.kind), "iqn-ils, iqn-imvj, aitken or constant");
 }
 
 void AcceleratorState::save(Archive& archive) const {
-  archive.integer["accelerator.iteration"] = {iteration, static_cast<std::int64_t>(windows.size())};
+  archive.integer["accelerator.iteration"] = {iteration};
   archive.real["accelerator.relaxation"] = Eigen::MatrixXd::Constant(1, 1, relaxation);
   const auto put = [&](const std::string& name, const Eigen::MatrixXd& value) {
     if (value.size() > 0) archive.real["accelerator." + name] = value;
   };
   put("previous_residual", previous_residual);
   put("previous_image", previous_image);
-  for (std::size_t w = 0; w < windows.size(); ++w) {
-    put(fmt::format("residual{}", w), windows[w].residual);
-    put(fmt::format("image{}", w), windows[w].image);
-  }
+  put("residual_sum", residual_sum);
+  secants.save(archive, "accelerator.secants");
+  jacobian.save(archive, "accelerator.jacobian");
 }
 
 void AcceleratorState::load(const Archive& archive) {
   *this = {};
   const auto counts = archive.integer.find("accelerator.iteration");
   const auto omega = archive.real.find("accelerator.relaxation");
-  if (counts == archive.integer.end() || counts->second.size() != 2 || counts->second[1] < 0 ||
-      omega == archive.real.end() || omega->second.size() != 1)
+  if (counts == archive.integer.end() || counts->second.size() != 1 || omega == archive.real.end() ||
+      omega->second.size() != 1)
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5", "the accelerator's state is missing",
                 "resume from the other checkpoint");
   const auto get = [&](const std::string& name) {
@@ -108,8 +130,9 @@ void AcceleratorState::load(const Archive& archive) {
   const auto vector = [](const Eigen::MatrixXd& m) -> Eigen::VectorXd { return m.reshaped(); };
   previous_residual = vector(get("previous_residual"));
   previous_image = vector(get("previous_image"));
-  for (std::int64_t w = 0; w < counts->second[1]; ++w)
-    windows.push_back({get(fmt::format("residual{}", w)), get(fmt::format("image{}", w))});
+  residual_sum = vector(get("residual_sum"));
+  secants.load(archive, "accelerator.secants");
+  jacobian.load(archive, "accelerator.jacobian");
 }
 
 }  // namespace strake

@@ -5,44 +5,53 @@
 #include <string>
 #include <vector>
 
+#include "coupler/low_rank.hpp"
+#include "coupler/secants.hpp"
 #include "proto/interface.hpp"
 
 namespace strake {
 
 struct AcceleratorParameters {
-  std::string kind = "iqn-ils";     // "constant" | "aitken" | "iqn-ils"
+  std::string kind = "iqn-ils";     // "constant" | "aitken" | "iqn-ils" | "iqn-imvj"
   double initial_relaxation = 0.1;  // ω while nothing better is known; of `constant` always
   int reused_windows = 8;           // earlier windows whose columns IQN-ILS keeps
-  double filter = 1e-2;  // a column whose new direction is a smaller part of it than this is left out
+  double filter = 1e-2;             // columns that bring less than this that is new are left out
+  std::string filter_kind = "QR2";  // less beside the column itself; "QR1": beside all the others
+  int max_columns = 50;             // two vectors each: what bounds the memory
 };
 
 /// All that an accelerator remembers: copied to rewind, saved to resume.
 struct AcceleratorState {
-  /// Differences between successive iterations of one window, oldest first.
-  struct Secants {
-    Eigen::MatrixXd residual;  // Δ(H(x) − x)
-    Eigen::MatrixXd image;     // ΔH(x)
-  };
   int iteration = 0;      // iterations seen in this window
   double relaxation = 0;  // last ω; 0: none yet
   Eigen::VectorXd previous_residual, previous_image;
-  std::vector<Secants>
-      windows;  // oldest first; the last one belongs to the current window when iteration > 1
+  Secants secants;               // of IQN-ILS and IQN-IMVJ
+  Eigen::VectorXd residual_sum;  // Σ_k |r_b^k| / |r^k| of each block in this window
+  LowRank jacobian;              // of IQN-IMVJ, of the windows before this one
 
   void save(Archive&) const;
   void load(const Archive&);
 };
 
+/// One field of the accelerated vector where several stand one below the other, as in parallel coupling.
+struct AcceleratorBlock {
+  std::string name;       // "displacement", "force", "pressure", …: for messages
+  Eigen::Index size = 0;  // values
+};
+
 /// What the last call of `next` did.
 struct AcceleratorStep {
   double relaxation = 0;         // ω, where one was used
-  int columns = 0, dropped = 0;  // IQN-ILS: used, and left out by the filter
+  int columns = 0, dropped = 0;  // quasi-Newton: used, and left out by the filter
 };
 
 /// Next iterate of the fixed point x = H(x).
 class Accelerator {
  public:
   virtual ~Accelerator() = default;
+  /// The fields of the vector in their order, before the first call of `next`; without it the vector is one
+  /// interface motion. Fields of different units weigh alike in what is made small over the whole vector.
+  void set_blocks(std::vector<AcceleratorBlock>);
   /// x, hx: what went in and what came out, any length, the same in all calls. Throws Error(solver_fault)
   /// when either is not finite.
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& hx);
@@ -61,6 +70,7 @@ class Accelerator {
   virtual Eigen::VectorXd iterate(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) = 0;
   AcceleratorState state_;
   AcceleratorStep step_;
+  std::vector<AcceleratorBlock> blocks_;
 
  private:
   void observe(const Eigen::VectorXd& x, const Eigen::VectorXd& hx);

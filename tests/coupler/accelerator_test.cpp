@@ -72,19 +72,19 @@ TEST(IqnIls, ForgetsWindowsBeyondTheNumberToReuse) {
     iterations(*accelerator, h, 1e-8);
   }
   accelerator->start_window();
-  EXPECT_EQ(accelerator->state().windows.size(), 2u);
+  EXPECT_EQ(accelerator->state().secants.windows.size(), 2u);
 }
 
 TEST(IqnIls, KeepsItsColumnsOverWindowsThatConvergeAtOnce) {
   const auto accelerator = make_accelerator({"iqn-ils", 0.1, 2, 1e-6});
   iterations(*accelerator, random_linear(4, 2, 3), 1e-8);
-  const auto columns = accelerator->state().windows.back().residual.cols();
+  const auto columns = accelerator->state().secants.columns();
   for (int quiet = 0; quiet < 10; ++quiet) {
     accelerator->start_window();
     accelerator->finish_window(VectorXd::Ones(4), VectorXd::Ones(4));
   }
-  ASSERT_EQ(accelerator->state().windows.size(), 1u);
-  EXPECT_EQ(accelerator->state().windows.back().residual.cols(), columns);
+  ASSERT_EQ(accelerator->state().secants.windows.size(), 1u);
+  EXPECT_EQ(accelerator->state().secants.columns(), columns);
 }
 
 TEST(IqnIls, LeavesOutColumnsThatBringNothingNew) {
@@ -124,7 +124,7 @@ TEST(Constant, RelaxesByItsFactor) {
 }
 
 TEST(Accelerator, StopsAtAValueThatIsNotFiniteAndNamesIt) {
-  for (const char* kind : {"constant", "aitken", "iqn-ils"}) {
+  for (const char* kind : {"constant", "aitken", "iqn-ils", "iqn-imvj"}) {
     const auto accelerator = make_accelerator({kind, 0.1, 8, 1e-3});
     accelerator->start_window();
     VectorXd bad = VectorXd::Ones(4);
@@ -134,15 +134,32 @@ TEST(Accelerator, StopsAtAValueThatIsNotFiniteAndNamesIt) {
       FAIL();
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::solver_fault);
-      EXPECT_NE(e.problem().find("returned by the structure is not finite: value 2 of 4"), std::string::npos)
+      EXPECT_NE(e.problem().find("the interface motion that came back is not finite: value 2 of 4"),
+                std::string::npos)
           << e.problem();
     }
   }
   EXPECT_THROW(make_accelerator({"newton"}), Error);
 }
 
+TEST(Accelerator, NamesTheFieldOfAStackedVectorThatIsNotFinite) {
+  const auto accelerator = make_accelerator({"aitken"});
+  accelerator->set_blocks({{"area", 3}, {"pressure", 4}});
+  accelerator->start_window();
+  VectorXd bad = VectorXd::Ones(7);
+  bad[5] = INFINITY;
+  try {
+    accelerator->next(bad, VectorXd::Zero(7));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(e.problem().find("the pressure that was sent is not finite: value 2 of 4 is inf"),
+              std::string::npos)
+        << e.problem();
+  }
+}
+
 TEST(Accelerator, GoesOnBitEqualFromAState) {
-  for (const char* kind : {"aitken", "iqn-ils"}) {
+  for (const char* kind : {"aitken", "iqn-ils", "iqn-imvj"}) {
     const Linear h = random_linear(6, 3, 9);
     const auto one = make_accelerator({kind, 0.1, 8, 1e-3}), other = make_accelerator({kind, 0.1, 8, 1e-3});
     iterations(*one, h, 1e-6, 20);

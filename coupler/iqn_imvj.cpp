@@ -1,0 +1,57 @@
+#include "coupler/iqn_imvj.hpp"
+
+#include <algorithm>
+
+namespace strake {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+// Singular values of J below this part of the largest are forgotten when it starts again.
+constexpr double smallest_singular = 1e-2;
+
+}  // namespace
+
+VectorXd IqnImvj::image_of(const VectorXd& residual_change, VectorXd image_change) {
+  return image_change - state_.jacobian.times(residual_change);
+}
+
+VectorXd IqnImvj::iterate(const VectorXd& x, const VectorXd& hx) {
+  const VectorXd residual = hx - x;
+  const LeastSquares problem = factorise();
+  const auto own = static_cast<int>(problem.kept.size());
+  step_.columns = own + static_cast<int>(state_.jacobian.left.size());
+  step_.dropped = static_cast<int>(state_.secants.columns()) - own;
+  if (step_.columns == 0) {
+    state_.relaxation = step_.relaxation = parameters_.initial_relaxation;
+    return x + parameters_.initial_relaxation * residual;
+  }
+  VectorXd next = hx - state_.jacobian.times(residual);
+  if (own > 0)
+    add_times(state_.secants.images(problem),
+              problem.alpha(state_.secants.project(sizes(x.size()), weights(), residual)), next);
+  return next;
+}
+
+void IqnImvj::start_window() {
+  Secants& secants = state_.secants;
+  if (secants.columns() > 0) {
+    const Index n = secants.image.front()->size();
+    const std::vector<Index> lengths = sizes(n);
+    const LeastSquares problem = factorise();
+    state_.jacobian.add(secants.images(problem), secants.pseudo_inverse(problem, lengths, weights()));
+    if (static_cast<int>(state_.jacobian.left.size()) > parameters_.max_columns) {
+      VectorXd scale(n);
+      Index begin = 0;
+      for (std::size_t b = 0; b < lengths.size(); begin += lengths[b++])
+        scale.segment(begin, lengths[b]).setConstant(weights()[static_cast<Index>(b)]);
+      state_.jacobian.truncate(std::max(1, parameters_.max_columns / 2), smallest_singular, scale);
+    }
+    secants = {};
+  }
+  Accelerator::start_window();
+}
+
+}  // namespace strake

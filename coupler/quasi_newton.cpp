@@ -1,0 +1,62 @@
+#include "coupler/quasi_newton.hpp"
+
+#include <cmath>
+
+namespace strake {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// A difference of residuals this small beside the iterates is their round-off.
+constexpr double round_off = 1e-15;
+// The map as this window shows it is worth finer columns than what an earlier window remembers: a linear map
+// of n unknowns is solved in n + 2 iterations.
+constexpr double own_filter = 1e-4;
+
+}  // namespace
+
+QuasiNewton::QuasiNewton(const AcceleratorParameters& parameters) : parameters_(parameters) {}
+
+std::vector<Index> QuasiNewton::sizes(Index whole) const {
+  if (blocks_.empty()) return {whole};
+  std::vector<Index> sizes;
+  for (const AcceleratorBlock& block : blocks_) sizes.push_back(block.size);
+  return sizes;
+}
+
+void QuasiNewton::learn(const VectorXd& residual, const VectorXd& image) {
+  weigh(residual);
+  if (state_.iteration == 1) return;
+  const VectorXd change = residual - state_.previous_residual;
+  if (change.norm() <= round_off * image.norm()) return;
+  state_.secants.append(sizes(change.size()), change, image_of(change, image - state_.previous_image),
+                        parameters_.max_columns);
+}
+
+void QuasiNewton::weigh(const VectorXd& residual) {
+  const std::vector<Index> lengths = sizes(residual.size());
+  if (state_.iteration == 1) state_.residual_sum = VectorXd::Zero(static_cast<Index>(lengths.size()));
+  const double whole = residual.norm();
+  Index begin = 0, b = 0;
+  for (const Index length : lengths) {
+    if (whole > 0) state_.residual_sum[b] += residual.segment(begin, length).norm() / whole;
+    begin += length;
+    ++b;
+  }
+}
+
+VectorXd QuasiNewton::weights() const {
+  const VectorXd& sum = state_.residual_sum;
+  if (sum.size() < 2) return VectorXd::Ones(1);
+  // A field without any residual has nothing to weigh.
+  return sum.unaryExpr([](double s) { return s > 0 ? 1 / s : 1.0; });
+}
+
+LeastSquares QuasiNewton::factorise() const {
+  return state_.secants.factorise(
+      weights(), {parameters_.filter_kind == "QR1" ? SecantFilter::Kind::qr1 : SecantFilter::Kind::qr2,
+                  parameters_.filter, own_filter});
+}
+
+}  // namespace strake

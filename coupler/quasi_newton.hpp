@@ -1,0 +1,28 @@
+#pragma once
+
+#include "coupler/accelerator.hpp"
+
+namespace strake {
+
+/// What IQN-ILS and IQN-IMVJ have in common: the secants of the iterations and their least-squares problem.
+class QuasiNewton : public Accelerator {
+ public:
+  explicit QuasiNewton(const AcceleratorParameters&);
+
+ protected:
+  void learn(const Eigen::VectorXd& residual, const Eigen::VectorXd& image) override;
+  /// What a change of the residual and of the image is remembered as.
+  virtual Eigen::VectorXd image_of(const Eigen::VectorXd& residual_change, Eigen::VectorXd image_change) = 0;
+  std::vector<Eigen::Index> sizes(Eigen::Index whole) const;  // of the blocks
+  /// w_b = 1 / Σ_k |r_b^k| / |r^k| over the iterations of this window: what a field leaves weighs alike in
+  /// every field, whatever its unit.
+  Eigen::VectorXd weights() const;
+  LeastSquares factorise() const;
+
+  const AcceleratorParameters parameters_;
+
+ private:
+  void weigh(const Eigen::VectorXd& residual);
+};
+
+}  // namespace strake
