@@ -4,7 +4,7 @@
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
-names() { for f in "$here"/*.toml; do printf ' %s' "$(basename "$f" .toml)"; done; }
+names() { for f in "$here"/*.toml "$here"/*/*.toml; do printf ' %s' "$(basename "$f" .toml)"; done; }
 if [ $# -lt 1 ] || [ "$1" = "-h" ] || [ "$1" = "--help" ]; then
   echo "usage: cases/run.sh CASE [options of \`strake run\`]"
   echo "cases:$(names)"
@@ -12,7 +12,9 @@ if [ $# -lt 1 ] || [ "$1" = "-h" ] || [ "$1" = "--help" ]; then
 fi
 case_name=$(basename "$1" .toml)
 shift
-if [ ! -f "$here/$case_name.toml" ]; then
+case_file=$here/$case_name.toml
+[ -f "$case_file" ] || case_file=$here/$case_name/$case_name.toml   # with a program of its own beside it
+if [ ! -f "$case_file" ]; then
   echo "cases/run.sh: there is no case \"$case_name\"" >&2
   echo "  fix: one of$(names)" >&2
   exit 2
@@ -20,5 +22,7 @@ fi
 . "$here/setup.sh"
 # shellcheck disable=SC2086
 strake_install $strake_packages_build
+# shellcheck disable=SC2086
+[ -z "$(find "$(dirname "$case_file")" -maxdepth 1 -name '*.py')" ] || strake_install $strake_packages_python
 strake_make programs
-exec "$strake_build/bin/strake" run "$here/$case_name.toml" --first-free-tag "$@"
+exec "$strake_build/bin/strake" run "$case_file" --first-free-tag "$@"

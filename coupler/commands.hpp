@@ -20,6 +20,8 @@ struct RunOptions {
   bool patient = false;  // no deadline but death
   bool strict = false;   // exit 1 when a compare block fails
   bool quiet = false, json = false;
+  bool trace = true;     // write trace.json
+  bool profile = false;  // say where the time went
   std::vector<std::string> command_line;
 };
 ExitCode run(const RunOptions&, const StopRequest&);

@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "coupler/profile.hpp"
+
 namespace strake {
 
 namespace {
@@ -191,6 +193,8 @@ class TableReporter final : public Reporter {
           "\n");
     for (const Verdict& verdict : summary.verdicts) put("  " + verdict_text(verdict, style_) + "\n");
     if (const std::string checks = checks_text(summary); !checks.empty()) put("  checks" + checks + "\n");
+    if (end.profile != nullptr)
+      for (const std::string& text : end.profile->lines()) put("  " + text + "\n");
     put(fmt::format("  curves  {}\n", (end.folder / "history.csv").string()));
     if (!end.fields.empty()) {
       std::string fields = (end.folder / end.fields.front()).string();
@@ -253,6 +257,7 @@ class JsonReporter final : public Reporter {
   void verdict(const Verdict& verdict) override { put({{"event", "verdict"}, {"line", verdict.line()}}); }
   void note(const std::string& line) override { put({{"event", "note"}, {"line", line}}); }
   void end(const RunEnd& end) override {
+    if (end.profile != nullptr) put({{"event", "profile"}, {"seconds", end.profile->json()}});
     put({{"event", "end"}, {"folder", end.folder.string()}, {"summary", end.summary->json()}});
   }
 
@@ -275,6 +280,8 @@ class QuietReporter final : public Reporter {
   void end(const RunEnd& end) override {
     for (const Verdict& verdict : end.summary->verdicts)
       if (verdict.result == Verdict::Result::fail) fmt::print(stream_, "{}\n", verdict_text(verdict, style_));
+    if (end.profile != nullptr)
+      for (const std::string& text : end.profile->lines()) fmt::print(stream_, "{}\n", text);
     std::fflush(stream_);
   }
 

@@ -15,6 +15,8 @@
 
 namespace strake {
 
+class Profile;
+
 /// What a run understood, before its first window.
 struct RunHeader {
   std::string title;
@@ -39,8 +41,9 @@ struct RunRow {
 struct RunEnd {
   const Summary* summary = nullptr;
   std::filesystem::path folder;
-  std::vector<std::string> fields;  // "fluid.xdmf", "structure.xdmf"
-  std::string stopped;              // empty: ran to its end; else "interrupted", "failed"
+  std::vector<std::string> fields;   // "fluid.xdmf", "structure.xdmf"
+  std::string stopped;               // empty: ran to its end; else "interrupted", "failed"
+  const Profile* profile = nullptr;  // with --profile
 };
 
 /// Where the news of a run goes. Results and their printing are apart: this sees only what is recorded as

@@ -129,6 +129,24 @@ std::map<std::string, std::string> quiet_environment(int threads) {
   };
 }
 
+std::filesystem::path folder_of_this_program() {
+  std::error_code ignored;
+  return std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+}
+
+/// PYTHONPATH with the folder of coupling_pb2.py in front, in a build or in an installation: a participant in
+/// Python then imports the messages as they are here.
+std::string python_path() {
+  const char* given = std::getenv("PYTHONPATH");
+  const std::string path = given ? given : "";
+  for (const char* folder : {"python", "share/strake/python"}) {
+    const auto messages = folder_of_this_program().parent_path() / folder;
+    if (std::filesystem::exists(messages / "coupling_pb2.py"))
+      return path.empty() ? messages.string() : messages.string() + ":" + path;
+  }
+  return path;
+}
+
 std::optional<Exit> reap(pid_t pid) {
   int status = 0;
   pid_t got = 0;
@@ -175,8 +193,7 @@ std::filesystem::path find_program(const std::string& name, const std::filesyste
         fmt::format("{} {}", file.string(), fs::exists(file) ? "cannot be executed" : "does not exist"),
         fs::exists(file) ? fmt::format("chmod +x {}", file.string()) : "a path is relative to the case file");
   }
-  std::error_code ignored;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", ignored).parent_path() / name;
+  const fs::path beside = folder_of_this_program() / name;
   if (runnable(beside)) return beside;
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "");
@@ -197,6 +214,7 @@ std::string to_text(const Exit& exit) {
 Child::Child(const Launch& launch) {
   prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);  // what our children leave behind comes to us
   std::map<std::string, std::string> environment = quiet_environment(launch.threads);
+  if (const std::string path = python_path(); !path.empty()) environment["PYTHONPATH"] = path;
   for (const auto& [name, value] : launch.environment) environment[name] = value;
   Spawn spawn;
   spawn.open(1, launch.log.empty() ? "/dev/null" : launch.log);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/clocks.hpp"
 #include "coupler/launch.hpp"
 #include "proto/participant.hpp"
 
@@ -37,6 +38,7 @@ class Roster {
     Deadlines deadlines;
     std::function<void(const std::string&)> say;  // one line (no newline) for console and log; may be empty
     const StopRequest* stop = nullptr;
+    std::function<void(const Exchange&)> on_exchange = {};  // each question that is answered; may be empty
   };
   explicit Roster(Options);
   ~Roster();  // end()

@@ -92,7 +92,7 @@ void Roster::State::ask(Member& m, wire::Request request) {
   m.reply.reset();
   m.may_repeat.reset();
   m.request = wire::encode(std::move(request));
-  m.last_heard = Clock::now();
+  m.asked_at = m.last_heard = Clock::now();
   m.doing.clear();
   hub.send(m.peer, m.request);
 }
@@ -197,7 +197,24 @@ void Roster::State::answered(Member& m, wire::Reply reply) {
         ExitCode::participant_lost, m.place(),
         fmt::format("answered request {} when {} (number {}) was asked", reply.sequence, m.asked, m.sequence),
         m.see_log());
+  tell_exchange(m, reply);
   m.reply = std::move(reply);
+}
+
+void Roster::State::tell_exchange(const Member& m, const wire::Reply& reply) const {
+  if (!options.on_exchange) return;
+  const auto nanoseconds = [](Clock::time_point t) {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(t.time_since_epoch()).count();
+  };
+  const bool in_window = m.asked == "Advance";
+  options.on_exchange({.participant = m.name,
+                       .asked = m.asked,
+                       .window = static_cast<long>(m.committed) + (in_window ? 1 : 0),
+                       .iteration = in_window ? m.iteration : 0,
+                       .sent = nanoseconds(m.asked_at),
+                       .heard = nanoseconds(m.last_heard),
+                       .received = reply.times.received,
+                       .answered = reply.times.answered});
 }
 
 void Roster::State::greet(const Hub::Message& message) {

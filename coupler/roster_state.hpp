@@ -38,7 +38,7 @@ struct Roster::Member {
   wire::Parts request;
   std::optional<wire::Reply> reply;
   std::optional<std::uint64_t> may_repeat;  // an answer that a new connection may bring twice
-  Clock::time_point last_heard;
+  Clock::time_point asked_at, last_heard;
   std::string doing;  // its last Working
 
   // the window
@@ -91,6 +91,7 @@ struct Roster::State {
   void welcome_back(Member&, const Hub::Message&, std::uint64_t last_received);
   void refuse(const Hub::Message&, Member*, const std::string& problem, const std::string& fix);
   void answered(Member&, wire::Reply);
+  void tell_exchange(const Member&, const wire::Reply&) const;
   void look_after(Member&);
   [[noreturn]] void died(Member&, const Exit&);
 };

@@ -12,11 +12,13 @@
 #include "coupler/commands.hpp"
 #include "coupler/compare.hpp"
 #include "coupler/console.hpp"
+#include "coupler/profile.hpp"
 #include "coupler/run_files.hpp"
 #include "coupler/run_folder.hpp"
 #include "coupler/session.hpp"
 #include "coupler/stop_request.hpp"
 #include "coupler/summary.hpp"
+#include "coupler/trace.hpp"
 #include "proto/result_file.hpp"
 
 namespace strake {
@@ -101,12 +103,14 @@ class Run {
     record_.write();
 
     const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
+    if (options_.trace) open_trace();
     session_ = std::make_unique<Session>(
         case_, Session::Options{.run_folder = absolute,
                                 .log_folder = absolute,
                                 .patient = options_.patient,
                                 .say = [this](const std::string& line) { note(line); },
-                                .stop = &stop_});
+                                .stop = &stop_,
+                                .on_exchange = observer()});
     record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
     plan_ = resume ? checkpoints_.resume(*session_, summary_) : session_->plan();
     if (resume) record_.set("resumed_at", {{"window", plan_.windows_before}, {"time", plan_.start}});
@@ -157,8 +161,10 @@ class Run {
     while (!loop.finished()) {
       if (stop_.requested()) interrupt(loop);
       const auto begin = Clock::now();
+      const std::int64_t trace_begin = Trace::now();
       const CommittedWindow window = loop.next();
       const double wall = seconds_since(begin);
+      const std::int64_t trace_end = Trace::now();
       summary_.coupler_seconds["windows"] += wall;
       summary_.add(window);
       files_->append(window, session_->values(window.report), wall);
@@ -174,7 +180,39 @@ class Run {
         saved = Clock::now();
       }
       summary_.coupler_seconds["files"] += seconds_since(begin) - wall;
+      observe(window, trace_begin, trace_end);
     }
+  }
+
+  /// A resumed run keeps the trace of the part before it.
+  void open_trace() {
+    const std::filesystem::path path = folder_.path / "trace.json";
+    std::error_code none;
+    for (int part = 1; options_.folder.resume && std::filesystem::exists(path, none); ++part) {
+      const std::filesystem::path earlier = folder_.path / fmt::format("trace-{}.json", part);
+      if (!std::filesystem::exists(earlier, none)) std::filesystem::rename(path, earlier, none);
+      if (none) break;
+    }
+    trace_.emplace(path);
+  }
+
+  /// Who is told of each question and answer; nobody where nobody asks.
+  std::function<void(const Exchange&)> observer() {
+    if (!trace_ && !options_.profile) return {};
+    return [this](const Exchange& exchange) {
+      if (trace_) trace_->add(exchange);
+      if (options_.profile) profile_.add(exchange);
+    };
+  }
+
+  void observe(const CommittedWindow& window, std::int64_t begin, std::int64_t end) {
+    const std::int64_t files_end = Trace::now();
+    if (trace_) {
+      trace_->add("files", end, files_end);
+      trace_->end_window(window.number, window.time, window.report.iterations, window.report.converged, begin,
+                         end);
+    }
+    if (options_.profile) profile_.end_window(window.report, begin, end, files_end);
   }
 
   void save(const RunLoop& loop) {
@@ -242,7 +280,12 @@ class Run {
     record_.write();
     if (log_) log_->info("exit code {}", static_cast<int>(code));
 
-    RunEnd end{.summary = &summary_, .folder = folder_.path, .fields = {}, .stopped = {}};
+    trace_.reset();
+    RunEnd end{.summary = &summary_,
+               .folder = folder_.path,
+               .fields = {},
+               .stopped = {},
+               .profile = options_.profile ? &profile_ : nullptr};
     for (const char* fields : {"fluid.xdmf", "structure.xdmf"})
       if (std::filesystem::exists(folder_.path / fields)) end.fields.emplace_back(fields);
     if (code == ExitCode::interrupted || code == ExitCode::terminated)
@@ -295,6 +338,8 @@ class Run {
   std::vector<bool> settled_;         // of blocks_: its verdict has been told
   std::unique_ptr<RunFiles> files_;
   std::unique_ptr<Session> session_;
+  std::optional<Trace> trace_;
+  Profile profile_;
   Checkpoints checkpoints_;
   RunPlan plan_;
   double wall_before_ = 0;  // [s] of the run that this one resumes

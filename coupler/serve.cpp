@@ -176,6 +176,10 @@ void Watch::run(Line& line) {
 
 // ---- serving
 
+std::int64_t steady_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
+}
+
 std::string raw_bytes(const std::string& hexadecimal) {
   std::string bytes(hexadecimal.size() / 2, '\0');
   std::size_t length = 0;
@@ -217,6 +221,7 @@ class Server {
   Watch watch_;
   std::unique_ptr<Participant> participant_;
   std::uint64_t sequence_ = 0;  // of the last request
+  std::int64_t received_ = 0;   // [ns] when it came
   wire::Parts last_reply_;
   bool stopped_ = false, refused_ = false;
   Clock::time_point last_working_;
@@ -241,6 +246,7 @@ void Server::renew() {
 
 void Server::send(wire::Reply message) {
   message.sequence = sequence_;
+  message.times = {received_, steady_now()};
   wire::Parts parts = wire::encode(std::move(message), options_.name);
   if (watch_.take_renewed()) say_hello();
   last_reply_ = std::move(parts);
@@ -252,6 +258,7 @@ wire::Request Server::next_request() {
     renew();
     const auto parts = line_.receive(milliseconds(100));
     if (!parts) continue;
+    const std::int64_t received = steady_now();
     wire::Request request = wire::decode_request(*parts);
     if (std::holds_alternative<wire::Refused>(request.what)) return request;
     if (request.sequence == sequence_ && !last_reply_.empty()) {  // sent again over a new connection
@@ -262,6 +269,7 @@ wire::Request Server::next_request() {
       throw Error(ExitCode::participant_lost, options_.name,
                   fmt::format("the coupler sent request {} after {}", request.sequence, sequence_));
     sequence_ = request.sequence;
+    received_ = received;
     return request;
   }
 }

@@ -90,7 +90,8 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
                       .case_hash = view.file.hash(),
                       .deadlines = deadlines_of(view.coupling, options.patient),
                       .say = options.say,
-                      .stop = options.stop});
+                      .stop = options.stop,
+                      .on_exchange = options.on_exchange});
   if (view.structure) launch(*view.structure);
   if (view.fluid) launch(*view.fluid);
 

@@ -7,6 +7,7 @@
 
 #include <bit>
 #include <climits>
+#include <type_traits>
 #include <utility>
 
 namespace strake::wire {
@@ -197,6 +198,11 @@ Parts encode_any(Message message, const std::string& who) {
   const auto kept = std::make_shared<const Message>(std::move(message));
   Header header;
   header.set_sequence(kept->sequence);
+  if constexpr (std::is_same_v<Message, Reply>)
+    if (kept->times.received != 0) {
+      header.mutable_times()->set_received(kept->times.received);
+      header.mutable_times()->set_answered(kept->times.answered);
+    }
   Writer writer({who, name_of(*kept)}, kept);
   std::visit([&](const auto& what) { write(what, header, writer); }, kept->what);
   return writer.finish(header);
@@ -252,6 +258,7 @@ Reply decode_reply(const Parts& parts, const std::string& who) {
   Reader reader(rules, parts);
   Reply to;
   to.sequence = header.sequence();
+  to.times = {header.times().received(), header.times().answered()};
   switch (header.what_case()) {
     case pb::Reply::kHello: {
       const pb::Hello& h = header.hello();

@@ -66,9 +66,14 @@ struct Request {
   std::uint64_t sequence = 0;
   std::variant<Setup, Advance, Checkpoint, Stop, Refused> what;
 };
+/// When a participant received the question and when its answer goes, on its own steady clock. 0: not told.
+struct Times {
+  std::int64_t received = 0, answered = 0;  // [ns]
+};
 struct Reply {
   std::uint64_t sequence = 0;  // of the request that it answers; in Hello the last one received
   std::variant<Hello, Ready, Advanced, Done, Fault, Working> what;
+  Times times = {};
 };
 
 /// One part of a message. `owner` keeps the bytes alive, so that the transport need not copy them.

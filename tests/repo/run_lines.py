@@ -7,7 +7,7 @@ import sys
 
 root, bin_dir = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 problems, checked = [], 0
-for case in sorted((root / "cases").glob("*.toml")):
+for case in sorted((root / "cases").rglob("*.toml")):
     lines = [l[len("# run"):].strip() for l in case.read_text(encoding="utf-8").splitlines() if l.startswith("# run ")]
     if not lines:
         problems.append(f"{case.name}: no `# run` line")
@@ -29,7 +29,7 @@ for script in re.findall(r"^\s*((?:cases|tests)/\w+\.sh)", readme, re.M):
     if not (root / script).exists():
         problems.append(f"README.md names {script}, which does not exist")
 for name in re.findall(r"cases/run\.sh (\w+)", readme):
-    if not (root / "cases" / f"{name}.toml").exists():
+    if not any((root / "cases" / where).exists() for where in (f"{name}.toml", f"{name}/{name}.toml")):
         problems.append(f"README.md runs the case {name}, which does not exist")
 print("\n".join(problems) or f"{checked} run lines accepted by strake check")
 sys.exit(bool(problems))

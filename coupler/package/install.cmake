@@ -1,0 +1,40 @@
+# What `cmake --install` leaves: the programs, which find each other in one folder, and the package for solvers
+# written elsewhere: find_package(strake), then target_link_libraries(solver strake::participant).
+include(CMakePackageConfigHelpers)
+get_property(programs GLOBAL PROPERTY STRAKE_PROGRAMS)
+install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+install(FILES ${PROJECT_SOURCE_DIR}/proto/coupling.proto ${PROJECT_SOURCE_DIR}/proto/README.md
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/proto COMPONENT programs)
+install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs)
+
+# A participant's own headers: Eigen and the standard library, nothing else.
+set(headers coupler/participant_main.hpp coupler/serve.hpp proto/case_file.hpp proto/case_keys.hpp proto/error.hpp
+  proto/frame_writer.hpp proto/interface.hpp proto/participant.hpp proto/probe.hpp proto/result_file.hpp
+  proto/vector_participant.hpp)
+foreach(header ${headers})
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES ${PROJECT_SOURCE_DIR}/${header}
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strake/${folder} COMPONENT participant)
+endforeach()
+
+set(parts proto proto_files coupling_pb proto_wire coupling_link participant_main)
+foreach(part ${parts})
+  set_target_properties(strake_${part} PROPERTIES EXPORT_NAME ${part} POSITION_INDEPENDENT_CODE ON)
+endforeach()
+set_target_properties(strake_participant_main PROPERTIES EXPORT_NAME participant)
+list(TRANSFORM parts PREPEND strake_)
+# Both sides of the library must align Eigen's memory alike: what one allocates the other frees.
+target_compile_definitions(strake_proto INTERFACE
+  "$<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=64;EIGEN_DONT_PARALLELIZE>")
+target_compile_features(strake_proto INTERFACE cxx_std_20)
+install(TARGETS ${parts} EXPORT strake-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT participant
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strake)
+
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/strake)
+install(EXPORT strake-targets NAMESPACE strake:: DESTINATION ${package} COMPONENT participant)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/strake-config.cmake.in
+  ${PROJECT_BINARY_DIR}/strake-config.cmake INSTALL_DESTINATION ${package})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/strake-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/strake-config.cmake ${PROJECT_BINARY_DIR}/strake-config-version.cmake
+  DESTINATION ${package} COMPONENT participant)

@@ -1,0 +1,94 @@
+"""Solvers that are not ours: one in C++ against the installed package, built outside the tree, and one in Python.
+Both are the floor on a spring of cases/python_spring, run by the installed programs, so they must agree."""
+import csv
+import json
+import shutil
+
+from processes import *  # noqa: F403: the test's own vocabulary
+
+BUILD = BIN.parent
+CASE = ROOT / "cases" / "python_spring"
+FOREIGN = ROOT / "tests" / "system" / "foreign"
+
+
+def command(*words, cwd, timeout=300):
+    result = subprocess.run(list(map(str, words)), cwd=cwd, env=ENV, capture_output=True, text=True, timeout=timeout)
+    expect(result.returncode == 0, f"{' '.join(map(str, words))[:100]}: exit {result.returncode}\n"
+           + (result.stdout + result.stderr if result.returncode else ""))
+    return result
+
+
+def column(run, name):
+    with open(run / "history.csv", newline="") as file:
+        return [float(row[name]) for row in csv.DictReader(file)]
+
+
+def build_outside(place, prefix):
+    for component in ("programs", "participant"):
+        command("cmake", "--install", BUILD, "--prefix", prefix, "--component", component, cwd=place)
+    source = place / "solver"
+    shutil.copytree(FOREIGN, source)
+    expect(len((source / "spring.cpp").read_text().splitlines()) < 50, "the solver in C++ is short")
+    command("cmake", "-S", source, "-B", place / "made", f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release", cwd=place)
+    command("cmake", "--build", place / "made", cwd=place)
+    for file in (prefix / "include" / "strake").rglob("*.hpp"):
+        for line in file.read_text().splitlines():
+            if line.startswith('#include "'):
+                expect((prefix / "include" / "strake" / line.split('"')[1]).exists(), f"{file.name}: {line} is installed")
+    keys = json.loads(command(place / "made" / "spring", "--keys", cwd=place).stdout)
+    expect(any(key["path"] == "structure.spring.mass" for key in keys), "the solver prints its keys")
+    return place / "made" / "spring"
+
+
+def run_both(place, prefix, solver):
+    case = place / "case"
+    shutil.copytree(CASE, case)
+    expect(len((case / "spring.py").read_text().splitlines()) <= 60, "the solver in Python has at most 60 lines")
+    words = [prefix / "bin" / "strake", "run", case / "python_spring.toml"]
+    command(*words, "--strict", cwd=place)
+    command(*words, "--tag", "cpp", "--set", f"structure.solver={solver}", cwd=place)
+    runs = place / "runs" / "python_spring", place / "runs" / "python_spring-cpp"
+    y = [column(run, "floor.y [m]") for run in runs]
+    largest = max(map(abs, y[0]))
+    gap = max(abs(a - b) for a, b in zip(*y)) / largest
+    expect(len(y[0]) == len(y[1]) == 175 and gap < 1e-6, f"Python and C++ move the floor alike: {len(y[0])} windows, gap {gap:.1e}")
+    for verdict in json.loads((runs[0] / "summary.json").read_text())["compare"]:
+        print(f"      {verdict['probe']} {verdict['metric']} {verdict['value']:.5g}, theory {verdict['reference']:.5g}")
+    heavy = command(*words, "--tag", "heavy", "--set", "structure.spring.mass=1000", "--set", "end_time=0.005", cwd=place)
+    expect("m 1000 kg" in heavy.stdout, "--set reaches the solver's own table")
+    return words, runs[0]
+
+
+def resume_python(place, words, whole):
+    cut = place / "runs" / "python_spring-cut"
+    process = subprocess.Popen([*map(str, words), "--tag", "cut"], cwd=place, env=ENV, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
+    expect(wait_until(lambda: rows(cut) >= 50, 60), "resume: the run is under way")
+    process.send_signal(signal.SIGINT)
+    errors = process.communicate(timeout=30)[1]
+    expect(process.returncode == 130, f"resume: interrupted with {process.returncode}\n{errors}")
+    command(*words, "--tag", "cut", "--resume", cwd=place)
+    for name in ("history.csv", "iterations.csv"):
+        expect((cut / name).read_bytes() == (whole / name).read_bytes(), f"resume: {name} of the Python solver is the same to the byte")
+
+
+def coupler_dies(place, words):
+    process = subprocess.Popen([*map(str, words), "--tag", "killed"], cwd=place, env=ENV, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    killed = place / "runs" / "python_spring-killed"
+    expect(wait_until(lambda: rows(killed) >= 5, 60), "kill: the run is under way")
+    solvers = children(process.pid)
+    process.kill()
+    process.wait()
+    expect(len(solvers) == 2, f"kill: two solvers were running: {sorted(solvers)}")
+    expect(wait_until(lambda: not any(alive(pid) for pid in solvers.values()), 5), "kill: no solver outlives the coupler")
+
+
+with folder() as place:
+    place = pathlib.Path(place)
+    prefix = place / "prefix"
+    solver = build_outside(place, prefix)
+    words, whole = run_both(place, prefix, solver)
+    resume_python(place, words, whole)
+    coupler_dies(place, words)
+finish()
