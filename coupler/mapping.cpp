@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "coupler/mapping_parts.hpp"
 #include "coupler/point_tree.hpp"
@@ -123,6 +124,37 @@ Field apply(const Mapping::Matrix& weights, const Field& field) {
   return mapped;
 }
 
+std::shared_ptr<const Mapping::Matrix> share(Mapping::Matrix&& matrix) {
+  const auto shared = std::make_shared<Mapping::Matrix>();
+  shared->swap(matrix);
+  shared->makeCompressed();
+  return shared;
+}
+
+/// Rows in ascending order of columns, with no copy of the matrix in between.
+Mapping::Matrix transposed(const Mapping::Matrix& matrix) {
+  Mapping::Matrix transpose(matrix.cols(), matrix.rows());
+  transpose.resizeNonZeros(matrix.nonZeros());
+  int* begin = transpose.outerIndexPtr();  // begin[j + 1] first counts, then runs through row j
+  for (Index k = 0; k < matrix.nonZeros(); ++k) ++begin[matrix.innerIndexPtr()[k] + 1];
+  int next = 0;
+  for (Index j = 0; j < transpose.rows(); ++j) next += std::exchange(begin[j + 1], next);
+  for (Index i = 0; i < matrix.rows(); ++i)
+    for (Mapping::Matrix::InnerIterator w(matrix, i); w; ++w) {
+      const int place = begin[w.col() + 1]++;
+      transpose.innerIndexPtr()[place] = static_cast<int>(i);
+      transpose.valuePtr()[place] = w.value();
+    }
+  return transpose;
+}
+
+Index empty_rows(const Mapping::Matrix& matrix) {
+  Index empty = 0;
+  for (Index i = 0; i < matrix.rows(); ++i)
+    if (matrix.outerIndexPtr()[i] == matrix.outerIndexPtr()[i + 1]) ++empty;
+  return empty;
+}
+
 Mapping plain_mapping(const MappingParameters& p, const InterfaceMesh& structure,
                       const InterfaceMesh& fluid) {
   if (p.kind == "nearest-neighbour") return nearest_neighbour(structure, fluid, p.limit);
@@ -180,37 +212,34 @@ std::vector<std::string> quality_lines(const MappingQuality& quality, const Poin
   return lines;
 }
 
-Mapping::Mapping(Matrix weights, MappingQuality quality) : weights_(std::move(weights)), quality_(quality) {
-  weights_.makeCompressed();
-  transpose_ = weights_.transpose();
-  quality_.n_fluid = weights_.rows();
-  quality_.n_structure = weights_.cols();
+Mapping::Mapping(Matrix&& weights, MappingQuality quality)
+    : weights_(share(std::move(weights))), transpose_(share(transposed(*weights_))), quality_(quality) {
+  quality_.n_fluid = weights_->rows();
+  quality_.n_structure = weights_->cols();
   quality_.row_sum_error = 0;
-  for (Index i = 0; i < weights_.rows(); ++i) {
+  for (Index i = 0; i < weights_->rows(); ++i) {
     double sum = 0;
-    for (Matrix::InnerIterator w(weights_, i); w; ++w) sum += w.value();
+    for (Matrix::InnerIterator w(*weights_, i); w; ++w) sum += w.value();
     quality_.row_sum_error = std::max(quality_.row_sum_error, std::abs(sum - 1));
   }
   quality_.row_size =
-      static_cast<double>(weights_.nonZeros()) / std::max(1.0, static_cast<double>(weights_.rows()));
-  quality_.without_load = 0;
-  for (Index j = 0; j < transpose_.rows(); ++j)
-    if (transpose_.outerIndexPtr()[j] == transpose_.outerIndexPtr()[j + 1]) ++quality_.without_load;
+      static_cast<double>(weights_->nonZeros()) / std::max(1.0, static_cast<double>(weights_->rows()));
+  quality_.without_load = empty_rows(*transpose_);
 }
 
 // u_f = W u_s
 Field Mapping::consistent(const Field& on_structure) const {
-  return apply(weights_, on_structure);
+  return apply(*weights_, on_structure);
 }
 
 // f_s = Wᵀ f_f, hence f_s·u_s = f_f·W u_s = f_f·u_f
 Field Mapping::conservative(const Field& on_fluid) const {
-  return apply(transpose_, on_fluid);
+  return apply(*transpose_, on_fluid);
 }
 
 Field Mapping::force(const Field& on_fluid) const {
-  if (force_weights_.rows() == 0) return conservative(on_fluid);
-  Field on_structure = apply(force_weights_, on_fluid);
+  if (!force_weights_) return conservative(on_fluid);
+  Field on_structure = apply(*force_weights_, on_fluid);
   if (scaled_) match_sums(on_structure.value, on_fluid.value.rowwise().sum());
   return on_structure;
 }
@@ -223,18 +252,16 @@ Field Mapping::per_area(const Field& on_structure) const {
 }
 
 void Mapping::set_areas(Eigen::VectorXd of_structure, Eigen::VectorXd of_fluid) {
-  assert(of_structure.size() == weights_.cols() && of_fluid.size() == weights_.rows());
+  assert(of_structure.size() == weights_->cols() && of_fluid.size() == weights_->rows());
   area_of_structure_ = std::move(of_structure);
   area_of_fluid_ = std::move(of_fluid);
 }
 
-void Mapping::set_force(Matrix weights, bool scaled) {
-  assert(weights.rows() == weights_.cols() && weights.cols() == weights_.rows());
-  force_weights_ = std::move(weights);
+void Mapping::set_force(Matrix&& weights, bool scaled) {
+  assert(weights.rows() == weights_->cols() && weights.cols() == weights_->rows());
+  force_weights_ = share(std::move(weights));
   scaled_ = scaled;
-  quality_.without_load = 0;
-  for (Index j = 0; j < force_weights_.rows(); ++j)
-    if (force_weights_.outerIndexPtr()[j] == force_weights_.outerIndexPtr()[j + 1]) ++quality_.without_load;
+  quality_.without_load = empty_rows(*force_weights_);
 }
 
 Mapping nearest_neighbour(const InterfaceMesh& structure, const InterfaceMesh& fluid, double limit) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -48,29 +49,30 @@ struct MappingParameters {
 std::vector<std::string> quality_lines(const MappingQuality&, const Points& fluid);
 
 /// One sparse matrix W between two meshes: u_f = W u_s and f_s = Wᵀ f_f, so that f_s·u_s = f_f·u_f.
-/// Rows sum to 1: constants are reproduced, and Σ f_s = Σ f_f.
+/// Rows sum to 1: constants are reproduced, and Σ f_s = Σ f_f. The matrices never change: copies share them.
 class Mapping {
  public:
   using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-  explicit Mapping(Matrix weights, MappingQuality quality = {});  // n_fluid × n_structure
+  /// n_fluid × n_structure; swapped out of `weights`: Eigen 3.4 moves no sparse matrix.
+  explicit Mapping(Matrix&& weights, MappingQuality quality = {});
   Field consistent(const Field& on_structure) const;
   Field conservative(const Field& on_fluid) const;
   /// The force as the case's constraint wants it: Wᵀ f_f, or by the matrix of `set_force`.
   Field force(const Field& on_fluid) const;
   /// As `consistent`, for what is per area (pressure): the integral is kept where `set_areas` was called.
   Field per_area(const Field& on_structure) const;
-  const Matrix& weights() const { return weights_; }
+  const Matrix& weights() const { return *weights_; }
   const MappingQuality& quality() const { return quality_; }
 
   /// The force goes with a matrix of its own from now on (n_structure × n_fluid). `scaled`: each component is
   /// then scaled until Σ f_s = Σ f_f.
-  void set_force(Matrix weights, bool scaled);
+  void set_force(Matrix&& weights, bool scaled);
   /// What the points stand for [m², m in 2-D].
   void set_areas(Eigen::VectorXd of_structure, Eigen::VectorXd of_fluid);
 
  private:
-  Matrix weights_, transpose_, force_weights_;
+  std::shared_ptr<const Matrix> weights_, transpose_, force_weights_;  // the last one may be empty
   Eigen::VectorXd area_of_structure_, area_of_fluid_;
   MappingQuality quality_;
   bool scaled_ = false;

@@ -60,8 +60,8 @@ Sources distinct(const Points& points) {
 }
 
 /// Rows over the distinct points become rows over all: what coincides shares its weight evenly.
-Matrix spread(Matrix weights, const Sources& sources, Index n_structure) {
-  if (static_cast<Index>(sources.members.size()) == n_structure) return weights;
+void spread(Matrix& weights, const Sources& sources, Index n_structure) {
+  if (static_cast<Index>(sources.members.size()) == n_structure) return;
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < weights.cols(); ++j) {
     const auto& members = sources.members[static_cast<std::size_t>(j)];
@@ -69,7 +69,8 @@ Matrix spread(Matrix weights, const Sources& sources, Index n_structure) {
   }
   Matrix shared(weights.cols(), n_structure);
   shared.setFromTriplets(entries.begin(), entries.end());
-  return weights * shared;
+  Matrix all = weights * shared;
+  weights.swap(all);
 }
 
 /// One column per target of `patch`, in units of the patch: what the patch's interpolation makes of its
@@ -222,7 +223,8 @@ Mapping radial_basis(const InterfaceMesh& structure, const InterfaceMesh& fluid,
                                               {.points = basis.patch_points, .overlap = basis.overlap});
   quality.outside = partition.beyond;
   Matrix weights = by_patches(partition, basis, sources.position, structure, fluid, quality);
-  return Mapping(spread(std::move(weights), sources, structure.position.cols()), quality);
+  spread(weights, sources, structure.position.cols());
+  return Mapping(std::move(weights), quality);
 }
 
 }  // namespace strake

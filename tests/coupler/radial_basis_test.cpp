@@ -259,6 +259,50 @@ TEST(RadialBasis, DividesEveryTargetAmongItsPatches) {
   EXPECT_EQ(divide(structure.position, far.position, {}).beyond, far.position.cols());
 }
 
+// A coarse sheet with a patch a hundred times as dense in its middle: no ball may take all of that.
+TEST(RadialBasis, KeepsItsSystemsSmallWhereThePointsAreGraded) {
+  const auto graded = [](int coarse, int fine, double shift) {
+    InterfaceMesh mesh = wavy(coarse, shift);
+    const InterfaceMesh dense = patchwork("dense", fine, [&](double a, double b) -> Vector3d {
+      const double x = 0.52 + 0.1 * (a + shift / fine), y = 0.52 + 0.1 * (b + shift / fine);
+      return {x, y, 0.1 * std::sin(2 * std::numbers::pi * x) * std::cos(2 * std::numbers::pi * y)};
+    });
+    mesh.position.conservativeResize(3, mesh.position.cols() + dense.position.cols());
+    mesh.position.rightCols(dense.position.cols()) = dense.position;
+    return mesh;
+  };
+  const InterfaceMesh structure = graded(12, 80, 0), fluid = graded(12, 40, 0.3);
+  for (const Patch& patch : divide(structure.position, fluid.position, {.points = 30}).patches)
+    EXPECT_LE(patch.source.size(), 120u);
+  const Mapping mapping = radial_basis(structure, fluid);
+  EXPECT_LE(mapping.quality().row_sum_error, 1e-12);
+  // Few sources of a thinned ball may be too flat for the linear field across them.
+  const Field u = {"displacement", "m", false, linear(structure.position)};
+  EXPECT_LE((mapping.consistent(u).value - linear(fluid.position)).cwiseAbs().maxCoeff(), 1e-5);
+  // Where the sheet is coarse as near as the coarse sheet alone, where it is dense much nearer.
+  const MatrixXd error = (mapping.consistent({"displacement", "m", false, smooth(structure.position)}).value -
+                          smooth(fluid.position))
+                             .cwiseAbs();
+  const double coarse = error_of(radial_basis(wavy(12), fluid), wavy(12), fluid);
+  EXPECT_LE(error.leftCols(169).maxCoeff(), 1.1 * coarse);
+  EXPECT_LE(error.rightCols(1681).maxCoeff(), 0.1 * coarse);
+}
+
+// Points through a volume, without any faces: linear fields and moments as on surfaces.
+TEST(RadialBasis, InterpolatesInAVolumeOfPoints) {
+  const auto cloud = [](int n, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    return InterfaceMesh{"cloud", 3, Points::NullaryExpr(3, n, [&] { return unit(random); }), {}, {}};
+  };
+  const InterfaceMesh structure = cloud(3000, 3), fluid = cloud(500, 4);
+  const Mapping mapping = make_mapping({.kind = "radial-basis"}, structure, fluid);
+  const Field u = {"displacement", "m", false, linear(structure.position)};
+  EXPECT_LE((mapping.consistent(u).value - linear(fluid.position)).cwiseAbs().maxCoeff(), 1e-11);
+  const Mapping nearest = nearest_neighbour(structure, fluid);
+  EXPECT_LE(error_of(mapping, structure, fluid), 0.1 * error_of(nearest, structure, fluid));
+}
+
 // φ > 0 inside its support, smooth to zero at its end, and the values of Wendland's table.
 TEST(RadialBasis, HasWendlandsFunctions) {
   Eigen::ArrayXd squared(3);
