@@ -192,19 +192,21 @@ void check_areas(const Eigen::VectorXd& area, const char* side, const InterfaceM
 
 }  // namespace
 
-std::vector<std::string> quality_lines(const MappingQuality& quality, const Points& fluid) {
+std::vector<std::string> quality_lines(const MappingQuality& quality, const Points& mapped_to, bool back) {
+  const std::string to = back ? "structure" : "fluid", from = back ? "fluid" : "structure";
   std::vector<std::string> lines;
   std::string far = fmt::format("largest distance {:.2g} m", quality.largest_distance);
   if (quality.farthest >= 0)
-    far += fmt::format(", fluid point {} at ({:.4g}, {:.4g}, {:.4g}) m", quality.farthest,
-                       fluid(0, quality.farthest), fluid(1, quality.farthest), fluid(2, quality.farthest));
+    far += fmt::format(", {} point {} at ({:.4g}, {:.4g}, {:.4g}) m", to, quality.farthest,
+                       mapped_to(0, quality.farthest), mapped_to(1, quality.farthest),
+                       mapped_to(2, quality.farthest));
   lines.push_back(far);
-  lines.push_back(fmt::format("{} of {} fluid points are not covered by the structure's surface",
-                              quality.outside, quality.n_fluid));
-  lines.push_back(
-      fmt::format("{} of {} structure points feel no load", quality.without_load, quality.n_structure));
-  lines.push_back(fmt::format("rows sum to 1 within {:.1e}, {:.3g} structure points behind a fluid point",
-                              quality.row_sum_error, quality.row_size));
+  lines.push_back(fmt::format("{} of {} {} points are not covered by the {}'s surface", quality.outside,
+                              quality.n_fluid, to, from));
+  lines.push_back(fmt::format("{} of {} {} points {}", quality.without_load, quality.n_structure, from,
+                              back ? "are not used" : "feel no load"));
+  lines.push_back(fmt::format("rows sum to 1 within {:.1e}, {:.3g} {} points behind a {} point",
+                              quality.row_sum_error, quality.row_size, from, to));
   if (quality.patches > 0)
     lines.push_back(fmt::format("condition {:.1e}, the worst of {} system{} of {:.0f} points",
                                 quality.condition, quality.patches, quality.patches == 1 ? "" : "s",

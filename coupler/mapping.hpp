@@ -45,8 +45,8 @@ struct MappingParameters {
   double limit = std::numeric_limits<double>::infinity();  // [m] farthest fluid point that is accepted
 };
 
-/// What the quality says to a reader, a line each.
-std::vector<std::string> quality_lines(const MappingQuality&, const Points& fluid);
+/// What the quality says to a reader, a line each. back: the meshes are exchanged, as for a pressure.
+std::vector<std::string> quality_lines(const MappingQuality&, const Points& mapped_to, bool back = false);
 
 /// One sparse matrix W between two meshes: u_f = W u_s and f_s = Wᵀ f_f, so that f_s·u_s = f_f·u_f.
 /// Rows sum to 1: constants are reproduced, and Σ f_s = Σ f_f. The matrices never change: copies share them.

@@ -53,6 +53,7 @@ class Scheme {
   void abandon();
 
   const Mapping& mapping() const { return transfer_.to_fluid(); }
+  const Transfer& transfer() const { return transfer_; }
   /// What is measured in each iteration, as IterationReport::fields has it: quantity and unit.
   std::vector<Column> measured() const;
   /// Displacement, and force: what an interface record can hold.

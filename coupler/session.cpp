@@ -193,7 +193,12 @@ std::vector<std::pair<std::string, std::vector<std::string>>> Session::understoo
 
 std::vector<std::string> Session::mapping_lines() const {
   if (!scheme_ || case_.common.interface != "surface") return {};
-  return quality_lines(scheme_->mapping().quality(), fluid_->mesh().position);
+  std::vector<std::string> lines = quality_lines(scheme_->mapping().quality(), fluid_->mesh().position);
+  const auto& back = scheme_->transfer().to_structure();
+  if (!back) return lines;
+  for (std::string& line : quality_lines(back->quality(), structure_->mesh().position, true))
+    lines.push_back(std::move(line));
+  return lines;
 }
 
 std::vector<std::string> Session::warnings() const {

@@ -233,6 +233,9 @@ TEST(Mapping, SaysWhatItLeavesToBeDesired) {
   EXPECT_EQ(lines[1], "1 of 2 fluid points are not covered by the structure's surface");
   EXPECT_EQ(lines[2], "3 of 5 structure points feel no load");
   EXPECT_EQ(lines[3], "rows sum to 1 within 0.0e+00, 1 structure points behind a fluid point");
+  const auto back = quality_lines(nearest_neighbour(fluid, line).quality(), line.position, true);
+  EXPECT_EQ(back[2], "0 of 2 fluid points are not used");
+  EXPECT_EQ(back[3], "rows sum to 1 within 0.0e+00, 1 fluid points behind a structure point");
   const auto radial = quality_lines(radial_basis(line, fluid).quality(), fluid.position);
   ASSERT_EQ(radial.size(), 5u);
   EXPECT_NE(radial[4].find("the worst of 1 system of 5 points"), std::string::npos) << radial[4];

@@ -1,5 +1,6 @@
 """The commands as a person uses them: what they print, what they leave, and what a second look finds."""
 import json
+import re
 
 from processes import *  # noqa: F403: the test's own vocabulary
 
@@ -34,6 +35,11 @@ def check_leaves_nothing(place):
     result = strake("check", CASE, *QUICK, cwd=place)
     expect(result.returncode == 0, f"check: exit {result.returncode}\n{result.stderr}")
     expect("added-mass ratio" in result.stdout and "# default" in result.stdout, "check prints derived and resolved values")
+    for line in ("largest distance", "fluid points are not covered", "structure points feel no load", "rows sum to 1"):
+        expect(line in result.stdout, f"check prints the mapping's quality: {line}")
+    radial = strake("check", CASE, *QUICK, "--set", "coupling.surface.mapping.kind=radial-basis", cwd=place)
+    expect(radial.returncode == 0 and re.search(r"condition \S+, the worst of \d+ systems", radial.stdout),
+           f"check prints the condition of a radial basis\n{radial.stderr}")
     expect(not any(place.iterdir()), "check leaves nothing behind")
     explicit = strake("check", CASE, "--set", "structure.solver=particle", "--set",
                       "coupling.surface.converged.max_iterations=1", cwd=place)
