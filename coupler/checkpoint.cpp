@@ -56,8 +56,7 @@ void Checkpoints::write(Session& session, const RunLoop& loop, const Summary& su
     if (participant != nullptr) participant->checkpoint(target);
   Archive archive;
   if (session.scheme() != nullptr) session.scheme()->state().save(archive);
-  archive.real["loop.time"] = Eigen::MatrixXd::Constant(1, 1, loop.time());
-  archive.integer["loop.windows"] = {loop.number()};
+  loop.state().save(archive);
   summary.save(archive);
   write_archive(target / "coupler.h5", archive);
 
@@ -87,13 +86,11 @@ RunPlan Checkpoints::resume(Session& session, Summary& summary) {
     throw Error(ExitCode::command_line, folder_.parent_path().string(), "holds no checkpoint to go on from",
                 "run it again with --force, or under another --tag");
   const Archive archive = read_archive(source / "coupler.h5");
-  if (archive.real.count("loop.time") == 0 || archive.integer.count("loop.windows") == 0)
-    throw Error(ExitCode::case_file, (source / "coupler.h5").string(), "is not a checkpoint of a run");
-  const long windows = static_cast<long>(archive.integer.at("loop.windows").at(0));
+  const LoopState loop = LoopState::from(archive);
   for (RemoteParticipant* participant : {session.fluid(), session.structure()}) {
     if (participant == nullptr) continue;
     participant->resume(source);
-    participant->count_windows_from(static_cast<std::uint64_t>(windows));
+    participant->count_windows_from(static_cast<std::uint64_t>(loop.windows));
   }
   if (session.scheme() != nullptr) {
     CouplingState state;
@@ -102,8 +99,7 @@ RunPlan Checkpoints::resume(Session& session, Summary& summary) {
   }
   summary.load(archive);
   RunPlan plan = session.plan();
-  plan.start = archive.real.at("loop.time")(0, 0);
-  plan.windows_before = windows;
+  plan.start = loop;
   return plan;
 }
 

@@ -30,7 +30,47 @@ void read_mapping(CaseTable mapping, MappingParameters& p) {
                {.min = 0, .max = 1, .help = "of the small systems, relative to their radius"});
 }
 
+void read_convergence(CaseTable converged, CouplingKeys& keys) {
+  converged.number("relative", keys.relative,
+                   {.min = 0, .max = 1, .help = "of the displacement increment of the window, or its value"});
+  converged.number(
+      "absolute", keys.absolute,
+      {.unit = "m", .min = 0, .help = "residual that is always enough; 0: 1e-6 of fluid.spacing"});
+  converged.number("residual_relative", keys.residual_relative,
+                   {.min = 0, .max = 1, .help = "of the window's first residual; 0: it does not count"});
+  std::string measure = "increment";
+  converged.choice("measure", measure, {"increment", "value"},
+                   {.help = "what `relative` refers to; by value the load has to settle as well"});
+  keys.measure = measure == "value" ? Measure::value : Measure::increment;
+
+  CaseTable load =
+      converged.table("load", "the fluid's force (or what else it sends), which settles as well");
+  load.number("relative", keys.load.relative,
+              {.min = 0, .max = 1, .help = "of its value; 0: does not count"});
+  load.number("absolute", keys.load.absolute,
+              {.unit = "N", .min = 0, .help = "residual per point that is always enough; 0: does not count"});
+  load.number("residual_relative", keys.load.residual_relative,
+              {.min = 0, .max = 1, .help = "of the window's first residual; 0: does not count"});
+
+  converged.integer("max_iterations", keys.max_iterations,
+                    {.min = 1, .max = 1000, .help = "coupling iterations per window at most; 1: explicit"});
+  converged.integer("min_iterations", keys.min_iterations,
+                    {.min = 1, .max = 1000, .help = "coupling iterations per window at least"});
+  std::string unconverged = "accept";
+  converged.choice("unconverged", unconverged, {"accept", "stop", "halve"},
+                   {.help = "what happens to a window that reached max_iterations"});
+  if (unconverged == "stop") keys.unconverged = Unconverged::stop;
+  if (unconverged == "halve") keys.unconverged = Unconverged::halve;
+  if (keys.min_iterations > keys.max_iterations)
+    throw converged.error("min_iterations", "at most max_iterations");
+}
+
 void read_surface(CaseTable surface, CouplingKeys& keys) {
+  std::string scheme = "serial";
+  surface.choice("scheme", scheme, {"serial", "parallel"},
+                 {.help = "fluid first, or both at once with each other's last answer"});
+  keys.parallel = scheme == "parallel";
+
   read_mapping(surface.table("mapping", "how displacement and force cross the interface"), keys.mapping);
 
   CaseTable accelerator = surface.table("accelerator", "how the next interface displacement is chosen");
@@ -50,22 +90,16 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
   surface.choice("predictor", keys.predictor, {"constant", "linear", "quadratic"},
                  {.help = "first guess of a window, from the committed windows"});
 
-  CaseTable converged = surface.table("converged", "when a window is accepted");
-  converged.number("relative", keys.relative,
-                   {.min = 0, .max = 1, .help = "of the displacement increment of the window"});
-  converged.number(
-      "absolute", keys.absolute,
-      {.unit = "m", .min = 0, .help = "residual that is always enough; 0: 1e-6 of fluid.spacing"});
-  converged.integer("max_iterations", keys.max_iterations,
-                    {.min = 1, .max = 1000, .help = "coupling iterations per window at most; 1: explicit"});
-  converged.integer("min_iterations", keys.min_iterations,
-                    {.min = 1, .max = 1000, .help = "coupling iterations per window at least"});
-  std::string unconverged = "accept";
-  converged.choice("unconverged", unconverged, {"accept", "stop"},
-                   {.not_built = {"halve"}, .help = "what happens to a window that reached max_iterations"});
-  keys.stop_unconverged = unconverged == "stop";
-  if (keys.min_iterations > keys.max_iterations)
-    throw converged.error("min_iterations", "at most max_iterations");
+  read_convergence(surface.table("converged", "when a window is accepted"), keys);
+
+  CaseTable shorter =
+      surface.table("shorter", "windows that a solver, or unconverged = \"halve\", makes shorter");
+  shorter.number("smallest", keys.control.smallest,
+                 {.unit = "s", .min = 0, .help = "the run ends below it; 0: a millionth of the window"});
+  shorter.number("growth", keys.control.growth,
+                 {.min = 1, .max = 10, .help = "factor by which they grow again, up to the window"});
+  shorter.integer("patience", keys.control.patience,
+                  {.min = 1, .max = 1000000, .help = "windows of one length before they grow"});
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <string>
 
+#include "coupler/convergence.hpp"
 #include "coupler/mapping.hpp"
+#include "coupler/run_loop.hpp"
 #include "proto/case_file.hpp"
 #include "proto/case_keys.hpp"
 
@@ -12,6 +14,7 @@ namespace strake {
 /// CommonKeys.
 struct CouplingKeys {
   // [coupling.surface]
+  bool parallel = false;  // both solvers at once; else the fluid first
   MappingParameters mapping;
   std::string accelerator = "iqn-ils";  // iqn-ils | aitken | constant
   double initial_relaxation = 0.1;      // ω of the first iterations, and of `constant`
@@ -20,8 +23,12 @@ struct CouplingKeys {
   std::string predictor = "quadratic";  // constant | linear | quadratic
   double relative = 1e-4;  // converged when rms(H(x) − x) <= max(absolute, relative · rms(H(x) − x_n))
   double absolute = 0;     // [m]; 0: 1e-6 of the fluid's spacing
+  double residual_relative = 0;  // of the window's first residual; 0: not asked for
+  Measure measure = Measure::increment;
+  Limits load;  // of the fluid's force, or what else it sends
   int min_iterations = 1, max_iterations = 20;
-  bool stop_unconverged = false;  // else accepted, counted and marked
+  Unconverged unconverged = Unconverged::accept;
+  WindowControl control;
   // [coupling.volume]
   std::string solid_velocity = "replace";  // replace | add; read by the fluid
   // waiting

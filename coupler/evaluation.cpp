@@ -24,40 +24,41 @@ Scheme::Iterate Scheme::first_guess(const Window& window) const {
   return now;
 }
 
-std::optional<double> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
+std::optional<Scheme::Shorter> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
   now.load_before = std::move(now.load);
   return parameters_.parallel ? evaluate_parallel(window, iteration, now)
                               : evaluate_serial(window, iteration, now);
 }
 
-std::optional<double> Scheme::evaluate_serial(const Window& window, int iteration, Iterate& now) {
+std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int iteration, Iterate& now) {
   now.from_fluid = fluid_.advance(window, for_fluid(window, now));
   if (now.from_fluid.retry_smaller_dt) {
     fluid_.rewind();
-    return now.from_fluid.dt_limit;
+    return Shorter{"the fluid", now.from_fluid.dt_limit};
   }
   take_wet(window, iteration, now);
 
   now.from_structure = structure_.advance(window, {{{window.t + window.dt, now.load}}});
   if (now.from_structure.retry_smaller_dt) {
     take_back();
-    return now.from_structure.dt_limit;
+    return Shorter{"the structure", now.from_structure.dt_limit};
   }
   take_dry(window, iteration, now);
   return std::nullopt;
 }
 
-std::optional<double> Scheme::evaluate_parallel(const Window& window, int iteration, Iterate& now) {
+std::optional<Scheme::Shorter> Scheme::evaluate_parallel(const Window& window, int iteration, Iterate& now) {
   fluid_.start(window, for_fluid(window, now));
   structure_.start(window, {{{window.t + window.dt, now.load_guess}}});
   now.from_fluid = fluid_.finish();
   now.from_structure = structure_.finish();
-  std::optional<double> limit;
-  for (const Advanced* answer : {&now.from_fluid, &now.from_structure})
-    if (answer->retry_smaller_dt) limit = std::min(limit.value_or(window.dt), answer->dt_limit);
-  if (limit) {
+  std::optional<Shorter> shorter;
+  if (now.from_fluid.retry_smaller_dt) shorter = Shorter{"the fluid", now.from_fluid.dt_limit};
+  if (now.from_structure.retry_smaller_dt && (!shorter || now.from_structure.dt_limit < shorter->limit))
+    shorter = Shorter{"the structure", now.from_structure.dt_limit};
+  if (shorter) {
     take_back();
-    return limit;
+    return shorter;
   }
   take_wet(window, iteration, now);
   take_dry(window, iteration, now);

@@ -113,7 +113,7 @@ class Run {
                                 .on_exchange = observer()});
     record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
     plan_ = resume ? checkpoints_.resume(*session_, summary_) : session_->plan();
-    if (resume) record_.set("resumed_at", {{"window", plan_.windows_before}, {"time", plan_.start}});
+    if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
     wall_before_ = summary_.wall_seconds;
     record_.write();
 
@@ -125,7 +125,7 @@ class Run {
                             .initial = {},
                             .mechanical = false,
                             .measured = {},
-                            .resume_at = resume ? std::optional(plan_.start) : std::nullopt};
+                            .resume_at = resume ? std::optional(plan_.start.time) : std::nullopt};
     if (case_.coupled()) {
       files.mesh = session_->structure()->mesh();
       files.initial = session_->structure()->description().initial;
@@ -146,7 +146,8 @@ class Run {
                      .probes = case_.common.probes};
     if (resume)
       header.blocks.push_back(
-          {"resumed", {fmt::format("after window {} (t = {:.6g} s)", plan_.windows_before, plan_.start)}});
+          {"resumed",
+           {fmt::format("after window {} (t = {:.6g} s)", plan_.start.windows, plan_.start.time)}});
     for (const auto& [name, lines] : header.blocks)
       for (const std::string& line : lines) log_->info("{}: {}", name, line);
     for (const std::string& warning : header.warnings) log_->warn(warning);
@@ -171,6 +172,10 @@ class Run {
       RunRow row{.window = &window, .force = Eigen::Vector3d::Zero(), .elapsed = elapsed()};
       if (window.report.force.cols() > 0) row.force = window.report.force.rowwise().sum();
       reporter_->window(row);
+      if (window.taken_back > 0)
+        log_->warn("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s", window.number,
+                   window.time, window.why, window.taken_back, window.taken_back == 1 ? "" : "s",
+                   window.report.window.dt);
       if (!window.report.converged)
         log_->warn("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
                    window.number, window.time, window.report.residual, window.report.threshold);

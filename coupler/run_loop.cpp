@@ -16,6 +16,10 @@ namespace {
 constexpr double slack = 1e-6;
 // A window this many times shorter than asked for means that a solver will not go on.
 constexpr double shortest = 1e-6;
+
+double smallest(const RunPlan& plan) {
+  return plan.control.smallest > 0 ? plan.control.smallest : shortest * plan.window;
+}
 }  // namespace
 
 long RunPlan::n_windows() const {
@@ -23,15 +27,12 @@ long RunPlan::n_windows() const {
 }
 
 RunLoop::RunLoop(const RunPlan& plan, Advance advance, Commit commit)
-    : advance_(std::move(advance)),
-      commit_(std::move(commit)),
-      plan_(plan),
-      time_(plan.start),
-      number_(plan.windows_before) {
+    : advance_(std::move(advance)), commit_(std::move(commit)), plan_(plan), state_(plan.start) {
   assert(plan.window > 0 && plan.end > 0);
   if (plan_.output_every > 0)
-    frames_due_ = static_cast<long>(std::floor((time_ + slack * plan_.window) / plan_.output_every)) + 1;
-  finished_ = time_ >= plan_.end - slack * plan_.window;
+    frames_due_ =
+        static_cast<long>(std::floor((state_.time + slack * plan_.window) / plan_.output_every)) + 1;
+  finished_ = state_.time >= plan_.end - slack * plan_.window;
 }
 
 RunLoop::RunLoop(Scheme& scheme, const RunPlan& plan)
@@ -51,7 +52,7 @@ RunLoop::RunLoop(Participant& alone, Side side, const RunPlan& plan)
 
 double RunLoop::next_end() const {
   // The next grid line, by multiplication: sums of a step drift.
-  const double line = (std::floor(time_ / plan_.window + slack) + 1) * plan_.window;
+  const double line = (std::floor(state_.time / plan_.window + slack) + 1) * plan_.window;
   return line > plan_.end - slack * plan_.window ? plan_.end : line;
 }
 
@@ -63,33 +64,83 @@ bool RunLoop::output_due(double time) {
   return true;
 }
 
+/// From now to the next grid line, in equal parts as long as `length` and the solvers allow.
+Window RunLoop::next_window() const {
+  const double rest = next_end() - state_.time, longest = std::min(state_.length, state_.limit);
+  const double parts = std::max(1.0, std::ceil(rest / longest - slack));
+  double dt = rest / parts;
+  // The same length has the very same value each time, so that solvers may keep what they factorised for it.
+  for (const double length : {plan_.window, state_.length})
+    if (std::abs(dt - length) < slack * length) dt = length;
+  return {.t = state_.time, .dt = dt};
+}
+
+void RunLoop::shorten(const Window& failed, const WindowReport& report) {
+  const double least = smallest(plan_), wanted = std::min(0.5 * failed.dt, report.dt_limit);
+  if (!(wanted >= least))
+    throw Error(ExitCode::solver_fault,
+                fmt::format("window {} (t = {:.6g} s)", state_.windows + 1, state_.time),
+                fmt::format("{}; the smallest window is {:.3g} s", report.why, least),
+                "look at the last frames: the solution has probably blown up");
+  state_.length = wanted;
+  state_.settled = 0;
+}
+
+void RunLoop::lengthen() {
+  if (std::isinf(state_.length) || ++state_.settled < plan_.control.patience) return;
+  state_.length *= plan_.control.growth;
+  state_.settled = 0;
+  if (state_.length >= plan_.window * (1 - slack)) state_.length = LoopState{}.length;
+}
+
 CommittedWindow RunLoop::next() {
   assert(!finished_);
-  double end = next_end(), dt = end - time_;
-  // A whole window has the very same length each time, so that solvers may keep what they factorised for it.
-  if (std::abs(dt - plan_.window) < slack * plan_.window) dt = plan_.window;
   CommittedWindow done;
-  for (double limit = limit_;; limit = std::min(0.5 * dt, done.report.dt_limit)) {
-    if (dt > limit) {
-      dt = limit;
-      end = time_ + dt;
-    }
-    if (!(dt > shortest * plan_.window))
-      throw Error(ExitCode::solver_fault, fmt::format("window {} (t = {:.6g} s)", number_ + 1, time_),
+  Window window = next_window();
+  for (;; window = next_window()) {
+    if (!(window.dt > shortest * plan_.window))
+      throw Error(ExitCode::solver_fault,
+                  fmt::format("window {} (t = {:.6g} s)", state_.windows + 1, state_.time),
                   fmt::format("a solver asks for windows shorter than {:.3g} s", shortest * plan_.window),
                   "look at the last frames: the solution has probably blown up");
-    done.report = advance_({.t = time_, .dt = dt});
+    done.report = advance_(window);
     if (!done.report.retry) break;
+    ++done.taken_back;
+    done.why = done.report.why;
+    shorten(window, done.report);
   }
-  limit_ = done.report.dt_limit;
-  time_ = end;
-  finished_ = time_ >= plan_.end - slack * plan_.window;
-  done.number = ++number_;
-  done.time = time_;
-  done.output = output_due(time_) || finished_;
+  const double line = next_end(), end = window.t + window.dt;
+  state_.time = std::abs(end - line) < slack * window.dt ? line : end;
+  ++state_.windows;
+  state_.limit = done.report.dt_limit;
+  lengthen();
+  finished_ = state_.time >= plan_.end - slack * plan_.window;
+  done.number = state_.windows;
+  done.time = state_.time;
+  done.output = output_due(done.time) || finished_;
   done.last = finished_;
   commit_(done.output);
   return done;
+}
+
+void LoopState::save(Archive& archive) const {
+  archive.real["loop.time"] = Eigen::MatrixXd::Constant(1, 1, time);
+  archive.real["loop.length"] = Eigen::RowVector2d(length, limit);
+  archive.integer["loop.windows"] = {windows, settled};
+}
+
+LoopState LoopState::from(const Archive& archive) {
+  const auto time = archive.real.find("loop.time"), length = archive.real.find("loop.length");
+  const auto counts = archive.integer.find("loop.windows");
+  if (time == archive.real.end() || time->second.size() != 1 || length == archive.real.end() ||
+      length->second.size() != 2 || counts == archive.integer.end() || counts->second.size() != 2)
+    throw Error(ExitCode::case_file, "checkpoint, coupler.h5", "is not a checkpoint of a run",
+                "resume from the other checkpoint");
+  return {.time = time->second(0),
+          .windows = static_cast<long>(counts->second[0]),
+          .length = length->second(0),
+          .settled = static_cast<int>(counts->second[1]),
+          .limit = length->second(1)};
 }
 
 }  // namespace strake

@@ -99,7 +99,9 @@ WindowReport Scheme::advance(const Window& window) {
   report.number = state_.windows + 1;
   Iterate now = first_guess(window);
   for (int iteration = 1;; ++iteration) {
-    if (const auto limit = evaluate(window, iteration, now)) return retry(window, *limit);
+    if (const auto shorter = evaluate(window, iteration, now))
+      return retry(window, shorter->limit,
+                   fmt::format("{} asks for a shorter window than {:.3g} s", shorter->who, window.dt));
     report.log.push_back(measure(window, iteration, now, report.log.empty() ? nullptr : &report.log.front()));
     IterationReport& row = report.log.back();
     report.converged = row.settled();
@@ -113,7 +115,8 @@ WindowReport Scheme::advance(const Window& window) {
   if (!report.converged && most > 1) {
     if (convergence.then == Unconverged::halve) {
       take_back();
-      return retry(window, 0.5 * window.dt);
+      return retry(window, 0.5 * window.dt,
+                   fmt::format("a window of {:.3g} s does not converge in {} iterations", window.dt, most));
     }
     if (convergence.then == Unconverged::stop) stop_unconverged(report);
   }
@@ -183,8 +186,9 @@ void Scheme::take_back() {
   structure_.rewind();
 }
 
-WindowReport Scheme::retry(const Window& window, double limit) const {
+WindowReport Scheme::retry(const Window& window, double limit, std::string why) const {
   WindowReport report;
+  report.why = std::move(why);
   report.window = window;
   report.number = state_.windows + 1;
   report.retry = true;
@@ -263,6 +267,7 @@ WindowReport advance_alone(Participant& participant, const Window& window) {
   if (advanced.retry_smaller_dt) {
     participant.rewind();
     report.retry = true;
+    report.why = fmt::format("the solver asks for a shorter window than {:.3g} s", window.dt);
     report.dt_limit = advanced.dt_limit < window.dt ? advanced.dt_limit : 0.5 * window.dt;
     return report;
   }

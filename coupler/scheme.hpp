@@ -63,10 +63,14 @@ class Scheme {
 
  private:
   struct Iterate;
-  /// The longest window [s] of a solver that wants a shorter one (both are taken back then).
-  std::optional<double> evaluate(const Window&, int iteration, Iterate&);
-  std::optional<double> evaluate_serial(const Window&, int iteration, Iterate&);
-  std::optional<double> evaluate_parallel(const Window&, int iteration, Iterate&);
+  /// A solver that wants a shorter window: both are taken back then.
+  struct Shorter {
+    const char* who;
+    double limit;  // [s]
+  };
+  std::optional<Shorter> evaluate(const Window&, int iteration, Iterate&);
+  std::optional<Shorter> evaluate_serial(const Window&, int iteration, Iterate&);
+  std::optional<Shorter> evaluate_parallel(const Window&, int iteration, Iterate&);
   Input for_fluid(const Window&, const Iterate&) const;
   void take_wet(const Window&, int iteration, Iterate&) const;
   void take_dry(const Window&, int iteration, Iterate&);
@@ -76,7 +80,7 @@ class Scheme {
   Eigen::VectorXd stack(const Sample& structure, const std::vector<Field>& load) const;
   void next_guess(const Window&, Iterate&);
   void take_back();
-  WindowReport retry(const Window&, double limit) const;
+  WindowReport retry(const Window&, double limit, std::string why) const;
   [[noreturn]] void stop_unconverged(const WindowReport&) const;
   void close(WindowReport&, Iterate&);
   Participant& fluid_;

@@ -31,6 +31,7 @@ SchemeParameters scheme_of(const CaseView& view, const Participant& structure) {
   const CouplingKeys& keys = view.coupling;
   SchemeParameters scheme;
   scheme.volume = view.common.interface == "volume";
+  scheme.parallel = keys.parallel;
   scheme.predictor = predictor_kind(keys.predictor);
   scheme.accelerator = {.kind = keys.accelerator,
                         .initial_relaxation = keys.initial_relaxation,
@@ -43,7 +44,10 @@ SchemeParameters scheme_of(const CaseView& view, const Participant& structure) {
     scheme.convergence.absolute = absolute_residual * view.number("fluid.spacing").value_or(0.01);
   scheme.convergence.min_iterations = keys.min_iterations;
   scheme.convergence.max_iterations = keys.max_iterations;
-  scheme.convergence.then = keys.stop_unconverged ? Unconverged::stop : Unconverged::accept;
+  scheme.convergence.then = keys.unconverged;
+  scheme.convergence.measure = keys.measure;
+  scheme.convergence.residual_relative = keys.residual_relative;
+  scheme.convergence.load = keys.load;
   return scheme;
 }
 
@@ -146,8 +150,11 @@ std::vector<double> Session::values(const WindowReport& report) const {
 }
 
 RunPlan Session::plan() const {
-  return {
-      .end = case_.common.end_time, .window = window_of(case_), .output_every = case_.common.output_every};
+  return {.end = case_.common.end_time,
+          .window = window_of(case_),
+          .output_every = case_.common.output_every,
+          .start = {},
+          .control = case_.coupling.control};
 }
 
 RunLoop Session::loop(const RunPlan& plan) {
@@ -169,11 +176,11 @@ std::vector<std::string> Session::coupling_lines() const {
   std::vector<std::string> lines;
   if (case_.common.interface == "volume")
     lines.push_back("volume, one iteration   " + windows);
-  else if (!case_.coupling.iterates())
-    lines.push_back(fmt::format("surface, {}, explicit   {}", case_.coupling.mapping.kind, windows));
   else
-    lines.push_back(fmt::format("surface, {}, {}   {}", case_.coupling.mapping.kind,
-                                accelerator_title(case_.coupling.accelerator), windows));
+    lines.push_back(
+        fmt::format("surface, {}, {}{}   {}", case_.coupling.mapping.kind,
+                    case_.coupling.iterates() ? accelerator_title(case_.coupling.accelerator) : "explicit",
+                    case_.coupling.parallel ? ", both at once" : "", windows));
   const MappingQuality& quality = scheme_->mapping().quality();
   std::string second = fmt::format("{} wet points on {} structure points, at most {:.1e} m apart",
                                    quality.n_fluid, quality.n_structure, quality.largest_distance);

@@ -30,6 +30,7 @@ struct WindowReport {
   /// A solver, or Unconverged::halve, wants a shorter window: both solvers have been taken back, call
   /// `advance` again with at most `dt_limit`. Everything below is empty then.
   bool retry = false;
+  std::string why;  // a retry: who wants it
   double dt_limit =
       std::numeric_limits<double>::infinity();  // [s] longest next window that both solvers accept
   double work_fluid = 0,

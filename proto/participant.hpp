@@ -20,7 +20,10 @@ struct Setup {
 
 /// What a participant says once it is built.
 struct Description {
-  std::vector<Field> initial;      // motion at t = 0 on mesh(): displacement [m] and velocity [m/s] (structure)
+  /// The fields that it sends with each window, with their values at t = 0 on mesh(): quantity, unit,
+  /// components, conservative or not. None: displacement [m] of a structure, force [N] of a fluid. Beside a
+  /// displacement stands the velocity [m/s] at t = 0, which need not be sent later.
+  std::vector<Field> initial;
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest first window
   std::vector<Column> columns;     // monitors that become columns of history.csv, in this order
   std::vector<std::string> lines;  // what it understood, for the console and `check`; first line is the headline

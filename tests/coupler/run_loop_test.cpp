@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <vector>
 
 #include "proto/error.hpp"
@@ -18,8 +21,9 @@ class Listener final : public Participant {
   Advanced finish() override {
     Advanced advanced;
     advanced.dt_limit = limit;
-    advanced.retry_smaller_dt = asked.back().dt > refuse_above;
-    if (advanced.retry_smaller_dt) advanced.dt_limit = refuse_above;
+    const double longest = longest_at ? longest_at(asked.back().t) : refuse_above;
+    advanced.retry_smaller_dt = asked.back().dt > longest;
+    if (advanced.retry_smaller_dt && !longest_at) advanced.dt_limit = longest;
     return advanced;
   }
   void rewind() override { asked.pop_back(); }
@@ -30,6 +34,7 @@ class Listener final : public Participant {
   std::vector<Window> asked;
   std::vector<bool> outputs;
   double limit = std::numeric_limits<double>::infinity(), refuse_above = limit;
+  std::function<double(double t)> longest_at;  // instead of refuse_above, without a word on what would do
 
  private:
   InterfaceMesh mesh_;
@@ -89,11 +94,79 @@ TEST(RunLoop, KeepsToTheLimitThatASolverNames) {
 TEST(RunLoop, GoesOnWhereAnEarlierRunEnded) {
   Listener listener;
   RunLoop loop(listener, RunLoop::Side::structure,
-               {.end = 1.0, .window = 0.1, .output_every = 0.2, .start = 0.5, .windows_before = 5});
+               {.end = 1.0, .window = 0.1, .output_every = 0.2, .start = {.time = 0.5, .windows = 5}});
   const CommittedWindow first = loop.next();
   EXPECT_EQ(first.number, 6);
   EXPECT_NEAR(first.time, 0.6, 1e-12);
   EXPECT_TRUE(first.output);
+}
+
+/// Windows of 0.1 s that fail above 0.02 s between 0.4 and 0.6 s.
+double narrow_passage(double t) {
+  return t > 0.39 && t < 0.599 ? 0.02 : 1;
+}
+
+TEST(RunLoop, HalvesAWindowThatFailsAndLetsItGrowAgainWithoutDrift) {
+  Listener listener;
+  listener.longest_at = narrow_passage;
+  const RunPlan plan = {
+      .end = 1.0, .window = 0.1, .output_every = 0, .start = {}, .control = {.patience = 3}};
+  const auto windows = run_to_end(listener, plan);
+  EXPECT_EQ(windows.back().time, 1.0);
+  EXPECT_EQ(windows[4].taken_back, 3);
+  EXPECT_EQ(windows[4].why, "the solver asks for a shorter window than 0.025 s");
+  for (int k = 1; k <= 10; ++k)  // every multiple of the window is the end of one, to the bit
+    EXPECT_TRUE(std::any_of(windows.begin(), windows.end(), [&](const CommittedWindow& w) {
+      return w.time == k * plan.window || w.last;
+    })) << k;
+  for (std::size_t i = 1; i < listener.asked.size(); ++i)
+    EXPECT_NEAR(listener.asked[i].t, listener.asked[i - 1].t + listener.asked[i - 1].dt, 1e-15);
+  EXPECT_EQ(listener.asked[4].dt, 0.0125);
+  EXPECT_EQ(listener.asked.back().dt, 0.1);  // grown again
+  // Inside, three windows of 12.5 ms, then one of 25 ms is tried and taken back, and so on.
+  int tried = 0;
+  for (const CommittedWindow& window : windows) tried += window.taken_back;
+  EXPECT_LE(tried, 3 + 6);
+}
+
+TEST(RunLoop, GoesOnAlikeFromAnyWindowWhileItsLengthChanges) {
+  const RunPlan plan = {
+      .end = 1.0, .window = 0.1, .output_every = 0, .start = {}, .control = {.patience = 3}};
+  Listener whole;
+  whole.longest_at = narrow_passage;
+  const std::size_t n = run_to_end(whole, plan).size();
+  for (std::size_t stop = 1; stop < n; ++stop) {
+    Listener parts;
+    parts.longest_at = narrow_passage;
+    RunLoop first(parts, RunLoop::Side::fluid, plan);
+    for (std::size_t w = 0; w < stop; ++w) first.next();
+    Archive archive;
+    first.state().save(archive);
+    RunPlan rest = plan;
+    rest.start = LoopState::from(archive);
+    run_to_end(parts, rest);
+    ASSERT_EQ(parts.asked.size(), whole.asked.size());
+    for (std::size_t w = 0; w < parts.asked.size(); ++w) {
+      EXPECT_EQ(parts.asked[w].t, whole.asked[w].t);
+      EXPECT_EQ(parts.asked[w].dt, whole.asked[w].dt);
+    }
+  }
+}
+
+TEST(RunLoop, EndsWithTheReasonBelowTheSmallestWindow) {
+  Listener listener;
+  listener.longest_at = [](double t) { return t > 0.39 ? 0.02 : 1; };
+  RunLoop loop(listener, RunLoop::Side::fluid,
+               {.end = 1.0, .window = 0.1, .output_every = 0, .start = {}, .control = {.smallest = 0.03}});
+  for (int w = 0; w < 4; ++w) loop.next();
+  try {
+    loop.next();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.where(), "window 5 (t = 0.4 s)");
+    EXPECT_EQ(error.problem(),
+              "the solver asks for a shorter window than 0.05 s; the smallest window is 0.03 s");
+  }
 }
 
 TEST(RunLoop, GivesUpWhenWindowsShrinkWithoutEnd) {
