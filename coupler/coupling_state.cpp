@@ -53,24 +53,26 @@ Samples get(const Archive& archive, const char* side, std::int64_t n_samples) {
 }  // namespace
 
 void CouplingState::save(Archive& archive) const {
-  archive.integer["coupling.counts"] = {windows, sends_velocity ? 1 : 0,
-                                        static_cast<std::int64_t>(structure.size()),
-                                        static_cast<std::int64_t>(fluid.size())};
+  archive.integer["coupling.counts"] = {
+      windows, sends_velocity ? 1 : 0, static_cast<std::int64_t>(structure.size()),
+      static_cast<std::int64_t>(fluid.size()), static_cast<std::int64_t>(history.size())};
   archive.real["coupling.velocity_scale"] = MatrixXd::Constant(1, 1, velocity_scale);
   put(archive, "structure", structure);
   put(archive, "fluid", fluid);
+  put(archive, "history", history);
   accelerator.save(archive);
 }
 
 void CouplingState::load(const Archive& archive) {
   *this = {};
   const auto counts = archive.integer.find("coupling.counts");
-  if (counts == archive.integer.end() || counts->second.size() != 4) missing("coupling.counts");
+  if (counts == archive.integer.end() || counts->second.size() != 5) missing("coupling.counts");
   windows = static_cast<int>(counts->second[0]);
   sends_velocity = counts->second[1] != 0;
   velocity_scale = get(archive, "coupling.velocity_scale").value();
   structure = get(archive, "structure", counts->second[2]);
   fluid = get(archive, "fluid", counts->second[3]);
+  history = get(archive, "history", counts->second[4]);
   accelerator.load(archive);
 }
 

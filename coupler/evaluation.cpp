@@ -1,5 +1,7 @@
 // One evaluation of the coupled map: who is asked when, and what crosses the interface.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "coupler/scheme_iterate.hpp"
@@ -9,6 +11,15 @@ namespace strake {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+namespace {
+
+/// Adds b − c to a, field by field.
+void shift(std::vector<Field>& a, const std::vector<Field>& b, const std::vector<Field>& c) {
+  for (std::size_t k = 0; k < a.size(); ++k) a[k].value += b[k].value - c[k].value;
+}
+
+}  // namespace
 
 MatrixXd followed_velocity(const Sample& committed, const MatrixXd& displacement, double dt) {
   return 2 / dt * (displacement - committed.fields[0].value) - committed.fields[1].value;
@@ -26,6 +37,7 @@ Scheme::Iterate Scheme::first_guess(const Window& window) const {
 
 std::optional<Scheme::Shorter> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
   now.load_before = std::move(now.load);
+  now.history_before = std::move(now.history);
   return parameters_.parallel ? evaluate_parallel(window, iteration, now)
                               : evaluate_serial(window, iteration, now);
 }
@@ -38,7 +50,7 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
   }
   take_wet(window, iteration, now);
 
-  now.from_structure = structure_.advance(window, {{{window.t + window.dt, now.load}}});
+  now.from_structure = structure_.advance(window, for_structure(window, now));
   if (now.from_structure.retry_smaller_dt) {
     take_back();
     return Shorter{"the structure", now.from_structure.dt_limit};
@@ -49,7 +61,7 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
 
 std::optional<Scheme::Shorter> Scheme::evaluate_parallel(const Window& window, int iteration, Iterate& now) {
   fluid_.start(window, for_fluid(window, now));
-  structure_.start(window, {{{window.t + window.dt, now.load_guess}}});
+  structure_.start(window, for_structure(window, now));
   now.from_fluid = fluid_.finish();
   now.from_structure = structure_.finish();
   std::optional<Shorter> shorter;
@@ -71,11 +83,51 @@ Input Scheme::for_fluid(const Window& window, const Iterate& now) const {
   return {{std::move(sample)}};
 }
 
+// The load at the window's end, or its history with the two samples before it. In a parallel scheme the
+// history is the fluid's last one, moved by what the load has been changed since.
+Input Scheme::for_structure(const Window& window, const Iterate& now) const {
+  const std::vector<Field>& load = parameters_.parallel ? now.load_guess : now.load;
+  const Samples& given = parameters_.parallel ? now.history_before : now.history;
+  if (!structure_.description().history || given.empty()) return {{{window.t + window.dt, load}}};
+  Input input = {state_.history};
+  for (const Sample& sample : given) {
+    input.samples.push_back(sample);
+    if (parameters_.parallel) shift(input.samples.back().fields, load, now.load_before);
+  }
+  return input;
+}
+
+// What the fluid sends over the window. Where it is alone with its end values, and these are no means, they
+// make a history with those before.
+Samples Scheme::take_history(const Window& window, int iteration, Iterate& now) const {
+  const Place place = {"fluid", window, state_.windows + 1, iteration};
+  const double end = window.t + window.dt, slack = 1e-9 * window.dt;
+  Samples history;
+  double last = window.t;
+  for (Sample& sample : now.from_fluid.history) {
+    if (!(sample.time > last) || sample.time > end + slack)
+      throw Error(ExitCode::solver_fault, place.text(),
+                  fmt::format("sent a sample at {:.9g} s after {:.9g} s in a window to {:.9g} s", sample.time,
+                              last, end),
+                  "samples ascend from after the window's start to its end");
+    last = sample.time;
+    history.push_back({sample.time, {}});
+    for (const Field& field : take_fields(std::move(sample.fields), of_fluid_, fluid_.mesh(), place))
+      history.back().fields.push_back(transfer_.onto_structure(field));
+  }
+  if (!history.empty()) return history;
+  const bool means =
+      std::any_of(of_fluid_.begin(), of_fluid_.end(), [](const Field& field) { return field.conservative; });
+  if (!means) history = {{end, now.load}};
+  return history;
+}
+
 void Scheme::take_wet(const Window& window, int iteration, Iterate& now) const {
   now.wet = take_fields(std::move(now.from_fluid.output), of_fluid_, fluid_.mesh(),
                         {"fluid", window, state_.windows + 1, iteration});
   now.load.clear();
   for (const Field& field : now.wet) now.load.push_back(transfer_.onto_structure(field));
+  if (structure_.description().history) now.history = take_history(window, iteration, now);
 }
 
 void Scheme::take_dry(const Window& window, int iteration, Iterate& now) {

@@ -54,6 +54,8 @@ Scheme::Scheme(Participant& fluid, Participant& structure, Transfer transfer, Sc
   state_.structure = {{start_time, of_structure_}};
   state_.fluid = {{start_time, {}}};
   for (const Field& field : of_fluid_) state_.fluid.back().fields.push_back(transfer_.onto_structure(field));
+  if (structure_.description().history && !fluid_.description().initial.empty())
+    state_.history = state_.fluid;
 }
 
 void Scheme::set_state(CouplingState state) {
@@ -74,7 +76,8 @@ void Scheme::set_state(CouplingState state) {
     }
     return fits;
   };
-  if (!complete(state.structure, of_structure_) || !complete(state.fluid, of_fluid_))
+  const bool history = state.history.empty() || complete(state.history, of_fluid_);
+  if (!complete(state.structure, of_structure_) || !complete(state.fluid, of_fluid_) || !history)
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5",
                 fmt::format("its interface does not have the structure's {} points and fields", n),
                 "resume with the case that the checkpoint was made with");
@@ -235,6 +238,7 @@ void Scheme::close(WindowReport& report, Iterate& now) {
   }
   pending_.structure = std::move(now.answer);
   pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
+  pending_.history = std::move(now.history);
   pending_.accelerator = accelerator_->state();
   open_ = true;
 }
@@ -250,6 +254,10 @@ void Scheme::commit(bool write_output) {
   if (!parameters_.parallel)
     state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
   remember(state_.fluid, std::move(pending_.fluid));
+  constexpr std::size_t earlier = 2;  // a parabola at the start of a window needs so many
+  for (Sample& sample : pending_.history) state_.history.push_back(std::move(sample));
+  if (state_.history.size() > earlier)
+    state_.history.erase(state_.history.begin(), state_.history.end() - static_cast<std::ptrdiff_t>(earlier));
   state_.accelerator = std::move(pending_.accelerator);
   open_ = false;
 }

@@ -29,6 +29,7 @@ struct CouplingState {
   bool sends_velocity = false;  // the structure, with each window
   Samples structure;            // its fields at the ends of committed windows, last is now
   Samples fluid;                // likewise the fluid's, on the structure's mesh
+  Samples history;  // the last two of the fluid's samples before now, where the structure takes histories
   AcceleratorState accelerator;
 
   void save(Archive&) const;  // names begin with "coupling."
@@ -72,6 +73,8 @@ class Scheme {
   std::optional<Shorter> evaluate_serial(const Window&, int iteration, Iterate&);
   std::optional<Shorter> evaluate_parallel(const Window&, int iteration, Iterate&);
   Input for_fluid(const Window&, const Iterate&) const;
+  Input for_structure(const Window&, const Iterate&) const;
+  Samples take_history(const Window&, int iteration, Iterate&) const;
   void take_wet(const Window&, int iteration, Iterate&) const;
   void take_dry(const Window&, int iteration, Iterate&);
   Iterate first_guess(const Window&) const;
@@ -96,6 +99,7 @@ class Scheme {
     double velocity_scale = 0;
     bool sends_velocity = false;
     Sample structure, fluid;
+    Samples history;
     AcceleratorState accelerator;
   };
   Pending pending_;

@@ -107,6 +107,7 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
   if (structure_ != nullptr) {
     setup.partner_mesh = structure_->mesh();
     setup.partner_initial = structure_->description().initial;
+    setup.history = structure_->description().history && view.common.interface == "surface";
   }
   if (view.fluid) fluid_ = &set_up(*view.fluid, setup);
 

@@ -58,7 +58,8 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
       has_body_(simulation_.interface().position.cols() > 0),
       output_every_(common.output_every),
       end_time_(common.end_time),
-      initial_volume_(volume()) {
+      initial_volume_(volume()),
+      sends_history_(setup.history && has_body_) {
   auto& probes = simulation_.mutable_state().probes;
   // A body that enters is measured from its contact, anything else from the first step (VALIDATION A).
   for (const ProbeKeys& probe : parameters_.probes)
@@ -135,6 +136,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     }
   }
   for (auto& probe : simulation_.mutable_state().probes) probe.new_window();
+  history_.clear();
   force_.setZero();
   floor_.setZero();
   cfl_ = 0;
@@ -158,6 +160,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     const StepReport report = simulation_.step(dt, moves);
     ++steps_;
     force_ += dt / window.dt * simulation_.interface_force();
+    if (sends_history_) history_.push_back({t1, {{"force", "N", true, simulation_.interface_force()}}});
     floor_ += dt / window.dt * simulation_.floor_force();
     cfl_ = std::max(cfl_, report.cfl);
     pressure_iterations_ = std::max(pressure_iterations_, report.pressure_iterations);
@@ -238,6 +241,7 @@ template <int dim>
 Advanced FluidParticipant<dim>::finish() {
   Advanced result;
   if (has_body_) result.output.push_back({"force", "N", true, force_});
+  result.history = history_;
   auto& monitor = result.monitor;
   report_sensors(monitor);
   report_accounts(monitor);

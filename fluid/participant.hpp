@@ -66,7 +66,10 @@ class FluidParticipant final : public Participant {
   State<dim> committed_;
   std::int64_t steps_ = 0;  // with those that were rewound
 
+  bool sends_history_;
+
   // The last window, kept for `finish`.
+  std::vector<Sample> history_;
   bool measures_water_ = false;
   Points force_;                                     // its mean force [N]
   double cfl_ = 0;                                   // largest

@@ -66,9 +66,12 @@ CommonKeys read_common(CaseFile& file) {
       "interface", keys.interface, {"surface", "volume"},
       {.help = "surface: wet surface, partitioned; volume: all solid particles, the unified loop"});
   double surface_window = 1e-5, volume_window = 2e-6;
-  coupling.table("surface", "used where interface = \"surface\"")
-      .number("window", surface_window,
-              {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval"});
+  CaseTable surface = coupling.table("surface", "used where interface = \"surface\"");
+  surface.number("window", surface_window,
+                 {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval"});
+  surface.choice("interpolation", keys.interpolation, {"mean", "constant", "linear", "quadratic"},
+                 {.help = "what a structure with steps of its own feels in a window: the load's mean, or its "
+                          "history over the fluid's steps, taken so between them"});
   coupling.table("volume", "used where interface = \"volume\"")
       .number("window", volume_window,
               {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval: one step of the fluid"});

@@ -38,7 +38,9 @@ struct Sample {
   std::vector<Field> fields;
 };
 struct Input {
-  std::vector<Sample> samples;  // one: held (force) or end value (motion); more: a history over the window
+  /// One: held (force) or end value (motion). More: a history, ascending, that ends with the window and may
+  /// begin before it.
+  std::vector<Sample> samples;
 };
 struct Window {
   double t = 0, dt = 0;  // [s]

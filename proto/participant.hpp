@@ -16,6 +16,7 @@ struct Setup {
   std::string interface;               // "surface" | "volume" | "none"
   InterfaceMesh partner_mesh;          // the structure's mesh, for the fluid; empty for the structure
   std::vector<Field> partner_initial;  // displacement and velocity at t = 0 on partner_mesh, for the fluid
+  bool history = false;                // the structure takes a load with its history: send Advanced::history
 };
 
 /// What a participant says once it is built.
@@ -24,6 +25,7 @@ struct Description {
   /// components, conservative or not. None: displacement [m] of a structure, force [N] of a fluid. Beside a
   /// displacement stands the velocity [m/s] at t = 0, which need not be sent later.
   std::vector<Field> initial;
+  bool history = false;  // it takes the partner's fields over the window, as several samples, where there are such
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest first window
   std::vector<Column> columns;     // monitors that become columns of history.csv, in this order
   std::vector<std::string> lines;  // what it understood, for the console and `check`; first line is the headline
@@ -31,6 +33,9 @@ struct Description {
 
 struct Advanced {
   std::vector<Field> output;  // displacement, velocity: at t + dt; force: mean over the window; on mesh()
+  /// Where Setup::history asks for it: the same fields at times in (t, t + dt], ascending, the last at t + dt;
+  /// for a force the mean since the sample before.
+  std::vector<Sample> history;
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest next window this solver accepts
   /// Named scalars. Names in Description::columns go to history.csv. Reserved prefixes go elsewhere:
   ///   "seconds.<stage>"  wall seconds so far (timing.csv, summary)      "count.<what>"  counts so far (summary)

@@ -51,6 +51,25 @@ void write(const Setup& from, pb::Request& request, Writer& writer) {
   to.set_interface(from.interface);
   writer.mesh(from.partner_mesh, *to.mutable_partner_mesh());
   writer.fields(from.partner_initial, *to.mutable_partner_initial());
+  to.set_history(from.history);
+}
+template <class Repeated>
+void write(const std::vector<Sample>& from, Repeated& to, Writer& writer) {
+  for (const Sample& sample : from) {
+    writer.rules().finite(sample.time, "the time of a sample");
+    pb::Sample& header = *to.Add();
+    header.set_time(sample.time);
+    writer.fields(sample.fields, *header.mutable_fields());
+  }
+}
+template <class Repeated>
+std::vector<Sample> read_samples(const Repeated& from, Reader& reader) {
+  std::vector<Sample> to;
+  for (const pb::Sample& sample : from) {
+    reader.rules().finite(sample.time(), "the time of a sample");
+    to.push_back({sample.time(), reader.fields(sample.fields())});
+  }
+  return to;
 }
 void write(const Advance& from, pb::Request& request, Writer& writer) {
   pb::Advance& to = *request.mutable_advance();
@@ -61,12 +80,7 @@ void write(const Advance& from, pb::Request& request, Writer& writer) {
   to.set_dt(from.window.dt);
   to.set_iteration(from.iteration);
   to.set_write_output(from.write_output);
-  for (const Sample& sample : from.input.samples) {
-    writer.rules().finite(sample.time, "the time of a sample");
-    pb::Sample& header = *to.add_samples();
-    header.set_time(sample.time);
-    writer.fields(sample.fields, *header.mutable_fields());
-  }
+  write(from.input.samples, *to.mutable_samples(), writer);
 }
 void write(const Checkpoint& from, pb::Request& request, Writer&) {
   pb::Checkpoint& to = *request.mutable_checkpoint();
@@ -92,6 +106,7 @@ Setup read(const pb::Setup& from, Reader& reader) {
   to.interface = from.interface();
   to.partner_mesh = reader.mesh(from.partner_mesh());
   to.partner_initial = reader.fields(from.partner_initial());
+  to.history = from.history();
   return to;
 }
 Advance read(const pb::Advance& from, Reader& reader) {
@@ -102,10 +117,7 @@ Advance read(const pb::Advance& from, Reader& reader) {
   to.window = {from.t(), from.dt()};
   to.iteration = from.iteration();
   to.write_output = from.write_output();
-  for (const pb::Sample& sample : from.samples()) {
-    reader.rules().finite(sample.time(), "the time of a sample");
-    to.input.samples.push_back({sample.time(), reader.fields(sample.fields())});
-  }
+  to.input.samples = read_samples(from.samples(), reader);
   return to;
 }
 
@@ -127,6 +139,7 @@ void write(const Ready& from, pb::Reply& reply, Writer& writer) {
   writer.mesh(from.mesh, *to.mutable_mesh());
   writer.fields(d.initial, *to.mutable_initial());
   to.set_dt_limit(d.dt_limit);
+  to.set_history(d.history);
   for (const Column& c : d.columns) {
     to.add_columns()->set_name(c.name);
     to.mutable_columns()->rbegin()->set_unit(c.unit);
@@ -137,6 +150,7 @@ void write(const Advanced& from, pb::Reply& reply, Writer& writer) {
   pb::Advanced& to = *reply.mutable_advanced();
   writer.rules().limit(from.dt_limit);
   writer.fields(from.output, *to.mutable_fields());
+  write(from.history, *to.mutable_history(), writer);
   to.set_dt_limit(from.dt_limit);
   to.mutable_monitor()->insert(from.monitor.begin(), from.monitor.end());
   to.set_retry_smaller_dt(from.retry_smaller_dt);
@@ -163,6 +177,7 @@ Ready read(const pb::Ready& from, Reader& reader) {
   to.mesh = reader.mesh(from.mesh());
   to.description.initial = reader.fields(from.initial());
   to.description.dt_limit = from.dt_limit();
+  to.description.history = from.history();
   for (const pb::Column& c : from.columns()) to.description.columns.push_back({c.name(), c.unit()});
   to.description.lines.assign(from.lines().begin(), from.lines().end());
   return to;
@@ -171,6 +186,7 @@ Advanced read(const pb::Advanced& from, Reader& reader) {
   reader.rules().limit(from.dt_limit());
   Advanced to;
   to.output = reader.fields(from.fields());
+  to.history = read_samples(from.history(), reader);
   to.dt_limit = from.dt_limit();
   to.monitor.insert(from.monitor().begin(), from.monitor().end());
   to.retry_smaller_dt = from.retry_smaller_dt();

@@ -18,7 +18,7 @@
 /// faces (dimension×m int32, absent if m = 0) and mass (n float64, absent if has_mass is false); for each
 /// field its values (components×n float64). Arrays come in the order in which the header names them: for
 /// Setup the partner's mesh, then its initial fields; for Ready the mesh, then its initial fields; for
-/// Advance sample by sample; for Advanced field by field.
+/// Advance sample by sample; for Advanced field by field, then its history sample by sample.
 namespace strake::wire {
 
 inline constexpr std::uint32_t protocol = 1;

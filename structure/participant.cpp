@@ -75,6 +75,9 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   state_.energy_scale = first_energy_;
 
   description_.initial = motion();
+  const bool history = common.interpolation != "mean" && setup.interface == "surface";
+  description_.history = history;
+  if (history) interpolation_ = interpolation_kind(common.interpolation);
   description_.lines = describe(*solver_, p, common);
   for (std::size_t i = 0; i < probes_.size(); ++i)
     for (int axis = 0; axis < dimension_; ++axis)
@@ -94,7 +97,7 @@ void StructureParticipant::start(const Window& window, const Input& input) {
   const auto begin = std::chrono::steady_clock::now();
   const int before = solver_->steps();
   if (analysis_ == Analysis::dynamic) {
-    const Load load(input.samples);
+    const Load load(input.samples, interpolation_);
     look_for_contact(window, load);
     solver_->advance(window.t, window.dt, load);
   } else {

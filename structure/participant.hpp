@@ -48,6 +48,7 @@ class StructureParticipant final : public Participant {
   std::vector<Field> motion() const;
 
   std::unique_ptr<Solver> solver_;
+  Interpolation interpolation_ = Interpolation::linear;
   Analysis analysis_;
   Eigen::Vector3d support_velocity_;  // [m/s]
   double contact_pressure_;     // [Pa] ½ρV²: from where on a probe's first peak counts (VALIDATION A)

@@ -59,7 +59,7 @@ Rigid::Rigid(const Parameters& p) : parameters_(p), body_(p), mesh_(surface(p)) 
 }
 
 void Rigid::advance(double t, double dt, const Load& load) {
-  const Points fluid = load.at(t + 0.5 * dt, mesh_.position.cols());
+  const Points fluid = load.mean(t, t + dt, mesh_.position.cols());
   const double ramp =
       0.5 * (ramp_factor(t, parameters_.load.ramp) + ramp_factor(t + dt, parameters_.load.ramp));
   Wrench loads, of_fluid;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "proto/interface.hpp"
+#include "proto/interpolation.hpp"
 
 #include <filesystem>
 #include <limits>
@@ -19,12 +20,15 @@ struct Energy {
 class Load {
  public:
   Load() = default;
-  explicit Load(std::vector<Sample> samples);
+  explicit Load(std::vector<Sample> samples, Interpolation = Interpolation::linear);
   /// Force on the interface points at a time, 3×n [N]; one sample: the window mean, held. Zero if there is
   /// none.
   Points at(double time, Eigen::Index n_points) const;
+  /// Its mean over a step, which keeps the impulse.
+  Points mean(double begin, double end, Eigen::Index n_points) const;
 
  private:
+  Interpolation interpolation_ = Interpolation::linear;
   std::vector<Sample> samples_;
 };
 

@@ -120,8 +120,9 @@ void FemSolver<dim>::use_tangent(const State& state) {
 }
 
 template <int dim>
-Eigen::VectorXd FemSolver<dim>::load_of_window(double time, const Load& load) const {
-  const Points on_points = load.at(time, interface_.position.cols());
+Eigen::VectorXd FemSolver<dim>::load_of_window(double t, double dt, const Load& load) const {
+  const double time = t + (1 - scheme_.alpha_f) * dt;
+  const Points on_points = load.mean(t, t + dt, interface_.position.cols());
   if (!on_points.allFinite())
     throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", time),
                 "the load on the interface is not finite", "see the fluid's log; lower coupling.window");
@@ -196,7 +197,7 @@ void FemSolver<dim>::advance(double t, double dt, const Load& load) {
   if (!(std::abs(dt - old.tangent_dt) <= same_step * dt)) next.tangent_dt = dt;
   use_tangent(next);
 
-  const Eigen::VectorXd force = load_of_window(t + (1 - scheme_.alpha_f) * dt, load);
+  const Eigen::VectorXd force = load_of_window(t, dt, load);
   const NewtonResult result = solve_step(old, force, dt);
   const Eigen::VectorXd leap = result.x - old.displacement - dt * old.velocity;
   next.displacement = result.x;

@@ -72,7 +72,7 @@ class FemSolver final : public Solver {
   Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
   Matrix effective(const Matrix& tangent, double dt) const;
   void use_tangent(const State&);
-  Eigen::VectorXd load_of_window(double time, const Load&) const;
+  Eigen::VectorXd load_of_window(double t, double dt, const Load&) const;
   Eigen::VectorXd damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const;
   NewtonResult solve_step(const State& old, const Eigen::VectorXd& force, double dt);
   double work_of_step(const State& old, const State& next, const Eigen::VectorXd& force, double dt) const;

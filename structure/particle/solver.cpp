@@ -105,7 +105,8 @@ void ParticleSolver::advance(double t, double dt, const Load& load) {
   for (int k = 0; k < n; ++k) {
     const double middle = t + (k + 0.5) * h;
     state_.time = t + k * h;
-    sub_step(h, external_force(middle, spread(to_interface_, load.at(middle, mesh_.position.cols()))));
+    const Points fluid = load.mean(state_.time, t + (k + 1) * h, mesh_.position.cols());
+    sub_step(h, external_force(middle, spread(to_interface_, fluid)));
   }
   state_.time = t + dt;
   follow_interface(before, dt);
