@@ -22,18 +22,18 @@ SchemeParameters parameters_of(const std::string& accelerator, bool parallel) {
   return parameters;
 }
 
-struct Run {
+struct Result {
   std::vector<double> place;  // [m] at the ends of the windows
   int most_iterations = 0, unconverged = 0;
   double iterations = 0;  // mean
 };
 
 /// Two periods with dt = T/100.
-Run two_periods(Participant& fluid, Participant& structure, double mu, const SchemeParameters& parameters) {
+Result two_periods(Participant& fluid, Participant& structure, double mu, const SchemeParameters& parameters) {
   constexpr int windows = 200;
   const double dt = models::piston_period(mu) / 100;
   Scheme scheme(fluid, structure, nearest_neighbour(structure.mesh(), fluid.mesh()), parameters);
-  Run run;
+  Result run;
   for (int w = 0; w < windows; ++w) {
     const WindowReport report = scheme.advance({w * dt, dt});
     scheme.commit(false);
@@ -45,7 +45,7 @@ Run two_periods(Participant& fluid, Participant& structure, double mu, const Sch
   return run;
 }
 
-Run as_processes(double mu, const SchemeParameters& parameters) {
+Result as_processes(double mu, const SchemeParameters& parameters) {
   Roster roster(Roster::Options{});
   for (const char* name : {"structure", "fluid"})
     roster.launch(
@@ -53,7 +53,7 @@ Run as_processes(double mu, const SchemeParameters& parameters) {
         {std::filesystem::path(STRAKE_TOYS) / "toy_piston", {"--mu", fmt::format("{}", mu)}, {}, 1, {}});
   RemoteParticipant& structure = roster.connect("structure", {});
   RemoteParticipant& fluid = roster.connect("fluid", {});
-  Run run = two_periods(fluid, structure, mu, parameters);
+  Result run = two_periods(fluid, structure, mu, parameters);
   roster.finish();
   return run;
 }
@@ -62,7 +62,7 @@ TEST(PistonAsProcesses, ConvergesInFourIterationsWhateverTheMassRatio) {
   for (const double mu : {0.5, 1.0, 2.0, 10.0, 100.0})
     for (const char* accelerator : {"aitken", "iqn-ils"}) {
       const SchemeParameters parameters = parameters_of(accelerator, false);
-      const Run run = as_processes(mu, parameters);
+      const Result run = as_processes(mu, parameters);
       fmt::print("mu {:5}  {:7}  iterations mean {:.2f} max {}\n", mu, accelerator, run.iterations,
                  run.most_iterations);
       EXPECT_LE(run.most_iterations, 4);
@@ -76,7 +76,7 @@ TEST(PistonAsProcesses, ConvergesInFourIterationsWhateverTheMassRatio) {
 TEST(PistonAsProcesses, ConvergesWhenBothComputeAtOnce) {
   for (const double mu : {0.5, 10.0, 100.0}) {
     const SchemeParameters parameters = parameters_of("iqn-ils", true);
-    const Run run = as_processes(mu, parameters);
+    const Result run = as_processes(mu, parameters);
     fmt::print("mu {:5}  parallel iqn-ils  iterations mean {:.2f} max {}\n", mu, run.iterations,
                run.most_iterations);
     EXPECT_EQ(run.unconverged, 0);
