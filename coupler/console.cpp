@@ -191,6 +191,11 @@ class TableReporter final : public Reporter {
           paint("33", fmt::format("{} window{} accepted unconverged", grouped(summary.unconverged()),
                                   summary.unconverged() == 1 ? "" : "s")) +
           "\n");
+    if (summary.taken_back() > 0)
+      put("  " +
+          paint("33", fmt::format("{} window{} taken back for shorter ones", grouped(summary.taken_back()),
+                                  summary.taken_back() == 1 ? "" : "s")) +
+          "\n");
     for (const Verdict& verdict : summary.verdicts) put("  " + verdict_text(verdict, style_) + "\n");
     if (const std::string checks = checks_text(summary); !checks.empty()) put("  checks" + checks + "\n");
     if (end.profile != nullptr)

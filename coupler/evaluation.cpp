@@ -145,6 +145,21 @@ void Scheme::take_dry(const Window& window, int iteration, Iterate& now) {
   velocity = followed_velocity(state_.structure.back(), now.answer.fields[0].value, window.dt);
 }
 
+// A motion is one field: its velocity stands there as a length.
+std::vector<AcceleratorBlock> Scheme::blocks(const Iterate& now) const {
+  std::vector<AcceleratorBlock> blocks;
+  for (std::size_t k = 0; k < now.answer.fields.size(); ++k) {
+    const Field& field = now.answer.fields[k];
+    if (!moves_ || k != 1)
+      blocks.push_back({field.quantity, field.value.size()});
+    else if (pending_.sends_velocity)
+      blocks.back().size += field.value.size();
+  }
+  if (parameters_.parallel)
+    for (const Field& field : now.load) blocks.push_back({field.quantity, field.value.size()});
+  return blocks;
+}
+
 // All unknowns one below the other: the structure's fields, and in a parallel scheme the fluid's.
 // Displacement [m] and, where the structure sends it, velocity × scale [m]: one linear combination moves
 // both.

@@ -107,6 +107,8 @@ WindowReport Scheme::advance(const Window& window) {
                    fmt::format("{} asks for a shorter window than {:.3g} s", shorter->who, window.dt));
     report.log.push_back(measure(window, iteration, now, report.log.empty() ? nullptr : &report.log.front()));
     IterationReport& row = report.log.back();
+    if (auto fields = blocks(now); iteration == 1 && fields.size() > 1)
+      accelerator_->set_blocks(std::move(fields));
     report.converged = row.settled();
     if ((report.converged && iteration >= convergence.min_iterations) || iteration >= most) break;
     next_guess(window, now);

@@ -80,6 +80,7 @@ class Scheme {
   Iterate first_guess(const Window&) const;
   Limits limits_of_load() const;
   IterationReport measure(const Window&, int iteration, const Iterate&, const IterationReport* first) const;
+  std::vector<AcceleratorBlock> blocks(const Iterate&) const;
   Eigen::VectorXd stack(const Sample& structure, const std::vector<Field>& load) const;
   void next_guess(const Window&, Iterate&);
   void take_back();

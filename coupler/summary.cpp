@@ -82,6 +82,7 @@ void Summary::add(const CommittedWindow& window) {
   iterations_ += report.iterations;
   max_iterations_ = std::max(max_iterations_, report.iterations);
   unconverged_ += report.converged ? 0 : 1;
+  taken_back_ += window.taken_back;
   coupled_ = coupled_ || !report.log.empty() || (!report.fluid.empty() && !report.structure.empty());
   work_gap_ = std::max(work_gap_, report.work_gap());
   fluid_ = report.fluid;
@@ -124,7 +125,10 @@ Json Summary::json() const {
   json["exit_code"] = static_cast<int>(exit_code);
   json["end_time"] = finite(time_);
   json["windows"] = windows_;
-  json["iterations"] = {{"mean", mean_iterations()}, {"max", max_iterations_}, {"unconverged", unconverged_}};
+  json["iterations"] = {{"mean", mean_iterations()},
+                        {"max", max_iterations_},
+                        {"unconverged", unconverged_},
+                        {"taken_back", taken_back_}};
   json["particles"] = {
       {"fluid", count(fluid_, "fluid")},
       {"wall", count(fluid_, "wall")},
@@ -161,7 +165,7 @@ Json Summary::json() const {
 }
 
 void Summary::save(Archive& archive) const {
-  archive.integer["summary.counts"] = {windows_, iterations_, unconverged_, max_iterations_};
+  archive.integer["summary.counts"] = {windows_, iterations_, unconverged_, max_iterations_, taken_back_};
   archive.real["summary.sums"] = Eigen::Vector4d(time_, work_gap_, wall_seconds, coupled_ ? 1 : 0);
 }
 
@@ -171,6 +175,7 @@ void Summary::load(const Archive& archive) {
   iterations_ = static_cast<long>(counts.at(1));
   unconverged_ = static_cast<long>(counts.at(2));
   max_iterations_ = static_cast<int>(counts.at(3));
+  taken_back_ = static_cast<long>(counts.at(4));
   const Eigen::MatrixXd& sums = archive.real.at("summary.sums");
   time_ = sums(0);
   work_gap_ = sums(1);

@@ -31,6 +31,7 @@ class Summary {
   double mean_iterations() const;
   bool coupled() const { return coupled_; }
   long unconverged() const { return unconverged_; }
+  long taken_back() const { return taken_back_; }  // windows that were tried in vain before shorter ones
   double work_gap() const { return work_gap_; }
   /// "<probe>:<metric>" as last reported, for `judge`.
   const std::map<std::string, double>& probe_results() const { return results_; }
@@ -45,7 +46,7 @@ class Summary {
   void drop_peaks_before_contact();
   std::string case_, tag_;
   double time_ = 0;
-  long windows_ = 0, iterations_ = 0, unconverged_ = 0;
+  long windows_ = 0, iterations_ = 0, unconverged_ = 0, taken_back_ = 0;
   int max_iterations_ = 0;
   double work_gap_ = 0;
   bool coupled_ = false;
