@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace strake {
@@ -55,8 +56,10 @@ Trace::Side& Trace::side(const std::string& name) {
 void Trace::name_row(int process, int thread, const std::string& process_name,
                      const std::string& thread_name) {
   const std::string row = fmt::format(R"("ph":"M","pid":{},"tid":{},"args":)", process, thread);
-  put(fmt::format(R"({{"name":"process_name",{}{{"name":{}}}}})", row, quoted(process_name)));
-  put(fmt::format(R"({{"name":"thread_name",{}{{"name":{}}}}})", row, quoted(thread_name)));
+  begin_event();
+  held_ += fmt::format(R"({{"name":"process_name",{}{{"name":{}}}}})", row, quoted(process_name));
+  begin_event();
+  held_ += fmt::format(R"({{"name":"thread_name",{}{{"name":{}}}}})", row, quoted(thread_name));
 }
 
 void Trace::add(const Exchange& exchange) {
@@ -97,22 +100,23 @@ void Trace::end_window(long number, double time, int iterations, bool converged,
 
 void Trace::slice(int process, int thread, const std::string& name, std::int64_t begin, std::int64_t end,
                   const std::string& arguments) {
-  const auto microseconds = [](std::int64_t ns) { return 1e-3 * static_cast<double>(ns); };
-  put(fmt::format(R"({{"name":"{}","ph":"X","pid":{},"tid":{},"ts":{:.3f},"dur":{:.3f},"args":{{{}}}}})",
-                  name, process, thread, microseconds(begin - zero_), microseconds(end - begin), arguments));
+  begin_event();
+  const std::int64_t at = begin - zero_, lasts = end - begin;  // nanoseconds, written as microseconds
+  fmt::format_to(std::back_inserter(held_),
+                 R"({{"name":"{}","ph":"X","pid":{},"tid":{},"ts":{}.{:03},"dur":{}.{:03},"args":{{{}}}}})",
+                 name, process, thread, at / 1000, at % 1000, lasts / 1000, lasts % 1000, arguments);
 }
 
-void Trace::put(const std::string& event) {
-  if (file_ < 0) return;
-  if (held_.size() > 1 || written_ > 1) held_ += ',';
-  held_ += '\n';
-  held_ += event;
+/// One event per line.
+void Trace::begin_event() {
   if (static_cast<std::int64_t>(held_.size()) > most_held) flush();
+  held_ += held_.size() > 1 || written_ > 1 ? ",\n" : "\n";
 }
 
 void Trace::flush() {
   flushed_ = now();
-  if (file_ < 0 || held_.empty()) return;
+  if (held_.empty()) return;
+  if (file_ < 0) return held_.clear();
   const std::string text = held_ + closing;
   const ssize_t done = ::pwrite(file_, text.data(), text.size(), written_);
   if (done != static_cast<ssize_t>(text.size())) {  // a full disk: what stands there is closed and left alone
@@ -121,7 +125,7 @@ void Trace::flush() {
     [[maybe_unused]] const int cut = ::ftruncate(file_, written_ + 3);
     ::close(file_);
     file_ = -1;
-    return;
+    return held_.clear();
   }
   written_ += static_cast<std::int64_t>(held_.size());
   held_.clear();

@@ -49,7 +49,7 @@ class Trace {
   void name_row(int process, int thread, const std::string& process_name, const std::string& thread_name);
   void slice(int process, int thread, const std::string& name, std::int64_t begin, std::int64_t end,
              const std::string& arguments);
-  void put(const std::string& event);
+  void begin_event();
   void flush();
 
   Limits limits_;

@@ -13,8 +13,8 @@ FOREIGN = ROOT / "tests" / "system" / "foreign"
 
 def command(*words, cwd, timeout=300):
     result = subprocess.run(list(map(str, words)), cwd=cwd, env=ENV, capture_output=True, text=True, timeout=timeout)
-    expect(result.returncode == 0, f"{' '.join(map(str, words))[:100]}: exit {result.returncode}\n"
-           + (result.stdout + result.stderr if result.returncode else ""))
+    expect(result.returncode == 0, f"{' '.join(map(str, words))[:100]}: exit {result.returncode}"
+           + ("\n" + result.stdout + result.stderr if result.returncode else ""))
     return result
 
 
