@@ -29,6 +29,7 @@ def constant(points, *value):
 
 
 U, V, F = field("displacement", "m", 4), field("velocity", "m/s", 4), field("force", "N", 4, conservative=True)
+P = field("pressure", "Pa", 2, components=1)
 MESSAGES = {  # name: what it is for, header, frames
     "01-hello": ("A participant's first words; sequence 0: it has received nothing yet.",
                  pb.Reply(hello=pb.Hello(protocol=1, name="structure", token=TOKEN, solver="spring", version="1.2",
@@ -87,6 +88,18 @@ MESSAGES = {  # name: what it is for, header, frames
     "17-fault": ("The participant gives up; the run ends with this text and exit code.",
                  pb.Reply(sequence=5, fault=pb.Fault(where="pressure", problem="did not converge\n500 iterations",
                                                      fix="lower the window", exit_code=4)), []),
+    "19-ready-history": ("A structure that takes its load as a history, over its steps.",
+                         pb.Reply(sequence=1, ready=pb.Ready(mesh=mesh("tube", 2), dt_limit=INF, history=True, initial=[
+                             field("area", "m^2", 2, components=1)])), [WET, np.array([1e-4, 1e-4], "<f8")]),
+    "20-setup-history": ("The fluid is told so, and given the structure's mesh and area.",
+                         pb.Request(sequence=1, setup=pb.Setup(
+                             interface="surface", history=True, partner_mesh=mesh("tube", 2),
+                             partner_initial=[field("area", "m^2", 2, components=1)])), [WET, np.array([1e-4, 1e-4], "<f8")]),
+    "21-advanced-history": ("The fluid's answer: the pressure of the window first, then that at the ends of its two steps.",
+                            pb.Reply(sequence=2, advanced=pb.Advanced(
+                                fields=[P], dt_limit=INF,
+                                history=[pb.Sample(time=5e-6, fields=[P]), pb.Sample(time=1e-5, fields=[P])])),
+                            [np.array([11, 21], "<f8"), np.array([10, 20], "<f8"), np.array([12, 22], "<f8")]),
     "18-refused": ("Hello was not accepted.",
                    pb.Request(refused=pb.Refused(where="coupler", problem='"structure" does not know the token of this run',
                                                  fix="STRAKE_TOKEN must hold the token that the coupler printed")), []),

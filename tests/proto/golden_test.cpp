@@ -174,10 +174,27 @@ TEST(GoldenMessages, EverythingElse) {
   EXPECT_EQ(request<Refused>("18-refused", 0).where, "coupler");
 }
 
-TEST(GoldenMessages, AreEighteenFiles) {
+TEST(GoldenMessages, HistoriesOfOtherFields) {
+  const Ready structure = reply<Ready>("19-ready-history", 1);
+  EXPECT_TRUE(structure.description.history);
+  const Eigen::RowVector2d area(1e-4, 1e-4);
+  expect_field(structure.description.initial.at(0), "area", "m^2", false, area);
+  const strake::Setup setup = request<strake::Setup>("20-setup-history", 1);
+  EXPECT_TRUE(setup.history);
+  expect_field(setup.partner_initial.at(0), "area", "m^2", false, area);
+  const Advanced advanced = reply<Advanced>("21-advanced-history", 2);
+  expect_field(advanced.output.at(0), "pressure", "Pa", false, Eigen::RowVector2d(11, 21));
+  ASSERT_EQ(advanced.history.size(), 2u);
+  EXPECT_EQ(advanced.history[0].time, 5e-6);
+  EXPECT_EQ(advanced.history[1].time, 1e-5);
+  expect_field(advanced.history[0].fields.at(0), "pressure", "Pa", false, Eigen::RowVector2d(10, 20));
+  expect_field(advanced.history[1].fields.at(0), "pressure", "Pa", false, Eigen::RowVector2d(12, 22));
+}
+
+TEST(GoldenMessages, AreTwentyOneFiles) {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) names.insert(entry.path().stem());
-  EXPECT_EQ(names.size(), 18u) << "a new one wants a line in the tests above";
+  EXPECT_EQ(names.size(), 21u) << "a new one wants a line in the tests above";
 }
 
 }  // namespace

@@ -172,7 +172,11 @@ TEST(Wire, AReadyKeepsMeshAndDescription) {
 }
 
 TEST(Wire, AnAdvancedKeepsFieldsLimitAndMonitors) {
-  Advanced a{{field("force", "N", 3, 4)}, 2e-6, {{"cfl", 0.1}, {"check.voids", nan}}, true};
+  Advanced a;
+  a.output = {field("force", "N", 3, 4)};
+  a.dt_limit = 2e-6;
+  a.monitor = {{"cfl", 0.1}, {"check.voids", nan}};
+  a.retry_smaller_dt = true;
   const Advanced got = reply_round_trip(a);
   expect_equal(got.output, a.output);
   EXPECT_EQ(got.dt_limit, 2e-6);
