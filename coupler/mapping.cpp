@@ -77,8 +77,9 @@ namespace {
 
 using namespace mapping_parts;
 
-// Fewer entries than this cost less than waking a thread.
-constexpr Index entries_for_threads = 300'000;
+// Fewer entries than this are multiplied sooner than a thread wakes and, afterwards, waits awake for more to
+// do: that time is lost to the solvers on a machine that they share.
+constexpr Index entries_for_threads = 2'000'000;
 
 /// mapped_i = Σ_j W_ij value_j, with the number of components known to the compiler where it is.
 template <int components>

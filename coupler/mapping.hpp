@@ -87,7 +87,8 @@ Mapping nearest_neighbour(const InterfaceMesh& structure, const InterfaceMesh& f
 Mapping nearest_projection(const InterfaceMesh& structure, const InterfaceMesh& fluid,
                            double limit = std::numeric_limits<double>::infinity());
 /// The linear function of the nearest face, which goes on beyond the surface's border for one face's length:
-/// fields linear on a plane are exact on a fluid that overhangs, too. Farther out as by projection.
+/// fields linear on a plane are exact on a fluid that overhangs, too. Farther out as by projection. Needs
+/// faces: through a volume of points there are no cells, only radial_basis and nearest_neighbour.
 Mapping linear_cell(const InterfaceMesh& structure, const InterfaceMesh& fluid,
                     double limit = std::numeric_limits<double>::infinity());
 /// Interpolation by radial basis functions with a polynomial, through all points at once or patch by patch.
