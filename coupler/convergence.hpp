@@ -30,9 +30,10 @@ struct Limits {
 /// A field has settled when its residual, rms per point, is at most the largest of
 ///   absolute, relative · rms(increment or value), residual_relative · first residual of the window.
 /// A window has converged when every measured field has settled: all that the structure sends (the residual
-/// is what it answers less what the fluid was given), and what the fluid sends where `load` has a limit or
-/// the measure is by value (its change since the last iteration; in a parallel scheme, what it answers less
-/// what the structure was given).
+/// is what it answers less what the fluid was given), and what the fluid sends where `load` has a limit,
+/// the measure is by value or the scheme is parallel (its change since the last iteration; in a parallel
+/// scheme, where the structure may settle under a load that is not the fluid's, what it answers less what the
+/// structure was given).
 struct Convergence {
   double relative = 1e-4;
   double absolute = 1e-8;  // [m], or the unit of the structure's first field
@@ -40,7 +41,7 @@ struct Convergence {
   int min_iterations = 1, max_iterations = 20;  // max 1: explicit coupling
   Unconverged then = Unconverged::accept;
   double residual_relative = 0;
-  Limits load = {};  // of the fluid's fields; by value they have `relative` at least
+  Limits load = {};  // of the fluid's fields; where they must settle, the two relative ones above at least
 };
 
 /// One field in one iteration.

@@ -46,7 +46,10 @@ void read_convergence(CaseTable converged, CouplingKeys& keys) {
   CaseTable load =
       converged.table("load", "the fluid's force (or what else it sends), which settles as well");
   load.number("relative", keys.load.relative,
-              {.min = 0, .max = 1, .help = "of its value; 0: does not count"});
+              {.min = 0,
+               .max = 1,
+               .help = "of its value; 0: as of the displacement where measure = value or scheme = parallel, "
+                       "else it does not count"});
   load.number("absolute", keys.load.absolute,
               {.unit = "N", .min = 0, .help = "residual per point that is always enough; 0: does not count"});
   load.number("residual_relative", keys.load.residual_relative,

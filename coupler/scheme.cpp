@@ -130,12 +130,15 @@ WindowReport Scheme::advance(const Window& window) {
   return report;
 }
 
-/// None in explicit schemes: there is nothing that settles.
+/// None in explicit schemes: there is nothing that settles. In a parallel one the structure may have settled
+/// under a load that is not the fluid's.
 Limits Scheme::limits_of_load() const {
   const Convergence& c = parameters_.convergence;
   if (parameters_.volume || c.max_iterations <= 1) return {};
   Limits limits = c.load;
-  if (c.measure == Measure::value && limits.relative == 0) limits.relative = c.relative;
+  const bool must_settle = parameters_.parallel || c.measure == Measure::value;
+  if (must_settle && limits.relative == 0) limits.relative = c.relative;
+  if (must_settle && limits.residual_relative == 0) limits.residual_relative = c.residual_relative;
   return limits;
 }
 
