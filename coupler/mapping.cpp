@@ -178,6 +178,11 @@ Mapping::Matrix force_by_area(Mapping::Matrix to_structure, const Eigen::VectorX
   return to_structure;
 }
 
+/// Areas by the mesh's own faces, else by the other's.
+Eigen::VectorXd areas_of(const InterfaceMesh& mesh, const InterfaceMesh& other) {
+  return mesh.faces.cols() > 0 ? point_areas(mesh) : nearest_areas(mesh.position, other);
+}
+
 /// Throws Error(case_file) where a point of the mesh has no area to take its force per.
 void check_areas(const Eigen::VectorXd& area, const char* side, const InterfaceMesh& structure,
                  const InterfaceMesh& fluid) {
@@ -185,8 +190,8 @@ void check_areas(const Eigen::VectorXd& area, const char* side, const InterfaceM
   for (Index i = 0; i < area.size(); ++i)
     if (!(area[i] > 0))
       throw Error(ExitCode::case_file, title(structure, fluid),
-                  fmt::format("point {} of the {}'s interface belongs to no face: it has no area, which a "
-                              "force per area needs",
+                  fmt::format("point {} of the {}'s interface stands for no part of a face: it has no area, "
+                              "which a force per area needs",
                               i, side),
                   fix);
 }
@@ -314,7 +319,7 @@ Mapping make_mapping(const MappingParameters& p, const InterfaceMesh& structure,
     throw Error(ExitCode::case_file, "coupling.surface.mapping.constraint",
                 fmt::format("\"{}\" is not a constraint", p.constraint),
                 "conservative, consistent or scaled-consistent");
-  const Eigen::VectorXd of_structure = point_areas(structure), of_fluid = point_areas(fluid);
+  const Eigen::VectorXd of_structure = areas_of(structure, fluid), of_fluid = areas_of(fluid, structure);
   check_areas(of_structure, "structure", structure, fluid);
   check_areas(of_fluid, "fluid", structure, fluid);
   // Every structure point takes its load from the fluid, however far that ends before the structure does.

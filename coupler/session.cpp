@@ -229,8 +229,9 @@ std::vector<std::string> Session::warnings() const {
     if (quality.without_load > 0 && case_.common.interface == "surface")
       warnings.push_back(
           fmt::format("{} of {} structure points feel no load: the fluid's interface points are coarser; "
-                      "coupling.surface.mapping.constraint = \"scaled-consistent\" loads them all",
-                      quality.without_load, quality.n_structure));
+                      "coupling.surface.mapping.constraint = \"scaled-consistent\" loads them all{}",
+                      quality.without_load, quality.n_structure,
+                      fluid_->mesh().faces.cols() > 0 ? "" : ", with kind = \"radial-basis\""));
   }
   return warnings;
 }

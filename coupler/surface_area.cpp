@@ -2,20 +2,66 @@
 
 #include <Eigen/Geometry>
 #include <cassert>
+#include <vector>
+
+#include "coupler/point_tree.hpp"
 
 namespace strake {
 
 using Eigen::Index;
 using Eigen::Vector3d;
 
+namespace {
+
+/// Length (2-D) or area of a face [m, m²].
+double measure(const InterfaceMesh& mesh, Index f) {
+  const auto corner = [&](Index k) -> Vector3d { return mesh.position.col(mesh.faces(k, f)); };
+  if (mesh.faces.rows() == 2) return (corner(1) - corner(0)).norm();
+  return 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+}
+
+/// Centres of the equal parts of a segment or triangle whose edges are cut into n, as weights of the corners.
+std::vector<Vector3d> centres_of_parts(Index corners, int n) {
+  std::vector<Vector3d> centres;
+  for (int i = 0; i < n; ++i) {
+    if (corners == 2) {
+      const double t = (i + 0.5) / n;
+      centres.emplace_back(1 - t, t, 0);
+      continue;
+    }
+    for (int j = 0; i + j < n; ++j)
+      for (const double third :
+           {1.0 / 3, 2.0 / 3}) {  // the part that points as the face does, and its mirror
+        if (third > 0.5 && i + j + 1 >= n) continue;
+        const double u = (i + third) / n, v = (j + third) / n;
+        centres.emplace_back(1 - u - v, u, v);
+      }
+  }
+  return centres;
+}
+
+}  // namespace
+
 Eigen::VectorXd point_areas(const InterfaceMesh& mesh) {
   Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh.position.cols());
-  const Index corners = mesh.faces.rows();
-  for (Index f = 0; f < mesh.faces.cols(); ++f) {
-    const auto corner = [&](Index k) -> Vector3d { return mesh.position.col(mesh.faces(k, f)); };
-    const double whole = corners == 2 ? (corner(1) - corner(0)).norm()
-                                      : 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
-    for (Index k = 0; k < corners; ++k) area[mesh.faces(k, f)] += whole / static_cast<double>(corners);
+  for (Index f = 0; f < mesh.faces.cols(); ++f)
+    for (Index k = 0; k < mesh.faces.rows(); ++k)
+      area[mesh.faces(k, f)] += measure(mesh, f) / static_cast<double>(mesh.faces.rows());
+  return area;
+}
+
+Eigen::VectorXd nearest_areas(const Points& points, const InterfaceMesh& surface, int fineness) {
+  const PointTree tree(points);
+  const Index corners = surface.faces.rows();
+  const std::vector<Vector3d> parts = centres_of_parts(corners, fineness);
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(points.cols());
+  for (Index f = 0; f < surface.faces.cols(); ++f) {
+    const double part = measure(surface, f) / static_cast<double>(parts.size());
+    for (const Vector3d& weight : parts) {
+      Vector3d centre = Vector3d::Zero();
+      for (Index k = 0; k < corners; ++k) centre += weight[k] * surface.position.col(surface.faces(k, f));
+      area[tree.nearest(centre, 1e-12)] += part;
+    }
   }
   return area;
 }

@@ -10,6 +10,10 @@ namespace strake {
 /// evenly among its corners [m, m²]. Zero where no face names the point.
 Eigen::VectorXd point_areas(const InterfaceMesh&);
 
+/// The same for points without faces of their own that lie on a surface: the part of it that is nearer to the
+/// point than to any other, to within a `fineness`-th of its faces.
+Eigen::VectorXd nearest_areas(const Points&, const InterfaceMesh& surface, int fineness = 8);
+
 /// Changes each component (row) of `value` until its sum is the wanted one.
 void match_sums(Eigen::MatrixXd& value, const Eigen::VectorXd& wanted);
 

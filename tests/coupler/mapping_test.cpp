@@ -224,6 +224,21 @@ TEST(Mapping, AddsUpTheAreaOfASurface) {
   EXPECT_NEAR(point_areas(strip("line", 4, 0.4))[0], 0.05, 1e-15);
 }
 
+// Points without faces of their own stand for the part of the other's surface that is nearest to them.
+TEST(Mapping, TakesAreasFromTheOtherSurfaceWhereAMeshHasNoFaces) {
+  const InterfaceMesh plane = sheet(8), line = strip("structure", 10, 0.4);
+  EXPECT_NEAR(nearest_areas(wavy(5).position, plane).sum(), point_areas(plane).sum(), 1e-13);
+  const Eigen::VectorXd area = nearest_areas(strip("fluid", 4, 0.4).position, line, 16);
+  EXPECT_LE((area - point_areas(strip("fluid", 4, 0.4))).cwiseAbs().maxCoeff(), 0.04 / 16);
+  InterfaceMesh fluid = sheet(12);
+  fluid.faces.resize(3, 0);
+  const Field f = {"force", "N", true, random_values(fluid.position.cols(), 5)};
+  const Mapping mapping =
+      make_mapping({.kind = "radial-basis", .constraint = "scaled-consistent"}, plane, fluid);
+  EXPECT_LE((mapping.force(f).value.rowwise().sum() - f.value.rowwise().sum()).norm(),
+            1e-12 * f.value.norm());
+}
+
 TEST(Mapping, SaysWhatItLeavesToBeDesired) {
   const InterfaceMesh line = strip("structure", 4, 0.4);
   const InterfaceMesh fluid = strip("fluid", 1, 0.45, -0.01);
@@ -268,8 +283,8 @@ TEST(Mapping, RefusesMeshesThatDoNotBelongTogether) {
   refused([&] { identity(line, strip("fluid", 5, 0.4)); }, "identity");
   refused([&] { identity(line, strip("fluid", 4, 0.5)); }, "m from the structure");
   refused([&] { radial_basis(line, strip("fluid", 4, 0.4, 0.3), {}, 0.1); }, "0.3 m from the structure");
-  refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "consistent"}, line, bare); },
-          "point 0 of the fluid's interface belongs to no face");
+  refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "consistent"}, bare, bare); },
+          "point 0 of the structure's interface stands for no part of a face");
   refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "scaled"}, line, line); },
           "\"scaled\" is not a constraint");
   refused([&] { make_mapping({.kind = "radial"}, line, line); }, "nearest-projection");
