@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 
@@ -79,12 +80,20 @@ std::string ask(const SideView& side, const std::string& mode, const CaseFile& f
   }
 }
 
-SideView look_at(const std::string& name, const std::string& solver, const CaseFile& file,
-                 const std::vector<std::string>& sets, const StopRequest* stop) {
+SideView look_at(const std::string& name, const std::string& solver, CaseFile file,
+                 const std::vector<std::string>& sets, const StopRequest* stop,
+                 const std::vector<std::string>& by_hand) {
   SideView side{.side = name, .solver = solver, .program = {}, .lines = {}, .echo = {}};
-  side.program = find_program(program_name(name, solver), file.folder());
-  if (solver.find('/') != std::string::npos)
-    return side;  // a user's program knows its own table; nobody else does
+  const bool users = solver.find('/') != std::string::npos;
+  const bool elsewhere = std::find(by_hand.begin(), by_hand.end(), name) != by_hand.end();
+  std::error_code ignored;
+  if (users && !elsewhere && !std::filesystem::is_regular_file(solver, ignored))
+    throw file.root().table(name).error("solver", "the path of a program", "there is no file " + solver);
+  if (users && elsewhere)
+    side.program = solver;
+  else
+    side.program = find_program(program_name(name, solver), file.folder());
+  if (users) return side;  // it knows its own table; nobody else does
   std::istringstream lines(ask(side, "--check", file, sets, stop));
   for (std::string line; std::getline(lines, line);)
     if (!line.empty()) side.lines.push_back(line);
@@ -143,7 +152,7 @@ std::optional<double> CaseView::number(const std::string& key) const {
 }
 
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
-                   const StopRequest* stop) {
+                   const StopRequest* stop, const std::vector<std::string>& by_hand) {
   CaseFile file = CaseFile::load(case_file, sets);
   const CommonKeys common = read_common(file);
   const CouplingKeys coupling = read_coupling(file);
@@ -162,9 +171,10 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
                 .sets = sets,
                 .resolved = {},
                 .value = {}};
-  if (common.fluid_solver != "none") view.fluid = look_at("fluid", common.fluid_solver, file, sets, stop);
+  if (common.fluid_solver != "none")
+    view.fluid = look_at("fluid", common.fluid_solver, file, sets, stop, by_hand);
   if (common.structure_solver != "none")
-    view.structure = look_at("structure", common.structure_solver, file, sets, stop);
+    view.structure = look_at("structure", common.structure_solver, file, sets, stop, by_hand);
 
   const std::string own = file.echo();
   view.resolved = without_sides(own);

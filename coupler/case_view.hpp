@@ -42,9 +42,10 @@ struct CaseView {
 };
 
 /// Reads the case with the coupler's keys and asks each side's program to check its own; so everything that
-/// `run` would refuse is refused here, before a run folder exists. Throws Error.
+/// `run` would refuse is refused here, before a run folder exists. Throws Error. by_hand: sides that the user
+/// starts; a program of the user's need not be on this machine then.
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
-                   const StopRequest* stop = nullptr);
+                   const StopRequest* stop = nullptr, const std::vector<std::string>& by_hand = {});
 
 /// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.
 std::string program_name(const std::string& side, const std::string& solver);

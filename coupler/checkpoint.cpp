@@ -36,7 +36,8 @@ std::vector<fs::path> checkpoints_in(const fs::path& folder) {
 // Keys that may differ between a run and its continuation.
 bool may_change(const std::string& key) {
   for (const char* prefix : {"title", "end_time", "output.every", "run.", "compare", "coupling.frozen_after",
-                             "coupling.answer_within", "coupling.start_within", "coupling.endpoint"})
+                             "coupling.answer_within", "coupling.start_within", "coupling.attach_within",
+                             "coupling.endpoint", "coupling.keys", "coupling.unencrypted"})
     if (key.starts_with(prefix)) return true;
   return false;
 }

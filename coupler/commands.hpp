@@ -17,8 +17,9 @@ struct RunOptions {
   std::filesystem::path case_file;
   std::vector<std::string> sets;
   RunFolderOptions folder;
-  bool patient = false;  // no deadline but death
-  bool strict = false;   // exit 1 when a compare block fails
+  std::vector<std::string> by_hand;  // sides that the user starts: "fluid", "structure"
+  bool patient = false;              // no deadline but death
+  bool strict = false;               // exit 1 when a compare block fails
   bool quiet = false, json = false;
   bool trace = true;     // write trace.json
   bool profile = false;  // say where the time went
@@ -37,6 +38,12 @@ ExitCode check(const CheckOptions&, const StopRequest&);
 ExitCode explain(const std::string& key, bool markdown);
 
 ExitCode compare_run(const std::filesystem::path& run_folder);
+
+struct KeysOptions {
+  std::filesystem::path folder = "keys";
+  std::vector<std::string> participants = {"fluid", "structure"};
+};
+ExitCode keys(const KeysOptions&);
 
 struct ReplayOptions {
   std::filesystem::path recorded;  // a run folder

@@ -1,5 +1,8 @@
 #include "coupler/coupling_keys.hpp"
 
+#include <fmt/format.h>
+
+#include "coupler/link.hpp"
 #include "proto/error.hpp"
 
 namespace strake {
@@ -105,6 +108,31 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
                   {.min = 1, .max = 1000000, .help = "windows of one length before they grow"});
 }
 
+/// Where the participants connect, and who may. What other machines can reach goes with keys, or with the
+/// user's plain word that it goes without.
+void read_network(CaseTable& coupling, CouplingKeys& keys) {
+  coupling.text(
+      "endpoint", keys.endpoint,
+      {.help = "\"ipc\": a socket in a private temporary folder; or tcp://ADDRESS:PORT, where other "
+               "machines reach it with keys"});
+  coupling.folder("keys", keys.keys,
+                  {.help = "folder that `strake keys` made: all is encrypted, and only holders of a key may "
+                           "take part"});
+  const std::string consent = "anybody on this network may read and change this run";
+  std::string unencrypted = "no";
+  coupling.choice("unencrypted", unencrypted, {"no", consent},
+                  {.help = "without keys, an endpoint that other machines reach needs these plain words"});
+  keys.unencrypted = unencrypted == consent;
+  if (keys.endpoint != "ipc" && !keys.endpoint.starts_with("ipc://") && !keys.endpoint.starts_with("tcp://"))
+    throw coupling.error("endpoint", "\"ipc\", ipc://PATH or tcp://ADDRESS:PORT");
+  if (keys.endpoint != "ipc" && leaves_machine(keys.endpoint) && keys.keys.empty() && !keys.unencrypted)
+    throw coupling.error(
+        "endpoint", "keys for an endpoint that other machines can reach",
+        fmt::format("strake keys, then coupling.keys = \"keys\"; on a network where all are trusted\n"
+                    "coupling.unencrypted = \"{}\"",
+                    consent));
+}
+
 }  // namespace
 
 CouplingKeys read_coupling(CaseFile& file) {
@@ -128,8 +156,12 @@ CouplingKeys read_coupling(CaseFile& file) {
   coupling.number(
       "start_within", keys.start_within,
       {.unit = "s", .min = 0, .exclusive = true, .help = "from the start of a program to its first word"});
-  coupling.text("endpoint", keys.endpoint,
-                {.help = "\"ipc\": a socket in a private temporary folder; or tcp://127.0.0.1:PORT"});
+  coupling.number("attach_within", keys.attach_within,
+                  {.unit = "s",
+                   .min = 0,
+                   .exclusive = true,
+                   .help = "patience with a participant that is started by hand (--attach)"});
+  read_network(coupling, keys);
 
   CaseTable run = file.root().table("run", "how the programs run");
   run.number("checkpoint", keys.checkpoint,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "coupler/convergence.hpp"
@@ -35,7 +36,10 @@ struct CouplingKeys {
   double frozen_after = 10;      // [s] disconnected but alive
   double answer_within = 600;    // [s] of silence while busy
   double start_within = 60;      // [s] from launch to Hello
-  std::string endpoint = "ipc";  // ipc | tcp://ADDRESS:PORT
+  double attach_within = 600;    // [s] from the printed command line to Hello, of one started by hand
+  std::string endpoint = "ipc";  // ipc | ipc://PATH | tcp://ADDRESS:PORT
+  std::filesystem::path keys;    // folder that `strake keys` made; empty: no encryption
+  bool unencrypted = false;      // an endpoint that other machines reach may go without keys
   // [run]
   double checkpoint = 60;  // [s] of wall clock
 

@@ -13,7 +13,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -117,18 +119,6 @@ class Spawn {
   posix_spawnattr_t attributes_;
 };
 
-/// What every process that we start gets beside our own environment.
-std::map<std::string, std::string> quiet_environment(int threads) {
-  return {
-      {"OMPI_MCA_ess_singleton_isolated",
-       "1"},                           // else MPI_Init of a single process forks a daemon that outlives it
-      {"OPENBLAS_NUM_THREADS", "1"},   // results must not depend on the machine
-      {"OMP_WAIT_POLICY", "passive"},  // processes take turns: one that waits must not spin
-      {"GOMP_SPINCOUNT", "2000"},  // but for the microseconds between two loops: sleeping there costs more
-      {"OMP_NUM_THREADS", std::to_string(threads)},
-  };
-}
-
 std::filesystem::path folder_of_this_program() {
   std::error_code ignored;
   return std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
@@ -170,6 +160,30 @@ std::vector<pid_t> children() {
 }
 
 }  // namespace
+
+std::map<std::string, std::string> solver_environment(int threads) {
+  std::map<std::string, std::string> environment{
+      {"OMPI_MCA_ess_singleton_isolated",
+       "1"},                           // else MPI_Init of a single process forks a daemon that outlives it
+      {"OPENBLAS_NUM_THREADS", "1"},   // results must not depend on the machine
+      {"OMP_WAIT_POLICY", "passive"},  // processes take turns: one that waits must not spin
+      {"GOMP_SPINCOUNT", "2000"},  // but for the microseconds between two loops: sleeping there costs more
+      {"OMP_NUM_THREADS", std::to_string(threads)},
+  };
+  if (const std::string path = python_path(); !path.empty()) environment["PYTHONPATH"] = path;
+  return environment;
+}
+
+std::string shell_word(const std::string& text) {
+  const std::string plain = "_-+=./:,@%";  // beside letters and digits
+  const auto is_plain = [&](unsigned char c) {
+    return std::isalnum(c) != 0 || plain.find(static_cast<char>(c)) != std::string::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
 
 std::string random_token() {
   if (sodium_init() < 0) throw Error(ExitCode::our_bug, "libsodium", "cannot be initialised");
@@ -213,8 +227,7 @@ std::string to_text(const Exit& exit) {
 
 Child::Child(const Launch& launch) {
   prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);  // what our children leave behind comes to us
-  std::map<std::string, std::string> environment = quiet_environment(launch.threads);
-  if (const std::string path = python_path(); !path.empty()) environment["PYTHONPATH"] = path;
+  std::map<std::string, std::string> environment = solver_environment(launch.threads);
   for (const auto& [name, value] : launch.environment) environment[name] = value;
   Spawn spawn;
   spawn.open(1, launch.log.empty() ? "/dev/null" : launch.log);
@@ -292,7 +305,7 @@ Captured capture(const std::filesystem::path& program, const std::vector<std::st
   Spawn spawn;
   spawn.copy(theirs[0].get(), 1);
   spawn.copy(theirs[1].get(), 2);
-  const pid_t pid = spawn.run(program, arguments, quiet_environment(1));
+  const pid_t pid = spawn.run(program, arguments, solver_environment(1));
   owned().insert(pid);
   for (Descriptor& d : theirs) d.close();
 

@@ -28,6 +28,12 @@ struct Launch {
   std::map<std::string, std::string> environment;  // added to (and replacing) that of this process
 };
 
+/// What every solver gets beside the environment of this process, so that it computes the same everywhere.
+std::map<std::string, std::string> solver_environment(int threads);
+
+/// A text as one word of a shell's command line.
+std::string shell_word(const std::string&);
+
 /// How a process ended.
 struct Exit {
   int code = 0;    // exit code, if signal == 0

@@ -1,15 +1,19 @@
 #include "coupler/link.hpp"
 
+#include "coupler/doorkeeper.hpp"
+
 #include <fmt/format.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 #include <zmq.hpp>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <set>
 #include <utility>
+#include <vector>
 
 namespace strake {
 namespace {
@@ -20,6 +24,7 @@ using std::chrono::milliseconds;
 constexpr int heartbeat_every = 200;  // [ms]
 constexpr int heartbeat_limit = 800;  // [ms]
 constexpr int last_words = 500;       // [ms] a participant's Fault or Done may take to leave
+constexpr int to_greet = 3000;        // [ms] a connection that has not greeted by then is cut
 constexpr std::int64_t largest_part = std::int64_t{1} << 33;  // [bytes] 3 components on 3.6e8 points
 constexpr std::size_t unix_path = 107;                        // bytes of a Unix socket's address
 constexpr std::size_t worth_sharing = 4096;  // [bytes] a smaller part is copied faster than shared
@@ -42,6 +47,7 @@ class Monitor {
     const std::string address = "inproc://" + name;
     if (zmq_socket_monitor(watched.handle(), address.c_str(), kinds) != 0) throw zmq::error_t();
     socket_.set(zmq::sockopt::linger, 0);
+    socket_.set(zmq::sockopt::rcvhwm, 0);  // a full queue would stop the I/O thread, heartbeats and all
     socket_.connect(address);
   }
   ~Monitor() { zmq_socket_monitor(watched_.handle(), nullptr, 0); }
@@ -151,49 +157,139 @@ class PrivateFolder {
   std::filesystem::path path_;
 };
 
-/// What crosses a network must be encrypted; ipc and loopback do not leave the machine.
-bool stays_here(const std::string& endpoint) {
-  for (const char* start : {"ipc://", "tcp://127.", "tcp://localhost:", "tcp://[::1]:"})
-    if (endpoint.starts_with(start)) return true;
-  return false;
+/// A crowd at the port must not use up the files that the run itself opens.
+void raise_file_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+/// "tcp://0.0.0.0:5555" → "tcp://HOST:5555"; any other endpoint as it is.
+std::string with_host(const std::string& endpoint, const std::string& host) {
+  for (const char* wildcard : {"tcp://0.0.0.0:", "tcp://[::]:"})
+    if (endpoint.starts_with(wildcard)) return "tcp://" + host + endpoint.substr(endpoint.rfind(':'));
+  return endpoint;
 }
 
 }  // namespace
+
+bool leaves_machine(const std::string& endpoint) {
+  if (endpoint.starts_with("ipc://")) return false;
+  const std::size_t begin = endpoint.find("://"), end = endpoint.rfind(':');
+  if (begin == std::string::npos || end <= begin) return true;
+  const std::string host = endpoint.substr(begin + 3, end - begin - 3);
+  const bool numbers = host.find_first_not_of("0123456789.") == std::string::npos;
+  return !(host == "localhost" || host == "[::1]" || (numbers && host.starts_with("127.")));
+}
+
+KeyPair new_key_pair() {
+  std::array<char, 41> of_all{}, of_one{};
+  if (zmq_curve_keypair(of_all.data(), of_one.data()) != 0)
+    throw Error(ExitCode::our_bug, "libzmq", "was built without CURVE");
+  return {of_all.data(), of_one.data()};
+}
+
+bool belong_together(const KeyPair& pair) {
+  std::array<char, 41> key{};
+  return zmq_curve_public(key.data(), pair.secret_key.c_str()) == 0 && pair.public_key == key.data();
+}
 
 struct Hub::Sockets {
   std::unique_ptr<PrivateFolder> folder;  // first: it goes last
   zmq::context_t context{1};
   zmq::socket_t router{context, zmq::socket_type::router};
-  Monitor monitor{context, router, "hub", ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED};
+  Monitor monitor{context, router, "hub",
+                  ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                      ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL};
+  std::unique_ptr<Doorkeeper> doorkeeper;  // last: it goes first, and takes the context along
   std::string endpoint;
-  std::set<int> open;  // descriptors of the connections that stand
+  struct Connection {
+    std::string address;
+    bool spoke = false;
+  };
+  std::map<int, Connection> open;  // by descriptor
+  std::string failed;              // why the connection that is about to be closed never stood
+  std::map<std::string, int> strangers;
+
+  void look();
+  std::string reason(const Monitor::Event&) const;
 };
 
-Hub::Hub(const std::string& endpoint) : sockets_(std::make_unique<Sockets>()) {
+/// What happened to the connections since the last look.
+void Hub::Sockets::look() {
+  constexpr std::size_t enough = 100;
+  const auto stranger = [this](const std::string& text) {
+    ++strangers[strangers.size() < enough ? text : "others were refused too"];
+  };
+  while (const auto event = monitor.next(milliseconds(0))) switch (event->kind) {
+      case ZMQ_EVENT_ACCEPTED:
+        open[event->value] = {peer_address(event->value), false};
+        break;
+      case ZMQ_EVENT_DISCONNECTED: {
+        const Connection& c = open[event->value];
+        if (!c.spoke && failed.empty()) failed = " left without a word";
+        if (!failed.empty()) stranger(c.address + failed);
+        failed.clear();
+        open.erase(event->value);
+        break;
+      }
+      default:  // followed by the end of the same connection
+        failed = reason(*event);
+    }
+  if (doorkeeper)
+    for (const std::string& address : doorkeeper->take_refused())
+      stranger(address + " holds no key of this run");
+}
+
+std::string Hub::Sockets::reason(const Monitor::Event& event) const {
+  const bool protocol = event.kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+  if (protocol && event.value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH)
+    return doorkeeper ? " comes without a key" : " does not greet plainly, and this run has no keys";
+  if (protocol && event.value == ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC)
+    return " has the key of another coupler";
+  return " did not greet as ZeroMQ does";
+}
+
+Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_unique<Sockets>()) {
   Sockets& s = *sockets_;
   std::string wanted = endpoint;
   if (wanted.empty()) {
     s.folder = std::make_unique<PrivateFolder>();
     wanted = "ipc://" + (s.folder->path() / "hub").string();
   }
-  if (!stays_here(wanted))
-    throw Error(ExitCode::command_line, wanted,
-                "is no endpoint of this machine, and encryption is not built yet",
-                "ipc://PATH or tcp://127.0.0.1:*");
+  if (leaves_machine(wanted) && !admission.keys && !admission.unencrypted)
+    throw Error(ExitCode::command_line, wanted, "can be reached from other machines, and nothing protects it",
+                "ipc://PATH or tcp://127.0.0.1:*, or keys (strake keys)");
+  if (wanted.starts_with("tcp://")) raise_file_limit();
   set_common(s.router);
   s.router.set(zmq::sockopt::linger, 0);
+  s.router.set(zmq::sockopt::handshake_ivl, to_greet);
+  if (admission.keys) {
+    s.doorkeeper = std::make_unique<Doorkeeper>(s.context, admission.keys->admitted);
+    s.router.set(zmq::sockopt::zap_domain, "strake");
+    s.router.set(zmq::sockopt::curve_server, true);
+    s.router.set(zmq::sockopt::curve_secretkey, admission.keys->own.secret_key);
+  }
   try {
     s.router.bind(wanted);
   } catch (const zmq::error_t& e) {
-    throw Error(ExitCode::command_line, wanted, fmt::format("cannot be bound: {}", e.what()));
+    throw Error(ExitCode::command_line, wanted, fmt::format("cannot be bound: {}", e.what()),
+                "ipc://PATH, tcp://127.0.0.1:PORT, or tcp://ADDRESS:PORT with an address of this machine");
   }
   s.endpoint = s.router.get(zmq::sockopt::last_endpoint);
 }
 
 Hub::~Hub() = default;
 
-const std::string& Hub::endpoint() const {
-  return sockets_->endpoint;
+std::string Hub::endpoint() const {
+  return with_host(sockets_->endpoint, "127.0.0.1");
+}
+
+std::string Hub::endpoint_elsewhere() const {
+  std::array<char, 256> host{};
+  if (gethostname(host.data(), host.size() - 1) != 0) host = {"HOST"};
+  return with_host(sockets_->endpoint, host.data());
 }
 
 std::optional<Hub::Message> Hub::receive(milliseconds limit) {
@@ -201,10 +297,16 @@ std::optional<Hub::Message> Hub::receive(milliseconds limit) {
   if (!readable(router, limit)) return {};
   zmq::message_t peer;
   if (!receive_part(router, peer)) return {};
-  Message message{peer.to_string(), -1, receive_rest(router, peer.more())};
+  Message message{peer.to_string(), -1, {}, receive_rest(router, peer.more())};
   if (!message.parts.empty()) {
     const auto* first = static_cast<const zmq::message_t*>(message.parts.front().owner.get());
     message.socket = zmq_msg_get(const_cast<zmq_msg_t*>(first->handle()), ZMQ_SRCFD);
+    if (!sockets_->open[message.socket].spoke) {
+      sockets_->look();  // the descriptor may have been that of another connection
+      sockets_->open[message.socket].spoke = true;
+    }
+    const char* key = sockets_->doorkeeper ? zmq_msg_gets(first->handle(), "User-Id") : nullptr;
+    if (key) message.key = key;
   }
   return message;
 }
@@ -216,33 +318,39 @@ void Hub::send(const std::string& peer, const wire::Parts& parts) {
 }
 
 bool Hub::connected(int socket) {
-  while (const auto event = sockets_->monitor.next(milliseconds(0))) {
-    if (event->kind == ZMQ_EVENT_ACCEPTED) sockets_->open.insert(event->value);
-    if (event->kind == ZMQ_EVENT_DISCONNECTED) sockets_->open.erase(event->value);
-  }
+  sockets_->look();
   return sockets_->open.contains(socket);
+}
+
+std::map<std::string, int> Hub::take_strangers() {
+  sockets_->look();
+  return std::exchange(sockets_->strangers, {});
 }
 
 struct Line::Sockets {
   zmq::context_t context{1};
   zmq::socket_t dealer{context, zmq::socket_type::dealer};
-  Monitor monitor{
-      context, dealer, "line",
-      ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CLOSED};
+  Monitor monitor{context, dealer, "line",
+                  ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
+                      ZMQ_EVENT_CLOSED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                      ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH};
 };
 
-Line::Line(const std::string& endpoint) : sockets_(std::make_unique<Sockets>()) {
-  set_common(sockets_->dealer);
-  sockets_->dealer.set(zmq::sockopt::linger, last_words);
-  if (!stays_here(endpoint))
-    throw Error(ExitCode::command_line, "--connect " + endpoint,
-                "is no endpoint of this machine, and encryption is not built yet",
-                "ipc://PATH or tcp://127.0.0.1:PORT");
+Line::Line(const std::string& endpoint, const std::optional<ParticipantKeys>& keys)
+    : sockets_(std::make_unique<Sockets>()) {
+  zmq::socket_t& dealer = sockets_->dealer;
+  set_common(dealer);
+  dealer.set(zmq::sockopt::linger, last_words);
+  if (keys) {
+    dealer.set(zmq::sockopt::curve_serverkey, keys->coupler);
+    dealer.set(zmq::sockopt::curve_publickey, keys->own.public_key);
+    dealer.set(zmq::sockopt::curve_secretkey, keys->own.secret_key);
+  }
   try {
     sockets_->dealer.connect(endpoint);
   } catch (const zmq::error_t& e) {
     throw Error(ExitCode::command_line, "--connect " + endpoint,
-                fmt::format("cannot be connected: {}", e.what()));
+                fmt::format("cannot be connected: {}", e.what()), "the endpoint that the coupler printed");
   }
 }
 
@@ -269,6 +377,12 @@ std::optional<LinkEvent> Line::next_event(milliseconds limit) {
       return LinkEvent::ready;
     case ZMQ_EVENT_DISCONNECTED:
       return LinkEvent::disconnected;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
+      return LinkEvent::key_refused;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+      return LinkEvent::other_greeting;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
+      return LinkEvent::no_greeting;
     default:
       return LinkEvent::other;
   }

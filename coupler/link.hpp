@@ -1,8 +1,10 @@
 #pragma once
 
+#include "coupler/keys.hpp"
 #include "proto/wire.hpp"
 
 #include <chrono>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,18 +12,34 @@
 /// The transport. ZeroMQ stays inside link.cpp.
 namespace strake {
 
+/// Whether other machines can reach the endpoint: neither ipc nor loopback.
+bool leaves_machine(const std::string& endpoint);
+
+/// A new pair of CURVE keys.
+KeyPair new_key_pair();
+bool belong_together(const KeyPair&);
+
+/// Who may join.
+struct Admission {
+  std::optional<CouplerKeys> keys;  // CURVE: all is encrypted, and only holders of a listed key come in
+  bool unencrypted = false;         // without keys, an endpoint that other machines can reach is meant so
+};
+
 /// The coupler's end: a ROUTER, bound. One thread uses it.
 class Hub {
  public:
   /// Empty: ipc:// in a private folder (0700) under $XDG_RUNTIME_DIR or /tmp, removed by the destructor.
-  /// "tcp://127.0.0.1:*" takes a free port. Error(command_line) if the endpoint cannot be bound.
-  explicit Hub(const std::string& endpoint = {});
+  /// "tcp://127.0.0.1:*" takes a free port. Error(command_line) if the endpoint cannot be bound, or if other
+  /// machines can reach it and nothing protects it.
+  explicit Hub(const std::string& endpoint = {}, Admission = {});
   ~Hub();
-  const std::string& endpoint() const;  // where participants connect
+  std::string endpoint() const;            // where participants of this machine connect
+  std::string endpoint_elsewhere() const;  // the same for other machines: the host's name for a wildcard
 
   struct Message {
     std::string peer;  // routing id, given by ZeroMQ
     int socket = -1;   // file descriptor of the connection it came by
+    std::string key;   // whose key it came with; empty without keys
     wire::Parts parts;
   };
   /// The next message; nothing after `limit` or when a signal arrived.
@@ -30,6 +48,9 @@ class Hub {
   void send(const std::string& peer, const wire::Parts&);
   /// Whether the connection with that descriptor stands. Heartbeats end it 0.8 s after the peer fell silent.
   bool connected(int socket);
+  /// Connections that never became one of ours since the last call: "127.0.0.1 holds no key of this run" →
+  /// how often.
+  std::map<std::string, int> take_strangers();
 
  private:
   struct Sockets;
@@ -37,16 +58,20 @@ class Hub {
 };
 
 enum class LinkEvent {
-  connected,
-  ready,
+  connected,       // by the kernel
+  ready,           // greeted by ZeroMQ
+  key_refused,     // the coupler does not admit our key
+  no_greeting,     // it was cut before it was ready; ZeroMQ tries again
+  other_greeting,  // it does not speak ZeroMQ, or keys stand on one side only; ZeroMQ does not try again
   disconnected,
   other
-};  // connected: by the kernel; ready: greeted by ZeroMQ
+};
 
 /// A participant's end: a DEALER, connected. One thread uses it, a second one its monitor.
 class Line {
  public:
-  explicit Line(const std::string& endpoint);  // Error(command_line) if it is no endpoint
+  /// Error(command_line) if it is no endpoint.
+  explicit Line(const std::string& endpoint, const std::optional<ParticipantKeys>& = {});
   ~Line();
   void send(const wire::Parts&);  // never waits
   std::optional<wire::Parts> receive(std::chrono::milliseconds limit);

@@ -34,6 +34,16 @@ CLI::App* add_run_options(CLI::App* command, strake::RunOptions& options) {
                                  "number the run if its name is taken");
   force->excludes(free);
   resume->excludes(free);
+  command
+      ->add_option_function<std::string>(
+          "--attach",
+          [&options](const std::string& sides) {
+            options.by_hand = sides == "both" ? std::vector<std::string>{"fluid", "structure"}
+                                              : std::vector<std::string>{sides};
+          },
+          "start this side by hand, here or elsewhere: its command line is printed")
+      ->check(CLI::IsMember({"fluid", "structure", "both"}))
+      ->type_name("fluid|structure|both");
   command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
   command->add_flag("--strict", options.strict, "exit 1 when a compare block fails");
   command->add_flag("--profile", options.profile, "say at the end where the time went");
@@ -100,6 +110,12 @@ int main(int argc, char** argv) {
       app.add_subcommand("compare", "a run against the compare blocks of its case; exit 1 outside tolerance");
   command->add_option("RUN", compared, "run folder")->required();
   command->callback([&] { action = [&] { return strake::compare_run(compared); }; });
+
+  strake::KeysOptions keys;
+  command = app.add_subcommand("keys", "make the keys of a run between machines");
+  command->add_option("DIR", keys.folder, "folder of the keys, default keys");
+  command->add_option("--for", keys.participants, "participants, default fluid structure")->type_name("NAME");
+  command->callback([&] { action = [&] { return strake::keys(keys); }; });
 
   strake::ReplayOptions replay;
   replay.run.command_line = run.command_line;

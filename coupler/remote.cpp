@@ -40,7 +40,7 @@ Roster::~Roster() {
   end();
 }
 
-const std::string& Roster::endpoint() const {
+std::string Roster::endpoint() const {
   return state_->hub.endpoint();
 }
 const std::string& Roster::token() const {
@@ -49,20 +49,45 @@ const std::string& Roster::token() const {
 
 void Roster::attach(const std::string& name) {
   assert(!state_->find(name) && "a name is taken once");
+  const auto& keys = state_->options.keys;
+  if (keys && !keys->admitted.contains(name))
+    throw Error(ExitCode::case_file, key_file(keys->folder, "coupler").string(),
+                fmt::format("admits no participant \"{}\"", name),
+                fmt::format("strake keys DIR --for {} (and all others of this case)", name));
   auto m = std::make_unique<Member>();
   m->name = name;
   m->expected_since = Clock::now();
+  m->tell_after = state_->options.deadlines.tell;
   state_->members.push_back(std::move(m));
 }
 
-void Roster::launch(const std::string& name, Launch launch) {
+std::vector<std::string> Roster::State::arguments(const std::string& endpoint, const std::string& name,
+                                                  const Launch& launch) const {
   std::string hash;
-  for (unsigned byte : state_->options.case_hash) hash += fmt::format("{:02x}", byte);
-  std::vector<std::string> arguments{"--connect", endpoint(), "--name", name, "--case-hash", hash};
-  arguments.insert(arguments.end(), launch.arguments.begin(), launch.arguments.end());
-  launch.arguments = std::move(arguments);
+  for (unsigned byte : options.case_hash) hash += fmt::format("{:02x}", byte);
+  std::vector<std::string> all{"--connect", endpoint, "--name", name, "--case-hash", hash};
+  all.insert(all.end(), launch.arguments.begin(), launch.arguments.end());
+  return all;
+}
+
+std::string Roster::command(const std::string& name, const Launch& launch) const {
+  std::map<std::string, std::string> environment = solver_environment(launch.threads);
+  for (const auto& [variable, value] : launch.environment) environment[variable] = value;
+  if (const auto& keys = state_->options.keys) environment["STRAKE_KEY"] = key_file(keys->folder, name);
+  std::string line = "STRAKE_TOKEN=" + state_->token;
+  for (const auto& [variable, value] : environment) line += " " + variable + "=" + shell_word(value);
+  line += " " + shell_word(launch.program.string());
+  for (const std::string& word : state_->arguments(state_->hub.endpoint_elsewhere(), name, launch))
+    line += " " + shell_word(word);
+  return line;
+}
+
+void Roster::launch(const std::string& name, Launch launch) {
+  launch.arguments = state_->arguments(endpoint(), name, launch);
   launch.environment["STRAKE_TOKEN"] = state_->token;
   launch.environment["STRAKE_COUPLER"] = std::to_string(getpid());
+  const auto& keys = state_->options.keys;
+  launch.environment["STRAKE_KEY"] = keys ? key_file(keys->folder, name).string() : "";
   attach(name);
   Member& m = *state_->members.back();
   m.log = launch.log;

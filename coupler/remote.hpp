@@ -1,6 +1,7 @@
 #pragma once
 
 #include "coupler/clocks.hpp"
+#include "coupler/keys.hpp"
 #include "coupler/launch.hpp"
 #include "proto/participant.hpp"
 
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace strake {
@@ -18,10 +20,13 @@ class RemoteParticipant;
 
 struct Deadlines {
   std::chrono::duration<double> hello{30};  // [s] from launch to the first word
+  std::chrono::duration<double> by_hand{
+      600};  // [s] coupling.attach_within: to the first word of a participant started by hand
   std::chrono::duration<double> frozen_after{
       10};  // [s] coupling.frozen_after: no heartbeat though the process lives
   std::chrono::duration<double> answer_within{
       600};                                // [s] coupling.answer_within: one answer; Working restarts it
+  std::chrono::duration<double> tell{15};  // [s] of waiting before the first line says for whom
   std::chrono::duration<double> grace{1};  // [s] for the answer under way after Ctrl-C
   bool patient = false;                    // --patient: no deadline but death
 };
@@ -34,6 +39,8 @@ class Roster {
  public:
   struct Options {
     std::string endpoint;                      // empty: ipc:// in a private folder; or "tcp://127.0.0.1:*"
+    std::optional<CouplerKeys> keys;           // encrypted, and only for holders of a listed key
+    bool unencrypted = false;                  // an endpoint beyond this machine without keys is meant so
     std::array<std::uint8_t, 32> case_hash{};  // CaseFile::hash()
     Deadlines deadlines;
     std::function<void(const std::string&)> say;  // one line (no newline) for console and log; may be empty
@@ -43,14 +50,16 @@ class Roster {
   explicit Roster(Options);
   ~Roster();  // end()
 
-  const std::string& endpoint() const;
+  std::string endpoint() const;
   const std::string& token() const;  // hexadecimal; what a participant started by hand needs in STRAKE_TOKEN
 
   /// Starts the program with "--connect … --name `name` --case-hash …" put before launch.arguments, and the
   /// token.
   void launch(const std::string& name, Launch launch);
-  /// Expects a participant started by hand (--attach); waits for it without a deadline.
+  /// Expects a participant started by hand (--attach).
   void attach(const std::string& name);
+  /// The line for a shell that starts that participant, here or on another machine; it holds the token.
+  std::string command(const std::string& name, const Launch&) const;
   /// Awaits its Hello, sends Setup, awaits Ready. Launch all, then connect the structure first.
   RemoteParticipant& connect(const std::string& name, const Setup&);
   /// Regular end: Stop (with the last commit) to each in turn, Done, exit 0, reaped. Error if one of them

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <sodium.h>
 
+#include <algorithm>
 #include <deque>
 #include <fstream>
 #include <utility>
@@ -72,7 +73,10 @@ std::string Roster::Member::see_log() const {
 }
 
 Roster::State::State(Options o)
-    : options(std::move(o)), hub(options.endpoint), token(random_token()), raw_token(raw(token)) {}
+    : options(std::move(o)),
+      hub(options.endpoint, {options.keys, options.unencrypted}),
+      token(random_token()),
+      raw_token(raw(token)) {}
 
 Roster::Member* Roster::State::find(const std::string& name) {
   for (const auto& m : members)
@@ -93,6 +97,7 @@ void Roster::State::ask(Member& m, wire::Request request) {
   m.may_repeat.reset();
   m.request = wire::encode(std::move(request));
   m.asked_at = m.last_heard = Clock::now();
+  m.tell_after = options.deadlines.tell;
   m.doing.clear();
   hub.send(m.peer, m.request);
 }
@@ -105,6 +110,7 @@ wire::Reply Roster::State::await(Member& m) {
     looked = Clock::now();
     look_after_all();
     check_deadlines(m);
+    if (!m.reply) tell_waiting(m, looked - m.asked_at);
     if (m.asked == "Setup" || m.asked == "Advance") check_stop(m);
   }
   m.asked.clear();
@@ -117,15 +123,40 @@ void Roster::State::await_hello(Member& m) {
     receive(beat);
     look_after_all();
     check_stop(m);
-    if (m.greeted || !m.child || options.deadlines.patient) continue;
+    if (m.greeted) continue;
     const auto waited = Clock::now() - m.expected_since;
-    if (waited < options.deadlines.hello) continue;
+    tell_waiting(m, waited);
+    const auto limit = m.child ? options.deadlines.hello : options.deadlines.by_hand;
+    if (options.deadlines.patient || waited < limit) continue;
     m.broken = true;
+    const std::string refused = m.refusal.empty() ? "" : "\n" + m.refusal;
+    if (!m.child)
+      throw Error(ExitCode::participant_lost, m.name,
+                  fmt::format("has not been started by hand within {}{}", in_seconds(waited), refused),
+                  "its command line was printed and stands in run.json; the limit is "
+                  "coupling.attach_within, or --patient");
     throw Error(ExitCode::participant_lost, m.name,
                 fmt::format("has not said Hello for {} ({} is alive){}{}", in_seconds(waited), m.process(),
-                            m.refusal.empty() ? "" : "\n" + m.refusal, tail(m.log)),
+                            refused, tail(m.log)),
                 fmt::format("{}, or --patient when debugging", m.see_log()));
   }
+}
+
+/// One line after a while, then ever less often, so that nobody wonders for whom all are waiting.
+void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
+  constexpr Seconds longest{60};
+  if (waited < m.tell_after) return;
+  m.tell_after += std::min(m.tell_after, longest);
+  const std::string alive = m.child ? m.process() + " is alive" : m.process();
+  std::string line = "waiting for " + m.place();
+  if (m.asked.empty() && !m.child)
+    line += fmt::format(", to be started by hand, for {}", in_seconds(waited));
+  else if (m.asked.empty())
+    line += fmt::format(", started {} ago ({})", in_seconds(waited), alive);
+  else
+    line += fmt::format(": {} was asked {} ago ({}{})", m.asked, in_seconds(waited), alive,
+                        m.doing.empty() ? "" : ", last: " + m.doing);
+  say(line);
 }
 
 void Roster::State::check_deadlines(const Member& m) const {
@@ -236,6 +267,9 @@ void Roster::State::greet(const Hub::Message& message) {
     return refuse(message, nullptr,
                   fmt::format("\"{}\" has no part in this run, expected: {}", hello->name, names), "--name");
   }
+  if (!message.key.empty() && message.key != hello->name)
+    return refuse(message, m, fmt::format("\"{}\" comes with the key of \"{}\"", hello->name, message.key),
+                  "STRAKE_KEY must name the key file of this participant");
   if (hello->protocol != wire::protocol)
     return refuse(
         message, m,
@@ -272,15 +306,26 @@ void Roster::State::welcome_back(Member& m, const Hub::Message& message, std::ui
 
 void Roster::State::refuse(const Hub::Message& message, Member* m, const std::string& problem,
                            const std::string& fix) {
-  say("refused a participant: " + problem);
+  note_stranger("refused a participant: " + harmless(problem), 1);
   if (m && !m->greeted) m->refusal = "was refused: " + problem;
-  hub.send(message.peer, wire::encode(wire::Request{0, wire::Refused{"coupler", problem, fix}}));
+  hub.send(message.peer, wire::encode(wire::Request{0, wire::Refused{"coupler", harmless(problem), fix}}));
 }
 
 // ---- watching
 
 void Roster::State::look_after_all() {
   for (const auto& m : members) look_after(*m);
+  look_after_strangers();
+}
+
+void Roster::State::note_stranger(const std::string& what, int times) {
+  for (const std::string& line : strangers.note(what, times, Clock::now())) say(line);
+}
+
+void Roster::State::look_after_strangers() {
+  for (const auto& [what, times] : hub.take_strangers())
+    note_stranger("refused a connection: " + what, times);
+  for (const std::string& line : strangers.due(Clock::now())) say(line);
 }
 
 void Roster::State::look_after(Member& m) {

@@ -2,6 +2,7 @@
 
 #include "coupler/link.hpp"
 #include "coupler/remote.hpp"
+#include "coupler/stranger_log.hpp"
 #include "proto/wire.hpp"
 
 #include <chrono>
@@ -22,7 +23,8 @@ struct Roster::Member {
   std::optional<Child> child;  // none: started by hand
   std::filesystem::path log;
   Clock::time_point expected_since;
-  std::string refusal;  // why its last Hello was refused
+  std::chrono::duration<double> tell_after{0};  // of waiting, until a line says so (again)
+  std::string refusal;                          // why its last Hello was refused
 
   // the connection
   bool greeted = false;  // said an accepted Hello
@@ -68,10 +70,13 @@ struct Roster::State {
   std::string token;      // hexadecimal
   std::string raw_token;  // its bytes
   std::vector<std::unique_ptr<Member>> members;
+  StrangerLog strangers;
   bool ended = false;
 
   Member* find(const std::string& name);
   void say(const std::string& line) const;
+  std::vector<std::string> arguments(const std::string& endpoint, const std::string& name,
+                                     const Launch&) const;
 
   void ask(Member&, wire::Request);
   /// The answer to the request under way. Sees to all other participants meanwhile.
@@ -82,6 +87,7 @@ struct Roster::State {
 
   void receive(Clock::duration limit);
   void look_after_all();
+  void tell_waiting(Member&, Clock::duration waited) const;
   void check_deadlines(const Member&) const;
   void check_stop(const Member&) const;
 
@@ -93,6 +99,8 @@ struct Roster::State {
   void answered(Member&, wire::Reply);
   void tell_exchange(const Member&, const wire::Reply&) const;
   void look_after(Member&);
+  void look_after_strangers();
+  void note_stranger(const std::string& what, int times);
   [[noreturn]] void died(Member&, const Exit&);
 };
 

@@ -108,6 +108,9 @@ class Run {
         case_, Session::Options{.run_folder = absolute,
                                 .log_folder = absolute,
                                 .patient = options_.patient,
+                                .by_hand = options_.by_hand,
+                                .invite = [this](const std::string& side,
+                                                 const std::string& command) { invite(side, command); },
                                 .say = [this](const std::string& line) { note(line); },
                                 .stop = &stop_,
                                 .on_exchange = observer()});
@@ -320,6 +323,16 @@ class Run {
     }
   }
 
+  /// A side that the user starts. The line holds the token, so that it stands where nobody else can read it.
+  void invite(const std::string& side, const std::string& command) {
+    programs_[side]["start_by_hand"] = command;
+    record_.set("participants", programs_);
+    record_.keep_private();
+    record_.write();
+    log_->info("waiting for {}, to be started by hand; its command line is in run.json", side);
+    reporter_->note(fmt::format("start {} by hand, here or elsewhere:\n    {}", side, command));
+  }
+
   void note(const std::string& line) {
     if (log_) log_->info(line);
     reporter_->note(line);
@@ -356,7 +369,11 @@ class Run {
 ExitCode run(const RunOptions& options, const StopRequest& stop) {
   if (!options.folder.first_free_tag)
     find_run_folder(options.case_file, options.folder);  // the quickest refusal first
-  const CaseView view = read_case(options.case_file, options.sets, &stop);
+  const CaseView view = read_case(options.case_file, options.sets, &stop, options.by_hand);
+  for (const std::string& side : options.by_hand)
+    if (side == "fluid" ? !view.fluid : !view.structure)
+      throw Error(ExitCode::command_line, "--attach", fmt::format("the case has no {}", side),
+                  "--attach names sides that have a solver");
   return Run(view, create_run_folder(options.case_file, options.folder), options, stop).execute();
 }
 

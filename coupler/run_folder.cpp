@@ -2,11 +2,13 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstdlib>
 #include <ctime>
+#include <optional>
 #include <system_error>
 
 #include "coupler/commit.hpp"
@@ -45,6 +47,18 @@ void check_tag(const std::string& tag) {
   if (tag.find('/') != std::string::npos || tag == "." || tag == "..")
     throw Error(ExitCode::command_line, "--tag " + tag, "expected a name without '/'", "--tag fine");
 }
+
+/// Files that are made meanwhile are this user's alone.
+class OnlyMine {
+ public:
+  OnlyMine() : before_(::umask(077)) {}
+  ~OnlyMine() { ::umask(before_); }
+  OnlyMine(const OnlyMine&) = delete;
+  OnlyMine& operator=(const OnlyMine&) = delete;
+
+ private:
+  mode_t before_;
+};
 
 }  // namespace
 
@@ -122,7 +136,13 @@ void RunRecord::failed(const Error& error) {
   data_["error"] = {{"where", error.where()}, {"problem", error.problem()}, {"fix", error.fix()}};
 }
 
+void RunRecord::keep_private() {
+  private_ = true;
+}
+
 void RunRecord::write() const {
+  std::optional<OnlyMine> mask;
+  if (private_) mask.emplace();
   write_text(folder_ / "run.json",
              data_.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }

@@ -51,10 +51,12 @@ class RunRecord {
   void set(const std::string& key, nlohmann::ordered_json value);
   void ended(ExitCode);
   void failed(const Error&);
+  void keep_private();  // from the next write on, only this user can read it
   void write() const;
 
  private:
   std::filesystem::path folder_;
+  bool private_ = false;
   nlohmann::ordered_json data_;
 };
 

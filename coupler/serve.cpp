@@ -1,26 +1,21 @@
 #include "coupler/serve.hpp"
 
+#include "coupler/keys.hpp"
 #include "coupler/link.hpp"
+#include "coupler/participant_watch.hpp"
 #include "proto/wire.hpp"
 
 #include <fmt/format.h>
-#include <signal.h>
 #include <sodium.h>
 #include <spdlog/spdlog.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <new>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 namespace strake {
@@ -29,152 +24,18 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-// ---- the end of this process when the coupler is gone
-
-/// What the last moments need, prepared beforehand: they may come inside a signal handler, in the middle of a
-/// factorisation, so that nothing but plain system calls is allowed.
-struct LastMoments {
-  std::array<char, 512> gone{}, terminated{};  // lines for the log
-  std::array<char, 128> socket{},
-      folder{};       // of an ipc endpoint: the dead coupler cannot remove them any more
-  pid_t coupler = 0;  // our parent, 0 if the coupler did not start us
-};
-LastMoments last_moments;
-
-template <std::size_t n>
-void set_text(std::array<char, n>& to, const std::string& from) {
-  to.fill('\0');
-  std::memcpy(to.data(), from.data(), std::min(from.size(), n - 1));
+/// The keys of this participant; nothing where it has none.
+std::optional<ParticipantKeys> keys_of(const ServeOptions& options) {
+  const char* named = std::getenv("STRAKE_KEY");
+  const std::filesystem::path file = options.key.empty() ? (named ? named : "") : options.key;
+  if (file.empty()) return {};
+  ParticipantKeys keys = read_participant_keys(file);
+  if (keys.name != options.name)
+    throw Error(ExitCode::command_line, file.string(),
+                fmt::format("is the key of \"{}\", and this participant is \"{}\"", keys.name, options.name),
+                "STRAKE_KEY must name the key file of this participant");
+  return keys;
 }
-
-template <std::size_t n>
-void write_line(const std::array<char, n>& line) {
-  [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, line.data(), std::strlen(line.data()));
-}
-
-[[noreturn]] void end_without_coupler() {
-  write_line(last_moments.gone);
-  if (last_moments.socket[0] != '\0') {
-    unlink(last_moments.socket.data());
-    rmdir(last_moments.folder.data());  // goes if it is empty
-  }
-  _exit(static_cast<int>(ExitCode::participant_lost));
-}
-
-bool parent_is_gone() {
-  return last_moments.coupler != 0 && getppid() != last_moments.coupler;
-}
-
-void on_sigterm(int) {
-  write_line(last_moments.terminated);
-  _exit(static_cast<int>(ExitCode::terminated));
-}
-
-/// The kernel's word that the coupler has died. A signal of its own: SIGTERM may come from the living coupler
-/// too, and getppid still names a process of which only the first thread has ended.
-constexpr int death_of_parent = SIGHUP;
-void on_death_of_parent(int) {
-  end_without_coupler();
-}
-
-/// Libraries that a solver starts (MPI, PETSc) may have their own ideas about signals: called again after
-/// Setup.
-void take_signals() {
-  struct sigaction action {};
-  action.sa_handler = on_sigterm;
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGTERM, &action, nullptr);
-  if (last_moments.coupler == 0) return;
-  action.sa_handler = on_death_of_parent;
-  sigaction(death_of_parent, &action, nullptr);
-  signal(SIGINT, SIG_IGN);  // the coupler hears Ctrl-C and ends us in order
-}
-
-void prepare_last_moments(const ServeOptions& options) {
-  const char* coupler = std::getenv("STRAKE_COUPLER");
-  const pid_t parent = coupler ? static_cast<pid_t>(std::atol(coupler)) : 0;
-  const bool launched = parent != 0 && parent == getppid();
-  const std::string whose = parent != 0 ? fmt::format("the coupler (process {})", parent) : "the coupler";
-  set_text(last_moments.gone,
-           fmt::format("{}: {} is gone, so this process ends (exit 5)\n", options.name, whose));
-  set_text(last_moments.terminated, fmt::format("{}: ended by SIGTERM\n", options.name));
-  const std::string path = options.endpoint.starts_with("ipc://") ? options.endpoint.substr(6) : "";
-  const std::string folder = path.substr(0, path.rfind('/'));
-  if (folder.find("/strake-") != std::string::npos && path.size() < last_moments.socket.size()) {
-    set_text(last_moments.socket, path);  // the coupler's own folder, not an endpoint of the user's
-    set_text(last_moments.folder, folder);
-  }
-  if (launched) last_moments.coupler = parent;
-  take_signals();
-  if (!launched) return;
-  prctl(PR_SET_PDEATHSIG, death_of_parent, 0, 0, 0);
-  if (parent_is_gone()) end_without_coupler();  // it died before the line above
-}
-
-// ---- the watch thread
-
-/// Watches parent and connection while the numerics run.
-class Watch {
- public:
-  explicit Watch(Line& line) : thread_([this, &line] { run(line); }) {}
-  ~Watch() {
-    stop_ = true;
-    thread_.join();
-  }
-  Watch(const Watch&) = delete;
-  Watch& operator=(const Watch&) = delete;
-
-  /// Whether the connection has been made anew since the last call: the other side must hear Hello again.
-  bool take_renewed() { return renewed_.exchange(false); }
-
- private:
-  void run(Line& line);
-
-  std::atomic<bool> stop_{false}, renewed_{false};
-  std::thread thread_;
-};
-
-void Watch::run(Line& line) {
-  constexpr milliseconds beat{100};
-  constexpr milliseconds to_reconnect{
-      500};  // a living coupler's kernel accepts at once, even if it is frozen
-  constexpr std::chrono::seconds to_thaw{10}, to_be_there{30};
-  const auto start = Clock::now();
-  bool was_ready = false, accepted = false, told = false;
-  std::optional<Clock::time_point> lost;
-  while (!stop_) {
-    if (const auto event = line.next_event(beat)) {
-      if (*event == LinkEvent::connected) accepted = true;
-      if (*event == LinkEvent::ready) {
-        if (lost) spdlog::info("the coupler is back");
-        if (was_ready) renewed_ = true;
-        was_ready = true;
-        lost.reset();
-        told = false;
-      }
-      if (*event == LinkEvent::disconnected) {
-        accepted = false;
-        if (was_ready && !lost) lost = Clock::now();
-      }
-    }
-    if (parent_is_gone()) end_without_coupler();
-    if (!was_ready && Clock::now() - start > to_be_there) {
-      spdlog::error("no coupler answers at the endpoint; see its console for the right one");
-      _exit(static_cast<int>(ExitCode::participant_lost));
-    }
-    if (!lost) continue;
-    const auto silence = Clock::now() - *lost;
-    if (last_moments.coupler == 0 &&
-        silence > (accepted ? Clock::duration(to_thaw) : Clock::duration(to_reconnect)))
-      end_without_coupler();
-    if (!told && silence > to_reconnect) {
-      told = true;
-      spdlog::warn("no heartbeat from the coupler, which lives; waiting until it is back");
-    }
-  }
-}
-
-// ---- serving
 
 std::int64_t steady_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
@@ -195,7 +56,11 @@ std::string raw_bytes(const std::string& hexadecimal) {
 class Server {
  public:
   Server(const ServeOptions& options, const ParticipantFactory& factory)
-      : options_(options), factory_(factory), line_(options.endpoint), watch_(line_) {}
+      : options_(options),
+        factory_(factory),
+        keys_(keys_of(options)),
+        line_(options.endpoint, keys_),
+        watch_(line_, options.endpoint, keys_) {}
 
   int run();
   void working(double fraction, const std::string& what);
@@ -217,6 +82,7 @@ class Server {
 
   const ServeOptions& options_;
   const ParticipantFactory& factory_;
+  std::optional<ParticipantKeys> keys_;
   Line line_;
   Watch watch_;
   std::unique_ptr<Participant> participant_;
@@ -373,7 +239,7 @@ void Server::working(double fraction, const std::string& what) {
 
 int serve(const ServeOptions& options, const ParticipantFactory& factory) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written, and ends with the process
-  prepare_last_moments(options);
+  prepare_last_moments(options.name, options.endpoint);
   spdlog::flush_on(spdlog::level::info);
   spdlog::info("{} {} as {}, process {}, coupler at {}", options.solver, options.version, options.name,
                getpid(), options.endpoint);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@ struct ServeOptions {
   std::string token;           // hexadecimal, from STRAKE_TOKEN
   std::string solver, version;
   std::array<std::uint8_t, 32> case_hash{};
+  std::filesystem::path key = {};  // its key file (strake keys); empty: what STRAKE_KEY names, if anything
 };
 
 using ParticipantFactory = std::function<std::unique_ptr<Participant>(const Setup&)>;

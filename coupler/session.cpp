@@ -21,6 +21,7 @@ constexpr double absolute_residual = 1e-6;
 Deadlines deadlines_of(const CouplingKeys& keys, bool patient) {
   Deadlines deadlines;
   deadlines.hello = std::chrono::duration<double>(keys.start_within);
+  deadlines.by_hand = std::chrono::duration<double>(keys.attach_within);
   deadlines.frozen_after = std::chrono::duration<double>(keys.frozen_after);
   deadlines.answer_within = std::chrono::duration<double>(keys.answer_within);
   deadlines.patient = patient;
@@ -89,13 +90,16 @@ std::optional<double> added_mass_ratio(const CaseView& view) {
 }
 
 Session::Session(const CaseView& view, const Options& options) : case_(view), options_(options) {
-  roster_ = std::make_unique<Roster>(
-      Roster::Options{.endpoint = view.coupling.endpoint == "ipc" ? std::string() : view.coupling.endpoint,
-                      .case_hash = view.file.hash(),
-                      .deadlines = deadlines_of(view.coupling, options.patient),
-                      .say = options.say,
-                      .stop = options.stop,
-                      .on_exchange = options.on_exchange});
+  roster_ = std::make_unique<Roster>(Roster::Options{
+      .endpoint = view.coupling.endpoint == "ipc" ? std::string() : view.coupling.endpoint,
+      .keys =
+          view.coupling.keys.empty() ? std::nullopt : std::optional(read_coupler_keys(view.coupling.keys)),
+      .unencrypted = view.coupling.unencrypted,
+      .case_hash = view.file.hash(),
+      .deadlines = deadlines_of(view.coupling, options.patient),
+      .say = options.say,
+      .stop = options.stop,
+      .on_exchange = options.on_exchange});
   if (view.structure) launch(*view.structure);
   if (view.fluid) launch(*view.fluid);
 
@@ -126,7 +130,12 @@ void Session::launch(const SideView& side) {
   }
   launch.log = options_.log_folder / (side.side + ".log");
   launch.threads = case_.common.threads;
-  roster_->launch(side.side, std::move(launch));
+  const auto& by_hand = options_.by_hand;
+  if (std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end())
+    return roster_->launch(side.side, std::move(launch));
+  launch.arguments[1] = std::filesystem::absolute(case_.file.path()).string();  // it may start anywhere
+  roster_->attach(side.side);
+  if (options_.invite) options_.invite(side.side, roster_->command(side.side, launch));
 }
 
 RemoteParticipant& Session::set_up(const SideView& side, Setup setup) {

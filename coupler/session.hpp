@@ -24,6 +24,9 @@ class Session {
     std::filesystem::path run_folder;  // absolute; empty: the participants write nothing (`check`)
     std::filesystem::path log_folder;  // absolute
     bool patient = false;
+    std::vector<std::string> by_hand = {};  // sides that are not started but waited for
+    /// Side and command line of each of those; called before the wait.
+    std::function<void(const std::string&, const std::string&)> invite = {};
     std::function<void(const std::string&)> say;  // one line, while waiting
     const StopRequest* stop = nullptr;
     std::function<void(const Exchange&)> on_exchange = {};  // each question that is answered; may be empty

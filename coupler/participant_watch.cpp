@@ -1,0 +1,167 @@
+#include "coupler/participant_watch.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <spdlog/spdlog.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+namespace strake {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+/// What the last moments need, prepared beforehand: they may come inside a signal handler, in the middle of a
+/// factorisation, so that nothing but plain system calls is allowed.
+struct LastMoments {
+  std::array<char, 512> gone{}, terminated{};  // lines for the log
+  std::array<char, 128> socket{},
+      folder{};       // of an ipc endpoint: the dead coupler cannot remove them any more
+  pid_t coupler = 0;  // our parent, 0 if the coupler did not start us
+};
+LastMoments last_moments;
+
+template <std::size_t n>
+void set_text(std::array<char, n>& to, const std::string& from) {
+  to.fill('\0');
+  std::memcpy(to.data(), from.data(), std::min(from.size(), n - 1));
+}
+
+template <std::size_t n>
+void write_line(const std::array<char, n>& line) {
+  [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, line.data(), std::strlen(line.data()));
+}
+
+[[noreturn]] void end_without_coupler() {
+  write_line(last_moments.gone);
+  if (last_moments.socket[0] != '\0') {
+    unlink(last_moments.socket.data());
+    rmdir(last_moments.folder.data());  // goes if it is empty
+  }
+  _exit(static_cast<int>(ExitCode::participant_lost));
+}
+
+bool parent_is_gone() {
+  return last_moments.coupler != 0 && getppid() != last_moments.coupler;
+}
+
+void on_sigterm(int) {
+  write_line(last_moments.terminated);
+  _exit(static_cast<int>(ExitCode::terminated));
+}
+
+/// The kernel's word that the coupler has died. A signal of its own: SIGTERM may come from the living coupler
+/// too, and getppid still names a process of which only the first thread has ended.
+constexpr int death_of_parent = SIGHUP;
+void on_death_of_parent(int) {
+  end_without_coupler();
+}
+
+}  // namespace
+
+void take_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_sigterm;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGTERM, &action, nullptr);
+  if (last_moments.coupler == 0) return;
+  action.sa_handler = on_death_of_parent;
+  sigaction(death_of_parent, &action, nullptr);
+  signal(SIGINT, SIG_IGN);  // the coupler hears Ctrl-C and ends us in order
+}
+
+void prepare_last_moments(const std::string& name, const std::string& endpoint) {
+  const char* coupler = std::getenv("STRAKE_COUPLER");
+  const pid_t parent = coupler ? static_cast<pid_t>(std::atol(coupler)) : 0;
+  const bool launched = parent != 0 && parent == getppid();
+  const std::string whose = parent != 0 ? fmt::format("the coupler (process {})", parent) : "the coupler";
+  set_text(last_moments.gone, fmt::format("{}: {} is gone, so this process ends (exit 5)\n", name, whose));
+  set_text(last_moments.terminated, fmt::format("{}: ended by SIGTERM\n", name));
+  const std::string path = endpoint.starts_with("ipc://") ? endpoint.substr(6) : "";
+  const std::string folder = path.substr(0, path.rfind('/'));
+  if (folder.find("/strake-") != std::string::npos && path.size() < last_moments.socket.size()) {
+    set_text(last_moments.socket, path);  // the coupler's own folder, not an endpoint of the user's
+    set_text(last_moments.folder, folder);
+  }
+  if (launched) last_moments.coupler = parent;
+  take_signals();
+  if (!launched) return;
+  prctl(PR_SET_PDEATHSIG, death_of_parent, 0, 0, 0);
+  if (parent_is_gone()) end_without_coupler();  // it died before the line above
+}
+
+void Watch::give_up(ExitCode code, const std::string& problem, const std::string& fix) const {
+  spdlog::error("{}", to_text(Error(code, endpoint_, problem, fix)));
+  _exit(static_cast<int>(code));
+}
+
+void Watch::judge(LinkEvent event, int in_a_row) const {
+  constexpr int enough = 5;  // a greeting may fail once when a coupler ends or a network is cut
+  const std::string file = keys_ ? keys_->file.string() : "";
+  if (event == LinkEvent::key_refused)
+    give_up(ExitCode::command_line, "the coupler does not admit the key " + file,
+            "give this machine the key file that `strake keys` made with the coupler's");
+  if (event != LinkEvent::other_greeting && (event != LinkEvent::no_greeting || in_a_row < enough)) return;
+  // Which end notices first that keys stand on one side only is a matter of luck.
+  if (keys_)
+    give_up(ExitCode::command_line,
+            "what answers there is not the coupler that " + file + " was made with, or one without keys",
+            "give this machine the key file that `strake keys` made with the coupler's;\n"
+            "leave STRAKE_KEY unset if the case has no coupling.keys");
+  give_up(ExitCode::command_line, "what answers there is no coupler, or one that asks for a key",
+          "STRAKE_KEY must name the key file of this participant if the case has coupling.keys;\n"
+          "the endpoint stands on the coupler's console and in its run.json");
+}
+
+void Watch::run(Line& line) {
+  constexpr milliseconds beat{100};
+  constexpr std::chrono::seconds to_thaw{10}, to_be_there{30};
+  // On one machine a living coupler's kernel accepts at once, even if it is frozen; a network may be cut.
+  const milliseconds to_reconnect{leaves_machine(endpoint_) ? 10'000 : 500};
+  const auto start = Clock::now();
+  bool was_ready = false, accepted = false, told = false;
+  int failed = 0;  // greetings in a row
+  std::optional<Clock::time_point> lost;
+  while (!stop_) {
+    if (const auto event = line.next_event(beat)) {
+      if (*event == LinkEvent::connected) accepted = true;
+      failed = *event == LinkEvent::ready ? 0 : failed + (*event == LinkEvent::no_greeting ? 1 : 0);
+      if (!was_ready) judge(*event, failed);
+      if (*event == LinkEvent::ready) {
+        if (lost) spdlog::info("the coupler is back");
+        if (was_ready) renewed_ = true;
+        was_ready = true;
+        lost.reset();
+        told = false;
+      }
+      if (*event == LinkEvent::disconnected) {
+        accepted = false;
+        if (was_ready && !lost) lost = Clock::now();
+      }
+    }
+    if (parent_is_gone()) end_without_coupler();
+    if (!was_ready && Clock::now() - start > to_be_there)
+      give_up(ExitCode::participant_lost,
+              fmt::format("no coupler answers there for {} s", to_be_there.count()),
+              "the endpoint stands on the coupler's console and in its run.json");
+    if (!lost) continue;
+    const auto silence = Clock::now() - *lost;
+    if (last_moments.coupler == 0 &&
+        silence > (accepted ? Clock::duration(to_thaw) : Clock::duration(to_reconnect)))
+      end_without_coupler();
+    if (!told && silence > to_reconnect) {
+      told = true;
+      spdlog::warn("no heartbeat from the coupler, which lives; waiting until it is back");
+    }
+  }
+}
+
+}  // namespace strake

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "coupler/keys.hpp"
+#include "coupler/link.hpp"
+#include "proto/error.hpp"
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <thread>
+
+/// How a participant notices that it works for nobody, for serve.cpp alone.
+namespace strake {
+
+/// From here on SIGTERM, and the death of a coupler that started this process, end it with a line in the log.
+void prepare_last_moments(const std::string& name, const std::string& endpoint);
+
+/// Libraries that a solver starts (MPI, PETSc) may have their own ideas about signals: called again after
+/// Setup.
+void take_signals();
+
+/// Watches parent and connection, in a thread of its own, while the numerics run. Ends the process when the
+/// coupler is gone, or will never let it in.
+class Watch {
+ public:
+  Watch(Line& line, std::string endpoint, std::optional<ParticipantKeys> keys)
+      : endpoint_(std::move(endpoint)), keys_(std::move(keys)), thread_([this, &line] { run(line); }) {}
+  ~Watch() {
+    stop_ = true;
+    thread_.join();
+  }
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+
+  /// Whether the connection has been made anew since the last call: the other side must hear Hello again.
+  bool take_renewed() { return renewed_.exchange(false); }
+
+ private:
+  void run(Line& line);
+  /// Ends the process where the coupler will never hear it.
+  void judge(LinkEvent, int in_a_row) const;
+  [[noreturn]] void give_up(ExitCode, const std::string& problem, const std::string& fix) const;
+
+  std::string endpoint_;
+  std::optional<ParticipantKeys> keys_;
+  std::atomic<bool> stop_{false}, renewed_{false};
+  std::thread thread_;
+};
+
+}  // namespace strake

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// What strangers did at the port, for console and log: each kind of thing at once when it first happens,
+/// then its number at growing intervals. A flood costs lines, not a disk.
+class StrangerLog {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Lines that are due now.
+  std::vector<std::string> note(const std::string& what, int times, Clock::time_point now);
+  std::vector<std::string> due(Clock::time_point now);
+
+ private:
+  struct Kind {
+    int untold = 0;
+    Clock::time_point told;
+    Clock::duration quiet;  // until the next line
+  };
+  std::map<std::string, Kind> kinds_;
+};
+
+/// Text of a stranger as it may stand in a log: one line, plain characters, no longer than 200.
+std::string harmless(const std::string&);
+
+}  // namespace strake
