@@ -9,10 +9,6 @@
 
 namespace strake {
 
-double rms(const Eigen::MatrixXd& a) {
-  return a.cols() == 0 ? 0 : std::sqrt(a.squaredNorm() / static_cast<double>(a.cols()));
-}
-
 FieldResidual judge(const Field& field, double residual, double scale, const Limits& limits, double first) {
   if (first < 0) first = residual;
   return {field.quantity, field.unit, residual,

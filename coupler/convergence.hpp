@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -52,7 +53,10 @@ struct FieldResidual {
 };
 
 /// √(Σ |a_i|² / n) over the n columns.
-double rms(const Eigen::MatrixXd&);
+template <class Derived>
+double rms(const Eigen::MatrixBase<Derived>& a) {
+  return a.cols() == 0 ? 0 : std::sqrt(a.squaredNorm() / static_cast<double>(a.cols()));
+}
 
 /// residual: rms of a field's change; scale: rms of what `relative` refers to; first: the residual of the
 /// window's first iteration, which is this one where it is negative.

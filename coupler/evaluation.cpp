@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "coupler/scheme_iterate.hpp"
 #include "proto/error.hpp"
@@ -31,13 +32,13 @@ Scheme::Iterate Scheme::first_guess(const Window& window) const {
   now.guess =
       parameters_.volume ? state_.structure.back() : predict(parameters_.predictor, state_.structure, end);
   if (parameters_.parallel) now.load_guess = predict(parameters_.predictor, state_.fluid, end).fields;
-  now.load = state_.fluid.back().fields;
+  if (!parameters_.parallel && limits_of_load().any()) now.load = state_.fluid.back().fields;
   return now;
 }
 
 std::optional<Scheme::Shorter> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
-  now.load_before = std::move(now.load);
-  now.history_before = std::move(now.history);
+  now.load_before = std::exchange(now.load, {});
+  now.history_before = std::exchange(now.history, {});
   return parameters_.parallel ? evaluate_parallel(window, iteration, now)
                               : evaluate_serial(window, iteration, now);
 }
@@ -50,7 +51,14 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
   }
   take_wet(window, iteration, now);
 
-  now.from_structure = structure_.advance(window, for_structure(window, now));
+  if (now.history.empty()) {  // one sample, which is lent and not copied
+    Input input;
+    input.samples.push_back({window.t + window.dt, std::move(now.load)});
+    now.from_structure = structure_.advance(window, input);
+    now.load = std::move(input.samples.front().fields);
+  } else {
+    now.from_structure = structure_.advance(window, for_structure(window, now));
+  }
   if (now.from_structure.retry_smaller_dt) {
     take_back();
     return Shorter{"the structure", now.from_structure.dt_limit};

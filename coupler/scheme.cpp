@@ -175,7 +175,7 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
       residual =
           std::max(residual, 0.5 * window.dt * rms(now.answer.fields[1].value - now.guess.fields[1].value));
     const double scale =
-        rms(by_value ? answer.value : answer.value - state_.structure.back().fields[k].value);
+        by_value ? rms(answer.value) : rms(answer.value - state_.structure.back().fields[k].value);
     add(answer, residual, scale, {c.relative, k == 0 ? c.absolute : 0, c.residual_relative});
   }
   row.residual = row.fields.front().residual;

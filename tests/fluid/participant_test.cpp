@@ -121,6 +121,36 @@ TEST(FluidParticipant, rewind_then_advance_again_is_bit_equal) {
   }
 }
 
+TEST(FluidParticipant, sends_the_force_of_each_step_where_the_structure_takes_a_history) {
+  const Case c;
+  strake::Setup setup = entering();
+  FluidParticipant<2> silent(c.parameters, c.common, setup);
+  setup.history = true;
+  FluidParticipant<2> telling(c.parameters, c.common, setup);
+  constexpr double longer = 10 * window;
+  double largest = 0;
+  for (int k = 0; k < contact_window / 10 + 2; ++k) {
+    const Window w = nth(k, longer);
+    const Advanced expected = silent.advance(w, at_speed(w)), told = telling.advance(w, at_speed(w));
+    EXPECT_TRUE(expected.history.empty());
+    expect_equal_bits(told, expected, k);
+    ASSERT_FALSE(told.history.empty());
+    EXPECT_EQ(told.history.back().time, w.t + w.dt);
+    Eigen::MatrixXd impulse = Eigen::MatrixXd::Zero(3, plate().position.cols());
+    double before = w.t;
+    for (const Sample& sample : told.history) {
+      impulse += (sample.time - before) * sample.fields.at(0).value;
+      before = sample.time;
+    }
+    const Eigen::MatrixXd& mean = told.output.at(0).value;
+    EXPECT_LE((impulse / w.dt - mean).norm(), 1e-9 * mean.norm());
+    largest = std::max(largest, mean.norm());
+    silent.commit(false);
+    telling.commit(false);
+  }
+  EXPECT_GT(largest, 0);  // it has met the water
+}
+
 TEST(FluidParticipant, the_result_does_not_depend_on_the_number_of_threads) {
   const Case one({"run.threads=1"}), two({"run.threads=2"});
   std::vector<Advanced> with_one;
