@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <system_error>
 #include <vector>
 
+#include "coupler/seal.hpp"
 #include "proto/error.hpp"
 #include "proto/result_file.hpp"
 
@@ -24,12 +26,18 @@ constexpr std::size_t kept = 2;  // the one before the last stays until the next
               "free space, or choose another folder with --runs DIR");
 }
 
+/// Names are numbers of at least six digits: a longer one is a larger one.
+bool earlier(const fs::path& a, const fs::path& b) {
+  const std::string one = a.filename().string(), other = b.filename().string();
+  return one.size() != other.size() ? one.size() < other.size() : one < other;
+}
+
 std::vector<fs::path> checkpoints_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder, none))
     if (entry.is_directory() && !entry.is_symlink()) found.push_back(entry.path());
-  std::sort(found.begin(), found.end());
+  std::sort(found.begin(), found.end(), earlier);
   return found;
 }
 
@@ -49,7 +57,9 @@ Checkpoints::Checkpoints(const fs::path& run_folder) : folder_(run_folder / "che
 void Checkpoints::write(Session& session, const RunLoop& loop, const Summary& summary) {
   const std::string name = fmt::format("{:06}", loop.number());
   const fs::path target = folder_ / name;
+  if (latest() == target && damage(target).empty()) return;  // nothing has happened since
   std::error_code error;
+  fs::remove_all(target, error);  // an unfinished one
   fs::create_directories(target, error);
   if (error) cannot_write(target, error);
 
@@ -60,6 +70,7 @@ void Checkpoints::write(Session& session, const RunLoop& loop, const Summary& su
   loop.state().save(archive);
   summary.save(archive);
   write_archive(target / "coupler.h5", archive);
+  seal(target);
 
   const fs::path link = folder_ / "latest", fresh = folder_ / "latest.new";
   fs::remove(fresh, error);
@@ -75,32 +86,65 @@ void Checkpoints::forget_old() const {
   for (std::size_t i = 0; i + kept < found.size(); ++i) fs::remove_all(found[i], ignored);
 }
 
+void Checkpoints::forget(const fs::path& later_than) const {
+  std::error_code ignored;
+  for (const fs::path& found : checkpoints_in(folder_))
+    if (earlier(later_than, found)) fs::remove_all(found, ignored);
+}
+
 fs::path Checkpoints::latest() const {
   std::error_code none;
   const fs::path name = fs::read_symlink(folder_ / "latest", none);
   return none ? fs::path() : folder_ / name;
 }
 
-RunPlan Checkpoints::resume(Session& session, Summary& summary) {
-  const fs::path source = latest();
-  if (source.empty())
+fs::path Checkpoints::choose(const std::function<void(const std::string&)>& say) const {
+  const fs::path last = latest();
+  std::vector<fs::path> found = checkpoints_in(folder_);
+  // What lies after `latest` was never finished; without the link nothing is known to lie after it.
+  if (!last.empty()) std::erase_if(found, [&](const fs::path& path) { return earlier(last, path); });
+  const auto named = [&](const fs::path& path) {
+    return (folder_.parent_path().filename() / "checkpoint" / path.filename()).string();
+  };
+  if (found.empty())
     throw Error(ExitCode::command_line, folder_.parent_path().string(), "holds no checkpoint to go on from",
                 "run it again with --force, or under another --tag");
-  const Archive archive = read_archive(source / "coupler.h5");
-  const LoopState loop = LoopState::from(archive);
+  std::string problems;
+  for (auto path = found.rbegin(); path != found.rend(); ++path) {
+    const std::string problem = damage(*path);
+    if (problem.empty()) {
+      if (!problems.empty()) say(fmt::format("going on from {}", named(*path)));
+      return *path;
+    }
+    say(fmt::format("{} cannot be used: {}", named(*path), problem));
+    problems += fmt::format("\n{}: {}", path->filename().string(), problem);
+  }
+  throw Error(ExitCode::case_file, folder_.string(), "holds no checkpoint that is whole" + problems,
+              "run it again with --force, or under another --tag");
+}
+
+RunPlan Checkpoints::resume(const fs::path& source, Session& session, Summary& summary) {
+  const fs::path file = source / "coupler.h5";
+  const Archive archive = read_archive(file);
+  RunPlan plan = session.plan();
+  try {
+    plan.start = LoopState::from(archive);
+    summary.load(archive);
+  } catch (const std::out_of_range&) {
+    throw Error(ExitCode::case_file, file.string(), "is not a checkpoint of this version of Strake",
+                "resume with the programs that wrote it, or run it again with --force");
+  }
   for (RemoteParticipant* participant : {session.fluid(), session.structure()}) {
     if (participant == nullptr) continue;
     participant->resume(source);
-    participant->count_windows_from(static_cast<std::uint64_t>(loop.windows));
+    participant->count_windows_from(static_cast<std::uint64_t>(plan.start.windows));
   }
   if (session.scheme() != nullptr) {
     CouplingState state;
     state.load(archive);
     session.scheme()->set_state(std::move(state));
   }
-  summary.load(archive);
-  RunPlan plan = session.plan();
-  plan.start = loop;
+  forget(source);
   return plan;
 }
 

@@ -11,21 +11,26 @@
 
 namespace strake {
 
-/// checkpoint/000420/{fluid,structure,coupler}.h5 of a run, and the link `latest`, which is renamed into
-/// place last: a checkpoint that `latest` names is whole. Two are kept.
+/// checkpoint/000420/{fluid,structure,coupler}.h5 of a run with their `checksums`, and the link `latest`,
+/// which is renamed into place last: a checkpoint that `latest` names is whole. Two are kept, so that there
+/// is another when a disk damages one.
 class Checkpoints {
  public:
   explicit Checkpoints(const std::filesystem::path& run_folder);  // absolute
 
   /// What is committed, of the participants, the scheme, the loop and the summary.
   void write(Session&, const RunLoop&, const Summary&);
-  /// Takes everybody back to the latest checkpoint; returns the plan that goes on from there. Throws
-  /// Error(command_line) when there is none.
-  RunPlan resume(Session&, Summary&);
-  /// runs/plate_entry/checkpoint/000420, for messages; empty while there is none.
+  /// The checkpoint to go on from: the latest, or the one before where that is damaged, which `say` is told.
+  /// Throws Error(command_line) when there is none, Error(case_file) when none is whole.
+  std::filesystem::path choose(const std::function<void(const std::string&)>& say) const;
+  /// Takes everybody back to that checkpoint and drops those after it; returns the plan that goes on from
+  /// there.
+  RunPlan resume(const std::filesystem::path& chosen, Session&, Summary&);
+  /// The last one written, absolute; empty while there is none.
   std::filesystem::path latest() const;
 
  private:
+  void forget(const std::filesystem::path& later_than) const;
   void forget_old() const;
   std::filesystem::path folder_;
 };

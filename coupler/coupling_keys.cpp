@@ -166,6 +166,8 @@ CouplingKeys read_coupling(CaseFile& file) {
   CaseTable run = file.root().table("run", "how the programs run");
   run.number("checkpoint", keys.checkpoint,
              {.unit = "s", .min = 0, .exclusive = true, .help = "wall clock between checkpoints"});
+  run.integer("checkpoint_windows", keys.checkpoint_windows,
+              {.min = 0, .help = "windows between checkpoints; 0: by the clock alone"});
   return keys;
 }
 

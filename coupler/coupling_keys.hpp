@@ -41,7 +41,8 @@ struct CouplingKeys {
   std::filesystem::path keys;    // folder that `strake keys` made; empty: no encryption
   bool unencrypted = false;      // an endpoint that other machines reach may go without keys
   // [run]
-  double checkpoint = 60;  // [s] of wall clock
+  double checkpoint = 60;      // [s] of wall clock
+  int checkpoint_windows = 0;  // windows between checkpoints; 0: by the clock alone
 
   bool iterates() const { return max_iterations > 1; }
 };

@@ -242,11 +242,13 @@ void InterfaceRecorder::flush() {
 void InterfaceRecorder::resume(double time) {
   std::size_t files = 0;
   while (std::filesystem::exists(file(files))) ++files;
+  double end = 0;
   for (block_ = 0; block_ < files; ++block_) {
     InterfaceRecord kept = read_block(file(block_));
     const auto beyond = std::find_if(kept.windows.begin(), kept.windows.end(),
                                      [time](const Window& w) { return w.t + w.dt > time + slack * w.dt; });
     const auto n = static_cast<std::size_t>(beyond - kept.windows.begin());
+    if (n > 0) end = kept.windows[n - 1].t + kept.windows[n - 1].dt;
     if (n >= per_file_) continue;
     kept.windows.resize(n);
     kept.displacement.resize(n);
@@ -258,6 +260,10 @@ void InterfaceRecorder::resume(double time) {
     record_.force = std::move(kept.force);
     break;
   }
+  if (end < time * (1 - slack))
+    throw Error(ExitCode::case_file, (folder_ / "interface").string(),
+                fmt::format("ends at {:.6g} s, the checkpoint was taken at {:.6g} s", end, time),
+                "run it again with --force, or under another --tag");
   flush();
   for (std::size_t b = record_.windows.empty() ? block_ : block_ + 1; b < files; ++b)
     std::filesystem::remove(file(b));

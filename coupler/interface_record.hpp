@@ -39,7 +39,8 @@ class InterfaceRecorder {
                     int windows_per_file = 100);
   void append(const Window&, const Points& displacement, const Points& velocity, const Points& force);
   void flush();
-  /// Drops what lies after `time` (resume) and goes on from there.
+  /// Drops what lies after `time` (resume) and goes on from there. Throws Error(case_file) when the record
+  /// does not reach `time`.
   void resume(double time);
 
  private:

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <clocale>
+#include <csignal>
 #include <cstdio>
 #include <functional>
 
@@ -75,6 +76,8 @@ int report(const Error& error) {
 int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");  // numbers are read and written with a point
   const strake::StopRequest stop;
+  std::signal(SIGXFSZ,
+              SIG_IGN);  // a limit on the size of files is an error of the write, told like a full disk
   std::function<ExitCode()> action;
 
   CLI::App app{"Strake: fluid and structure solvers for slamming and water entry, coupled."};

@@ -127,6 +127,20 @@ void Roster::finish() {
   end();
 }
 
+bool Roster::come_to_rest() noexcept {
+  try {
+    for (const auto& m : state_->members) {
+      if (!m->greeted || m->broken) return false;
+      if (!m->asked.empty()) state_->await(*m);
+      if (m->iteration > 0 && m->before == wire::Before::nothing) m->before = wire::Before::rewind;
+      m->iteration = 0;
+    }
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 void Roster::end() noexcept {
   State& s = *state_;
   if (std::exchange(s.ended, true)) return;
@@ -177,6 +191,7 @@ void RemoteParticipant::count_windows_from(std::uint64_t committed) {
 
 void RemoteParticipant::start(const Window& window, const Input& input) {
   Roster::Member& m = *member_;
+  roster_->check_stop_between(m);
   assert(m.asked.empty() && "one request at a time");
   assert((m.iteration == 0 || m.before != wire::Before::nothing) && "rewind or commit first");
   m.window = window;

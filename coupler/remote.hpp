@@ -27,7 +27,7 @@ struct Deadlines {
   std::chrono::duration<double> answer_within{
       600};                                // [s] coupling.answer_within: one answer; Working restarts it
   std::chrono::duration<double> tell{15};  // [s] of waiting before the first line says for whom
-  std::chrono::duration<double> grace{1};  // [s] for the answer under way after Ctrl-C
+  std::chrono::duration<double> grace{5};  // [s] for the answers under way after Ctrl-C, so that the state is saved
   bool patient = false;                    // --patient: no deadline but death
 };
 
@@ -65,6 +65,10 @@ class Roster {
   /// Regular end: Stop (with the last commit) to each in turn, Done, exit 0, reaped. Error if one of them
   /// fails.
   void finish();
+  /// After Ctrl-C or SIGTERM in the middle of a window: awaits the answers under way, and takes the window
+  /// back, so that what is committed can be saved. False when somebody does not answer within the grace, or
+  /// is lost.
+  bool come_to_rest() noexcept;
   /// After an error: Stop with the last commit to those that are idle, at most 0.5 s, then SIGTERM, SIGKILL;
   /// reaped. Does nothing after finish().
   void end() noexcept;

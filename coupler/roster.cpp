@@ -40,6 +40,10 @@ bool equal_secret(const std::string& a, const std::string& b) {
   return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
+std::string in_words(const StopRequest& stop) {
+  return stop.code() == ExitCode::interrupted ? "interrupted by Ctrl-C" : "ended by SIGTERM";
+}
+
 /// The last lines of a log, each on a line of its own; what is only information explains no end.
 std::string tail(const std::filesystem::path& log) {
   std::ifstream file(log);
@@ -169,15 +173,25 @@ void Roster::State::check_deadlines(const Member& m) const {
       fmt::format("{}, or --patient when debugging; the limit is coupling.answer_within", m.see_log()));
 }
 
-void Roster::State::check_stop(const Member& m) const {
+void Roster::State::check_stop(const Member& m) {
   const StopRequest* stop = options.stop;
   if (!stop || !stop->requested()) return;
-  if (m.asked == "Advance" && stop->elapsed() < options.deadlines.grace) return;
-  throw Error(
-      stop->code(), m.place(),
-      fmt::format("{} while {} was awaited",
-                  stop->code() == ExitCode::interrupted ? "interrupted by Ctrl-C" : "ended by SIGTERM",
-                  m.greeted ? m.asked : "Hello"));
+  if (m.asked == "Advance" && stop->elapsed() < options.deadlines.grace) {
+    if (!grace_told && stop->elapsed() > silence_to_tell) {
+      grace_told = true;
+      say(fmt::format(
+          "{}: {}, waiting {:g} s at most for the answer to {}, to save the state; once more ends at once",
+          m.place(), in_words(*stop), options.deadlines.grace.count(), m.asked));
+    }
+    return;
+  }
+  throw Error(stop->code(), m.place(),
+              fmt::format("{} while {} was awaited", in_words(*stop), m.greeted ? m.asked : "Hello"));
+}
+
+void Roster::State::check_stop_between(const Member& m) const {
+  if (options.stop && options.stop->requested())
+    throw Error(options.stop->code(), m.place(), in_words(*options.stop));
 }
 
 // ---- hearing

@@ -72,6 +72,7 @@ struct Roster::State {
   std::vector<std::unique_ptr<Member>> members;
   StrangerLog strangers;
   bool ended = false;
+  bool grace_told = false;
 
   Member* find(const std::string& name);
   void say(const std::string& line) const;
@@ -89,7 +90,8 @@ struct Roster::State {
   void look_after_all();
   void tell_waiting(Member&, Clock::duration waited) const;
   void check_deadlines(const Member&) const;
-  void check_stop(const Member&) const;
+  void check_stop(const Member&);
+  void check_stop_between(const Member&) const;  // before a request that begins something new
 
  private:
   void hear(Hub::Message);

@@ -51,12 +51,22 @@ std::shared_ptr<spdlog::logger> open_log(const std::filesystem::path& path) {
   }
 }
 
+/// What a killed run was writing.
+void remove_unfinished(const std::filesystem::path& run_folder) {
+  std::error_code ignored;
+  std::vector<std::filesystem::path> parts;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(run_folder, ignored))
+    if (entry.path().extension() == ".part") parts.push_back(entry.path());
+  for (const auto& part : parts) std::filesystem::remove(part, ignored);
+}
+
 /// One run, from its folder to its last file.
 class Run {
  public:
   Run(const CaseView& view, RunFolder folder, const RunOptions& options, const StopRequest& stop)
       : case_(view),
         folder_(std::move(folder)),
+        lock_(folder_.path),
         options_(options),
         stop_(stop),
         reporter_(reporter_of(options)),
@@ -74,8 +84,9 @@ class Run {
       session_->roster().finish();
       conclude(ExitCode::done);
     } catch (const Error& error) {
-      fail(error);
-      throw;
+      const Error told = with_way_on(error);
+      fail(told);
+      throw told;
     } catch (const std::exception& error) {
       const Error bug(ExitCode::our_bug, position(),
                       fmt::format("{}\nthis is a bug in Strake", error.what()));
@@ -90,7 +101,12 @@ class Run {
  private:
   void prepare() {
     const bool resume = options_.folder.resume;
-    if (resume) check_same_case(case_, folder_.path);
+    std::filesystem::path checkpoint;
+    if (resume) {
+      check_same_case(case_, folder_.path);
+      checkpoint = checkpoints_.choose([this](const std::string& line) { note(line); });
+      remove_unfinished(folder_.path);
+    }
     log_ = open_log(folder_.path / "coupler.log");
     write_text(folder_.path / "case.toml", case_.resolved);
     record_.set("case", std::filesystem::absolute(case_.file.path()).string());
@@ -115,7 +131,7 @@ class Run {
                                 .stop = &stop_,
                                 .on_exchange = observer()});
     record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
-    plan_ = resume ? checkpoints_.resume(*session_, summary_) : session_->plan();
+    plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
     if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
     wall_before_ = summary_.wall_seconds;
     record_.write();
@@ -128,7 +144,7 @@ class Run {
                             .initial = {},
                             .mechanical = false,
                             .measured = {},
-                            .resume_at = resume ? std::optional(plan_.start.time) : std::nullopt};
+                            .resumed = resume ? std::optional(plan_.start) : std::nullopt};
     if (case_.coupled()) {
       files.mesh = session_->structure()->mesh();
       files.initial = session_->structure()->description().initial;
@@ -166,7 +182,7 @@ class Run {
       if (stop_.requested()) interrupt(loop);
       const auto begin = Clock::now();
       const std::int64_t trace_begin = Trace::now();
-      const CommittedWindow window = loop.next();
+      const CommittedWindow window = next(loop);
       const double wall = seconds_since(begin);
       const std::int64_t trace_end = Trace::now();
       summary_.coupler_seconds["windows"] += wall;
@@ -183,7 +199,9 @@ class Run {
         log_->warn("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
                    window.number, window.time, window.report.residual, window.report.threshold);
       tell_verdicts();
-      if (!window.last && seconds_since(saved) > case_.coupling.checkpoint) {
+      const int every = case_.coupling.checkpoint_windows;
+      const bool due = every > 0 && window.number % every == 0;
+      if (!window.last && (due || seconds_since(saved) > case_.coupling.checkpoint)) {
         save(loop);
         saved = Clock::now();
       }
@@ -223,15 +241,40 @@ class Run {
     if (options_.profile) profile_.end_window(window.report, begin, end, files_end);
   }
 
+  CommittedWindow next(RunLoop& loop) {
+    try {
+      return loop.next();
+    } catch (const Error& error) {
+      // Ctrl-C inside a window: the windows before it are kept, if the solvers answer in time.
+      const bool asked_to_stop = stop_.requested() && error.code() == stop_.code();
+      if (asked_to_stop && session_->roster().come_to_rest()) interrupt(loop);
+      throw;
+    }
+  }
+
   void save(const RunLoop& loop) {
     summary_.wall_seconds = elapsed();
+    files_->flush();  // what a resume goes on from
     checkpoints_.write(*session_, loop, summary_);
   }
 
   /// Ctrl-C between two windows: the participants are at rest, so that what is committed can be kept.
   [[noreturn]] void interrupt(const RunLoop& loop) {
     save(loop);
+    saved_on_request_ = true;
     throw Error(stop_.code(), position(), "interrupted, the state is saved", "go on with --resume");
+  }
+
+  /// The error with the place to go on from, where there is one. Not for what stops a run before it begins.
+  Error with_way_on(const Error& error) const {
+    if (!started_ || saved_on_request_) return error;
+    const std::filesystem::path last = checkpoints_.latest();
+    const std::string way_on =
+        last.empty() ? "nothing to go on from: the first checkpoint was still to come (run.checkpoint)"
+                     : fmt::format("--resume goes on from the last good state, {}",
+                                   (folder_.path / "checkpoint" / last.filename()).string());
+    return Error(error.code(), error.where(), error.problem(),
+                 error.fix().empty() ? way_on : error.fix() + "\n" + way_on);
   }
 
   double elapsed() const { return wall_before_ + seconds_since(start_); }
@@ -270,6 +313,10 @@ class Run {
   void conclude(ExitCode code) {
     session_.reset();
     if (files_) files_->flush();
+    write_end(code);
+  }
+
+  void write_end(ExitCode code) {
     summary_.exit_code = code;
     summary_.wall_seconds = elapsed();
     summary_.coupler_seconds["cpu"] = cpu_seconds();
@@ -304,23 +351,32 @@ class Run {
   }
 
   void fail(const Error& error) noexcept {
-    try {
-      session_.reset();
-      if (log_) log_->error(to_text(error));
-      // A case that was refused while its participants were set up leaves no folder: the corrected one may
-      // take its name.
-      if (!started_ && !options_.folder.resume &&
-          (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
-        log_.reset();
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_.path, ignored);
-        return;
+    // What stopped the run is thrown on; that a trace of it could not be written either is the lesser news.
+    const auto attempt = [](const auto& write) {
+      try {
+        write();
+      } catch (const std::exception&) {
       }
-      record_.failed(error);
-      conclude(error.code());
-    } catch (const std::exception&) {
-      // What stopped the run is thrown on; that its traces could not be written either is the lesser news.
+    };
+    session_.reset();
+    attempt([&] {
+      if (log_) log_->error(to_text(error));
+    });
+    // A case that was refused while its participants were set up leaves no folder: the corrected one may
+    // take its name.
+    if (!started_ && !options_.folder.resume &&
+        (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
+      log_.reset();
+      std::error_code ignored;
+      std::filesystem::remove_all(folder_.path, ignored);
+      return;
     }
+    record_.failed(error);
+    attempt([&] { record_.write(); });
+    attempt([&] {
+      if (files_) files_->flush();
+    });
+    attempt([&] { write_end(error.code()); });
   }
 
   /// A side that the user starts. The line holds the token, so that it stands where nobody else can read it.
@@ -344,6 +400,7 @@ class Run {
 
   const CaseView& case_;
   RunFolder folder_;
+  FolderLock lock_;
   const RunOptions& options_;
   const StopRequest& stop_;
   Clock::time_point start_ = Clock::now();
@@ -360,8 +417,9 @@ class Run {
   Profile profile_;
   Checkpoints checkpoints_;
   RunPlan plan_;
-  double wall_before_ = 0;  // [s] of the run that this one resumes
-  bool started_ = false;    // the first window has begun
+  double wall_before_ = 0;         // [s] of the run that this one resumes
+  bool started_ = false;           // the first window has begun
+  bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint
 };
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "coupler/run_files.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
-#include "proto/result_file.hpp"
+#include "proto/error.hpp"
 
 namespace strake {
 
@@ -43,23 +45,28 @@ std::vector<Column> iteration_columns(const RunFiles::Options& options) {
   return columns;
 }
 
-/// A column file that goes on after `resume_at`: its earlier rows are kept as they are, text for text.
+/// A column file, or one that goes on: the rows of the windows before are kept as they are, byte for byte,
+/// and the file is cut behind them in one step, so that a resume that is interrupted loses nothing.
 std::unique_ptr<History> open(const std::filesystem::path& path, const std::vector<Column>& columns,
-                              const std::optional<double>& resume_at, Table* table) {
-  Table kept;
-  if (resume_at && std::filesystem::exists(path)) kept = read_table(path);
-  auto history = std::make_unique<History>(path, columns);
-  const std::size_t n_columns = kept.columns.size() == columns.size() ? columns.size() : 0;
-  const std::vector<double> none;
-  const std::vector<double>& time = n_columns > 1 ? kept.value[1] : none;
-  for (std::size_t row = 0; row < time.size(); ++row) {
-    if (time[row] > *resume_at) break;
-    std::vector<double> values;
-    for (std::size_t column = 0; column < n_columns; ++column) values.push_back(kept.value[column][row]);
-    history->append(values);
-    if (table != nullptr)
-      for (std::size_t column = 0; column < n_columns; ++column)
-        table->value[column].push_back(values[column]);
+                              const std::optional<LoopState>& resumed, Table* table) {
+  if (!resumed || resumed->windows == 0) return std::make_unique<History>(path, columns);
+  Table before = read_table(path);
+  std::size_t rows = 0;
+  double windows = 0;
+  if (before.columns.size() > 1)
+    for (; rows < before.rows() && before.value[0][rows] <= static_cast<double>(resumed->windows);
+         ++rows)
+      windows = before.value[0][rows];
+  if (windows != static_cast<double>(resumed->windows))
+    throw Error(ExitCode::case_file, path.string(),
+                fmt::format("ends with window {}, the checkpoint was taken after window {}", windows,
+                            resumed->windows),
+                "run it again with --force, or under another --tag");
+  auto history = std::make_unique<History>(path, columns, rows);
+  if (table == nullptr) return history;
+  for (std::size_t column = 0; column < before.columns.size(); ++column) {
+    before.value[column].resize(rows);
+    table->value[column] = std::move(before.value[column]);
   }
   return history;
 }
@@ -76,12 +83,12 @@ RunFiles::RunFiles(Options options) : options_(std::move(options)) {
   const auto& folder = options_.folder;
   table_.columns = history_columns(options_);
   table_.value.resize(table_.columns.size());
-  history_ = open(folder / "history.csv", table_.columns, options_.resume_at, &table_);
+  history_ = open(folder / "history.csv", table_.columns, options_.resumed, &table_);
   if (!options_.coupled) return;
-  iterations_ = open(folder / "iterations.csv", iteration_columns(options_), options_.resume_at, nullptr);
+  iterations_ = open(folder / "iterations.csv", iteration_columns(options_), options_.resumed, nullptr);
   if (!options_.mechanical) return;
   interface_ = std::make_unique<InterfaceRecorder>(folder, options_.mesh, options_.initial);
-  if (options_.resume_at) interface_->resume(*options_.resume_at);
+  if (options_.resumed) interface_->resume(options_.resumed->time);
 }
 
 void RunFiles::append(const CommittedWindow& window, const std::vector<double>& values, double wall) {
@@ -127,7 +134,7 @@ void RunFiles::append_timing(const CommittedWindow& window, double wall) {
           stages_.emplace_back(fluid, name);
           columns.push_back({(fluid ? "fluid." : "structure.") + name.substr(name.find('.') + 1), "s"});
         }
-    timing_ = open(options_.folder / "timing.csv", columns, options_.resume_at, nullptr);
+    timing_ = open(options_.folder / "timing.csv", columns, options_.resumed, nullptr);
   }
   std::vector<double> row = {static_cast<double>(window.number), window.time, wall};
   for (const auto& [fluid, name] : stages_) {

@@ -1,11 +1,14 @@
 #include "coupler/run_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdlib>
 #include <ctime>
 #include <optional>
@@ -91,12 +94,28 @@ RunFolder create_run_folder(const fs::path& case_file, const RunFolderOptions& o
   while (true) {
     RunFolder folder = find_run_folder(case_file, options);
     if (options.resume) return folder;
-    if (options.force) fs::remove_all(folder.path, error);
+    if (options.force && fs::exists(folder.path)) {
+      const FolderLock nobody_else(folder.path);
+      fs::remove_all(folder.path, error);
+    }
     if (error) throw cannot_create(folder.path, error.message());
     const bool created = fs::create_directory(folder.path, error);
     if (error) throw cannot_create(folder.path, error.message());
     if (created) return folder;  // else another run has just taken the name: look again
   }
+}
+
+FolderLock::FolderLock(const fs::path& path)
+    : folder_(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (folder_ < 0 || ::flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+    return;  // some disks have no locks
+  ::close(folder_);
+  throw Error(ExitCode::command_line, path.string(), "another run is under way in this folder",
+              "wait until it has ended, or name the new run with --tag NAME");
+}
+
+FolderLock::~FolderLock() {
+  if (folder_ >= 0) ::close(folder_);
 }
 
 TemporaryFolder::TemporaryFolder() {

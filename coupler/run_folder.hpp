@@ -29,6 +29,19 @@ RunFolder find_run_folder(const std::filesystem::path& case_file, const RunFolde
 /// Creates it (removing an earlier run under --force). Throws Error(command_line | cannot_write).
 RunFolder create_run_folder(const std::filesystem::path& case_file, const RunFolderOptions&);
 
+/// Says that a run is under way in a folder, until it is destroyed or the process ends, however it ends. It
+/// leaves no file. Throws Error(command_line) when another process says so.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path&);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int folder_ = -1;
+};
+
 /// A private folder under the system's temporary one, gone with the object: `check` builds its participants
 /// there.
 class TemporaryFolder {

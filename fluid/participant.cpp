@@ -262,6 +262,7 @@ void FluidParticipant<dim>::rewind() {
 template <int dim>
 void FluidParticipant<dim>::commit(bool write_output) {
   committed_ = simulation_.state();
+  committed_steps_ = steps_;
   if (!frames_) return;
   frames_->check();
   if (write_output) frames_->write(frame());
@@ -307,7 +308,7 @@ void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
   flush();  // what a resume goes on from
   Archive archive;
   save<dim>(committed_, archive);
-  archive.integer["participant.steps"] = {steps_};
+  archive.integer["participant.steps"] = {committed_steps_};
   write_archive(folder / "fluid.h5", archive);
 }
 
@@ -324,6 +325,7 @@ void FluidParticipant<dim>::resume(const std::filesystem::path& folder) {
                 "resume with the case the run was started with");
   const auto steps = archive.integer.find("participant.steps");
   steps_ = steps != archive.integer.end() && !steps->second.empty() ? steps->second.front() : state.step;
+  committed_steps_ = steps_;
   committed_ = std::move(state);
   simulation_.set_state(committed_);
   if (frames_) frames_->truncate(committed_.time);

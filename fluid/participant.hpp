@@ -64,7 +64,8 @@ class FluidParticipant final : public Participant {
   Description description_;
   std::optional<FrameWriter> frames_;
   State<dim> committed_;
-  std::int64_t steps_ = 0;  // with those that were rewound
+  std::int64_t steps_ = 0;            // with those that were rewound
+  std::int64_t committed_steps_ = 0;  // steps_ at the last commit
 
   bool sends_history_;
 

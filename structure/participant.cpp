@@ -200,6 +200,7 @@ void StructureParticipant::rewind() {
 void StructureParticipant::commit(bool write_output) {
   solver_->save();
   committed_ = state_;
+  committed_steps_ = steps_;
   if (!write_output || !frames_) return;
   Frame frame = solver_->frame();
   frame.time = state_.time;
@@ -214,6 +215,7 @@ void StructureParticipant::checkpoint(const std::filesystem::path& folder) {
   archive.real["frequencies"] = Eigen::Map<const Eigen::VectorXd>(
       committed_.frequencies.data(), static_cast<Eigen::Index>(committed_.frequencies.size()));
   archive.integer["participant.solved"] = {committed_.solved ? 1 : 0};
+  archive.integer["participant.steps"] = {committed_steps_};
   for (std::size_t i = 0; i < committed_.probes.size(); ++i)
     committed_.probes[i].save(fmt::format("probe{}", i), archive);
   write_archive(folder / "structure.h5", archive);
@@ -236,6 +238,9 @@ void StructureParticipant::resume(const std::filesystem::path& folder) {
   for (std::size_t i = 0; i < state_.probes.size(); ++i)
     state_.probes[i].load(fmt::format("probe{}", i), archive);
   committed_ = state_;
+  const auto steps = archive.integer.find("participant.steps");
+  const bool counted = steps != archive.integer.end() && !steps->second.empty();
+  steps_ = committed_steps_ = counted ? static_cast<long>(steps->second.front()) : solver_->steps();
   if (frames_) frames_->truncate(state_.time);
 }
 

@@ -57,9 +57,10 @@ class StructureParticipant final : public Participant {
   std::vector<ProbeKeys> probes_;  // those of the structure
   Description description_;
   std::optional<FrameSeries> frames_;
-  double first_energy_;  // [J] at t = 0
-  double seconds_ = 0;   // wall, in the solver
-  long steps_ = 0;       // taken, those of rewound windows too
+  double first_energy_;       // [J] at t = 0
+  double seconds_ = 0;        // wall, in the solver
+  long steps_ = 0;            // taken, those of rewound windows too
+  long committed_steps_ = 0;  // steps_ at the last commit
   State state_, committed_;
 };
 

@@ -1,19 +1,30 @@
 #!/usr/bin/env bash
-# Installs, builds and runs every test: tests/run.sh [--sanitize] [options of ctest, such as -L unit or -R name]
+# Installs, builds and runs every test: tests/run.sh [--sanitize [thread]] [options of ctest, such as -L unit or -R name]
 # --sanitize: a build of its own with the address and undefined-behaviour sanitizers; unit and method tests.
+# --sanitize thread: the same with the thread sanitizer; the tests of proto/ and coupler/, and those of messages and processes.
+# The fuzz targets need clang, and are run by hand, as long as one likes:
+#   cmake -S . -B build-fuzz -G Ninja -DSTRAKE_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ && cmake --build build-fuzz
+#   mkdir -p build-fuzz/wire && build-fuzz/bin/wire_fuzz -malloc_limit_mb=64 build-fuzz/wire tests/fuzz/corpus/wire   (and case)
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "$here/.."
-labels=()
-if [ "${1:-}" = "--sanitize" ]; then
+chosen=()
+targets=(all)
+if [ "${1:-}" = "--sanitize" ] && [ "${2:-}" = "thread" ]; then
+  shift 2
+  export STRAKE_BUILD="$PWD/build-thread" STRAKE_CMAKE_OPTIONS="-DSTRAKE_SANITIZE=thread -DSTRAKE_NATIVE=OFF -DSTRAKE_FEM=OFF"
+  export TSAN_OPTIONS="suppressions=$PWD/tests/thread_sanitizer.supp halt_on_error=1 second_deadlock_stack=1"
+  targets=(threads)
+  chosen=(-E '_NOT_BUILT|^(system|repo|fuzz)\.')
+elif [ "${1:-}" = "--sanitize" ]; then
   shift
   export STRAKE_BUILD="$PWD/build-sanitize" STRAKE_CMAKE_OPTIONS="-DSTRAKE_SANITIZE=ON -DSTRAKE_NATIVE=OFF"
   export ASAN_OPTIONS=detect_leaks=1:halt_on_error=1 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
-  labels=(-L 'unit|method')
+  chosen=(-L 'unit|method')
 fi
 . cases/setup.sh
 # shellcheck disable=SC2086
 strake_install $strake_packages_build $strake_packages_test
-strake_make all
+strake_make "${targets[@]}"
 export OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 OMPI_MCA_ess_singleton_isolated=1
-ctest --test-dir "$strake_build" --output-on-failure --no-tests=error --parallel 2 "${labels[@]}" "$@"
+ctest --test-dir "$strake_build" --output-on-failure --no-tests=error --parallel 2 "${chosen[@]}" "$@"

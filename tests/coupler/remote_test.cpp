@@ -5,6 +5,7 @@
 #include "coupler/link.hpp"
 #include "coupler/stop_request.hpp"
 #include "proto/error.hpp"
+#include "tests/text/golden.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -131,6 +132,7 @@ class Remote : public testing::Test {
       ADD_FAILURE() << "no error";
       return {ExitCode::done, "", ""};
     }
+    expect_stored("faults.txt", this_test(), without_chance(said_ + to_text(*error)));
     return *error;
   }
 

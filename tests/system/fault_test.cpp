@@ -5,6 +5,7 @@
 #include "coupler/remote.hpp"
 #include "coupler/stop_request.hpp"
 #include "proto/error.hpp"
+#include "tests/text/golden.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -103,6 +104,7 @@ class Faults : public testing::Test {
       return {ExitCode::done, "", ""};
     }
     fmt::print("{}{}", said_, to_text(*error));
+    expect_stored("faults.txt", this_test(), without_chance(said_ + to_text(*error), folder_.string()));
     return *error;
   }
   /// Sends a signal to a participant once it is inside its step.

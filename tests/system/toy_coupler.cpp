@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   try {
     Roster::Options options;
     options.stop = &stop;
+    options.deadlines.grace = std::chrono::milliseconds(300);
     options.say = [](const std::string& line) { fmt::print("{}\n", line); };
     Roster roster(options);
     fmt::print("{}\n", roster.endpoint());

@@ -1,0 +1,210 @@
+// Which checkpoint a run goes on from, and what its files must hold: without processes.
+
+#include "coupler/checkpoint.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "coupler/run_files.hpp"
+#include "coupler/run_folder.hpp"
+#include "coupler/seal.hpp"
+#include "proto/error.hpp"
+#include "proto/result_file.hpp"
+#include "tests/text/golden.hpp"
+
+namespace strake {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class CheckpointTest : public testing::Test {
+ protected:
+  fs::path folder(const std::string& name) const { return place_.path() / "checkpoint" / name; }
+  void checkpoint(const std::string& name, bool latest = true) const {
+    fs::create_directories(folder(name));
+    Archive archive;
+    archive.real["x"] = Eigen::MatrixXd::Constant(3, 100, 1.5);
+    for (const char* file : {"fluid.h5", "coupler.h5"}) write_archive(folder(name) / file, archive);
+    seal(folder(name));
+    fs::remove(folder("latest"));
+    if (latest) fs::create_directory_symlink(name, folder("latest"));
+  }
+  void cut(const std::string& name, const std::string& file) const {
+    fs::resize_file(folder(name) / file, fs::file_size(folder(name) / file) - 100);
+  }
+  std::string chosen() {
+    return Checkpoints(place_.path())
+        .choose([this](const std::string& line) { said_ += line + "\n"; })
+        .filename();
+  }
+  void expect_refusal(ExitCode code, const std::function<void()>& act) {
+    try {
+      act();
+      ADD_FAILURE() << "nothing is refused";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), code);
+      said_ += to_text(error);
+    }
+    expect_text();
+  }
+  void expect_text() const {
+    std::string text = without_chance(said_, place_.path().string());
+    const std::string name = place_.path().filename().string();
+    for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name))
+      text.replace(at, name.size(), "RUN");
+    expect_stored("resume.txt", this_test(), text);
+  }
+  TemporaryFolder place_;
+  std::string said_;
+};
+
+TEST_F(CheckpointTest, TheLatestIsTakenAndWhatLiesAfterItIsNot) {
+  checkpoint("000010");
+  checkpoint("000020");
+  fs::create_directories(folder("000030"));  // was being written
+  EXPECT_EQ(chosen(), "000020");
+  EXPECT_EQ(said_, "");
+}
+
+TEST_F(CheckpointTest, AfterAMillionWindowsTheLargestNumberIsStillTheLatest) {
+  checkpoint("999999");
+  checkpoint("1000000", false);
+  EXPECT_EQ(chosen(), "1000000");
+}
+
+TEST_F(CheckpointTest, ADamagedOneGivesWayToTheOneBeforeWithAWord) {
+  checkpoint("000010");
+  checkpoint("000020");
+  cut("000020", "fluid.h5");
+  EXPECT_EQ(chosen(), "000010");
+  expect_text();
+}
+
+TEST_F(CheckpointTest, OneByteThatChangedIsDamage) {
+  checkpoint("000010");
+  checkpoint("000020");
+  std::fstream file(folder("000020") / "coupler.h5", std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(-5, std::ios::end);
+  file.put('x');
+  file.close();
+  EXPECT_EQ(chosen(), "000010");
+  expect_text();
+}
+
+TEST_F(CheckpointTest, OneThatIsMissingAFileIsDamaged) {
+  checkpoint("000010");
+  checkpoint("000020");
+  fs::remove(folder("000020") / "coupler.h5");
+  EXPECT_EQ(chosen(), "000010");
+  expect_text();
+}
+
+TEST_F(CheckpointTest, WithoutTheLinkTheLargestThatIsWholeIsTaken) {
+  checkpoint("000010");
+  checkpoint("000020", false);
+  fs::create_directories(folder("000030"));
+  EXPECT_EQ(chosen(), "000020");
+  expect_text();
+}
+
+TEST_F(CheckpointTest, NoneAtAllIsRefused) {
+  expect_refusal(ExitCode::command_line, [&] { chosen(); });
+}
+
+TEST_F(CheckpointTest, NoneThatIsWholeIsRefusedWithTheReasonOfEach) {
+  checkpoint("000010");
+  checkpoint("000020");
+  cut("000020", "fluid.h5");
+  fs::remove(folder("000010") / seal_name);
+  expect_refusal(ExitCode::case_file, [&] { chosen(); });
+}
+
+/// history.csv, iterations.csv and interface/ of three windows.
+class RunFilesTest : public CheckpointTest {
+ protected:
+  RunFiles files(std::optional<LoopState> resumed = std::nullopt) const {
+    return RunFiles({.folder = place_.path(),
+                     .coupled = true,
+                     .dimension = 2,
+                     .columns = {},
+                     .mesh = {"structure", 2, Points::Zero(3, 2), {}, {}},
+                     .initial = {},
+                     .mechanical = true,
+                     .measured = {},
+                     .resumed = resumed});
+  }
+  static CommittedWindow window(long number) {
+    CommittedWindow made;
+    made.number = number;
+    made.time = 0.1 * static_cast<double>(number);
+    made.report.window = {0.1 * static_cast<double>(number - 1), 0.1};
+    made.report.displacement = made.report.force = Points::Constant(3, 2, static_cast<double>(number) / 3);
+    made.report.log = {IterationReport{.iteration = 1}, IterationReport{.iteration = 2}};
+    return made;
+  }
+  LoopState after(long windows) const {
+    LoopState state;
+    state.time = 0.1 * static_cast<double>(windows);
+    state.windows = windows;
+    return state;
+  }
+  void record(long first, long last, std::optional<LoopState> resumed = std::nullopt) const {
+    RunFiles written = files(resumed);
+    for (long n = first; n <= last; ++n) written.append(window(n), {}, 0.5);
+    written.flush();
+  }
+  std::string bytes() const {
+    std::string all;
+    for (const char* name : {"history.csv", "iterations.csv", "timing.csv", "interface/000001.h5"})
+      all += content(place_.path() / name);
+    return all;
+  }
+};
+
+TEST_F(RunFilesTest, GoOnFromAWindowToTheSameBytes) {
+  record(1, 5);
+  const std::string whole = bytes();
+  record(4, 5, after(3));
+  EXPECT_EQ(bytes(), whole);
+}
+
+TEST_F(RunFilesTest, OfAKilledRunLoseTheRowThatWasCutShort) {
+  record(1, 5);
+  const std::string whole = bytes();
+  std::ofstream(place_.path() / "history.csv", std::ios::app) << "6,0.";
+  record(4, 5, after(3));
+  EXPECT_EQ(bytes(), whole);
+}
+
+TEST_F(RunFilesTest, ThatEndBeforeTheCheckpointAreRefused) {
+  record(1, 2);
+  expect_refusal(ExitCode::case_file, [&] { files(after(3)); });
+}
+
+TEST_F(RunFilesTest, WithAnInterfaceRecordThatEndsBeforeTheCheckpointAreRefused) {
+  record(1, 5);
+  fs::remove(place_.path() / "interface/000001.h5");
+  expect_refusal(ExitCode::case_file, [&] { files(after(3)); });
+}
+
+TEST_F(RunFilesTest, OfAFolderInWhichARunIsUnderWayAreLeftAlone) {
+  const FolderLock first(place_.path());
+  expect_refusal(ExitCode::command_line, [&] { FolderLock second(place_.path()); });
+}
+
+TEST(FolderLockTest, IsFreeAgainWhenItsRunIsOver) {
+  const TemporaryFolder place;
+  { const FolderLock first(place.path()); }
+  EXPECT_NO_THROW(FolderLock second(place.path()));
+}
+
+}  // namespace
+}  // namespace strake
