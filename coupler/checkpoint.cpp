@@ -110,13 +110,15 @@ fs::path Checkpoints::choose(const std::function<void(const std::string&)>& say)
     throw Error(ExitCode::command_line, folder_.parent_path().string(), "holds no checkpoint to go on from",
                 "run it again with --force, or under another --tag");
   std::string problems;
+  std::vector<std::string> skipped;
   for (auto path = found.rbegin(); path != found.rend(); ++path) {
     const std::string problem = damage(*path);
     if (problem.empty()) {
-      if (!problems.empty()) say(fmt::format("going on from {}", named(*path)));
+      for (const std::string& line : skipped) say(line);
+      if (!skipped.empty()) say(fmt::format("going on from {}", named(*path)));
       return *path;
     }
-    say(fmt::format("{} cannot be used: {}", named(*path), problem));
+    skipped.push_back(fmt::format("{} cannot be used: {}", named(*path), problem));
     problems += fmt::format("\n{}: {}", path->filename().string(), problem);
   }
   throw Error(ExitCode::case_file, folder_.string(), "holds no checkpoint that is whole" + problems,

@@ -178,7 +178,10 @@ Ready read(const pb::Ready& from, Reader& reader) {
   to.description.initial = reader.fields(from.initial());
   to.description.dt_limit = from.dt_limit();
   to.description.history = from.history();
-  for (const pb::Column& c : from.columns()) to.description.columns.push_back({c.name(), c.unit()});
+  for (const pb::Column& c : from.columns()) {
+    for (const std::string& text : {c.name(), c.unit()}) reader.rules().label(text, "column");
+    to.description.columns.push_back({c.name(), c.unit()});
+  }
   to.description.lines.assign(from.lines().begin(), from.lines().end());
   return to;
 }
@@ -188,7 +191,10 @@ Advanced read(const pb::Advanced& from, Reader& reader) {
   to.output = reader.fields(from.fields());
   to.history = read_samples(from.history(), reader);
   to.dt_limit = from.dt_limit();
-  to.monitor.insert(from.monitor().begin(), from.monitor().end());
+  for (const auto& [name, value] : from.monitor()) {
+    reader.rules().label(name, "monitor");
+    to.monitor[name] = value;
+  }
   to.retry_smaller_dt = from.retry_smaller_dt();
   return to;
 }
@@ -278,6 +284,7 @@ Reply decode_reply(const Parts& parts, const std::string& who) {
   switch (header.what_case()) {
     case pb::Reply::kHello: {
       const pb::Hello& h = header.hello();
+      for (const std::string& text : {h.name(), h.solver(), h.version()}) rules.label(text, "name");
       to.what = Hello{h.protocol(), h.name(), h.token(), h.solver(), h.version(), h.case_hash()};
       break;
     }

@@ -46,13 +46,24 @@ struct Rules {
       throw Error(ExitCode::solver_fault, who,
                   fmt::format("dt_limit is {} s in {}, expected > 0", dt_limit, message));
   }
+  /// A name, which will stand in messages, logs and column heads; a stranger may have chosen it.
+  void label(const std::string& text, const char* what) const {
+    constexpr std::size_t longest = 200;  // bytes
+    if (text.size() > longest)
+      broken(fmt::format("gives a {} of {} bytes, expected at most {}", what, text.size(), longest));
+    for (const unsigned char c : text)
+      if (c < 0x20 || c == 0x7f) broken(fmt::format("gives a {} that holds the character {:#04x}", what, c));
+  }
   void field(const Field& f) const {
+    label(f.quantity, "quantity");
+    label(f.unit, "unit");
     if (f.quantity.empty()) broken("holds a field without a quantity");
     if (f.unit.empty()) broken(fmt::format("gives no unit for {} (\"1\" for a pure number)", f.quantity));
     if (f.value.rows() == 0) broken(fmt::format("gives no components for {}", f.quantity));
     finite(f.value, f.quantity, f.unit);
   }
   void mesh(const InterfaceMesh& m) const {
+    label(m.name, "mesh name");
     if (m.dimension != 2 && m.dimension != 3)
       broken(fmt::format("has a mesh of dimension {}, expected 2 or 3", m.dimension));
     finite(m.position, "mesh position", "m");
@@ -148,6 +159,7 @@ class Reader {
     std::vector<Field> to;
     for (const pb::Field& header : from) {
       Field f{header.quantity(), header.unit(), header.conservative(), {}};
+      rules_.label(f.quantity, "quantity");
       if (header.components() == 0) rules_.broken(fmt::format("gives no components for {}", f.quantity));
       array(f.value, header.components(), header.n_points(), f.quantity);
       rules_.field(f);

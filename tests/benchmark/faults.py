@@ -197,11 +197,10 @@ def during_setup(number):
 
 def between_windows(number):
     def act(place, sets):
-        run = Run(place, sets=[*sets, "end_time=4"])
+        run = Run(place, sets=sets, toy="structure:slow:0")
         run.wait_for(lambda: run.rows() >= AT)
         struck = time.monotonic()
         os.kill(run.process.pid, number)
-        run.sets = sets  # the resumed run is the short one: it is over at once, or goes on
         return run, struck
     return act
 
@@ -280,13 +279,53 @@ def stale_socket(place, sets):
     return run, time.monotonic()
 
 
-def full_disk(limit):
-    def act(place, sets):
-        run = Run(place, sets=[*sets, "end_time=4"], limit=limit)
-        run.limit = None
-        run.sets = [*sets, "end_time=4"]
-        return run, time.monotonic()
-    return act
+# ---- a full disk: a small tmpfs in a name space of this process, or a limit on the size of files
+
+def may_mount():
+    """Leaves the name space of mounts of everybody else, where that is allowed."""
+    new_mounts, private = 0x00020000, 0x00044000  # CLONE_NEWNS; MS_REC | MS_PRIVATE
+    return LIBC.unshare(new_mounts) == 0 and LIBC.mount(b"none", b"/", None, private, None) == 0
+
+
+def mount(folder, size, again=0):
+    if LIBC.mount(b"tmpfs", str(folder).encode(), b"tmpfs", again, f"size={size}".encode()) != 0:
+        raise SystemExit(f"no tmpfs at {folder}: {os.strerror(ctypes.get_errno())}")
+
+
+PLATE = runs.ROOT / "cases" / "plate_entry.toml"
+QUICK_PLATE = ["structure.solver=rigid", "fluid.spacing=0.02", "structure.plate.bottom=[0,0.024,0]", "end_time=4e-4",
+               "run.checkpoint_windows=4", "output.every=5e-5"]
+FULL = [  # name, case, sets, bytes of the disk, largest file
+    ("disk full, two toys", None, ["end_time=0.4"], "200k", 20_000),
+    ("disk full, plate and water", PLATE, QUICK_PLATE, "4m", 200_000),
+    ("disk full at the first frame", PLATE, QUICK_PLATE, "300k", 30_000),
+]
+
+
+def full_disk(options, sets, mounts):
+    """The rows of FULL: name, run, place, the untouched history."""
+    for name, case, more, size, largest in FULL:
+        if options.only not in name:
+            continue
+        for limited in ([False, True] if mounts else [True]):
+            with tempfile.TemporaryDirectory(prefix="strake-faults-") as folder:
+                place = Place(options, pathlib.Path(folder))
+                whole = Run(place, "--runs", "reference", sets=[*sets, *more], case=case)
+                whole.folder = place.path / "reference" / whole.case.stem
+                if whole.end() != 0:
+                    raise SystemExit(f"{name}: the untouched run fails\n" + "\n".join(line for _, line in whole.lines))
+                disk = place.path / "runs"
+                disk.mkdir()
+                if not limited:
+                    mount(disk, size)
+                run = Run(place, sets=[*sets, *more], case=case, limit=largest if limited else None)
+                run.process.wait()
+                time.sleep(0.05)
+                if not limited:
+                    mount(disk, "1g", again=32)  # MS_REMOUNT: room again
+                yield f"{name} ({'file-size limit' if limited else 'tmpfs of ' + size})", run, place, whole.history()
+                if not limited:
+                    LIBC.umount(str(disk).encode())
 
 
 DEAD = 1.0  # s
@@ -301,7 +340,7 @@ FAULTS = [  # name, what happens, exit code, resumable (None: there is nothing t
     ("strake suspended for 1.7 s", suspended_for_a_while("strake"), 0, None, None),
     ("SIGTERM to structure in a step", strike_inside("structure", signal.SIGTERM), 5, True, DEAD),
     ("never says Hello", toy("mute"), 5, None, 2.5),
-    ("ends before Hello", toy("early"), 3, None, DEAD),
+    ("ends before Hello", toy("early"), 3, None, None),
     ("wrong token", toy("token"), 5, None, DEAD),
     ("another case's hash", toy("hash"), 5, None, DEAD),
     ("another protocol", toy("protocol"), 5, None, DEAD),
@@ -363,6 +402,22 @@ def judge(run, place, since, code, resumable, most, whole):
     return delay, message[1] if message else "", got, way_on, left or "nothing", wrong
 
 
+class Table:
+    """Prints rows as they come, and counts what is wrong."""
+
+    def __init__(self, scheme):
+        self.failed = 0
+        print(f"{scheme}\n{'what happens':47} {'message after':>13} {'exit':>5}  {'resumable':16} {'left':10} message", flush=True)
+
+    def row(self, name, place, code, judged):
+        delay, message, got, way_on, left, wrong = judged
+        after = "-" if delay is None or code in (0, -9) else f"{delay:.2f} s"
+        print(f"{name:47} {after:>13} {got:>5}  {way_on:16} {left:10} {message.replace(str(place.path), '')[:150]}", flush=True)
+        for what in wrong:
+            print(f"    WRONG: {what}", flush=True)
+        self.failed += bool(wrong)
+
+
 def main():
     parser = runs.command(__doc__)
     parser.add_argument("--toys", type=pathlib.Path, help="folder of toy_participant, default BIN_DIR/../tests")
@@ -371,10 +426,13 @@ def main():
     options = parser.parse_args()
     options.toys = options.toys or options.bin_dir / ".." / "tests"
     LIBC.prctl(36, 1, 0, 0, 0)  # PR_SET_CHILD_SUBREAPER: what a killed coupler leaves comes here and can be counted
+    mounts = may_mount()
+    if not mounts:
+        print("mounting is not allowed here: a full disk is a limit on the size of files")
     failed = 0
     for scheme in options.scheme or SCHEMES:
         sets = [*SCHEMES[scheme], *options.set]
-        print(f"{scheme}\n{'what happens':36} {'message after':>13} {'exit':>5}  {'resumable':16} {'left':10} message", flush=True)
+        table = Table(scheme)
         with tempfile.TemporaryDirectory(prefix="strake-faults-") as folder:
             place = Place(options, pathlib.Path(folder))
             reference = Run(place, "--runs", "reference", sets=sets)
@@ -388,12 +446,12 @@ def main():
             with tempfile.TemporaryDirectory(prefix="strake-faults-") as folder:
                 place = Place(options, pathlib.Path(folder))
                 run, since = act(place, sets)
-                delay, message, got, way_on, left, wrong = judge(run, place, since, code, resumable, most, whole)
-                after = "-" if delay is None or code in (0, -9) else f"{delay:.2f} s"
-                print(f"{name:36} {after:>13} {got:>5}  {way_on:16} {left:10} {message.replace(folder, '')[:150]}", flush=True)
-                for what in wrong:
-                    print(f"    WRONG: {what}", flush=True)
-                failed += bool(wrong)
+                table.row(name, place, code, judge(run, place, since, code, resumable, most, whole))
+        for name, run, place, untouched in full_disk(options, sets, mounts):
+            # Where not even the first checkpoint found room there is nothing to resume.
+            resumable = True if (run.folder / "checkpoint" / "latest").exists() else None
+            table.row(name, place, 6, judge(run, place, None, 6, resumable, None, untouched))
+        failed += table.failed
     print(f"{failed} wrong")
     raise SystemExit(bool(failed))
 

@@ -147,7 +147,8 @@ class RunFilesTest : public CheckpointTest {
     made.time = 0.1 * static_cast<double>(number);
     made.report.window = {0.1 * static_cast<double>(number - 1), 0.1};
     made.report.displacement = made.report.force = Points::Constant(3, 2, static_cast<double>(number) / 3);
-    made.report.log = {IterationReport{.iteration = 1}, IterationReport{.iteration = 2}};
+    made.report.log.resize(2);
+    for (int k = 0; k < 2; ++k) made.report.log[static_cast<std::size_t>(k)].iteration = k + 1;
     return made;
   }
   LoopState after(long windows) const {

@@ -326,6 +326,24 @@ TEST(Wire, AMeshThatDoesNotHangTogetherIsRefused) {
   EXPECT_THROW(encode(Reply{1, Ready{mesh, {}}}, "fluid"), Error);
 }
 
+// A stranger's words stand in the log and on the terminal.
+TEST(Wire, ANameIsShortAndPrintable) {
+  for (const std::string& name : {std::string(201, 'x'), std::string("fluid\x1b[2J"), std::string("a\nb")}) {
+    const wire::Parts hello = wire::encode(wire::Reply{0, wire::Hello{1, name, "", "toy", "1", ""}}, "fluid");
+    EXPECT_THROW(wire::decode_reply(hello, "a stranger"), Error) << name;
+    Advanced advanced;
+    advanced.monitor[name] = 1;
+    const wire::Parts answer = wire::encode(wire::Reply{1, advanced}, "fluid");
+    EXPECT_THROW(wire::decode_reply(answer, "fluid"), Error) << name;
+    advanced.monitor.clear();
+    advanced.output = {{name, "m", false, Points::Zero(3, 1)}};
+    EXPECT_THROW(wire::encode(wire::Reply{1, advanced}, "fluid"), Error) << name;
+  }
+  const wire::Parts longest =
+      wire::encode(wire::Reply{0, wire::Hello{1, std::string(200, 'x'), "", "", "", ""}}, "fluid");
+  EXPECT_NO_THROW(wire::decode_reply(longest, "fluid"));
+}
+
 TEST(Wire, AHeaderThatIsNoMessageIsRefused) {
   expect_broken(with_part(advanced(), 0, std::vector<std::byte>(20, std::byte{0xff})), "cannot be read");
   expect_broken(with_part(advanced(), 0, {}), "says nothing that this side knows");

@@ -59,6 +59,7 @@ class Toy final : public Participant {
   const Description& description() const override { return description_; }
   void start(const Window&, const Input&) override {
     ++iteration_;
+    if (wish_.fault == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(20));
     if (committed_ + 1 != wish_.at) return;
     if (!wish_.fault.empty()) note_fault();
     if (wish_.fault == "deaf")
@@ -86,6 +87,7 @@ class Toy final : public Participant {
     iteration_ = 0;
     fmt::print(stderr, "commit {}{}\n", committed_, write_output ? " and write" : "");
   }
+  int window() const { return committed_ + 1; }
   void checkpoint(const std::filesystem::path& folder) override {
     std::ofstream(folder / name_) << committed_;
   }
@@ -119,20 +121,23 @@ int speak_wrongly(const ServeOptions& options, const Wish& wish) {
   say(0, wire::Hello{wish.fault == "protocol" ? wire::protocol + 1 : wire::protocol, options.name, token,
                      "toy", "1", hash});
   Toy toy(wish, options.name);
-  for (int advances = 0;;) {
+  for (;;) {
     const auto parts = line.receive(std::chrono::seconds(60));
     if (!parts) return 1;
     const wire::Request request = wire::decode_request(*parts);
     const auto n = request.sequence;
     if (std::holds_alternative<wire::Refused>(request.what)) return 1;
     if (std::holds_alternative<Setup>(request.what)) say(n, wire::Ready{toy.mesh(), toy.description()});
-    if (std::holds_alternative<wire::Checkpoint>(request.what)) {
-      toy.checkpoint(std::get<wire::Checkpoint>(request.what).folder);
+    if (const auto* checkpoint = std::get_if<wire::Checkpoint>(&request.what)) {
+      if (checkpoint->before == wire::Before::commit) toy.commit(checkpoint->write_output);
+      toy.checkpoint(checkpoint->folder);
       say(n, wire::Done{});
     }
-    if (!std::holds_alternative<wire::Advance>(request.what)) continue;
+    const auto* advance = std::get_if<wire::Advance>(&request.what);
+    if (!advance) continue;
+    if (advance->before == wire::Before::commit) toy.commit(advance->write_output);
     const Advanced answer = toy.finish();
-    if (++advances < wish.at) {
+    if (toy.window() < wish.at) {
       say(n, answer);
       continue;
     }
