@@ -73,7 +73,7 @@ std::string Roster::Member::process() const {
 }
 
 std::string Roster::Member::see_log() const {
-  return log.empty() ? "" : "see " + log.string();
+  return log.empty() ? "see what it printed itself" : "see " + log.string();
 }
 
 Roster::State::State(Options o)

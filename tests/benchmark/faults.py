@@ -122,8 +122,8 @@ class Run:
 
     def fault_time(self):
         """When a toy did what it was asked to do."""
-        times = [float(line.split()[2]) for name in ("fluid", "structure") for line in self.log(name).splitlines()
-                 if line.startswith("fault at ")]
+        times = [float(line.split()[-1]) for name in ("fluid", "structure") for line in self.log(name).splitlines()
+                 if "fault at " in line]
         return min(times, default=None)
 
     def history(self):

@@ -40,7 +40,7 @@ void sleep_like_a_solver(std::chrono::seconds step) {
 /// When it happens, for whoever measures how long it takes to be noticed: seconds on the monotonic clock.
 void note_fault() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  fmt::print(stderr, "fault at {:.6f}\n", std::chrono::duration<double>(now).count());
+  fmt::print(stderr, "[toy] [info] fault at {:.6f}\n", std::chrono::duration<double>(now).count());
 }
 
 class Toy final : public Participant {

@@ -17,6 +17,7 @@ inline std::string without_chance(std::string text, const std::string& folder = 
     for (std::size_t at = text.find(folder); at != std::string::npos; at = text.find(folder, at))
       text.replace(at, folder.size(), "FOLDER");
   text = std::regex_replace(text, std::regex("process [0-9]+"), "process PID");
+  text = std::regex_replace(text, std::regex("\\[20[0-9]{2}-[0-9-]+ [0-9:.]+\\]"), "[TIME]");
   return std::regex_replace(text, std::regex("(for|after) [0-9.e+-]+ s"), "$1 N s");
 }
 
