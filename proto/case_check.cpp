@@ -59,7 +59,8 @@ class Search {
 
 /// What the user may have meant: a near name in the same table, else the same name in another one.
 std::string advice(const Document& document, const std::string& path) {
-  const auto [parent, name] = parent_and_name(path);
+  const std::pair<std::string, std::string> split = parent_and_name(path);
+  const auto &parent = split.first, &name = split.second;  // a lambda of clang 14 takes no structured binding
   std::vector<std::string> siblings, elsewhere;
   const auto consider = [&](const std::string& known) {
     const auto [table, key] = parent_and_name(known);

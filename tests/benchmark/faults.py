@@ -2,15 +2,18 @@
 can be resumed to the very result of one that nothing befell, and what is left behind (processes, zombies, sockets).
 
 Two small programs that misbehave on request (tests/system/toy_participant.cpp) are coupled by the real `strake run`,
-explicit and implicit. A dead participant must be named within a second, a frozen one after coupling.frozen_after (2 s
-here). Disk full is a small tmpfs where mounting is allowed, else a limit on the size of files; the table says which.
-Exits 1 when an exit code, a resume, or what is left is not as it should be.
+explicit and implicit, serial and parallel. A dead participant must be named within a second, a frozen one after
+coupling.frozen_after (2 s here). Disk full is a small tmpfs where mounting is allowed, else a limit on the size of files;
+the table says which. Exits 1 when an exit code, a resume, a text, or what is left is not as it should be.
 
-    tests/benchmark/faults.py [BIN_DIR] [--toys DIR] [--scheme NAME]... [--only WORD]
+    tests/benchmark/faults.py [BIN_DIR] [--toys DIR] [--scheme NAME]... [--only WORD] [--texts FILE]
+
+With --texts what the run says is held against the block of that name in FILE; STRAKE_WRITE_TEXTS=1 writes the blocks anew.
 """
 import ctypes
 import os
 import pathlib
+import re
 import resource
 import signal
 import socket
@@ -22,7 +25,9 @@ import time
 import runs
 
 LIBC = ctypes.CDLL(None, use_errno=True)
-SCHEMES = {"explicit": ["coupling.surface.converged.max_iterations=1"], "implicit": []}
+ONE = "coupling.surface.converged.max_iterations=1"
+PARALLEL = "coupling.surface.scheme=parallel"
+SCHEMES = {"serial explicit": [ONE], "serial implicit": [], "parallel explicit": [PARALLEL, ONE], "parallel implicit": [PARALLEL]}
 CASE = """title = "two toys"
 end_time = 0.04
 [fluid]
@@ -329,6 +334,7 @@ def full_disk(options, sets, mounts):
 
 
 DEAD = 1.0  # s
+BY_CHANCE = {"answers twice", "Ctrl-C between windows", "SIGTERM between windows"}  # where in a run these fall
 NOTES = ("refused", "is back", "going on from", "suspended", "cannot be used")
 FAULTS = [  # name, what happens, exit code, resumable (None: there is nothing to resume), seconds to the message at most
     ("kill -9 structure in a step", strike_inside("structure", signal.SIGKILL), 5, True, DEAD),
@@ -370,10 +376,11 @@ FAULTS = [  # name, what happens, exit code, resumable (None: there is nothing t
 ]
 
 
-def judge(run, place, since, code, resumable, most, whole):
+def judge(name, run, place, since, code, resumable, most, whole, texts):
     """One row: what was measured, and what is wrong with it."""
     got = run.end()
-    wrong = [] if got == code else [f"exit {got}, expected {code}"]
+    wrong = texts.wrong(name, run, place)
+    wrong += [] if got == code else [f"exit {got}, expected {code}"]
     left = place.left()
     if left:
         wrong.append("left: " + left)
@@ -402,6 +409,29 @@ def judge(run, place, since, code, resumable, most, whole):
     return delay, message[1] if message else "", got, way_on, left or "nothing", wrong
 
 
+class Texts:
+    """A file of blocks `==== name` and a text, without what differs from one run to the next."""
+
+    def __init__(self, path):
+        self.path = path
+        self.writes = bool(os.environ.get("STRAKE_WRITE_TEXTS"))
+        head, *blocks = (path.read_text() if path else "").split("==== ")
+        self.head, self.block = head, dict(block.split("\n", 1) for block in blocks)
+
+    def wrong(self, name, run, place):
+        """What is wrong with the text of an error, if anything."""
+        if not self.path or name in BY_CHANCE or "tmpfs" in name or not run.lines:
+            return []
+        text = "".join(line + "\n" for _, line in run.lines).replace(str(place.path), "PLACE").replace(str(place.toy), "TOY")
+        for pattern, word in ((r"process \d+", "process PID"), (r"\[20\d\d-[^]]*\]", "[TIME]"), (r"(for|after) [\d.e+-]+ s", r"\1 N s"),
+                              (r"strake-\w{6}", "strake-XXXXXX")):
+            text = re.sub(pattern, word, text)
+        if self.writes:
+            self.block[name] = text
+            self.path.write_text(self.head + "".join(f"==== {key}\n{self.block[key]}" for key in sorted(self.block)))
+        return [] if self.block.get(name) == text else [f"another text than {self.path.name} holds:\n{text}"]
+
+
 class Table:
     """Prints rows as they come, and counts what is wrong."""
 
@@ -423,7 +453,9 @@ def main():
     parser.add_argument("--toys", type=pathlib.Path, help="folder of toy_participant, default BIN_DIR/../tests")
     parser.add_argument("--scheme", action="append", choices=list(SCHEMES))
     parser.add_argument("--only", default="", help="faults whose name holds this word")
+    parser.add_argument("--texts", type=pathlib.Path, metavar="FILE", help="what the runs must say")
     options = parser.parse_args()
+    texts = Texts(options.texts)
     options.toys = options.toys or options.bin_dir / ".." / "tests"
     LIBC.prctl(36, 1, 0, 0, 0)  # PR_SET_CHILD_SUBREAPER: what a killed coupler leaves comes here and can be counted
     mounts = may_mount()
@@ -446,11 +478,11 @@ def main():
             with tempfile.TemporaryDirectory(prefix="strake-faults-") as folder:
                 place = Place(options, pathlib.Path(folder))
                 run, since = act(place, sets)
-                table.row(name, place, code, judge(run, place, since, code, resumable, most, whole))
+                table.row(name, place, code, judge(name, run, place, since, code, resumable, most, whole, texts))
         for name, run, place, untouched in full_disk(options, sets, mounts):
             # Where not even the first checkpoint found room there is nothing to resume.
             resumable = True if (run.folder / "checkpoint" / "latest").exists() else None
-            table.row(name, place, 6, judge(run, place, None, 6, resumable, None, untouched))
+            table.row(name, place, 6, judge(name, run, place, None, 6, resumable, None, untouched, texts))
         failed += table.failed
     print(f"{failed} wrong")
     raise SystemExit(bool(failed))
