@@ -4,6 +4,7 @@
 #include "proto/wire_arrays.hpp"
 
 #include <fmt/format.h>
+#include <google/protobuf/stubs/logging.h>
 
 #include <bit>
 #include <climits>
@@ -29,6 +30,7 @@ Header parse_header(const Parts& parts, const Rules& rules) {
   if (parts.empty()) rules.broken("has no parts");
   const std::span<const std::byte> bytes = parts.front().bytes;
   Header header;
+  const google::protobuf::LogSilencer no_lines_of_its_own;  // what is wrong is said below, once
   if (bytes.size() > INT_MAX || !header.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     rules.broken(fmt::format("has a header of {} bytes that cannot be read", bytes.size()));
   return header;

@@ -39,7 +39,10 @@ InterfaceMesh three_points() {
   return mesh;
 }
 Advanced force(double value) {
-  return {{{"force", "N", true, Points::Constant(3, 3, value)}}, 1e-3, {}, false};
+  Advanced advanced;
+  advanced.output = {{"force", "N", true, Points::Constant(3, 3, value)}};
+  advanced.dt_limit = 1e-3;
+  return advanced;
 }
 
 /// The other end, one message at a time.
