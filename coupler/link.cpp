@@ -280,7 +280,12 @@ Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_
   s.endpoint = s.router.get(zmq::sockopt::last_endpoint);
 }
 
-Hub::~Hub() = default;
+Hub::~Hub() {
+  const std::string path = endpoint().starts_with("ipc://") ? endpoint().substr(6) : "";
+  sockets_.reset();
+  std::error_code ignored;
+  if (!path.empty()) std::filesystem::remove(path, ignored);
+}
 
 std::string Hub::endpoint() const {
   return with_host(sockets_->endpoint, "127.0.0.1");

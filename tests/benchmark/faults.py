@@ -299,7 +299,8 @@ def mount(folder, size, again=0):
 
 PLATE = runs.ROOT / "cases" / "plate_entry.toml"
 QUICK_PLATE = ["structure.solver=rigid", "fluid.spacing=0.02", "structure.plate.bottom=[0,0.024,0]", "end_time=4e-4",
-               "run.checkpoint_windows=4", "output.every=5e-5"]
+               "output.probe[0].at=[0,0.024,0]",
+               "output.probe[1].at=[0,0.024,0]", "run.checkpoint_windows=4", "output.every=5e-5"]
 FULL = [  # name, case, sets, bytes of the disk, largest file
     ("disk full, two toys", None, ["end_time=0.4"], "200k", 20_000),
     ("disk full, plate and water", PLATE, QUICK_PLATE, "4m", 200_000),
