@@ -72,6 +72,7 @@ void take_signals() {
   action.sa_handler = on_sigterm;
   sigemptyset(&action.sa_mask);
   sigaction(SIGTERM, &action, nullptr);
+  signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write, told like a full disk
   if (last_moments.coupler == 0) return;
   action.sa_handler = on_death_of_parent;
   sigaction(death_of_parent, &action, nullptr);
