@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -171,6 +172,28 @@ TEST(Trace, IsValidAtEveryMomentOfItsWriting) {
     ASSERT_FALSE(trace.is_discarded()) << text_of(path).substr(text_of(path).size() - 300);
     EXPECT_GT(trace.size(), 100u);
   }
+}
+
+TEST(Trace, EndsWellFormedWhereNoMoreCanBeWritten) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "trace.json";
+  const pid_t writer = fork();
+  ASSERT_GE(writer, 0);
+  if (writer == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{200'000, 200'000};  // bytes of one file: a full disk for those who may not mount one
+    setrlimit(RLIMIT_FSIZE, &limit);
+    Trace trace(path);
+    fill(trace, 2'000);
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(writer, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status));
+  const std::string text = text_of(path);
+  EXPECT_GT(text.size(), 100'000u);
+  EXPECT_LE(text.size(), 200'000u);
+  EXPECT_FALSE(nlohmann::json::parse(text, nullptr, false).is_discarded());
 }
 
 TEST(Profile, TellsTheWallTimeApartWithoutRemainder) {
