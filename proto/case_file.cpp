@@ -68,6 +68,15 @@ SyntaxHelp syntax_help(const std::string& description, const std::string& line) 
   return help;
 }
 
+bool is_toml_text(const std::string& text) {
+  try {
+    toml::parse("value = " + to_toml(text));
+    return true;
+  } catch (const toml::parse_error&) {
+    return false;
+  }
+}
+
 /// The table that shall hold the last step of a --set path; tables on the way are made.
 toml::table* table_for(toml::table& root, const std::vector<PathStep>& steps, const std::string& where) {
   toml::node* node = &root;
@@ -137,6 +146,8 @@ void CaseFile::Document::read_text() {
 
 void CaseFile::Document::apply(const std::string& argument) {
   const std::string where = "--set " + argument;
+  if (!is_toml_text(argument))  // the resolved case could not be read again
+    throw Error(ExitCode::command_line, "--set", "holds bytes that are no UTF-8 text", "type it again");
   std::size_t equals = std::string::npos;
   char quote = 0;  // an equals sign inside a quoted key does not end the key
   for (std::size_t i = 0; i < argument.size() && equals == std::string::npos; ++i) {

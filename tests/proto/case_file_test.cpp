@@ -401,5 +401,11 @@ TEST(Path, SplitsIntoKeysAndIndices) {
   EXPECT_EQ(parent_and_name("a[0].\"b.c\""), (std::pair<std::string, std::string>{"a[0]", "b.c"}));
 }
 
+// What is not UTF-8 could be stored in the resolved case, which nobody could read again.
+TEST(CaseFile, ASetThatIsNoTextIsRefused) {
+  EXPECT_THROW(CaseFile::parse("end_time = 1", "case.toml", {"title=\xc9\xc9"}), Error);
+  EXPECT_NO_THROW(CaseFile::parse("end_time = 1", "case.toml", {"title=Zürich"}));
+}
+
 }  // namespace
 }  // namespace strake
