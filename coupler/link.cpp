@@ -93,12 +93,15 @@ std::optional<Monitor::Event> Monitor::next(milliseconds limit) {
   return Event{kind, static_cast<int>(value)};
 }
 
+/// ZeroMQ gives the bytes back in its own thread once they have left.
+void give_back(void*, void* owner) {
+  delete static_cast<std::shared_ptr<const void>*>(owner);
+}
+
 zmq::message_t to_message(const wire::Part& part) {
   if (!part.owner || part.bytes.size() < worth_sharing) return {part.bytes.data(), part.bytes.size()};
-  // ZeroMQ gives the bytes back in its own thread once they have left.
   auto* keep = new std::shared_ptr<const void>(part.owner);
-  const auto release = [](void*, void* hint) { delete static_cast<std::shared_ptr<const void>*>(hint); };
-  return {const_cast<std::byte*>(part.bytes.data()), part.bytes.size(), release, keep};
+  return {const_cast<std::byte*>(part.bytes.data()), part.bytes.size(), give_back, keep};
 }
 
 void send_parts(zmq::socket_t& socket, const wire::Parts& parts) {
