@@ -28,7 +28,8 @@ struct Rules {
   }
   template <class Matrix>
   void finite(const Matrix& value, const std::string& name, const std::string& unit) const {
-    if (value.size() == 0 || value.allFinite()) return;
+    // 0·x is zero for what is finite alone, and a sum is many times quicker than a look at each value.
+    if (value.size() == 0 || (value.array() * 0).sum() == 0) return;
     for (Eigen::Index j = 0; j < value.cols(); ++j)
       for (Eigen::Index i = 0; i < value.rows(); ++i)
         if (!std::isfinite(value(i, j)))

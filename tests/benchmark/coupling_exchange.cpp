@@ -105,8 +105,8 @@ int hub(const std::string& points, int windows) {
   SchemeParameters parameters;
   parameters.convergence.max_iterations = 1;
   parameters.predictor = Predictor::constant;
-  Scheme scheme(fluid, structure,
-                Transfer(make_mapping("nearest-neighbour", structure.mesh(), fluid.mesh(), 1.0)), parameters);
+  Scheme scheme(fluid, structure, Transfer(nearest_neighbour(structure.mesh(), fluid.mesh(), 1.0)),
+                parameters);
   constexpr double dt = 1e-3;
   const double time = timed(windows, [&](int i) {
     scheme.advance({i * dt, dt});
