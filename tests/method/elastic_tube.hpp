@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "tests/method/coupling_models.hpp"
+
 namespace strake::models {
 
 /// Flow through a straight elastic tube, one-dimensional: n cells over 10 m, unit density, wall stiffness
@@ -107,6 +109,52 @@ class TubeStep {
   Eigen::VectorXd residual_;
   Eigen::SparseLU<Eigen::SparseMatrix<double>> solver_;
   bool analysed_ = false;
+};
+
+inline InterfaceMesh tube_mesh(const std::string& name) {
+  InterfaceMesh mesh = line_of_points(name, Tube::nodes);
+  mesh.position *= Tube::dx;
+  return mesh;
+}
+
+inline Field tube_field(const std::string& quantity, const std::string& unit, const Eigen::VectorXd& value) {
+  return {quantity, unit, false, value.transpose()};
+}
+
+/// The flow as a participant: takes the area [m²], sends the pressure [Pa].
+class TubeFluid : public Model<TubeFlow> {
+ public:
+  TubeFluid() {
+    begin(tube_mesh("fluid"), {});
+    description_.initial = {tube_field("pressure", "Pa", now_.pressure)};
+  }
+
+ private:
+  Advanced step(const Window& window, const Input& input) override {
+    const Eigen::VectorXd area = find(input.samples.front().fields, "area")->value.row(0).transpose();
+    now_ = step_(now_, area, window.t + window.dt);
+    Advanced advanced;
+    advanced.output = {tube_field("pressure", "Pa", now_.pressure)};
+    return advanced;
+  }
+  TubeStep step_;
+};
+
+/// The wall as a participant: takes the pressure, sends the area.
+class TubeWall : public Model<Eigen::VectorXd> {
+ public:
+  TubeWall() {
+    begin(tube_mesh("structure"), Eigen::VectorXd::Ones(Tube::nodes));
+    description_.initial = {tube_field("area", "m^2", now_)};
+  }
+
+ private:
+  Advanced step(const Window&, const Input& input) override {
+    now_ = tube_area(find(input.samples.front().fields, "pressure")->value.row(0).transpose());
+    Advanced advanced;
+    advanced.output = {tube_field("area", "m^2", now_)};
+    return advanced;
+  }
 };
 
 }  // namespace strake::models
