@@ -8,7 +8,8 @@ namespace strake {
 /// vector:
 ///   ω_k = −ω_(k−1) r_(k−1)·(r_k − r_(k−1)) / |r_k − r_(k−1)|²,   x_(k+1) = x_k + ω_k r_k
 /// (Irons & Tuck 1969 in the vector form of Küttler & Wall 2008). Exact for a scalar linear map after one
-/// step. A window begins with the last factor of the one before.
+/// step. A window begins with the last factor of the one before, or the initial one if that is smaller. A
+/// factor from a change that is not along the residual counts without its sign and is at least 1e-3.
 class Aitken : public Accelerator {
  public:
   explicit Aitken(double initial_relaxation) : initial_(initial_relaxation) {}

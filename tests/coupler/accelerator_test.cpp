@@ -108,12 +108,17 @@ TEST(Aitken, SolvesAScalarLinearProblemInThreeIterations) {
   }
 }
 
-TEST(Aitken, BeginsAWindowWithTheLastFactor) {
-  const auto accelerator = make_accelerator({"aitken", 0.1, 0, 0});
+TEST(Aitken, BeginsAWindowWithTheLastFactorUnlessTheInitialOneIsSmaller) {
+  const auto accelerator = make_accelerator({"aitken", 0.5, 0, 0});
   const Linear h = {MatrixXd::Constant(1, 1, -3.0), VectorXd::Constant(1, 1.0)};
   iterations(*accelerator, h, 1e-12);
   EXPECT_NEAR(accelerator->state().relaxation, 0.25, 1e-12);
   EXPECT_EQ(iterations(*accelerator, h, 1e-12), 2);
+  const auto careful = make_accelerator({"aitken", 0.1, 0, 0});
+  iterations(*careful, h, 1e-12);
+  careful->start_window();
+  careful->next(VectorXd::Zero(1), VectorXd::Ones(1));
+  EXPECT_EQ(careful->last_step().relaxation, 0.1);
 }
 
 TEST(Constant, RelaxesByItsFactor) {

@@ -47,6 +47,11 @@ class TubeStep {
       if (newton == 0 && !analysed_) solver_.analyzePattern(jacobian_);
       analysed_ = true;
       solver_.factorize(jacobian_);
+      if (solver_.info() !=
+          Eigen::Success) {  // an area without a flow: the coupling names what is not finite
+        now.pressure.setConstant(NAN);
+        break;
+      }
       const Eigen::VectorXd change = solver_.solve(residual_);
       for (int i = 0; i < Tube::nodes; ++i) {
         now.velocity[i] -= change[2 * i];

@@ -55,13 +55,14 @@ AcceleratorParameters quasi_newton(int reused_windows, const std::string& kind =
   return parameters;
 }
 
-// The exact solution of the discrete equations, from windows converged to 1e-11; the published check values
-// were taken at 1e-5 and agree to that.
-void expect_check_values(const TubeRun& run) {
-  const double area[] = {0.994420, 1.025458, 0.975320}, pressure[] = {-49.659, 221.40, -222.852};
+// The solution of the discrete equations, from windows converged to 1e-10 (the published values, taken at
+// 1e-5, are these rounded to six digits). What 1e-5 leaves is a part of that of the pressure, some 200 Pa.
+void expect_solution(const TubeRun& run) {
+  const double area[] = {0.994420069, 1.025458222, 0.975320299},
+               pressure[] = {-49.6587672, 221.3991549, -222.8516757};
   for (int k = 0; k < 3; ++k) {
-    EXPECT_NEAR(run.area[k], area[k], 1.5e-6);
-    EXPECT_NEAR(run.pressure[k], pressure[k], 5e-3);
+    EXPECT_NEAR(run.area[k], area[k], 5e-7);
+    EXPECT_NEAR(run.pressure[k], pressure[k], 1e-3);
   }
 }
 
@@ -87,7 +88,19 @@ TEST(ElasticTube, ConvergesInFewIterations) {
   EXPECT_LE(parallel.iterations, 15.0);  // 28.7
   for (const TubeRun& run : {serial, constant, two, parallel}) {
     EXPECT_EQ(run.unconverged, 0);
-    expect_check_values(run);
+    expect_solution(run);
+  }
+}
+
+// Aitken's one factor for all wave lengths; the same work in preCICE takes 63 to 75 iterations with 2 to 8
+// windows that do not converge.
+TEST(ElasticTube, ConvergesWithAitkenFromAnyInitialRelaxation) {
+  for (const double relaxation : {0.5, 0.1, 0.01}) {
+    const TubeRun run = run_tube({"aitken", relaxation, 0, 0}, Predictor::quadratic, false, 200);
+    fmt::print("aitken {:4}, quadratic guess {:19.2f} {:11}\n", relaxation, run.iterations, run.unconverged);
+    EXPECT_LE(run.iterations, 62.7);
+    EXPECT_EQ(run.unconverged, 0);
+    expect_solution(run);
   }
 }
 
