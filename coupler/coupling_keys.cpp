@@ -80,8 +80,9 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
   read_mapping(surface.table("mapping", "how displacement and force cross the interface"), keys.mapping);
 
   CaseTable accelerator = surface.table("accelerator", "how the next interface displacement is chosen");
-  accelerator.choice("kind", keys.accelerator, {"iqn-ils", "aitken", "constant"},
-                     {.help = "quasi-Newton by least squares, dynamic relaxation, or fixed relaxation"});
+  accelerator.choice("kind", keys.accelerator, {"iqn-ils", "iqn-imvj", "aitken", "constant"},
+                     {.help = "quasi-Newton by least squares or with a Jacobian carried on, dynamic "
+                              "relaxation, or fixed relaxation"});
   accelerator.number("initial_relaxation", keys.initial_relaxation,
                      {.min = 0,
                       .max = 1,
@@ -91,7 +92,13 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
                       {.min = 0, .max = 100, .help = "earlier windows whose differences iqn-ils keeps"});
   accelerator.number(
       "filter", keys.filter,
-      {.min = 0, .max = 1, .help = "iqn-ils drops a difference nearer than this to the others"});
+      {.min = 0, .max = 1, .help = "quasi-Newton drops a difference nearer than this to the others"});
+  accelerator.choice("filter_kind", keys.filter_kind, {"QR2", "QR1"},
+                     {.help = "nearer beside the difference's own size, or beside all the others"});
+  accelerator.integer("max_columns", keys.max_columns,
+                      {.min = 1,
+                       .max = 1000,
+                       .help = "differences that quasi-Newton keeps at most: two interface vectors each"});
 
   surface.choice("predictor", keys.predictor, {"constant", "linear", "quadratic"},
                  {.help = "first guess of a window, from the committed windows"});

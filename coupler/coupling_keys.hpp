@@ -17,10 +17,12 @@ struct CouplingKeys {
   // [coupling.surface]
   bool parallel = false;  // both solvers at once; else the fluid first
   MappingParameters mapping;
-  std::string accelerator = "iqn-ils";  // iqn-ils | aitken | constant
+  std::string accelerator = "iqn-ils";  // iqn-ils | iqn-imvj | aitken | constant
   double initial_relaxation = 0.1;      // ω of the first iterations, and of `constant`
   int reused_windows = 8;               // windows whose columns IQN-ILS keeps
   double filter = 1e-2;                 // QR filter of IQN-ILS, relative
+  std::string filter_kind = "QR2";      // QR2 | QR1
+  int max_columns = 50;                 // of quasi-Newton: what bounds its memory
   std::string predictor = "quadratic";  // constant | linear | quadratic
   double relative = 1e-4;  // converged when rms(H(x) − x) <= max(absolute, relative · rms(H(x) − x_n))
   double absolute = 0;     // [m]; 0: 1e-6 of the fluid's spacing

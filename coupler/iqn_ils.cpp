@@ -10,7 +10,7 @@ VectorXd IqnIls::image_of(const VectorXd&, VectorXd image_change) {
 
 VectorXd IqnIls::iterate(const VectorXd& x, const VectorXd& hx) {
   const VectorXd residual = hx - x;
-  const LeastSquares problem = factorise();
+  const LeastSquares problem = factorise(fine);
   step_.columns = static_cast<int>(problem.kept.size());
   step_.dropped = static_cast<int>(state_.secants.columns()) - step_.columns;
   if (problem.kept.empty()) {

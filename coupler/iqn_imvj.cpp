@@ -20,7 +20,7 @@ VectorXd IqnImvj::image_of(const VectorXd& residual_change, VectorXd image_chang
 
 VectorXd IqnImvj::iterate(const VectorXd& x, const VectorXd& hx) {
   const VectorXd residual = hx - x;
-  const LeastSquares problem = factorise();
+  const LeastSquares problem = factorise(fine);
   const auto own = static_cast<int>(problem.kept.size());
   step_.columns = own + static_cast<int>(state_.jacobian.left.size());
   step_.dropped = static_cast<int>(state_.secants.columns()) - own;
@@ -40,7 +40,9 @@ void IqnImvj::start_window() {
   if (secants.columns() > 0) {
     const Index n = secants.image.front()->size();
     const std::vector<Index> lengths = sizes(n);
-    const LeastSquares problem = factorise();
+    // What is carried on is filtered as columns of an earlier window are: of a fine column the error of the
+    // linear model, divided by its new part, would stay in J.
+    const LeastSquares problem = factorise(parameters_.filter);
     state_.jacobian.add(secants.images(problem), secants.pseudo_inverse(problem, lengths, weights()));
     if (static_cast<int>(state_.jacobian.left.size()) > parameters_.max_columns) {
       VectorXd scale(n);

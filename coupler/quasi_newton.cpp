@@ -10,9 +10,6 @@ using Eigen::VectorXd;
 
 // A difference of residuals this small beside the iterates is their round-off.
 constexpr double round_off = 1e-15;
-// The map as this window shows it is worth finer columns than what an earlier window remembers: a linear map
-// of n unknowns is solved in n + 2 iterations.
-constexpr double own_filter = 1e-4;
 
 }  // namespace
 
@@ -53,7 +50,7 @@ VectorXd QuasiNewton::weights() const {
   return sum.unaryExpr([](double s) { return s > 0 ? 1 / s : 1.0; });
 }
 
-LeastSquares QuasiNewton::factorise() const {
+LeastSquares QuasiNewton::factorise(double own_filter) const {
   return state_.secants.factorise(
       weights(), {parameters_.filter_kind == "QR1" ? SecantFilter::Kind::qr1 : SecantFilter::Kind::qr2,
                   parameters_.filter, own_filter});

@@ -17,7 +17,11 @@ class QuasiNewton : public Accelerator {
   /// w_b = 1 / Σ_k |r_b^k| / |r^k| over the iterations of this window: what a field leaves weighs alike in
   /// every field, whatever its unit.
   Eigen::VectorXd weights() const;
-  LeastSquares factorise() const;
+  /// own_filter: of the columns of this window, where it is finer than the filter.
+  LeastSquares factorise(double own_filter) const;
+  // The map as this window shows it is worth finer columns than what an earlier window remembers: a linear
+  // map of n unknowns is solved in n + 2 iterations.
+  static constexpr double fine = 1e-4;
 
   const AcceleratorParameters parameters_;
 

@@ -37,7 +37,9 @@ SchemeParameters scheme_of(const CaseView& view, const Participant& structure) {
   scheme.accelerator = {.kind = keys.accelerator,
                         .initial_relaxation = keys.initial_relaxation,
                         .reused_windows = keys.reused_windows,
-                        .filter = keys.filter};
+                        .filter = keys.filter,
+                        .filter_kind = keys.filter_kind,
+                        .max_columns = keys.max_columns};
   scheme.convergence.relative = keys.relative;
   // A length is no measure of a field that is none.
   scheme.convergence.absolute = keys.absolute;
@@ -69,6 +71,7 @@ Transfer transfer_of(const CaseView& view, const Participant& structure, const P
 
 std::string accelerator_title(const std::string& kind) {
   if (kind == "iqn-ils") return "IQN-ILS";
+  if (kind == "iqn-imvj") return "IQN-IMVJ";
   return kind == "aitken" ? "Aitken" : "constant relaxation";
 }
 
