@@ -70,8 +70,7 @@ SyntaxHelp syntax_help(const std::string& description, const std::string& line) 
 
 bool is_toml_text(const std::string& text) {
   try {
-    toml::parse("value = " + to_toml(text));
-    return true;
+    return toml::parse("value = " + to_toml(text)).contains("value");
   } catch (const toml::parse_error&) {
     return false;
   }
