@@ -26,7 +26,7 @@ struct AcceleratorState {
   double relaxation = 0;  // last ω; 0: none yet
   Eigen::VectorXd previous_residual, previous_image;
   Secants secants;               // of IQN-ILS and IQN-IMVJ
-  Eigen::VectorXd residual_sum;  // Σ_k |r_b^k| / |r^k| of each block in this window
+  Eigen::VectorXd residual_sum;  // Σ_k |r_b^k| of each block in this window
   LowRank jacobian;              // of IQN-IMVJ, of the windows before this one
 
   void save(Archive&) const;

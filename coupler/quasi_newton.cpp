@@ -31,15 +31,17 @@ void QuasiNewton::learn(const VectorXd& residual, const VectorXd& image) {
                         parameters_.max_columns);
 }
 
+// w_b = 1/Σ_k |r_b^k| over the iterations k of the window. With the shares |r_b^k|/|r^k| in the sum, as the
+// residual-sum preconditioner has it (Uekermann 2016), an iteration in which only one field has a residual (a
+// load not yet asked for, or all but converged) would count as much as the first, and the fields would lose
+// each other's scale.
 void QuasiNewton::weigh(const VectorXd& residual) {
   const std::vector<Index> lengths = sizes(residual.size());
   if (state_.iteration == 1) state_.residual_sum = VectorXd::Zero(static_cast<Index>(lengths.size()));
-  const double whole = residual.norm();
   Index begin = 0, b = 0;
   for (const Index length : lengths) {
-    if (whole > 0) state_.residual_sum[b] += residual.segment(begin, length).norm() / whole;
+    state_.residual_sum[b++] += residual.segment(begin, length).norm();
     begin += length;
-    ++b;
   }
 }
 
