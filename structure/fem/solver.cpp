@@ -114,7 +114,7 @@ void FemSolver<dim>::use_tangent(const State& state) {
   ++factorisations_;
   if (!factors_.factorise(effective(tangent, state.tangent_dt), mesh().fixed))
     throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", state.time),
-                "the matrix of a step is singular", "lower coupling.window");
+                "the matrix of a step is singular", "lower coupling.surface.window");
   factors_at_ = state.tangent_at;
   factors_dt_ = state.tangent_dt;
 }
@@ -125,7 +125,8 @@ Eigen::VectorXd FemSolver<dim>::load_of_window(double t, double dt, const Load& 
   const Points on_points = load.mean(t, t + dt, interface_.position.cols());
   if (!on_points.allFinite())
     throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", time),
-                "the load on the interface is not finite", "see the fluid's log; lower coupling.window");
+                "the load on the interface is not finite",
+                "see the fluid's log; lower coupling.surface.window");
   return own_load(time) + transfer_.to_unknowns(on_points);
 }
 
@@ -171,8 +172,9 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const Eigen::VectorXd&
     throw Error(
         ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", old.time),
         result.converged ? "a cell is turned inside out" : stopped,
-        fmt::format("lower coupling.window ({:g} s), or look at the load: is the plate too thin for it?",
-                    dt));
+        fmt::format(
+            "lower coupling.surface.window ({:g} s), or look at the load: is the plate too thin for it?",
+            dt));
   }
   return result;
 }
