@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/exchange.hpp"
 #include "proto/error.hpp"
 
 namespace strake {
@@ -15,10 +16,10 @@ FieldResidual judge(const Field& field, double residual, double scale, const Lim
           std::max({limits.absolute, limits.relative * scale, limits.residual_relative * first})};
 }
 
-void refuse_non_finite(const std::vector<FieldResidual>& fields, const std::string& place) {
+void refuse_non_finite(const std::vector<FieldResidual>& fields, const Place& place) {
   for (const FieldResidual& field : fields)
     if (!std::isfinite(field.residual) || !std::isfinite(field.threshold))
-      throw Error(ExitCode::solver_fault, place,
+      throw Error(ExitCode::solver_fault, place.text(),
                   fmt::format("the residual of {} is {} {}, its threshold {}: the iteration has blown up",
                               field.quantity, field.residual, field.unit, field.threshold),
                   "a smaller coupling window, or more iterations per window");

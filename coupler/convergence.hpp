@@ -62,8 +62,9 @@ double rms(const Eigen::MatrixBase<Derived>& a) {
 /// window's first iteration, which is this one where it is negative.
 FieldResidual judge(const Field&, double residual, double scale, const Limits&, double first);
 
+struct Place;
 /// Throws Error(solver_fault) when a residual or its threshold is not finite: such a window must not count as
 /// converged.
-void refuse_non_finite(const std::vector<FieldResidual>&, const std::string& place);
+void refuse_non_finite(const std::vector<FieldResidual>&, const Place&);
 
 }  // namespace strake

@@ -29,11 +29,20 @@ MatrixXd followed_velocity(const Sample& committed, const MatrixXd& displacement
 Scheme::Iterate Scheme::first_guess(const Window& window) const {
   Iterate now;
   const double end = window.t + window.dt;
-  now.guess =
-      parameters_.volume ? state_.structure.back() : predict(parameters_.predictor, state_.structure, end);
+  if (!holds_last()) now.guess = predict(parameters_.predictor, state_.structure, end);
   if (parameters_.parallel) now.load_guess = predict(parameters_.predictor, state_.fluid, end).fields;
   if (!parameters_.parallel && limits_of_load().any()) now.load = state_.fluid.back().fields;
   return now;
+}
+
+/// Whether the fluid is given the structure's last committed sample as it is: no iteration changes it.
+bool Scheme::holds_last() const {
+  return parameters_.volume ||
+         (parameters_.predictor == Predictor::constant && parameters_.convergence.max_iterations <= 1);
+}
+
+const Sample& Scheme::guess_of(const Iterate& now) const {
+  return holds_last() ? state_.structure.back() : now.guess;
 }
 
 std::optional<Scheme::Shorter> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
@@ -54,11 +63,13 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
   if (now.history.empty()) {  // one sample, which is lent and not copied
     Input input;
     input.samples.push_back({window.t + window.dt, std::move(now.load)});
-    now.from_structure = structure_.advance(window, input);
+    structure_.start(window, input);
     now.load = std::move(input.samples.front().fields);
   } else {
-    now.from_structure = structure_.advance(window, for_structure(window, now));
+    structure_.start_with(window, for_structure(window, now));
   }
+  sum_up(now);  // while the structure computes
+  now.from_structure = structure_.finish();
   if (now.from_structure.retry_smaller_dt) {
     take_back();
     return Shorter{"the structure", now.from_structure.dt_limit};
@@ -68,8 +79,8 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
 }
 
 std::optional<Scheme::Shorter> Scheme::evaluate_parallel(const Window& window, int iteration, Iterate& now) {
-  fluid_.start(window, for_fluid(window, now));
-  structure_.start(window, for_structure(window, now));
+  fluid_.start_with(window, for_fluid(window, now));
+  structure_.start_with(window, for_structure(window, now));
   now.from_fluid = fluid_.finish();
   now.from_structure = structure_.finish();
   std::optional<Shorter> shorter;
@@ -81,14 +92,17 @@ std::optional<Scheme::Shorter> Scheme::evaluate_parallel(const Window& window, i
     return shorter;
   }
   take_wet(window, iteration, now);
+  sum_up(now);
   take_dry(window, iteration, now);
   return std::nullopt;
 }
 
 Input Scheme::for_fluid(const Window& window, const Iterate& now) const {
   Sample sample = {parameters_.volume ? window.t : window.t + window.dt, {}};
-  for (const Field& field : now.guess.fields) sample.fields.push_back(transfer_.onto_fluid(field));
-  return {{std::move(sample)}};
+  for (const Field& field : guess_of(now).fields) sample.fields.push_back(transfer_.onto_fluid(field));
+  Input input;
+  input.samples.push_back(std::move(sample));
+  return input;
 }
 
 // The load at the window's end, or its history with the two samples before it. In a parallel scheme the
@@ -96,8 +110,12 @@ Input Scheme::for_fluid(const Window& window, const Iterate& now) const {
 Input Scheme::for_structure(const Window& window, const Iterate& now) const {
   const std::vector<Field>& load = parameters_.parallel ? now.load_guess : now.load;
   const Samples& given = parameters_.parallel ? now.history_before : now.history;
-  if (!structure_.description().history || given.empty()) return {{{window.t + window.dt, load}}};
-  Input input = {state_.history};
+  Input input;
+  if (!structure_.description().history || given.empty()) {
+    input.samples.push_back({window.t + window.dt, load});
+    return input;
+  }
+  input.samples = state_.history;
   for (const Sample& sample : given) {
     input.samples.push_back(sample);
     if (parameters_.parallel) shift(input.samples.back().fields, load, now.load_before);
@@ -128,6 +146,10 @@ Samples Scheme::take_history(const Window& window, int iteration, Iterate& now) 
       std::any_of(of_fluid_.begin(), of_fluid_.end(), [](const Field& field) { return field.conservative; });
   if (!means) history = {{end, now.load}};
   return history;
+}
+
+void Scheme::sum_up(Iterate& now) {
+  if (const Field* force = find(now.load, "force")) now.force = force->value.rowwise().sum();
 }
 
 void Scheme::take_wet(const Window& window, int iteration, Iterate& now) const {

@@ -8,6 +8,7 @@
 #include <unistd.h>
 #include <zmq.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -81,6 +82,18 @@ bool receive_part(zmq::socket_t& socket, zmq::message_t& into) {
     }
 }
 
+/// The first part of a message; nothing after `limit` or when a signal arrived. A receive that waits by
+/// itself asks the kernel once where a poll before it asks three times.
+bool await_part(zmq::socket_t& socket, zmq::message_t& into, milliseconds limit) {
+  socket.set(zmq::sockopt::rcvtimeo, static_cast<int>(std::max(limit, milliseconds(0)).count()));
+  try {
+    return socket.recv(into).has_value();
+  } catch (const zmq::error_t& e) {
+    if (e.num() == EINTR) return false;
+    throw;
+  }
+}
+
 std::optional<Monitor::Event> Monitor::next(milliseconds limit) {
   if (!readable(socket_, limit)) return {};
   zmq::message_t header, address;
@@ -104,31 +117,35 @@ zmq::message_t to_message(const wire::Part& part) {
   return {const_cast<std::byte*>(part.bytes.data()), part.bytes.size(), give_back, keep};
 }
 
-void send_parts(zmq::socket_t& socket, const wire::Parts& parts) {
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    zmq::message_t message = to_message(parts[i]);
-    auto flags = zmq::send_flags::dontwait;
-    if (i + 1 < parts.size()) flags = flags | zmq::send_flags::sndmore;
-    for (bool sent = false; !sent;) try {
-        if (!socket.send(message, flags)) return;  // no room: the peer has long been gone
-        sent = true;
-      } catch (const zmq::error_t& e) {
-        if (e.num() == EHOSTUNREACH) return;
-        if (e.num() != EINTR) throw;
-      }
-  }
+/// False when it cannot go: the peer has long been gone.
+bool send_part(zmq::socket_t& socket, zmq::message_t message, bool more) {
+  const auto flags = zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  for (;;) try {
+      return socket.send(message, flags).has_value();
+    } catch (const zmq::error_t& e) {
+      if (e.num() == EHOSTUNREACH) return false;
+      if (e.num() != EINTR) throw;
+    }
 }
 
-/// The rest of a message, each part kept where ZeroMQ put it.
-wire::Parts receive_rest(zmq::socket_t& socket, bool more) {
-  wire::Parts parts;
+void send_parts(zmq::socket_t& socket, const wire::Parts& parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (!send_part(socket, to_message(parts[i]), i + 1 < parts.size())) return;
+}
+
+/// A part where ZeroMQ put it.
+wire::Part to_part(const std::shared_ptr<zmq::message_t>& message) {
+  return {{static_cast<const std::byte*>(message->data()), message->size()}, message};
+}
+
+/// Adds the rest of a message.
+void receive_rest(zmq::socket_t& socket, bool more, wire::Parts& parts) {
   while (more) {
-    auto message = std::make_shared<zmq::message_t>();
+    const auto message = std::make_shared<zmq::message_t>();
     if (!receive_part(socket, *message)) break;  // parts of one message arrive together
     more = message->more();
-    parts.push_back({{static_cast<const std::byte*>(message->data()), message->size()}, message});
+    parts.push_back(to_part(message));
   }
-  return parts;
 }
 
 /// A folder that only this user may enter, removed at the end.
@@ -302,10 +319,10 @@ std::string Hub::endpoint_elsewhere() const {
 
 std::optional<Hub::Message> Hub::receive(milliseconds limit) {
   zmq::socket_t& router = sockets_->router;
-  if (!readable(router, limit)) return {};
   zmq::message_t peer;
-  if (!receive_part(router, peer)) return {};
-  Message message{peer.to_string(), -1, {}, receive_rest(router, peer.more())};
+  if (!await_part(router, peer, limit)) return {};
+  Message message{peer.to_string(), -1, {}, {}};
+  receive_rest(router, peer.more(), message.parts);
   if (!message.parts.empty()) {
     const auto* first = static_cast<const zmq::message_t*>(message.parts.front().owner.get());
     message.socket = zmq_msg_get(const_cast<zmq_msg_t*>(first->handle()), ZMQ_SRCFD);
@@ -320,9 +337,7 @@ std::optional<Hub::Message> Hub::receive(milliseconds limit) {
 }
 
 void Hub::send(const std::string& peer, const wire::Parts& parts) {
-  wire::Parts addressed{{std::as_bytes(std::span(peer)), nullptr}};
-  addressed.insert(addressed.end(), parts.begin(), parts.end());
-  send_parts(sockets_->router, addressed);
+  if (send_part(sockets_->router, {peer.data(), peer.size()}, true)) send_parts(sockets_->router, parts);
 }
 
 bool Hub::connected(int socket) {
@@ -369,9 +384,10 @@ void Line::send(const wire::Parts& parts) {
 }
 
 std::optional<wire::Parts> Line::receive(milliseconds limit) {
-  if (!readable(sockets_->dealer, limit)) return {};
-  wire::Parts parts = receive_rest(sockets_->dealer, true);
-  if (parts.empty()) return {};
+  const auto first = std::make_shared<zmq::message_t>();
+  if (!await_part(sockets_->dealer, *first, limit)) return {};
+  wire::Parts parts{to_part(first)};
+  receive_rest(sockets_->dealer, first->more(), parts);
   return parts;
 }
 

@@ -190,6 +190,10 @@ void RemoteParticipant::count_windows_from(std::uint64_t committed) {
 }
 
 void RemoteParticipant::start(const Window& window, const Input& input) {
+  start_with(window, Input(input));
+}
+
+void RemoteParticipant::start_with(const Window& window, Input&& input) {
   Roster::Member& m = *member_;
   roster_->check_stop_between(m);
   assert(m.asked.empty() && "one request at a time");
@@ -197,8 +201,8 @@ void RemoteParticipant::start(const Window& window, const Input& input) {
   m.window = window;
   ++m.iteration;
   const wire::Before before = std::exchange(m.before, wire::Before::nothing);
-  roster_->ask(m,
-               {0, wire::Advance{before, window, m.iteration, input, std::exchange(m.write_output, false)}});
+  wire::Advance advance{before, window, m.iteration, std::move(input), std::exchange(m.write_output, false)};
+  roster_->ask(m, {0, std::move(advance)});
 }
 
 Advanced RemoteParticipant::finish() {

@@ -87,6 +87,7 @@ class RemoteParticipant final : public Participant {
   const InterfaceMesh& mesh() const override;
   const Description& description() const override;
   void start(const Window&, const Input&) override;
+  void start_with(const Window&, Input&&) override;
   Advanced finish() override;
   void rewind() override;
   void commit(bool write_output) override;

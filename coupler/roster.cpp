@@ -200,11 +200,20 @@ void Roster::State::receive(Clock::duration limit) {
   if (auto message = hub.receive(std::chrono::duration_cast<milliseconds>(limit))) hear(std::move(*message));
 }
 
+/// Where a participant stands is put into words only when something is wrong.
+wire::Reply Roster::State::decode(const Member& m, const wire::Parts& parts) {
+  try {
+    return wire::decode_reply(parts, m.name);
+  } catch (const Error& e) {
+    throw Error(e.code(), m.place(), e.problem(), e.fix());
+  }
+}
+
 void Roster::State::hear(Hub::Message message) {
   for (const auto& m : members) {
     if (!m->greeted || m->peer != message.peer) continue;
     try {
-      answered(*m, wire::decode_reply(message.parts, m->place()));
+      answered(*m, decode(*m, message.parts));
     } catch (const Error&) {
       m->broken = true;
       throw;

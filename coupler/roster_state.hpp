@@ -95,6 +95,7 @@ struct Roster::State {
 
  private:
   void hear(Hub::Message);
+  static wire::Reply decode(const Member&, const wire::Parts&);
   void greet(const Hub::Message&);
   void welcome_back(Member&, const Hub::Message&, std::uint64_t last_received);
   void refuse(const Hub::Message&, Member*, const std::string& problem, const std::string& fix);

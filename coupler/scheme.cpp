@@ -161,21 +161,24 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
   const bool by_value = c.measure == Measure::value;
   IterationReport row;
   row.iteration = iteration;
-  if (const Field* force = find(now.load, "force")) row.force = force->value.rowwise().sum();
+  row.force = now.force;
   if (parameters_.volume) return row;
   const auto add = [&](const Field& field, double residual, double scale, const Limits& limits) {
     const double before = first ? first->fields[row.fields.size()].residual : -1;
     row.fields.push_back(judge(field, residual, scale, limits, before));
   };
+  const Sample &guess = guess_of(now), &last = state_.structure.back();
   for (std::size_t k = 0; k < of_structure_.size(); ++k) {
     if (moves_ && k == 1) continue;  // stands with the displacement
     const Field& answer = now.answer.fields[k];
-    double residual = rms(answer.value - now.guess.fields[k].value);
+    const double change = rms(answer.value - guess.fields[k].value);
+    double residual = change;
     if (moves_ && k == 0)
       residual =
-          std::max(residual, 0.5 * window.dt * rms(now.answer.fields[1].value - now.guess.fields[1].value));
-    const double scale =
-        by_value ? rms(answer.value) : rms(answer.value - state_.structure.back().fields[k].value);
+          std::max(residual, 0.5 * window.dt * rms(now.answer.fields[1].value - guess.fields[1].value));
+    const double scale = by_value          ? rms(answer.value)
+                         : &guess == &last ? change
+                                           : rms(answer.value - last.fields[k].value);
     add(answer, residual, scale, {c.relative, k == 0 ? c.absolute : 0, c.residual_relative});
   }
   row.residual = row.fields.front().residual;
@@ -185,7 +188,7 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
       const Field& before = parameters_.parallel ? now.load_guess[k] : now.load_before[k];
       add(now.load[k], rms(now.load[k].value - before.value), rms(now.load[k].value), load);
     }
-  refuse_non_finite(row.fields, Place{"coupling", window, state_.windows + 1, iteration}.text());
+  refuse_non_finite(row.fields, {"coupling", window, state_.windows + 1, iteration});
   return row;
 }
 
@@ -233,7 +236,7 @@ void Scheme::close(WindowReport& report, Iterate& now) {
     report.work_fluid = dot(wet->value, transfer_.onto_fluid(increment).value);
     report.work_structure = dot(force->value, increment.value);
     if (!parameters_.volume)
-      report.work_unconverged = dot(force->value, displacement - now.guess.fields[0].value);
+      report.work_unconverged = dot(force->value, displacement - guess_of(now).fields[0].value);
     // In a parallel scheme the structure moved under another load than the fluid's.
     if (const Field* given = find(now.load_guess, "force"))
       report.work_unconverged += dot(given->value - force->value, increment.value);

@@ -75,9 +75,12 @@ class Scheme {
   Input for_fluid(const Window&, const Iterate&) const;
   Input for_structure(const Window&, const Iterate&) const;
   Samples take_history(const Window&, int iteration, Iterate&) const;
+  static void sum_up(Iterate&);
   void take_wet(const Window&, int iteration, Iterate&) const;
   void take_dry(const Window&, int iteration, Iterate&);
   Iterate first_guess(const Window&) const;
+  bool holds_last() const;
+  const Sample& guess_of(const Iterate&) const;  // x
   Limits limits_of_load() const;
   IterationReport measure(const Window&, int iteration, const Iterate&, const IterationReport* first) const;
   std::vector<AcceleratorBlock> blocks(const Iterate&) const;

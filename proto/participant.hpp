@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "proto/interface.hpp"
@@ -54,9 +55,15 @@ class Participant {
   virtual const InterfaceMesh& mesh() const = 0;
   virtual const Description& description() const = 0;
   virtual void start(const Window&, const Input&) = 0;  // returns at once when remote (parallel schemes)
-  virtual Advanced finish() = 0;                        // deadline inside
+  /// The same with an input to keep, for a participant that would have to copy it.
+  virtual void start_with(const Window& window, Input&& input) { start(window, input); }
+  virtual Advanced finish() = 0;  // deadline inside
   Advanced advance(const Window& window, const Input& input) {
     start(window, input);
+    return finish();
+  }
+  Advanced advance(const Window& window, Input&& input) {
+    start_with(window, std::move(input));
     return finish();
   }
   virtual void rewind() = 0;                                    // exactly back to the last commit

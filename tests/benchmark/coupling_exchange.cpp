@@ -60,7 +60,7 @@ class Copier final : public Participant {
   void start(const Window&, const Input&) override {}
   Advanced finish() override {
     Advanced advanced;
-    advanced.output = {answer_};
+    advanced.output.push_back(answer_);
     return advanced;
   }
   void rewind() override {}

@@ -201,6 +201,7 @@ TEST_F(Remote, StartReturnsAtOnceAndFinishWaits) {
         RemoteParticipant& fluid = roster().connect("fluid", {});
         Input input{{{0.25, {{"displacement", "m", false, Points::Ones(3, 3)}}}}};
         fluid.start({0, 0.25}, input);
+        EXPECT_EQ(input.samples.at(0).fields.at(0).value, Points::Ones(3, 3)) << "it is lent";
         input = {};  // what start was given need not outlive it
         EXPECT_EQ(fluid.finish().output.at(0).value(0, 0), 1);
       });

@@ -97,6 +97,26 @@ TEST(Scheme, ReportsWorkForceMonitorsAndTheShorterLimit) {
   EXPECT_EQ(report.structure.at("memory.peak"), 5);
 }
 
+TEST(Scheme, GivesTheLastMotionAsItIsToAnExplicitFluidThatIsNotPredicted) {
+  Rigid rigid(-2);
+  SchemeParameters parameters;
+  parameters.predictor = Predictor::constant;
+  parameters.convergence.max_iterations = 1;
+  Scheme scheme = rigid.scheme(parameters);
+  for (int w = 0; w < 3; ++w) {
+    const WindowReport report = scheme.advance({w * dt, dt});
+    // The answer has moved on by 2 dt per point; its velocity by nothing.
+    EXPECT_NEAR(report.residual, 2 * dt, 1e-15);
+    EXPECT_NEAR(report.threshold, std::max(1e-8, 1e-4 * 2 * dt), 1e-15);
+    EXPECT_NEAR(report.work_unconverged, -2 * dt * 9, 1e-12);
+    scheme.commit(false);
+    const Sample& told = rigid.fluid.told.back();
+    EXPECT_DOUBLE_EQ(told.time, (w + 1) * dt);
+    EXPECT_DOUBLE_EQ(find(told.fields, "displacement")->value(1, 0), -2 * w * dt);
+    EXPECT_NEAR(find(told.fields, "velocity")->value(1, 0), -2, 1e-12);
+  }
+}
+
 TEST(Scheme, GivesMotionAtTheStartOfTheWindowWithVelocityInVolumeCoupling) {
   Rigid rigid(-2, true);
   SchemeParameters parameters;

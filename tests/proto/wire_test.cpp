@@ -2,6 +2,7 @@
 
 #include "proto/coupling.pb.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -244,6 +245,19 @@ TEST(Wire, ValuesThatAreNotFiniteAreRefusedOnBothSides) {
     EXPECT_NE(e.problem().find("force is not finite"), std::string::npos) << e.problem();
     EXPECT_NE(e.problem().find("at point 1 of 4, component 2"), std::string::npos) << e.problem();
   }
+}
+
+TEST(Wire, AValueThatIsNotFiniteIsFoundWhereverItStandsInALongField) {
+  constexpr Eigen::Index n = 1500;  // longer than what is copied at once
+  for (const double bad : {nan, inf, -inf})
+    for (const Eigen::Index at : {Eigen::Index{0}, Eigen::Index{682}, Eigen::Index{683}, n - 1}) {
+      std::vector<std::byte> bytes = bytes_of(advanced(n)[1]);
+      std::memcpy(bytes.data() + (3 * static_cast<std::size_t>(at) + 2) * sizeof(double), &bad, sizeof bad);
+      const Error e = refused(with_part(advanced(n), 1, bytes));
+      EXPECT_EQ(e.code(), ExitCode::solver_fault);
+      EXPECT_NE(e.problem().find(fmt::format("at point {} of 1500, component 2", at)), std::string::npos)
+          << e.problem();
+    }
 }
 
 TEST(Wire, ATimeThatIsNotFiniteIsRefused) {
