@@ -3,9 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
-#include "proto/error.hpp"
+#include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 namespace strake {
@@ -18,16 +17,6 @@ std::vector<CompareBlock> blocks(const std::string& text) {
   const auto read = read_compare_blocks(file);
   file.refuse_unknown();
   return read;
-}
-
-void refused(const std::function<void()>& act, const std::string& part) {
-  try {
-    act();
-    FAIL() << "no error; expected one with: " << part;
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ExitCode::case_file);
-    EXPECT_NE(to_text(e).find(part), std::string::npos) << to_text(e);
-  }
 }
 
 const char* const plate = R"(
@@ -95,28 +84,30 @@ TEST(CompareBlocks, ComparesNumbersAsNumbers) {
 
 TEST(CompareBlocks, RefuseWhatCannotBeJudged) {
   const std::string head = "[[compare]]\nprobe = \"mid.y\"\n";
-  refused([&] { blocks(head + "value = { first_peek = 1 }\ntolerance = { first_peek = 1 }\n"); },
-          "first_peak");
-  refused([&] { blocks(head + "value = { first_peak = 1 }\n"); }, "tolerance.first_peak");
-  refused([&] { blocks(head + "value = { first_peak = 1 }\ntolerance = { first_peak = 0.1, peak = 1 }\n"); },
-          "stands in value");
-  refused([&] { blocks(head + "value = { peak = 1 }\ntolerance = { peak = -1 }\n"); }, "tolerance");
-  refused([&] { blocks(head); }, "value");
-  refused([&] { blocks("[[compare]]\nvalue = { peak = 1 }\ntolerance = { peak = 1 }\n"); }, "probe");
-  refused([&] { blocks(head + "value = { l2 = 0 }\ntolerance = { l2 = 0.1 }\n"); }, "file");
-  refused(
+  expect_refused([&] { blocks(head + "value = { first_peek = 1 }\ntolerance = { first_peek = 1 }\n"); },
+                 "first_peak");
+  expect_refused([&] { blocks(head + "value = { first_peak = 1 }\n"); }, "tolerance.first_peak");
+  expect_refused(
+      [&] { blocks(head + "value = { first_peak = 1 }\ntolerance = { first_peak = 0.1, peak = 1 }\n"); },
+      "stands in value");
+  expect_refused([&] { blocks(head + "value = { peak = 1 }\ntolerance = { peak = -1 }\n"); }, "tolerance");
+  expect_refused([&] { blocks(head); }, "value");
+  expect_refused([&] { blocks("[[compare]]\nvalue = { peak = 1 }\ntolerance = { peak = 1 }\n"); }, "probe");
+  expect_refused([&] { blocks(head + "value = { l2 = 0 }\ntolerance = { l2 = 0.1 }\n"); }, "file");
+  expect_refused(
       [&] {
         blocks(head + "window = { from = 2, to = 1 }\nvalue = { mean = 0 }\ntolerance = { mean = 0.1 }\n");
       },
       "after from");
   const std::string metric = "value = { slope = 1 }\ntolerance = { slope = 0.1 }\n";
-  refused([&] { blocks(head + "window = { from_share = 0.9, to_share = 0.8 }\n" + metric); }, "from_share");
-  refused([&] { blocks(head + "window = { from_share = 0.8, to = 1 }\n" + metric); }, "not both");
-  refused([&] { blocks(head + "divide_by = 0\n" + metric); }, "not 0");
-  refused([&] { blocks(head + "value = { mean_deviation = 0 }\ntolerance = { mean_deviation = 1 }\n"); },
-          "file");
-  refused([&] { blocks(head + "value = { peak = 1 }\ntolerance = { peak = 1 }\nsauce = \"x\"\n"); },
-          "source");
+  expect_refused([&] { blocks(head + "window = { from_share = 0.9, to_share = 0.8 }\n" + metric); },
+                 "from_share");
+  expect_refused([&] { blocks(head + "window = { from_share = 0.8, to = 1 }\n" + metric); }, "not both");
+  expect_refused([&] { blocks(head + "divide_by = 0\n" + metric); }, "not 0");
+  expect_refused(
+      [&] { blocks(head + "value = { mean_deviation = 0 }\ntolerance = { mean_deviation = 1 }\n"); }, "file");
+  expect_refused([&] { blocks(head + "value = { peak = 1 }\ntolerance = { peak = 1 }\nsauce = \"x\"\n"); },
+                 "source");
 }
 
 TEST(CompareBlocks, RefuseAReferenceThatIsNotFiniteWithItsLine) {
@@ -131,12 +122,12 @@ TEST(CompareBlocks, RefuseAReferenceThatIsNotFiniteWithItsLine) {
   };
   const std::string head = "# digitised by hand\ntime [s],mid.y [m]\n0,0\n\n";
   EXPECT_EQ(read(head + "1,2\n").front().file.filename(), "reference.csv");
-  refused([&] { read(head + "1,nan\n2,0\n"); }, "reference.csv:5");
-  refused([&] { read(head + "1,inf\n2,0\n"); }, "reference.csv:5");
-  refused([&] { read(head + "1,2\n2,\n"); }, "reference.csv:6");
-  refused([&] { read(head + "1,2\n1,3\n"); }, "does not ascend");
-  refused([&] { read("T [1],Z [1]\n0,0\n1,1\n"); }, "axes = { time");
-  refused([&] { read("T [ms],Z [1]\n0,0\n1,1\n"); }, "not in seconds");
+  expect_refused([&] { read(head + "1,nan\n2,0\n"); }, "reference.csv:5");
+  expect_refused([&] { read(head + "1,inf\n2,0\n"); }, "reference.csv:5");
+  expect_refused([&] { read(head + "1,2\n2,\n"); }, "reference.csv:6");
+  expect_refused([&] { read(head + "1,2\n1,3\n"); }, "does not ascend");
+  expect_refused([&] { read("T [1],Z [1]\n0,0\n1,1\n"); }, "axes = { time");
+  expect_refused([&] { read("T [ms],Z [1]\n0,0\n1,1\n"); }, "not in seconds");
 }
 
 TEST(CompareBlocks, AreExplainedWithoutAFile) {

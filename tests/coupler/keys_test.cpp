@@ -3,13 +3,13 @@
 #include "coupler/keys.hpp"
 
 #include "coupler/link.hpp"
-#include "proto/error.hpp"
 #include "tests/coupler/golden.hpp"
+#include "tests/proto/refusal.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <fstream>
 #include <functional>
 
 namespace strake {
@@ -24,30 +24,16 @@ mode_t mode_of(const fs::path& path) {
 
 class Keys : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "keys_test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    place_ = pattern;
-    folder_ = place_ / "keys";
-  }
-  void TearDown() override { fs::remove_all(place_); }
-
   std::string text_of(const std::function<void()>& act, ExitCode code) {
-    try {
-      act();
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), code);
-      return replaced(to_text(e), place_.string() + "/", "");
-    }
-    ADD_FAILURE() << "no error";
-    return {};
+    return replaced(text_of_error(act, code), place_.path().string() + "/", "");
   }
   void put(const fs::path& file, const std::string& text) {
-    std::ofstream(file) << text;
+    strake::put(file, text);
     chmod(file.c_str(), 0600);
   }
 
-  fs::path place_, folder_;
+  TemporaryFolder place_;
+  fs::path folder_ = place_ / "keys";
 };
 
 TEST_F(Keys, AreMadePrivateAndReadBack) {
@@ -55,7 +41,8 @@ TEST_F(Keys, AreMadePrivateAndReadBack) {
   EXPECT_EQ(mode_of(folder_), 0700u);
   const CouplerKeys coupler = read_coupler_keys(folder_);
   EXPECT_EQ(coupler.admitted.size(), 2u);
-  for (const char* name : {"coupler", "fluid", "structure"}) EXPECT_EQ(mode_of(key_file(folder_, name)), 0600u);
+  for (const char* name : {"coupler", "fluid", "structure"})
+    EXPECT_EQ(mode_of(key_file(folder_, name)), 0600u);
   const ParticipantKeys fluid = read_participant_keys(key_file(folder_, "fluid"));
   EXPECT_EQ(fluid.name, "fluid");
   EXPECT_EQ(fluid.coupler, coupler.own.public_key);

@@ -1,6 +1,8 @@
 #include "coupler/launch.hpp"
 
 #include "proto/error.hpp"
+#include "tests/proto/refusal.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -8,8 +10,6 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace strake {
 namespace {
@@ -19,25 +19,12 @@ using std::chrono::milliseconds;
 
 class Launching : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "launch_test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override {
-    EXPECT_LT(waitpid(-1, nullptr, WNOHANG), 0) << "a process is left behind";
-    fs::remove_all(folder_);
-  }
+  void TearDown() override { EXPECT_LT(waitpid(-1, nullptr, WNOHANG), 0) << "a process is left behind"; }
   Launch shell(const std::string& script) const {
     return {"/bin/sh", {"-c", script}, folder_ / "log", 3, {}};
   }
-  std::string log() const {
-    std::ifstream in(folder_ / "log");
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-  }
-  fs::path folder_;
+  std::string log() const { return content(folder_ / "log"); }
+  TemporaryFolder folder_;
 };
 
 TEST_F(Launching, OutputErrorsAndEnvironmentReachTheProgramAndItsLog) {
@@ -127,21 +114,15 @@ TEST_F(Launching, ProgramsAreFoundBesideTheRunningOneThenOnThePathThenByTheCase)
   EXPECT_EQ(find_program("launch_test").filename(), "launch_test");
   EXPECT_EQ(find_program("sh").filename(), "sh");
   const fs::path own = folder_ / "mine";
-  std::ofstream(own) << "#!/bin/sh\n";
+  put(own, "#!/bin/sh\n");
   const auto refused = [&](const std::string& name, const std::string& why) {
-    try {
-      find_program(name, folder_);
-      ADD_FAILURE() << name;
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ExitCode::case_file);
-      EXPECT_NE(e.problem().find(why), std::string::npos) << e.problem();
-    }
+    expect_refused([&] { find_program(name, folder_.path()); }, why);
   };
   refused("./mine", "cannot be executed");
   refused("./none", "does not exist");
   refused("no-such-program", "beside");
   fs::permissions(own, fs::perms::owner_all);
-  EXPECT_EQ(find_program("./mine", folder_), own);
+  EXPECT_EQ(find_program("./mine", folder_.path()), own);
 }
 
 TEST(Token, TwoTokensDifferAndHold128Bits) {

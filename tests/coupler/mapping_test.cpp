@@ -6,8 +6,8 @@
 #include <random>
 
 #include "coupler/surface_area.hpp"
-#include "proto/error.hpp"
 #include "tests/coupler/surfaces.hpp"
+#include "tests/proto/refusal.hpp"
 
 namespace strake {
 namespace {
@@ -256,16 +256,6 @@ TEST(Mapping, SaysWhatItLeavesToBeDesired) {
   EXPECT_NE(radial[4].find("the worst of 1 system of 5 points"), std::string::npos) << radial[4];
 }
 
-void refused(const std::function<void()>& act, const std::string& part) {
-  try {
-    act();
-    FAIL() << "no error; expected one with: " << part;
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ExitCode::case_file);
-    EXPECT_NE(to_text(e).find(part), std::string::npos) << to_text(e);
-  }
-}
-
 TEST(Mapping, RefusesMeshesThatDoNotBelongTogether) {
   const InterfaceMesh line = strip("structure", 4, 0.4), plane = sheet(2);
   InterfaceMesh empty = line, bare = line, broken = line, nowhere = line;
@@ -273,21 +263,23 @@ TEST(Mapping, RefusesMeshesThatDoNotBelongTogether) {
   bare.faces.resize(2, 0);
   broken.faces(1, 2) = 9;
   nowhere.position(1, 3) = NAN;
-  refused([&] { nearest_projection(empty, line); }, "structure's interface has no points");
-  refused([&] { nearest_neighbour(line, empty); }, "fluid's interface has no points");
-  refused([&] { nearest_projection(line, plane); }, "2-dimensional");
-  refused([&] { nearest_projection(bare, line); }, "no faces");
-  refused([&] { nearest_projection(broken, line); }, "names point 9");
-  refused([&] { nearest_projection(line, nowhere); }, "not finite");
-  refused([&] { nearest_projection(line, strip("fluid", 4, 0.4, 0.3), 0.1); }, "0.3 m from the structure");
-  refused([&] { identity(line, strip("fluid", 5, 0.4)); }, "identity");
-  refused([&] { identity(line, strip("fluid", 4, 0.5)); }, "m from the structure");
-  refused([&] { radial_basis(line, strip("fluid", 4, 0.4, 0.3), {}, 0.1); }, "0.3 m from the structure");
-  refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "consistent"}, bare, bare); },
-          "point 0 of the structure's interface stands for no part of a face");
-  refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "scaled"}, line, line); },
-          "\"scaled\" is not a constraint");
-  refused([&] { make_mapping({.kind = "radial"}, line, line); }, "nearest-projection");
+  expect_refused([&] { nearest_projection(empty, line); }, "structure's interface has no points");
+  expect_refused([&] { nearest_neighbour(line, empty); }, "fluid's interface has no points");
+  expect_refused([&] { nearest_projection(line, plane); }, "2-dimensional");
+  expect_refused([&] { nearest_projection(bare, line); }, "no faces");
+  expect_refused([&] { nearest_projection(broken, line); }, "names point 9");
+  expect_refused([&] { nearest_projection(line, nowhere); }, "not finite");
+  expect_refused([&] { nearest_projection(line, strip("fluid", 4, 0.4, 0.3), 0.1); },
+                 "0.3 m from the structure");
+  expect_refused([&] { identity(line, strip("fluid", 5, 0.4)); }, "identity");
+  expect_refused([&] { identity(line, strip("fluid", 4, 0.5)); }, "m from the structure");
+  expect_refused([&] { radial_basis(line, strip("fluid", 4, 0.4, 0.3), {}, 0.1); },
+                 "0.3 m from the structure");
+  expect_refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "consistent"}, bare, bare); },
+                 "point 0 of the structure's interface stands for no part of a face");
+  expect_refused([&] { make_mapping({.kind = "nearest-neighbour", .constraint = "scaled"}, line, line); },
+                 "\"scaled\" is not a constraint");
+  expect_refused([&] { make_mapping({.kind = "radial"}, line, line); }, "nearest-projection");
 }
 
 }  // namespace

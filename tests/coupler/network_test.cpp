@@ -5,6 +5,7 @@
 #include "coupler/remote.hpp"
 #include "coupler/stranger_log.hpp"
 #include "proto/error.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -26,15 +27,9 @@ using std::chrono::milliseconds;
 
 class Network : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "network_test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    place_ = pattern;
-    make_keys(place_ / "keys", {"fluid", "structure"});
-  }
+  void SetUp() override { make_keys(place_ / "keys", {"fluid", "structure"}); }
   void TearDown() override {
     for (int s : sockets_) close(s);
-    fs::remove_all(place_);
   }
   CouplerKeys coupler_keys() const { return read_coupler_keys(place_ / "keys"); }
   ParticipantKeys keys(const std::string& name) const {
@@ -74,7 +69,7 @@ class Network : public testing::Test {
     return LinkEvent::other;
   }
 
-  fs::path place_;
+  TemporaryFolder place_;
   std::vector<int> sockets_;
 };
 

@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
+#include "tests/proto/temporary_folder.hpp"
 
 namespace strake {
 namespace {
@@ -30,16 +29,9 @@ Program toy() {
 
 class ParticipantMain : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "participant-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string file(const std::string& text) const {
     const auto path = folder_ / "case.toml";
-    std::ofstream(path) << text;
+    put(path, text);
     return path.string();
   }
   /// Runs main with these words and keeps what it prints.
@@ -54,7 +46,7 @@ class ParticipantMain : public testing::Test {
     err_ = testing::internal::GetCapturedStderr();
     return code;
   }
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
   std::string out_, err_;
 };
 

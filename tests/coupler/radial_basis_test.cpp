@@ -7,8 +7,8 @@
 #include "coupler/local_basis.hpp"
 #include "coupler/mapping.hpp"
 #include "coupler/patches.hpp"
-#include "proto/error.hpp"
 #include "tests/coupler/surfaces.hpp"
+#include "tests/proto/refusal.hpp"
 
 namespace strake {
 namespace {
@@ -67,15 +67,19 @@ TEST(RadialBasis, ReproducesConstantsAndDoesTheSameVirtualWork) {
         }
 }
 
+double error_of_a_linear_field(const Mapping& mapping, const InterfaceMesh& structure,
+                               const InterfaceMesh& fluid) {
+  const Field u = {"displacement", "m", false, linear(structure.position)};
+  return (mapping.consistent(u).value - linear(fluid.position)).cwiseAbs().maxCoeff();
+}
+
 TEST(RadialBasis, ReproducesLinearFieldsAndKeepsMoments) {
   for (const auto& [structure, fluid] :
        {std::pair{wavy(24), wavy(31, 0.3)}, std::pair{bow(90), bow(70, 0.3)}})
     for (const std::string& function : functions)
       for (const char* solve : {"partition", "global"}) {
         const Mapping mapping = radial_basis(structure, fluid, {.function = function, .solve = solve});
-        const Field u = {"displacement", "m", false, linear(structure.position)};
-        EXPECT_LE((mapping.consistent(u).value - linear(fluid.position)).cwiseAbs().maxCoeff(), 1e-11)
-            << function << " " << solve;
+        EXPECT_LE(error_of_a_linear_field(mapping, structure, fluid), 1e-11) << function << " " << solve;
         // Displacements of a rigid turn are linear: the moment of the force is kept.
         const Field f = {"force", "N", true, random_values(fluid.position.cols(), 2)};
         const MatrixXd on_structure = mapping.conservative(f).value;
@@ -98,9 +102,7 @@ TEST(RadialBasis, ReproducesLinearFieldsOnPlanesAndLines) {
     for (const std::string& function : functions)
       for (const char* solve : {"partition", "global"}) {
         const Mapping mapping = radial_basis(structure, fluid, {.function = function, .solve = solve});
-        const Field u = {"displacement", "m", false, linear(structure.position)};
-        EXPECT_LE((mapping.consistent(u).value - linear(fluid.position)).cwiseAbs().maxCoeff(), 1e-11)
-            << function << " " << solve;
+        EXPECT_LE(error_of_a_linear_field(mapping, structure, fluid), 1e-11) << function << " " << solve;
       }
 }
 
@@ -320,24 +322,14 @@ TEST(RadialBasis, HasWendlandsFunctions) {
   EXPECT_NEAR(plate[2], 4.1 * std::log(std::sqrt(4.1)), 1e-14);
 }
 
-void refused(const std::function<void()>& act, const std::string& part) {
-  try {
-    act();
-    FAIL() << "no error; expected one with: " << part;
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ExitCode::case_file);
-    EXPECT_NE(to_text(e).find(part), std::string::npos) << to_text(e);
-  }
-}
-
 TEST(RadialBasis, RefusesWhatCannotBeSolved) {
   const InterfaceMesh structure = wavy(50), small = wavy(12), fluid = wavy(10, 0.3);
-  refused([&] { radial_basis(structure, fluid, {.solve = "global"}); },
-          "all 2601 structure points for 121 fluid points is too much");
-  refused([&] { radial_basis(small, fluid, {.function = "wendland-c6", .support = 1e4}); },
-          "singular in double precision");
-  refused([&] { radial_basis(small, fluid, {.function = "gauss"}); },
-          "\"gauss\" is not a radial basis function");
+  expect_refused([&] { radial_basis(structure, fluid, {.solve = "global"}); },
+                 "all 2601 structure points for 121 fluid points is too much");
+  expect_refused([&] { radial_basis(small, fluid, {.function = "wendland-c6", .support = 1e4}); },
+                 "singular in double precision");
+  expect_refused([&] { radial_basis(small, fluid, {.function = "gauss"}); },
+                 "\"gauss\" is not a radial basis function");
 }
 
 }  // namespace

@@ -1,36 +1,15 @@
 #include "proto/case_file.hpp"
 
 #include <gtest/gtest.h>
-#include <algorithm>
-#include <cmath>
 #include <fstream>
 
 #include "proto/case_document.hpp"
 #include "tests/proto/plate_case.hpp"
+#include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 namespace strake {
 namespace {
-
-const std::string head =
-    "title = \"plate\"\n"
-    "end_time = 0.03\n"
-    "[fluid]\n"
-    "spacing = 0.01\n";
-
-PlateCase read(const std::string& text, const std::vector<std::string>& sets = {}) {
-  CaseFile file = CaseFile::parse(text, "case.toml", sets);
-  PlateCase c = read_plate(file);
-  file.refuse_unknown();
-  return c;
-}
-
-const KeyInfo& info(const CaseFile& file, const std::string& path) {
-  const auto& keys = file.declared();
-  const auto key = std::find_if(keys.begin(), keys.end(), [&](const KeyInfo& k) { return k.path == path; });
-  if (key == keys.end()) throw std::runtime_error("not declared: " + path);
-  return *key;
-}
 
 TEST(CaseFile, ReadsEveryKindOfValue) {
   const TemporaryFolder folder;
@@ -82,22 +61,6 @@ probe = "p_mid"
   EXPECT_EQ(c.compare[0].value[1], (std::pair<std::string, double>{"impulse", 3}));
 }
 
-TEST(CaseTable, ReadsAListOfPointsAndEchoesIt) {
-  CaseFile file = CaseFile::parse("outline = [[0, 0], [1, 0], [0.5, 1]]\nshort = [[0, 0], [1, 0]]\n");
-  std::vector<Eigen::Vector3d> outline, absent, short_one;
-  file.root().points("outline", outline, {.unit = "m"});
-  file.root().points("absent", absent, {.unit = "m"});
-  ASSERT_EQ(outline.size(), 3u);
-  EXPECT_EQ(outline[2], Eigen::Vector3d(0.5, 1, 0));
-  EXPECT_TRUE(absent.empty());
-  EXPECT_THROW(file.root().points("short", short_one, {.unit = "m"}), Error);
-  CaseFile again = CaseFile::parse(file.echo());
-  std::vector<Eigen::Vector3d> back;
-  again.root().points("outline", back, {.unit = "m"});
-  EXPECT_EQ(back, outline);
-  EXPECT_FALSE(again.root().has("absent"));
-}
-
 TEST(CaseFile, LeavesDefaultsWhereNothingIsGiven) {
   const PlateCase c = read(head);
   EXPECT_EQ(c.sound_speed, 1500);
@@ -106,156 +69,6 @@ TEST(CaseFile, LeavesDefaultsWhereNothingIsGiven) {
   EXPECT_EQ(c.common.window, 1e-5);
   EXPECT_EQ(c.common.fluid_solver, "mps");
   EXPECT_EQ(c.common.structure_solver, "fem");
-}
-
-TEST(CaseFile, TakesDefaultThenPresetThenCaseThenSet) {
-  const std::string text = "preset = \"paper\"\n" + head + "scheme.cfl = 0.3\n";
-  EXPECT_EQ(read(head).cfl, 0.2);
-  EXPECT_EQ(read("preset = \"paper\"\n" + head).cfl, 0.1);
-  EXPECT_EQ(read(text).cfl, 0.3);
-  EXPECT_EQ(read(text, {"fluid.scheme.cfl=0.4"}).cfl, 0.4);
-  const PlateCase paper = read(text);
-  EXPECT_TRUE(std::isinf(paper.sound_speed));
-  EXPECT_FALSE(paper.negative_pressure);
-  EXPECT_EQ(paper.degree, 1);
-  EXPECT_EQ(paper.material, PlateCase::Material::linear);
-
-  CaseFile file = CaseFile::parse(text, "case.toml", {"structure.fem.degree=2"});
-  read_plate(file);
-  EXPECT_EQ(info(file, "fluid.gravity").origin, "default");
-  EXPECT_EQ(info(file, "fluid.sound_speed").origin, "preset");
-  EXPECT_EQ(info(file, "fluid.scheme.cfl").origin, "case");
-  EXPECT_EQ(info(file, "structure.fem.degree").origin, "--set");
-}
-
-TEST(CaseFile, SetChoosesThePresetToo) {
-  CaseFile file = CaseFile::parse("preset = \"improved\"\n" + head, "case.toml", {"preset=paper"});
-  EXPECT_EQ(file.preset(), "paper");
-  EXPECT_EQ(read_plate(file).cfl, 0.1);
-}
-
-TEST(Set, IsReadAsTomlElseAsTextAndTheDeclarationDecides) {
-  const PlateCase c = read(head, {"structure.solver=rigid", "fluid.gravity=[0, -1]", "title=2024",
-                                  "fluid.spacing=.5", "fluid.sound_speed=inf", "structure.parts=hull",
-                                  "structure.material.model=\"linear\"", "output.every = 1e-3"});
-  EXPECT_EQ(c.common.structure_solver, "rigid");
-  EXPECT_EQ(c.gravity.y(), -1);
-  EXPECT_EQ(c.common.title, "2024");
-  EXPECT_EQ(c.spacing, 0.5);
-  EXPECT_TRUE(std::isinf(c.sound_speed));
-  EXPECT_EQ(c.parts, std::vector<std::string>{"hull"});
-  EXPECT_EQ(c.material, PlateCase::Material::linear);
-  EXPECT_EQ(c.common.output_every, 1e-3);
-}
-
-TEST(Set, OfOneKeyCannotBringAnother) {
-  EXPECT_EQ(read(head, {"title=1\nend_time = 7"}).common.end_time, 0.03);
-}
-
-TEST(Set, ReachesIntoAListOfTablesAndAddsAnElement) {
-  const std::string probe = "[[output.probe]]\nname = \"a\"\nof = \"fluid\"\nat = [0, 0]\n";
-  const PlateCase c = read(head + probe, {"output.probe[0].diameter=0.5", "output.probe[1].name=b",
-                                          "output.probe[1].of=structure", "output.probe[1].at=[1,2]"});
-  ASSERT_EQ(c.common.probes.size(), 2u);
-  EXPECT_EQ(c.common.probes[0].diameter, 0.5);
-  EXPECT_EQ(c.common.probes[1].name, "b");
-  EXPECT_EQ(c.common.probes[1].at.y(), 2);
-}
-
-TEST(Set, LaterWinsOverEarlier) {
-  EXPECT_EQ(read(head, {"fluid.spacing=1", "fluid.spacing=2"}).spacing, 2);
-  EXPECT_EQ(read(head, {"fluid.scheme.cfl=0.9", "fluid.scheme={negative_pressure=false}"}).cfl, 0.2);
-}
-
-TEST(CaseFile, EchoReadsBackToTheSameValues) {
-  const TemporaryFolder folder;
-  put(folder / "curve \"1\".csv", "x [m]\n");
-  put(folder / "solver", "");
-  put(folder / "case.toml",
-      "title = \"a \\\"quoted\\\" \\\\ tab\\t é\\u0001\"\n" + head.substr(head.find('\n') + 1) + R"(
-sound_speed = inf
-[structure]
-solver = "./solver"
-parts = []
-[[output.probe]]
-name = "mid"
-of = "fluid"
-at = [0.1, 1e-300]
-[[compare]]
-probe = "mid"
-reference = "curve \"1\".csv"
-when = { "structure.solver" = ["fem"], "fluid.sound_speed" = [inf, 0.1] }
-value = { first_peak = -1e22 }
-[[compare]]
-probe = "p"
-[[compare]]
-probe = "q"
-value = { final = 0.1 }
-)");
-  CaseFile file = CaseFile::load(folder / "case.toml", {"preset=paper", "structure.fem.degree=2"});
-  read_plate(file);
-  const TemporaryFolder elsewhere;
-  put(elsewhere / "case.toml", file.echo());
-  CaseFile again = CaseFile::load(elsewhere / "case.toml");
-  read_plate(again);
-  again.refuse_unknown();
-  ASSERT_EQ(again.declared().size(), file.declared().size());
-  for (const KeyInfo& key : file.declared()) EXPECT_EQ(info(again, key.path).value, key.value) << key.path;
-  EXPECT_EQ(info(again, "structure.solver").value, std::filesystem::absolute(folder / "solver").string());
-}
-
-TEST(CaseFile, EchoNamesUnitAndOriginOfEachKeyBelowAPrefix) {
-  CaseFile file = CaseFile::parse(head, "case.toml", {"fluid.scheme.cfl=0.25"});
-  read_plate(file);
-  EXPECT_EQ(file.echo("fluid"),
-            "[fluid]\n"
-            "solver = \"mps\"  # default\n"
-            "spacing = 0.01  # m, case\n"
-            "sound_speed = 1500  # m/s, default\n"
-            "gravity = [0, -9.81, 0]  # m/s^2, default\n"
-            "# tank is not given\n"
-            "\n"
-            "[fluid.scheme]\n"
-            "cfl = 0.25  # --set\n"
-            "negative_pressure = true  # default\n");
-}
-
-TEST(CaseFile, DeclaringAKeyAgainChangesNothing) {
-  CaseFile file = CaseFile::parse(head);
-  read_plate(file);
-  const std::size_t n = file.declared().size();
-  const std::string echo = file.echo();
-  EXPECT_EQ(read_plate(file).spacing, 0.01);
-  EXPECT_EQ(file.declared().size(), n);
-  EXPECT_EQ(file.echo(), echo);
-}
-
-TEST(CaseFile, DeclarationsNeedNoFile) {
-  CaseFile file = CaseFile::declarations_only();
-  EXPECT_TRUE(file.only_declares());
-  read_plate(file);
-  file.refuse_unknown();
-  const KeyInfo& spacing = info(file, "fluid.spacing");
-  EXPECT_EQ(spacing.type, "number");
-  EXPECT_EQ(spacing.unit, "m");
-  EXPECT_EQ(spacing.range, "greater than 0");
-  EXPECT_EQ(spacing.default_value, "");
-  EXPECT_EQ(info(file, "fluid.scheme.cfl").paper_value, "0.1");
-  EXPECT_EQ(info(file, "output.probe[].name").type, "text");
-  EXPECT_EQ(info(file, "compare").type, "table");
-  EXPECT_EQ(info(file, "structure.mesh").type, "not built");
-  EXPECT_EQ(info(file, "structure.material.model").choices,
-            (std::vector<std::string>{"linear", "saint_venant_kirchhoff"}));
-}
-
-TEST(CaseFile, DeclarationsGoThroughJsonAndBack) {
-  CaseFile file = CaseFile::declarations_only();
-  read_plate(file);
-  const std::vector<KeyInfo> back = keys_from_json(to_json(file.declared()));
-  ASSERT_EQ(back.size(), file.declared().size());
-  EXPECT_EQ(to_json(back), to_json(file.declared()));
-  EXPECT_THROW(keys_from_json("{"), Error);
-  EXPECT_THROW(keys_from_json("[{\"path\": 3}]"), Error);
 }
 
 TEST(CaseFile, HashChangesWithTheFileTheSetsAndTheFilesItNames) {
@@ -341,13 +154,7 @@ TEST(CaseFile, KnowsItsFolder) {
 TEST(CaseFile, SaysWhyAFileCannotBeRead) {
   const TemporaryFolder folder;
   const auto text = [](const std::filesystem::path& path) {
-    try {
-      CaseFile::load(path);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::case_file);
-      return to_text(error);
-    }
-    return std::string("no error");
+    return text_of_error([&] { CaseFile::load(path); }, ExitCode::case_file);
   };
   EXPECT_TRUE(text(folder / "no.toml").starts_with((folder / "no.toml").string() + ": no such file\n"));
   EXPECT_TRUE(text(folder.path()).starts_with(folder.path().string() + ": is a folder, not a file\n"));
@@ -381,16 +188,6 @@ TEST(CaseFile, WithDamagedBytesIsReadOrRefusedButNeverCrashes) {
   }
 }
 
-TEST(Toml, NumbersAreShortAndReadBack) {
-  EXPECT_EQ(to_toml(2.1e11), "2.1e11");
-  EXPECT_EQ(to_toml(1e-5), "1e-5");
-  EXPECT_EQ(to_toml(1500.0), "1500");
-  EXPECT_EQ(to_toml(-0.1), "-0.1");
-  EXPECT_EQ(to_toml(std::numeric_limits<double>::infinity()), "inf");
-  for (const double x : {0.1 + 0.2, 1e100, 5e-324, -1.7976931348623157e308, 1e5, 123456789.0})
-    EXPECT_EQ(toml::parse("x = " + to_toml(x))["x"].value<double>(), x);
-}
-
 TEST(Path, SplitsIntoKeysAndIndices) {
   const auto steps = split_path("compare[12].when.\"structure.solver\"");
   ASSERT_EQ(steps.size(), 4u);
@@ -399,12 +196,6 @@ TEST(Path, SplitsIntoKeysAndIndices) {
   for (const char* bad : {"", ".", "a..b", "a.", "a[", "a[x]", "[0]", "a b", "\"a", "a\"b\"", "a[0]b"})
     EXPECT_TRUE(split_path(bad).empty()) << bad;
   EXPECT_EQ(parent_and_name("a[0].\"b.c\""), (std::pair<std::string, std::string>{"a[0]", "b.c"}));
-}
-
-// What is not UTF-8 could be stored in the resolved case, which nobody could read again.
-TEST(CaseFile, ASetThatIsNoTextIsRefused) {
-  EXPECT_THROW(CaseFile::parse("end_time = 1", "case.toml", {"title=\xc9\xc9"}), Error);
-  EXPECT_NO_THROW(CaseFile::parse("end_time = 1", "case.toml", {"title=Zürich"}));
 }
 
 }  // namespace

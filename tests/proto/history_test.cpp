@@ -5,7 +5,7 @@
 #include <limits>
 #include <memory>
 
-#include "proto/error.hpp"
+#include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 namespace strake {
@@ -13,17 +13,6 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 const std::vector<Column> columns{{"time", "s"}, {"force.y", "N"}, {"CFL", "1"}};
-
-template <class Action>
-std::string text_of_error(Action action, ExitCode code) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code);
-    return to_text(error);
-  }
-  return "no error";
-}
 
 TEST(History, WritesNamesWithUnitsThenOneLinePerRow) {
   const TemporaryFolder folder;

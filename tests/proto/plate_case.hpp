@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,27 @@ inline PlateCase read_plate(CaseFile& file) {
     c.compare.push_back(compare);
   }
   return c;
+}
+
+/// The top of its case file, up to the keys of [fluid].
+inline const std::string head =
+    "title = \"plate\"\n"
+    "end_time = 0.03\n"
+    "[fluid]\n"
+    "spacing = 0.01\n";
+
+inline PlateCase read(const std::string& text, const std::vector<std::string>& sets = {}) {
+  CaseFile file = CaseFile::parse(text, "case.toml", sets);
+  PlateCase c = read_plate(file);
+  file.refuse_unknown();
+  return c;
+}
+
+inline const KeyInfo& info(const CaseFile& file, const std::string& path) {
+  const auto& keys = file.declared();
+  const auto key = std::find_if(keys.begin(), keys.end(), [&](const KeyInfo& k) { return k.path == path; });
+  if (key == keys.end()) throw std::runtime_error("not declared: " + path);
+  return *key;
 }
 
 }  // namespace strake

@@ -5,23 +5,12 @@
 #include <csignal>
 #include <limits>
 
-#include "proto/error.hpp"
 #include "proto/hdf5_file.hpp"
+#include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 namespace strake {
 namespace {
-
-template <class Action>
-std::string text_of_error(Action action, ExitCode code) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code);
-    return to_text(error);
-  }
-  return "no error";
-}
 
 Archive some_archive() {
   Archive archive;

@@ -1,24 +1,10 @@
 // Real processes over ipc that die, freeze, lie or never speak. A step lasts 5 s: whatever ends earlier was
 // noticed inside it. Times are printed, not judged.
 
-#include "coupler/launch.hpp"
-#include "coupler/remote.hpp"
 #include "coupler/stop_request.hpp"
-#include "proto/error.hpp"
-#include "tests/text/golden.hpp"
+#include "tests/system/faults.hpp"
 
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <sstream>
-#include <thread>
 
 namespace strake {
 namespace {
@@ -26,107 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
-
-std::string read(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
-  return n;
-}
-
-fs::path folder_of(const std::string& endpoint) {
-  return fs::path(endpoint.substr(6)).parent_path();
-}
-
-/// Whether the process exists; a zombie has ended.
-bool runs(pid_t pid) {
-  const std::string stat = read(fmt::format("/proc/{}/stat", pid));
-  const std::size_t name_end = stat.rfind(')');
-  return name_end != std::string::npos && stat[name_end + 2] != 'Z';
-}
-
-class Faults : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "fault_test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    options_.say = [this](const std::string& line) { said_ += line + "\n"; };
-    options_.case_hash.fill(0x2a);
-  }
-  void TearDown() override {
-    EXPECT_FALSE(fs::exists(folder_of(endpoint_))) << "the socket's folder is left behind";
-    EXPECT_NE(waitpid(-1, nullptr, WNOHANG), 0) << "a process is left behind";
-    fs::remove_all(folder_);
-  }
-
-  Roster& roster() {
-    if (!roster_) {
-      roster_ = std::make_unique<Roster>(options_);
-      endpoint_ = roster_->endpoint();
-    }
-    return *roster_;
-  }
-  fs::path log(const std::string& name) const { return folder_ / (name + ".log"); }
-  void launch(const std::string& name, const std::string& fault, int at = 1) {
-    roster().launch(name, {fs::path(STRAKE_TOYS) / "toy_participant",
-                           {"--fault", fault, "--at", std::to_string(at)},
-                           log(name),
-                           1,
-                           {}});
-  }
-  pid_t pid_of(const std::string& name) const {
-    const std::string text = read(log(name));
-    const std::size_t at = text.find("process ");
-    return at == std::string::npos ? 0 : static_cast<pid_t>(std::stol(text.substr(at + 8)));
-  }
-  void wait_for(const fs::path& file, const std::string& text) const {
-    for (int i = 0; i < 1000 && read(file).find(text) == std::string::npos; ++i)
-      std::this_thread::sleep_for(milliseconds(5));
-  }
-  /// The error that `act` ends with; the coupler's work is over when this returns, everything is ended.
-  Error error_of(const std::function<void()>& act) {
-    std::optional<Error> error;
-    try {
-      act();
-    } catch (const Error& e) {
-      error = e;
-    }
-    roster_.reset();
-    if (!error) {
-      ADD_FAILURE() << "no error";
-      return {ExitCode::done, "", ""};
-    }
-    fmt::print("{}{}", said_, to_text(*error));
-    expect_stored("faults.txt", this_test(), without_chance(said_ + to_text(*error), folder_.string()));
-    return *error;
-  }
-  /// Sends a signal to a participant once it is inside its step.
-  std::thread signal_inside_step(const std::string& name, int number) {
-    return std::thread([this, name, number] {
-      wait_for(log(name), "step begins");
-      signalled_ = steady_clock::now();
-      kill(pid_of(name), number);
-    });
-  }
-  void report_delay() const {
-    const double delay = std::chrono::duration<double>(steady_clock::now() - signalled_).count();
-    fmt::print("{:.3f} s after the signal\n", delay);
-    RecordProperty("seconds_after_the_signal", fmt::format("{:.3f}", delay));
-  }
-
-  Roster::Options options_;
-  fs::path folder_;
-  std::string said_, endpoint_;
-  std::unique_ptr<Roster> roster_;
-  steady_clock::time_point signalled_;
-};
 
 TEST_F(Faults, TwoProcessesRunWindowsWithRewindsAndEndInOrder) {
   launch("structure", "");
@@ -148,8 +33,8 @@ TEST_F(Faults, TwoProcessesRunWindowsWithRewindsAndEndInOrder) {
   }
   roster().finish();
   for (const char* name : {"fluid", "structure"}) {
-    EXPECT_EQ(count(read(log(name)), "rewind"), 3u);
-    EXPECT_NE(read(log(name)).find("commit 3 and write"), std::string::npos)
+    EXPECT_EQ(count(content(log(name)), "rewind"), 3u);
+    EXPECT_NE(content(log(name)).find("commit 3 and write"), std::string::npos)
         << "the last commit rides on Stop";
   }
   roster_.reset();
@@ -162,12 +47,12 @@ TEST_F(Faults, ACheckpointHoldsTheLastCommitAndResumesInANewProcess) {
     first.advance({0.1 * window, 0.1}, {});
     first.commit(false);
   }
-  first.checkpoint(folder_);
+  first.checkpoint(folder_.path());
   roster().finish();
   roster_.reset();
   launch("structure", "");
   RemoteParticipant& second = roster().connect("structure", {});
-  second.resume(folder_);
+  second.resume(folder_.path());
   EXPECT_EQ(second.advance({0.2, 0.1}, {}).output.at(0).value(0, 0), 2);
   roster().finish();
   roster_.reset();
@@ -192,8 +77,9 @@ TEST_F(Faults, AKilledParticipantIsNamedInsideItsStepWithWindowAndTime) {
   EXPECT_EQ(e.where(), "structure, window 2 (t = 0.25 s), iteration 1");
   EXPECT_NE(e.problem().find("was killed by signal 9 (Killed) while Advance was awaited"), std::string::npos);
   EXPECT_NE(e.fix().find("structure.log"), std::string::npos);
-  EXPECT_EQ(read(log("structure")).find("step ends"), std::string::npos);
-  EXPECT_EQ(read(log("fluid")).find("SIGTERM"), std::string::npos) << "an idle participant is told to stop";
+  EXPECT_EQ(content(log("structure")).find("step ends"), std::string::npos);
+  EXPECT_EQ(content(log("fluid")).find("SIGTERM"), std::string::npos)
+      << "an idle participant is told to stop";
 }
 
 TEST_F(Faults, ADeadPartnerIsNamedWhileAnotherParticipantIsAwaited) {
@@ -216,7 +102,7 @@ TEST_F(Faults, ADeadPartnerIsNamedWhileAnotherParticipantIsAwaited) {
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
   EXPECT_EQ(e.where(), "structure, after window 1 (t = 0.1 s)");
   EXPECT_NE(e.problem().find("signal 9"), std::string::npos);
-  EXPECT_NE(read(log("fluid")).find("ended by SIGTERM"), std::string::npos)
+  EXPECT_NE(content(log("fluid")).find("ended by SIGTERM"), std::string::npos)
       << "a busy participant is terminated";
 }
 
@@ -253,7 +139,7 @@ TEST_F(Faults, AThawedParticipantGoesOnWhereItWas) {
   roster_.reset();
   EXPECT_NE(said_.find("no heartbeat"), std::string::npos) << said_;
   EXPECT_NE(said_.find("is back"), std::string::npos) << said_;
-  EXPECT_EQ(count(read(log("structure")), "commit"), 3u);
+  EXPECT_EQ(count(content(log("structure")), "commit"), 3u);
 }
 
 TEST_F(Faults, AProgramThatNeverSpeaksIsGivenUpWithTheNameOfItsLog) {
@@ -280,7 +166,7 @@ TEST_F(Faults, AParticipantWithAnotherCaseIsRefused) {
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
   EXPECT_NE(said_.find("another case"), std::string::npos) << said_;
   EXPECT_NE(e.problem().find("was refused: structure has read another case"), std::string::npos);
-  EXPECT_NE(read(log("structure")).find("the coupler refused this participant"), std::string::npos);
+  EXPECT_NE(content(log("structure")).find("the coupler refused this participant"), std::string::npos);
 }
 
 TEST_F(Faults, ACrashIsNamedByItsSignal) {
@@ -307,7 +193,7 @@ TEST_F(Faults, ASolversOwnErrorArrivesWithPlaceProblemAndFix) {
   EXPECT_EQ(e.where(), "fluid, window 1 (t = 0.5 s), iteration 1, toy");
   EXPECT_EQ(e.problem(), "pressure did not converge\n500 iterations");
   EXPECT_EQ(e.fix(), "lower fluid.scheme.cfl");
-  EXPECT_NE(read(log("fluid")).find("pressure did not converge"), std::string::npos);
+  EXPECT_NE(content(log("fluid")).find("pressure did not converge"), std::string::npos);
 }
 
 TEST_F(Faults, AValueThatIsNotFiniteIsASolverFault) {
@@ -346,7 +232,7 @@ TEST_F(Faults, AParticipantStartedByHandEndsWithItsCoupler) {
   ASSERT_TRUE(exit);
   report_delay();
   EXPECT_EQ(exit->code, static_cast<int>(ExitCode::participant_lost));
-  EXPECT_NE(read(log("structure")).find("the coupler is gone"), std::string::npos);
+  EXPECT_NE(content(log("structure")).find("the coupler is gone"), std::string::npos);
 }
 
 TEST_F(Faults, CtrlCInsideALongStepEndsTheRun) {
@@ -364,83 +250,6 @@ TEST_F(Faults, CtrlCInsideALongStepEndsTheRun) {
   user.join();
   report_delay();
   EXPECT_EQ(e.code(), ExitCode::interrupted);
-}
-
-/// The coupler as a process of its own, so that it can be killed.
-class CouplerFaults : public Faults {
- protected:
-  Child couple(const std::string& fault) {
-    Child coupler({fs::path(STRAKE_TOYS) / "toy_coupler",
-                   {fs::path(STRAKE_TOYS) / "toy_participant", log("structure"), fault},
-                   log("coupler"),
-                   1,
-                   {}});
-    wait_for(log("structure"), "step begins");
-    std::istringstream(read(log("coupler"))) >> endpoint_;
-    return coupler;
-  }
-};
-
-class DeadCoupler : public CouplerFaults, public testing::WithParamInterface<const char*> {};
-INSTANTIATE_TEST_SUITE_P(, DeadCoupler, testing::Values("sleep", "deaf"));
-
-TEST_P(DeadCoupler, EndsItsParticipantInsideAStepWhateverBecameOfItsSignals) {
-  Child coupler = couple(GetParam());
-  const pid_t participant = pid_of("structure");
-  ASSERT_TRUE(fs::exists(folder_of(endpoint_)));
-  signalled_ = steady_clock::now();
-  kill(coupler.pid(), SIGKILL);
-  int status = 0;
-  EXPECT_TRUE(coupler.wait(milliseconds(1000)));
-  while (waitpid(participant, &status, 0) < 0 && runs(participant)) {
-  }  // its parent is this process now
-  report_delay();
-  EXPECT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), static_cast<int>(ExitCode::participant_lost));
-  EXPECT_NE(read(log("structure")).find(fmt::format("the coupler (process {}) is gone", coupler.pid())),
-            std::string::npos);
-  EXPECT_EQ(read(log("structure")).find("step ends"), std::string::npos);
-}
-
-TEST_F(CouplerFaults, ASuspendedCouplerIsWaitedForAndGoesOn) {
-  Child coupler = couple("nap");
-  kill(coupler.pid(), SIGSTOP);
-  wait_for(log("structure"), "no heartbeat from the coupler");
-  EXPECT_TRUE(runs(pid_of("structure")));
-  kill(coupler.pid(), SIGCONT);
-  const auto exit = coupler.wait(std::chrono::seconds(20));
-  ASSERT_TRUE(exit);
-  EXPECT_EQ(exit->code, 0) << read(log("coupler"));
-  EXPECT_NE(read(log("structure")).find("commit 3"), std::string::npos) << read(log("structure"));
-}
-
-TEST_F(CouplerFaults, CtrlCEndsAllProcessesAndExits130) {
-  Child coupler = couple("sleep");
-  const pid_t participant = pid_of("structure");
-  signalled_ = steady_clock::now();
-  kill(coupler.pid(), SIGINT);
-  const auto exit = coupler.wait(std::chrono::seconds(10));
-  ASSERT_TRUE(exit);
-  report_delay();
-  EXPECT_EQ(exit->code, 130) << read(log("coupler"));
-  EXPECT_FALSE(runs(participant));
-}
-
-TEST_F(CouplerFaults, ASecondCtrlCEndsAtOnceAndLeavesNothing) {
-  Child coupler = couple("sleep");
-  const pid_t participant = pid_of("structure");
-  kill(coupler.pid(), SIGINT);
-  while (read(fmt::format("/proc/{}/status", coupler.pid())).find("SigPnd:\t0000000000000000") ==
-         std::string::npos) {
-  }  // until the first is delivered: two at once would count as one
-  std::this_thread::sleep_for(milliseconds(20));
-  kill(coupler.pid(), SIGINT);
-  const auto exit = coupler.wait(std::chrono::seconds(4));
-  ASSERT_TRUE(exit);
-  EXPECT_EQ(exit->code, 130);
-  while (waitpid(participant, nullptr, 0) < 0 && runs(participant)) {
-  }
-  EXPECT_FALSE(runs(participant));
 }
 
 }  // namespace

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "proto/error.hpp"
+
+namespace strake {
+
+/// The whole text of the error that `act` ends with, which has this code.
+inline std::string text_of_error(const std::function<void()>& act, ExitCode code) {
+  try {
+    act();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code);
+    return to_text(error);
+  }
+  ADD_FAILURE() << "no error";
+  return {};
+}
+
+/// `act` asks for what no case may ask for, and the error says so with these words.
+inline void expect_refused(const std::function<void()>& act, const std::string& words) {
+  const std::string text = text_of_error(act, ExitCode::case_file);
+  EXPECT_NE(text.find(words), std::string::npos) << "expected: " << words << "\n" << text;
+}
+
+}  // namespace strake
