@@ -10,211 +10,71 @@ the table says which. Exits 1 when an exit code, a resume, a text, or what is le
 
 With --texts what the run says is held against the block of that name in FILE; STRAKE_WRITE_TEXTS=1 writes the blocks anew.
 """
-import ctypes
 import os
 import pathlib
 import re
-import resource
 import signal
 import socket
 import subprocess
 import tempfile
-import threading
 import time
 
 import runs
+from faulty_runs import Place, Run, adopt_orphans, make_room, may_mount, mount, unmount
 
-LIBC = ctypes.CDLL(None, use_errno=True)
 ONE = "coupling.surface.converged.max_iterations=1"
 PARALLEL = "coupling.surface.scheme=parallel"
 SCHEMES = {"serial explicit": [ONE], "serial implicit": [], "parallel explicit": [PARALLEL, ONE], "parallel implicit": [PARALLEL]}
-CASE = """title = "two toys"
-end_time = 0.04
-[fluid]
-solver = "{toy}"
-[structure]
-solver = "{toy}"
-[coupling.surface]
-window = 1e-3
-[coupling]
-frozen_after = 2.0
-start_within = 1.5
-[run]
-checkpoint_windows = 5
-"""
 AT = 12  # the window in which it happens; the checkpoint before it is of window 10
-
-
-def processes(word):
-    """pid → state of every process whose command line or environment holds `word`, and of zombies of ours."""
-    found = {}
-    for entry in pathlib.Path("/proc").iterdir():
-        if not entry.name.isdigit() or int(entry.name) == os.getpid():
-            continue
-        try:
-            stat = (entry / "stat").read_text().rsplit(")", 1)[1].split()
-            known = word in (entry / "cmdline").read_bytes().decode(errors="replace")
-        except OSError:
-            continue
-        if known or (stat[0] == "Z" and int(stat[1]) == os.getpid()):
-            found[int(entry.name)] = stat[0]
-    return found
-
-
-class Run:
-    """`strake run` of the toys, or of a case; its messages with the times at which they came."""
-
-    def __init__(self, place, *words, sets=(), toy="", case=None, limit=None, start=True):
-        self.place, self.words, self.case = place, words, case or place.case
-        self.folder = place.path / "runs" / self.case.stem
-        self.sets, self.toy, self.limit = sets, toy, limit
-        self.lines, self.notes = [], []  # (monotonic time, text) of standard error and of standard output
-        if start:
-            self.start()
-
-    def start(self, *more):
-        words = [str(self.place.program), "run", str(self.case), *self.words, *more]
-        for pair in self.sets:
-            words += ["--set", pair]
-        environment = dict(runs.ENVIRONMENT | dict(os.environ), NO_COLOR="1", XDG_RUNTIME_DIR=str(self.place.sockets))
-        environment.pop("STRAKE_TOY", None)
-        if self.toy:
-            environment["STRAKE_TOY"] = self.toy
-        limit = self.limit
-        self.process = subprocess.Popen(
-            words, cwd=self.place.path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            preexec_fn=(lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))) if limit else None)
-        self.readers = [threading.Thread(target=self.read, args=pair)
-                        for pair in ((self.process.stderr, self.lines), (self.process.stdout, self.notes))]
-        for reader in self.readers:
-            reader.start()
-
-    @staticmethod
-    def read(stream, lines):
-        for line in stream:
-            lines.append((time.monotonic(), line.rstrip()))
-
-    def wait_for(self, what, seconds=60):
-        end = time.monotonic() + seconds
-        while not what() and time.monotonic() < end and self.process.poll() is None:
-            time.sleep(0.005)
-
-    def log(self, name):
-        try:
-            return (self.folder / f"{name}.log").read_text()
-        except OSError:
-            return ""
-
-    def pid(self, name):
-        return self.process.pid if name == "strake" else int(self.log(name).split("process ", 1)[1].split(",")[0])
-
-    def rows(self):
-        try:
-            return (self.folder / "history.csv").read_bytes().count(b"\n") - 1
-        except OSError:
-            return 0
-
-    def end(self, seconds=60):
-        try:
-            self.process.wait(seconds)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            self.process.wait()
-            self.lines.append((time.monotonic(), "HANGS"))
-        for reader in self.readers:
-            reader.join()
-        return self.process.returncode
-
-    def fault_time(self):
-        """When a toy did what it was asked to do."""
-        times = [float(line.split()[-1]) for name in ("fluid", "structure") for line in self.log(name).splitlines()
-                 if "fault at " in line]
-        return min(times, default=None)
-
-    def history(self):
-        return [(self.folder / name).read_bytes() for name in ("history.csv", "iterations.csv")]
-
-
-class Place:
-    def __init__(self, options, path):
-        self.path, self.program = path, options.bin_dir.resolve() / "strake"
-        self.sockets = path / "sockets"
-        self.sockets.mkdir(mode=0o700)
-        self.case = path / "toys.toml"
-        self.toy = options.toys.resolve() / "toy_participant"
-        self.case.write_text(CASE.format(toy=self.toy))
-
-    def left(self):
-        """What the run left behind, after the second that the participants of a killed coupler may take."""
-        end = time.monotonic() + 1
-        while True:
-            while True:  # orphans come to this process
-                try:
-                    if os.waitpid(-1, os.WNOHANG)[0] == 0:
-                        break
-                except ChildProcessError:
-                    break
-            still = processes(str(self.path))
-            left = [f"process {pid} ({state})" for pid, state in still.items()]
-            left += [f"socket {path.name}" for path in self.sockets.iterdir()]
-            if not left or time.monotonic() > end:
-                for pid in still:
-                    os.kill(pid, signal.SIGKILL)
-                return ", ".join(left)
-            time.sleep(0.02)
 
 
 # ---- what happens: each returns the Run and the time from which its message is awaited (None: the toy says it)
 
-def strike_inside(name, number):
-    """A signal to one process while the structure is inside a step that lasts a minute."""
+def in_its_step(run):
+    return "step begins" in run.log("structure")
+
+
+def awaited_in_vain(run):
+    waits = "fault at" in run.log("structure")
+    if waits:
+        time.sleep(0.1)
+    return waits
+
+
+def strike(name, number, toy=f"structure:sleep:{AT}", when=in_its_step):
+    """A signal to one process as soon as `when` holds of the run; without one, while the structure is inside a step of a minute."""
     def act(place, sets):
-        run = Run(place, sets=sets, toy=f"structure:sleep:{AT}")
-        run.wait_for(lambda: "step begins" in run.log("structure"))
+        run = Run(place, sets=sets, toy=toy)
+        run.wait_for(lambda: when(run))
         pid, struck = run.pid(name), time.monotonic()
         os.kill(pid, number)
         return run, struck
     return act
 
 
-def strike_idle_partner(place, sets):
-    run = Run(place, sets=sets, toy=f"structure:sleep:{AT}")
-    run.wait_for(lambda: "step begins" in run.log("structure"))
-    pid, struck = run.pid("fluid"), time.monotonic()
-    os.kill(pid, signal.SIGKILL)
-    return run, struck
+def in_set_up(number):
+    return strike("strake", number, "structure:mute:1", awaited_in_vain)
+
+
+def between_windows(number):
+    return strike("strake", number, "structure:slow:0", lambda run: run.rows() >= AT)
 
 
 def toy(kind, name="structure", at=AT):
     return lambda place, sets: (Run(place, sets=sets, toy=f"{name}:{kind}:{at}"), None)
 
 
-def during_setup(number):
-    def act(place, sets):
-        run = Run(place, sets=sets, toy="structure:mute:1")
-        run.wait_for(lambda: "fault at" in run.log("structure"))
-        time.sleep(0.1)
-        struck = time.monotonic()
-        os.kill(run.process.pid, number)
-        return run, struck
-    return act
-
-
-def between_windows(number):
-    def act(place, sets):
-        run = Run(place, sets=sets, toy="structure:slow:0")
-        run.wait_for(lambda: run.rows() >= AT)
-        struck = time.monotonic()
-        os.kill(run.process.pid, number)
-        return run, struck
-    return act
+def napping(place, sets):
+    """A run whose structure is inside a step that lasts a few seconds, and when that was seen."""
+    run = Run(place, sets=sets, toy=f"structure:nap:{AT}")
+    run.wait_for(lambda: in_its_step(run))
+    return run, time.monotonic()
 
 
 def suspended_for_a_while(name):
     def act(place, sets):
-        run = Run(place, sets=sets, toy=f"structure:nap:{AT}")
-        run.wait_for(lambda: "step begins" in run.log("structure"))
-        pid, struck = run.pid(name), time.monotonic()
+        run, struck = napping(place, sets)
+        pid = run.pid(name)
         os.kill(pid, signal.SIGSTOP)
         time.sleep(1.7)
         os.kill(pid, signal.SIGCONT)
@@ -224,8 +84,7 @@ def suspended_for_a_while(name):
 
 def stranger(place, sets):
     """Noise on the socket of a run that is under way, and one who knows the protocol but not the token."""
-    run = Run(place, sets=sets, toy=f"structure:nap:{AT}")
-    run.wait_for(lambda: "step begins" in run.log("structure"))
+    run, _ = napping(place, sets)
     hub = next(place.sockets.glob("strake-*/*"))
     for noise in (b"GET / HTTP/1.1\r\n\r\n", bytes(64), b"\xff" * 4096):
         with socket.socket(socket.AF_UNIX) as line:
@@ -237,43 +96,41 @@ def stranger(place, sets):
 
 
 def second_run_in_the_folder(place, sets):
-    run = Run(place, sets=sets, toy=f"structure:nap:{AT}")
-    run.wait_for(lambda: "step begins" in run.log("structure"))
-    struck = time.monotonic()
+    run, struck = napping(place, sets)
     other = Run(place, "--resume", sets=sets)
     other_code = other.end()
     run.lines.extend(other.lines)
-    run.expected_other = other_code == 2
+    run.wrong += [] if other_code == 2 else [f"the second run: exit {other_code}, expected 2"]
     return run, struck
 
 
-def stale_files(place, sets):
-    """What a killed run may leave: an unfinished file, an unfinished checkpoint, a row cut short; then --resume."""
-    run, _ = strike_inside("strake", signal.SIGKILL)(place, sets)
-    run.end()
-    place.left()
-    (run.folder / "summary.json.part").write_text("{")
-    (run.folder / "checkpoint" / "000011").mkdir()
-    (run.folder / "checkpoint" / "latest.new").symlink_to("000011")
-    with (run.folder / "history.csv").open("a") as file:
+def killed_then_resumed(spoil):
+    """`strake` is killed, something befalls what it has written, and the run is resumed."""
+    def act(place, sets):
+        run, _ = strike("strake", signal.SIGKILL)(place, sets)
+        run.end()
+        place.left()
+        spoil(run.folder)
+        run.toy = ""
+        struck = time.monotonic()
+        run.start("--resume")
+        return run, struck
+    return act
+
+
+def stale_files(folder):
+    """What a killed run may leave: an unfinished file, an unfinished checkpoint, a row cut short."""
+    (folder / "summary.json.part").write_text("{")
+    (folder / "checkpoint" / "000011").mkdir()
+    (folder / "checkpoint" / "latest.new").symlink_to("000011")
+    with (folder / "history.csv").open("a") as file:
         file.write("12,0.01")
-    run.toy = ""
-    struck = time.monotonic()
-    run.start("--resume")
-    return run, struck
 
 
-def damaged_checkpoint(place, sets):
+def damaged_checkpoint(folder):
     """The latest checkpoint is cut short: the one before it is taken, and that is said."""
-    run, _ = strike_inside("strake", signal.SIGKILL)(place, sets)
-    run.end()
-    place.left()
-    file = run.folder / "checkpoint" / "latest" / "coupler.h5"
+    file = folder / "checkpoint" / "latest" / "coupler.h5"
     file.write_bytes(file.read_bytes()[:1000])
-    run.toy = ""
-    struck = time.monotonic()
-    run.start("--resume")
-    return run, struck
 
 
 def stale_socket(place, sets):
@@ -285,17 +142,6 @@ def stale_socket(place, sets):
 
 
 # ---- a full disk: a small tmpfs in a name space of this process, or a limit on the size of files
-
-def may_mount():
-    """Leaves the name space of mounts of everybody else, where that is allowed."""
-    new_mounts, private = 0x00020000, 0x00044000  # CLONE_NEWNS; MS_REC | MS_PRIVATE
-    return LIBC.unshare(new_mounts) == 0 and LIBC.mount(b"none", b"/", None, private, None) == 0
-
-
-def mount(folder, size, again=0):
-    if LIBC.mount(b"tmpfs", str(folder).encode(), b"tmpfs", again, f"size={size}".encode()) != 0:
-        raise SystemExit(f"no tmpfs at {folder}: {os.strerror(ctypes.get_errno())}")
-
 
 PLATE = runs.ROOT / "cases" / "plate_entry.toml"
 QUICK_PLATE = ["structure.solver=rigid", "fluid.spacing=0.02", "structure.plate.bottom=[0,0.024,0]", "end_time=4e-4",
@@ -328,24 +174,24 @@ def full_disk(options, sets, mounts):
                 run.process.wait()
                 time.sleep(0.05)
                 if not limited:
-                    mount(disk, "1g", again=32)  # MS_REMOUNT: room again
+                    make_room(disk)
                 yield f"{name} ({'file-size limit' if limited else 'tmpfs of ' + size})", run, place, whole.history()
                 if not limited:
-                    LIBC.umount(str(disk).encode())
+                    unmount(disk)
 
 
 DEAD = 1.0  # s
 BY_CHANCE = {"answers twice", "Ctrl-C between windows", "SIGTERM between windows"}  # where in a run these fall
 NOTES = ("refused", "is back", "going on from", "suspended", "cannot be used")
 FAULTS = [  # name, what happens, exit code, resumable (None: there is nothing to resume), seconds to the message at most
-    ("kill -9 structure in a step", strike_inside("structure", signal.SIGKILL), 5, True, DEAD),
-    ("kill -9 fluid, structure in a step", strike_idle_partner, 5, True, DEAD),
-    ("kill -9 strake", strike_inside("strake", signal.SIGKILL), -9, True, None),
-    ("SIGSTOP structure in a step", strike_inside("structure", signal.SIGSTOP), 5, True, 3.0),
-    ("SIGSTOP fluid, structure in a step", strike_inside("fluid", signal.SIGSTOP), 5, True, 3.0),
+    ("kill -9 structure in a step", strike("structure", signal.SIGKILL), 5, True, DEAD),
+    ("kill -9 fluid, structure in a step", strike("fluid", signal.SIGKILL), 5, True, DEAD),
+    ("kill -9 strake", strike("strake", signal.SIGKILL), -9, True, None),
+    ("SIGSTOP structure in a step", strike("structure", signal.SIGSTOP), 5, True, 3.0),
+    ("SIGSTOP fluid, structure in a step", strike("fluid", signal.SIGSTOP), 5, True, 3.0),
     ("structure suspended for 1.7 s", suspended_for_a_while("structure"), 0, None, None),
     ("strake suspended for 1.7 s", suspended_for_a_while("strake"), 0, None, None),
-    ("SIGTERM to structure in a step", strike_inside("structure", signal.SIGTERM), 5, True, DEAD),
+    ("SIGTERM to structure in a step", strike("structure", signal.SIGTERM), 5, True, DEAD),
     ("never says Hello", toy("mute"), 5, None, 2.5),
     ("ends before Hello", toy("early"), 3, None, None),
     ("wrong token", toy("token"), 5, None, DEAD),
@@ -364,15 +210,15 @@ FAULTS = [  # name, what happens, exit code, resumable (None: there is nothing t
     ("a solver's own error", toy("error"), 4, True, DEAD),
     ("crash in a step", toy("crash"), 5, True, DEAD),
     ("exit in a step", toy("exit", "fluid"), 5, True, DEAD),
-    ("Ctrl-C in set-up", during_setup(signal.SIGINT), 130, None, DEAD),
-    ("SIGTERM in set-up", during_setup(signal.SIGTERM), 143, None, DEAD),
+    ("Ctrl-C in set-up", in_set_up(signal.SIGINT), 130, None, DEAD),
+    ("SIGTERM in set-up", in_set_up(signal.SIGTERM), 143, None, DEAD),
     ("Ctrl-C between windows", between_windows(signal.SIGINT), 130, True, DEAD),
     ("SIGTERM between windows", between_windows(signal.SIGTERM), 143, True, DEAD),
-    ("Ctrl-C in a step of a minute", strike_inside("strake", signal.SIGINT), 130, True, 6.0),
-    ("SIGTERM in a step of a minute", strike_inside("strake", signal.SIGTERM), 143, True, 6.0),
+    ("Ctrl-C in a step of a minute", strike("strake", signal.SIGINT), 130, True, 6.0),
+    ("SIGTERM in a step of a minute", strike("strake", signal.SIGTERM), 143, True, 6.0),
     ("a second run in the folder", second_run_in_the_folder, 0, None, None),
-    ("stale files of a killed run", stale_files, 0, None, None),
-    ("a damaged checkpoint", damaged_checkpoint, 0, None, None),
+    ("stale files of a killed run", killed_then_resumed(stale_files), 0, None, None),
+    ("a damaged checkpoint", killed_then_resumed(damaged_checkpoint), 0, None, None),
     ("a stale socket at the endpoint", stale_socket, 0, None, None),
 ]
 
@@ -380,7 +226,7 @@ FAULTS = [  # name, what happens, exit code, resumable (None: there is nothing t
 def judge(name, run, place, since, code, resumable, most, whole, texts):
     """One row: what was measured, and what is wrong with it."""
     got = run.end()
-    wrong = texts.wrong(name, run, place)
+    wrong = run.wrong + texts.wrong(name, run, place)
     wrong += [] if got == code else [f"exit {got}, expected {code}"]
     left = place.left()
     if left:
@@ -458,7 +304,7 @@ def main():
     options = parser.parse_args()
     texts = Texts(options.texts)
     options.toys = options.toys or options.bin_dir / ".." / "tests"
-    LIBC.prctl(36, 1, 0, 0, 0)  # PR_SET_CHILD_SUBREAPER: what a killed coupler leaves comes here and can be counted
+    adopt_orphans()
     mounts = may_mount()
     if not mounts:
         print("mounting is not allowed here: a full disk is a limit on the size of files")
