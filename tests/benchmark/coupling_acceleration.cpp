@@ -1,4 +1,5 @@
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include <random>
 #include <string>
@@ -9,13 +10,20 @@
 // One coupling iteration's acceleration of three components on N points, with residuals that have nothing in
 // common, so that every column is new and the oldest of 20 is dropped each time. Windows of ten iterations,
 // with the copies of the state that a scheme makes to be able to go back.
-// Arguments: points; fields stacked.
+// Arguments: points; fields stacked. Counters: columns in use; what the accelerator and both copies of its
+// state hold of the heap, as MB and as so many vectors of all values.
 
 namespace {
 
 using namespace strake;
 using Eigen::Index;
 using Eigen::VectorXd;
+
+/// Bytes that the program has taken from the heap and not given back.
+double heap() {
+  const auto use = mallinfo2();
+  return static_cast<double>(use.uordblks + use.hblkhd);
+}
 
 void accelerate(benchmark::State& state, const std::string& kind) {
   const Index n = 3 * state.range(0);
@@ -25,17 +33,17 @@ void accelerate(benchmark::State& state, const std::string& kind) {
   parameters.kind = kind;
   parameters.reused_windows = 100;
   parameters.max_columns = 20;
-  const auto accelerator = make_accelerator(parameters);
-  std::vector<AcceleratorBlock> fields;
-  for (int b = 0; b < blocks; ++b) fields.push_back({"field", n});
-  accelerator->set_blocks(fields);
-
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::vector<VectorXd> pool;
   for (int k = 0; k < n_pool; ++k)
     pool.push_back(VectorXd::NullaryExpr(blocks * n, [&] { return uniform(random); }));
 
+  const double before = heap();
+  const auto accelerator = make_accelerator(parameters);
+  std::vector<AcceleratorBlock> fields;
+  for (int b = 0; b < blocks; ++b) fields.push_back({"field", n});
+  accelerator->set_blocks(fields);
   AcceleratorState committed;
   std::size_t k = 0;
   int iteration = 0, columns = 0;
@@ -51,7 +59,10 @@ void accelerate(benchmark::State& state, const std::string& kind) {
   };
   for (int warm = 0; warm < 40; ++warm) once();
   for (auto _ : state) once();
+  const double held = heap() - before;
   state.counters["columns"] = columns;
+  state.counters["MB"] = held / 1e6;
+  state.counters["vectors"] = held / static_cast<double>(blocks * n * 8);
   state.SetItemsProcessed(state.iterations());
 }
 
