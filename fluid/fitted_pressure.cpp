@@ -58,7 +58,7 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
     }
     const double yields = sound * in.yields + sheet;
     double deviation = volume_[i] / lattice_.volume - 1;
-    if (surface_factor_[i] > 0) deviation = std::max(deviation, 0.0);
+    if (surface_share_[i] > 0) deviation = std::max(deviation, 0.0);
     if (std::isfinite(c)) deviation -= sound * state.pressure[i] / (rho * c * c);
     yielding_[i] = local + yields;
     meant_[i] = local * state.pressure[i] + drift * deviation;
