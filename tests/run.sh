@@ -2,27 +2,35 @@
 # Installs, builds and runs every test: tests/run.sh [--sanitize [thread]] [options of ctest, such as -L unit or -R name]
 # --sanitize: a build of its own with the address and undefined-behaviour sanitizers; unit and method tests.
 # --sanitize thread: the same with the thread sanitizer; the tests of proto/ and coupler/, and those of messages and processes.
+#   GCC's own OpenMP library does not tell the sanitizer where threads wait for one another, and every loop would look
+#   like a race. LLVM's takes its place there and does, by its tool archer.
 # The fuzz targets need clang, and are run by hand, as long as one likes:
 #   cmake -S . -B build-fuzz -G Ninja -DSTRAKE_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ && cmake --build build-fuzz
 #   mkdir -p build-fuzz/wire && build-fuzz/bin/wire_fuzz -malloc_limit_mb=64 build-fuzz/wire tests/fuzz/corpus/wire   (and case)
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "$here/.."
+. cases/setup.sh
 chosen=()
 targets=(all)
 if [ "${1:-}" = "--sanitize" ] && [ "${2:-}" = "thread" ]; then
   shift 2
-  export STRAKE_BUILD="$PWD/build-thread" STRAKE_CMAKE_OPTIONS="-DSTRAKE_SANITIZE=thread -DSTRAKE_NATIVE=OFF -DSTRAKE_FEM=OFF"
+  strake_build="$PWD/build-thread"
+  # shellcheck disable=SC2086
+  strake_install $strake_packages_thread
+  llvm=$(dirname "$(find /usr/lib/llvm-*/lib -name libarcher.so | sort -V | tail -n 1)")
+  export STRAKE_CMAKE_OPTIONS="-DSTRAKE_SANITIZE=thread -DSTRAKE_NATIVE=OFF -DSTRAKE_FEM=OFF -DOpenMP_gomp_LIBRARY=$llvm/libgomp.so"
+  export OMP_TOOL_LIBRARIES="$llvm/libarcher.so"
   export TSAN_OPTIONS="suppressions=$PWD/tests/thread_sanitizer.supp halt_on_error=1 second_deadlock_stack=1"
   targets=(threads)
   chosen=(-E '_NOT_BUILT|^(system|repo|fuzz)\.')
 elif [ "${1:-}" = "--sanitize" ]; then
   shift
-  export STRAKE_BUILD="$PWD/build-sanitize" STRAKE_CMAKE_OPTIONS="-DSTRAKE_SANITIZE=ON -DSTRAKE_NATIVE=OFF"
+  strake_build="$PWD/build-sanitize"
+  export STRAKE_CMAKE_OPTIONS="-DSTRAKE_SANITIZE=ON -DSTRAKE_NATIVE=OFF"
   export ASAN_OPTIONS=detect_leaks=1:halt_on_error=1 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
   chosen=(-L 'unit|method')
 fi
-. cases/setup.sh
 # shellcheck disable=SC2086
 strake_install $strake_packages_build $strake_packages_test
 strake_make "${targets[@]}"
