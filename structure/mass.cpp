@@ -2,6 +2,10 @@
 
 #include "structure/surface.hpp"
 
+#include <Eigen/LU>
+
+#include <array>
+#include <cmath>
 #include <numbers>
 
 namespace strake::structure {
@@ -70,6 +74,60 @@ MassProperties mass_of(const Shape& shape, const Plate& plate, double density) {
   }
 }
 
+// ∫ρ dV, ∫ρ x dV, ∫ρ x xᵀ dV by Gauss's three points along each axis: exact, since x is at most quadratic in
+// each of a cell's coordinates and so is the Jacobian.
+MassProperties mass_of(const Solid& solid) {
+  const std::array<double, 3> point = {-std::sqrt(0.6), 0.0, std::sqrt(0.6)},
+                              weight = {5 / 18.0, 8 / 18.0, 5 / 18.0};
+  const int corners = static_cast<int>(solid.cell.rows()), along_z = solid.dimension == 3 ? 3 : 1;
+  const Eigen::Vector3d origin = solid.node.col(0);  // near the body, so that round-off stays small
+  double mass = 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (Eigen::Index c = 0; c < solid.cell.cols(); ++c) {
+    const double density =
+        solid.parts[static_cast<std::size_t>(solid.part_of[static_cast<std::size_t>(c)])].material.density;
+    for (int g = 0; g < 9 * along_z; ++g) {
+      const std::array<int, 3> at = {g % 3, g / 3 % 3, g / 9};
+      double share = density;
+      std::array<double, 3> s{};
+      for (std::size_t axis = 0; axis < static_cast<std::size_t>(solid.dimension); ++axis) {
+        s[axis] = 0.5 * (1 + point[static_cast<std::size_t>(at[axis])]);
+        share *= weight[static_cast<std::size_t>(at[axis])];
+      }
+      Eigen::Vector3d x = Eigen::Vector3d::Zero();
+      Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
+      J.topLeftCorner(solid.dimension, solid.dimension).setZero();
+      for (int k = 0; k < corners; ++k) {
+        const Eigen::Vector3d X = solid.node.col(solid.cell(k, c)) - origin;
+        const auto shape = [&](int axis) {
+          return (k >> axis) & 1 ? s[static_cast<std::size_t>(axis)] : 1 - s[static_cast<std::size_t>(axis)];
+        };
+        double whole = 1;
+        for (int axis = 0; axis < solid.dimension; ++axis) whole *= shape(axis);
+        x += whole * X;
+        for (int axis = 0; axis < solid.dimension; ++axis) {
+          double slope = (k >> axis) & 1 ? 1 : -1;
+          for (int other = 0; other < solid.dimension; ++other)
+            if (other != axis) slope *= shape(other);
+          J.col(axis) += slope * X;
+        }
+      }
+      share *= J.determinant();
+      mass += share;
+      first += share * x;
+      second += share * x * x.transpose();
+    }
+  }
+  MassProperties body;
+  body.mass = mass;
+  const Eigen::Vector3d centre = first / mass;
+  body.centre = origin + centre;
+  second -= mass * centre * centre.transpose();
+  body.inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+  return body;
+}
+
 Eigen::Matrix3d inertia_about(const MassProperties& body, const Eigen::Vector3d& arm) {
   return body.inertia + body.mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
 }
@@ -84,7 +142,8 @@ MassProperties with_point_mass(const MassProperties& body, double mass, const Ei
 }
 
 MassProperties mass_of(const Parameters& p) {
-  MassProperties body = mass_of(p.shape, p.plate, p.material.density);
+  MassProperties body =
+      p.shape.kind == ShapeKind::boxes ? mass_of(p.solid) : mass_of(p.shape, p.plate, p.material.density);
   const BodyMass& given = p.body;
   if (given.mass > 0) {
     body.inertia *= given.mass / body.mass;

@@ -16,6 +16,8 @@ struct MassProperties {
 
 /// Of a homogeneous body.
 MassProperties mass_of(const Shape&, const Plate&, double density);
+/// Of a body of parts, each with the density of its material.
+MassProperties mass_of(const Solid&);
 /// The tensor about a point that lies `arm` [m] from the centre of gravity (Huygens-Steiner).
 Eigen::Matrix3d inertia_about(const MassProperties&, const Eigen::Vector3d& arm);
 /// With a point mass [kg] at a place added.

@@ -1,12 +1,23 @@
 #pragma once
 
-#include "structure/parameters.hpp"
-
 #include <Eigen/Core>
 
 #include <cmath>
 
 namespace strake::structure {
+
+enum class MaterialModel { linear, saint_venant_kirchhoff };
+
+struct Material {
+  MaterialModel model = MaterialModel::saint_venant_kirchhoff;
+  double density = 7800;  // [kg/m^3]
+  double young = 2.1e11;  // [Pa]
+  double poisson = 0.3;
+  double lame_lambda() const {
+    return young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  }  // plane strain and 3-D
+  double lame_mu() const { return young / (2 * (1 + poisson)); }
+};
 
 /// Strain of the material's energy from the deformation gradient F (dim×dim; dim = 2 is plane strain):
 ///   saint_venant_kirchhoff  E = ½(FᵀF − 1)  (Green-Lagrange)

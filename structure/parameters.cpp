@@ -1,6 +1,7 @@
 #include "structure/parameters.hpp"
 
 #include "structure/shape_keys.hpp"
+#include "structure/solid_keys.hpp"
 #include "structure/surface.hpp"
 
 #include <fmt/format.h>
@@ -29,21 +30,6 @@ void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
            {.unit = "m/s^2", .help = "body force on the structure too; zero when fluid.solver is none"});
   t.number("gravity_ramp", p.gravity_ramp,
            {.unit = "s", .min = 0, .help = "gravity rises as (1 - cos(pi t/ramp))/2; 0: at once"});
-}
-
-void read_material(CaseTable t, Material& m) {
-  t.choice(
-      "model", m.model,
-      {{"linear", MaterialModel::linear}, {"saint_venant_kirchhoff", MaterialModel::saint_venant_kirchhoff}},
-      {.not_built = {"neo_hookean"}, .help = "linear: small strain; saint_venant_kirchhoff: large rotation"});
-  t.number("density", m.density, {.unit = "kg/m^3", .min = 0, .exclusive = true, .help = "of the solid"});
-  t.number("young", m.young, {.unit = "Pa", .min = 0, .exclusive = true, .help = "Young's modulus E"});
-  t.number("poisson", m.poisson,
-           {.min = -1, .max = 0.5, .exclusive = true, .help = "Poisson's ratio, below 0.5"});
-  if (m.poisson >= 0.5)
-    throw t.error("poisson",
-                  "a number greater than -1 and below 0.5: at 0.5 the plane-strain stiffness is infinite",
-                  "poisson = 0.49");
 }
 
 void read_load(CaseTable t, CaseLoad& load) {
@@ -167,8 +153,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   read_shared(file, common, p);
 
   CaseTable t = file.root().table("structure");
-  t.not_built("box", "a union of boxes as the shape; structure.plate is built");
-  t.not_built("mesh", "a Gmsh file as the shape; structure.plate is built");
+  t.not_built("mesh", "a Gmsh file as the shape; structure.plate and structure.box are built");
   t.vector("velocity", p.velocity,
            {.unit = "m/s", .help = "of the supports, and of the whole body at t = 0"});
   p.surface_spacing = p.fluid_spacing;
@@ -182,6 +167,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
            {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});
   read_shape(file, t, p);
   read_material(t.table("material"), p.material);
+  read_solid(file, t, p);
   read_load(t.table("load"), p.load);
   CaseTable damping = t.table("damping", "Rayleigh");
   damping.number("mass", p.damping.mass, {.unit = "1/s", .min = 0, .help = "mass-proportional"});

@@ -3,7 +3,9 @@
 #include "proto/case_file.hpp"
 #include "proto/case_keys.hpp"
 #include "proto/motion.hpp"
+#include "structure/material.hpp"
 #include "structure/shape.hpp"
+#include "structure/solid.hpp"
 
 #include <Eigen/Core>
 
@@ -15,8 +17,6 @@
 
 namespace strake::structure {
 
-enum class Support { free, clamped, pinned };  // pinned: at mid-height of the end face
-enum class MaterialModel { linear, saint_venant_kirchhoff };
 enum class Analysis { dynamic, statics, modal };  // case file: dynamic | static | modal
 enum class LoadKind { none, traction, point };
 
@@ -25,17 +25,6 @@ struct Plate {
   double length = 0, thickness = 0;                  // [m] along x, along y
   Eigen::Vector3d bottom = Eigen::Vector3d::Zero();  // [m] middle of the lower face
   Support left = Support::free, right = Support::free;
-};
-
-struct Material {
-  MaterialModel model = MaterialModel::saint_venant_kirchhoff;
-  double density = 7800;  // [kg/m^3]
-  double young = 2.1e11;  // [Pa]
-  double poisson = 0.3;
-  double lame_lambda() const {
-    return young * poisson / ((1 + poisson) * (1 - 2 * poisson));
-  }  // plane strain and 3-D
-  double lame_mu() const { return young / (2 * (1 + poisson)); }
 };
 
 /// Load of the case itself, beside the fluid's: [structure.load].
@@ -105,7 +94,8 @@ struct Parameters {
   double gravity_ramp = 0;      // [s]
   Shape shape;                  // plate: `plate` below
   Plate plate;
-  Material material;
+  Solid solid;        // of elastic bodies whatever their shape, and of a rigid one made of boxes
+  Material material;  // of parts that have none of their own
   BodyMass body;
   FreeMotion free;
   double angular_velocity = 0;           // [rad/s] about z; of a free body at t = 0

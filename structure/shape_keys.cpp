@@ -175,9 +175,8 @@ void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
 }  // namespace
 
 void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
-  const std::vector<std::string> rigid_shapes = {"outline", "wedge", "cylinder", "sphere"};
   std::vector<std::string> given;
-  for (const std::string& name : rigid_shapes)
+  for (const std::string name : {"box", "outline", "wedge", "cylinder", "sphere"})
     if (t.has(name)) given.push_back(name);
   const bool all = file.only_declares();
   if (!all && !given.empty() && t.has("plate")) given.insert(given.begin(), "plate");
@@ -199,21 +198,24 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
             .help = "three dimensions: how far a plate, outline, wedge or cylinder reaches along z"});
   if (all) return;
 
+  if (t.has("box")) p.shape.kind = ShapeKind::boxes;
+  const bool boxes = p.shape.kind == ShapeKind::boxes;
   if (p.shape.kind == ShapeKind::plate) p.shape.middle = p.plate.bottom.z();
-  if (p.shape.kind != ShapeKind::plate && p.kind != "rigid" && p.kind != "replay")
+  if (p.shape.kind != ShapeKind::plate && !boxes && p.kind != "rigid" && p.kind != "replay")
     throw t.error(
         "solver",
-        fmt::format("\"rigid\": {} structures have the shape of structure.plate, not of structure.{}", p.kind,
-                    given[0]),
+        fmt::format("\"rigid\": {} structures have the shape of structure.plate or structure.box, not of "
+                    "structure.{}",
+                    p.kind, given[0]),
         "structure.solver = \"rigid\", or structure.plate");
   const bool solid = p.dimension == 3, sphere = p.shape.kind == ShapeKind::sphere;
   if (sphere && !solid)
     throw t.error("sphere", "a shape of the plane: fluid.dimension is 2",
                   "structure.cylinder, or fluid.dimension = 3");
-  if (solid && !sphere && p.shape.depth == 0)
+  if (solid && !sphere && !boxes && p.shape.depth == 0)
     throw t.error("depth", "a length along z: fluid.dimension is 3", "depth = 1.0");
   if (!solid) p.shape.depth = p.shape.middle = 0;
-  check_outline(t, p, given.empty() ? "plate" : given[0]);
+  if (!boxes) check_outline(t, p, given.empty() ? "plate" : given[0]);
 }
 
 void read_body(const CaseFile& file, CaseTable t, const CommonKeys& common, Parameters& p) {

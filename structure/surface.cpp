@@ -68,6 +68,7 @@ std::vector<Eigen::Vector2d> polygon_of(const Shape& shape, const Plate& plate, 
 InterfaceMesh surface(const Parameters& p) {
   const Shape& shape = p.shape;
   if (shape.kind == ShapeKind::sphere) return sphere_surface(shape.centre, shape.radius, p.surface_spacing);
+  if (shape.kind == ShapeKind::boxes && p.dimension == 3) return outer_surface(p.solid, p.surface_spacing);
   const InterfaceMesh flat = outline(polygon_of(shape, p.plate, p.surface_spacing), p.surface_spacing);
   return p.dimension == 2 ? flat : prism_surface(flat, shape.depth, shape.middle, p.surface_spacing);
 }
@@ -76,6 +77,7 @@ bool is_in_body(const Parameters& p, const Eigen::Vector3d& X) {
   const Box box = bounds(p);
   const double slack = 1e-6 * (box.max - box.min).maxCoeff();
   if (p.shape.kind == ShapeKind::sphere) return (X - p.shape.centre).norm() <= p.shape.radius + slack;
+  if (p.shape.kind == ShapeKind::boxes) return cell_at(p.solid, X, slack) >= 0;
   if (p.dimension == 3 && std::abs(X.z() - p.shape.middle) > 0.5 * p.shape.depth + slack) return false;
   if (p.shape.kind == ShapeKind::cylinder)
     return (X - p.shape.centre).head<2>().norm() <= p.shape.radius * (1 + 1e-2) + slack;
@@ -89,6 +91,8 @@ Box bounds(const Parameters& p) {
     if (p.shape.kind == ShapeKind::cylinder) half.z() = 0.5 * p.shape.depth;
     return {p.shape.centre - half, p.shape.centre + half};
   }
+  if (p.shape.kind == ShapeKind::boxes)
+    return {p.solid.node.rowwise().minCoeff(), p.solid.node.rowwise().maxCoeff()};
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Box box{Eigen::Vector3d::Constant(infinity), Eigen::Vector3d::Constant(-infinity)};
   for (const Eigen::Vector2d& corner : polygon_of(p.shape, p.plate, p.surface_spacing)) {
