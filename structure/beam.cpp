@@ -49,7 +49,7 @@ std::vector<double> beam_frequencies(const Plate& plate, const Material& m, Beam
   constexpr int n_elements = 40;  // cubic elements: the first modes are exact to 1e-6
   constexpr double shear_factor = 5.0 / 6.0;
   const double h = plate.thickness, I = h * h * h / 12;
-  const double EI = m.young * I / (1 - m.poisson * m.poisson);
+  const double EI = m.bending_modulus() * I;
   const bool thick = theory == BeamTheory::timoshenko;
   const Element e = element(plate.length / n_elements, EI, thick ? shear_factor * m.lame_mu() * h : 0,
                             m.density * h, thick ? m.density * I : 0);

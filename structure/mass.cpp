@@ -143,7 +143,7 @@ MassProperties with_point_mass(const MassProperties& body, double mass, const Ei
 
 MassProperties mass_of(const Parameters& p) {
   MassProperties body =
-      p.shape.kind == ShapeKind::boxes ? mass_of(p.solid) : mass_of(p.shape, p.plate, p.material.density);
+      p.shape.kind == ShapeKind::solid ? mass_of(p.solid) : mass_of(p.shape, p.plate, p.material.density);
   const BodyMass& given = p.body;
   if (given.mass > 0) {
     body.inertia *= given.mass / body.mass;

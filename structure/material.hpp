@@ -1,27 +1,34 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include <cmath>
 
 namespace strake::structure {
 
-enum class MaterialModel { linear, saint_venant_kirchhoff };
+enum class MaterialModel { linear, saint_venant_kirchhoff, neo_hookean };
 
 struct Material {
   MaterialModel model = MaterialModel::saint_venant_kirchhoff;
   double density = 7800;  // [kg/m^3]
   double young = 2.1e11;  // [Pa]
   double poisson = 0.3;
+  bool plane_stress = false;  // two dimensions: σ_zz = 0 instead of ε_zz = 0
+  /// λ [Pa] of three dimensions and plane strain; in plane stress 2λμ/(λ + 2μ), which leaves σ_zz = 0.
   double lame_lambda() const {
-    return young * poisson / ((1 + poisson) * (1 - 2 * poisson));
-  }  // plane strain and 3-D
+    const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), mu = lame_mu();
+    return plane_stress ? 2 * lambda * mu / (lambda + 2 * mu) : lambda;
+  }
   double lame_mu() const { return young / (2 * (1 + poisson)); }
+  /// Stiffness of a strip against bending per width and thickness³/12: E/(1 − ν²), in plane stress E [Pa].
+  double bending_modulus() const { return plane_stress ? young : young / (1 - poisson * poisson); }
 };
 
-/// Strain of the material's energy from the deformation gradient F (dim×dim; dim = 2 is plane strain):
-///   saint_venant_kirchhoff  E = ½(FᵀF − 1)  (Green-Lagrange)
-///   linear                  ε = ½(F + Fᵀ) − 1
+/// Strain of the material's energy from the deformation gradient F (dim×dim; dim = 2 is plane strain or
+/// stress):
+///   saint_venant_kirchhoff, neo_hookean  E = ½(FᵀF − 1)  (Green-Lagrange)
+///   linear                               ε = ½(F + Fᵀ) − 1
 template <int dim>
 Eigen::Matrix<double, dim, dim> strain(const Material& m, const Eigen::Matrix<double, dim, dim>& F) {
   using Matrix = Eigen::Matrix<double, dim, dim>;
@@ -29,22 +36,48 @@ Eigen::Matrix<double, dim, dim> strain(const Material& m, const Eigen::Matrix<do
   return 0.5 * (F.transpose() * F - Matrix::Identity());
 }
 
-/// Energy density ψ = ½ λ (tr E)² + μ E:E  [J/m³].
+/// Energy density of a strain [J/m³]:
+///   linear, saint_venant_kirchhoff  ψ = ½ λ (tr E)² + μ E:E
+///   neo_hookean                     ψ = ½ μ (tr C − dim − 2 ln J) + ½ λ (ln J)²,  C = 2E + 1,  J² = det C
+/// (Bonet & Wood 1997, eq. 5.28; out of the plane C_zz = 1). Not finite for a state that is turned inside
+/// out.
 template <int dim>
-double energy_density(const Material& m, const Eigen::Matrix<double, dim, dim>& F) {
-  const auto E = strain<dim>(m, F);
+double energy_of_strain(const Material& m, const Eigen::Matrix<double, dim, dim>& E) {
   const double trace = E.trace();
-  return 0.5 * m.lame_lambda() * trace * trace + m.lame_mu() * E.squaredNorm();
+  if (m.model != MaterialModel::neo_hookean)
+    return 0.5 * m.lame_lambda() * trace * trace + m.lame_mu() * E.squaredNorm();
+  const double log_j = 0.5 * std::log((2 * E + Eigen::Matrix<double, dim, dim>::Identity()).determinant());
+  return m.lame_mu() * (trace - log_j) + 0.5 * m.lame_lambda() * log_j * log_j;
 }
 
-/// First Piola-Kirchhoff stress P = ∂ψ/∂F [Pa]: F S with S = λ tr(E) 1 + 2μ E; the linear model has P = S.
+/// Second Piola-Kirchhoff stress S = ∂ψ/∂E [Pa]: λ tr(E) 1 + 2μ E; neo-Hookean μ (1 − C⁻¹) + λ ln J C⁻¹.
+template <int dim>
+Eigen::Matrix<double, dim, dim> second_piola_kirchhoff(const Material& m,
+                                                       const Eigen::Matrix<double, dim, dim>& E) {
+  using Matrix = Eigen::Matrix<double, dim, dim>;
+  if (m.model != MaterialModel::neo_hookean) {
+    Matrix S = 2 * m.lame_mu() * E;
+    S.diagonal().array() += m.lame_lambda() * E.trace();
+    return S;
+  }
+  const Matrix C = 2 * E + Matrix::Identity(), inverse = C.inverse();
+  const double log_j = 0.5 * std::log(C.determinant());
+  return m.lame_mu() * (Matrix::Identity() - inverse) + m.lame_lambda() * log_j * inverse;
+}
+
+template <int dim>
+double energy_density(const Material& m, const Eigen::Matrix<double, dim, dim>& F) {
+  return energy_of_strain<dim>(m, strain<dim>(m, F));
+}
+
+/// First Piola-Kirchhoff stress P = ∂ψ/∂F = F S [Pa]; the linear model has P = S.
 template <int dim>
 Eigen::Matrix<double, dim, dim> first_piola_kirchhoff(const Material& m,
                                                       const Eigen::Matrix<double, dim, dim>& F) {
   using Matrix = Eigen::Matrix<double, dim, dim>;
-  const Matrix E = strain<dim>(m, F);
-  const Matrix S = m.lame_lambda() * E.trace() * Matrix::Identity() + 2 * m.lame_mu() * E;
-  return m.model == MaterialModel::linear ? S : Matrix(F * S);
+  const Matrix S = second_piola_kirchhoff<dim>(m, strain<dim>(m, F));
+  if (m.model == MaterialModel::linear) return S;
+  return F * S;
 }
 
 /// Speed of the P wave, plane strain and three dimensions: c_P = √((λ + 2μ)/ρ) [m/s].

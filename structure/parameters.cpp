@@ -17,9 +17,9 @@ void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
   CaseTable t = file.root().table("fluid");
   t.integer("dimension", p.dimension,
             {.min = 2, .max = 3, .help = "2: xy-plane, plane strain, per metre of depth"});
-  if (p.dimension == 3 && p.kind != "rigid" && !file.only_declares())
-    throw t.error("dimension", "2: three dimensions are not built yet for elastic structures",
-                  "fluid.dimension = 2, or structure.solver = \"rigid\"");
+  if (p.dimension == 3 && p.kind == "particle" && !file.only_declares())
+    throw t.error("dimension", "2: three dimensions are not built yet for particles",
+                  "fluid.dimension = 2, or structure.solver = \"fem\" or \"rigid\"");
   t.number("spacing", p.fluid_spacing,
            {.unit = "m", .min = 0, .exclusive = true, .help = "initial particle distance l0"});
   t.number("density", p.fluid_density,
@@ -38,7 +38,10 @@ void read_load(CaseTable t, CaseLoad& load) {
            {.help = "load of the case itself, beside the fluid's"});
   t.vector("value", load.value,
            {.unit = "Pa | N/m", .help = "traction on the face, or force per metre of depth"});
-  t.choice("face", load.face, {"top", "bottom", "left", "right"}, {.help = "where a traction acts"});
+  t.text("face", load.face,
+         {.help =
+              "where a traction acts: left, right, bottom, top, back or front of the body, or PART.SIDE of a "
+              "structure.box"});
   t.vector("at", load.at,
            {.unit = "m", .help = "where a point force acts: the nearest point of the outline"});
   t.number("ramp", load.ramp, {.unit = "s", .min = 0, .help = "rises as (1 - cos(pi t/ramp))/2; 0: at once"});
@@ -108,6 +111,17 @@ void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p)
                                            "structure.solver = \"fem\"");
 }
 
+void check_face(CaseTable load, const Parameters& p) {
+  const Solid solid = elastic_solid(p);
+  if (!facets_named(solid, p.load.face).empty()) return;
+  std::string parts;
+  for (const Part& part : solid.parts) parts += (parts.empty() ? "" : ", ") + part.name;
+  throw load.error("face",
+                   "a side of the body at its boundary: left, right, bottom, top" +
+                       std::string(p.dimension == 3 ? ", back, front" : "") + ", or PART.SIDE of " + parts,
+                   "face = \"top\"");
+}
+
 /// A probe of the structure measures a material point, so it must be one.
 void check_probes(const CaseFile& file, const CommonKeys& common, const Parameters& p) {
   for (const ProbeKeys& probe : common.probes) {
@@ -133,10 +147,11 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
     throw structure.error("analysis",
                           fmt::format("dynamic: a {} structure has no statics and no modes", p.kind),
                           "structure.solver = \"fem\" or \"particle\"");
-  if (p.analysis == Analysis::statics && p.plate.left != Support::clamped &&
+  if (p.analysis == Analysis::statics && p.solid.empty() && p.plate.left != Support::clamped &&
       p.plate.right != Support::clamped && (p.plate.left == Support::free || p.plate.right == Support::free))
     throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
                           "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
+  if (p.load.kind == LoadKind::traction) check_face(structure.table("load"), p);
   if (p.kind == "particle") check_lattice(structure, common, p);
   check_probes(file, common, p);
 }
@@ -153,7 +168,6 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   read_shared(file, common, p);
 
   CaseTable t = file.root().table("structure");
-  t.not_built("mesh", "a Gmsh file as the shape; structure.plate and structure.box are built");
   t.vector("velocity", p.velocity,
            {.unit = "m/s", .help = "of the supports, and of the whole body at t = 0"});
   p.surface_spacing = p.fluid_spacing;
@@ -166,6 +180,12 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
            {{"dynamic", Analysis::dynamic}, {"static", Analysis::statics}, {"modal", Analysis::modal}},
            {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});
   read_shape(file, t, p);
+  t.choice("plane", p.material.plane_stress, {{"strain", false}, {"stress", true}},
+           {.help = "two dimensions: strain, no motion across the plane (a long hull); stress, no load "
+                    "across it (a thin "
+                    "sheet)"});
+  if (p.material.plane_stress && p.dimension == 3 && !file.only_declares())
+    throw t.error("plane", "strain: fluid.dimension is 3", "leave plane out");
   read_material(t.table("material"), p.material);
   read_solid(file, t, p);
   read_load(t.table("load"), p.load);

@@ -110,6 +110,9 @@ struct Parameters {
   int threads = 2;
 };
 
+/// The body of the elastic solvers: `solid`, or the plate where there is none.
+Solid elastic_solid(const Parameters&);
+
 /// Reads [structure] and what it shares with [fluid] (spacing, dimension, gravity, gravity_ramp); checks
 /// across keys.
 Parameters read(CaseFile&, const std::string& kind);

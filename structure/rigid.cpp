@@ -53,7 +53,7 @@ std::string motion_text(const Parameters& p) {
 
 Rigid::Rigid(const Parameters& p) : parameters_(p), body_(p), mesh_(surface(p)) {
   arm_ = mesh_.position.colwise() - body_.centre();
-  case_force_ = case_force(p.load, p.plate, mesh_);
+  case_force_ = case_force(p.load, elastic_solid(p), mesh_);
   state_.body = body_.start();
   saved_ = state_;
 }

@@ -7,15 +7,15 @@
 
 namespace strake::structure {
 
-enum class ShapeKind { plate, boxes, polygon, wedge, cylinder, sphere };
+enum class ShapeKind { plate, solid, polygon, wedge, cylinder, sphere };
 
 /// The body's outer form. In the xy-plane a closed polygon walked counter-clockwise, or a circle; in three
 /// dimensions the prism over it along z, or a sphere. A plate is kept in Parameters::plate too, and elastic
 /// bodies with all their parts in Parameters::solid.
 struct Shape {
   ShapeKind kind = ShapeKind::plate;
-  std::vector<Eigen::Vector2d> corner;               // [m] polygon, wedge; boxes: their outer boundary
-  double radius = 0;                                 // [m] cylinder, sphere
+  std::vector<Eigen::Vector2d> corner;  // [m] polygon, wedge; a solid of the plane: its outer boundary
+  double radius = 0;                    // [m] cylinder, sphere
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // [m] cylinder, sphere
   double depth = 0;   // [m] of the prism, along z; 0: two dimensions, all per metre of depth
   double middle = 0;  // [m] z of the prism's middle

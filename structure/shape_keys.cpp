@@ -176,7 +176,7 @@ void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
 
 void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
   std::vector<std::string> given;
-  for (const std::string name : {"box", "outline", "wedge", "cylinder", "sphere"})
+  for (const std::string name : {"box", "mesh", "outline", "wedge", "cylinder", "sphere"})
     if (t.has(name)) given.push_back(name);
   const bool all = file.only_declares();
   if (!all && !given.empty() && t.has("plate")) given.insert(given.begin(), "plate");
@@ -198,24 +198,24 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
             .help = "three dimensions: how far a plate, outline, wedge or cylinder reaches along z"});
   if (all) return;
 
-  if (t.has("box")) p.shape.kind = ShapeKind::boxes;
-  const bool boxes = p.shape.kind == ShapeKind::boxes;
+  if (t.has("box") || t.has("mesh")) p.shape.kind = ShapeKind::solid;
+  const bool body = p.shape.kind == ShapeKind::solid;
   if (p.shape.kind == ShapeKind::plate) p.shape.middle = p.plate.bottom.z();
-  if (p.shape.kind != ShapeKind::plate && !boxes && p.kind != "rigid" && p.kind != "replay")
-    throw t.error(
-        "solver",
-        fmt::format("\"rigid\": {} structures have the shape of structure.plate or structure.box, not of "
-                    "structure.{}",
-                    p.kind, given[0]),
-        "structure.solver = \"rigid\", or structure.plate");
+  if (p.shape.kind != ShapeKind::plate && !body && p.kind != "rigid" && p.kind != "replay")
+    throw t.error("solver",
+                  fmt::format("\"rigid\": {} structures have the shape of structure.plate, structure.box or "
+                              "structure.mesh, not of "
+                              "structure.{}",
+                              p.kind, given[0]),
+                  "structure.solver = \"rigid\", or structure.plate");
   const bool solid = p.dimension == 3, sphere = p.shape.kind == ShapeKind::sphere;
   if (sphere && !solid)
     throw t.error("sphere", "a shape of the plane: fluid.dimension is 2",
                   "structure.cylinder, or fluid.dimension = 3");
-  if (solid && !sphere && !boxes && p.shape.depth == 0)
+  if (solid && !sphere && !body && p.shape.depth == 0)
     throw t.error("depth", "a length along z: fluid.dimension is 3", "depth = 1.0");
   if (!solid) p.shape.depth = p.shape.middle = 0;
-  if (!boxes) check_outline(t, p, given.empty() ? "plate" : given[0]);
+  if (!body) check_outline(t, p, given.empty() ? "plate" : given[0]);
 }
 
 void read_body(const CaseFile& file, CaseTable t, const CommonKeys& common, Parameters& p) {

@@ -150,17 +150,8 @@ Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
   for (std::size_t b = 0; b < boxes.size(); ++b)
     for (std::size_t side = 0; side < static_cast<std::size_t>(2 * dimension); ++side) {
       if (boxes[b].support[side] == Support::free) continue;
-      SupportedFace face{boxes[b].name + "." + side_names[side], boxes[b].support[side], {}};
-      const auto axis = static_cast<Index>(side / 2);
-      const double at = side % 2 == 0 ? boxes[b].min[axis] : boxes[b].max[axis];
-      for (Index f = 0; f < solid.facet.cols(); ++f) {
-        const int cell = solid.facet_cell[static_cast<std::size_t>(f)];
-        bool in_side = solid.part_of[static_cast<std::size_t>(cell)] == static_cast<int>(b);
-        for (Index k = 0; k < solid.facet.rows(); ++k)
-          in_side = in_side && std::abs(solid.node(axis, solid.facet(k, f)) - at) <= 2 * near;
-        if (in_side) face.facet.push_back(static_cast<int>(f));
-      }
-      solid.supported.push_back(std::move(face));
+      const std::string name = boxes[b].name + "." + side_names[side];
+      solid.supported.push_back({name, boxes[b].support[side], facets_named(solid, name)});
     }
   return solid;
 }
@@ -199,6 +190,42 @@ void find_facets(Solid& solid) {
   solid.facet = Eigen::Map<Eigen::MatrixXi>(flat.data(), rows, static_cast<Index>(solid.facet_cell.size()));
 }
 
+std::vector<int> facets_named(const Solid& solid, const std::string& name) {
+  for (const SupportedFace& face : solid.supported)
+    if (face.name == name && !face.facet.empty()) return face.facet;
+  const std::size_t dot = name.rfind('.');
+  const std::string part = dot == std::string::npos ? "" : name.substr(0, dot),
+                    side = dot == std::string::npos ? name : name.substr(dot + 1);
+  const auto found = std::find(side_names.begin(), side_names.end(), side);
+  const auto number = static_cast<Index>(found - side_names.begin());
+  if (found == side_names.end() || number >= 2 * solid.dimension) return {};
+  const Index axis = number / 2;
+  const double sign = number % 2 == 0 ? -1 : 1;
+  const auto belongs = [&](Index f) {
+    const int cell = solid.facet_cell[static_cast<std::size_t>(f)];
+    const int p = solid.part_of[static_cast<std::size_t>(cell)];
+    return part.empty() || solid.parts[static_cast<std::size_t>(p)].name == part;
+  };
+  // How far a facet's nearest node lies towards that side, and how far the outermost facet does.
+  const auto reach = [&](Index f) {
+    double least = std::numeric_limits<double>::infinity();
+    for (Index k = 0; k < solid.facet.rows(); ++k)
+      least = std::min(least, sign * solid.node(axis, solid.facet(k, f)));
+    return least;
+  };
+  double most = -std::numeric_limits<double>::infinity();
+  for (Index c = 0; c < solid.cell.cols(); ++c)
+    if (const int p = solid.part_of[static_cast<std::size_t>(c)];
+        part.empty() || solid.parts[static_cast<std::size_t>(p)].name == part)
+      for (Index k = 0; k < solid.cell.rows(); ++k)
+        most = std::max(most, sign * solid.node(axis, solid.cell(k, c)));
+  const double slack = 1e-9 * (solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff()).maxCoeff();
+  std::vector<int> facets;
+  for (Index f = 0; f < solid.facet.cols(); ++f)
+    if (belongs(f) && reach(f) >= most - slack) facets.push_back(static_cast<int>(f));
+  return facets;
+}
+
 SolidFault fault_of(const Solid& solid) {
   if (solid.empty()) return {"it has no cells", "give it at least one box with min below max"};
   const int corners = 1 << solid.dimension;
@@ -227,7 +254,7 @@ SolidFault fault_of(const Solid& solid) {
       return {fmt::format("part \"{}\" is covered by the parts before it", solid.parts[p].name),
               "leave it out, or give it a place of its own"};
   for (const SupportedFace& face : solid.supported)
-    if (face.facet.empty())
+    if (face.facet.empty() && face.support != Support::free)
       return {fmt::format("support \"{}\" holds nothing: no part of that face is at the body's boundary",
                           face.name),
               "name a face that other parts do not cover"};
@@ -258,8 +285,8 @@ int cell_at(const Solid& solid, const Vector3d& X, double slack) {
   return -1;
 }
 
-double thinnest(const Solid& solid) {
-  double least = std::numeric_limits<double>::infinity();
+Points part_sizes(const Solid& solid) {
+  Points size(3, static_cast<Index>(solid.parts.size()));
   for (std::size_t p = 0; p < solid.parts.size(); ++p) {
     Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (Index c = 0; c < solid.cell.cols(); ++c) {
@@ -269,9 +296,13 @@ double thinnest(const Solid& solid) {
         high = high.cwiseMax(solid.node.col(solid.cell(k, c)));
       }
     }
-    least = std::min(least, (high - low).head(solid.dimension).minCoeff());
+    size.col(static_cast<Index>(p)) = high - low;
   }
-  return least;
+  return size;
+}
+
+double thinnest(const Solid& solid) {
+  return part_sizes(solid).topRows(solid.dimension).minCoeff();
 }
 
 }  // namespace strake::structure

@@ -25,7 +25,7 @@ struct Part {
   bool held = false;  // all of it moves with the supports
 };
 
-/// Facets on which one support acts.
+/// Facets with a name, and the support that acts on them.
 struct SupportedFace {
   std::string name;  // "bottom.left"
   Support support = Support::free;
@@ -96,6 +96,13 @@ Eigen::Vector3d normal_of(const Solid&, const SupportedFace&);
 /// Middle of a supported face: of the box around it [m].
 Eigen::Vector3d middle_of(const Solid&, const SupportedFace&);
 
+/// Facets by name: one that stands in `supported` (a physical name of a mesh file); the side "left", "right",
+/// "bottom", "top", "back" or "front" of the whole body (those that lie in its outermost plane), or
+/// "part.side" of one of its parts; empty if there are none.
+std::vector<int> facets_named(const Solid&, const std::string& name);
+
+/// Extent of each part along each axis, 3×n [m].
+Points part_sizes(const Solid&);
 /// Smallest extent of a solid's parts [m]: what a discretisation has to resolve.
 double thinnest(const Solid&);
 

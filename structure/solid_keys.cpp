@@ -1,7 +1,10 @@
 #include "structure/solid_keys.hpp"
 
+#include "structure/mesh_file.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace strake::structure {
@@ -47,21 +50,6 @@ SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>&
   return box;
 }
 
-/// The plate as a union of one box.
-SolidBox box_of(const Parameters& p) {
-  const Plate& plate = p.plate;
-  SolidBox box;
-  box.name = "plate";
-  box.material = p.material;
-  const double half = 0.5 * plate.length;
-  box.min << plate.bottom.x() - half, plate.bottom.y(), p.shape.middle - 0.5 * p.shape.depth;
-  box.max << plate.bottom.x() + half, plate.bottom.y() + plate.thickness,
-      p.shape.middle + 0.5 * p.shape.depth;
-  box.support[0] = plate.left;
-  box.support[1] = plate.right;
-  return box;
-}
-
 /// Planes that all but coincide are a slip of the pen: they would make cells as thin as the slip.
 void check_planes(CaseTable structure, const Solid& solid) {
   constexpr double sliver = 0.02;  // of the thinnest part
@@ -84,8 +72,12 @@ void check_planes(CaseTable structure, const Solid& solid) {
 void read_material(CaseTable t, Material& m) {
   t.choice(
       "model", m.model,
-      {{"linear", MaterialModel::linear}, {"saint_venant_kirchhoff", MaterialModel::saint_venant_kirchhoff}},
-      {.not_built = {"neo_hookean"}, .help = "linear: small strain; saint_venant_kirchhoff: large rotation"});
+      {{"linear", MaterialModel::linear},
+       {"saint_venant_kirchhoff", MaterialModel::saint_venant_kirchhoff},
+       {"neo_hookean", MaterialModel::neo_hookean}},
+      {.help =
+           "linear: small strain; saint_venant_kirchhoff: large rotation, small strain; neo_hookean: large "
+           "strain"});
   t.number("density", m.density, {.unit = "kg/m^3", .min = 0, .exclusive = true, .help = "of the solid"});
   t.number("young", m.young, {.unit = "Pa", .min = 0, .exclusive = true, .help = "Young's modulus E"});
   t.number("poisson", m.poisson,
@@ -94,25 +86,98 @@ void read_material(CaseTable t, Material& m) {
     throw t.error("poisson",
                   "a number greater than -1 and below 0.5: at 0.5 the plane-strain stiffness is infinite",
                   "poisson = 0.49");
+  if (m.plane_stress && m.model == MaterialModel::neo_hookean)
+    throw t.error("model", "linear or saint_venant_kirchhoff: structure.plane is \"stress\"",
+                  "structure.plane = \"strain\"");
 }
 
+namespace {
+
+/// [[structure.part]] and [[structure.support]]: what the parts and faces of a mesh file are.
+void read_parts(CaseTable t, bool all, Solid& solid) {
+  for (CaseTable& table : t.tables("part", "a part of structure.mesh, by its physical name")) {
+    std::string name;
+    table.text("name", name, {.required = true, .help = "physical name of the part's cells"});
+    const auto found = std::find_if(solid.parts.begin(), solid.parts.end(),
+                                    [&](const Part& part) { return part.name == name; });
+    Part spare, &part = found == solid.parts.end() ? spare : *found;
+    table.flag("held", part.held, {.help = "all of it moves with the supports"});
+    read_material(table.table("material", "of this part; keys that are not given: structure.material"),
+                  part.material);
+    if (all || found != solid.parts.end()) continue;
+    std::string known;
+    for (const Part& other : solid.parts) known += (known.empty() ? "" : ", ") + other.name;
+    throw table.error("name", "the physical name of a part of structure.mesh: " + known,
+                      fmt::format("name = \"{}\"", solid.parts.empty() ? "" : solid.parts.front().name));
+  }
+}
+
+void read_supports(CaseTable t, bool all, Solid& solid) {
+  for (CaseTable& table :
+       t.tables("support", "what holds a face of a body of structure.mesh or structure.box")) {
+    std::string on;
+    Support support = Support::clamped;
+    table.text(
+        "on", on,
+        {.required = true,
+         .help =
+             "physical name of the face; left, right, bottom, top, back or front of the body; or PART.SIDE"});
+    table.choice(
+        "kind", support, support_names,
+        {.help = "clamped: all of the face; pinned: its middle line; roller: that line across the face's "
+                 "normal; symmetry: all of it along the normal"});
+    if (all) continue;
+    const std::vector<int> facets = facets_named(solid, on);
+    if (facets.empty()) {
+      std::string known;
+      for (const SupportedFace& face : solid.supported) known += ", " + face.name;
+      throw table.error("on", "a face at the body's boundary: left, right, bottom, top" + known,
+                        "give that side a physical name in the mesh file");
+    }
+    auto found = std::find_if(solid.supported.begin(), solid.supported.end(),
+                              [&](const SupportedFace& face) { return face.name == on; });
+    if (found == solid.supported.end()) found = solid.supported.insert(found, {on, support, facets});
+    found->support = support;
+  }
+}
+
+}  // namespace
+
 void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
+  const bool all = file.only_declares();
   std::vector<SolidBox> boxes;
   for (CaseTable& box : t.tables("box", "one part of a body that is a union of axis-aligned boxes"))
     boxes.push_back(read_box(box, p, boxes));
-  if (file.only_declares()) return;
-  const bool given = p.shape.kind == ShapeKind::boxes;
-  if (!given && p.shape.kind != ShapeKind::plate) return;
-  if (!given) boxes = {box_of(p)};
-  p.solid = solid_of_boxes(p.dimension, boxes);
-  if (!given) return;
+  std::filesystem::path mesh;
+  if (all || t.has("mesh"))
+    t.file(
+        "mesh", mesh,
+        {.help =
+             "cells of the body: Gmsh (.msh, text, quadrilaterals or hexahedra) or Abaqus (.inp); physical "
+             "names of cells are parts, those of their sides faces"});
+  const bool body = p.shape.kind == ShapeKind::solid;
+  if (!all && !body)
+    for (const char* key : {"part", "support"})
+      if (t.has(key))
+        throw t.error(key, "nothing: it belongs to a body of structure.mesh or structure.box",
+                      "structure.plate.supports for a plate");
+  if (!all && body)
+    p.solid = mesh.empty() ? solid_of_boxes(p.dimension, boxes) : read_mesh(mesh, p.dimension, p.material);
+  if (!all && mesh.empty() && t.has("part"))
+    throw t.error("part", "nothing: parts of structure.box say in their own table what they are",
+                  "leave it out");
+  read_parts(t, all, p.solid);
+  read_supports(t, all, p.solid);
+  if (all || !body) return;
+
+  const std::string key = mesh.empty() ? "box" : "mesh";
   if (const SolidFault fault = fault_of(p.solid); !fault.problem.empty())
-    throw t.error("box", "a body in one piece: " + fault.problem, fault.fix);
+    throw t.error(key, "a body in one piece: " + fault.problem, fault.fix);
   check_planes(t, p.solid);
   if (p.dimension == 3) return;
   const auto polygons = outer_polygons(p.solid);
   if (polygons.size() != 1)
-    throw t.error("box", fmt::format("one outer boundary, it has {}", polygons.size()),
+    throw t.error(key, fmt::format("one outer boundary, it has {}", polygons.size()),
                   "let the parts share a side, not only a corner");
   p.shape.corner = polygons.front();
 }

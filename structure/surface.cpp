@@ -10,19 +10,6 @@
 #include <numbers>
 
 namespace strake::structure {
-namespace {
-
-/// Points of the outline that lie on one face of the plate.
-bool on_face(const Plate& plate, const std::string& face, const Eigen::Vector3d& X) {
-  const double near = 1e-9 * plate.length;  // [m] round-off of the coordinates, far below any spacing
-  if (face == "bottom") return std::abs(X.y() - plate.bottom.y()) < near;
-  if (face == "top") return std::abs(X.y() - plate.bottom.y() - plate.thickness) < near;
-  if (face == "left") return std::abs(X.x() - plate.bottom.x() + 0.5 * plate.length) < near;
-  return std::abs(X.x() - plate.bottom.x() - 0.5 * plate.length) < near;
-}
-
-}  // namespace
-
 InterfaceMesh outline(const std::vector<Eigen::Vector2d>& polygon, double spacing) {
   InterfaceMesh mesh;
   mesh.name = "structure";
@@ -68,7 +55,7 @@ std::vector<Eigen::Vector2d> polygon_of(const Shape& shape, const Plate& plate, 
 InterfaceMesh surface(const Parameters& p) {
   const Shape& shape = p.shape;
   if (shape.kind == ShapeKind::sphere) return sphere_surface(shape.centre, shape.radius, p.surface_spacing);
-  if (shape.kind == ShapeKind::boxes && p.dimension == 3) return outer_surface(p.solid, p.surface_spacing);
+  if (shape.kind == ShapeKind::solid && p.dimension == 3) return outer_surface(p.solid, p.surface_spacing);
   const InterfaceMesh flat = outline(polygon_of(shape, p.plate, p.surface_spacing), p.surface_spacing);
   return p.dimension == 2 ? flat : prism_surface(flat, shape.depth, shape.middle, p.surface_spacing);
 }
@@ -77,7 +64,7 @@ bool is_in_body(const Parameters& p, const Eigen::Vector3d& X) {
   const Box box = bounds(p);
   const double slack = 1e-6 * (box.max - box.min).maxCoeff();
   if (p.shape.kind == ShapeKind::sphere) return (X - p.shape.centre).norm() <= p.shape.radius + slack;
-  if (p.shape.kind == ShapeKind::boxes) return cell_at(p.solid, X, slack) >= 0;
+  if (p.shape.kind == ShapeKind::solid) return cell_at(p.solid, X, slack) >= 0;
   if (p.dimension == 3 && std::abs(X.z() - p.shape.middle) > 0.5 * p.shape.depth + slack) return false;
   if (p.shape.kind == ShapeKind::cylinder)
     return (X - p.shape.centre).head<2>().norm() <= p.shape.radius * (1 + 1e-2) + slack;
@@ -91,7 +78,7 @@ Box bounds(const Parameters& p) {
     if (p.shape.kind == ShapeKind::cylinder) half.z() = 0.5 * p.shape.depth;
     return {p.shape.centre - half, p.shape.centre + half};
   }
-  if (p.shape.kind == ShapeKind::boxes)
+  if (p.shape.kind == ShapeKind::solid)
     return {p.solid.node.rowwise().minCoeff(), p.solid.node.rowwise().maxCoeff()};
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Box box{Eigen::Vector3d::Constant(infinity), Eigen::Vector3d::Constant(-infinity)};
@@ -117,16 +104,26 @@ Eigen::VectorXd point_sizes(const InterfaceMesh& mesh) {
   return size;
 }
 
-Points case_force(const CaseLoad& load, const Plate& plate, const InterfaceMesh& mesh) {
+Points case_force(const CaseLoad& load, const Solid& solid, const InterfaceMesh& mesh) {
   Points force = Points::Zero(3, mesh.position.cols());
   if (load.kind == LoadKind::traction) {
+    const std::vector<int> facets = facets_named(solid, load.face);
+    const Eigen::Vector3d size = solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff();
+    const double near = 1e-9 * size.maxCoeff();  // [m] round-off of the coordinates, far below any spacing
     for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-      const int a = mesh.faces(0, f), b = mesh.faces(1, f);
-      const Eigen::Vector3d xa = mesh.position.col(a), xb = mesh.position.col(b);
-      if (!on_face(plate, load.face, xa) || !on_face(plate, load.face, xb)) continue;
-      const Eigen::Vector3d half = 0.5 * (xb - xa).norm() * load.value;
-      force.col(a) += half;
-      force.col(b) += half;
+      const Eigen::Index corners = mesh.faces.rows();
+      const auto corner = [&](Eigen::Index k) -> Eigen::Vector3d {
+        return mesh.position.col(mesh.faces(k, f));
+      };
+      // A face of the surface lies in one facet with all its corners, or its middle does not.
+      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+      for (Eigen::Index k = 0; k < corners; ++k) middle += corner(k) / static_cast<double>(corners);
+      const auto holds = [&](int facet) { return on_facet(solid, facet, middle, near); };
+      if (std::none_of(facets.begin(), facets.end(), holds)) continue;
+      const double whole = corners == 2 ? (corner(1) - corner(0)).norm()
+                                        : 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+      for (Eigen::Index k = 0; k < corners; ++k)
+        force.col(mesh.faces(k, f)) += whole / static_cast<double>(corners) * load.value;
     }
   } else if (load.kind == LoadKind::point) {
     Eigen::Index nearest = 0;

@@ -30,10 +30,10 @@ Box bounds(const Parameters&);
 /// that meet in it. Σ = the perimeter or the surface.
 Eigen::VectorXd point_sizes(const InterfaceMesh&);
 
-/// The load of [structure.load] on the points of an outline at full value, 3×n [N] (per metre of depth):
-/// traction · length on the points of its face (end points carry half a segment), or the point force on the
-/// point nearest to `at`. Zero without a load.
-Points case_force(const CaseLoad&, const Plate&, const InterfaceMesh& outline);
+/// The load of [structure.load] on the points of a body's surface at full value, 3×n [N] (per metre of depth
+/// in two dimensions): traction times the size of each segment or triangle that lies in the named face,
+/// shared evenly by its corners; or the point force on the point nearest to `at`. Zero without a load.
+Points case_force(const CaseLoad&, const Solid&, const InterfaceMesh& surface);
 
 /// Factor of a ramp: ½(1 − cos(πt/T)) for t < T, else 1; 1 throughout for T = 0.
 double ramp_factor(double t, double ramp);

@@ -11,19 +11,37 @@ namespace {
 template <int dim>
 using Tensor = Eigen::Matrix<double, dim, dim>;
 
-/// S = λ tr(E) I + 2μ E [Pa].
 template <int dim>
-Tensor<dim> second_piola_kirchhoff(const Tensor<dim>& E, double lambda, double mu) {
-  Tensor<dim> S = 2 * mu * E;
-  S.diagonal().array() += lambda * E.trace();
-  return S;
-}
-
-template <int dim>
-Tensor<dim> strain(const Tensor<dim>& gradient, bool large) {
+Tensor<dim> strain_of(const Tensor<dim>& gradient, bool large) {
   Tensor<dim> E = 0.5 * (gradient + gradient.transpose());
   if (large) E += 0.5 * gradient.transpose() * gradient;
   return E;
+}
+
+bool is_large(const Material& m) {
+  return m.model != MaterialModel::linear;
+}
+
+/// S_zz [Pa] that plane strain needs: λ tr E, neo-Hookean λ ln J (out of the plane C⁻¹ = 1).
+template <int dim>
+double out_of_plane(const Material& m, const Tensor<dim>& E) {
+  if (m.plane_stress) return 0;
+  if (m.model != MaterialModel::neo_hookean) return m.lame_lambda() * E.trace();
+  return m.lame_lambda() * 0.5 * std::log((2 * E + Tensor<dim>::Identity()).determinant());
+}
+
+/// S between two strains, so that at α = ½ its work is the change of energy.
+template <int dim>
+Tensor<dim> stress_between(const Material& m, const Tensor<dim>& E0, const Tensor<dim>& E1, double alpha) {
+  Tensor<dim> S = second_piola_kirchhoff<dim>(m, Tensor<dim>(alpha * E0 + (1 - alpha) * E1));
+  if (m.model != MaterialModel::neo_hookean || alpha != 0.5) return S;
+  const Tensor<dim> change = E1 - E0;
+  const double square = change.squaredNorm();
+  constexpr double smallest = 1e-16;  // of ΔE:ΔE, where the correction is all round-off: it is of third order
+  if (square > smallest)
+    S += (energy_of_strain<dim>(m, E1) - energy_of_strain<dim>(m, E0) - S.cwiseProduct(change).sum()) /
+         square * change;
+  return S;
 }
 
 /// One cell's view of the mesh for elements of `n` nodes: fixed sizes, so that the small products unroll.
@@ -53,12 +71,7 @@ auto with_nodes(int degree, const Kernel& kernel) {
 }  // namespace
 
 template <int dim>
-Assembly<dim>::Assembly(const Mesh<dim>& mesh, const Material& material)
-    : mesh_(mesh),
-      lambda_(material.lame_lambda()),
-      mu_(material.lame_mu()),
-      density_(material.density),
-      large_(material.model == MaterialModel::saint_venant_kirchhoff) {
+Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts) : mesh_(mesh), part_(parts) {
   // Nodes that share a cell, ascending.
   const int per_cell = static_cast<int>(mesh.cell.rows());
   std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(mesh.n_nodes()));
@@ -96,14 +109,15 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
     const CellView<dim, n> view{mesh_};
     Eigen::VectorXd force = Eigen::VectorXd::Zero(mesh_.n_unknowns());
     for (int c = 0; c < mesh_.n_cells(); ++c) {
+      const Material& m = of(c);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
       typename CellView<dim, n>::Values sum = CellView<dim, n>::Values::Zero();
       for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
         const auto gradient = view.gradient(q);
         const Tensor<dim> H0 = values0 * gradient, H1 = values1 * gradient;
-        const Tensor<dim> E = alpha * strain<dim>(H0, large_) + (1 - alpha) * strain<dim>(H1, large_);
-        Tensor<dim> P = second_piola_kirchhoff<dim>(E, lambda_, mu_);
-        if (large_) P += ((alpha * H0 + (1 - alpha) * H1) * P).eval();
+        const bool large = is_large(m);
+        Tensor<dim> P = stress_between<dim>(m, strain_of<dim>(H0, large), strain_of<dim>(H1, large), alpha);
+        if (large) P += ((alpha * H0 + (1 - alpha) * H1) * P).eval();
         sum.noalias() += (mesh_.weight(q) * P) * gradient.transpose();
       }
       for (int a = 0; a < n; ++a) force.template segment<dim>(dim * mesh_.cell(a, c)) += sum.col(a);
@@ -133,6 +147,8 @@ Matrix Assembly<dim>::scatter(const Visit& cell_matrix) const {
 
 // With g_a = ∇N_a and F_i the row i of F, the derivative of F_α S_α g_a by component j of node b is
 //   δ_ij g_a·S_α g_b + λ (F_αi·g_a)(F_1j·g_b) + μ [(F_αi·F_1j)(g_a·g_b) + (F_αi·g_b)(F_1j·g_a)].
+// Neo-Hookean: ∂S/∂E = λ B⊗B + 2(μ − λ ln J) B⊙B with B = C_α⁻¹ stands in place of λ 1⊗1 + 2μ 1⊙1, which puts
+// B between each F and g; Gonzalez' addition, of second order in the step, is left out of it.
 template <int dim>
 Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const {
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
@@ -140,22 +156,30 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
     const CellView<dim, n> view{mesh_};
     Eigen::Matrix<double, dim * n, dim * n> local;
     return scatter([&](int c) -> const auto& {
+      const Material& m = of(c);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
       local.setZero();
       for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
         const auto g = view.gradient(q);
         const double weight = mesh_.weight(q);
-        Tensor<dim> F_alpha = Tensor<dim>::Identity(), F1 = F_alpha, S = Tensor<dim>::Zero();
-        if (large_) {
+        Tensor<dim> F_alpha = Tensor<dim>::Identity(), F1 = F_alpha, S = Tensor<dim>::Zero(), B = F_alpha;
+        double lambda = m.lame_lambda(), mu = m.lame_mu();
+        if (is_large(m)) {
           const Tensor<dim> H0 = values0 * g, H1 = values1 * g;
           F_alpha += alpha * H0 + (1 - alpha) * H1;
           F1 += H1;
-          S = second_piola_kirchhoff<dim>(alpha * strain<dim>(H0, true) + (1 - alpha) * strain<dim>(H1, true),
-                                          lambda_, mu_);
+          const Tensor<dim> E = alpha * strain_of<dim>(H0, true) + (1 - alpha) * strain_of<dim>(H1, true);
+          S = second_piola_kirchhoff<dim>(m, E);
+          if (m.model == MaterialModel::neo_hookean) {
+            const Tensor<dim> C = 2 * E + Tensor<dim>::Identity();
+            B = C.inverse();
+            mu -= lambda * 0.5 * std::log(C.determinant());
+          }
         }
-        const Eigen::Matrix<double, dim, n> f_alpha = F_alpha * g.transpose(), f1 = F1 * g.transpose();
-        const Tensor<dim> FF = F_alpha * F1.transpose();
-        const Eigen::Matrix<double, n, n> gg = weight * mu_ * g * g.transpose(),
+        const Tensor<dim> FB = F_alpha * B, F1B = F1 * B;
+        const Eigen::Matrix<double, dim, n> f_alpha = FB * g.transpose(), f1 = F1B * g.transpose();
+        const Tensor<dim> FF = FB * F1.transpose();
+        const Eigen::Matrix<double, n, n> gg = weight * mu * g * B * g.transpose(),
                                           gSg = weight * g * S * g.transpose();
         for (int b = 0; b < n; ++b)
           for (int a = 0; a < n; ++a)
@@ -163,7 +187,7 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
               for (int i = 0; i < dim; ++i)
                 local(dim * a + i, dim * b + j) +=
                     (i == j ? gSg(a, b) : 0.0) + FF(i, j) * gg(a, b) +
-                    weight * (lambda_ * f_alpha(i, a) * f1(j, b) + mu_ * f_alpha(i, b) * f1(j, a));
+                    weight * (lambda * f_alpha(i, a) * f1(j, b) + mu * f_alpha(i, b) * f1(j, a));
       }
       return local;
     });
@@ -176,10 +200,11 @@ double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
     const CellView<dim, decltype(nodes)::value> view{mesh_};
     double energy = 0;
     for (int c = 0; c < mesh_.n_cells(); ++c) {
+      const Material& m = of(c);
       const auto values = view.gather(u, c);
       for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
-        const Tensor<dim> E = strain<dim>(Tensor<dim>(values * view.gradient(q)), large_);
-        energy += mesh_.weight(q) * (0.5 * lambda_ * E.trace() * E.trace() + mu_ * E.squaredNorm());
+        const Tensor<dim> E = strain_of<dim>(Tensor<dim>(values * view.gradient(q)), is_large(m));
+        energy += mesh_.weight(q) * energy_of_strain<dim>(m, E);
       }
     }
     return energy;
@@ -188,11 +213,11 @@ double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
 
 template <int dim>
 double Assembly<dim>::smallest_jacobian(const Eigen::VectorXd& u) const {
-  if (!large_) return 1;
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
     const CellView<dim, decltype(nodes)::value> view{mesh_};
     double smallest = 1;
     for (int c = 0; c < mesh_.n_cells(); ++c) {
+      if (!is_large(of(c))) continue;
       const auto values = view.gather(u, c);
       for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
         const Tensor<dim> F = Tensor<dim>::Identity() + values * view.gradient(q);
@@ -208,9 +233,10 @@ Matrix Assembly<dim>::mass() const {
   const auto n = mesh_.cell.rows();
   Eigen::MatrixXd local(dim * n, dim * n);
   return scatter([&](int c) -> const Eigen::MatrixXd& {
+    const double density = of(c).density;
     local.setZero();
     for (int q = 0; q < mesh_.n_quadrature; ++q) {
-      const double weight = density_ * mesh_.weight(c * mesh_.n_quadrature + q);
+      const double weight = density * mesh_.weight(c * mesh_.n_quadrature + q);
       for (Eigen::Index a = 0; a < n; ++a)
         for (Eigen::Index b = 0; b < n; ++b)
           for (int i = 0; i < dim; ++i)
@@ -226,15 +252,16 @@ Eigen::VectorXd Assembly<dim>::von_mises(const Eigen::VectorXd& u) const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh_.n_nodes()), count = sum;
   Eigen::MatrixXd values(dim, n);
   for (int c = 0; c < mesh_.n_cells(); ++c) {
+    const Material& m = of(c);
     for (int a = 0; a < n; ++a) values.col(a) = u.template segment<dim>(dim * mesh_.cell(a, c));
     for (int a = 0; a < n; ++a) {
       const Eigen::Map<const Eigen::MatrixXd> gradient(mesh_.node_gradient.col(c * n + a).data(), n, dim);
       const Tensor<dim> H = values * gradient;
-      const Tensor<dim> E = strain<dim>(H, large_);
-      const Tensor<dim> S = second_piola_kirchhoff<dim>(E, lambda_, mu_);
+      const Tensor<dim> E = strain_of<dim>(H, is_large(m));
+      const Tensor<dim> S = second_piola_kirchhoff<dim>(m, E);
       Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
-      if (dim == 2) stress(2, 2) = lambda_ * E.trace();  // plane strain
-      if (large_) {
+      if (dim == 2) stress(2, 2) = out_of_plane<dim>(m, E);
+      if (is_large(m)) {
         const Tensor<dim> F = Tensor<dim>::Identity() + H;
         stress.template topLeftCorner<dim, dim>() = F * S * F.transpose();
         stress /= F.determinant();
@@ -250,5 +277,6 @@ Eigen::VectorXd Assembly<dim>::von_mises(const Eigen::VectorXd& u) const {
 }
 
 template class Assembly<2>;
+template class Assembly<3>;
 
 }  // namespace strake::structure::fem

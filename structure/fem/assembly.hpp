@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "structure/fem/mesh.hpp"
+#include "structure/material.hpp"
 #include "structure/parameters.hpp"
 
 namespace strake::structure::fem {
@@ -13,21 +14,21 @@ using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// Integrals over the cells, total Lagrangian: everything refers to the reference configuration X.
 ///
-///   F = I + ∇u,  E = ½(FᵀF − I),  S = λ tr(E) I + 2μ E,  ψ = ½ S:E            (Saint Venant–Kirchhoff)
-///   linear: F = I and E = ½(∇u + ∇uᵀ)
+///   F = I + ∇u,  E = ½(FᵀF − I),  S(E) and ψ(E) of material.hpp;  linear: F = I and E = ½(∇u + ∇uᵀ)
 ///
-/// Plane strain is dim = 2 with the λ of three dimensions. Vectors hold u [m] in unknown dim·node +
-/// component.
+/// Vectors hold u [m] in unknown dim·node + component.
 template <int dim>
 class Assembly {
  public:
-  Assembly(const Mesh<dim>&, const Material&);
+  /// One material per part of the solid.
+  Assembly(const Mesh<dim>&, const std::vector<Part>&);
 
   /// Internal nodal forces [N] between two configurations u0 and u1, for a step weighted α to its start:
-  ///   f_a = ∫ F_α S_α ∇N_a dV,  F_α = F(α u0 + (1−α) u1),  S_α = α S(u0) + (1−α) S(u1).
+  ///   f_a = ∫ F_α S_α ∇N_a dV,  F_α = F(α u0 + (1−α) u1),  S_α of E_α = α E(u0) + (1−α) E(u1).
   /// With α = ½ the work f·(u1 − u0) is exactly the change of strain energy, also for large deformation,
-  /// since F_½ᵀ ∇(u1 − u0) has the symmetric part E1 − E0 (Simo & Tarnow 1992). u0 = u1 gives the static
-  /// force.
+  /// since F_½ᵀ ∇(u1 − u0) has the symmetric part ΔE = E1 − E0 (Simo & Tarnow 1992): for a quadratic ψ as it
+  /// stands, for neo-Hookean with (ψ1 − ψ0 − S_½:ΔE)/(ΔE:ΔE) ΔE added to S_½ (Gonzalez 2000). u0 = u1 gives
+  /// the static force.
   Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
 
   /// ∂f/∂u1 of the above, divided by 1−α: the tangent stiffness [N/m] for u0 = u1, then symmetric.
@@ -37,7 +38,7 @@ class Assembly {
   /// ∫ ψ dV [J].
   double strain_energy(const Eigen::VectorXd& u) const;
 
-  /// Smallest det F in the quadrature points; 1 for linear elasticity, which knows no F.
+  /// Smallest det F in the quadrature points; linear elasticity knows no F and counts as 1.
   double smallest_jacobian(const Eigen::VectorXd& u) const;
 
   /// Consistent mass ∫ ρ N_a N_b dV [kg] on each component.
@@ -52,8 +53,10 @@ class Assembly {
   Matrix scatter(const Visit& cell_matrix) const;
 
   const Mesh<dim>& mesh_;
-  double lambda_ = 0, mu_ = 0, density_ = 0;  // [Pa], [Pa], [kg/m^3]
-  bool large_ = true;                         // finite deformation
+  const Material& of(int cell) const {
+    return part_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].material;
+  }
+  std::vector<Part> part_;
   Matrix pattern_;
   std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin
 };

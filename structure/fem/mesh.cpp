@@ -6,7 +6,7 @@
 #include <deal.II/fe/fe_tools.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/fe/mapping_q1.h>
-#include <deal.II/grid/grid_generator.h>
+#include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 
 #include <algorithm>
@@ -14,17 +14,39 @@
 #include <cmath>
 
 #include "proto/error.hpp"
-#include "structure/fem/grading.hpp"
+#include "structure/fem/refined.hpp"
 
 namespace strake::structure::fem {
 namespace {
 
-// Cell sizes along the plate, chosen on the clamped strips of VALIDATION B1: finer changes f1 by less than
-// 0.05 %.
-constexpr double smallest_size = 0.5;      // [cell height] at a held end
-constexpr double size_growth = 0.25;       // per length
-constexpr double largest_size = 0.5;       // [thickness] away from the ends
-constexpr double largest_part = 1 / 32.0;  // [length]
+template <int dim>
+dealii::Point<dim> point(const Eigen::Vector3d& X) {
+  dealii::Point<dim> x;
+  for (unsigned int k = 0; k < dim; ++k) x[k] = X(k);
+  return x;
+}
+
+template <int dim>
+Eigen::Vector3d in_space(const dealii::Point<dim>& x) {
+  Eigen::Vector3d X = Eigen::Vector3d::Zero();
+  for (unsigned int k = 0; k < dim; ++k) X(k) = x[k];
+  return X;
+}
+
+/// The cells as deal.II takes them; the part stands in the material's number.
+template <int dim>
+void create(dealii::Triangulation<dim>& triangulation, const Solid& cells) {
+  std::vector<dealii::Point<dim>> vertices;
+  for (Eigen::Index i = 0; i < cells.node.cols(); ++i) vertices.push_back(point<dim>(cells.node.col(i)));
+  std::vector<dealii::CellData<dim>> data(static_cast<std::size_t>(cells.cell.cols()));
+  for (std::size_t c = 0; c < data.size(); ++c) {
+    for (unsigned int k = 0; k < cells.cell.rows(); ++k)
+      data[c].vertices[k] = static_cast<unsigned int>(cells.cell(k, static_cast<Eigen::Index>(c)));
+    data[c].material_id = static_cast<dealii::types::material_id>(cells.part_of[c]);
+  }
+  if (!cells.made_of_boxes()) dealii::GridTools::consistently_order_cells(data);
+  triangulation.create_triangulation(vertices, data, {});
+}
 
 }  // namespace
 
@@ -39,25 +61,13 @@ struct Discretisation<dim>::Parts {
 };
 
 template <int dim>
-Discretisation<dim>::Discretisation(const Plate& plate, int degree, int refinement)
-    : parts_(std::make_unique<Parts>(degree)) {
-  static_assert(dim == 2, "a plate is a rectangle: a slab needs its width");
+Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refinement)
+    : solid_(solid), parts_(std::make_unique<Parts>(degree)) {
+  assert(solid.dimension == dim);
   Parts& parts = *parts_;
 
-  // 1. The rectangle, divided evenly through the thickness and graded along the length.
-  const double half = plate.length / 2;
-  const dealii::Point<dim> low(plate.bottom.x() - half, plate.bottom.y());
-  const dealii::Point<dim> high(plate.bottom.x() + half, plate.bottom.y() + plate.thickness);
-  const int through = 1 << refinement;
-  const double height = plate.thickness / through;
-  Grading grading{.smallest = smallest_size * height, .growth = size_growth};
-  grading.largest =
-      std::max(grading.smallest, std::min(largest_size * plate.thickness, largest_part * plate.length));
-  grading.left = plate.left != Support::free;
-  grading.right = plate.right != Support::free;
-  const std::vector<std::vector<double>> sizes{
-      graded_cells(plate.length, grading), std::vector<double>(static_cast<std::size_t>(through), height)};
-  dealii::GridGenerator::subdivided_hyper_rectangle(parts.triangulation, sizes, low, high, true);
+  // 1. The cells.
+  create(parts.triangulation, refined(solid, refinement));
 
   // 2. The Lagrange element and its nodes.
   parts.dofs.distribute_dofs(parts.element);
@@ -70,13 +80,11 @@ Discretisation<dim>::Discretisation(const Plate& plate, int degree, int refineme
   // 3. Shape values and gradients: Gauss with degree + 1 points is exact for the mass matrix and for Saint
   //    Venant–Kirchhoff up to the quartic terms, which vanish with the strain.
   const dealii::QGauss<dim> quadrature(static_cast<unsigned int>(degree) + 1);
-  const dealii::QGauss<dim - 1> face_quadrature(static_cast<unsigned int>(degree) + 1);
   const dealii::Quadrature<dim> nodes(parts.element.get_unit_support_points());
   using namespace dealii;  // the update flags' operator|
   FEValues<dim> inside(parts.mapping, parts.element, quadrature,
                        update_values | update_gradients | update_JxW_values);
   FEValues<dim> in_nodes(parts.mapping, parts.element, nodes, update_gradients | update_quadrature_points);
-  FEFaceValues<dim> on_face(parts.mapping, parts.element, face_quadrature, update_values | update_JxW_values);
 
   mesh_.degree = degree;
   mesh_.n_quadrature = static_cast<int>(quadrature.size());
@@ -86,7 +94,6 @@ Discretisation<dim>::Discretisation(const Plate& plate, int degree, int refineme
   mesh_.node_gradient.resize(per_cell * dim, n_cells * per_cell);
   mesh_.weight.resize(n_cells * mesh_.n_quadrature);
   mesh_.shape.resize(per_cell, mesh_.n_quadrature);
-  for (auto& face : mesh_.face) face = Eigen::VectorXd::Zero(n_nodes);
 
   std::vector<types::global_dof_index> index(per_cell);
   Eigen::Index c = 0;
@@ -110,36 +117,89 @@ Discretisation<dim>::Discretisation(const Plate& plate, int degree, int refineme
     }
     for (unsigned int q = 0; q < quadrature.size(); ++q)
       mesh_.weight(c * mesh_.n_quadrature + q) = inside.JxW(q);
-    for (const unsigned int f : cell->face_indices()) {
-      if (!cell->face(f)->at_boundary()) continue;
-      on_face.reinit(cell, f);
-      Eigen::VectorXd& sum = mesh_.face[cell->face(f)->boundary_id()];
-      for (unsigned int q = 0; q < face_quadrature.size(); ++q)
-        for (unsigned int a = 0; a < per_cell; ++a)
-          sum(static_cast<Eigen::Index>(index[a])) += on_face.shape_value(a, q) * on_face.JxW(q);
-    }
+    mesh_.part.push_back(static_cast<int>(cell->material_id()));
     ++c;
   }
 
-  // 4. Supports: all of an end face, or its node at mid-height.
-  const double near = 1e-6 * height;
-  const double middle = plate.bottom.y() + plate.thickness / 2;
-  const auto hold = [&](Support support, double x) {
-    if (support == Support::free) return;
-    const std::size_t before = mesh_.fixed.size();
-    for (int i = 0; i < mesh_.n_nodes(); ++i) {
-      const bool on_end = std::abs(mesh_.node(0, i) - x) < near;
-      if (!on_end || (support == Support::pinned && std::abs(mesh_.node(1, i) - middle) > near)) continue;
-      for (int k = 0; k < dim; ++k) mesh_.fixed.push_back(dim * i + k);
-    }
-    if (mesh_.fixed.size() == before)
-      throw Error(ExitCode::case_file, "structure.plate.supports",
-                  "a pinned end needs a node at mid-height, and one layer of linear cells has none",
-                  "structure.fem.refinement = 1 or more");
-  };
-  hold(plate.left, low[0]);
-  hold(plate.right, high[0]);
+  // 4. Supports, and parts that are held as a whole.
+  const double near = 1e-6 * std::ldexp(thinnest(solid), -refinement);
+  for (const SupportedFace& face : solid.supported)
+    if (face.support != Support::free) hold(face, near);
+  for (int cell = 0; cell < mesh_.n_cells(); ++cell)
+    if (solid.parts[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].held)
+      for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
+        for (int k = 0; k < dim; ++k) mesh_.fixed.push_back(dim * mesh_.cell(a, cell) + k);
   std::sort(mesh_.fixed.begin(), mesh_.fixed.end());
+  mesh_.fixed.erase(std::unique(mesh_.fixed.begin(), mesh_.fixed.end()), mesh_.fixed.end());
+}
+
+// A pinned or rolling face is held along the line at its middle: in space the line along the longer of its
+// two directions.
+template <int dim>
+void Discretisation<dim>::hold(const SupportedFace& face, double near) {
+  const auto on_face = [&](const Eigen::Vector3d& X) {
+    return std::any_of(face.facet.begin(), face.facet.end(),
+                       [&](int f) { return on_facet(solid_, f, X, near); });
+  };
+  const Eigen::Vector3d normal = normal_of(solid_, face), middle = middle_of(solid_, face);
+  Eigen::Index along = 0;  // the axis of the normal
+  const bool aligned = normal.cwiseAbs().maxCoeff(&along) > 1 - 1e-6;
+  const bool line = face.support == Support::pinned || face.support == Support::roller;
+  if (!aligned && face.support != Support::clamped)
+    throw Error(ExitCode::case_file, "structure, support \"" + face.name + "\"",
+                "a face that is pinned, rolls or is one of symmetry must lie across x, y or z",
+                "clamped, or turn the body");
+  Eigen::Index across = along == 0 ? 1 : 0;  // the shorter direction within the face
+  if (dim == 3 && line) {
+    Eigen::Vector3d low = middle, high = middle;
+    for (const int f : face.facet)
+      for (Eigen::Index k = 0; k < solid_.facet.rows(); ++k) {
+        low = low.cwiseMin(solid_.node.col(solid_.facet(k, f)));
+        high = high.cwiseMax(solid_.node.col(solid_.facet(k, f)));
+      }
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      if (axis != along && (high - low)[axis] < (high - low)[across]) across = axis;
+  }
+  const std::size_t before = mesh_.fixed.size();
+  for (int i = 0; i < mesh_.n_nodes(); ++i) {
+    Eigen::Vector3d X = Eigen::Vector3d::Zero();
+    X.head<dim>() = mesh_.node.col(i);
+    if (!on_face(X) || (line && std::abs(X[across] - middle[across]) > near)) continue;
+    for (int k = 0; k < dim; ++k)
+      if (face.support == Support::clamped || face.support == Support::pinned ||
+          (face.support == Support::roller && k == across) ||
+          (face.support == Support::symmetry && k == along))
+        mesh_.fixed.push_back(dim * i + k);
+  }
+  if (mesh_.fixed.size() == before)
+    throw Error(ExitCode::case_file, "structure, support \"" + face.name + "\"",
+                "a pinned or rolling end needs a node at mid-height, and one layer of linear cells has none",
+                "structure.fem.refinement = 1 or more");
+}
+
+template <int dim>
+Eigen::VectorXd Discretisation<dim>::face_sizes(const std::vector<int>& facets) const {
+  const Parts& parts = *parts_;
+  const dealii::QGauss<dim - 1> quadrature(parts.element.degree + 1);
+  using namespace dealii;  // the update flags' operator|
+  FEFaceValues<dim> on_face(parts.mapping, parts.element, quadrature, update_values | update_JxW_values);
+  const double near = 1e-6 * thinnest(solid_);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh_.n_nodes());
+  std::vector<types::global_dof_index> index(parts.element.n_dofs_per_cell());
+  for (const auto& cell : parts.dofs.active_cell_iterators())
+    for (const unsigned int f : cell->face_indices()) {
+      if (!cell->face(f)->at_boundary()) continue;
+      const Eigen::Vector3d middle = in_space(cell->face(f)->center());
+      if (std::none_of(facets.begin(), facets.end(),
+                       [&](int k) { return on_facet(solid_, k, middle, near); }))
+        continue;
+      on_face.reinit(cell, f);
+      cell->get_dof_indices(index);
+      for (unsigned int q = 0; q < quadrature.size(); ++q)
+        for (unsigned int a = 0; a < index.size(); ++a)
+          sum(static_cast<Eigen::Index>(index[a])) += on_face.shape_value(a, q) * on_face.JxW(q);
+    }
+  return sum;
 }
 
 template <int dim>
@@ -148,8 +208,7 @@ Discretisation<dim>::~Discretisation() = default;
 template <int dim>
 NodeWeights Discretisation<dim>::shape_values(const Eigen::Vector3d& X) const {
   const Parts& parts = *parts_;
-  dealii::Point<dim> x;
-  for (unsigned int k = 0; k < dim; ++k) x[k] = X(k);
+  const dealii::Point<dim> x = point<dim>(X);
 
   // A linear search over the cells: once per point at set-up.
   typename dealii::DoFHandler<dim>::active_cell_iterator nearest;
@@ -179,5 +238,6 @@ std::string library() {
 }
 
 template class Discretisation<2>;
+template class Discretisation<3>;
 
 }  // namespace strake::structure::fem

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -23,9 +22,8 @@ struct Mesh {
   Eigen::VectorXd weight;  // m · n_quadrature [m^dim]: quadrature weight × Jacobian
   Eigen::MatrixXd shape;   // nodes per cell × n_quadrature, N_a
   Eigen::MatrixXd
-      node_gradient;  // (nodes per cell · dim) × (m · nodes per cell) [1/m]: gradients in the nodes
-  std::array<Eigen::VectorXd, 2 * dim>
-      face;                // n [m^(dim-1)]: ∫ N_a dS over left, right, bottom, top(, back, front)
+      node_gradient;       // (nodes per cell · dim) × (m · nodes per cell) [1/m]: gradients in the nodes
+  std::vector<int> part;   // m, of the solid
   std::vector<int> fixed;  // unknowns that the supports hold, ascending
 
   int n_nodes() const { return static_cast<int>(node.cols()); }
@@ -33,28 +31,36 @@ struct Mesh {
   int n_unknowns() const { return dim * n_nodes(); }
 };
 
+/// How many of the body's rigid motions (three in the plane, six in space) no fixed unknown stops.
+template <int dim>
+int rigid_motions_left(const Mesh<dim>&);
+
 /// Weights of nodes whose sum is the value in a point.
 using NodeWeights = std::vector<std::pair<int, double>>;
 
 /// "deal.II 9.4.1".
 std::string library();
 
-/// The plate divided into cells, and its Lagrange element. The only place where deal.II's mesh, element,
+/// A body divided into cells, and its Lagrange element. The only place where deal.II's mesh, element,
 /// mapping and quadrature are used; everything else works on the plain `Mesh`.
 template <int dim>
 class Discretisation {
  public:
-  /// `refinement`: 2^refinement cells through the thickness; along the length, cells shrink towards held
-  /// ends, where the stress is singular.
-  Discretisation(const Plate&, int degree, int refinement);
+  /// `refinement`: see refined.hpp. Throws Error(case_file) where a support finds no node.
+  Discretisation(const Solid&, int degree, int refinement);
   ~Discretisation();
   const Mesh<dim>& mesh() const { return mesh_; }
   /// Shape values at the material point X [m]; a point outside is taken to the nearest place of the nearest
   /// cell.
   NodeWeights shape_values(const Eigen::Vector3d& X) const;
+  /// n [m^(dim-1)]: ∫ N_a dS over facets of the solid.
+  Eigen::VectorXd face_sizes(const std::vector<int>& facets) const;
 
  private:
   struct Parts;
+  void hold(const SupportedFace&, double near);
+
+  Solid solid_;
   std::unique_ptr<Parts> parts_;
   Mesh<dim> mesh_;
 };

@@ -30,8 +30,15 @@ constexpr double same_step = 1e-6;
 // stall at 0.57.
 constexpr double round_off = 2;
 
-constexpr std::size_t index_of_face(const std::string_view face) {
-  return face == "left" ? 0 : face == "right" ? 1 : face == "bottom" ? 2 : 3;
+bool all_linear(const Solid& solid) {
+  return std::all_of(solid.parts.begin(), solid.parts.end(),
+                     [](const Part& part) { return part.material.model == MaterialModel::linear; });
+}
+
+double fastest_wave(const Solid& solid) {
+  double fastest = 0;
+  for (const Part& part : solid.parts) fastest = std::max(fastest, wave_speed(part.material));
+  return fastest;
 }
 
 }  // namespace
@@ -40,8 +47,10 @@ template <int dim>
 FemSolver<dim>::FemSolver(const Parameters& p)
     : parameters_(p),
       scheme_(p.fem.rho_infinity),
-      discretisation_(p.plate, p.fem.degree, p.fem.refinement),
-      assembly_(discretisation_.mesh(), p.material),
+      solid_(elastic_solid(p)),
+      linear_(all_linear(solid_)),
+      discretisation_(solid_, p.fem.degree, p.fem.refinement),
+      assembly_(discretisation_.mesh(), solid_.parts),
       interface_(surface(p)),
       transfer_(discretisation_, interface_.position) {
   const int n = mesh().n_unknowns();
@@ -53,7 +62,7 @@ FemSolver<dim>::FemSolver(const Parameters& p)
 
   load_shape_ = zero;
   if (p.load.kind == LoadKind::traction) {
-    const Eigen::VectorXd& area = mesh().face[index_of_face(p.load.face)];
+    const Eigen::VectorXd area = discretisation_.face_sizes(facets_named(solid_, p.load.face));
     for (int i = 0; i < mesh().n_nodes(); ++i)
       load_shape_.segment<dim>(dim * i) = area(i) * p.load.value.template head<dim>();
   } else if (p.load.kind == LoadKind::point) {
@@ -89,8 +98,7 @@ Eigen::VectorXd FemSolver<dim>::own_load(double time) const {
 template <int dim>
 Eigen::VectorXd FemSolver<dim>::internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1,
                                                double alpha) const {
-  if (parameters_.material.model == MaterialModel::linear)
-    return stiffness_ * (alpha * u0 + (1 - alpha) * u1);
+  if (linear_) return stiffness_ * (alpha * u0 + (1 - alpha) * u1);
   return assembly_.internal_force(u0, u1, alpha);
 }
 
@@ -109,8 +117,7 @@ Matrix FemSolver<dim>::effective(const Matrix& tangent, double dt) const {
 template <int dim>
 void FemSolver<dim>::use_tangent(const State& state) {
   if (factors_dt_ == state.tangent_dt && factors_at_.size() > 0 && factors_at_ == state.tangent_at) return;
-  const bool linear = parameters_.material.model == MaterialModel::linear;
-  const Matrix tangent = linear ? stiffness_ : assembly_.tangent(state.tangent_at);
+  const Matrix tangent = linear_ ? stiffness_ : assembly_.tangent(state.tangent_at);
   ++factorisations_;
   if (!factors_.factorise(effective(tangent, state.tangent_dt), mesh().fixed))
     throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", state.time),
@@ -296,7 +303,6 @@ void FemSolver<dim>::read(const Archive& archive) {
 
 template <int dim>
 Frame FemSolver<dim>::frame() const {
-  static_assert(dim == 2, "quadrilaterals");
   const Eigen::Index n = mesh().n_nodes();
   const auto on_nodes = [&](const Eigen::VectorXd& unknowns, const Eigen::Vector3d& rigid) {
     Points values = Points::Zero(3, n);
@@ -310,16 +316,22 @@ Frame FemSolver<dim>::frame() const {
   frame.position = displacement;
   frame.position.topRows<dim>() += mesh().node;
 
-  // Every node is a point: a Q2 cell shows as four quadrilaterals.
-  const int parts = mesh().degree, row = parts + 1;
-  frame.cells.resize(4, mesh().n_cells() * parts * parts);
+  // Every node is a point: a Q2 cell shows as four quadrilaterals or eight hexahedra, nodes in ParaView's
+  // order.
+  const int parts = mesh().degree, row = parts + 1, layers = dim == 3 ? parts : 1;
+  frame.cells.resize(1 << dim, mesh().n_cells() * parts * parts * layers);
   Eigen::Index at = 0;
   for (int c = 0; c < mesh().n_cells(); ++c)
-    for (int j = 0; j < parts; ++j)
-      for (int i = 0; i < parts; ++i) {
-        const auto node = [&](int k, int l) { return mesh().cell((j + l) * row + i + k, c); };
-        frame.cells.col(at++) << node(0, 0), node(1, 0), node(1, 1), node(0, 1);
-      }
+    for (int l = 0; l < layers; ++l)
+      for (int j = 0; j < parts; ++j)
+        for (int i = 0; i < parts; ++i) {
+          const auto node = [&](int x, int y, int z) {
+            return mesh().cell(((l + z) * row + j + y) * row + i + x, c);
+          };
+          auto cell = frame.cells.col(at++);
+          for (int z = 0; z < dim - 1; ++z)
+            cell.template segment<4>(4 * z) << node(0, 0, z), node(1, 0, z), node(1, 1, z), node(0, 1, z);
+        }
   frame.point_data = {{"displacement", "m", displacement},
                       {"velocity", "m/s", on_nodes(state_.velocity, parameters_.velocity)},
                       {"von_mises", "Pa", assembly_.von_mises(state_.displacement).transpose()}};
@@ -328,18 +340,24 @@ Frame FemSolver<dim>::frame() const {
 
 template <int dim>
 std::vector<std::string> FemSolver<dim>::lines() const {
-  const bool linear = parameters_.material.model == MaterialModel::linear;
-  return {fmt::format("fem ({})   {} cells Q{}, {} unknowns   f1 dry {:.1f} Hz", library(), mesh().n_cells(),
-                      mesh().degree, mesh().n_unknowns(), first_frequency_),
-          fmt::format("{}, {}", linear ? "linear elasticity" : "Saint Venant-Kirchhoff, total Lagrangian",
-                      scheme_.mid_point ? std::string("Newmark 1/4-1/2 with the mean load of a window")
-                                        : fmt::format("generalised-alpha, rho_infinity {:g}",
-                                                      parameters_.fem.rho_infinity)),
-          "beam theory " + beam_line(parameters_.plate, parameters_.material)};
+  std::vector<std::string> lines = {
+      fmt::format("fem ({})   {} cells Q{}, {} unknowns   f1 dry {:.1f} Hz", library(), mesh().n_cells(),
+                  mesh().degree, mesh().n_unknowns(), first_frequency_),
+      fmt::format("{}, {}", linear_ ? "linear elasticity" : "Saint Venant-Kirchhoff, total Lagrangian",
+                  scheme_.mid_point
+                      ? std::string("Newmark 1/4-1/2 with the mean load of a window")
+                      : fmt::format("generalised-alpha, rho_infinity {:g}", parameters_.fem.rho_infinity))};
+  if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
+    lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));
+  return lines;
 }
 
 template <int dim>
 void FemSolver<dim>::solve_static() {
+  if (rigid_motions_left(mesh()) > 0)
+    throw Error(ExitCode::case_file, "structure (fem), static",
+                "without enough supports there is no equilibrium: the body can move or turn as a whole",
+                "hold it: structure.plate.supports or the supports of structure.box");
   constexpr double end_of_ramps = std::numeric_limits<double>::infinity();
   constexpr double smallest_part = 1.0 / 64;  // of the load
   const Eigen::VectorXd full = own_load(end_of_ramps);
@@ -384,22 +402,21 @@ void FemSolver<dim>::solve_static() {
 
 template <int dim>
 std::vector<double> FemSolver<dim>::frequencies(int count) {
-  // Motions that the supports leave free have no frequency: two shifts and a turn, or the turn about one pin.
-  const Plate& plate = parameters_.plate;
-  const bool clamped = plate.left == Support::clamped || plate.right == Support::clamped;
-  const int pins = (plate.left == Support::pinned) + (plate.right == Support::pinned);
-  const int rigid = clamped || pins == 2 ? 0 : pins == 1 ? 1 : 3;
+  // Motions that the supports leave free have no frequency.
+  const int rigid = rigid_motions_left(mesh());
+  const Eigen::Vector3d size = solid_.node.rowwise().maxCoeff() - solid_.node.rowwise().minCoeff();
   std::vector<double> f = natural_frequencies(stiffness_, mass_, mesh().fixed, count + rigid,
-                                              plate.length / wave_speed(parameters_.material));
-  f.erase(f.begin(), f.begin() + rigid);
+                                              size.maxCoeff() / fastest_wave(solid_));
+  f.erase(f.begin(), f.begin() + std::min<std::ptrdiff_t>(rigid, static_cast<std::ptrdiff_t>(f.size())));
   return f;
 }
 
 std::unique_ptr<Solver> make_solver(const Parameters& parameters) {
-  assert(parameters.dimension == 2);
+  if (parameters.dimension == 3) return std::make_unique<FemSolver<3>>(parameters);
   return std::make_unique<FemSolver<2>>(parameters);
 }
 
 template class FemSolver<2>;
+template class FemSolver<3>;
 
 }  // namespace strake::structure::fem

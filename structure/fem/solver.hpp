@@ -17,7 +17,7 @@
 
 namespace strake::structure::fem {
 
-/// Dynamic elasticity of a plate on driven supports by finite elements:
+/// Dynamic elasticity of a body on driven supports by finite elements:
 ///   M ü + C u̇ + f(u) = F,  C = mass·M + stiffness·K(0)  (Rayleigh)
 /// The unknown is the displacement u relative to the supports, which move at a constant velocity V: an
 /// inertial frame, where the equations are the same, supports are at rest and rounding acts on the deflection
@@ -82,6 +82,8 @@ class FemSolver final : public Solver {
 
   Parameters parameters_;
   TimeScheme scheme_;
+  Solid solid_;
+  bool linear_;  // all parts are
   Discretisation<dim> discretisation_;
   Assembly<dim> assembly_;
   Matrix mass_, stiffness_;    // stiffness at u = 0

@@ -35,5 +35,6 @@ Eigen::VectorXd Transfer<dim>::to_unknowns(const Points& force) const {
 }
 
 template class Transfer<2>;
+template class Transfer<3>;
 
 }  // namespace strake::structure::fem

@@ -79,7 +79,7 @@ ParticleSolver::ParticleSolver(const Parameters& p)
     to_interface_ = interpolation(lattice_, mesh_.position);
   }
   const InterfaceMesh fine = outline(p.plate, p.particle.spacing);
-  case_force_ = spread(interpolation(lattice_, fine.position), case_force(p.load, p.plate, fine));
+  case_force_ = spread(interpolation(lattice_, fine.position), case_force(p.load, elastic_solid(p), fine));
 
   elastic_limit_ = elastic_limit(*model_, lattice_, mass_);
   largest_step_ = p.particle.safety * elastic_limit_;

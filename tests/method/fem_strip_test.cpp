@@ -211,7 +211,7 @@ TEST(FemTime, ASpinningFreePlateKeepsEnergyAndAngularMomentum) {
   p.fem.refinement = 1;
   FemSolver<2> solver(p);
   const Mesh<2>& mesh = solver.mesh();
-  const Matrix mass = Assembly<2>(mesh, p.material).mass();
+  const Matrix mass = Assembly<2>(mesh, elastic_solid(p).parts).mass();
   constexpr double spin = 1000;  // [rad/s]
   Eigen::VectorXd velocity(mesh.n_unknowns());
   for (int i = 0; i < mesh.n_nodes(); ++i)
@@ -283,10 +283,14 @@ TEST(FemTime, AnAddedMassOnTheInterfaceKeepsTheEnergyOfTheWhole) {
 // F = −(λ+μ) ∇(∇·u) − μ ∇²u.
 double error_of_smooth_solution(int degree, int refinement) {
   using std::numbers::pi;
-  const Plate plate{
-      .length = 1, .thickness = 1, .bottom = {0, 0, 0}, .left = Support::free, .right = Support::free};
   const Material material{.model = MaterialModel::linear, .density = 1, .young = 1, .poisson = 0.3};
-  const Discretisation<2> d(plate, degree, refinement);
+  SolidBox square;
+  square.name = "square";
+  square.min << -0.5, 0, 0;
+  square.max << 0.5, 1, 0;
+  square.material = material;
+  const Solid solid = solid_of_boxes(2, {square});
+  const Discretisation<2> d(solid, degree, refinement);
   const Mesh<2>& mesh = d.mesh();
   const auto exact = [](const Eigen::Vector2d& x) {
     return Eigen::Vector2d(std::cos(pi * x.x()) * std::sin(2 * pi * x.y()),
@@ -321,7 +325,7 @@ double error_of_smooth_solution(int degree, int refinement) {
     if (std::abs(mesh.node(0, i)) > 0.5 - 1e-9 || std::abs(mesh.node(1, i) - 0.5) > 0.5 - 1e-9)
       fixed.insert(fixed.end(), {2 * i, 2 * i + 1});
   LinearSolver solver;
-  EXPECT_TRUE(solver.factorise(Assembly<2>(mesh, material).tangent(0 * force), fixed));
+  EXPECT_TRUE(solver.factorise(Assembly<2>(mesh, solid.parts).tangent(0 * force), fixed));
   const Eigen::VectorXd u = solver.solve(force);
   double error = 0;
   each_point([&](int c, int q, const Eigen::Vector2d& x, double weight) {

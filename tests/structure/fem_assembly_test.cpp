@@ -55,12 +55,12 @@ TEST(Grading, OneGradedEndMirrorsTheOther) {
 
 TEST_P(Cells, MassAndFacesAddUpToThePlate) {
   Parameters p = plate(Support::clamped, Support::free, MaterialModel::linear);
-  const Discretisation<2> d(p.plate, GetParam(), 2);
-  const Assembly<2> assembly(d.mesh(), p.material);
+  const Discretisation<2> d(elastic_solid(p), GetParam(), 2);
+  const Assembly<2> assembly(d.mesh(), elastic_solid(p).parts);
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(d.mesh().n_unknowns());
   EXPECT_NEAR(ones.dot(assembly.mass() * ones), 2 * 7800 * 0.4 * 0.02, 1e-10) << "once for each direction";
-  EXPECT_NEAR(d.mesh().face[0].sum(), 0.02, 1e-15);
-  EXPECT_NEAR(d.mesh().face[3].sum(), 0.4, 1e-14);
+  EXPECT_NEAR(d.face_sizes(facets_named(elastic_solid(p), "left")).sum(), 0.02, 1e-15);
+  EXPECT_NEAR(d.face_sizes(facets_named(elastic_solid(p), "top")).sum(), 0.4, 1e-14);
   EXPECT_NEAR(d.mesh().weight.sum(), 0.4 * 0.02, 1e-15);
 }
 
@@ -69,8 +69,8 @@ TEST_P(Cells, ALinearFieldHasItsClosedFormEnergyAndLeavesInnerNodesAtRest) {
   H << 0.03, -0.2, 0.15, -0.05;
   for (const auto model : both_models) {
     Parameters p = plate(Support::free, Support::free, model);
-    const Discretisation<2> d(p.plate, GetParam(), 2);
-    const Assembly<2> assembly(d.mesh(), p.material);
+    const Discretisation<2> d(elastic_solid(p), GetParam(), 2);
+    const Assembly<2> assembly(d.mesh(), elastic_solid(p).parts);
     const Eigen::VectorXd u =
         on_nodes(d.mesh(), [&](const Eigen::Vector2d& x) -> Eigen::Vector2d { return H * x; });
     Eigen::Matrix2d E = 0.5 * (H + H.transpose());
@@ -92,8 +92,8 @@ TEST_P(Cells, ALinearFieldHasItsClosedFormEnergyAndLeavesInnerNodesAtRest) {
 
 TEST(Assembly, ARotationOfAnyAngleStoresNothingInSaintVenantKirchhoff) {
   Parameters p = plate(Support::free, Support::free, MaterialModel::saint_venant_kirchhoff);
-  const Discretisation<2> d(p.plate, 2, 1);
-  const Assembly<2> assembly(d.mesh(), p.material);
+  const Discretisation<2> d(elastic_solid(p), 2, 1);
+  const Assembly<2> assembly(d.mesh(), elastic_solid(p).parts);
   for (const double angle : {0.3, 1.9, 3.1}) {
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(angle).toRotationMatrix() - Eigen::Matrix2d::Identity();
     const Eigen::VectorXd u =
@@ -107,8 +107,8 @@ TEST(Assembly, ARotationOfAnyAngleStoresNothingInSaintVenantKirchhoff) {
 TEST_P(Cells, TheInternalForceIsTheGradientOfTheStrainEnergy) {
   for (const auto model : both_models) {
     Parameters p = plate(Support::free, Support::free, model);
-    const Discretisation<2> d(p.plate, GetParam(), 1);
-    const Assembly<2> assembly(d.mesh(), p.material);
+    const Discretisation<2> d(elastic_solid(p), GetParam(), 1);
+    const Assembly<2> assembly(d.mesh(), elastic_solid(p).parts);
     const Eigen::VectorXd u = on_nodes(d.mesh(), bent);
     const Eigen::VectorXd way = on_nodes(d.mesh(), [](const Eigen::Vector2d& x) {
       return Eigen::Vector2d(std::sin(20 * x.y()), std::cos(9 * x.x()));
@@ -123,8 +123,8 @@ TEST_P(Cells, TheInternalForceIsTheGradientOfTheStrainEnergy) {
 TEST_P(Cells, TheTangentIsTheDerivativeOfTheInternalForce) {
   for (const auto model : both_models) {
     Parameters p = plate(Support::free, Support::free, model);
-    const Discretisation<2> d(p.plate, GetParam(), 1);
-    const Assembly<2> assembly(d.mesh(), p.material);
+    const Discretisation<2> d(elastic_solid(p), GetParam(), 1);
+    const Assembly<2> assembly(d.mesh(), elastic_solid(p).parts);
     const Eigen::VectorXd u1 = on_nodes(d.mesh(), bent), u0 = 0.3 * u1;
     const Eigen::VectorXd way = on_nodes(d.mesh(), [](const Eigen::Vector2d& x) {
       return Eigen::Vector2d(std::sin(20 * x.y()), std::cos(9 * x.x()));
@@ -143,8 +143,8 @@ TEST_P(Cells, TheTangentIsTheDerivativeOfTheInternalForce) {
 TEST(Assembly, TheMidPointForceWorksExactlyTheChangeOfStrainEnergy) {
   for (const auto model : both_models) {
     Parameters p = plate(Support::free, Support::free, model);
-    const Discretisation<2> d(p.plate, 2, 1);
-    const Assembly<2> assembly(d.mesh(), p.material);
+    const Discretisation<2> d(elastic_solid(p), 2, 1);
+    const Assembly<2> assembly(d.mesh(), elastic_solid(p).parts);
     const Eigen::VectorXd u1 = on_nodes(d.mesh(), bent);
     const Eigen::VectorXd u0 = on_nodes(
         d.mesh(), [](const Eigen::Vector2d& x) { return Eigen::Vector2d(0.1 * x.y(), -x.x() * x.x()); });
@@ -155,8 +155,8 @@ TEST(Assembly, TheMidPointForceWorksExactlyTheChangeOfStrainEnergy) {
 
 TEST(Assembly, VonMisesOfUniformTensionIsItsClosedForm) {
   Parameters p = plate(Support::free, Support::free, MaterialModel::linear);
-  const Discretisation<2> d(p.plate, 2, 1);
-  const Assembly<2> assembly(d.mesh(), p.material);
+  const Discretisation<2> d(elastic_solid(p), 2, 1);
+  const Assembly<2> assembly(d.mesh(), elastic_solid(p).parts);
   const Eigen::VectorXd u =
       on_nodes(d.mesh(), [](const Eigen::Vector2d& x) { return Eigen::Vector2d(1e-4 * x.x(), 0); });
   // One strain alone: σ = λε 1 + 2με e⊗e, whose deviator has the von Mises stress 2με.
@@ -168,7 +168,7 @@ TEST(Assembly, VonMisesOfUniformTensionIsItsClosedForm) {
 TEST(Transfer, KeepsWorkTotalForceAndMoment) {
   Parameters p = plate(Support::clamped, Support::clamped, MaterialModel::linear);
   const FemSolver<2> solver(p);
-  const Discretisation<2> d(p.plate, 2, 1);
+  const Discretisation<2> d(elastic_solid(p), 2, 1);
   const InterfaceMesh& mesh = solver.interface();
   const Transfer<2> transfer(d, mesh.position);
   const Eigen::Index n = mesh.position.cols();

@@ -49,7 +49,7 @@ TEST(FemSolver, AFreePlateGainsTheImpulseOfItsLoad) {
     impulse += 1e-4 * n * 10.0 * i;
   }
   // Momentum = the mean velocity of the mass.
-  const Assembly<2> assembly(solver.mesh(), p.material);
+  const Assembly<2> assembly(solver.mesh(), elastic_solid(p).parts);
   Eigen::VectorXd up = Eigen::VectorXd::Zero(solver.mesh().n_unknowns());
   for (int i = 0; i < solver.mesh().n_nodes(); ++i) up(2 * i + 1) = 1;
   const Frame frame = solver.frame();

@@ -77,7 +77,6 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
   says(complaint("fem", {"structure.material.poisson=0.5"}), "below 0.5");
   says(complaint("fem", {"structure.material.poisson=-1"}), "poisson");
   says(complaint("fem", {"structure.plate.lenght=1"}), "did you mean length");
-  says(complaint("fem", {"structure.mesh=\"hull.msh\""}), "structure.mesh is not built yet");
   says(complaint("fem", {"structure.box=[{}]"}), "one shape, and structure.plate is given too");
   says(complaint("fem", {"structure.plate.thickness=0"}), "thickness");
   says(complaint("fem", {"fluid.dimension=3"}), "not built yet");

@@ -8,6 +8,12 @@
 namespace strake::structure {
 namespace {
 
+Solid solid_of(const Plate& plate) {
+  Parameters p;
+  p.plate = plate;
+  return elastic_solid(p);
+}
+
 TEST(Surface, OutlineIsClosedCounterClockwiseAndHasTheCornersAsPoints) {
   Plate plate{.length = 0.4, .thickness = 0.02, .bottom = {0.1, 0.012, 0}};
   const InterfaceMesh mesh = outline(plate, 0.01);
@@ -34,7 +40,7 @@ TEST(Surface, TractionGivesItsResultantAndMomentOnOneFace) {
   load.value = {0, -1e5, 0};
   load.face = "top";
   const InterfaceMesh mesh = outline(plate, 0.007);
-  const Points force = case_force(load, plate, mesh);
+  const Points force = case_force(load, solid_of(plate), mesh);
   EXPECT_NEAR(force.row(1).sum(), -1e5 * 0.4, 1e-9);
   double moment = 0;
   for (Eigen::Index i = 0; i < force.cols(); ++i) moment += mesh.position(0, i) * force(1, i);
@@ -48,7 +54,7 @@ TEST(Surface, PointForceActsOnTheNearestPoint) {
   load.value = {0, 3, 0};
   load.at = {0.199, 0.021, 0};
   const InterfaceMesh mesh = outline(plate, 0.01);
-  const Points force = case_force(load, plate, mesh);
+  const Points force = case_force(load, solid_of(plate), mesh);
   Eigen::Index loaded = -1;
   EXPECT_EQ(force.row(1).maxCoeff(&loaded), 3);
   EXPECT_LT((mesh.position.col(loaded) - Eigen::Vector3d(0.2, 0.02, 0)).norm(), 1e-12);

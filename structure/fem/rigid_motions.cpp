@@ -1,0 +1,39 @@
+#include <Eigen/Dense>
+
+#include "structure/fem/mesh.hpp"
+
+namespace strake::structure::fem {
+
+// The motions u = a + ω × (X − X̄)/L restricted to the fixed unknowns: as many are stopped as that matrix has
+// rank.
+template <int dim>
+int rigid_motions_left(const Mesh<dim>& mesh) {
+  constexpr int motions = dim == 2 ? 3 : 6;
+  const Eigen::Matrix<double, dim, 1> middle = mesh.node.rowwise().mean();
+  const double length = (mesh.node.colwise() - middle).cwiseAbs().maxCoeff();
+  Eigen::Matrix<double, motions, motions> normal = Eigen::Matrix<double, motions, motions>::Zero();
+  for (const int unknown : mesh.fixed) {
+    const int node = unknown / dim, component = unknown % dim;
+    const Eigen::Matrix<double, dim, 1> r = (mesh.node.col(node) - middle) / length;
+    Eigen::Matrix<double, motions, 1> row = Eigen::Matrix<double, motions, 1>::Zero();
+    row(component) = 1;
+    if constexpr (dim == 2) {
+      row(2) = component == 0 ? -r(1) : r(0);
+    } else {
+      for (int axis = 0; axis < 3; ++axis) row(3 + axis) = Eigen::Vector3d::Unit(axis).cross(r)(component);
+    }
+    normal += row * row.transpose();
+  }
+  constexpr double stopped =
+      1e-10;  // of the largest eigenvalue: the square of what round-off leaves of a rank
+  const Eigen::VectorXd value =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(normal, Eigen::EigenvaluesOnly).eigenvalues();
+  int left = 0;
+  for (const double v : value) left += v <= stopped * value.maxCoeff() || v == 0;
+  return left;
+}
+
+template int rigid_motions_left(const Mesh<2>&);
+template int rigid_motions_left(const Mesh<3>&);
+
+}  // namespace strake::structure::fem
