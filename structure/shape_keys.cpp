@@ -166,9 +166,11 @@ void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
       throw t.error("inertia_axes", "three numbers greater than 0, none larger than the sum of the other two",
                     "leave inertia_axes out: it follows from the shape");
   }
-  if (p.shape.kind != ShapeKind::plate && p.load.kind == LoadKind::traction)
-    throw t.table("load").error("kind", "point or none: only a plate has faces that a traction could name",
-                                "kind = \"point\"");
+  if (p.shape.kind != ShapeKind::plate && p.shape.kind != ShapeKind::solid &&
+      p.load.kind == LoadKind::traction)
+    throw t.table("load").error(
+        "kind", "point or none: only plates, boxes and meshes have faces that a traction could name",
+        "kind = \"point\"");
   check_motion(t, common, p);
 }
 

@@ -180,7 +180,7 @@ TEST_F(MeshFile, WhatIsWrongIsNamedWithItsLine) {
   says(complaint("a.msh", "hello"), "no $MeshFormat");
   says(complaint("a.msh", changed(msh2, "2.2 0 8", "2.2 1 8")), "a.msh:2 | a binary mesh file");
   says(complaint("a.msh", changed(msh2, "2.2 0 8", "1 0 8")), "is not 2.2 or 4.1");
-  says(complaint("a.msh", changed(msh2, "2 1 0 0", "2 1 zero 0")), "a.msh:12 | expected NUMBER X Y Z");
+  says(complaint("a.msh", changed(msh2, "2 1 0 0", "2 1 zero 0")), "a.msh:13 | expected NUMBER X Y Z");
   says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 2 2 2 2 2 5 6")), "Recombine");
   says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 3 2 2 2 2 5 66 3")), "names node 66");
   says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 16 2 2 2 2 5 6 3 1 1 1 1")), "ElementOrder");

@@ -79,7 +79,9 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
   says(complaint("fem", {"structure.plate.lenght=1"}), "did you mean length");
   says(complaint("fem", {"structure.box=[{}]"}), "one shape, and structure.plate is given too");
   says(complaint("fem", {"structure.plate.thickness=0"}), "thickness");
-  says(complaint("fem", {"fluid.dimension=3"}), "not built yet");
+  says(complaint("fem", {"fluid.dimension=3"}), "a length along z");
+  says(complaint("particle", {"fluid.dimension=3"}), "not built yet for particles");
+  says(complaint("particle", {"structure.plane=stress", "structure.material.model=neo_hookean"}), "structure.plane");
   says(complaint("particle", {"structure.particle.spacing=0.003"}), "a whole number of particle layers");
   says(complaint("particle", {"structure.particle.spacing=0.02"}), "at least 2");
   says(complaint("particle", {"structure.plate.length=0.401"}), "a whole number of particle columns");
