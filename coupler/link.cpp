@@ -1,6 +1,8 @@
 #include "coupler/link.hpp"
 
 #include "coupler/doorkeeper.hpp"
+#include "coupler/host.hpp"
+#include "coupler/witness.hpp"
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -13,6 +15,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -26,7 +29,9 @@ constexpr int heartbeat_every = 200;  // [ms]
 constexpr int heartbeat_limit = 800;  // [ms]
 constexpr int last_words = 500;       // [ms] a participant's Fault or Done may take to leave
 constexpr int to_greet = 3000;        // [ms] a connection that has not greeted by then is cut
-constexpr std::int64_t largest_part = std::int64_t{1} << 33;  // [bytes] 3 components on 3.6e8 points
+// ZeroMQ makes room for a part as soon as its size is announced, by whoever has greeted as ZeroMQ does, and
+// fixes the limit when it binds: before any mesh is known. Room for 3 components on 1.1e7 points.
+constexpr std::int64_t largest_part = std::int64_t{1} << 28;  // [bytes]
 constexpr std::size_t unix_path = 107;                        // bytes of a Unix socket's address
 constexpr std::size_t worth_sharing = 4096;  // [bytes] a smaller part is copied faster than shared
 
@@ -226,13 +231,17 @@ struct Hub::Sockets {
   std::string endpoint;
   struct Connection {
     std::string address;
-    bool spoke = false;
+    std::string peer;  // routing id; empty while it has said nothing
+    std::unique_ptr<Witness> witness;
   };
   std::map<int, Connection> open;  // by descriptor
+  std::set<std::string> left;      // peers that had a witness and closed their connection
   std::string failed;              // why the connection that is about to be closed never stood
   std::map<std::string, int> strangers;
 
   void look();
+  void heard(const std::string& peer, int socket);
+  Connection* find(const std::string& peer, int* socket = nullptr);
   std::string reason(const Monitor::Event&) const;
 };
 
@@ -244,12 +253,13 @@ void Hub::Sockets::look() {
   };
   while (const auto event = monitor.next(milliseconds(0))) switch (event->kind) {
       case ZMQ_EVENT_ACCEPTED:
-        open[event->value] = {peer_address(event->value), false};
+        open[event->value] = {peer_address(event->value), {}, nullptr};
         break;
       case ZMQ_EVENT_DISCONNECTED: {
         const Connection& c = open[event->value];
-        if (!c.spoke && failed.empty()) failed = " left without a word";
+        if (c.peer.empty() && failed.empty()) failed = " left or was cut before its first word";
         if (!failed.empty()) stranger(c.address + failed);
+        if (c.witness && c.witness->closed_by_peer()) left.insert(c.peer);
         failed.clear();
         open.erase(event->value);
         break;
@@ -260,6 +270,24 @@ void Hub::Sockets::look() {
   if (doorkeeper)
     for (const std::string& address : doorkeeper->take_refused())
       stranger(address + " holds no key of this run");
+}
+
+/// A word of a peer that came by the connection with that descriptor.
+void Hub::Sockets::heard(const std::string& peer, int socket) {
+  const auto known = open.find(socket);
+  if (known != open.end() && known->second.peer == peer) return;
+  look();  // the descriptor may have been that of another connection
+  const auto found = open.find(socket);
+  if (found != open.end()) found->second.peer = peer;  // else it has left in the meantime
+}
+
+Hub::Sockets::Connection* Hub::Sockets::find(const std::string& peer, int* socket) {
+  for (auto& [descriptor, connection] : open)
+    if (connection.peer == peer) {
+      if (socket) *socket = descriptor;
+      return &connection;
+    }
+  return nullptr;
 }
 
 std::string Hub::Sockets::reason(const Monitor::Event& event) const {
@@ -312,24 +340,18 @@ std::string Hub::endpoint() const {
 }
 
 std::string Hub::endpoint_elsewhere() const {
-  std::array<char, 256> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) host = {"HOST"};
-  return with_host(sockets_->endpoint, host.data());
+  return with_host(sockets_->endpoint, host_name());
 }
 
 std::optional<Hub::Message> Hub::receive(milliseconds limit) {
   zmq::socket_t& router = sockets_->router;
   zmq::message_t peer;
   if (!await_part(router, peer, limit)) return {};
-  Message message{peer.to_string(), -1, {}, {}};
+  Message message{peer.to_string(), {}, {}};
   receive_rest(router, peer.more(), message.parts);
   if (!message.parts.empty()) {
     const auto* first = static_cast<const zmq::message_t*>(message.parts.front().owner.get());
-    message.socket = zmq_msg_get(const_cast<zmq_msg_t*>(first->handle()), ZMQ_SRCFD);
-    if (!sockets_->open[message.socket].spoke) {
-      sockets_->look();  // the descriptor may have been that of another connection
-      sockets_->open[message.socket].spoke = true;
-    }
+    sockets_->heard(message.peer, zmq_msg_get(const_cast<zmq_msg_t*>(first->handle()), ZMQ_SRCFD));
     const char* key = sockets_->doorkeeper ? zmq_msg_gets(first->handle(), "User-Id") : nullptr;
     if (key) message.key = key;
   }
@@ -340,9 +362,28 @@ void Hub::send(const std::string& peer, const wire::Parts& parts) {
   if (send_part(sockets_->router, {peer.data(), peer.size()}, true)) send_parts(sockets_->router, parts);
 }
 
-bool Hub::connected(int socket) {
+bool Hub::connected(const std::string& peer) {
   sockets_->look();
-  return sockets_->open.contains(socket);
+  return sockets_->find(peer) != nullptr;
+}
+
+void Hub::keep_witness(const std::string& peer) {
+  sockets_->look();
+  int socket = -1;
+  if (auto* connection = sockets_->find(peer, &socket))
+    connection->witness = std::make_unique<Witness>(socket);
+  else
+    sockets_->left.insert(peer);  // just heard: it cannot have been silent for long
+}
+
+bool Hub::left(const std::string& peer) {
+  sockets_->look();
+  return sockets_->left.contains(peer);
+}
+
+bool Hub::somebody_is_new() {
+  sockets_->look();
+  return sockets_->find({}) != nullptr;
 }
 
 std::map<std::string, int> Hub::take_strangers() {
@@ -380,6 +421,14 @@ Line::Line(const std::string& endpoint, const std::optional<ParticipantKeys>& ke
 Line::~Line() = default;
 
 void Line::send(const wire::Parts& parts) {
+  constexpr double megabyte = 1 << 20;
+  for (const wire::Part& part : parts)
+    if (static_cast<std::int64_t>(part.bytes.size()) > largest_part)
+      throw Error(ExitCode::case_file, "",
+                  fmt::format("one field of its interface has {:.0f} MB, a message carries at most {:.0f} MB",
+                              static_cast<double>(part.bytes.size()) / megabyte,
+                              static_cast<double>(largest_part) / megabyte),
+                  "a coarser interface mesh");
   send_parts(sockets_->dealer, parts);
 }
 

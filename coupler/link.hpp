@@ -37,8 +37,7 @@ class Hub {
   std::string endpoint_elsewhere() const;  // the same for other machines: the host's name for a wildcard
 
   struct Message {
-    std::string peer;  // routing id, given by ZeroMQ
-    int socket = -1;   // file descriptor of the connection it came by
+    std::string peer;  // routing id, given by ZeroMQ: another one for each connection
     std::string key;   // whose key it came with; empty without keys
     wire::Parts parts;
   };
@@ -46,8 +45,14 @@ class Hub {
   std::optional<Message> receive(std::chrono::milliseconds limit);
   /// Never waits and never fails: what is sent to a peer that is gone is dropped.
   void send(const std::string& peer, const wire::Parts&);
-  /// Whether the connection with that descriptor stands. Heartbeats end it 0.8 s after the peer fell silent.
-  bool connected(int socket);
+  /// Whether the connection of that peer stands. Heartbeats end it 0.8 s after the peer fell silent.
+  bool connected(const std::string& peer);
+  /// From here on `left` can tell how that peer's connection ends.
+  void keep_witness(const std::string& peer);
+  /// Whether its connection has ended because it was closed at the other end, as the end of a process does.
+  bool left(const std::string& peer);
+  /// Whether a connection stands on which nothing has been said yet.
+  bool somebody_is_new();
   /// Connections that never became one of ours since the last call: "127.0.0.1 holds no key of this run" →
   /// how often.
   std::map<std::string, int> take_strangers();
@@ -73,7 +78,8 @@ class Line {
   /// Error(command_line) if it is no endpoint.
   explicit Line(const std::string& endpoint, const std::optional<ParticipantKeys>& = {});
   ~Line();
-  void send(const wire::Parts&);  // never waits
+  /// Never waits. Error(case_file) for a part that is larger than the other end would take.
+  void send(const wire::Parts&);
   std::optional<wire::Parts> receive(std::chrono::milliseconds limit);
   /// What happened to the connection; nothing after `limit`. For the watch thread.
   std::optional<LinkEvent> next_event(std::chrono::milliseconds limit);

@@ -147,7 +147,7 @@ void Roster::end() noexcept {
   try {
     std::size_t awaited = 0;  // participants started by hand whose Done is still to come
     for (const auto& m : s.members) {
-      const bool idle = m->greeted && m->asked.empty() && !m->broken && s.hub.connected(m->socket);
+      const bool idle = m->greeted && m->asked.empty() && !m->broken && s.hub.connected(m->peer);
       if (idle) s.ask(*m, {0, wire::Stop{m->before == wire::Before::commit, m->write_output}});
       if (idle && !m->child) ++awaited;
       if (!idle && m->child) m->child->signal(SIGTERM);

@@ -21,6 +21,7 @@ constexpr milliseconds beat{50};               // between two looks at the proce
 constexpr milliseconds last_words{100};        // a dead process's Fault may still be on its way
 constexpr milliseconds heartbeat_gap{800};     // silence before the link counts as cut
 constexpr milliseconds silence_to_tell{1000};  // silence before a line says so
+constexpr milliseconds to_come_back{500};      // for a new connection after one that the other end closed
 
 std::string in_seconds(Clock::duration d) {
   return fmt::format("{:.3g} s", Seconds(d).count());
@@ -303,14 +304,19 @@ void Roster::State::greet(const Hub::Message& message) {
     return refuse(message, m,
                   fmt::format("{} has read another case than the coupler (their hashes differ)", m->name),
                   "give it the same --case and --set; a file of the case may have changed in between");
-  if (m->greeted && reply.sequence == 0 && hub.connected(m->socket))
+  if (m->greeted && reply.sequence == 0 && hub.connected(m->peer))
     return refuse(message, m, fmt::format("{} already takes part", m->name), "--name");
   if (m->greeted) return welcome_back(*m, message, reply.sequence);
   m->greeted = true;
-  m->peer = message.peer;
-  m->socket = message.socket;
+  take_connection(*m, message.peer);
   m->last_heard = Clock::now();
   m->refusal.clear();
+}
+
+/// Of a process that is not ours, only the connection tells whether it lives.
+void Roster::State::take_connection(Member& m, const std::string& peer) {
+  m.peer = peer;
+  if (!m.child) hub.keep_witness(peer);
 }
 
 /// A participant that was frozen (or a coupler that was) has a new connection. What the old one lost is sent
@@ -318,8 +324,7 @@ void Roster::State::greet(const Hub::Message& message) {
 void Roster::State::welcome_back(Member& m, const Hub::Message& message, std::uint64_t last_received) {
   const auto silence = m.silent_since ? Clock::now() - *m.silent_since : Clock::duration(0);
   say(fmt::format("{}: is back after {}", m.place(), in_seconds(silence)));
-  m.peer = message.peer;
-  m.socket = message.socket;
+  take_connection(m, message.peer);
   m.silent_since.reset();
   m.silence_told = false;
   m.last_heard = Clock::now();
@@ -355,14 +360,19 @@ void Roster::State::look_after(Member& m) {
   if (m.child)
     if (const auto exit = m.child->exit()) died(m, *exit);
   if (!m.greeted) return;
-  if (hub.connected(m.socket)) {
+  if (hub.connected(m.peer)) {
     m.silent_since.reset();
     return;
   }
   // Heartbeats are answered by a thread of their own: no answer means frozen, or a dead machine.
-  if (!m.silent_since) m.silent_since = Clock::now() - heartbeat_gap;
+  const bool has_left = !m.child && hub.left(m.peer);
+  if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
   const auto silence = Clock::now() - *m.silent_since;
-  const std::string state = !m.child             ? "has left or is frozen"
+  // One that closed its connection because we were suspended makes a new one at once, though it may be too
+  // busy to say so.
+  if (has_left && silence > to_come_back && !hub.somebody_is_new()) left(m);
+  const std::string state = has_left             ? "has closed its connection"
+                            : !m.child           ? "is frozen or cannot be reached"
                             : m.child->stopped() ? "is suspended (" + m.process() + ")"
                                                  : "is frozen (" + m.process() + " lives)";
   if (!m.silence_told && silence > silence_to_tell) {
@@ -379,6 +389,15 @@ void Roster::State::look_after(Member& m) {
       fmt::format("{}: no heartbeat for {}{}", state, in_seconds(silence),
                   m.asked.empty() ? "" : ", " + m.asked + " was awaited"),
       fmt::format("{}, or --patient when debugging; the limit is coupling.frozen_after", m.see_log()));
+}
+
+/// One that was started by hand: whether it ended or was killed, only its own shell knows.
+void Roster::State::left(Member& m) {
+  m.broken = true;
+  throw Error(ExitCode::participant_lost, m.place(),
+              fmt::format("has ended ({}): its connection was closed at the other end{}", m.process(),
+                          m.asked.empty() ? " between two requests" : " while " + m.asked + " was awaited"),
+              m.see_log());
 }
 
 void Roster::State::died(Member& m, const Exit& exit) {

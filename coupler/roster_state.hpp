@@ -30,7 +30,6 @@ struct Roster::Member {
   bool greeted = false;  // said an accepted Hello
   bool broken = false;   // the run ends because of it
   std::string peer;
-  int socket = -1;
   std::optional<Clock::time_point> silent_since;
   bool silence_told = false;
 
@@ -105,6 +104,8 @@ struct Roster::State {
   void look_after_strangers();
   void note_stranger(const std::string& what, int times);
   [[noreturn]] void died(Member&, const Exit&);
+  [[noreturn]] void left(Member&);
+  void take_connection(Member&, const std::string& peer);
 };
 
 template <class Expected>

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <ctime>
@@ -15,6 +14,7 @@
 #include <system_error>
 
 #include "coupler/commit.hpp"
+#include "coupler/host.hpp"
 #include "proto/result_file.hpp"
 
 namespace strake {
@@ -171,11 +171,6 @@ std::string strake_version() {
 }
 std::string strake_commit() {
   return STRAKE_COMMIT;
-}
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
 std::string utc_now() {

@@ -76,7 +76,6 @@ class RunRecord {
 /// Version and commit that this program was built from.
 std::string strake_version();
 std::string strake_commit();
-std::string host_name();
 /// "2025-11-21T02:04:42Z"
 std::string utc_now();
 

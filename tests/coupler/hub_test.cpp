@@ -58,23 +58,26 @@ TEST(Hub, LargeArraysArriveWholeOverTcpAndTheirOwnerIsReleased) {
   EXPECT_EQ(last, 1.5);
   for (int i = 0; i < 500 && !watched.expired(); ++i) std::this_thread::sleep_for(milliseconds(1));
   EXPECT_TRUE(watched.expired());
-  EXPECT_TRUE(hub.connected(message->socket));
+  EXPECT_TRUE(hub.connected(message->peer));
 }
 
 TEST(Hub, AConnectionThatIsClosedNoLongerStands) {
   Hub hub;
-  int socket = -1;
+  std::string peer;
   {
     Line line(hub.endpoint());
     const std::string word = "word";
     line.send({{std::as_bytes(std::span(word)), nullptr}});
     const auto message = hub.receive(std::chrono::seconds(5));
     ASSERT_TRUE(message);
-    socket = message->socket;
-    EXPECT_TRUE(hub.connected(socket));
+    peer = message->peer;
+    EXPECT_TRUE(hub.connected(peer));
+    hub.keep_witness(peer);
+    EXPECT_FALSE(hub.left(peer));
   }
-  for (int i = 0; i < 500 && hub.connected(socket); ++i) std::this_thread::sleep_for(milliseconds(1));
-  EXPECT_FALSE(hub.connected(socket));
+  for (int i = 0; i < 500 && hub.connected(peer); ++i) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_FALSE(hub.connected(peer));
+  EXPECT_TRUE(hub.left(peer)) << "it was closed at the other end";
 }
 
 }  // namespace

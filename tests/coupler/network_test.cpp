@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <span>
 #include <thread>
@@ -95,7 +96,7 @@ TEST_F(Network, HoldersOfAListedKeyComeInAndAreKnownByIt) {
   EXPECT_EQ(second->key, "structure");
   hub.send(first->peer, one_word());
   EXPECT_TRUE(fluid.receive(std::chrono::seconds(5)));
-  EXPECT_TRUE(hub.connected(first->socket));
+  EXPECT_TRUE(hub.connected(first->peer));
 }
 
 TEST_F(Network, AKeyThatIsNotListedStaysOutAndIsToldSo) {
@@ -151,8 +152,54 @@ TEST_F(Network, ARequestForAWebPageIsNoParticipant) {
   Hub hub("tcp://127.0.0.1:*", {coupler_keys(), false});
   knock(hub.endpoint(),
         "GET / HTTP/1.1\r\nHost: localhost\r\nUser-Agent: curl/7.88.1\r\nAccept: */*\r\n\r\n");
-  EXPECT_TRUE(tells(hub, {"left without a word"}));
+  EXPECT_TRUE(tells(hub, {"left or was cut before its first word"}));
   EXPECT_FALSE(hub.receive(milliseconds(50)));
+}
+
+/// What a ZeroMQ socket without keys says first (its RFC 23): signature, version 3.0, NULL, as a client; then
+/// the command READY with the kind of socket.
+std::string greeting() {
+  std::string text = "\xff" + std::string(8, '\0') + "\x7f\x03" + std::string(1, '\0') + "NULL";
+  return text + std::string(64 - text.size(), '\0');
+}
+const std::string ready = std::string("\x04\x1c\x05READY\x0bSocket-Type\0\0\0\x06", 24) + "DEALER";
+
+/// The head of a frame of 8 GiB: a long one, its size in eight bytes.
+std::string head_of_8_gib(char flags) {
+  return std::string(1, flags) + std::string("\0\0\0\x02\0\0\0\0", 8);
+}
+
+std::int64_t peak_of_address_space() {  // [KiB]
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmPeak:")) return std::stoll(line.substr(7));
+  return 0;
+}
+
+TEST_F(Network, AFrameOf8GiBIsNotWaitedForAndTheRunGoesOn) {
+  Hub hub("tcp://127.0.0.1:*");
+  Line line(hub.endpoint());
+  line.send(one_word());
+  const auto first = hub.receive(std::chrono::seconds(5));
+  ASSERT_TRUE(first);
+  const std::int64_t before = peak_of_address_space();
+  ASSERT_GT(before, 0);
+  knock(hub.endpoint(), greeting() + ready + head_of_8_gib('\x02'));
+  EXPECT_TRUE(tells(hub, {"left or was cut before its first word"}));
+  knock(hub.endpoint(), greeting() + head_of_8_gib('\x06'));  // a command, during the greeting
+  EXPECT_TRUE(tells(hub, {"left or was cut before its first word"}));
+  EXPECT_LT(peak_of_address_space() - before, 1 << 20) << "room was made for it";
+  EXPECT_TRUE(hub.connected(first->peer));
+  hub.send(first->peer, one_word());
+  EXPECT_TRUE(line.receive(std::chrono::seconds(5)));
+}
+
+TEST_F(Network, AFieldThatNoMessageCarriesIsRefusedWhereItComesFrom) {
+  Hub hub;
+  Line line(hub.endpoint());
+  const std::byte one{};
+  const std::span<const std::byte> large(&one, (std::size_t{1} << 28) + 1);  // only its size is looked at
+  EXPECT_THROW(line.send({{large, nullptr}}), Error);
 }
 
 TEST_F(Network, AConnectionThatSaysNothingIsCut) {
@@ -180,7 +227,7 @@ TEST_F(Network, ACrowdAtThePortDisturbsNobody) {
   EXPECT_TRUE(line.receive(std::chrono::seconds(5)));
   line.send(one_word());
   EXPECT_TRUE(hub.receive(std::chrono::seconds(5)));
-  EXPECT_TRUE(hub.connected(first->socket));
+  EXPECT_TRUE(hub.connected(first->peer));
   int told = 0;
   for (int i = 0; i < 500 && told < crowd; ++i) {
     for (const auto& [what, times] : hub.take_strangers()) told += times;

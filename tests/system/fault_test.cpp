@@ -213,22 +213,40 @@ TEST_F(Faults, AFieldThatDoesNotFitTheMeshIsRefused) {
   EXPECT_EQ(e.problem(), "sent displacement at 2 points, its mesh has 3");
 }
 
+TEST_F(Faults, AKilledParticipantThatWasStartedByHandIsNamedWithinASecond) {
+  for (const char* endpoint : {"tcp://127.0.0.1:*", ""}) {
+    options_.endpoint = endpoint;
+    Child structure = by_hand("structure", "sleep");
+    RemoteParticipant& participant = roster().connect("structure", {});
+    std::thread killer = signal_inside_step("structure", SIGKILL);
+    const Error e = error_of([&] { participant.advance({0, 0.1}, {}); });
+    killer.join();
+    report_delay();
+    EXPECT_EQ(e.code(), ExitCode::participant_lost);
+    EXPECT_NE(e.problem().find("its connection was closed at the other end while Advance was awaited"),
+              std::string::npos);
+    fs::remove(log("structure"));
+  }
+}
+
+TEST_F(Faults, AFrozenParticipantThatWasStartedByHandIsNotTakenForDead) {
+  options_.deadlines.frozen_after = std::chrono::seconds(2);
+  Child structure = by_hand("structure", "sleep");
+  RemoteParticipant& participant = roster().connect("structure", {});
+  std::thread freezer = signal_inside_step("structure", SIGSTOP);
+  const Error e = error_of([&] { participant.advance({0, 0.1}, {}); });
+  freezer.join();
+  EXPECT_GE(delay(), 2.0);
+  EXPECT_NE(e.problem().find("is frozen or cannot be reached: no heartbeat for "), std::string::npos);
+}
+
 TEST_F(Faults, AParticipantStartedByHandEndsWithItsCoupler) {
-  roster().attach("structure");
-  Launch launch{fs::path(STRAKE_TOYS) / "toy_participant",
-                {"--connect", endpoint_, "--name", "structure", "--fault", "sleep", "--case-hash"},
-                log("structure"),
-                1,
-                {{"STRAKE_TOKEN", roster().token()}}};
-  std::string hash;
-  for (int i = 0; i < 32; ++i) hash += "2a";
-  launch.arguments.push_back(hash);
-  Child by_hand(launch);
+  Child structure = by_hand("structure", "sleep");
   roster().connect("structure", {}).start({0, 0.1}, {});
   wait_for(log("structure"), "step begins");
   signalled_ = steady_clock::now();
   roster_.reset();  // the coupler is gone, without a word to one that is busy
-  const auto exit = by_hand.wait(std::chrono::seconds(30));
+  const auto exit = structure.wait(std::chrono::seconds(30));
   ASSERT_TRUE(exit);
   report_delay();
   EXPECT_EQ(exit->code, static_cast<int>(ExitCode::participant_lost));

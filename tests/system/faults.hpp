@@ -62,6 +62,17 @@ class Faults : public testing::Test {
                            1,
                            {}});
   }
+  /// One that the roster waits for and does not own.
+  Child by_hand(const std::string& name, const std::string& fault) {
+    roster().attach(name);
+    std::string hash;
+    for (int i = 0; i < 32; ++i) hash += "2a";
+    return Child({std::filesystem::path(STRAKE_TOYS) / "toy_participant",
+                  {"--connect", endpoint_, "--name", name, "--fault", fault, "--case-hash", hash},
+                  log(name),
+                  1,
+                  {{"STRAKE_TOKEN", roster().token()}}});
+  }
   pid_t pid_of(const std::string& name) const {
     const std::string text = content(log(name));
     const std::size_t at = text.find("process ");
@@ -97,10 +108,12 @@ class Faults : public testing::Test {
       kill(pid_of(name), number);
     });
   }
+  double delay() const {  // [s] since the signal
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - signalled_).count();
+  }
   void report_delay() const {
-    const double delay = std::chrono::duration<double>(std::chrono::steady_clock::now() - signalled_).count();
-    fmt::print("{:.3f} s after the signal\n", delay);
-    RecordProperty("seconds_after_the_signal", fmt::format("{:.3f}", delay));
+    fmt::print("{:.3f} s after the signal\n", delay());
+    RecordProperty("seconds_after_the_signal", fmt::format("{:.3f}", delay()));
   }
 
   Roster::Options options_;
