@@ -92,6 +92,14 @@ void Checkpoints::forget(const fs::path& later_than) const {
     if (earlier(later_than, found)) fs::remove_all(found, ignored);
 }
 
+long Checkpoints::window_of(const fs::path& checkpoint) {
+  const std::string name = checkpoint.filename().string();
+  if (name.empty() || name.find_first_not_of("0123456789") != std::string::npos)
+    throw Error(ExitCode::case_file, checkpoint.string(), "does not bear the number of a window",
+                "remove the folder, or run the case again with --force");
+  return std::stol(name);
+}
+
 fs::path Checkpoints::latest() const {
   std::error_code none;
   const fs::path name = fs::read_symlink(folder_ / "latest", none);

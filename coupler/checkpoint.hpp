@@ -26,6 +26,8 @@ class Checkpoints {
   /// Takes everybody back to that checkpoint and drops those after it; returns the plan that goes on from
   /// there.
   RunPlan resume(const std::filesystem::path& chosen, Session&, Summary&);
+  /// After which window that checkpoint was taken.
+  static long window_of(const std::filesystem::path& checkpoint);
   /// The last one written, absolute; empty while there is none.
   std::filesystem::path latest() const;
 

@@ -83,9 +83,9 @@ class Spawn {
   Spawn(const Spawn&) = delete;
   Spawn& operator=(const Spawn&) = delete;
 
-  void open(int to, const std::filesystem::path& file) {
-    posix_spawn_file_actions_addopen(&files_, to, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND,
-                                     0644);
+  void open(int to, const std::filesystem::path& file, bool keep) {
+    posix_spawn_file_actions_addopen(&files_, to, file.c_str(),
+                                     O_WRONLY | O_CREAT | O_APPEND | (keep ? 0 : O_TRUNC), 0644);
   }
   void copy(int from, int to) { posix_spawn_file_actions_adddup2(&files_, from, to); }
 
@@ -230,7 +230,7 @@ Child::Child(const Launch& launch) {
   std::map<std::string, std::string> environment = solver_environment(launch.threads);
   for (const auto& [name, value] : launch.environment) environment[name] = value;
   Spawn spawn;
-  spawn.open(1, launch.log.empty() ? "/dev/null" : launch.log);
+  spawn.open(1, launch.log.empty() ? "/dev/null" : launch.log, launch.keep_log);
   spawn.copy(1, 2);
   pid_ = spawn.run(launch.program, launch.arguments, environment);
   owned().insert(pid_);

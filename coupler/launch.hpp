@@ -26,6 +26,7 @@ struct Launch {
   std::filesystem::path log;                       // standard output and error; empty: /dev/null
   int threads = 1;                                 // OMP_NUM_THREADS
   std::map<std::string, std::string> environment;  // added to (and replacing) that of this process
+  bool keep_log = false;                           // go on behind what the log holds
 };
 
 /// What every solver gets beside the environment of this process, so that it computes the same everywhere.

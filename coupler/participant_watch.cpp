@@ -99,6 +99,10 @@ void prepare_last_moments(const std::string& name, const std::string& endpoint) 
   if (parent_is_gone()) end_without_coupler();  // it died before the line above
 }
 
+bool started_by_coupler() {
+  return last_moments.coupler != 0;
+}
+
 void Watch::give_up(ExitCode code, const std::string& problem, const std::string& fix) const {
   spdlog::error("{}", to_text(Error(code, endpoint_, problem, fix)));
   _exit(static_cast<int>(code));

@@ -15,6 +15,9 @@ namespace strake {
 /// From here on SIGTERM, and the death of a coupler that started this process, end it with a line in the log.
 void prepare_last_moments(const std::string& name, const std::string& endpoint);
 
+/// Whether the coupler started this process, so that both are on one machine.
+bool started_by_coupler();
+
 /// Libraries that a solver starts (MPI, PETSc) may have their own ideas about signals: called again after
 /// Setup.
 void take_signals();

@@ -1,5 +1,6 @@
 // Who takes part in a run: the wait loop that hears all, and what is done when one of them falls silent.
 
+#include "coupler/log_tail.hpp"
 #include "coupler/roster_state.hpp"
 #include "coupler/stop_request.hpp"
 
@@ -7,8 +8,6 @@
 #include <sodium.h>
 
 #include <algorithm>
-#include <deque>
-#include <fstream>
 #include <utility>
 
 namespace strake {
@@ -39,23 +38,6 @@ std::string raw(const std::string& hexadecimal) {
 
 bool equal_secret(const std::string& a, const std::string& b) {
   return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
-std::string in_words(const StopRequest& stop) {
-  return stop.code() == ExitCode::interrupted ? "interrupted by Ctrl-C" : "ended by SIGTERM";
-}
-
-/// The last lines of a log, each on a line of its own; what is only information explains no end.
-std::string tail(const std::filesystem::path& log) {
-  std::ifstream file(log);
-  std::deque<std::string> lines;
-  for (std::string line; std::getline(file, line);) {
-    if (!line.empty() && line.find("] [info] ") == std::string::npos) lines.push_back(line);
-    if (lines.size() > 3) lines.pop_front();
-  }
-  std::string text;
-  for (const std::string& line : lines) text += "\n" + log.filename().string() + ": " + line;
-  return text;
 }
 
 }  // namespace
@@ -142,7 +124,7 @@ void Roster::State::await_hello(Member& m) {
                   "coupling.attach_within, or --patient");
     throw Error(ExitCode::participant_lost, m.name,
                 fmt::format("has not said Hello for {} ({} is alive){}{}", in_seconds(waited), m.process(),
-                            refused, tail(m.log)),
+                            refused, log_tail(m.log)),
                 fmt::format("{}, or --patient when debugging", m.see_log()));
   }
 }
@@ -182,17 +164,20 @@ void Roster::State::check_stop(const Member& m) {
       grace_told = true;
       say(fmt::format(
           "{}: {}, waiting {:g} s at most for the answer to {}, to save the state; once more ends at once",
-          m.place(), in_words(*stop), options.deadlines.grace.count(), m.asked));
+          m.place(), stop->in_words(), options.deadlines.grace.count(), m.asked));
     }
     return;
   }
   throw Error(stop->code(), m.place(),
-              fmt::format("{} while {} was awaited", in_words(*stop), m.greeted ? m.asked : "Hello"));
+              m.asked == "Advance"
+                  ? fmt::format("{}, and {} was not answered within the {:g} s that are left for it",
+                                stop->in_words(), m.asked, options.deadlines.grace.count())
+                  : fmt::format("{} while {} was awaited", stop->in_words(), m.greeted ? m.asked : "Hello"));
 }
 
 void Roster::State::check_stop_between(const Member& m) const {
   if (options.stop && options.stop->requested())
-    throw Error(options.stop->code(), m.place(), in_words(*options.stop));
+    throw Error(options.stop->code(), m.place(), options.stop->in_words());
 }
 
 // ---- hearing
@@ -368,9 +353,9 @@ void Roster::State::look_after(Member& m) {
   const bool has_left = !m.child && hub.left(m.peer);
   if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
   const auto silence = Clock::now() - *m.silent_since;
-  // One that closed its connection because we were suspended makes a new one at once, though it may be too
-  // busy to say so.
-  if (has_left && silence > to_come_back && !hub.somebody_is_new()) left(m);
+  // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
+  const bool perhaps_back = hub.somebody_is_new();
+  if (has_left && silence > to_come_back && !perhaps_back) left(m);
   const std::string state = has_left             ? "has closed its connection"
                             : !m.child           ? "is frozen or cannot be reached"
                             : m.child->stopped() ? "is suspended (" + m.process() + ")"
@@ -383,6 +368,7 @@ void Roster::State::look_after(Member& m) {
                         : fmt::format("{:g} s", options.deadlines.frozen_after.count())));
   }
   if (options.deadlines.patient || silence < options.deadlines.frozen_after) return;
+  if (perhaps_back && !m.asked.empty()) return;  // coupling.answer_within ends it
   m.broken = true;
   throw Error(
       ExitCode::participant_lost, m.place(),
@@ -413,7 +399,7 @@ void Roster::State::died(Member& m, const Exit& exit) {
   ExitCode code = ExitCode::participant_lost;
   for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
     if (!m.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own)) code = own;
-  throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, tail(m.log)),
+  throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
               m.see_log());
 }
 

@@ -121,18 +121,21 @@ class Run {
     const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
     if (options_.trace) open_trace();
     session_ = std::make_unique<Session>(
-        case_, Session::Options{.run_folder = absolute,
-                                .log_folder = absolute,
-                                .patient = options_.patient,
-                                .by_hand = options_.by_hand,
-                                .invite = [this](const std::string& side,
-                                                 const std::string& command) { invite(side, command); },
-                                .say = [this](const std::string& line) { note(line); },
-                                .stop = &stop_,
-                                .on_exchange = observer()});
+        case_,
+        Session::Options{
+            .run_folder = absolute,
+            .log_folder = absolute,
+            .resumed_at = resume ? std::optional(Checkpoints::window_of(checkpoint) + 1) : std::nullopt,
+            .patient = options_.patient,
+            .by_hand = options_.by_hand,
+            .invite = [this](const std::string& side, const std::string& command) { invite(side, command); },
+            .say = [this](const std::string& line) { note(line); },
+            .stop = &stop_,
+            .on_exchange = observer()});
     record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
     plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
     if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
+    saved_ = plan_.start;
     wall_before_ = summary_.wall_seconds;
     record_.write();
 
@@ -256,25 +259,40 @@ class Run {
     summary_.wall_seconds = elapsed();
     files_->flush();  // what a resume goes on from
     checkpoints_.write(*session_, loop, summary_);
+    saved_ = loop.state();
   }
 
   /// Ctrl-C between two windows: the participants are at rest, so that what is committed can be kept.
   [[noreturn]] void interrupt(const RunLoop& loop) {
     save(loop);
     saved_on_request_ = true;
-    throw Error(stop_.code(), position(), "interrupted, the state is saved", "go on with --resume");
+    throw Error(stop_.code(), position(), stop_.in_words() + ", the state is saved",
+                fmt::format("--resume goes on with this window, from {}; no finished window is lost",
+                            in_folder(checkpoints_.latest())));
   }
 
   /// The error with the place to go on from, where there is one. Not for what stops a run before it begins.
   Error with_way_on(const Error& error) const {
     if (!started_ || saved_on_request_) return error;
     const std::filesystem::path last = checkpoints_.latest();
+    const long lost = summary_.windows() - saved_.windows;
+    const std::string windows = fmt::format("{} finished window{} ({:.6g} s)", lost, lost == 1 ? "" : "s",
+                                            summary_.end_time() - saved_.time);
     const std::string way_on =
-        last.empty() ? "nothing to go on from: the first checkpoint was still to come (run.checkpoint)"
-                     : fmt::format("--resume goes on from the last good state, {}",
-                                   (folder_.path / "checkpoint" / last.filename()).string());
+        last.empty()
+            ? fmt::format(
+                  "nothing to go on from: the first checkpoint was still to come "
+                  "(run.checkpoint); lost: {}",
+                  windows)
+            : fmt::format("--resume goes on with window {} (t = {:.6g} s), from {}; computed again: {}",
+                          saved_.windows + 1, saved_.time, in_folder(last), windows);
     return Error(error.code(), error.where(), error.problem(),
                  error.fix().empty() ? way_on : error.fix() + "\n" + way_on);
+  }
+
+  /// A checkpoint, as the user would type it.
+  std::string in_folder(const std::filesystem::path& checkpoint) const {
+    return (folder_.path / "checkpoint" / checkpoint.filename()).string();
   }
 
   double elapsed() const { return wall_before_ + seconds_since(start_); }
@@ -417,6 +435,7 @@ class Run {
   Profile profile_;
   Checkpoints checkpoints_;
   RunPlan plan_;
+  LoopState saved_;                // of the latest checkpoint
   double wall_before_ = 0;         // [s] of the run that this one resumes
   bool started_ = false;           // the first window has begun
   bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint

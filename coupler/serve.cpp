@@ -1,18 +1,22 @@
 #include "coupler/serve.hpp"
 
+#include "coupler/host.hpp"
 #include "coupler/keys.hpp"
 #include "coupler/link.hpp"
 #include "coupler/participant_watch.hpp"
 #include "proto/wire.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sodium.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -50,6 +54,30 @@ std::string raw_bytes(const std::string& hexadecimal) {
                 "give it the token that the coupler printed");
   bytes.resize(length);
   return bytes;
+}
+
+/// The coupler writes its checkpoints into the folder, and this participant writes into them: it must be the
+/// same folder, and is not made here.
+void check_run_folder(const std::filesystem::path& folder, const std::string& name) {
+  if (folder.empty()) return;
+  const std::filesystem::path probe = folder / fmt::format(".{}-{}.part", name, getpid());
+  const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0)
+    throw Error(ExitCode::cannot_write, folder.string(),
+                fmt::format("{} cannot write into the run folder: {}", name, std::strerror(errno)));
+  close(file);
+  unlink(probe.c_str());
+}
+
+/// What cannot be written on another machine than the coupler's, with the machine's name: there the user
+/// looks for it.
+Error with_machine(const Error& e) {
+  if (e.code() != ExitCode::cannot_write || started_by_coupler()) return e;
+  const std::string shared =
+      "the run folder has one path on all machines of a run: mount it there under that path,\n"
+      "or choose a folder that they share with --runs DIR";
+  return {e.code(), e.where(), e.problem() + "\non the machine " + host_name(),
+          e.fix().empty() ? shared : e.fix() + "\n" + shared};
 }
 
 /// One participant and its conversation.
@@ -154,6 +182,7 @@ void Server::settle(wire::Before before, bool write_output) {
 
 wire::Reply Server::reply(const Setup& setup) {
   if (participant_) throw Error(ExitCode::participant_lost, options_.name, "the coupler sent Setup twice");
+  check_run_folder(setup.run_folder, options_.name);
   participant_ = factory_(setup);
   take_signals();
   const Description& description = participant_->description();
@@ -215,7 +244,7 @@ int Server::run() {
     while (answer(next_request())) {
     }
   } catch (const Error& e) {
-    code = fault(e);
+    code = fault(with_machine(e));
   } catch (const std::bad_alloc&) {
     code = fault(
         Error(ExitCode::solver_fault, options_.name, "is out of memory", "a coarser spacing needs less"));

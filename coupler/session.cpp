@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "coupler/console.hpp"
+#include "coupler/log_tail.hpp"
 #include "coupler/stop_request.hpp"
 #include "proto/error.hpp"
 
@@ -132,6 +133,10 @@ void Session::launch(const SideView& side) {
     launch.arguments.push_back(set);
   }
   launch.log = options_.log_folder / (side.side + ".log");
+  if (options_.resumed_at) {
+    note_resume(launch.log, *options_.resumed_at);
+    launch.keep_log = true;
+  }
   launch.threads = case_.common.threads;
   const auto& by_hand = options_.by_hand;
   if (std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end())

@@ -66,6 +66,10 @@ ExitCode StopRequest::code() const {
   }
 }
 
+std::string StopRequest::in_words() const {
+  return code() == ExitCode::interrupted ? "interrupted by Ctrl-C" : "ended by SIGTERM";
+}
+
 std::chrono::steady_clock::duration StopRequest::elapsed() const {
   if (!requested()) return {};
   return std::chrono::steady_clock::now().time_since_epoch() - std::chrono::nanoseconds(since.load());

@@ -3,7 +3,7 @@
 #include "proto/error.hpp"
 
 #include <chrono>
-#include <optional>
+#include <string>
 
 namespace strake {
 
@@ -19,6 +19,7 @@ class StopRequest {
 
   bool requested() const;
   ExitCode code() const;                                // interrupted or terminated; done while not requested
+  std::string in_words() const;                         // "interrupted by Ctrl-C", "ended by SIGTERM"
   std::chrono::steady_clock::duration elapsed() const;  // since the first signal; zero while not requested
 };
 

@@ -247,6 +247,10 @@ def judge(name, run, place, since, code, resumable, most, whole, texts):
         again = run.end()
         equal = again == 0 and run.history() == whole
         way_on = "yes, bit-equal" if equal else f"NO: exit {again}" + (f", {run.lines[0][1]}" if run.lines else "")
+        for side in ("fluid", "structure"):
+            before, resumed, after = run.log(side).partition("[info] resumed at window ")
+            if resumable and run.case == place.case and not ("commit 1 " in before and "commit " in after):
+                wrong.append(f"{side}.log does not go on behind what it held")
         if equal != resumable:
             wrong.append("resume: " + way_on)
         if place.left():
@@ -271,7 +275,7 @@ class Texts:
             return []
         text = "".join(line + "\n" for _, line in run.lines).replace(str(place.path), "PLACE").replace(str(place.toy), "TOY")
         for pattern, word in ((r"process \d+", "process PID"), (r"\[20\d\d-[^]]*\]", "[TIME]"), (r"(for|after) [\d.e+-]+ s", r"\1 N s"),
-                              (r"strake-\w{6}", "strake-XXXXXX")):
+                              (r"strake-\w{6}", "strake-XXXXXX"), (r"lost: .*", "lost: N windows")):
             text = re.sub(pattern, word, text)
         if self.writes:
             self.block[name] = text

@@ -1,6 +1,7 @@
 // Real processes over ipc that die, freeze, lie or never speak. A step lasts 5 s: whatever ends earlier was
 // noticed inside it. Times are printed, not judged.
 
+#include "coupler/host.hpp"
 #include "coupler/stop_request.hpp"
 #include "tests/system/faults.hpp"
 
@@ -238,6 +239,21 @@ TEST_F(Faults, AFrozenParticipantThatWasStartedByHandIsNotTakenForDead) {
   freezer.join();
   EXPECT_GE(delay(), 2.0);
   EXPECT_NE(e.problem().find("is frozen or cannot be reached: no heartbeat for "), std::string::npos);
+}
+
+/// A run folder that a machine does not have, or may not write into. /proc takes no file, not even of root.
+class RunFolderElsewhere : public Faults, public testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(, RunFolderElsewhere, testing::Values("/nowhere/runs/plate_entry", "/proc"));
+
+TEST_P(RunFolderElsewhere, IsNamedWithTheMachineByOneThatWasStartedByHand) {
+  Child structure = by_hand("structure", "");
+  strake::Setup setup;
+  setup.run_folder = GetParam();
+  const Error e = error_of([&] { roster().connect("structure", setup); });
+  EXPECT_EQ(e.code(), ExitCode::cannot_write);
+  EXPECT_EQ(e.where(), GetParam());
+  EXPECT_TRUE(e.problem().ends_with("\non the machine " + host_name())) << e.problem();
+  EXPECT_NE(e.fix().find("--runs DIR"), std::string::npos);
 }
 
 TEST_F(Faults, AParticipantStartedByHandEndsWithItsCoupler) {

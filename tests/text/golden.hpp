@@ -18,6 +18,7 @@ inline std::string without_chance(std::string text, const std::string& folder = 
       text.replace(at, folder.size(), "FOLDER");
   text = std::regex_replace(text, std::regex("process [0-9]+"), "process PID");
   text = std::regex_replace(text, std::regex("\\[20[0-9]{2}-[0-9-]+ [0-9:.]+\\]"), "[TIME]");
+  text = std::regex_replace(text, std::regex("the machine [^ \n]+"), "the machine HOST");
   return std::regex_replace(text, std::regex("(for|after) [0-9.e+-]+ s"), "$1 N s");
 }
 
