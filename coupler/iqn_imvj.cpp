@@ -14,27 +14,6 @@ constexpr double smallest_singular = 1e-2;
 
 }  // namespace
 
-VectorXd IqnImvj::image_of(const VectorXd& residual_change, VectorXd image_change) {
-  return image_change - state_.jacobian.times(residual_change);
-}
-
-VectorXd IqnImvj::iterate(const VectorXd& x, const VectorXd& hx) {
-  const VectorXd residual = hx - x;
-  const LeastSquares problem = factorise(fine);
-  const auto own = static_cast<int>(problem.kept.size());
-  step_.columns = own + static_cast<int>(state_.jacobian.left.size());
-  step_.dropped = static_cast<int>(state_.secants.columns()) - own;
-  if (step_.columns == 0) {
-    state_.relaxation = step_.relaxation = parameters_.initial_relaxation;
-    return x + parameters_.initial_relaxation * residual;
-  }
-  VectorXd next = hx - state_.jacobian.times(residual);
-  if (own > 0)
-    add_times(state_.secants.images(problem),
-              problem.alpha(state_.secants.project(sizes(x.size()), weights(), residual)), next);
-  return next;
-}
-
 void IqnImvj::start_window() {
   Secants& secants = state_.secants;
   if (secants.columns() > 0) {

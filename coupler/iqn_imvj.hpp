@@ -6,8 +6,8 @@ namespace strake {
 
 /// Interface quasi-Newton with an inverse Jacobian that is carried from window to window (multi-vector
 /// Jacobian: Bogaers, Kok, Reddy & Franz 2014; Lindner, Mehl, Scheufele & Uekermann 2015). J maps a change of
-/// the residual to a change of H; the window's secants correct the last window's J in the smallest way:
-///   J = J_n + (ΔH − J_n ΔR) ΔR⁺,   x_(k+1) = H(x_k) − J r_k
+/// the residual to a change of H; at its end a window's secants correct J in the smallest way:
+///   J_(n+1) = J_n + (ΔH − J_n ΔR) ΔR⁺
 /// J is held as L Zᵀ. A window adds its columns to it; at more than `max_columns` it starts again from its
 /// truncated singular-value decomposition with half as many at most (RS-SVD of Scheufele & Mehl 2017), so
 /// that memory and work per column stay O(columns·n).
@@ -15,10 +15,6 @@ class IqnImvj : public QuasiNewton {
  public:
   using QuasiNewton::QuasiNewton;
   void start_window() override;
-
- protected:
-  Eigen::VectorXd image_of(const Eigen::VectorXd& residual_change, Eigen::VectorXd image_change) override;
-  Eigen::VectorXd iterate(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) override;
 };
 
 }  // namespace strake

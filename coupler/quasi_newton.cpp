@@ -1,6 +1,7 @@
 #include "coupler/quasi_newton.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -10,6 +11,10 @@ using Eigen::VectorXd;
 
 // A difference of residuals this small beside the iterates is their round-off.
 constexpr double round_off = 1e-15;
+
+// The map as this window shows it is worth finer columns than what an earlier window remembers: a linear map
+// of n unknowns is solved in n + 2 iterations.
+constexpr double fine = 1e-4;
 
 }  // namespace
 
@@ -27,8 +32,27 @@ void QuasiNewton::learn(const VectorXd& residual, const VectorXd& image) {
   if (state_.iteration == 1) return;
   const VectorXd change = residual - state_.previous_residual;
   if (change.norm() <= round_off * image.norm()) return;
-  state_.secants.append(sizes(change.size()), change, image_of(change, image - state_.previous_image),
-                        parameters_.max_columns);
+  VectorXd image_change = image - state_.previous_image;
+  if (!state_.jacobian.left.empty()) image_change -= state_.jacobian.times(change);
+  state_.secants.append(sizes(change.size()), change, std::move(image_change), parameters_.max_columns);
+}
+
+VectorXd QuasiNewton::iterate(const VectorXd& x, const VectorXd& hx) {
+  const VectorXd residual = hx - x;
+  const LeastSquares problem = factorise(fine);
+  const auto own = static_cast<int>(problem.kept.size());
+  step_.columns = own + static_cast<int>(state_.jacobian.left.size());
+  step_.dropped = static_cast<int>(state_.secants.columns()) - own;
+  if (step_.columns == 0) {
+    state_.relaxation = step_.relaxation = parameters_.initial_relaxation;
+    return x + parameters_.initial_relaxation * residual;
+  }
+  VectorXd next = hx;
+  if (!state_.jacobian.left.empty()) next -= state_.jacobian.times(residual);
+  if (own > 0)
+    add_times(state_.secants.images(problem),
+              problem.alpha(state_.secants.project(sizes(x.size()), weights(), residual)), next);
+  return next;
 }
 
 // w_b = 1/Σ_k |r_b^k| over the iterations k of the window. With the shares |r_b^k|/|r^k| in the sum, as the

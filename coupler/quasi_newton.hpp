@@ -4,25 +4,25 @@
 
 namespace strake {
 
-/// What IQN-ILS and IQN-IMVJ have in common: the secants of the iterations and their least-squares problem.
+/// Interface quasi-Newton. With a matrix J that maps a change of the residual to a change of H as far as it
+/// is known from earlier windows (zero for IQN-ILS), and the secants ΔR = [r_k − r_(k−1) …] and ΔH = [H(x_k)
+/// − H(x_(k−1)) …]
+///   α = argmin |ΔR α + r_k|,   x_(k+1) = H(x_k) − J r_k + (ΔH − J ΔR) α
+/// A column that brings too little that is new is left out, newest first, which also removes what an earlier
+/// window contradicts. IQN-ILS and IQN-IMVJ differ in what a window leaves to the next.
 class QuasiNewton : public Accelerator {
  public:
   explicit QuasiNewton(const AcceleratorParameters&);
 
  protected:
   void learn(const Eigen::VectorXd& residual, const Eigen::VectorXd& image) override;
-  /// What a change of the residual and of the image is remembered as.
-  virtual Eigen::VectorXd image_of(const Eigen::VectorXd& residual_change, Eigen::VectorXd image_change) = 0;
+  Eigen::VectorXd iterate(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) override;
   std::vector<Eigen::Index> sizes(Eigen::Index whole) const;  // of the blocks
-  /// w_b = 1 / Σ_k |r_b^k| / |r^k| over the iterations of this window: what a field leaves weighs alike in
+  /// w_b = 1 / Σ_k |r_b^k| over the iterations of this window: what a field leaves weighs alike in
   /// every field, whatever its unit.
   Eigen::VectorXd weights() const;
   /// own_filter: of the columns of this window, where it is finer than the filter.
   LeastSquares factorise(double own_filter) const;
-  // The map as this window shows it is worth finer columns than what an earlier window remembers: a linear
-  // map of n unknowns is solved in n + 2 iterations.
-  static constexpr double fine = 1e-4;
-
   const AcceleratorParameters parameters_;
 
  private:
