@@ -105,7 +105,7 @@ Input Scheme::for_fluid(const Window& window, const Iterate& now) const {
   return input;
 }
 
-// The load at the window's end, or its history with the two samples before it. In a parallel scheme the
+// The load at the window's end, or its history with the samples before it. In a parallel scheme the
 // history is the fluid's last one, moved by what the load has been changed since.
 Input Scheme::for_structure(const Window& window, const Iterate& now) const {
   const std::vector<Field>& load = parameters_.parallel ? now.load_guess : now.load;

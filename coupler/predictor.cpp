@@ -1,10 +1,8 @@
 #include "coupler/predictor.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
-#include "proto/error.hpp"
+#include "proto/interpolation.hpp"
 
 namespace strake {
 namespace {
@@ -28,11 +26,7 @@ Eigen::MatrixXd extrapolate(const Samples& history, std::size_t n, std::size_t f
 }  // namespace
 
 Predictor predictor_kind(const std::string& name) {
-  if (name == "constant") return Predictor::constant;
-  if (name == "linear") return Predictor::linear;
-  if (name == "quadratic") return Predictor::quadratic;
-  throw Error(ExitCode::case_file, "coupling.surface.predictor",
-              fmt::format("\"{}\" is not a predictor", name), "quadratic, linear or constant");
+  return static_cast<Predictor>(degree_of(name, "coupling.surface.predictor"));
 }
 
 void remember(Samples& history, Sample sample) {
@@ -43,7 +37,7 @@ void remember(Samples& history, Sample sample) {
 
 Sample predict(Predictor kind, const Samples& history, double time) {
   const Sample& last = history.back();
-  const std::size_t wanted = kind == Predictor::constant ? 1 : kind == Predictor::linear ? 2 : 3;
+  const auto wanted = static_cast<std::size_t>(kind) + 1;
   const std::size_t n = std::min(wanted, history.size());
   const Field *u = find(last.fields, "displacement"), *v = find(last.fields, "velocity");
   Sample guess = {time, {}};

@@ -8,7 +8,7 @@
 namespace strake {
 
 /// First guess of what a side will send at a window's end, from what was committed.
-enum class Predictor { constant, linear, quadratic };
+enum class Predictor { constant, linear, quadratic };  // by the polynomial's degree
 /// "constant" | "linear" | "quadratic"; throws Error(case_file) otherwise.
 Predictor predictor_kind(const std::string&);
 

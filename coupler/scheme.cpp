@@ -262,7 +262,7 @@ void Scheme::commit(bool write_output) {
   if (!parameters_.parallel)
     state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
   remember(state_.fluid, std::move(pending_.fluid));
-  constexpr std::size_t earlier = 2;  // a parabola at the start of a window needs so many
+  constexpr std::size_t earlier = 3;  // with one more a cubic at the start of a window
   for (Sample& sample : pending_.history) state_.history.push_back(std::move(sample));
   if (state_.history.size() > earlier)
     state_.history.erase(state_.history.begin(), state_.history.end() - static_cast<std::ptrdiff_t>(earlier));

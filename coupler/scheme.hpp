@@ -29,7 +29,7 @@ struct CouplingState {
   bool sends_velocity = false;  // the structure, with each window
   Samples structure;            // its fields at the ends of committed windows, last is now
   Samples fluid;                // likewise the fluid's, on the structure's mesh
-  Samples history;  // the last two of the fluid's samples before now, where the structure takes histories
+  Samples history;  // the last three of the fluid's samples before now, where the structure takes histories
   AcceleratorState accelerator;
 
   void save(Archive&) const;  // names begin with "coupling."

@@ -69,9 +69,10 @@ CommonKeys read_common(CaseFile& file) {
   CaseTable surface = coupling.table("surface", "used where interface = \"surface\"");
   surface.number("window", surface_window,
                  {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval"});
-  surface.choice("interpolation", keys.interpolation, {"mean", "constant", "linear", "quadratic"},
-                 {.help = "what a structure with steps of its own feels in a window: the load's mean, or its "
-                          "history over the fluid's steps, taken so between them"});
+  surface.choice(
+      "interpolation", keys.interpolation, {"mean", "constant", "linear", "quadratic", "b-spline"},
+      {.help = "what a structure with steps of its own feels in a window: the load's mean, or its "
+               "history over the fluid's steps, taken so between them (b-spline: the cubic spline)"});
   coupling.table("volume", "used where interface = \"volume\"")
       .number("window", volume_window,
               {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval: one step of the fluid"});

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "proto/error.hpp"
+#include "proto/motion.hpp"
 
 namespace strake {
 namespace {
@@ -17,14 +18,46 @@ const MatrixXd& value_of(const Sample& sample, const std::string& quantity) {
   return field ? field->value : none;
 }
 
+// The spline is linear in what it goes through: f(t) = Σ_k w_k f_k, where w_k is the spline through 1 at
+// sample k and 0 at the others. On the interval [t_a, t_b] of length h, with s = (t − t_a)/h and its slopes m
+// at both ends:
+//   (1 + 2s)(1 − s)² f_a + s(1 − s)² h m_a + s²(3 − 2s) f_b − s²(1 − s) h m_b
+MatrixXd spline_at(const std::vector<Sample>& samples, std::size_t after, const std::string& quantity,
+                   double time) {
+  std::vector<double> times, one(samples.size(), 0.0);
+  for (const Sample& sample : samples) times.push_back(sample.time);
+  const std::size_t a = after - 1, b = after;
+  const double h = times[b] - times[a], s = (time - times[a]) / h, r = 1 - s;
+  const MatrixXd& last = value_of(samples[b], quantity);
+  MatrixXd value = last;  // differences to it: a value much larger than its changes loses no digits
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (k == b) continue;
+    one[k] = 1;
+    const std::vector<double> slope = spline_slopes(times, one);
+    one[k] = 0;
+    const double weight = (k == a ? (1 + 2 * s) * r * r : 0) + s * r * h * (r * slope[a] - s * slope[b]);
+    value += weight * (value_of(samples[k], quantity) - last);
+  }
+  return value;
+}
+
 }  // namespace
 
+int degree_of(const std::string& name, const std::string& key, const std::vector<std::string>& more) {
+  std::vector<std::string> names = {"constant", "linear", "quadratic"};
+  names.insert(names.end(), more.begin(), more.end());
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    std::string all;
+    for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+    throw Error(ExitCode::case_file, key, fmt::format("\"{}\" is not among its words", name),
+                "one of " + all);
+  }
+  return static_cast<int>(found - names.begin());
+}
+
 Interpolation interpolation_kind(const std::string& name) {
-  if (name == "constant") return Interpolation::constant;
-  if (name == "linear") return Interpolation::linear;
-  if (name == "quadratic") return Interpolation::quadratic;
-  throw Error(ExitCode::case_file, "coupling.surface.interpolation",
-              fmt::format("\"{}\" is no interpolation", name), "constant, linear or quadratic");
+  return static_cast<Interpolation>(degree_of(name, "coupling.surface.interpolation", {"b-spline"}));
 }
 
 MatrixXd value_at(const std::vector<Sample>& samples, const std::string& quantity, double time,
@@ -33,6 +66,8 @@ MatrixXd value_at(const std::vector<Sample>& samples, const std::string& quantit
   const auto after =
       std::find_if(samples.begin(), samples.end(), [&](const Sample& sample) { return sample.time >= time; });
   if (after == samples.end()) return value_of(samples.back(), quantity);
+  if (kind == Interpolation::b_spline && samples.size() > 2 && after != samples.begin())
+    return spline_at(samples, static_cast<std::size_t>(after - samples.begin()), quantity, time);
   const MatrixXd& b = value_of(*after, quantity);
   if (after == samples.begin() || kind == Interpolation::constant) return b;
   const Sample& before = *(after - 1);
@@ -60,7 +95,7 @@ MatrixXd mean_over(const std::vector<Sample>& samples, const std::string& quanti
   for (std::size_t k = 1; k < knots.size(); ++k) {
     const double a = knots[k - 1], b = knots[k];
     MatrixXd mean = value_at(samples, quantity, 0.5 * (a + b), kind);
-    if (kind == Interpolation::quadratic)  // Simpson's rule is exact for it
+    if (kind >= Interpolation::quadratic)  // Simpson's rule is exact for both
       mean =
           2.0 / 3 * mean + (value_at(samples, quantity, a, kind) + value_at(samples, quantity, b, kind)) / 6;
     mean *= (b - a) / (end - begin);

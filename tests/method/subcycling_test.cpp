@@ -119,11 +119,11 @@ double error_of(Interpolation interpolation, int windows, bool parallel) {
 }
 
 TEST(SubCycling, HasTheOrderOfTheInterpolationOfTheLoadOverTheWindow) {
-  const std::array<Interpolation, 3> kinds = {Interpolation::constant, Interpolation::linear,
-                                              Interpolation::quadratic};
-  const char* names[] = {"constant", "linear", "quadratic"};
+  const std::array<Interpolation, 4> kinds = {Interpolation::constant, Interpolation::linear,
+                                              Interpolation::quadratic, Interpolation::b_spline};
+  const char* names[] = {"constant", "linear", "quadratic", "b-spline"};
   for (const bool parallel : {false, true})
-    for (int kind = 0; kind < 3; ++kind) {
+    for (int kind = 0; kind < 4; ++kind) {
       double before = 0, order = 0;
       for (const int windows : {20, 40, 80}) {
         const double error = error_of(kinds[static_cast<std::size_t>(kind)], windows, parallel);
@@ -179,6 +179,34 @@ TEST(SubCycling, HoldsTheMeanWhereTheStructureAsksForNoHistory) {
   Scheme scheme(first, deaf, nearest_neighbour(deaf.mesh(), first.mesh()), {});
   scheme.advance({0, 0.1});
   EXPECT_EQ(deaf.samples, 1u);
+}
+
+TEST(Interpolation, OfABSplineIsExactForCubicsAndSmoothBetweenItsPieces) {
+  std::vector<Sample> samples;
+  const auto sample = [&](double t, double value) {
+    samples.push_back({t, {{"force", "N", true, MatrixXd::Constant(1, 1, value)}}});
+  };
+  const auto at = [&](double t) { return value_at(samples, "force", t, Interpolation::b_spline).value(); };
+  const auto f = [](double t) { return 2 - 3 * t + 4 * t * t - 5 * t * t * t; };
+  const auto integral = [](double t) {
+    return 2 * t - 1.5 * t * t + 4 * t * t * t / 3 - 1.25 * t * t * t * t;
+  };
+  for (const double t : {0.0, 0.1, 0.25, 0.3, 0.5}) sample(t, f(t));
+  for (const double t : {0.05, 0.1, 0.2, 0.27, 0.45, 0.5}) EXPECT_NEAR(at(t), f(t), 1e-14);
+  EXPECT_NEAR(mean_over(samples, "force", 0.07, 0.43, Interpolation::b_spline).value(),
+              (integral(0.43) - integral(0.07)) / 0.36, 1e-14);
+  samples.resize(3);  // the parabola through three
+  EXPECT_NEAR(at(0.2), value_at(samples, "force", 0.2, Interpolation::quadratic).value(), 1e-14);
+  samples.resize(2);
+  EXPECT_EQ(at(0.03), value_at(samples, "force", 0.03, Interpolation::linear).value());
+  // Slope and curvature are the same from both sides of a sample, where a piecewise parabola has a kink.
+  samples.clear();
+  for (const double value : {0.0, 1.0, -1.0, 2.0, 0.5, 0.0})
+    sample(0.1 * static_cast<double>(samples.size()), value);
+  const double t = 0.3, h = 1e-4;
+  const double left = (3 * at(t) - 4 * at(t - h) + at(t - 2 * h)) / (2 * h),
+               right = (-3 * at(t) + 4 * at(t + h) - at(t + 2 * h)) / (2 * h);
+  EXPECT_NEAR(left, right, 1e-2 * std::abs(left) + 1e-2);
 }
 
 TEST(Interpolation, IsExactForPolynomialsOfItsDegreeAndTheirMeans) {
