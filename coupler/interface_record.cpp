@@ -22,7 +22,8 @@ std::filesystem::path block_path(const std::filesystem::path& run_folder, std::s
 }
 
 /// One column per window, 3n values each.
-MatrixXd columns(const std::vector<Points>& fields) {
+template <class Matrix>
+MatrixXd columns(const std::vector<Matrix>& fields) {
   MatrixXd all(fields.front().size(), static_cast<Index>(fields.size()));
   for (std::size_t w = 0; w < fields.size(); ++w) all.col(static_cast<Index>(w)) = fields[w].reshaped();
   return all;
@@ -50,6 +51,8 @@ Archive to_archive(const InterfaceRecord& record) {
     time(0, w) = record.windows[static_cast<std::size_t>(w)].t;
     dt(0, w) = record.windows[static_cast<std::size_t>(w)].dt;
   }
+  for (const auto& [name, other] : record.other) archive.real[name] = columns(other.value);
+  if (record.displacement.empty()) return archive;
   archive.real["displacement"] = columns(record.displacement);
   archive.real["force"] = columns(record.force);
   // A structure that sends velocity sends it in every window; where it did not in some, none is kept.
@@ -57,6 +60,19 @@ Archive to_archive(const InterfaceRecord& record) {
                                    [](const Points& v) { return v.size() == 0; });
   if (moving) archive.real["velocity"] = columns(record.velocity);
   return archive;
+}
+
+ArchiveUnits units_of(const InterfaceRecord& record) {
+  ArchiveUnits unit = {{"position", "m"},           {"mass", "kg"},      {"initial_displacement", "m"},
+                       {"initial_velocity", "m/s"}, {"time", "s"},       {"dt", "s"},
+                       {"displacement", "m"},       {"velocity", "m/s"}, {"force", "N"}};
+  for (const auto& [name, other] : record.other) unit[name] = other.unit;
+  return unit;
+}
+
+/// Of a field that is recorded by side and quantity, not as motion or force.
+bool is_other(const std::string& name) {
+  return name.starts_with("structure.") || name.starts_with("fluid.");
 }
 
 class BlockReader {
@@ -112,12 +128,23 @@ InterfaceRecord read_block(const std::filesystem::path& path) {
   record.initial_displacement = in.real("initial_displacement", 3, n);
   if (const MatrixXd v = in.real("initial_velocity", 3, n, false); v.size() > 0) record.initial_velocity = v;
   const MatrixXd time = in.real("time", 1, -1), dt = in.real("dt", 1, time.cols());
-  const MatrixXd displacement = in.real("displacement", 3 * n, time.cols());
+  const ArchiveUnits unit = read_archive_units(path);
+  for (const auto& [name, values] : archive.real) {
+    if (!is_other(name)) continue;
+    if (n == 0 || values.rows() % n != 0) throw in.broken(fmt::format("{} does not fit {} points", name, n));
+    const MatrixXd all = in.real(name, -1, time.cols());
+    auto& other = record.other[name];
+    if (const auto own = unit.find(name); own != unit.end()) other.unit = own->second;
+    for (Index w = 0; w < time.cols(); ++w) other.value.push_back(all.col(w).reshaped(all.rows() / n, n));
+  }
+  const bool plays = record.other.empty() || archive.real.contains("displacement");
+  const MatrixXd displacement = in.real("displacement", 3 * n, time.cols(), plays);
   const MatrixXd velocity = in.real("velocity", 3 * n, time.cols(), false);
-  const MatrixXd force = in.real("force", 3 * n, time.cols());
+  const MatrixXd force = in.real("force", 3 * n, time.cols(), plays);
   for (Index w = 0; w < time.cols(); ++w) {
     if (!(dt(0, w) > 0)) throw in.broken(fmt::format("window {} has length {:g} s", w, dt(0, w)));
     record.windows.push_back({time(0, w), dt(0, w)});
+    if (!plays) continue;
     record.displacement.push_back(field(displacement, w));
     record.velocity.push_back(velocity.size() > 0 ? field(velocity, w) : Points());
     record.force.push_back(field(force, w));
@@ -218,21 +245,38 @@ std::filesystem::path InterfaceRecorder::file(std::size_t block) const {
 }
 
 void InterfaceRecorder::append(const Window& window, const Points& displacement, const Points& velocity,
-                               const Points& force) {
+                               const Points& force, const std::vector<Field>& from_structure,
+                               const std::vector<Field>& from_fluid) {
   record_.windows.push_back(window);
-  record_.displacement.push_back(displacement);
-  record_.velocity.push_back(velocity);
-  record_.force.push_back(force);
+  if (displacement.size() > 0) {
+    record_.displacement.push_back(displacement);
+    record_.velocity.push_back(velocity);
+    record_.force.push_back(force);
+  }
+  const auto add = [this](const std::string& side, const std::vector<Field>& fields) {
+    for (const Field& field : fields) {
+      InterfaceRecord::Other& other = record_.other[side + field.quantity];
+      other.unit = field.unit;
+      other.value.push_back(field.value);
+    }
+  };
+  add("structure.", from_structure);
+  add("fluid.", from_fluid);
   if (record_.windows.size() < per_file_) return;
   write_block(block_++);
-  record_.windows.clear();
-  record_.displacement.clear();
-  record_.velocity.clear();
-  record_.force.clear();
+  keep(0);
+}
+
+/// Of the block's windows the first n.
+void InterfaceRecorder::keep(std::size_t n) {
+  record_.windows.resize(n);
+  for (auto* fields : {&record_.displacement, &record_.velocity, &record_.force})
+    fields->resize(std::min(n, fields->size()));
+  for (auto& [name, other] : record_.other) other.value.resize(n);
 }
 
 void InterfaceRecorder::write_block(std::size_t block) {
-  write_archive(file(block), to_archive(record_));
+  write_archive(file(block), to_archive(record_), units_of(record_));
 }
 
 void InterfaceRecorder::flush() {
@@ -250,14 +294,12 @@ void InterfaceRecorder::resume(double time) {
     const auto n = static_cast<std::size_t>(beyond - kept.windows.begin());
     if (n > 0) end = kept.windows[n - 1].t + kept.windows[n - 1].dt;
     if (n >= per_file_) continue;
-    kept.windows.resize(n);
-    kept.displacement.resize(n);
-    kept.velocity.resize(n);
-    kept.force.resize(n);
     record_.windows = std::move(kept.windows);
     record_.displacement = std::move(kept.displacement);
     record_.velocity = std::move(kept.velocity);
     record_.force = std::move(kept.force);
+    record_.other = std::move(kept.other);
+    keep(n);
     break;
   }
   if (end < time * (1 - slack))
@@ -287,6 +329,18 @@ InterfaceRecord read_interface_record(const std::filesystem::path& run_folder) {
                   fmt::format("has {} interface points, the files before it {}", block.mesh.position.cols(),
                               record.mesh.position.cols()),
                   "the files of one run belong together");
+    if (block.displacement.empty() && !block.windows.empty()) {
+      std::string names;
+      for (const auto& [name, other] : block.other) names += (names.empty() ? "" : ", ") + name;
+      throw Error(ExitCode::case_file, path.string(),
+                  fmt::format("holds no motion and force, which is what can be played, but {}", names),
+                  "name the folder of a run that exchanged displacement and force");
+    }
+    for (const auto& [name, other] : block.other) {
+      auto& all = record.other[name];
+      all.unit = other.unit;
+      all.value.insert(all.value.end(), other.value.begin(), other.value.end());
+    }
     for (std::size_t w = 0; w < block.windows.size(); ++w) {
       if (!record.windows.empty() &&
           std::abs(block.windows[w].t - record.end()) > slack * block.windows[w].dt)

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "proto/interface.hpp"
@@ -14,6 +16,13 @@ struct InterfaceRecord {
   std::vector<Window> windows;                    // ascending, without gaps
   std::vector<Points> displacement, velocity;     // at the end of each window
   std::vector<Points> force;                      // 3×n [N] mean over each window
+  /// Every other field that crossed the interface, or all where these were no motion and force; by side and
+  /// quantity, "structure.area", "fluid.pressure".
+  struct Other {
+    std::string unit;
+    std::vector<Eigen::MatrixXd> value;  // components×n, one per window, as displacement or force
+  };
+  std::map<std::string, Other> other;
 
   /// A window after the last; an empty velocity is filled in as above.
   void append(const Window&, const Points& displacement, const Points& velocity, const Points& force);
@@ -37,7 +46,9 @@ class InterfaceRecorder {
   /// initial: displacement [m] and velocity [m/s] at the start, where known.
   InterfaceRecorder(std::filesystem::path run_folder, InterfaceMesh mesh, const std::vector<Field>& initial,
                     int windows_per_file = 100);
-  void append(const Window&, const Points& displacement, const Points& velocity, const Points& force);
+  /// displacement, force: empty, in all windows, where these do not cross the interface.
+  void append(const Window&, const Points& displacement, const Points& velocity, const Points& force,
+              const std::vector<Field>& from_structure = {}, const std::vector<Field>& from_fluid = {});
   void flush();
   /// Drops what lies after `time` (resume) and goes on from there. Throws Error(case_file) when the record
   /// does not reach `time`.
@@ -45,13 +56,15 @@ class InterfaceRecorder {
 
  private:
   void write_block(std::size_t block);
+  void keep(std::size_t n_windows);
   std::filesystem::path folder_;
   std::filesystem::path file(std::size_t block) const;
   InterfaceRecord record_;  // the windows of the current block alone; what was not sent stays empty
   std::size_t per_file_, block_ = 0;
 };
 
-/// Reads a whole run back. Throws Error(case_file) when there is no record, or its parts do not fit together.
+/// Reads a whole run back. Throws Error(case_file) when there is no record, or its parts do not fit together,
+/// or it holds no motion and force, which is what can be played.
 InterfaceRecord read_interface_record(const std::filesystem::path& run_folder);
 
 }  // namespace strake

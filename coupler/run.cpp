@@ -145,13 +145,11 @@ class Run {
                             .columns = session_->columns(),
                             .mesh = {},
                             .initial = {},
-                            .mechanical = false,
                             .measured = {},
                             .resumed = resume ? std::optional(plan_.start) : std::nullopt};
     if (case_.coupled()) {
       files.mesh = session_->structure()->mesh();
       files.initial = session_->structure()->description().initial;
-      files.mechanical = session_->scheme()->is_mechanical();
       files.measured = session_->scheme()->measured();
     }
     files_ = std::make_unique<RunFiles>(std::move(files));

@@ -54,8 +54,7 @@ std::unique_ptr<History> open(const std::filesystem::path& path, const std::vect
   std::size_t rows = 0;
   double windows = 0;
   if (before.columns.size() > 1)
-    for (; rows < before.rows() && before.value[0][rows] <= static_cast<double>(resumed->windows);
-         ++rows)
+    for (; rows < before.rows() && before.value[0][rows] <= static_cast<double>(resumed->windows); ++rows)
       windows = before.value[0][rows];
   if (windows != static_cast<double>(resumed->windows))
     throw Error(ExitCode::case_file, path.string(),
@@ -86,7 +85,6 @@ RunFiles::RunFiles(Options options) : options_(std::move(options)) {
   history_ = open(folder / "history.csv", table_.columns, options_.resumed, &table_);
   if (!options_.coupled) return;
   iterations_ = open(folder / "iterations.csv", iteration_columns(options_), options_.resumed, nullptr);
-  if (!options_.mechanical) return;
   interface_ = std::make_unique<InterfaceRecorder>(folder, options_.mesh, options_.initial);
   if (options_.resumed) interface_->resume(options_.resumed->time);
 }
@@ -120,7 +118,9 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
     }
     iterations_->append(values_of);
   }
-  if (interface_) interface_->append(report.window, report.displacement, report.velocity, report.force);
+  if (interface_)
+    interface_->append(report.window, report.displacement, report.velocity, report.force,
+                       report.from_structure, report.from_fluid);
   append_timing(window, wall);
 }
 

@@ -23,7 +23,6 @@ class RunFiles {
     std::vector<Column> columns;     // of the participants
     InterfaceMesh mesh;              // the structure's
     std::vector<Field> initial;      // its motion at t = 0
-    bool mechanical = true;          // motion and force cross the interface, so that interface/ is written
     std::vector<Column> measured;    // fields with a residual, Scheme::measured
     std::optional<LoopState> resumed;  // rows after it are dropped
   };

@@ -244,6 +244,13 @@ void Scheme::close(WindowReport& report, Iterate& now) {
     if (pending_.sends_velocity) report.velocity = now.answer.fields[1].value;
     report.force = force->value;
   }
+  const bool mechanical = is_mechanical();
+  for (std::size_t k = 0; k < now.answer.fields.size(); ++k) {
+    const bool motion = moves_ && k < 2, absent = moves_ && k == 1 && !pending_.sends_velocity;
+    if (!absent && !(mechanical && motion)) report.from_structure.push_back(now.answer.fields[k]);
+  }
+  for (const Field& field : now.load)
+    if (!mechanical || field.quantity != "force") report.from_fluid.push_back(field);
   pending_.structure = std::move(now.answer);
   pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
   pending_.history = std::move(now.history);

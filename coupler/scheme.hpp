@@ -57,7 +57,7 @@ class Scheme {
   const Transfer& transfer() const { return transfer_; }
   /// What is measured in each iteration, as IterationReport::fields has it: quantity and unit.
   std::vector<Column> measured() const;
-  /// Displacement, and force: what an interface record can hold.
+  /// Whether displacement and force cross the interface: WindowReport holds them by name then.
   bool is_mechanical() const;
   const CouplingState& state() const { return state_; }  // committed
   void set_state(CouplingState);                         // resume: after both participants have resumed

@@ -40,6 +40,7 @@ struct WindowReport {
   Points displacement, velocity,
       force;  // 3×n on the structure's mesh; velocity empty where the structure sends none, and all of them
               // where other fields are exchanged
+  std::vector<Field> from_structure, from_fluid;   // all else that is exchanged, on the structure's mesh
   std::map<std::string, double> fluid, structure;  // Advanced::monitor of each
   /// Both monitors in one, without the reserved prefixes (seconds., count., check., memory.).
   std::map<std::string, double> monitor() const;

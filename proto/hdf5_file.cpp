@@ -208,7 +208,17 @@ double Reader::number(const std::string& name) const {
 }
 
 std::string Reader::text(const std::string& name) const {
-  const Handle attribute(H5Aopen(file_.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+  return text(file_.get(), name);
+}
+
+std::optional<std::string> Reader::text_of(const std::string& object, const std::string& name) const {
+  if (H5Aexists_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT) <= 0) return {};
+  const Handle owner(H5Oopen(file_.get(), object.c_str(), H5P_DEFAULT), H5Oclose);
+  return text(owner.get(), name);
+}
+
+std::string Reader::text(hid_t object, const std::string& name) const {
+  const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
   const Handle type(attribute.get() < 0 ? -1 : H5Aget_type(attribute.get()), H5Tclose);
   if (type.get() < 0 || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
     refuse("has no text " + name);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,8 +88,11 @@ class Reader {
   std::vector<std::int64_t> integer(const std::string& path) const;
   double number(const std::string& attribute) const;  // of the root
   std::string text(const std::string& attribute) const;
+  /// An attribute of another object, where it has it.
+  std::optional<std::string> text_of(const std::string& object, const std::string& attribute) const;
 
  private:
+  std::string text(hid_t object, const std::string& attribute) const;
   Handle dataset(const std::string& path, H5T_class_t, std::array<Eigen::Index, 2>&) const;
   [[noreturn]] void refuse(const std::string& problem) const;
   Session session_;

@@ -103,13 +103,15 @@ std::string attributes(const std::vector<std::pair<std::string, int>>& arrays, c
 
 }  // namespace
 
-void write_archive(const std::filesystem::path& path, const Archive& archive) {
+void write_archive(const std::filesystem::path& path, const Archive& archive, const ArchiveUnits& unit) {
   hdf5::Writer file;
   file.attribute("/", "format", archive_format);
   file.group("/real");
   for (const auto& [name, value] : archive.real) {
     const hdf5::RowMajor rows = value;
-    file.dataset("/real/" + hdf5::link_name(name), rows.data(), rows.rows(), rows.cols());
+    const std::string place = "/real/" + hdf5::link_name(name);
+    file.dataset(place, rows.data(), rows.rows(), rows.cols());
+    if (const auto own = unit.find(name); own != unit.end()) file.attribute(place, "unit", own->second);
   }
   file.group("/integer");
   for (const auto& [name, value] : archive.integer) file.dataset("/integer/" + hdf5::link_name(name), value);
@@ -124,6 +126,14 @@ Archive read_archive(const std::filesystem::path& path) {
   for (const std::string& link : file.names("/integer"))
     archive.integer[hdf5::from_link_name(link)] = file.integer("/integer/" + link);
   return archive;
+}
+
+ArchiveUnits read_archive_units(const std::filesystem::path& path) {
+  const hdf5::Reader file(path, archive_format);
+  ArchiveUnits unit;
+  for (const std::string& link : file.names("/real"))
+    if (const auto text = file.text_of("/real/" + link, "unit")) unit[hdf5::from_link_name(link)] = *text;
+  return unit;
 }
 
 FrameSeries::FrameSeries(std::filesystem::path run_folder, std::string name, int dimension)

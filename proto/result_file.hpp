@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,12 @@ namespace strake {
 
 /// Writes an archive as one HDF5 file: aside, closed, renamed. Real arrays become double datasets
 /// (rows×columns), integer arrays int64 datasets. Equal content is equal bytes. Throws Error(cannot_write).
-void write_archive(const std::filesystem::path&, const Archive&);
+/// unit: of real arrays by name, for whom it is of use; becomes the dataset's attribute.
+using ArchiveUnits = std::map<std::string, std::string>;
+void write_archive(const std::filesystem::path&, const Archive&, const ArchiveUnits& unit = {});
 /// Throws Error(case_file) with the path and what was expected when the file is missing or not ours.
 Archive read_archive(const std::filesystem::path&);
+ArchiveUnits read_archive_units(const std::filesystem::path&);
 
 /// frames/<name>-000042.h5, one file per frame, and <name>.xdmf that lists them (opens in ParaView 5.11).
 /// Each file appears whole or not at all; the XDMF list is rewritten and renamed after each frame.

@@ -137,7 +137,6 @@ class RunFilesTest : public CheckpointTest {
                      .columns = {},
                      .mesh = {"structure", 2, Points::Zero(3, 2), {}, {}},
                      .initial = {},
-                     .mechanical = true,
                      .measured = {},
                      .resumed = resumed});
   }

@@ -87,6 +87,12 @@ TEST(Exchange, CarriesAnyFieldThatTheParticipantsAnnounce) {
   ASSERT_EQ(report.log.back().fields.size(), 2u);
   EXPECT_EQ(report.log.back().fields[1].quantity, "pressure");
   EXPECT_EQ(report.displacement.size(), 0);
+  ASSERT_EQ(report.from_structure.size(), 1u);
+  EXPECT_EQ(report.from_structure[0].quantity, "area");
+  EXPECT_EQ(report.from_structure[0].value, area.value);
+  ASSERT_EQ(report.from_fluid.size(), 1u);
+  EXPECT_EQ(report.from_fluid[0].unit, "Pa");
+  EXPECT_EQ(report.from_fluid[0].value, pressure.value);
 }
 
 TEST(Exchange, SharesTheFixedPointBetweenSerialAndParallelSchemes) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "proto/error.hpp"
+#include "proto/result_file.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 namespace strake {
@@ -142,6 +143,79 @@ TEST(InterfaceRecord, KeepsTheImpulseOverWindowsOfAnotherLength) {
   }
   EXPECT_NEAR(replayed, recorded, 1e-13 * recorded);
   EXPECT_EQ(read.mean_force(1, 0.1), Points::Zero(3, 3));
+}
+
+Field scalar(const std::string& quantity, const std::string& unit, double value) {
+  return {quantity, unit, false, Eigen::MatrixXd::Constant(1, 3, value)};
+}
+
+TEST(InterfaceRecord, HoldsEveryOtherFieldByItsNameAndUnit) {
+  TemporaryFolder folder;
+  const auto write = [&](InterfaceRecorder& recorder, int from, int to) {
+    for (int w = from; w < to; ++w) {
+      const Window window = windows(to)[static_cast<std::size_t>(w)];
+      recorder.append(window, displacement(window.t + window.dt), Points(), force(w),
+                      {scalar("temperature", "K", w)}, {scalar("temperature", "K", 2 * w)});
+    }
+  };
+  InterfaceRecorder recorder(folder.path(), strip(), initial, 4);
+  write(recorder, 0, 7);
+  recorder.flush();
+  InterfaceRecorder resumed(folder.path(), strip(), initial, 4);
+  const Window last = windows(5).back();
+  resumed.resume(last.t + last.dt);
+  write(resumed, 5, 6);
+  resumed.flush();
+  const InterfaceRecord read = read_interface_record(folder.path());
+  EXPECT_EQ(read.displacement.size(), 6u);
+  ASSERT_EQ(read.other.size(), 2u);
+  const auto& [unit, values] = read.other.at("fluid.temperature");
+  EXPECT_EQ(unit, "K");
+  ASSERT_EQ(values.size(), 6u);
+  EXPECT_EQ(values[5], Eigen::MatrixXd::Constant(1, 3, 10));
+  EXPECT_EQ(read.other.at("structure.temperature").value[3], Eigen::MatrixXd::Constant(1, 3, 3));
+  EXPECT_EQ(read_archive_units(folder / "interface/000001.h5").at("force"), "N");
+}
+
+TEST(InterfaceRecord, OfFieldsWithoutMotionIsWrittenAndGoesOnButIsNotPlayed) {
+  TemporaryFolder folder;
+  const auto write = [](InterfaceRecorder& recorder, int from, int to) {
+    for (int w = from; w < to; ++w)
+      recorder.append(windows(to)[static_cast<std::size_t>(w)], {}, {}, {}, {scalar("area", "m^2", w)},
+                      {scalar("pressure", "Pa", 100 * w)});
+  };
+  InterfaceRecorder recorder(folder.path(), strip(), {}, 4);
+  write(recorder, 0, 7);
+  recorder.flush();
+  const std::string whole = content(folder / "interface/000002.h5");
+  InterfaceRecorder resumed(folder.path(), strip(), {}, 4);
+  const Window last = windows(5).back();
+  resumed.resume(last.t + last.dt);
+  write(resumed, 5, 7);
+  resumed.flush();
+  EXPECT_EQ(content(folder / "interface/000002.h5"), whole);
+  const Archive second = read_archive(folder / "interface/000002.h5");
+  EXPECT_EQ(second.real.at("fluid.pressure"),
+            Eigen::RowVector3d(400, 500, 600).replicate(3, 1));  // a column per window, a row per point
+  EXPECT_EQ(read_archive_units(folder / "interface/000002.h5").at("structure.area"), "m^2");
+  try {
+    read_interface_record(folder.path());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.problem(),
+              "holds no motion and force, which is what can be played, but fluid.pressure, structure.area");
+  }
+}
+
+TEST(InterfaceRecord, OfAnEarlierVersionWithoutUnitsIsRead) {
+  TemporaryFolder folder;
+  InterfaceRecorder recorder(folder.path(), strip(), initial, 100);
+  record(recorder, 0, 3);
+  recorder.flush();
+  const auto file = folder / "interface/000001.h5";
+  write_archive(file, read_archive(file));
+  ASSERT_TRUE(read_archive_units(file).empty());
+  EXPECT_EQ(read_interface_record(folder.path()).force[2], force(2));
 }
 
 TEST(InterfaceRecord, RefusesAFolderWithoutOne) {
