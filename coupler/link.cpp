@@ -3,6 +3,7 @@
 #include "coupler/doorkeeper.hpp"
 #include "coupler/host.hpp"
 #include "coupler/witness.hpp"
+#include "coupler/zmq_parts.hpp"
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -10,7 +11,6 @@
 #include <unistd.h>
 #include <zmq.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -22,136 +22,12 @@
 namespace strake {
 namespace {
 
+using namespace zmq_parts;
 using std::chrono::milliseconds;
 
-// The I/O threads answer heartbeats, so silence means dead or frozen, never busy.
-constexpr int heartbeat_every = 200;  // [ms]
-constexpr int heartbeat_limit = 800;  // [ms]
-constexpr int last_words = 500;       // [ms] a participant's Fault or Done may take to leave
-constexpr int to_greet = 3000;        // [ms] a connection that has not greeted by then is cut
-// ZeroMQ makes room for a part as soon as its size is announced, by whoever has greeted as ZeroMQ does, and
-// fixes the limit when it binds: before any mesh is known. Room for 3 components on 1.1e7 points.
-constexpr std::int64_t largest_part = std::int64_t{1} << 28;  // [bytes]
-constexpr std::size_t unix_path = 107;                        // bytes of a Unix socket's address
-constexpr std::size_t worth_sharing = 4096;  // [bytes] a smaller part is copied faster than shared
-
-void set_common(zmq::socket_t& socket) {
-  socket.set(zmq::sockopt::heartbeat_ivl, heartbeat_every);
-  socket.set(zmq::sockopt::heartbeat_timeout, heartbeat_limit);
-  socket.set(zmq::sockopt::heartbeat_ttl, heartbeat_limit);
-  socket.set(zmq::sockopt::maxmsgsize, largest_part);
-}
-
-/// What ZeroMQ reports about one socket, read through a socket of its own, so that another thread may do so.
-class Monitor {
- public:
-  struct Event {
-    int kind = 0, value = 0;
-  };
-  Monitor(zmq::context_t& context, zmq::socket_t& watched, const std::string& name, int kinds)
-      : watched_(watched), socket_(context, zmq::socket_type::pair) {
-    const std::string address = "inproc://" + name;
-    if (zmq_socket_monitor(watched.handle(), address.c_str(), kinds) != 0) throw zmq::error_t();
-    socket_.set(zmq::sockopt::linger, 0);
-    socket_.set(zmq::sockopt::rcvhwm, 0);  // a full queue would stop the I/O thread, heartbeats and all
-    socket_.connect(address);
-  }
-  ~Monitor() { zmq_socket_monitor(watched_.handle(), nullptr, 0); }
-  Monitor(const Monitor&) = delete;
-  Monitor& operator=(const Monitor&) = delete;
-
-  std::optional<Event> next(milliseconds limit);
-
- private:
-  zmq::socket_t& watched_;
-  zmq::socket_t socket_;
-};
-
-/// Whether the socket has something to read; false after `limit` or when a signal arrived.
-bool readable(zmq::socket_t& socket, milliseconds limit) {
-  zmq::pollitem_t item{socket.handle(), 0, ZMQ_POLLIN, 0};
-  try {
-    return zmq::poll(&item, 1, limit) > 0;
-  } catch (const zmq::error_t& e) {
-    if (e.num() == EINTR) return false;
-    throw;
-  }
-}
-
-/// One part; nothing when a signal arrived before it came.
-bool receive_part(zmq::socket_t& socket, zmq::message_t& into) {
-  for (int attempt = 0;; ++attempt) try {
-      return socket.recv(into, zmq::recv_flags::dontwait).has_value();
-    } catch (const zmq::error_t& e) {
-      if (e.num() != EINTR || attempt > 100) throw;
-    }
-}
-
-/// The first part of a message; nothing after `limit` or when a signal arrived. A receive that waits by
-/// itself asks the kernel once where a poll before it asks three times.
-bool await_part(zmq::socket_t& socket, zmq::message_t& into, milliseconds limit) {
-  socket.set(zmq::sockopt::rcvtimeo, static_cast<int>(std::max(limit, milliseconds(0)).count()));
-  try {
-    return socket.recv(into).has_value();
-  } catch (const zmq::error_t& e) {
-    if (e.num() == EINTR) return false;
-    throw;
-  }
-}
-
-std::optional<Monitor::Event> Monitor::next(milliseconds limit) {
-  if (!readable(socket_, limit)) return {};
-  zmq::message_t header, address;
-  if (!receive_part(socket_, header) || header.size() != 6) return {};
-  receive_part(socket_, address);
-  std::uint16_t kind = 0;  // packed: 16 bits of event, 32 bits of value
-  std::uint32_t value = 0;
-  std::memcpy(&kind, header.data(), sizeof kind);
-  std::memcpy(&value, static_cast<const char*>(header.data()) + sizeof kind, sizeof value);
-  return Event{kind, static_cast<int>(value)};
-}
-
-/// ZeroMQ gives the bytes back in its own thread once they have left.
-void give_back(void*, void* owner) {
-  delete static_cast<std::shared_ptr<const void>*>(owner);
-}
-
-zmq::message_t to_message(const wire::Part& part) {
-  if (!part.owner || part.bytes.size() < worth_sharing) return {part.bytes.data(), part.bytes.size()};
-  auto* keep = new std::shared_ptr<const void>(part.owner);
-  return {const_cast<std::byte*>(part.bytes.data()), part.bytes.size(), give_back, keep};
-}
-
-/// False when it cannot go: the peer has long been gone.
-bool send_part(zmq::socket_t& socket, zmq::message_t message, bool more) {
-  const auto flags = zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
-  for (;;) try {
-      return socket.send(message, flags).has_value();
-    } catch (const zmq::error_t& e) {
-      if (e.num() == EHOSTUNREACH) return false;
-      if (e.num() != EINTR) throw;
-    }
-}
-
-void send_parts(zmq::socket_t& socket, const wire::Parts& parts) {
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    if (!send_part(socket, to_message(parts[i]), i + 1 < parts.size())) return;
-}
-
-/// A part where ZeroMQ put it.
-wire::Part to_part(const std::shared_ptr<zmq::message_t>& message) {
-  return {{static_cast<const std::byte*>(message->data()), message->size()}, message};
-}
-
-/// Adds the rest of a message.
-void receive_rest(zmq::socket_t& socket, bool more, wire::Parts& parts) {
-  while (more) {
-    const auto message = std::make_shared<zmq::message_t>();
-    if (!receive_part(socket, *message)) break;  // parts of one message arrive together
-    more = message->more();
-    parts.push_back(to_part(message));
-  }
-}
+constexpr int last_words = 500;         // [ms] a participant's Fault or Done may take to leave
+constexpr int to_greet = 3000;          // [ms] a connection that has not greeted by then is cut
+constexpr std::size_t unix_path = 107;  // bytes of a Unix socket's address
 
 /// A folder that only this user may enter, removed at the end.
 class PrivateFolder {

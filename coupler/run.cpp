@@ -10,15 +10,14 @@
 #include "coupler/case_view.hpp"
 #include "coupler/checkpoint.hpp"
 #include "coupler/commands.hpp"
-#include "coupler/compare.hpp"
 #include "coupler/console.hpp"
-#include "coupler/profile.hpp"
+#include "coupler/run_clocks.hpp"
 #include "coupler/run_files.hpp"
 #include "coupler/run_folder.hpp"
 #include "coupler/session.hpp"
 #include "coupler/stop_request.hpp"
 #include "coupler/summary.hpp"
-#include "coupler/trace.hpp"
+#include "coupler/verdicts.hpp"
 #include "proto/result_file.hpp"
 
 namespace strake {
@@ -51,15 +50,6 @@ std::shared_ptr<spdlog::logger> open_log(const std::filesystem::path& path) {
   }
 }
 
-/// What a killed run was writing.
-void remove_unfinished(const std::filesystem::path& run_folder) {
-  std::error_code ignored;
-  std::vector<std::filesystem::path> parts;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(run_folder, ignored))
-    if (entry.path().extension() == ".part") parts.push_back(entry.path());
-  for (const auto& part : parts) std::filesystem::remove(part, ignored);
-}
-
 /// One run, from its folder to its last file.
 class Run {
  public:
@@ -72,10 +62,10 @@ class Run {
         reporter_(reporter_of(options)),
         record_(folder_.path, options.command_line),
         summary_(folder_.case_name, folder_.tag),
-        checkpoints_(std::filesystem::absolute(folder_.path)) {
-    for (const CompareBlock& block : view.blocks)
-      if (applies(block, view.lookup())) blocks_.push_back(block);
-  }
+        verdicts_(view),
+        clocks_(folder_.path,
+                {.trace = options.trace, .profile = options.profile, .resumed = options.folder.resume}),
+        checkpoints_(std::filesystem::absolute(folder_.path)) {}
 
   ExitCode execute() {
     try {
@@ -119,7 +109,7 @@ class Run {
     record_.write();
 
     const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
-    if (options_.trace) open_trace();
+    clocks_.open();
     session_ = std::make_unique<Session>(
         case_,
         Session::Options{
@@ -131,7 +121,7 @@ class Run {
             .invite = [this](const std::string& side, const std::string& command) { invite(side, command); },
             .say = [this](const std::string& line) { note(line); },
             .stop = &stop_,
-            .on_exchange = observer()});
+            .on_exchange = clocks_.observer()});
     record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
     plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
     if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
@@ -178,7 +168,6 @@ class Run {
     started_ = true;
     RunLoop loop = session_->loop(plan_);
     auto saved = Clock::now();
-    settled_.assign(blocks_.size(), false);
     while (!loop.finished()) {
       if (stop_.requested()) interrupt(loop);
       const auto begin = Clock::now();
@@ -207,39 +196,8 @@ class Run {
         saved = Clock::now();
       }
       summary_.coupler_seconds["files"] += seconds_since(begin) - wall;
-      observe(window, trace_begin, trace_end);
+      clocks_.end_window(window, trace_begin, trace_end);
     }
-  }
-
-  /// A resumed run keeps the trace of the part before it.
-  void open_trace() {
-    const std::filesystem::path path = folder_.path / "trace.json";
-    std::error_code none;
-    for (int part = 1; options_.folder.resume && std::filesystem::exists(path, none); ++part) {
-      const std::filesystem::path earlier = folder_.path / fmt::format("trace-{}.json", part);
-      if (!std::filesystem::exists(earlier, none)) std::filesystem::rename(path, earlier, none);
-      if (none) break;
-    }
-    trace_.emplace(path);
-  }
-
-  /// Who is told of each question and answer; nobody where nobody asks.
-  std::function<void(const Exchange&)> observer() {
-    if (!trace_ && !options_.profile) return {};
-    return [this](const Exchange& exchange) {
-      if (trace_) trace_->add(exchange);
-      if (options_.profile) profile_.add(exchange);
-    };
-  }
-
-  void observe(const CommittedWindow& window, std::int64_t begin, std::int64_t end) {
-    const std::int64_t files_end = Trace::now();
-    if (trace_) {
-      trace_->add("files", end, files_end);
-      trace_->end_window(window.number, window.time, window.report.iterations, window.report.converged, begin,
-                         end);
-    }
-    if (options_.profile) profile_.end_window(window.report, begin, end, files_end);
   }
 
   CommittedWindow next(RunLoop& loop) {
@@ -302,26 +260,10 @@ class Run {
             .finished = finished};
   }
 
-  /// Below this share of its reference a metric is still the tremble before the event that the block is about
-  /// (the 5 % of VALIDATION A's first peak); it is judged at the end of the run.
-  static constexpr double too_early = 0.05;
-
-  /// Says what a block came to as soon as all of its metrics are known.
   void tell_verdicts() {
-    const RunData now = data(false);
-    for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      if (settled_[i]) continue;
-      const std::vector<Verdict> verdicts = judge(blocks_[i], now);
-      bool known = !verdicts.empty();
-      for (const Verdict& verdict : verdicts)
-        known = known && verdict.result != Verdict::Result::not_reached &&
-                std::abs(verdict.value.value_or(0)) >= too_early * std::abs(verdict.reference);
-      if (!known) continue;
-      settled_[i] = true;
-      for (const Verdict& verdict : verdicts) {
-        reporter_->verdict(verdict);
-        log_->info(verdict.line());
-      }
+    for (const Verdict& verdict : verdicts_.settle(data(false))) {
+      reporter_->verdict(verdict);
+      log_->info(verdict.line());
     }
   }
 
@@ -337,10 +279,7 @@ class Run {
     summary_.wall_seconds = elapsed();
     summary_.coupler_seconds["cpu"] = cpu_seconds();
     summary_.coupler_memory = peak_memory();
-    summary_.verdicts.clear();
-    for (const CompareBlock& block : blocks_)
-      for (const Verdict& verdict : judge(block, data(code == ExitCode::done)))
-        summary_.verdicts.push_back(verdict);
+    summary_.verdicts = verdicts_.all(data(code == ExitCode::done));
     write_text(folder_.path / "summary.json", summary_.json().dump(2) + "\n");
     nlohmann::ordered_json contact = nlohmann::ordered_json::object();  // [s] where `compare` counts from
     const std::string metric = ":contact";
@@ -351,12 +290,12 @@ class Run {
     record_.write();
     if (log_) log_->info("exit code {}", static_cast<int>(code));
 
-    trace_.reset();
+    clocks_.close();
     RunEnd end{.summary = &summary_,
                .folder = folder_.path,
                .fields = {},
                .stopped = {},
-               .profile = options_.profile ? &profile_ : nullptr};
+               .profile = clocks_.profile()};
     for (const char* fields : {"fluid.xdmf", "structure.xdmf"})
       if (std::filesystem::exists(folder_.path / fields)) end.fields.emplace_back(fields);
     if (code == ExitCode::interrupted || code == ExitCode::terminated)
@@ -425,12 +364,10 @@ class Run {
   RunRecord record_;
   Summary summary_;
   nlohmann::ordered_json programs_;
-  std::vector<CompareBlock> blocks_;  // those that apply to this case
-  std::vector<bool> settled_;         // of blocks_: its verdict has been told
+  Verdicts verdicts_;
+  RunClocks clocks_;
   std::unique_ptr<RunFiles> files_;
   std::unique_ptr<Session> session_;
-  std::optional<Trace> trace_;
-  Profile profile_;
   Checkpoints checkpoints_;
   RunPlan plan_;
   LoopState saved_;                // of the latest checkpoint

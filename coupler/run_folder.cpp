@@ -105,6 +105,14 @@ RunFolder create_run_folder(const fs::path& case_file, const RunFolderOptions& o
   }
 }
 
+void remove_unfinished(const fs::path& run_folder) {
+  std::error_code ignored;
+  std::vector<fs::path> parts;
+  for (const auto& entry : fs::recursive_directory_iterator(run_folder, ignored))
+    if (entry.path().extension() == ".part") parts.push_back(entry.path());
+  for (const auto& part : parts) fs::remove(part, ignored);
+}
+
 FolderLock::FolderLock(const fs::path& path)
     : folder_(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (folder_ < 0 || ::flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)

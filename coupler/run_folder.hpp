@@ -29,6 +29,9 @@ RunFolder find_run_folder(const std::filesystem::path& case_file, const RunFolde
 /// Creates it (removing an earlier run under --force). Throws Error(command_line | cannot_write).
 RunFolder create_run_folder(const std::filesystem::path& case_file, const RunFolderOptions&);
 
+/// What a killed run was writing.
+void remove_unfinished(const std::filesystem::path& run_folder);
+
 /// Says that a run is under way in a folder, until it is destroyed or the process ends, however it ends. It
 /// leaves no file. Throws Error(command_line) when another process says so.
 class FolderLock {
