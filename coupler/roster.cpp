@@ -354,7 +354,7 @@ void Roster::State::look_after(Member& m) {
   if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
   const auto silence = Clock::now() - *m.silent_since;
   // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
-  const bool perhaps_back = hub.somebody_is_new();
+  const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
   if (has_left && silence > to_come_back && !perhaps_back) left(m);
   const std::string state = has_left             ? "has closed its connection"
                             : !m.child           ? "is frozen or cannot be reached"
