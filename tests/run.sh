@@ -23,7 +23,7 @@ if [ "${1:-}" = "--sanitize" ] && [ "${2:-}" = "thread" ]; then
   export OMP_TOOL_LIBRARIES="$llvm/libarcher.so"
   export TSAN_OPTIONS="suppressions=$PWD/tests/thread_sanitizer.supp halt_on_error=1 second_deadlock_stack=1"
   targets=(threads)
-  chosen=(-E '_NOT_BUILT|^(system|repo|fuzz)\.')
+  chosen=(-E '_NOT_BUILT|^(system|repo|fuzz)\.|^proto.golden$')
 elif [ "${1:-}" = "--sanitize" ]; then
   shift
   strake_build="$PWD/build-sanitize"

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -157,7 +158,8 @@ TEST(Trace, ThinsOutAndStaysWithinItsSize) {
 TEST(Trace, IsValidAtEveryMomentOfItsWriting) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "trace.json";
-  for (int attempt = 0; attempt < 5; ++attempt) {
+  for (unsigned attempt = 0; attempt < 5; ++attempt) {
+    std::filesystem::remove(path);
     const pid_t writer = fork();
     ASSERT_GE(writer, 0);
     if (writer == 0) {
@@ -165,7 +167,10 @@ TEST(Trace, IsValidAtEveryMomentOfItsWriting) {
       fill(trace, 1'000'000);
       _exit(0);
     }
-    usleep(20'000 + 7'000 * static_cast<unsigned>(attempt));
+    std::error_code not_yet;
+    for (int wait = 0; wait < 20'000; ++wait, usleep(1000))
+      if (const auto size = std::filesystem::file_size(path, not_yet); !not_yet && size > 50'000) break;
+    usleep(700 * attempt);  // somewhere in a record
     kill(writer, SIGKILL);
     waitpid(writer, nullptr, 0);
     const auto trace = nlohmann::json::parse(text_of(path), nullptr, false);
