@@ -232,15 +232,15 @@ class Run {
     if (!started_ || saved_on_request_) return error;
     const std::filesystem::path last = checkpoints_.latest();
     const long lost = summary_.windows() - saved_.windows;
-    const std::string windows = fmt::format("{} finished window{} ({:.6g} s)", lost, lost == 1 ? "" : "s",
-                                            summary_.end_time() - saved_.time);
+    const std::string windows = fmt::format("{} finished window{}, {:.6g} s of simulated time", lost,
+                                            lost == 1 ? "" : "s", summary_.end_time() - saved_.time);
     const std::string way_on =
         last.empty()
             ? fmt::format(
-                  "nothing to go on from: the first checkpoint was still to come "
-                  "(run.checkpoint); lost: {}",
+                  "nothing to go on from: the first checkpoint was still to come (run.checkpoint)\n"
+                  "lost: {}",
                   windows)
-            : fmt::format("--resume goes on with window {} (t = {:.6g} s), from {}; computed again: {}",
+            : fmt::format("--resume goes on with window {} (t = {:.6g} s), from {}\ncomputed again: {}",
                           saved_.windows + 1, saved_.time, in_folder(last), windows);
     return Error(error.code(), error.where(), error.problem(),
                  error.fix().empty() ? way_on : error.fix() + "\n" + way_on);

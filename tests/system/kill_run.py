@@ -69,6 +69,8 @@ def kill(name):
 run_and_strike("kill -9 fluid", kill("strake-fluid"), 5, "fluid")
 run_and_strike("kill -9 structure", kill("strake-structure-rigid"), 5, "structure")
 run_and_strike("kill -9 coupler", lambda process, pids: process.kill(), None, "coupler")
-run_and_strike("Ctrl-C", lambda process, pids: process.send_signal(signal.SIGINT), 130, "")
-run_and_strike("SIGTERM", lambda process, pids: process.send_signal(signal.SIGTERM), 143, "")
+run_and_strike("Ctrl-C", lambda process, pids: process.send_signal(signal.SIGINT), 130,
+               "interrupted by Ctrl-C, the state is saved")
+run_and_strike("SIGTERM", lambda process, pids: process.send_signal(signal.SIGTERM), 143,
+               "ended by SIGTERM, the state is saved")
 finish()
