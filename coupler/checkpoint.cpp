@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "coupler/lead.hpp"
 #include "coupler/seal.hpp"
 #include "proto/error.hpp"
 #include "proto/result_file.hpp"
@@ -43,9 +44,10 @@ std::vector<fs::path> checkpoints_in(const fs::path& folder) {
 
 // Keys that may differ between a run and its continuation.
 bool may_change(const std::string& key) {
-  for (const char* prefix : {"title", "end_time", "output.every", "run.", "compare", "coupling.frozen_after",
-                             "coupling.answer_within", "coupling.start_within", "coupling.attach_within",
-                             "coupling.endpoint", "coupling.keys", "coupling.unencrypted"})
+  for (const char* prefix :
+       {"title", "end_time", "output.every", "run.", "compare", "coupling.frozen_after",
+        "coupling.answer_within", "coupling.start_within", "coupling.attach_within", "coupling.endpoint",
+        "coupling.keys", "coupling.unencrypted", "coupling.placement"})
     if (key.starts_with(prefix)) return true;
   return false;
 }
@@ -54,7 +56,7 @@ bool may_change(const std::string& key) {
 
 Checkpoints::Checkpoints(const fs::path& run_folder) : folder_(run_folder / "checkpoint") {}
 
-void Checkpoints::write(Session& session, const RunLoop& loop, const Summary& summary) {
+void Checkpoints::write(Session& session, const WindowLoop& loop, const Summary& summary) {
   const std::string name = fmt::format("{:06}", loop.number());
   const fs::path target = folder_ / name;
   if (latest() == target && damage(target).empty()) return;  // nothing has happened since
@@ -63,10 +65,14 @@ void Checkpoints::write(Session& session, const RunLoop& loop, const Summary& su
   fs::create_directories(target, error);
   if (error) cannot_write(target, error);
 
-  for (RemoteParticipant* participant : {session.fluid(), session.structure()})
-    if (participant != nullptr) participant->checkpoint(target);
+  for (RemoteParticipant* participant : session.remotes()) participant->checkpoint(target);
   Archive archive;
-  if (session.scheme() != nullptr) session.scheme()->state().save(archive);
+  if (session.is_led()) {
+    archive = read_archive(target / led_file);
+    fs::remove(target / led_file, error);
+  } else if (session.scheme() != nullptr) {
+    session.scheme()->state().save(archive);
+  }
   loop.state().save(archive);
   summary.save(archive);
   write_archive(target / "coupler.h5", archive);
@@ -144,8 +150,7 @@ RunPlan Checkpoints::resume(const fs::path& source, Session& session, Summary& s
     throw Error(ExitCode::case_file, file.string(), "is not a checkpoint of this version of Strake",
                 "resume with the programs that wrote it, or run it again with --force");
   }
-  for (RemoteParticipant* participant : {session.fluid(), session.structure()}) {
-    if (participant == nullptr) continue;
+  for (RemoteParticipant* participant : session.remotes()) {
     participant->resume(source);
     participant->count_windows_from(static_cast<std::uint64_t>(plan.start.windows));
   }

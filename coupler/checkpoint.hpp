@@ -19,7 +19,7 @@ class Checkpoints {
   explicit Checkpoints(const std::filesystem::path& run_folder);  // absolute
 
   /// What is committed, of the participants, the scheme, the loop and the summary.
-  void write(Session&, const RunLoop&, const Summary&);
+  void write(Session&, const WindowLoop&, const Summary&);
   /// The checkpoint to go on from: the latest, or the one before where that is damaged, which `say` is told.
   /// Throws Error(command_line) when there is none, Error(case_file) when none is whole.
   std::filesystem::path choose(const std::function<void(const std::string&)>& say) const;

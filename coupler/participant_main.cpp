@@ -1,6 +1,5 @@
 #include "coupler/participant_main.hpp"
 
-#include "coupler/serve.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -45,11 +45,21 @@ int serve_case(const ParticipantOptions& options, const Program& program) {
     require(!value.empty(), name);
   CaseFile file = CaseFile::load(options.case_file, options.sets);
   const char* token = std::getenv("STRAKE_TOKEN");
-  const ServeOptions serving{options.endpoint, options.name,    token ? token : "",
-                             program.solver,   program.version, file.hash()};
-  return serve(serving, [&](const Setup& setup) {
-    program.declare(file);  // here, so that the coupler hears of an error
+  bool declared = false;
+  const auto declare = [&] {  // late, so that the coupler hears of an error
+    if (std::exchange(declared, true)) return;
+    program.declare(file);
     file.refuse_unknown(program.prefix);
+  };
+  ServeOptions serving{options.endpoint, options.name,    token ? token : "",
+                       program.solver,   program.version, file.hash()};
+  if (program.lead)
+    serving.leader = [&] {
+      declare();
+      return program.lead(options);
+    };
+  return serve(serving, [&](const Setup& setup) {
+    declare();
     return program.build(file, options, setup);
   });
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/serve.hpp"
 #include "proto/case_file.hpp"
 #include "proto/participant.hpp"
 
@@ -38,6 +39,8 @@ struct Program {
   std::function<std::vector<std::string>(CaseFile&)> check;
   /// Builds the participant. `declare` has run on the same file.
   std::function<std::unique_ptr<Participant>(CaseFile&, const ParticipantOptions&, const Setup&)> build;
+  /// Optional: the coupling, for a program that can lead it. `declare` has run on the same file.
+  std::function<std::unique_ptr<Leader>(const ParticipantOptions&)> lead = {};
 };
 
 /// The whole of a solver's main: parses, does the mode or serves, prints errors, returns the exit code.

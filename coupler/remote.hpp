@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace strake {
 
@@ -27,8 +28,9 @@ struct Deadlines {
   std::chrono::duration<double> answer_within{
       600};                                // [s] coupling.answer_within: one answer; Working restarts it
   std::chrono::duration<double> tell{15};  // [s] of waiting before the first line says for whom
-  std::chrono::duration<double> grace{5};  // [s] for the answers under way after Ctrl-C, so that the state is saved
-  bool patient = false;                    // --patient: no deadline but death
+  std::chrono::duration<double> grace{
+      5};                // [s] for the answers under way after Ctrl-C, so that the state is saved
+  bool patient = false;  // --patient: no deadline but death
 };
 
 /// All participants of a run: starts them, awaits them, hears them, ends them. Whatever one of them does, a
@@ -46,6 +48,7 @@ class Roster {
     std::function<void(const std::string&)> say;  // one line (no newline) for console and log; may be empty
     const StopRequest* stop = nullptr;
     std::function<void(const Exchange&)> on_exchange = {};  // each question that is answered; may be empty
+    std::string token = {};                                 // hexadecimal; empty: a new one
   };
   explicit Roster(Options);
   ~Roster();  // end()
@@ -56,12 +59,21 @@ class Roster {
   /// Starts the program with "--connect … --name `name` --case-hash …" put before launch.arguments, and the
   /// token.
   void launch(const std::string& name, Launch launch);
-  /// Expects a participant started by hand (--attach).
-  void attach(const std::string& name);
+  /// Starts a participant that connects to another's endpoint and follows it (coupling.placement = "fluid"):
+  /// here its process alone is watched. Returns its number.
+  int launch_to_follow(const std::string& name, Launch launch, const std::string& endpoint);
+  /// Expects a participant started by hand (--attach), or by the coupler that this participant leads for:
+  /// `process` is its number then.
+  void attach(const std::string& name, int process = 0, const std::filesystem::path& log = {});
   /// The line for a shell that starts that participant, here or on another machine; it holds the token.
   std::string command(const std::string& name, const Launch&) const;
   /// Awaits its Hello, sends Setup, awaits Ready. Launch all, then connect the structure first.
   RemoteParticipant& connect(const std::string& name, const Setup&);
+  /// Makes `leader` the coupler of another. Returns what that one is.
+  std::pair<InterfaceMesh, Description> lead(const std::string& leader, const std::string& partner,
+                                             const std::string& endpoint, const Setup&);
+  /// A window that a leader committed, so that messages name the right one.
+  void note_window(std::uint64_t committed, const Window&);
   /// Regular end: Stop (with the last commit) to each in turn, Done, exit 0, reaped. Error if one of them
   /// fails.
   void finish();
@@ -80,6 +92,10 @@ class Roster {
   std::unique_ptr<State> state_;
 };
 
+/// The place of a solver's fault, which does not know the window: "fluid, pressure" in window 3 is "fluid,
+/// window 3 (t = 2e-05 s), iteration 1, pressure".
+std::string with_place(std::string where, const std::string& name, const std::string& place);
+
 /// A participant in another process. `commit` and `rewind` ride on the next request, so they cost no round
 /// trip. Lives as long as its Roster.
 class RemoteParticipant final : public Participant {
@@ -96,6 +112,10 @@ class RemoteParticipant final : public Participant {
 
   /// Windows committed before this run (resume), so that messages name the right window.
   void count_windows_from(std::uint64_t committed);
+
+  /// Of one that leads: asks for so many windows, and hears the reports one by one; nothing after the last.
+  void ask_windows(std::uint64_t count);
+  std::optional<Advanced> next_report();
 
  private:
   friend class Roster;

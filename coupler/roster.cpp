@@ -42,6 +42,12 @@ bool equal_secret(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+std::string with_place(std::string where, const std::string& name, const std::string& place) {
+  if (where.starts_with(name)) where.erase(0, name.size());
+  if (where.starts_with(", ")) where.erase(0, 2);
+  return where.empty() ? place : place + ", " + where;
+}
+
 std::string Roster::Member::place() const {
   if (iteration == 0)
     return committed == 0 || window.dt == 0
@@ -51,6 +57,7 @@ std::string Roster::Member::place() const {
 }
 
 std::string Roster::Member::process() const {
+  if (started_by_coupler != 0) return fmt::format("process {}", started_by_coupler);
   if (!child) return "started by hand";
   return fmt::format("process {}", child->pid());
 }
@@ -62,7 +69,7 @@ std::string Roster::Member::see_log() const {
 Roster::State::State(Options o)
     : options(std::move(o)),
       hub(options.endpoint, {options.keys, options.unencrypted}),
-      token(random_token()),
+      token(options.token.empty() ? random_token() : options.token),
       raw_token(raw(token)) {}
 
 Roster::Member* Roster::State::find(const std::string& name) {
@@ -89,16 +96,23 @@ void Roster::State::ask(Member& m, wire::Request request) {
   hub.send(m.peer, m.request);
 }
 
-wire::Reply Roster::State::await(Member& m) {
+void Roster::State::await_word(Member& m) {
   Clock::time_point looked = Clock::now();
-  while (!m.reply) {
+  while (!m.reply && m.reports.empty()) {
     receive(beat);
     if (Clock::now() - looked < beat) continue;
     looked = Clock::now();
     look_after_all();
     check_deadlines(m);
     if (!m.reply) tell_waiting(m, looked - m.asked_at);
-    if (m.asked == "Setup" || m.asked == "Advance") check_stop(m);
+    if (m.asked != "Checkpoint" && m.asked != "Stop") check_stop(m);
+  }
+}
+
+wire::Reply Roster::State::await(Member& m) {
+  while (!m.reply) {
+    m.reports.clear();
+    await_word(m);
   }
   m.asked.clear();
   m.request.clear();
@@ -113,11 +127,12 @@ void Roster::State::await_hello(Member& m) {
     if (m.greeted) continue;
     const auto waited = Clock::now() - m.expected_since;
     tell_waiting(m, waited);
-    const auto limit = m.child ? options.deadlines.hello : options.deadlines.by_hand;
+    const auto limit =
+        m.child || m.started_by_coupler != 0 ? options.deadlines.hello : options.deadlines.by_hand;
     if (options.deadlines.patient || waited < limit) continue;
     m.broken = true;
     const std::string refused = m.refusal.empty() ? "" : "\n" + m.refusal;
-    if (!m.child)
+    if (!m.child && m.started_by_coupler == 0)
       throw Error(ExitCode::participant_lost, m.name,
                   fmt::format("has not been started by hand within {}{}", in_seconds(waited), refused),
                   "its command line was printed and stands in run.json; the limit is "
@@ -136,7 +151,7 @@ void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
   m.tell_after += std::min(m.tell_after, longest);
   const std::string alive = m.child ? m.process() + " is alive" : m.process();
   std::string line = "waiting for " + m.place();
-  if (m.asked.empty() && !m.child)
+  if (m.asked.empty() && !m.child && m.started_by_coupler == 0)
     line += fmt::format(", to be started by hand, for {}", in_seconds(waited));
   else if (m.asked.empty())
     line += fmt::format(", started {} ago ({})", in_seconds(waited), alive);
@@ -148,7 +163,9 @@ void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
 
 void Roster::State::check_deadlines(const Member& m) const {
   const auto waited = Clock::now() - m.last_heard;
-  if (options.deadlines.patient || m.reply || waited < options.deadlines.answer_within) return;
+  // One that leads awaits another in its turn.
+  const auto limit = (m.leads ? 2 : 1) * options.deadlines.answer_within;
+  if (options.deadlines.patient || m.reply || waited < limit) return;
   throw Error(
       ExitCode::participant_lost, m.place(),
       fmt::format("has not answered {} for {} ({}{}{})", m.asked, in_seconds(waited), m.process(),
@@ -159,7 +176,7 @@ void Roster::State::check_deadlines(const Member& m) const {
 void Roster::State::check_stop(const Member& m) {
   const StopRequest* stop = options.stop;
   if (!stop || !stop->requested()) return;
-  if (m.asked == "Advance" && stop->elapsed() < options.deadlines.grace) {
+  if ((m.asked == "Advance" || m.asked == "Windows") && stop->elapsed() < options.deadlines.grace) {
     if (!grace_told && stop->elapsed() > silence_to_tell) {
       grace_told = true;
       say(fmt::format(
@@ -212,18 +229,23 @@ void Roster::State::hear(Hub::Message message) {
 void Roster::State::answered(Member& m, wire::Reply reply) {
   m.last_heard = Clock::now();
   if (const auto* working = std::get_if<wire::Working>(&reply.what)) {
-    m.doing = fmt::format("{} ({:.0f} %)", working->what, 100 * working->fraction);
+    if (m.leads && working->fraction < 0)
+      say(harmless(working->what));
+    else
+      m.doing = fmt::format("{} ({:.0f} %)", working->what, 100 * working->fraction);
     return;
   }
   if (const auto* fault = std::get_if<wire::Fault>(&reply.what)) {
-    // A solver does not know the window; a fault in a file or an option has its own place.
     std::string where = fault->where;
-    if (fault->code == ExitCode::solver_fault || where.empty()) {
-      if (where.starts_with(m.name)) where.erase(0, m.name.size());
-      if (where.starts_with(", ")) where.erase(0, 2);
-      where = where.empty() ? m.place() : m.place() + ", " + where;
-    }
+    // A solver does not know the window, unless it leads; a fault in a file or an option has its own place.
+    if (m.leads) throw Error(fault->code, where, fault->problem, fault->fix);
+    if (fault->code == ExitCode::solver_fault || where.empty()) where = with_place(where, m.name, m.place());
     throw Error(fault->code, where, fault->problem, fault->fix);
+  }
+  if (auto* report = std::get_if<Advanced>(&reply.what);
+      report != nullptr && m.leads && m.asked == "Windows") {
+    m.reports.push_back(std::move(*report));
+    return;
   }
   if (m.may_repeat == reply.sequence && reply.sequence != (m.asked.empty() ? 0 : m.sequence)) {
     m.may_repeat.reset();
@@ -242,7 +264,7 @@ void Roster::State::answered(Member& m, wire::Reply reply) {
 }
 
 void Roster::State::tell_exchange(const Member& m, const wire::Reply& reply) const {
-  if (!options.on_exchange) return;
+  if (!options.on_exchange || m.asked == "Windows") return;
   const auto nanoseconds = [](Clock::time_point t) {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(t.time_since_epoch()).count();
   };
@@ -265,6 +287,11 @@ void Roster::State::greet(const Hub::Message& message) {
     return refuse(message, nullptr, e.problem(), "");
   }
   const auto* hello = std::get_if<wire::Hello>(&reply.what);
+  // One whose connection was cut may answer before it notices: its Hello follows, and the answer once more.
+  const auto answers = [&](const auto& m) {
+    return m->greeted && !m->asked.empty() && m->sequence == reply.sequence;
+  };
+  if (!hello && std::any_of(members.begin(), members.end(), answers)) return;
   if (!hello) return refuse(message, nullptr, fmt::format("spoke {} before Hello", wire::name_of(reply)), "");
   if (!equal_secret(hello->token, raw_token))
     return refuse(message, nullptr, fmt::format("\"{}\" does not know the token of this run", hello->name),
@@ -342,7 +369,7 @@ void Roster::State::look_after_strangers() {
 }
 
 void Roster::State::look_after(Member& m) {
-  if (m.child)
+  if (m.child && !m.may_leave)
     if (const auto exit = m.child->exit()) died(m, *exit);
   if (!m.greeted) return;
   if (hub.connected(m.peer)) {
@@ -356,10 +383,11 @@ void Roster::State::look_after(Member& m) {
   // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
   const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
   if (has_left && silence > to_come_back && !perhaps_back) left(m);
-  const std::string state = has_left             ? "has closed its connection"
-                            : !m.child           ? "is frozen or cannot be reached"
-                            : m.child->stopped() ? "is suspended (" + m.process() + ")"
-                                                 : "is frozen (" + m.process() + " lives)";
+  const bool known = m.child || m.started_by_coupler != 0;
+  const std::string state = has_left                        ? "has closed its connection"
+                            : !known                        ? "is frozen or cannot be reached"
+                            : m.child && m.child->stopped() ? "is suspended (" + m.process() + ")"
+                                                            : "is frozen (" + m.process() + " lives)";
   if (!m.silence_told && silence > silence_to_tell) {
     m.silence_told = true;
     say(fmt::format("{}: {}, no heartbeat for {}; waiting {}", m.place(), state, in_seconds(silence),
@@ -392,13 +420,16 @@ void Roster::State::died(Member& m, const Exit& exit) {
   while (Clock::now() < end)
     receive(end - Clock::now());  // its Fault, if it sent one, says more: it is thrown
   const std::string what = !m.refusal.empty() ? "\n" + m.refusal
+                           : m.follows        ? ""
                            : !m.greeted       ? " before it said Hello"
                            : m.asked.empty()  ? " between two requests"
                                               : fmt::format(" while {} was awaited", m.asked);
   // Before Hello a program can only speak by its exit code.
   ExitCode code = ExitCode::participant_lost;
   for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
-    if (!m.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own)) code = own;
+    if (!m.greeted && !m.follows && m.refusal.empty() && exit.signal == 0 &&
+        exit.code == static_cast<int>(own))
+      code = own;
   throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
               m.see_log());
 }

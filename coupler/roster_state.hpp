@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,7 +21,10 @@ using Clock = std::chrono::steady_clock;
 /// One participant as the coupler knows it.
 struct Roster::Member {
   std::string name;
-  std::optional<Child> child;  // none: started by hand
+  std::optional<Child> child;  // none: started by hand, or by another
+  int started_by_coupler = 0;  // its process, where that is another than this one
+  bool follows = false;        // another participant's questions; here its process alone is watched
+  bool may_leave = false;      // the end of its process is no fault
   std::filesystem::path log;
   Clock::time_point expected_since;
   std::chrono::duration<double> tell_after{0};  // of waiting, until a line says so (again)
@@ -41,6 +45,8 @@ struct Roster::Member {
   std::optional<std::uint64_t> may_repeat;  // an answer that a new connection may bring twice
   Clock::time_point asked_at, last_heard;
   std::string doing;  // its last Working
+  bool leads = false;
+  std::deque<Advanced> reports;  // of its windows, not yet looked at
 
   // the window
   std::uint64_t committed = 0;
@@ -74,6 +80,8 @@ struct Roster::State {
   bool grace_told = false;
 
   Member* find(const std::string& name);
+  void launch(Roster&, const std::string& name, Launch, const std::string& endpoint);
+  void await_end(Member&) const;
   void say(const std::string& line) const;
   std::vector<std::string> arguments(const std::string& endpoint, const std::string& name,
                                      const Launch&) const;
@@ -81,6 +89,8 @@ struct Roster::State {
   void ask(Member&, wire::Request);
   /// The answer to the request under way. Sees to all other participants meanwhile.
   wire::Reply await(Member&);
+  /// Until the answer is there, or a report.
+  void await_word(Member&);
   template <class Expected>
   Expected await_as(Member&);
   void await_hello(Member&);

@@ -166,10 +166,11 @@ class Run {
 
   void windows() {
     started_ = true;
-    RunLoop loop = session_->loop(plan_);
+    const std::unique_ptr<WindowLoop> windows = session_->loop(plan_);
+    WindowLoop& loop = *windows;
     auto saved = Clock::now();
     while (!loop.finished()) {
-      if (stop_.requested()) interrupt(loop);
+      if (stop_.requested() && loop.at_rest()) interrupt(loop);
       const auto begin = Clock::now();
       const std::int64_t trace_begin = Trace::now();
       const CommittedWindow window = next(loop);
@@ -191,7 +192,8 @@ class Run {
       tell_verdicts();
       const int every = case_.coupling.checkpoint_windows;
       const bool due = every > 0 && window.number % every == 0;
-      if (!window.last && (due || seconds_since(saved) > case_.coupling.checkpoint)) {
+      const bool late = seconds_since(saved) > case_.coupling.checkpoint;
+      if (!window.last && loop.at_rest() && (due || late)) {
         save(loop);
         saved = Clock::now();
       }
@@ -200,7 +202,7 @@ class Run {
     }
   }
 
-  CommittedWindow next(RunLoop& loop) {
+  CommittedWindow next(WindowLoop& loop) {
     try {
       return loop.next();
     } catch (const Error& error) {
@@ -211,7 +213,7 @@ class Run {
     }
   }
 
-  void save(const RunLoop& loop) {
+  void save(const WindowLoop& loop) {
     summary_.wall_seconds = elapsed();
     files_->flush();  // what a resume goes on from
     checkpoints_.write(*session_, loop, summary_);
@@ -219,7 +221,7 @@ class Run {
   }
 
   /// Ctrl-C between two windows: the participants are at rest, so that what is committed can be kept.
-  [[noreturn]] void interrupt(const RunLoop& loop) {
+  [[noreturn]] void interrupt(const WindowLoop& loop) {
     save(loop);
     saved_on_request_ = true;
     throw Error(stop_.code(), position(), stop_.in_words() + ", the state is saved",
@@ -386,6 +388,10 @@ ExitCode run(const RunOptions& options, const StopRequest& stop) {
     if (side == "fluid" ? !view.fluid : !view.structure)
       throw Error(ExitCode::command_line, "--attach", fmt::format("the case has no {}", side),
                   "--attach names sides that have a solver");
+  if (!options.by_hand.empty() && view.coupling.placement == "fluid")
+    throw Error(ExitCode::command_line, "--attach",
+                "needs the coupler in the middle, and this case has coupling.placement = \"fluid\"",
+                "--set coupling.placement=coupler");
   return Run(view, create_run_folder(options.case_file, options.folder), options, stop).execute();
 }
 

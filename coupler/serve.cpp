@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -21,6 +22,7 @@
 #include <optional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace strake {
 namespace {
@@ -105,6 +107,8 @@ class Server {
   wire::Reply reply(const wire::Checkpoint&);
   wire::Reply reply(const wire::Stop&);
   wire::Reply reply(const wire::Refused&);
+  wire::Reply reply(const wire::Lead&);
+  wire::Reply reply(const wire::Windows&);
   void settle(wire::Before, bool write_output);
   Participant& participant(const char* message);
 
@@ -117,6 +121,8 @@ class Server {
   std::uint64_t sequence_ = 0;  // of the last request
   std::int64_t received_ = 0;   // [ns] when it came
   wire::Parts last_reply_;
+  std::vector<wire::Parts> reports_;  // of the windows of the last request
+  std::unique_ptr<Leader> leader_;
   bool stopped_ = false, refused_ = false;
   Clock::time_point last_working_;
 };
@@ -135,6 +141,7 @@ void Server::say_hello() {
 void Server::renew() {
   if (!watch_.take_renewed()) return;
   say_hello();
+  for (const wire::Parts& report : reports_) line_.send(report);  // the coupler knows which are new
   if (!last_reply_.empty()) line_.send(last_reply_);
 }
 
@@ -142,7 +149,8 @@ void Server::send(wire::Reply message) {
   message.sequence = sequence_;
   message.times = {received_, steady_now()};
   wire::Parts parts = wire::encode(std::move(message), options_.name);
-  if (watch_.take_renewed()) say_hello();
+  last_reply_.clear();
+  renew();
   last_reply_ = std::move(parts);
   line_.send(last_reply_);
 }
@@ -164,6 +172,7 @@ wire::Request Server::next_request() {
                   fmt::format("the coupler sent request {} after {}", request.sequence, sequence_));
     sequence_ = request.sequence;
     received_ = received;
+    reports_.clear();
     return request;
   }
 }
@@ -205,7 +214,11 @@ wire::Reply Server::reply(const wire::Advance& advance) {
 wire::Reply Server::reply(const wire::Checkpoint& checkpoint) {
   Participant& p = participant("Checkpoint");
   settle(checkpoint.before, checkpoint.write_output);
-  if (checkpoint.resume)
+  if (leader_ && checkpoint.resume)
+    leader_->resume(p, checkpoint.folder);
+  else if (leader_)
+    leader_->checkpoint(p, checkpoint.folder);
+  else if (checkpoint.resume)
     p.resume(checkpoint.folder);
   else
     p.checkpoint(checkpoint.folder);
@@ -214,9 +227,32 @@ wire::Reply Server::reply(const wire::Checkpoint& checkpoint) {
 
 wire::Reply Server::reply(const wire::Stop& stop) {
   if (participant_ && stop.commit) participant_->commit(stop.write_output);
+  if (leader_) leader_->finish();
   if (participant_) participant_->flush();
   participant_.reset();  // Done means that everything is written
   stopped_ = true;
+  return {0, wire::Done{}};
+}
+
+wire::Reply Server::reply(const wire::Lead& lead) {
+  if (!options_.leader || leader_)
+    throw Error(ExitCode::participant_lost, options_.name,
+                leader_ ? "the coupler sent Lead twice" : "cannot lead: it does not run the coupling",
+                "coupling.placement = \"coupler\"");
+  leader_ = options_.leader();
+  return {0, leader_->meet(lead)};
+}
+
+wire::Reply Server::reply(const wire::Windows& windows) {
+  Participant& own = participant("Windows");
+  if (!leader_)
+    throw Error(ExitCode::participant_lost, options_.name, "the coupler sent Windows before Lead");
+  last_reply_.clear();
+  leader_->run(own, windows.count, [this](Advanced report) {
+    renew();
+    reports_.push_back(wire::encode(wire::Reply{sequence_, std::move(report)}, options_.name));
+    line_.send(reports_.back());
+  });
   return {0, wire::Done{}};
 }
 
@@ -258,7 +294,7 @@ int Server::run() {
 
 void Server::working(double fraction, const std::string& what) {
   const auto now = Clock::now();
-  if (now - last_working_ < std::chrono::seconds(1)) return;
+  if (fraction >= 0 && now - last_working_ < std::chrono::seconds(1)) return;
   last_working_ = now;
   if (watch_.take_renewed()) say_hello();
   line_.send(wire::encode(wire::Reply{sequence_, wire::Working{fraction, what}}, options_.name));
@@ -281,7 +317,12 @@ int serve(const ServeOptions& options, const ParticipantFactory& factory) {
 }
 
 void working(double fraction, const std::string& what) {
-  if (serving) serving->working(fraction, what);
+  if (serving) serving->working(std::max(fraction, 0.0), what);
+}
+
+void tell_coupler(const std::string& line) {
+  constexpr double no_work = -1;
+  if (serving) serving->working(no_work, line);
 }
 
 }  // namespace strake

@@ -14,60 +14,13 @@ namespace strake {
 
 namespace {
 
-// A wet point farther than this from the structure's surface [fluid.spacing] belongs to another shape.
-constexpr double farthest_wet_point = 2.0;
-// A converged residual, where the case gives none [fluid.spacing].
-constexpr double absolute_residual = 1e-6;
-
-Deadlines deadlines_of(const CouplingKeys& keys, bool patient) {
-  Deadlines deadlines;
-  deadlines.hello = std::chrono::duration<double>(keys.start_within);
-  deadlines.by_hand = std::chrono::duration<double>(keys.attach_within);
-  deadlines.frozen_after = std::chrono::duration<double>(keys.frozen_after);
-  deadlines.answer_within = std::chrono::duration<double>(keys.answer_within);
-  deadlines.patient = patient;
-  return deadlines;
+CouplingCase coupling_case(const CaseView& view) {
+  return {view.common, view.coupling, view.number("fluid.spacing")};
 }
 
-SchemeParameters scheme_of(const CaseView& view, const Participant& structure) {
-  const CouplingKeys& keys = view.coupling;
-  SchemeParameters scheme;
-  scheme.volume = view.common.interface == "volume";
-  scheme.parallel = keys.parallel;
-  scheme.predictor = predictor_kind(keys.predictor);
-  scheme.accelerator = {.kind = keys.accelerator,
-                        .initial_relaxation = keys.initial_relaxation,
-                        .reused_windows = keys.reused_windows,
-                        .filter = keys.filter,
-                        .filter_kind = keys.filter_kind,
-                        .max_columns = keys.max_columns};
-  scheme.convergence.relative = keys.relative;
-  // A length is no measure of a field that is none.
-  scheme.convergence.absolute = keys.absolute;
-  if (keys.absolute == 0 && is_motion(fields_of_structure(structure)))
-    scheme.convergence.absolute = absolute_residual * view.number("fluid.spacing").value_or(0.01);
-  scheme.convergence.min_iterations = keys.min_iterations;
-  scheme.convergence.max_iterations = keys.max_iterations;
-  scheme.convergence.then = keys.unconverged;
-  scheme.convergence.measure = keys.measure;
-  scheme.convergence.residual_relative = keys.residual_relative;
-  scheme.convergence.load = keys.load;
-  return scheme;
-}
-
-Mapping mapping_of(const CaseView& view, const InterfaceMesh& structure, const InterfaceMesh& fluid) {
-  if (view.common.interface == "volume") return identity(structure, fluid);
-  const auto spacing = view.number("fluid.spacing");
-  MappingParameters mapping = view.coupling.mapping;
-  if (spacing) mapping.limit = farthest_wet_point * *spacing;
-  return make_mapping(mapping, structure, fluid);
-}
-
-Transfer transfer_of(const CaseView& view, const Participant& structure, const Participant& fluid) {
-  std::optional<Mapping> back;
-  if (Transfer::needs_way_back(fields_of_structure(structure), fields_of_fluid(fluid)))
-    back = mapping_of(view, fluid.mesh(), structure.mesh());
-  return {mapping_of(view, structure.mesh(), fluid.mesh()), std::move(back)};
+/// Beside the coupler's own socket: where the fluid hears the structure.
+std::string leaders_endpoint(const std::string& endpoint) {
+  return endpoint.substr(0, endpoint.rfind('/')) + "/fluid";
 }
 
 std::string accelerator_title(const std::string& kind) {
@@ -104,14 +57,17 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
       .say = options.say,
       .stop = options.stop,
       .on_exchange = options.on_exchange});
-  if (view.structure) launch(*view.structure);
+  if (view.structure) launch(*view.structure, is_led());
   if (view.fluid) launch(*view.fluid);
 
   Setup setup{.run_folder = options.run_folder,
               .interface = view.coupled() ? view.common.interface : "none",
               .partner_mesh = {},
               .partner_initial = {}};
-  if (view.structure) structure_ = &set_up(*view.structure, setup);
+  if (is_led())
+    structure_ = &follow(setup);
+  else if (view.structure)
+    structure_ = &set_up(*view.structure, setup);
   if (structure_ != nullptr) {
     setup.partner_mesh = structure_->mesh();
     setup.partner_initial = structure_->description().initial;
@@ -119,12 +75,13 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
   }
   if (view.fluid) fluid_ = &set_up(*view.fluid, setup);
 
-  if (view.coupled())
-    scheme_ = std::make_unique<Scheme>(*fluid_, *structure_, transfer_of(view, *structure_, *fluid_),
-                                       scheme_of(view, *structure_));
+  if (!view.coupled()) return;
+  const CouplingCase coupling = coupling_case(view);
+  scheme_ = std::make_unique<Scheme>(*fluid_, *structure_, transfer_of(coupling, *structure_, *fluid_),
+                                     scheme_of(coupling, *structure_));
 }
 
-void Session::launch(const SideView& side) {
+void Session::launch(const SideView& side, bool follows) {
   Launch launch;
   launch.program = side.program;
   launch.arguments = {"--case", case_.file.path().string()};
@@ -138,6 +95,10 @@ void Session::launch(const SideView& side) {
     launch.keep_log = true;
   }
   launch.threads = case_.common.threads;
+  if (follows) {
+    roster_->launch_to_follow(side.side, std::move(launch), leaders_endpoint(roster_->endpoint()));
+    return;
+  }
   const auto& by_hand = options_.by_hand;
   if (std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end())
     return roster_->launch(side.side, std::move(launch));
@@ -146,15 +107,39 @@ void Session::launch(const SideView& side) {
   if (options_.invite) options_.invite(side.side, roster_->command(side.side, launch));
 }
 
-RemoteParticipant& Session::set_up(const SideView& side, Setup setup) {
+bool Session::is_led() const {
+  return case_.coupled() && case_.coupling.placement == "fluid";
+}
+
+std::vector<RemoteParticipant*> Session::remotes() const {
+  std::vector<RemoteParticipant*> asked;
+  for (RemoteParticipant* participant : {fluid_, remote_structure_})
+    if (participant != nullptr) asked.push_back(participant);
+  return asked;
+}
+
+RemoteParticipant& Session::set_up(const SideView& side, const Setup& setup) {
   RemoteParticipant& participant = roster_->connect(side.side, setup);
-  for (Column column : participant.description().columns) {
-    sources_.push_back({.fluid = side.side == "fluid", .name = column.name});
+  (side.side == "fluid" ? fluid_ : remote_structure_) = &participant;
+  add_columns(side.side, participant.description());
+  return participant;
+}
+
+Participant& Session::follow(const Setup& setup) {
+  auto [mesh, description] =
+      roster_->lead("fluid", "structure", leaders_endpoint(roster_->endpoint()), setup);
+  follower_ = std::make_unique<Follower>(std::move(mesh), std::move(description));
+  add_columns("structure", follower_->description());
+  return *follower_;
+}
+
+void Session::add_columns(const std::string& side, const Description& description) {
+  for (Column column : description.columns) {
+    sources_.push_back({.fluid = side == "fluid", .name = column.name});
     const auto same = [&](const Column& other) { return other.name == column.name; };
-    if (std::any_of(columns_.begin(), columns_.end(), same)) column.name = side.side + "." + column.name;
+    if (std::any_of(columns_.begin(), columns_.end(), same)) column.name = side + "." + column.name;
     columns_.push_back(column);
   }
-  return participant;
 }
 
 std::vector<double> Session::values(const WindowReport& report) const {
@@ -175,10 +160,16 @@ RunPlan Session::plan() const {
           .control = case_.coupling.control};
 }
 
-RunLoop Session::loop(const RunPlan& plan) {
-  if (scheme_) return RunLoop(*scheme_, plan);
-  if (fluid_ != nullptr) return RunLoop(*fluid_, RunLoop::Side::fluid, plan);
-  return RunLoop(*structure_, RunLoop::Side::structure, plan);
+std::unique_ptr<WindowLoop> Session::loop(const RunPlan& plan) {
+  if (is_led())
+    return std::make_unique<LedLoop>(*roster_, *fluid_,
+                                     LedLoop::Options{.plan = plan,
+                                                      .measured = scheme_->measured(),
+                                                      .checkpoint_windows = case_.coupling.checkpoint_windows,
+                                                      .on_exchange = options_.on_exchange});
+  if (scheme_) return std::make_unique<RunLoop>(*scheme_, plan);
+  if (fluid_ != nullptr) return std::make_unique<RunLoop>(*fluid_, RunLoop::Side::fluid, plan);
+  return std::make_unique<RunLoop>(*structure_, RunLoop::Side::structure, plan);
 }
 
 int Session::dimension() const {
@@ -199,6 +190,7 @@ std::vector<std::string> Session::coupling_lines() const {
         fmt::format("surface, {}, {}{}   {}", case_.coupling.mapping.kind,
                     case_.coupling.iterates() ? accelerator_title(case_.coupling.accelerator) : "explicit",
                     case_.coupling.parallel ? ", both at once" : "", windows));
+  if (is_led()) lines.back() += "   in the fluid's process";
   const MappingQuality& quality = scheme_->mapping().quality();
   std::string second = fmt::format("{} wet points on {} structure points, at most {:.1e} m apart",
                                    quality.n_fluid, quality.n_structure, quality.largest_distance);

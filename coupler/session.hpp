@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coupler/case_view.hpp"
+#include "coupler/lead.hpp"
 #include "coupler/remote.hpp"
 #include "coupler/run_loop.hpp"
 #include "coupler/scheme.hpp"
@@ -37,11 +38,14 @@ class Session {
   Session(const CaseView&, const Options&);
 
   /// The time loop over these participants.
-  RunLoop loop(const RunPlan&);
+  std::unique_ptr<WindowLoop> loop(const RunPlan&);
   RunPlan plan() const;                       // of the whole case
   Scheme* scheme() { return scheme_.get(); }  // nullptr with one participant
   RemoteParticipant* fluid() { return fluid_; }
-  RemoteParticipant* structure() { return structure_; }
+  Participant* structure() { return structure_; }
+  /// Those that this process asks: of a coupling in the fluid's process, the fluid alone.
+  std::vector<RemoteParticipant*> remotes() const;
+  bool is_led() const;  // coupling.placement = "fluid"
   Roster& roster() { return *roster_; }
 
   /// What the participants report per window; of two columns with one name the second carries its side's
@@ -57,15 +61,19 @@ class Session {
   int dimension() const;
 
  private:
-  RemoteParticipant& set_up(const SideView&, Setup);
-  void launch(const SideView&);
+  RemoteParticipant& set_up(const SideView&, const Setup&);
+  Participant& follow(const Setup&);
+  void add_columns(const std::string& side, const Description&);
+  void launch(const SideView&, bool follows = false);
   std::vector<std::string> coupling_lines() const;
 
   const CaseView& case_;
   Options options_;
   std::unique_ptr<Roster> roster_;
   RemoteParticipant* fluid_ = nullptr;
-  RemoteParticipant* structure_ = nullptr;
+  RemoteParticipant* remote_structure_ = nullptr;
+  std::unique_ptr<Follower> follower_;
+  Participant* structure_ = nullptr;  // either
   std::unique_ptr<Scheme> scheme_;
   struct Source {
     bool fluid = false;

@@ -47,13 +47,15 @@ Before from_pb(pb::Advance::Before before, const Rules& rules) {
 
 // ---- requests
 
-void write(const Setup& from, pb::Request& request, Writer& writer) {
-  pb::Setup& to = *request.mutable_setup();
+void write(const Setup& from, pb::Setup& to, Writer& writer) {
   to.set_run_folder(from.run_folder.string());
   to.set_interface(from.interface);
   writer.mesh(from.partner_mesh, *to.mutable_partner_mesh());
   writer.fields(from.partner_initial, *to.mutable_partner_initial());
   to.set_history(from.history);
+}
+void write(const Setup& from, pb::Request& request, Writer& writer) {
+  write(from, *request.mutable_setup(), writer);
 }
 template <class Repeated>
 void write(const std::vector<Sample>& from, Repeated& to, Writer& writer) {
@@ -102,6 +104,20 @@ void write(const Refused& from, pb::Request& request, Writer&) {
   to.set_fix(from.fix);
 }
 
+void write(const Lead& from, pb::Request& request, Writer& writer) {
+  pb::Lead& to = *request.mutable_lead();
+  to.set_endpoint(from.endpoint);
+  to.set_partner(from.partner);
+  to.set_process(from.process);
+  to.set_patient(from.patient);
+  to.set_token(from.token);
+  write(from.setup, *to.mutable_setup(), writer);
+  to.set_log(from.log);
+}
+void write(const Windows& from, pb::Request& request, Writer&) {
+  request.mutable_windows()->set_count(from.count);
+}
+
 Setup read(const pb::Setup& from, Reader& reader) {
   Setup to;
   to.run_folder = from.run_folder();
@@ -121,6 +137,16 @@ Advance read(const pb::Advance& from, Reader& reader) {
   to.write_output = from.write_output();
   to.input.samples = read_samples(from.samples(), reader);
   return to;
+}
+
+Lead read(const pb::Lead& from, Reader& reader) {
+  return {.endpoint = from.endpoint(),
+          .partner = from.partner(),
+          .process = from.process(),
+          .patient = from.patient(),
+          .token = from.token(),
+          .setup = read(from.setup(), reader),
+          .log = from.log()};
 }
 
 // ---- replies
@@ -268,6 +294,12 @@ Request decode_request(const Parts& parts, const std::string& who) {
       to.what = Refused{r.where(), r.problem(), r.fix()};
       break;
     }
+    case pb::Request::kLead:
+      to.what = read(header.lead(), reader);
+      break;
+    case pb::Request::kWindows:
+      to.what = Windows{header.windows().count()};
+      break;
     case pb::Request::WHAT_NOT_SET:
       rules.broken("asks for nothing that this side knows");
   }
@@ -316,7 +348,8 @@ Reply decode_reply(const Parts& parts, const std::string& who) {
 const char* name_of(const Request& request) {
   return std::visit(Overloaded{[](const Setup&) { return "Setup"; }, [](const Advance&) { return "Advance"; },
                                [](const Checkpoint&) { return "Checkpoint"; },
-                               [](const Stop&) { return "Stop"; }, [](const Refused&) { return "Refused"; }},
+                               [](const Stop&) { return "Stop"; }, [](const Refused&) { return "Refused"; },
+                               [](const Lead&) { return "Lead"; }, [](const Windows&) { return "Windows"; }},
                     request.what);
 }
 const char* name_of(const Reply& reply) {

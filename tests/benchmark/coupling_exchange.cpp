@@ -1,8 +1,10 @@
 // Time per exchange: one explicit window of two solver processes through the coupler, each solver one memcpy,
-// beside a floor with the same hops and the same bytes and nothing but ZeroMQ.
-//   coupling_exchange [POINTS]...            the table
-//   coupling_exchange --hub POINTS WINDOWS   one row's coupler:  p50 [us], peak memory [MB]
-//   coupling_exchange --floor POINTS WINDOWS one row's floor:    p50 [us]
+// beside a floor with the same hops and the same bytes and nothing but ZeroMQ; and the same with the coupling
+// in the fluid's process, which asks the structure alone.
+//   coupling_exchange [POINTS]...                 the table
+//   coupling_exchange --hub POINTS WINDOWS        one row's coupler:  p50 [us], peak memory [MB]
+//   coupling_exchange --floor POINTS WINDOWS      one row's floor:    p50 [us]
+//   coupling_exchange --in-fluid POINTS WINDOWS, --in-fluid-floor POINTS WINDOWS
 
 #include "coupler/launch.hpp"
 #include "coupler/mapping.hpp"
@@ -96,12 +98,14 @@ double timed(int windows, const Exchange& exchange) {
   return p50(microseconds);
 }
 
-int hub(const std::string& points, int windows) {
+int hub(const std::string& points, int windows, bool in_fluid) {
   Roster roster({});
   for (const char* side : {"structure", "fluid"})
-    roster.launch(side, {self(), {"--solver", side, "--points", points}, {}, 1, {}});
+    if (!in_fluid || side != std::string("fluid"))
+      roster.launch(side, {self(), {"--solver", side, "--points", points}, {}, 1, {}});
   RemoteParticipant& structure = roster.connect("structure", {});
-  RemoteParticipant& fluid = roster.connect("fluid", {});
+  Copier own("fluid", in_fluid ? std::stol(points) : 1);
+  Participant& fluid = in_fluid ? static_cast<Participant&>(own) : roster.connect("fluid", {});
   SchemeParameters parameters;
   parameters.convergence.max_iterations = 1;
   parameters.predictor = Predictor::constant;
@@ -141,7 +145,7 @@ int floor_solver(const std::string& endpoint, std::size_t points) {
   }
 }
 
-int floor_hub(const std::string& points, int windows) {
+int floor_hub(const std::string& points, int windows, bool in_fluid) {
   std::string folder = "/tmp/strake-floor-XXXXXX";
   if (!mkdtemp(folder.data())) return 1;
   const std::string endpoint = "ipc://" + folder + "/hub";
@@ -161,16 +165,19 @@ int floor_hub(const std::string& points, int windows) {
   };
   std::vector<Child> children;
   std::vector<zmq::message_t> last;
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < (in_fluid ? 1 : 2); ++i) {
     children.emplace_back(Launch{self(), {"--floor-solver", endpoint, points}, {}, 1, {}});
     last = hear();
     peers.push_back(last[0].to_string());
   }
+  const std::vector<double> field(3 * std::stoul(points), 1e-3);
+  std::vector<double> answer(field.size());
   const double time = timed(windows, [&](int) {
-    pass_on(peers[0], last);
-    last = hear();
-    pass_on(peers[1], last);
-    last = hear();
+    for (const std::string& peer : peers) {
+      pass_on(peer, last);
+      last = hear();
+    }
+    if (in_fluid) std::memcpy(answer.data(), field.data(), field.size() * sizeof(double));
   });
   for (const std::string& peer : peers) {
     router.send(zmq::buffer(peer), zmq::send_flags::sndmore);
@@ -203,24 +210,25 @@ int table(std::vector<std::string> sizes) {
   fmt::print(
       "one exchange [us], p50 of 1000, least of three runs of each in turns; ratio: of pairs, in the "
       "middle\n");
-  fmt::print("{:>8} {:>10} {:>10} {:>7} {:>10} {:>12}\n", "points", "floor", "hub", "ratio", "preCICE",
-             "coupler MB");
+  fmt::print("{:>8} {:>10} {:>10} {:>7} {:>10} {:>10} {:>7} {:>10} {:>12}\n", "points", "floor", "hub",
+             "ratio", "floor", "in fluid", "ratio", "preCICE", "coupler MB");
   for (const std::string& n : sizes) {
-    double floor = HUGE_VAL, hub_time = HUGE_VAL, memory = 0;
-    std::vector<double> ratios;
-    for (int i = 0; i < 3; ++i) {
-      const double bare = numbers("--floor", n, 1000)[0];
-      const auto ours = numbers("--hub", n, 1000);
-      floor = std::min(floor, bare);
-      hub_time = std::min(hub_time, ours[0]);
-      memory = std::max(memory, ours[1]);
-      ratios.push_back(ours[0] / bare);
-    }
+    std::vector<double> ratios[2];
+    double floor[2] = {HUGE_VAL, HUGE_VAL}, time[2] = {HUGE_VAL, HUGE_VAL}, memory = 0;
+    for (int i = 0; i < 3; ++i)
+      for (const int way : {0, 1}) {
+        const double bare = numbers(way == 0 ? "--floor" : "--in-fluid-floor", n, 1000)[0];
+        const auto ours = numbers(way == 0 ? "--hub" : "--in-fluid", n, 1000);
+        floor[way] = std::min(floor[way], bare);
+        time[way] = std::min(time[way], ours[0]);
+        if (way == 0) memory = std::max(memory, ours[1]);
+        ratios[way].push_back(ours[0] / bare);
+      }
     std::string quoted = "-";
-    for (const auto& [points, time] : precice)
-      if (std::to_string(points) == n) quoted = fmt::format("{:.0f}", time);
-    fmt::print("{:>8} {:>10.0f} {:>10.0f} {:>7.2f} {:>10} {:>12.1f}\n", n, floor, hub_time, p50(ratios),
-               quoted, memory);
+    for (const auto& [points, precice_time] : precice)
+      if (std::to_string(points) == n) quoted = fmt::format("{:.0f}", precice_time);
+    fmt::print("{:>8} {:>10.0f} {:>10.0f} {:>7.2f} {:>10.0f} {:>10.0f} {:>7.2f} {:>10} {:>12.1f}\n", n,
+               floor[0], time[0], p50(ratios[0]), floor[1], time[1], p50(ratios[1]), quoted, memory);
     std::fflush(stdout);
   }
   return 0;
@@ -248,8 +256,10 @@ int main(int argc, char** argv) {
   const std::string mode = words.empty() ? "" : words[0];
   try {
     if (mode == "--connect") return solver(argc, argv);
-    if (mode == "--hub") return hub(words.at(1), std::stoi(words.at(2)));
-    if (mode == "--floor") return floor_hub(words.at(1), std::stoi(words.at(2)));
+    const bool in_fluid = mode.starts_with("--in-fluid");
+    if (mode == "--hub" || mode == "--in-fluid") return hub(words.at(1), std::stoi(words.at(2)), in_fluid);
+    if (mode == "--floor" || mode == "--in-fluid-floor")
+      return floor_hub(words.at(1), std::stoi(words.at(2)), in_fluid);
     if (mode == "--floor-solver") return floor_solver(words.at(1), std::stoul(words.at(2)));
     return table(words);
   } catch (const Error& e) {

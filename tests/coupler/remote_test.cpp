@@ -242,6 +242,28 @@ TEST_F(Remote, WhoDoesNotBelongIsRefusedAndTheRightOneStillAccepted) {
   EXPECT_NE(said_.find("does not know the token"), std::string::npos) << said_;
 }
 
+TEST_F(Remote, AnAnswerAheadOfTheHelloOfANewConnectionIsNotHeldAgainstIt) {
+  play(
+      [&](Script& s) {
+        s.join(roster().token());
+        s.hear<wire::Advance>();
+        Script again(roster().endpoint(), "fluid");
+        again.say(s.sequence(), force(7));
+        again.say(s.sequence(), wire::Hello{wire::protocol, "fluid", raw(roster().token()), "script", "1",
+                                            std::string(32, '\0')});
+        again.say(s.sequence(), force(1));
+        again.hear<wire::Stop>();
+        again.say(wire::Done{});
+        while (!over_) std::this_thread::sleep_for(milliseconds(1));
+      },
+      [&] {
+        EXPECT_EQ(roster().connect("fluid", {}).advance({0, 0.1}, {}).output.at(0).value(0, 0), 1);
+        roster().finish();
+      });
+  EXPECT_EQ(said_.find("refused"), std::string::npos) << said_;
+  EXPECT_NE(said_.find("is back"), std::string::npos) << said_;
+}
+
 TEST_F(Remote, AStaleAnswerIsNamed) {
   const Error e = error_of([](Script& s) { s.say(s.sequence() - 1, force(1)); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+
+#include "coupler/coupling_keys.hpp"
+#include "coupler/remote.hpp"
+#include "coupler/scheme.hpp"
+#include "proto/case_keys.hpp"
+
+namespace strake {
+
+/// What a case says of its coupling, for the process that runs the scheme.
+struct CouplingCase {
+  CommonKeys common;
+  CouplingKeys coupling;
+  std::optional<double> spacing;  // [m] fluid.spacing, where there is one
+};
+
+SchemeParameters scheme_of(const CouplingCase&, const Participant& structure);
+Transfer transfer_of(const CouplingCase&, const Participant& structure, const Participant& fluid);
+Deadlines deadlines_of(const CouplingKeys&, bool patient);
+
+}  // namespace strake
