@@ -17,6 +17,7 @@ PARTICLE = ["structure.solver=particle"]
 WAYS = {
     "serial implicit": PARTICLE,
     "serial explicit": ["structure.solver=rigid", "coupling.surface.converged.max_iterations=1"],
+    "volume": PARTICLE + ["coupling.interface=volume", "coupling.volume.window=4e-5", "structure.plate.thickness=0.04"],
     "parallel": PARTICLE + ["coupling.surface.scheme=parallel"],
     "halved windows": PARTICLE + ["coupling.surface.converged.max_iterations=3",
                                   "coupling.surface.converged.relative=1e-7", "coupling.surface.converged.unconverged=halve"],
