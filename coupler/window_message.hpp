@@ -9,7 +9,7 @@ namespace strake {
 
 /// A committed window on its way from the process that ran it to the coupler, as an Advanced: the numbers
 /// among its monitors, the rows of iterations.csv and the questions asked in it as matrices, and the fields
-/// of the interface record.
+/// of the interface record, those without a place of their own as a history of two: structure and fluid.
 struct WindowMessage {
   CommittedWindow window;
   LoopState state;  // after it

@@ -32,6 +32,9 @@ WindowMessage window_of_two_iterations() {
   report.work_unconverged = 1e-17;
   report.displacement = Points::Random(3, 4);
   report.force = Points::Random(3, 4);
+  report.from_structure = {{"temperature", "K", false, Eigen::RowVector4d(1, 2, 3, 4)}};
+  report.from_fluid = {{"pressure", "Pa", false, Eigen::RowVector4d(5, 6, 7, 8)},
+                       {"heat", "W", true, Eigen::RowVector4d(9, 8, 7, 6)}};
   report.fluid = {{"p_mid", 3.25}, {"seconds.pressure", 0.5}};
   report.structure = {{"p_mid", -1}, {"mid:peak", std::nan("")}};
   for (int i = 1; i <= 2; ++i) {
@@ -78,6 +81,15 @@ TEST(WindowMessage, KeepsAllThatTheFilesAndTheConsoleAreMadeOf) {
   EXPECT_EQ(b.displacement, a.displacement);
   EXPECT_EQ(b.velocity.cols(), 0) << "the structure sends none";
   EXPECT_EQ(b.force, a.force);
+  for (const auto& fields : {&WindowReport::from_structure, &WindowReport::from_fluid}) {
+    ASSERT_EQ((b.*fields).size(), (a.*fields).size());
+    for (std::size_t k = 0; k < (a.*fields).size(); ++k) {
+      EXPECT_EQ((b.*fields)[k].quantity, (a.*fields)[k].quantity);
+      EXPECT_EQ((b.*fields)[k].unit, (a.*fields)[k].unit);
+      EXPECT_EQ((b.*fields)[k].conservative, (a.*fields)[k].conservative);
+      EXPECT_EQ((b.*fields)[k].value, (a.*fields)[k].value);
+    }
+  }
   EXPECT_EQ(b.fluid, a.fluid);
   EXPECT_EQ(b.structure.at("p_mid"), -1) << "of two with one name each keeps its side";
   EXPECT_TRUE(std::isnan(b.structure.at("mid:peak")));
@@ -124,6 +136,9 @@ TEST(WindowMessage, ThatIsIncompleteIsRefused) {
     cut.monitor.erase(name);
     EXPECT_THROW(from_message(cut, measured), Error) << name;
   }
+  Advanced short_of_one = whole;
+  short_of_one.history.pop_back();
+  EXPECT_THROW(from_message(short_of_one, measured), Error);
   for (std::size_t k = 0; k < whole.output.size(); ++k) {
     Advanced cut = whole;
     cut.output.erase(cut.output.begin() + static_cast<std::ptrdiff_t>(k));
