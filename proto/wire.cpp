@@ -4,10 +4,13 @@
 #include "proto/wire_arrays.hpp"
 
 #include <fmt/format.h>
+#include <google/protobuf/arena.h>
 #include <google/protobuf/stubs/logging.h>
 
+#include <array>
 #include <bit>
 #include <climits>
+#include <cstddef>
 #include <type_traits>
 #include <utility>
 
@@ -25,11 +28,24 @@ struct Overloaded : F... {
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
 
+/// A header lives as long as one call: what it holds is taken from one block, and given back at once.
+class Scratch {
+ public:
+  template <class Header>
+  Header& header() {
+    return *google::protobuf::Arena::CreateMessage<Header>(&arena_);
+  }
+
+ private:
+  alignas(std::max_align_t) std::array<char, 4096> block_;
+  google::protobuf::Arena arena_{block_.data(), block_.size()};
+};
+
 template <class Header>
-Header parse_header(const Parts& parts, const Rules& rules) {
+const Header& parse_header(Scratch& scratch, const Parts& parts, const Rules& rules) {
   if (parts.empty()) rules.broken("has no parts");
   const std::span<const std::byte> bytes = parts.front().bytes;
-  Header header;
+  Header& header = scratch.header<Header>();
   const google::protobuf::LogSilencer no_lines_of_its_own;  // what is wrong is said below, once
   if (bytes.size() > INT_MAX || !header.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     rules.broken(fmt::format("has a header of {} bytes that cannot be read", bytes.size()));
@@ -246,7 +262,8 @@ std::string field_name(const Header& header, Case number) {
 template <class Header, class Message>
 Parts encode_any(Message message, const std::string& who) {
   const auto kept = std::make_shared<const Message>(std::move(message));
-  Header header;
+  Scratch scratch;
+  Header& header = scratch.header<Header>();
   header.set_sequence(kept->sequence);
   if constexpr (std::is_same_v<Message, Reply>)
     if (kept->times.received != 0) {
@@ -268,7 +285,8 @@ Parts encode(Reply reply, const std::string& who) {
 }
 
 Request decode_request(const Parts& parts, const std::string& who) {
-  const auto header = parse_header<pb::Request>(parts, {who, "Request"});
+  Scratch scratch;
+  const auto& header = parse_header<pb::Request>(scratch, parts, {who, "Request"});
   const std::string name = field_name(header, header.what_case());
   const Rules rules{who, name.c_str()};
   Reader reader(rules, parts);
@@ -308,7 +326,8 @@ Request decode_request(const Parts& parts, const std::string& who) {
 }
 
 Reply decode_reply(const Parts& parts, const std::string& who) {
-  const auto header = parse_header<pb::Reply>(parts, {who, "Reply"});
+  Scratch scratch;
+  const auto& header = parse_header<pb::Reply>(scratch, parts, {who, "Reply"});
   const std::string name = field_name(header, header.what_case());
   const Rules rules{who, name.c_str()};
   Reader reader(rules, parts);
