@@ -1,11 +1,13 @@
 #include "structure/parameters.hpp"
 
+#include "structure/particle/lattice.hpp"
 #include "structure/shape_keys.hpp"
 #include "structure/solid_keys.hpp"
 #include "structure/surface.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace strake::structure {
@@ -17,9 +19,6 @@ void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
   CaseTable t = file.root().table("fluid");
   t.integer("dimension", p.dimension,
             {.min = 2, .max = 3, .help = "2: xy-plane, plane strain, per metre of depth"});
-  if (p.dimension == 3 && p.kind == "particle" && !file.only_declares())
-    throw t.error("dimension", "2: three dimensions are not built yet for particles",
-                  "fluid.dimension = 2, or structure.solver = \"fem\" or \"rigid\"");
   t.number("spacing", p.fluid_spacing,
            {.unit = "m", .min = 0, .exclusive = true, .help = "initial particle distance l0"});
   t.number("density", p.fluid_density,
@@ -66,6 +65,10 @@ void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
   t.choice("model", particle.model,
            {{"pair", ParticleModel::pair}, {"total_lagrangian", ParticleModel::total_lagrangian}},
            {.help = "volume coupling: pair unless given"});
+  t.choice("rotation", particle.rotation,
+           {{"kinematic", Rotation::kinematic}, {"dynamic", Rotation::dynamic}},
+           {.help = "pair: kinematic: of the neighbourhood; dynamic: with an inertia of its own, angular "
+                    "momentum is exact"});
   t.number(
       "radius", particle.radius,
       {.unit = "spacing", .min = 1.5, .max = 4.1, .help = "reach r_e of the bonds; keep off whole numbers"});
@@ -86,13 +89,8 @@ bool divides(double part, double whole) {
   return std::abs(n - std::round(n)) < 1e-6 * n;  // decimals of a case file, not physics
 }
 
-/// The lattice must fill the shape, or the comparison with other solvers would compare two plates.
-void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p) {
-  const bool volume = common.interface == "volume";
-  if (volume) p.particle.spacing = p.fluid_spacing;
-  CaseTable t = structure.table("particle"), plate = structure.table("plate");
+void check_plate_lattice(CaseTable plate, const std::string& source, const Parameters& p) {
   const double d = p.particle.spacing;
-  const std::string source = volume ? "fluid.spacing" : "structure.particle.spacing";
   const std::string asked =
       fmt::format("structure.plate.thickness / {} = {:.6g}", source, p.plate.thickness / d);
   if (!divides(d, p.plate.thickness) || p.plate.thickness / d < 2 - 1e-6)
@@ -102,10 +100,41 @@ void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p)
     throw plate.error("length",
                       fmt::format("a whole number of particle columns (structure.plate.length / {} = {:.6g})",
                                   source, p.plate.length / d));
-  for (const auto& [name, support] : {std::pair{"left", p.plate.left}, {"right", p.plate.right}})
-    if (support == Support::pinned)
-      throw plate.table("supports")
-          .error(name, "clamped or free: particles have no pinned supports", "structure.solver = \"fem\"");
+}
+
+/// The lattice must fill the shape, or the comparison with other solvers would compare two bodies.
+void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p) {
+  const bool volume = common.interface == "volume";
+  if (volume) p.particle.spacing = p.fluid_spacing;
+  const std::string source = volume ? "fluid.spacing" : "structure.particle.spacing";
+  if (p.shape.kind == ShapeKind::plate) check_plate_lattice(structure.table("plate"), source, p);
+  CaseTable t = structure.table("particle");
+  const Solid solid = elastic_solid(p);
+  if (!solid.made_of_boxes())
+    throw structure.error("solver",
+                          "\"fem\" or \"rigid\": particles stand on a lattice, and structure.mesh has none",
+                          "structure.solver = \"fem\", or structure.box");
+  if (const SolidFault fault = lattice_fault(solid, p.particle.spacing); !fault.problem.empty())
+    throw t.error("spacing", "a lattice that fills the body: " + fault.problem, fault.fix);
+  for (const SupportedFace& face : solid.supported)
+    if (face.support != Support::clamped && face.support != Support::free)
+      throw structure.error(
+          p.shape.kind == ShapeKind::plate ? "plate.supports" : "box",
+          fmt::format(
+              "{} clamped or free: the particles' centres lie half a spacing inside a face, and neither "
+              "its middle line nor its plane has particles that could be held",
+              face.name),
+          "structure.solver = \"fem\", or clamped");
+  if (p.dimension == 3 && p.particle.model == ParticleModel::pair)
+    throw t.error("model",
+                  "total_lagrangian in three dimensions: the pair model has the rotation of the plane",
+                  "model = \"total_lagrangian\"");
+  if (p.particle.rotation == Rotation::dynamic && p.particle.model != ParticleModel::pair)
+    throw t.error("rotation",
+                  "kinematic: total_lagrangian has no rotation of its own and keeps angular momentum",
+                  "leave rotation out, or model = \"pair\"");
+  if (p.particle.rotation == Rotation::dynamic && p.analysis != Analysis::dynamic)
+    throw t.error("rotation", "kinematic: statics and modes have no spin", "rotation = \"kinematic\"");
   if (p.damping.stiffness > 0)
     throw structure.table("damping").error("stiffness", "0: particles have mass-proportional damping only",
                                            "structure.solver = \"fem\"");
@@ -136,6 +165,19 @@ void check_probes(const CaseFile& file, const CommonKeys& common, const Paramete
   }
 }
 
+/// Whether anything holds the body: of a plate so that no rigid motion is left. Finite elements look for
+/// rigid motions of other bodies themselves.
+bool is_held(const Parameters& p) {
+  if (!p.solid.empty())
+    return p.kind != "particle" ||
+           std::any_of(p.solid.supported.begin(), p.solid.supported.end(),
+                       [](const SupportedFace& face) { return face.support != Support::free; }) ||
+           std::any_of(p.solid.parts.begin(), p.solid.parts.end(),
+                       [](const Part& part) { return part.held; });
+  if (p.plate.left == Support::clamped || p.plate.right == Support::clamped) return true;
+  return p.plate.left != Support::free && p.plate.right != Support::free;
+}
+
 void check_together(CaseFile& file, const CommonKeys& common, CaseTable structure, Parameters& p) {
   if (common.interface == "volume" && p.kind != "particle")
     throw file.root()
@@ -147,8 +189,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
     throw structure.error("analysis",
                           fmt::format("dynamic: a {} structure has no statics and no modes", p.kind),
                           "structure.solver = \"fem\" or \"particle\"");
-  if (p.analysis == Analysis::statics && p.solid.empty() && p.plate.left != Support::clamped &&
-      p.plate.right != Support::clamped && (p.plate.left == Support::free || p.plate.right == Support::free))
+  if (p.analysis == Analysis::statics && !is_held(p))
     throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
                           "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
   if (p.load.kind == LoadKind::traction) check_face(structure.table("load"), p);

@@ -45,9 +45,12 @@ struct FemKeys {
 enum class ParticleModel { pair, total_lagrangian };
 /// Where a clamped end's first fixed column of particles stands (PHYSICS §6).
 enum class ClampColumn { inside, outside };
+/// How a particle of the pair model turns: with its neighbourhood (R1), or as an unknown of its own (R2).
+enum class Rotation { kinematic, dynamic };
 struct ParticleKeys {
   double spacing = 0.005;  // [m] surface coupling; volume coupling uses fluid.spacing
   ParticleModel model = ParticleModel::total_lagrangian;  // in volume coupling the default is pair
+  Rotation rotation = Rotation::kinematic;                // pair model
   double radius = 2.1;                                    // [spacing]
   double hourglass = 1.0;                                 // alpha of PHYSICS §6
   ClampColumn clamp =

@@ -5,76 +5,111 @@
 #include <cmath>
 
 namespace strake::structure {
+namespace {
 
-Bonds make_bonds(const Lattice& lattice, double radius) {
-  const int reach = static_cast<int>(std::floor(radius));
-  const double d = lattice.spacing;
-  const auto weight = [radius](int dc, int dl) {
-    const double r = std::hypot(dc, dl);
-    return r > 0 && r < radius ? radius / r - 1 : 0.0;
-  };
-
-  Bonds bonds;
-  for (int dc = -reach; dc <= reach; ++dc)
-    for (int dl = -reach; dl <= reach; ++dl) bonds.n0 += weight(dc, dl);
-
-  std::vector<Eigen::Vector2d> r0;
-  std::vector<double> w;
-  bonds.start.push_back(0);
-  bonds.shape_inverse.resize(4, lattice.size());
-  bonds.second_moment = Eigen::VectorXd::Zero(lattice.size());
-  for (int c = 0; c < lattice.columns; ++c) {
-    for (int l = 0; l < lattice.layers; ++l) {
-      const Eigen::Index i = lattice.index(c, l);
-      Eigen::Matrix2d shape = Eigen::Matrix2d::Zero();
-      for (int dc = -reach; dc <= reach; ++dc) {
-        for (int dl = -reach; dl <= reach; ++dl) {
-          const bool there =
-              c + dc >= 0 && c + dc < lattice.columns && l + dl >= 0 && l + dl < lattice.layers;
-          if (!there || weight(dc, dl) <= 0) continue;
-          const Eigen::Vector2d r(dc * d, dl * d);
-          bonds.neighbour.push_back(lattice.index(c + dc, l + dl));
-          r0.push_back(r);
-          w.push_back(weight(dc, dl));
-          shape += w.back() * r * r.transpose();
-        }
-      }
-      bonds.start.push_back(static_cast<Eigen::Index>(bonds.neighbour.size()));
-      bonds.second_moment[i] = shape.trace();
-      Eigen::Map<Eigen::Matrix2d>(bonds.shape_inverse.col(i).data()) = shape.inverse();
-    }
+/// Whether lattice cells that face one another lead from `a` to `b` without a detour.
+template <int dim>
+bool hang_together(const Lattice<dim>& lattice, const Eigen::Matrix<int, dim, 1>& a,
+                   const Eigen::Matrix<int, dim, 1>& b) {
+  if (a == b) return true;
+  for (int axis = 0; axis < dim; ++axis) {
+    if (a[axis] == b[axis]) continue;
+    Eigen::Matrix<int, dim, 1> next = a;
+    next[axis] += b[axis] > a[axis] ? 1 : -1;
+    if (lattice.index(next) >= 0 && hang_together<dim>(lattice, next, b)) return true;
   }
-  const Eigen::Index m = static_cast<Eigen::Index>(w.size());
-  bonds.r0.resize(2, m);
-  for (Eigen::Index b = 0; b < m; ++b) bonds.r0.col(b) = r0[static_cast<std::size_t>(b)];
+  return false;
+}
+
+template <int dim>
+double length_of(const Eigen::Matrix<int, dim, 1>& offset) {
+  if constexpr (dim == 2)
+    return std::hypot(offset[0], offset[1]);
+  else
+    return std::sqrt(static_cast<double>(offset.squaredNorm()));
+}
+
+}  // namespace
+
+template <int dim>
+Bonds<dim> make_bonds(const Lattice<dim>& lattice, double radius) {
+  using Cell = Eigen::Matrix<int, dim, 1>;
+  const int reach = static_cast<int>(std::floor(radius)), width = 2 * reach + 1;
+  struct Offset {
+    Cell to;
+    double weight;
+  };
+  Bonds<dim> bonds;
+  std::vector<Offset> offsets;
+  for (int k = 0; k < (dim == 2 ? width * width : width * width * width);
+       ++k) {  // x slowest, as particles are
+    Cell to;
+    for (int axis = dim - 1, rest = k; axis >= 0; --axis, rest /= width) to[axis] = rest % width - reach;
+    const double r = length_of<dim>(to);
+    if (!(r > 0 && r < radius)) continue;
+    offsets.push_back({to, radius / r - 1});
+    bonds.n0 += offsets.back().weight;
+  }
+
+  const Eigen::Index n = lattice.size();
+  std::vector<double> r0, w;
+  bonds.start.push_back(0);
+  bonds.shape_inverse.resize(dim * dim, n);
+  bonds.second_moment = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    using Matrix = Eigen::Matrix<double, dim, dim>;
+    const Cell here = lattice.cell.col(i);
+    Matrix shape = Matrix::Zero();
+    for (const Offset& offset : offsets) {
+      const Cell there = here + offset.to;
+      const Eigen::Index j = lattice.index(there);
+      if (j < 0 || !hang_together<dim>(lattice, here, there)) continue;
+      const Eigen::Matrix<double, dim, 1> r = offset.to.template cast<double>() * lattice.spacing;
+      bonds.neighbour.push_back(j);
+      r0.insert(r0.end(), r.data(), r.data() + dim);
+      w.push_back(offset.weight);
+      shape += offset.weight * r * r.transpose();
+    }
+    bonds.start.push_back(static_cast<Eigen::Index>(bonds.neighbour.size()));
+    bonds.second_moment[i] = shape.trace();
+    Eigen::Map<Matrix>(bonds.shape_inverse.col(i).data()) = shape.inverse();
+  }
+  const auto m = static_cast<Eigen::Index>(w.size());
+  bonds.r0 = Eigen::Map<const Vectors<dim>>(r0.data(), dim, m);
   bonds.weight = Eigen::Map<const Eigen::VectorXd>(w.data(), m);
   return bonds;
 }
 
-Eigen::Matrix4Xd displacement_gradient(const Bonds& bonds, const Eigen::Matrix2Xd& u) {
+template <int dim>
+Tensors<dim> displacement_gradient(const Bonds<dim>& bonds, const Vectors<dim>& u) {
   const Eigen::Index n = bonds.size();
-  Eigen::Matrix4Xd H(4, n);
+  Tensors<dim> H(dim * dim, n);
 #pragma omp parallel for schedule(static) if (n >= parallel_from)
   for (Eigen::Index i = 0; i < n; ++i) {
-    double sxx = 0, syx = 0, sxy = 0, syy = 0;  // Σ w⁰ (u_j − u_i)⊗r⁰_ij
-    const double ux = u(0, i), uy = u(1, i);
-    for (Eigen::Index b = bonds.start[static_cast<std::size_t>(i)];
-         b < bonds.start[static_cast<std::size_t>(i) + 1]; ++b) {
-      const Eigen::Index j = bonds.neighbour[static_cast<std::size_t>(b)];
-      const double wx = bonds.weight[b] * bonds.r0(0, b), wy = bonds.weight[b] * bonds.r0(1, b);
-      const double dx = u(0, j) - ux, dy = u(1, j) - uy;
-      sxx += dx * wx;
-      syx += dy * wx;
-      sxy += dx * wy;
-      syy += dy * wy;
+    double sum[dim][dim] = {};  // Σ w⁰ (u_j − u_i)⊗r⁰_ij
+    for (Eigen::Index b = bonds.first(i); b < bonds.end(i); ++b) {
+      const Eigen::Index j = bonds.to(b);
+      double du[dim];
+      for (int k = 0; k < dim; ++k) du[k] = u(k, j) - u(k, i);
+      for (int l = 0; l < dim; ++l) {
+        const double along = bonds.weight[b] * bonds.r0(l, b);
+        for (int k = 0; k < dim; ++k) sum[k][l] += du[k] * along;
+      }
     }
     const auto A = bonds.shape_inverse.col(i);
-    H(0, i) = sxx * A[0] + sxy * A[1];
-    H(1, i) = syx * A[0] + syy * A[1];
-    H(2, i) = sxx * A[2] + sxy * A[3];
-    H(3, i) = syx * A[2] + syy * A[3];
+    for (int l = 0; l < dim; ++l)
+      for (int k = 0; k < dim; ++k) {
+        double value = 0;
+        for (int q = 0; q < dim; ++q) value += sum[k][q] * A[l * dim + q];
+        H(l * dim + k, i) = value;
+      }
   }
   return H;
 }
+
+template Bonds<2> make_bonds<2>(const Lattice<2>&, double);
+template Bonds<3> make_bonds<3>(const Lattice<3>&, double);
+template Tensors<2> displacement_gradient<2>(const Bonds<2>&, const Vectors<2>&);
+template Tensors<3> displacement_gradient<3>(const Bonds<3>&, const Vectors<3>&);
 
 }  // namespace strake::structure

@@ -8,24 +8,34 @@
 
 namespace strake::structure {
 
-/// The fixed neighbours of the reference lattice, rows sorted by index (CSR), with all that depends on it
-/// alone. Weight w⁰ = r_e/|r⁰| − 1 (PHYSICS §2, eq. 17).
+template <int dim>
+using Tensors = Eigen::Matrix<double, dim * dim, Eigen::Dynamic>;  // one column-major tensor per particle
+
+/// The fixed neighbours of the reference lattice, rows sorted by index (CSR), with all that depends on them
+/// alone. Weight w⁰ = r_e/|r⁰| − 1 (PHYSICS §2, eq. 17). Bonds do not reach across what is no body: between
+/// two neighbours there is a way through lattice cells that face one another.
+template <int dim>
 struct Bonds {
   std::vector<Eigen::Index> start;      // n+1
   std::vector<Eigen::Index> neighbour;  // m
-  Eigen::Matrix2Xd r0;                  // 2×m [m] r⁰_ij = r⁰_j − r⁰_i
+  Vectors<dim> r0;                      // dim×m [m] r⁰_ij = r⁰_j − r⁰_i
   Eigen::VectorXd weight;               // m
   double n0 = 0;                        // Σ w⁰ of the full lattice
-  Eigen::Matrix4Xd shape_inverse;       // 4×n [1/m²] A_i⁻¹ of A_i = Σ_j w⁰ r⁰⊗r⁰, column-major
+  Tensors<dim> shape_inverse;           // [1/m²] A_i⁻¹ of A_i = Σ_j w⁰ r⁰⊗r⁰, column-major
   Eigen::VectorXd second_moment;        // n [m²] Σ_j w⁰ |r⁰|² = tr A_i
 
   Eigen::Index size() const { return second_moment.size(); }
+  Eigen::Index first(Eigen::Index i) const { return start[static_cast<std::size_t>(i)]; }
+  Eigen::Index end(Eigen::Index i) const { return start[static_cast<std::size_t>(i) + 1]; }
+  Eigen::Index to(Eigen::Index bond) const { return neighbour[static_cast<std::size_t>(bond)]; }
 };
-Bonds make_bonds(const Lattice&, double radius /* [spacing] */);
+template <int dim>
+Bonds<dim> make_bonds(const Lattice<dim>&, double radius /* [spacing] */);
 
-/// H_i = F_i − 1 of the corrected total-Lagrangian form, 4×n, column-major:
+/// H_i = F_i − 1 of the corrected total-Lagrangian form, column-major:
 ///   F_i = (Σ_j w⁰ r_ij⊗r⁰_ij) A_i⁻¹ ,  r_ij = r⁰_ij + u_j − u_i      (exact for linear fields)
-Eigen::Matrix4Xd displacement_gradient(const Bonds&, const Eigen::Matrix2Xd& displacement);
+template <int dim>
+Tensors<dim> displacement_gradient(const Bonds<dim>&, const Vectors<dim>& displacement);
 
 /// Loops over fewer particles than this run on one thread: waking the others costs more than the work.
 inline constexpr Eigen::Index parallel_from = 4000;

@@ -10,30 +10,79 @@
 
 namespace strake::structure {
 
-/// The plate as a square lattice of particles, column by column, each from the bottom up. A clamped end goes
-/// on beyond the span, far enough to complete every bond of a free particle. With ClampColumn::inside the
-/// last column inside the span is fixed too (its centre half a spacing from the end face), so that the clamp
-/// stands where the end face is (PHYSICS §6); with `outside` each clamp gives way by nearly a spacing.
-/// Columns outside are no part of the wet plate.
+/// One column per particle.
+template <int dim>
+using Vectors = Eigen::Matrix<double, dim, Eigen::Dynamic>;
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// A body of boxes as a square or cubic lattice: a particle where a lattice cell lies in the body, numbered
+/// with x slowest. A clamped face goes on beyond the body, far enough to complete every bond of a free
+/// particle. With ClampColumn::inside the last particles inside are fixed too (their centres half a spacing
+/// from the face), so that the clamp stands where the face is (PHYSICS §6); with `outside` each clamp gives
+/// way by nearly a spacing. Particles outside are no part of the wet body.
+template <int dim>
 struct Lattice {
-  double spacing = 0;           // [m]
-  int columns = 0, layers = 0;  // all columns, those outside the span included
-  int outside_left = 0, outside_right = 0;
-  Eigen::Matrix2Xd position;         // 2×n [m], reference
-  std::vector<std::uint8_t> fixed;   // n
-  std::vector<std::uint8_t> inside;  // n, within the span
+  using Cell = Eigen::Matrix<int, dim, 1>;
+
+  double spacing = 0;                            // [m]
+  Eigen::Matrix<int, dim, Eigen::Dynamic> cell;  // integer coordinates, from 0, those outside included
+  Cell extent = Cell::Zero();                    // cells along each axis
+  int layers = 0;                                // through the thinnest part
+  Vectors<dim> position;                         // [m] reference
+  std::vector<std::uint8_t> fixed;               // n
+  std::vector<std::uint8_t> inside;              // n, within the body
+  std::vector<int> part;                         // n, into `parts`
+  std::vector<Part> parts;
+  std::vector<int> number;  // of the particle in each cell of `extent`, or -1
 
   Eigen::Index size() const { return position.cols(); }
-  Eigen::Index index(int column, int layer) const {
-    return static_cast<Eigen::Index>(column) * layers + layer;
+  const Material& material(Eigen::Index i) const {
+    return parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])].material;
   }
+  /// Of the particle in a cell, or -1.
+  Eigen::Index index(const Cell& at) const {
+    std::size_t k = 0;
+    for (int axis = 0; axis < dim; ++axis) {
+      if (at[axis] < 0 || at[axis] >= extent[axis]) return -1;
+      k = k * static_cast<std::size_t>(extent[axis]) + static_cast<std::size_t>(at[axis]);
+    }
+    return number[k];
+  }
+  /// [m^dim] of one particle.
+  double volume() const { return dim == 2 ? spacing * spacing : spacing * spacing * spacing; }
 };
-Lattice make_lattice(const Plate&, double spacing, double radius /* [spacing] */,
-                     ClampColumn = ClampColumn::inside);
 
-/// m×n: values at places of the plate from values on the particles, bilinear in the nearest lattice cell and
-/// extrapolated by half a spacing to the faces. Rows sum to 1 and are exact for linear fields, so that with
-/// its transpose for forces sum, moment and virtual work are kept.
-Eigen::SparseMatrix<double, Eigen::RowMajor> interpolation(const Lattice&, const Points& at);
+/// Calls `visit` with each lattice cell of a box of them.
+template <int dim, class Visit>
+void for_each_cell(const Eigen::Matrix<int, dim, 1>& first, const Eigen::Matrix<int, dim, 1>& end,
+                   Visit visit) {
+  if ((first.array() >= end.array()).any()) return;
+  Eigen::Matrix<int, dim, 1> at = first;
+  for (;;) {
+    visit(at);
+    int axis = dim - 1;
+    while (axis >= 0 && ++at[axis] == end[axis]) {
+      at[axis] = first[axis];
+      --axis;
+    }
+    if (axis < 0) return;
+  }
+}
+
+/// The body must be made of boxes and have no lattice_fault.
+template <int dim>
+Lattice<dim> make_lattice(const Solid&, double spacing, double radius /* [spacing] */,
+                          ClampColumn = ClampColumn::inside);
+
+/// Why a lattice of this spacing does not fill a body exactly; an empty problem: it does. The fix is a
+/// spacing.
+SolidFault lattice_fault(const Solid&, double spacing);
+
+/// m×n: values at places of the body from values on the particles, linear along each axis between the corners
+/// of a lattice cell all of whose corners have particles, extrapolated by half a spacing to the faces. Rows
+/// sum to 1 and are exact for linear fields, so that with its transpose for forces sum, moment and virtual
+/// work are kept. Throws Error(case_file) for a place that is not in the body.
+template <int dim>
+SparseRows interpolation(const Lattice<dim>&, const Points& at);
 
 }  // namespace strake::structure

@@ -19,36 +19,40 @@ namespace {
 constexpr double difference_step = 1e-5;
 
 /// Number of a free particle's first unknown, or -1.
-std::vector<int> unknowns(const Lattice& lattice) {
+template <int dim>
+std::vector<int> unknowns(const Lattice<dim>& lattice) {
   std::vector<int> number(static_cast<std::size_t>(lattice.size()), -1);
   int next = 0;
   for (std::size_t i = 0; i < number.size(); ++i)
-    if (!lattice.fixed[i]) number[i] = 2 * next++;
+    if (!lattice.fixed[i]) number[i] = dim * next++;
   return number;
 }
 
-int count_unknowns(const Lattice& lattice) {
-  return 2 * static_cast<int>(std::count(lattice.fixed.begin(), lattice.fixed.end(), 0));
+template <int dim>
+int count_unknowns(const Lattice<dim>& lattice) {
+  return dim * static_cast<int>(std::count(lattice.fixed.begin(), lattice.fixed.end(), 0));
 }
 
-Eigen::VectorXd gather(const Lattice& lattice, const Eigen::Matrix2Xd& full) {
+template <int dim>
+Eigen::VectorXd gather(const Lattice<dim>& lattice, const Vectors<dim>& full) {
   Eigen::VectorXd x(count_unknowns(lattice));
   Eigen::Index at = 0;
   for (Eigen::Index i = 0; i < lattice.size(); ++i)
     if (!lattice.fixed[static_cast<std::size_t>(i)]) {
-      x.segment<2>(at) = full.col(i);
-      at += 2;
+      x.template segment<dim>(at) = full.col(i);
+      at += dim;
     }
   return x;
 }
 
-Eigen::Matrix2Xd scatter(const Lattice& lattice, const Eigen::VectorXd& x) {
-  Eigen::Matrix2Xd full = Eigen::Matrix2Xd::Zero(2, lattice.size());
+template <int dim>
+Vectors<dim> scatter(const Lattice<dim>& lattice, const Eigen::VectorXd& x) {
+  Vectors<dim> full = Vectors<dim>::Zero(dim, lattice.size());
   Eigen::Index at = 0;
   for (Eigen::Index i = 0; i < lattice.size(); ++i)
     if (!lattice.fixed[static_cast<std::size_t>(i)]) {
-      full.col(i) = x.segment<2>(at);
-      at += 2;
+      full.col(i) = x.template segment<dim>(at);
+      at += dim;
     }
   return full;
 }
@@ -57,95 +61,110 @@ void factorise(Eigen::SparseLU<Eigen::SparseMatrix<double>>& lu, const Eigen::Sp
   lu.compute(K);
   if (lu.info() != Eigen::Success)
     throw Error(ExitCode::solver_fault, "structure, particle", "the stiffness matrix is singular",
-                "hold the plate: structure.plate.supports");
+                "hold the body: structure.plate.supports, or supports of a structure.box");
 }
 
 }  // namespace
 
-// Columns further apart than twice the influence do not meet in any force, so they are disturbed together.
-Eigen::SparseMatrix<double> stiffness(const ElasticModel& model, const Lattice& lattice,
-                                      const Eigen::Matrix2Xd& u) {
-  const std::vector<int> number = unknowns(lattice);
-  const int reach = model.influence(), period = 2 * reach + 1;
+// Particles further apart than twice the influence along any axis do not meet in any force, so they are
+// disturbed together.
+template <int dim>
+Eigen::SparseMatrix<double> stiffness(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
+                                      const Vectors<dim>& u) {
+  using Cell = typename Lattice<dim>::Cell;
+  const std::vector<int> number = unknowns<dim>(lattice);
+  const int reach = model.influence();
+  const Cell period = lattice.extent.cwiseMin(2 * reach + 1);
+  std::vector<std::vector<Eigen::Index>> colours(static_cast<std::size_t>(period.prod()));
+  for (Eigen::Index i = 0; i < lattice.size(); ++i) {
+    if (lattice.fixed[static_cast<std::size_t>(i)]) continue;
+    std::size_t colour = 0;
+    for (int axis = 0; axis < dim; ++axis)
+      colour = colour * static_cast<std::size_t>(period[axis]) +
+               static_cast<std::size_t>(lattice.cell(axis, i) % period[axis]);
+    colours[colour].push_back(i);
+  }
   const double step = difference_step * lattice.spacing;
   std::vector<Eigen::Triplet<double>> entries;
-  for (int first = 0; first < std::min(period, lattice.columns); ++first) {
-    for (int layer = 0; layer < lattice.layers; ++layer) {
-      for (int axis = 0; axis < 2; ++axis) {
-        Eigen::Matrix2Xd plus = u, minus = u;
-        for (int c = first; c < lattice.columns; c += period) {
-          plus(axis, lattice.index(c, layer)) += step;
-          minus(axis, lattice.index(c, layer)) -= step;
-        }
-        const Eigen::Matrix2Xd column = (model.force(minus) - model.force(plus)) / (2 * step);
-        for (int c = first; c < lattice.columns; c += period) {
-          const int j = number[static_cast<std::size_t>(lattice.index(c, layer))];
-          if (j < 0) continue;
-          for (int k = std::max(0, c - reach); k <= std::min(lattice.columns - 1, c + reach); ++k) {
-            for (int l = 0; l < lattice.layers; ++l) {
-              const Eigen::Index at = lattice.index(k, l);
-              const int i = number[static_cast<std::size_t>(at)];
-              if (i < 0) continue;
-              for (int a = 0; a < 2; ++a)
-                if (column(a, at) != 0) entries.emplace_back(i + a, j + axis, column(a, at));
-            }
-          }
-        }
+  for (const std::vector<Eigen::Index>& together : colours)
+    for (int axis = 0; axis < dim && !together.empty(); ++axis) {
+      Vectors<dim> plus = u, minus = u;
+      for (const Eigen::Index i : together) {
+        plus(axis, i) += step;
+        minus(axis, i) -= step;
+      }
+      const Vectors<dim> column = (model.force(minus) - model.force(plus)) / (2 * step);
+      for (const Eigen::Index i : together) {
+        const Cell here = lattice.cell.col(i);
+        const Cell low = (here.array() - reach).max(0),
+                   high = (here.array() + reach + 1).min(lattice.extent.array());
+        for_each_cell<dim>(low, high, [&](const Cell& at) {
+          const Eigen::Index k = lattice.index(at);
+          if (k < 0 || number[static_cast<std::size_t>(k)] < 0) return;
+          for (int a = 0; a < dim; ++a)
+            if (column(a, k) != 0)
+              entries.emplace_back(number[static_cast<std::size_t>(k)] + a,
+                                   number[static_cast<std::size_t>(i)] + axis, column(a, k));
+        });
       }
     }
-  }
-  const int n = count_unknowns(lattice);
+  const int n = count_unknowns<dim>(lattice);
   Eigen::SparseMatrix<double> K(n, n);
   K.setFromTriplets(entries.begin(), entries.end());
   return K;
 }
 
-Eigen::Matrix2Xd equilibrium(const ElasticModel& model, const Lattice& lattice,
-                             const Eigen::Matrix2Xd& force) {
+template <int dim>
+Vectors<dim> equilibrium(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
+                         const Vectors<dim>& force) {
   constexpr int max_iterations = 30;
   constexpr double tolerance = 1e-9;  // of the increment, relative to the displacement
-  Eigen::Matrix2Xd u = Eigen::Matrix2Xd::Zero(2, lattice.size());
+  Vectors<dim> u = Vectors<dim>::Zero(dim, lattice.size());
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
   for (int k = 0; k < max_iterations; ++k) {
-    factorise(lu, stiffness(model, lattice, u));
-    const Eigen::VectorXd increment = lu.solve(gather(lattice, model.force(u) + force));
+    factorise(lu, stiffness<dim>(model, lattice, u));
+    const Eigen::VectorXd increment = lu.solve(gather<dim>(lattice, model.force(u) + force));
     if (!increment.allFinite()) break;
-    u += scatter(lattice, increment);
-    if (increment.lpNorm<Eigen::Infinity>() <= tolerance * u.lpNorm<Eigen::Infinity>()) return u;
+    u += scatter<dim>(lattice, increment);
+    if (increment.lpNorm<Eigen::Infinity>() <= tolerance * u.template lpNorm<Eigen::Infinity>()) return u;
   }
   throw Error(ExitCode::solver_fault, "structure, particle", "no equilibrium found under the case's own load",
               "lower structure.load.value, or structure.analysis = \"dynamic\" with structure.load.ramp");
 }
 
-// Orthogonal (subspace) iteration with (K + σM)⁻¹: eigenvalues 1/(ω² + σ), the largest first. σ > 0 lets a
-// free body with its rigid motions be factorised.
-std::vector<double> natural_frequencies(const ElasticModel& model, const Lattice& lattice, double mass,
-                                        double scale, int count) {
+// Orthogonal (subspace) iteration with (M^-½ K M^-½ + σ)⁻¹: eigenvalues 1/(ω² + σ), the largest first. σ > 0
+// lets a free body with its rigid motions be factorised.
+template <int dim>
+std::vector<double> natural_frequencies(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
+                                        const Eigen::VectorXd& mass, double scale, int count) {
   constexpr int max_iterations = 200;
   constexpr double tolerance = 1e-8;  // change of the eigenvalues between iterations; round-off leaves 1e-10
-  constexpr int rigid_motions = 3, guard = 4;
+  constexpr int rigid_motions = dim == 2 ? 3 : 6, guard = 4;
   const double sigma = std::pow(2 * std::numbers::pi * scale, 2);
-  const Eigen::Matrix2Xd rest = Eigen::Matrix2Xd::Zero(2, lattice.size());
-  Eigen::SparseMatrix<double> K = stiffness(model, lattice, rest) / mass;
+  Eigen::SparseMatrix<double> K = stiffness<dim>(model, lattice, Vectors<dim>::Zero(dim, lattice.size()));
+  const Eigen::VectorXd m = gather<dim>(lattice, mass.transpose().template replicate<dim, 1>());
+  for (Eigen::Index c = 0; c < K.outerSize(); ++c)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(K, c); entry; ++entry)
+      entry.valueRef() /= m[entry.row()] == m[c] ? m[c] : std::sqrt(m[entry.row()] * m[c]);
   for (Eigen::Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) += sigma;
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
   factorise(lu, K);
 
-  const Eigen::Index n = K.rows(), m = std::min<Eigen::Index>(n, count + rigid_motions + guard);
-  Eigen::MatrixXd Q(n, m);
-  for (Eigen::Index c = 0; c < m; ++c)  // smooth, independent start vectors: cosines along the unknowns
+  const Eigen::Index n = K.rows(), width = std::min<Eigen::Index>(n, count + rigid_motions + guard);
+  Eigen::MatrixXd Q(n, width);
+  for (Eigen::Index c = 0; c < width; ++c)  // smooth, independent start vectors: cosines along the unknowns
     for (Eigen::Index r = 0; r < n; ++r)
       Q(r, c) = std::cos(std::numbers::pi * static_cast<double>(c / 2 + 1) * static_cast<double>(r) /
                          static_cast<double>(n)) *
                 (r % 2 == c % 2 ? 1.0 : 0.1);
-  Eigen::VectorXd value = Eigen::VectorXd::Zero(m);
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(width);
   for (int k = 0; k < max_iterations; ++k) {
-    Q = Eigen::HouseholderQR<Eigen::MatrixXd>(Q).householderQ() * Eigen::MatrixXd::Identity(n, m);
+    Q = Eigen::HouseholderQR<Eigen::MatrixXd>(Q).householderQ() * Eigen::MatrixXd::Identity(n, width);
     const Eigen::MatrixXd Z = lu.solve(Q);
     Eigen::VectorXd next = Eigen::EigenSolver<Eigen::MatrixXd>(Q.transpose() * Z, false).eigenvalues().real();
     std::sort(next.begin(), next.end(), std::greater<>());
     Q = Z;
-    const Eigen::Index wanted = std::min<Eigen::Index>(m, count + rigid_motions);
+    const Eigen::Index wanted = std::min<Eigen::Index>(width, count + rigid_motions);
     const double change = (next - value).head(wanted).cwiseAbs().maxCoeff();
     value = next;
     if (change <= tolerance * value[wanted - 1]) break;
@@ -160,30 +179,81 @@ std::vector<double> natural_frequencies(const ElasticModel& model, const Lattice
   return frequency;
 }
 
-double elastic_limit(const ElasticModel& model, const Lattice& lattice, double mass) {
+// In y = M^½ v, so that the operator is symmetric. Where particles turn as unknowns of their own they count
+// with I^½ θ, I = m l0²/6.
+template <int dim>
+double elastic_limit(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
+                     const Eigen::VectorXd& mass) {
   constexpr int iterations = 150;  // Rayleigh quotient within 1 % of ω²_max (tested against the exact value)
-  Eigen::Matrix2Xd v(2, lattice.size());
+  const Eigen::Index n = lattice.size();
+  Vectors<dim> v(dim, n);
+  Eigen::VectorXd spin = Eigen::VectorXd::Zero(model.spins() ? n : 0);
   // The shortest waves are the stiffest: alternate signs, and break every symmetry a little.
-  for (int c = 0; c < lattice.columns; ++c)
-    for (int l = 0; l < lattice.layers; ++l)
-      v.col(lattice.index(c, l)) << ((c + l) % 2 ? 1 : -1) * (1 + 0.1 * std::sin(3.7 * c + 1.3 * l)),
-          (c % 2 ? 1 : -1) * (1 + 0.1 * std::cos(2.9 * c - 0.7 * l));
-  const auto hold = [&](Eigen::Matrix2Xd& x) {
-    for (Eigen::Index i = 0; i < lattice.size(); ++i)
-      if (lattice.fixed[static_cast<std::size_t>(i)]) x.col(i).setZero();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int c = lattice.cell(0, i), l = lattice.cell(1, i);
+    v(0, i) = ((c + l) % 2 ? 1 : -1) * (1 + 0.1 * std::sin(3.7 * c + 1.3 * l));
+    v(1, i) = (c % 2 ? 1 : -1) * (1 + 0.1 * std::cos(2.9 * c - 0.7 * l));
+    if constexpr (dim == 3) {
+      const int k = lattice.cell(2, i);
+      v.col(i) *= (k % 2 ? 1 : -1) * (1 + 0.1 * std::sin(2.3 * k));
+      v(2, i) = ((l + k) % 2 ? 1 : -1) * (1 + 0.1 * std::cos(3.1 * k + 0.9 * c));
+    }
+    if (model.spins()) spin[i] = 1 + 0.1 * std::sin(1.9 * c + 2.7 * l);  // all alike is the stiffest
+  }
+  const auto hold = [&](Vectors<dim>& x, Eigen::VectorXd& turn) {
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (lattice.fixed[static_cast<std::size_t>(i)]) {
+        x.col(i).setZero();
+        if (model.spins()) turn[i] = 0;
+      }
   };
+  const double heaviest = mass.maxCoeff();
+  const Eigen::RowVectorXd root = (mass / heaviest).cwiseSqrt().transpose();  // 1 throughout for one material
+  const Eigen::VectorXd arm = root.transpose() * (lattice.spacing / std::sqrt(6.0));
   const double step = difference_step * lattice.spacing;
   double omega2 = 0;
   for (int k = 0; k < iterations; ++k) {
-    hold(v);
-    v.normalize();
-    const Eigen::Matrix2Xd disturbed = step * v;
-    Eigen::Matrix2Xd Kv = (model.force(-disturbed) - model.force(disturbed)) / (2 * step * mass);
-    hold(Kv);
+    hold(v, spin);
+    if (model.spins()) {
+      const double size = std::sqrt(v.squaredNorm() + spin.squaredNorm());
+      v /= size;
+      spin /= size;
+    } else {
+      v.normalize();
+    }
+    const Vectors<dim> disturbed = step * (v.array().rowwise() / root.array()).matrix();
+    Vectors<dim> Kv;
+    Eigen::VectorXd K_spin;
+    if (model.spins()) {
+      const Eigen::VectorXd turned = step * spin.cwiseQuotient(arm);
+      Eigen::VectorXd ahead, back;
+      Kv = model.force(-disturbed, -turned, back);
+      Kv = (Kv - model.force(disturbed, turned, ahead)) / (2 * step * heaviest);
+      K_spin = ((back - ahead) / (2 * step * heaviest)).cwiseQuotient(arm);
+    } else {
+      Kv = (model.force(-disturbed) - model.force(disturbed)) / (2 * step * heaviest);
+    }
+    Kv.array().rowwise() /= root.array();
+    hold(Kv, K_spin);
     omega2 = v.cwiseProduct(Kv).sum();
+    if (model.spins()) omega2 += spin.dot(K_spin);
     v = Kv;
+    spin = K_spin;
   }
   return 2 / std::sqrt(omega2);
 }
+
+template Eigen::SparseMatrix<double> stiffness<2>(const ElasticModel<2>&, const Lattice<2>&,
+                                                  const Vectors<2>&);
+template Eigen::SparseMatrix<double> stiffness<3>(const ElasticModel<3>&, const Lattice<3>&,
+                                                  const Vectors<3>&);
+template Vectors<2> equilibrium<2>(const ElasticModel<2>&, const Lattice<2>&, const Vectors<2>&);
+template Vectors<3> equilibrium<3>(const ElasticModel<3>&, const Lattice<3>&, const Vectors<3>&);
+template std::vector<double> natural_frequencies<2>(const ElasticModel<2>&, const Lattice<2>&,
+                                                    const Eigen::VectorXd&, double, int);
+template std::vector<double> natural_frequencies<3>(const ElasticModel<3>&, const Lattice<3>&,
+                                                    const Eigen::VectorXd&, double, int);
+template double elastic_limit<2>(const ElasticModel<2>&, const Lattice<2>&, const Eigen::VectorXd&);
+template double elastic_limit<3>(const ElasticModel<3>&, const Lattice<3>&, const Eigen::VectorXd&);
 
 }  // namespace strake::structure

@@ -9,20 +9,24 @@
 
 namespace strake::structure {
 
-/// K = −∂f/∂u at a displacement, over the free particles (x and y of each, in lattice order) [N/m²].
-Eigen::SparseMatrix<double> stiffness(const ElasticModel&, const Lattice&,
-                                      const Eigen::Matrix2Xd& displacement);
+/// K = −∂f/∂u at a displacement, over the free particles (their components in lattice order) [N/m].
+template <int dim>
+Eigen::SparseMatrix<double> stiffness(const ElasticModel<dim>&, const Lattice<dim>&,
+                                      const Vectors<dim>& displacement);
 
-/// Displacement in equilibrium with a given force 2×n [N/m], fixed particles at rest: Newton's method.
+/// Displacement in equilibrium with a given force [N], fixed particles at rest: Newton's method.
 /// Throws Error(solver_fault) when it does not converge.
-Eigen::Matrix2Xd equilibrium(const ElasticModel&, const Lattice&, const Eigen::Matrix2Xd& force);
+template <int dim>
+Vectors<dim> equilibrium(const ElasticModel<dim>&, const Lattice<dim>&, const Vectors<dim>& force);
 
 /// The lowest `count` natural frequencies [Hz] about the reference, ascending, rigid motions left out.
-/// `mass` of one particle [kg/m]; `scale` [Hz] a frequency of the order of the first.
-std::vector<double> natural_frequencies(const ElasticModel&, const Lattice&, double mass, double scale,
-                                        int count);
+/// `mass` of each particle [kg]; `scale` [Hz] a frequency of the order of the first.
+template <int dim>
+std::vector<double> natural_frequencies(const ElasticModel<dim>&, const Lattice<dim>&,
+                                        const Eigen::VectorXd& mass, double scale, int count);
 
 /// Largest stable step of leapfrog about the reference, 2/ω_max [s], by power iteration.
-double elastic_limit(const ElasticModel&, const Lattice&, double mass);
+template <int dim>
+double elastic_limit(const ElasticModel<dim>&, const Lattice<dim>&, const Eigen::VectorXd& mass);
 
 }  // namespace strake::structure

@@ -8,7 +8,7 @@ namespace strake::structure {
 SolverProgram this_program() {
   return {"particle", [](const Parameters& p) {
             omp_set_num_threads(p.threads);
-            return std::make_unique<ParticleSolver>(p);
+            return make_particle_solver(p);
           }};
 }
 

@@ -9,8 +9,9 @@
 
 namespace strake::structure {
 
-/// Elastic particles of one plate (plane strain), integrated by leapfrog in sub-steps below the elastic
-/// limit.
+/// Elastic particles of a body of boxes (in the plane: plane strain), integrated by leapfrog in sub-steps
+/// below the elastic limit.
+template <int dim>
 class ParticleSolver final : public Solver {
  public:
   explicit ParticleSolver(const Parameters&);
@@ -38,37 +39,48 @@ class ParticleSolver final : public Solver {
   void solve_static() override;
   std::vector<double> frequencies(int count) override;
 
-  const Lattice& lattice() const { return lattice_; }
-  /// The velocity of all particles, 2×n [m/s]: for tests that start in motion. Fixed particles keep that of
+  const Lattice<dim>& lattice() const { return lattice_; }
+  /// The velocity of all particles [m/s]: for tests that start in motion. Fixed particles keep that of
   /// the supports.
-  void set_velocity(const Eigen::Matrix2Xd&);
+  void set_velocity(const Vectors<dim>&);
+  /// Of all particles, those in the clamps included [kg m/s]; the angular one about the origin, their spins
+  /// included [kg m²/s].
+  Eigen::Vector3d momentum() const;
+  Eigen::Vector3d angular_momentum() const;
 
  private:
   struct State {
-    double time = 0;                 // [s]
-    Eigen::Matrix2Xd displacement;   // 2×n [m]
-    Eigen::Matrix2Xd velocity;       // 2×n [m/s]
-    Eigen::Matrix2Xd elastic_force;  // 2×n [N/m] at `displacement`
-    Points interface_velocity;       // 3×m [m/s] at the end of the last window, as the partner is told
-    Points window_velocity;          // 3×m [m/s] mean over the last window
-    double window = 0;               // [s] its length; 0: none yet
-    double external_work = 0;        // [J/m] of loads, supports and damping
+    double time = 0;                     // [s]
+    Vectors<dim> displacement;           // [m]
+    Vectors<dim> velocity;               // [m/s]
+    Vectors<dim> elastic_force;          // [N] ([N/m]) at `displacement`
+    Eigen::VectorXd turn, spin, torque;  // n [rad], [rad/s], [N m/m]; empty unless particles spin
+    Points interface_velocity;           // 3×m [m/s] at the end of the last window, as the partner is told
+    Points window_velocity;              // 3×m [m/s] mean over the last window
+    double window = 0;                   // [s] its length; 0: none yet
+    double external_work = 0;            // [J] ([J/m]) of loads, supports and damping
     int steps = 0;
   };
   void follow_interface(const Points& displacement_before, double dt);
-  void sub_step(double dt, const Eigen::Matrix2Xd& external);
-  Eigen::Matrix2Xd external_force(double time, const Eigen::Matrix2Xd& fluid) const;
+  void sub_step(double dt, const Vectors<dim>& external);
+  double turn_half(double dt, bool first);
+  void find_elastic_force();
+  Vectors<dim> external_force(double time, const Vectors<dim>& fluid) const;
 
   Parameters parameters_;
-  Lattice lattice_;
-  Bonds bonds_;
-  double mass_;  // [kg/m] of one particle
-  std::unique_ptr<ElasticModel> model_;
+  Lattice<dim> lattice_;
+  Bonds<dim> bonds_;
+  Eigen::VectorXd mass_;     // [kg] ([kg/m]) of each particle
+  Eigen::VectorXd inertia_;  // [kg m] of each about z; empty unless particles spin
+  std::unique_ptr<ElasticModel<dim>> model_;
   InterfaceMesh mesh_;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> to_interface_;  // u_interface = N u, f = Nᵀ f_interface
-  Eigen::Matrix2Xd case_force_;                                // 2×n [N/m] of [structure.load] at full value
-  double elastic_limit_, largest_step_;                        // [s]
+  SparseRows to_interface_;              // u_interface = N u, f = Nᵀ f_interface
+  Vectors<dim> case_force_;              // [N] ([N/m]) of [structure.load] at full value
+  double elastic_limit_, largest_step_;  // [s]
   State state_, saved_;
 };
+
+/// The solver of a body's dimension.
+std::unique_ptr<Solver> make_particle_solver(const Parameters&);
 
 }  // namespace strake::structure

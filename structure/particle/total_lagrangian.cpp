@@ -5,68 +5,71 @@
 #include <cmath>
 
 namespace strake::structure {
-namespace {
 
-using Map2 = Eigen::Map<const Eigen::Matrix2d>;
-
-}  // namespace
-
-TotalLagrangian::TotalLagrangian(const Material& material, const Bonds& bonds, double volume,
-                                 double hourglass)
-    : material_(material),
+template <int dim>
+TotalLagrangian<dim>::TotalLagrangian(const Lattice<dim>& lattice, const Bonds<dim>& bonds, double hourglass)
+    : lattice_(lattice),
       bonds_(bonds),
-      volume_(volume),
-      penalty_(hourglass * material.young * volume * bonds.second_moment.cwiseInverse()),
-      influence_(2 * static_cast<int>(std::lround(bonds.r0.colwise().lpNorm<Eigen::Infinity>().maxCoeff() /
-                                                  std::sqrt(volume)))) {}
+      volume_(lattice.volume()),
+      penalty_(bonds.size()),
+      influence_(
+          2 * static_cast<int>(std::lround(bonds.r0.colwise().template lpNorm<Eigen::Infinity>().maxCoeff() /
+                                           lattice.spacing))) {
+  for (Eigen::Index i = 0; i < bonds.size(); ++i)
+    penalty_[i] = hourglass * lattice.material(i).young * volume_ * (0.5 * dim / bonds.second_moment[i]);
+}
 
 //   f_i = Σ_j w⁰ [(V P_i A_i⁻¹ + V P_j A_j⁻¹) r⁰_ij + κ_i e_ij − κ_j e_ji]
 // With H = F − 1 and u_ij = u_j − u_i, e_ij = u_ij − H_i r⁰_ij and e_ji = −u_ij + H_j r⁰_ij, hence
 //   f_i = Σ_j w⁰ [(T_i + T_j) r⁰_ij + (κ_i + κ_j) u_ij],   T_i = V P_i A_i⁻¹ − κ_i H_i.
-Eigen::Matrix2Xd TotalLagrangian::force(const Eigen::Matrix2Xd& u) const {
+template <int dim>
+Vectors<dim> TotalLagrangian<dim>::force(const Vectors<dim>& u) const {
+  using Matrix = Eigen::Matrix<double, dim, dim>;
   const Eigen::Index n = bonds_.size();
-  Eigen::Matrix4Xd T = displacement_gradient(bonds_, u);
+  Tensors<dim> T = displacement_gradient<dim>(bonds_, u);
 #pragma omp parallel for schedule(static) if (n >= parallel_from)
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Matrix2d H = Map2(T.col(i).data()), A = Map2(bonds_.shape_inverse.col(i).data());
-    const Eigen::Matrix2d F = Eigen::Matrix2d::Identity() + H;
-    Eigen::Map<Eigen::Matrix2d>(T.col(i).data()) =
-        volume_ * first_piola_kirchhoff<2>(material_, F) * A - penalty_[i] * H;
+    const Matrix H = Eigen::Map<const Matrix>(T.col(i).data()),
+                 A = Eigen::Map<const Matrix>(bonds_.shape_inverse.col(i).data());
+    const Matrix F = Matrix::Identity() + H;
+    Eigen::Map<Matrix>(T.col(i).data()) =
+        volume_ * first_piola_kirchhoff<dim>(lattice_.material(i), F) * A - penalty_[i] * H;
   }
 
-  Eigen::Matrix2Xd f(2, n);
+  Vectors<dim> f(dim, n);
 #pragma omp parallel for schedule(static) if (n >= parallel_from)
   for (Eigen::Index i = 0; i < n; ++i) {
-    double fx = 0, fy = 0;
-    const double ux = u(0, i), uy = u(1, i);
-    for (Eigen::Index b = bonds_.start[static_cast<std::size_t>(i)];
-         b < bonds_.start[static_cast<std::size_t>(i) + 1]; ++b) {
-      const Eigen::Index j = bonds_.neighbour[static_cast<std::size_t>(b)];
-      const double w = bonds_.weight[b], x = bonds_.r0(0, b), y = bonds_.r0(1, b);
-      const double kappa = penalty_[i] + penalty_[j];
-      fx += w * ((T(0, i) + T(0, j)) * x + (T(2, i) + T(2, j)) * y + kappa * (u(0, j) - ux));
-      fy += w * ((T(1, i) + T(1, j)) * x + (T(3, i) + T(3, j)) * y + kappa * (u(1, j) - uy));
+    double sum[dim] = {};
+    for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b) {
+      const Eigen::Index j = bonds_.to(b);
+      const double w = bonds_.weight[b], kappa = penalty_[i] + penalty_[j];
+      for (int k = 0; k < dim; ++k) {
+        double pull = 0;
+        for (int l = 0; l < dim; ++l) pull += (T(l * dim + k, i) + T(l * dim + k, j)) * bonds_.r0(l, b);
+        sum[k] += w * (pull + kappa * (u(k, j) - u(k, i)));
+      }
     }
-    f(0, i) = fx;
-    f(1, i) = fy;
+    for (int k = 0; k < dim; ++k) f(k, i) = sum[k];
   }
   return f;
 }
 
-double TotalLagrangian::energy(const Eigen::Matrix2Xd& u) const {
-  const Eigen::Matrix4Xd H = displacement_gradient(bonds_, u);
+template <int dim>
+double TotalLagrangian<dim>::energy(const Vectors<dim>& u) const {
+  using Matrix = Eigen::Matrix<double, dim, dim>;
+  const Tensors<dim> H = displacement_gradient<dim>(bonds_, u);
   double total = 0;
   for (Eigen::Index i = 0; i < bonds_.size(); ++i) {
-    const Eigen::Matrix2d Hi = Map2(H.col(i).data()), F = Eigen::Matrix2d::Identity() + Hi;
+    const Matrix Hi = Eigen::Map<const Matrix>(H.col(i).data()), F = Matrix::Identity() + Hi;
     double hourglass = 0;
-    for (Eigen::Index b = bonds_.start[static_cast<std::size_t>(i)];
-         b < bonds_.start[static_cast<std::size_t>(i) + 1]; ++b) {
-      const Eigen::Index j = bonds_.neighbour[static_cast<std::size_t>(b)];
-      hourglass += bonds_.weight[b] * (u.col(j) - u.col(i) - Hi * bonds_.r0.col(b)).squaredNorm();
-    }
-    total += volume_ * energy_density<2>(material_, F) + 0.5 * penalty_[i] * hourglass;
+    for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b)
+      hourglass += bonds_.weight[b] * (u.col(bonds_.to(b)) - u.col(i) - Hi * bonds_.r0.col(b)).squaredNorm();
+    total += volume_ * energy_density<dim>(lattice_.material(i), F) + 0.5 * penalty_[i] * hourglass;
   }
   return total;
 }
+
+template class TotalLagrangian<2>;
+template class TotalLagrangian<3>;
 
 }  // namespace strake::structure

@@ -97,6 +97,34 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
        "outside the plate");
 }
 
+TEST(StructureKeys, BoxesThatParticlesCannotFillAreRefused) {
+  const auto of_boxes = [](const std::string& box, const std::vector<std::string>& sets = {}) {
+    try {
+      CaseFile file =
+          CaseFile::parse("end_time = 0.03\n[fluid]\nspacing = 0.01\n[structure]\n" + box, "case.toml", sets);
+      read(file, "particle");
+    } catch (const Error& e) {
+      return to_text(e);
+    }
+    return std::string();
+  };
+  const std::string
+      floor = "[[structure.box]]\nname = \"floor\"\nmin = [0, 0, 0]\nmax = [0.3, 0.01, 0.1]\n",
+      rib = "[[structure.box]]\nname = \"rib\"\nmin = [0.14, 0.01, 0]\nmax = [0.15, 0.0501, 0.1]\n";
+  const auto says = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  EXPECT_EQ(of_boxes(floor), "");
+  EXPECT_EQ(of_boxes(floor, {"fluid.dimension=3"}), "");
+  says(of_boxes(floor + rib), "\"rib\" has a side at y = 0.0501 m");
+  says(of_boxes(floor, {"structure.particle.spacing=0.01"}), "spacing = 0.005");
+  says(of_boxes(floor + "supports = { left = \"pinned\" }\n"), "structure.solver = \"fem\"");
+  says(of_boxes(floor + "supports = { left = \"symmetry\" }\n"), "structure.solver = \"fem\"");
+  says(of_boxes(floor, {"fluid.dimension=3", "structure.particle.model=pair"}), "rotation of the plane");
+  says(of_boxes(floor, {"structure.particle.rotation=dynamic"}), "model = \"pair\"");
+  says(of_boxes(floor, {"structure.analysis=static"}), "no equilibrium");
+}
+
 TEST(StructureKeys, AnotherSolversCoarseParticlesDoNotMatter) {
   EXPECT_EQ(complaint("fem", {"structure.particle.spacing=0.003"}), "");
 }

@@ -31,7 +31,7 @@ Parameters driven_plate() {
 }
 
 StructureParticipant particles(const Parameters& p, const Setup& setup = {}) {
-  return {std::make_unique<ParticleSolver>(p), p, mid_probe(), setup};
+  return {std::make_unique<ParticleSolver<2>>(p), p, mid_probe(), setup};
 }
 
 Input push(const InterfaceMesh& mesh, double size) {
@@ -106,10 +106,10 @@ TEST(StructureParticipant, StaticsAndModesAreSolvedInTheFirstWindow) {
   p.load.kind = LoadKind::traction;
   p.load.value = {0, -1e5, 0};
   p.analysis = Analysis::statics;
-  StructureParticipant statics(std::make_unique<ParticleSolver>(p), p, mid_probe(), {});
+  StructureParticipant statics(std::make_unique<ParticleSolver<2>>(p), p, mid_probe(), {});
   EXPECT_LT(statics.advance({0, 1e-3}, {}).monitor.at("mid.y"), -2e-5);
   p.analysis = Analysis::modal;
-  StructureParticipant modal(std::make_unique<ParticleSolver>(p), p, mid_probe(), {});
+  StructureParticipant modal(std::make_unique<ParticleSolver<2>>(p), p, mid_probe(), {});
   EXPECT_EQ(modal.description().columns.back().name, "f3");
   const Advanced modes = modal.advance({0, 1e-3}, {});
   EXPECT_GT(modes.monitor.at("f1:final"), 600);
