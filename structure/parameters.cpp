@@ -1,5 +1,6 @@
 #include "structure/parameters.hpp"
 
+#include "structure/particle/failure.hpp"
 #include "structure/particle/lattice.hpp"
 #include "structure/shape_keys.hpp"
 #include "structure/solid_keys.hpp"
@@ -82,6 +83,74 @@ void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
            "outside (pair)"});
   t.number("safety", particle.safety,
            {.min = 0, .max = 1, .exclusive = true, .help = "sub-step over the elastic limit"});
+}
+
+void read_failure(CaseTable t, FailureKeys& failure) {
+  t.choice(
+      "criterion", failure.criterion,
+      {{"none", FailureCriterion::none},
+       {"bond_strain", FailureCriterion::bond_strain},
+       {"max_principal", FailureCriterion::max_principal},
+       {"von_mises", FailureCriterion::von_mises}},
+      {.help =
+           "particles: what breaks bonds: their own strain (pair: with rotation = dynamic), or a stress that "
+           "softens first (total_lagrangian)"});
+  t.number(
+      "fracture_energy", failure.fracture_energy,
+      {.unit = "J/m^2", .min = 0, .help = "G_c that a crack takes per area; bond_strain: of the pair model"});
+  t.number("strength", failure.strength,
+           {.unit = "Pa", .min = 0, .help = "stress at which softening begins; max_principal and von_mises"});
+  t.number(
+      "critical_strain", failure.critical_strain,
+      {.min = 0, .max = 10, .help = "bond_strain: at which a bond breaks; not given: from fracture_energy"});
+}
+
+/// What a criterion needs, and that softening ends later than it begins on this lattice.
+void check_failure(CaseTable t, const Parameters& p) {
+  const FailureKeys& f = p.failure;
+  if (f.criterion == FailureCriterion::none) return;
+  if (p.kind != "particle")
+    throw t.error("criterion", fmt::format("none: {} structures do not fail", p.kind),
+                  "structure.solver = \"particle\"");
+  if (p.analysis != Analysis::dynamic)
+    throw t.error("criterion", "none: statics and modes are those of the intact body",
+                  "structure.analysis = \"dynamic\"");
+  const bool pair = p.particle.model == ParticleModel::pair;
+  if (pair && p.particle.rotation == Rotation::kinematic)
+    throw t.error("criterion",
+                  "none: with the rotation of the neighbourhood a fragment of few bonds spins itself up and "
+                  "makes energy",
+                  "structure.particle.rotation = \"dynamic\"");
+  if (f.criterion == FailureCriterion::bond_strain) {
+    if (f.critical_strain > 0) return;
+    if (!pair)
+      throw t.error("critical_strain",
+                    "a number greater than 0: a bond of total_lagrangian has no energy of its own that "
+                    "fracture_energy could be told from",
+                    "critical_strain = 0.01, or criterion = \"max_principal\"");
+    if (f.fracture_energy == 0)
+      throw t.error("fracture_energy", "a number greater than 0, or critical_strain",
+                    "critical_strain = 0.01");
+    return;
+  }
+  if (pair)
+    throw t.error("criterion", "bond_strain: the pair model has no stress of a particle to soften",
+                  "structure.particle.model = \"total_lagrangian\"");
+  if (f.strength == 0 || f.fracture_energy == 0)
+    throw t.error(f.strength == 0 ? "strength" : "fracture_energy", "a number greater than 0",
+                  "strength in Pa and fracture_energy in J/m^2");
+  const double band = crack_band(p.dimension, p.particle.radius, p.particle.hourglass) * p.particle.spacing;
+  for (const Part& part : elastic_solid(p).parts) {
+    // y_f > y_0: the band's elastic energy at the strength, ½ f²/E' l_c, is less than G_c
+    const double most =
+        2 * f.fracture_energy * uniaxial_modulus(part.material, p.dimension) / (f.strength * f.strength);
+    if (band >= most)
+      throw t.error("fracture_energy",
+                    fmt::format("more than {:.4g} J/m^2 on this lattice: a band of {:.4g} m holds as much "
+                                "elastic energy at the strength already",
+                                f.fracture_energy * band / most, band),
+                    fmt::format("structure.particle.spacing below {:.4g}", p.particle.spacing * most / band));
+  }
 }
 
 bool divides(double part, double whole) {
@@ -194,6 +263,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
                           "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
   if (p.load.kind == LoadKind::traction) check_face(structure.table("load"), p);
   if (p.kind == "particle") check_lattice(structure, common, p);
+  check_failure(structure.table("failure"), p);
   check_probes(file, common, p);
 }
 
@@ -235,6 +305,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   damping.number("stiffness", p.damping.stiffness, {.unit = "s", .min = 0, .help = "stiffness-proportional"});
   read_fem(t.table("fem", "structure.solver = fem"), p.fem);
   read_particle(t.table("particle", "structure.solver = particle"), p.particle, common.interface == "volume");
+  read_failure(t.table("failure", "what breaks a body"), p.failure);
   CaseTable replay = t.table("replay", "structure.solver = replay");
   std::string run;
   replay.text("run", run, {.help = "run folder whose recorded interface motion is played back"});

@@ -57,6 +57,14 @@ struct ParticleKeys {
       ClampColumn::inside;  // pair model: outside, the set-up that its static table of PHYSICS §6 has
   double safety = 0.8;      // sub-step = safety × elastic limit
 };
+/// What breaks a body (PHYSICS §9): [structure.failure].
+enum class FailureCriterion { none, bond_strain, max_principal, von_mises };
+struct FailureKeys {
+  FailureCriterion criterion = FailureCriterion::none;
+  double fracture_energy = 0;  // [J/m²] G_c
+  double strength = 0;         // [Pa] f_t
+  double critical_strain = 0;  // bond_strain; 0: from the fracture energy
+};
 struct Damping {
   double mass = 0;       // [1/s] Rayleigh, mass-proportional
   double stiffness = 0;  // [s]   Rayleigh, stiffness-proportional
@@ -109,6 +117,7 @@ struct Parameters {
   Damping damping;
   FemKeys fem;
   ParticleKeys particle;
+  FailureKeys failure;
   std::filesystem::path replay_run;  // structure.replay.run
   int threads = 2;
 };

@@ -140,8 +140,9 @@ void StructureParticipant::follow(const Window& window) {
   const Energy energy = solver_->energy();
   state_.energy_scale = std::max({state_.energy_scale, total(energy), std::abs(energy.external)});
   if (state_.energy_scale > 0)
-    state_.drift = std::max(state_.drift,
-                            std::abs(total(energy) - first_energy_ - energy.external) / state_.energy_scale);
+    state_.drift =
+        std::max(state_.drift, std::abs(total(energy) + energy.released - first_energy_ - energy.external) /
+                                   state_.energy_scale);
 }
 
 Eigen::Vector3d StructureParticipant::measure(const ProbeKeys& probe) const {

@@ -13,7 +13,8 @@ namespace strake::structure {
 
 struct Energy {
   double kinetic = 0, strain = 0,
-         external = 0;  // [J] per metre of depth in 2-D; external: work done on the body so far
+         external = 0,  // [J] per metre of depth in 2-D; external: work done on the body so far
+      released = 0;     // strain energy that went with broken bonds
 };
 
 /// The fluid's load over a window.

@@ -1,5 +1,6 @@
 #include "structure/particle/bonds.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <cmath>
@@ -53,13 +54,10 @@ Bonds<dim> make_bonds(const Lattice<dim>& lattice, double radius) {
 
   const Eigen::Index n = lattice.size();
   std::vector<double> r0, w;
+  bonds.radius = radius;
   bonds.start.push_back(0);
-  bonds.shape_inverse.resize(dim * dim, n);
-  bonds.second_moment = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    using Matrix = Eigen::Matrix<double, dim, dim>;
     const Cell here = lattice.cell.col(i);
-    Matrix shape = Matrix::Zero();
     for (const Offset& offset : offsets) {
       const Cell there = here + offset.to;
       const Eigen::Index j = lattice.index(there);
@@ -68,16 +66,40 @@ Bonds<dim> make_bonds(const Lattice<dim>& lattice, double radius) {
       bonds.neighbour.push_back(j);
       r0.insert(r0.end(), r.data(), r.data() + dim);
       w.push_back(offset.weight);
-      shape += offset.weight * r * r.transpose();
     }
     bonds.start.push_back(static_cast<Eigen::Index>(bonds.neighbour.size()));
-    bonds.second_moment[i] = shape.trace();
-    Eigen::Map<Matrix>(bonds.shape_inverse.col(i).data()) = shape.inverse();
   }
   const auto m = static_cast<Eigen::Index>(w.size());
   bonds.r0 = Eigen::Map<const Vectors<dim>>(r0.data(), dim, m);
   bonds.weight = Eigen::Map<const Eigen::VectorXd>(w.data(), m);
+  bonds.shape_inverse.resize(dim * dim, n);
+  bonds.inverse_moment.resize(n);
+  bonds.hold = Eigen::VectorXd::Ones(n);
+  for (Eigen::Index i = 0; i < n; ++i) find_shape<dim>(bonds, i);
   return bonds;
+}
+
+template <int dim>
+void find_shape(Bonds<dim>& bonds, Eigen::Index i) {
+  using Matrix = Eigen::Matrix<double, dim, dim>;
+  constexpr double thin = 0.02;  // least over largest eigenvalue: a corner of a lattice has 0.5
+  Matrix shape = Matrix::Zero();
+  bool broken = false;
+  for (Eigen::Index b = bonds.first(i); b < bonds.end(i); ++b) {
+    shape += bonds.weight[b] * bonds.r0.col(b) * bonds.r0.col(b).transpose();
+    broken = broken || bonds.weight[b] == 0;
+  }
+  Eigen::Map<Matrix> inverse(bonds.shape_inverse.col(i).data());
+  if (broken) {
+    const auto values = Eigen::SelfAdjointEigenSolver<Matrix>(shape, Eigen::EigenvaluesOnly).eigenvalues();
+    if (!(values.minCoeff() > thin * values.maxCoeff())) {
+      inverse.setZero();
+      bonds.inverse_moment[i] = 0;
+      return;
+    }
+  }
+  inverse = shape.inverse();
+  bonds.inverse_moment[i] = 0.5 * dim / shape.trace();
 }
 
 template <int dim>
@@ -109,6 +131,8 @@ Tensors<dim> displacement_gradient(const Bonds<dim>& bonds, const Vectors<dim>& 
 
 template Bonds<2> make_bonds<2>(const Lattice<2>&, double);
 template Bonds<3> make_bonds<3>(const Lattice<3>&, double);
+template void find_shape<2>(Bonds<2>&, Eigen::Index);
+template void find_shape<3>(Bonds<3>&, Eigen::Index);
 template Tensors<2> displacement_gradient<2>(const Bonds<2>&, const Vectors<2>&);
 template Tensors<3> displacement_gradient<3>(const Bonds<3>&, const Vectors<3>&);
 

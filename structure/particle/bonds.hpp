@@ -19,18 +19,25 @@ struct Bonds {
   std::vector<Eigen::Index> start;      // n+1
   std::vector<Eigen::Index> neighbour;  // m
   Vectors<dim> r0;                      // dim×m [m] r⁰_ij = r⁰_j − r⁰_i
-  Eigen::VectorXd weight;               // m
+  Eigen::VectorXd weight;               // m; 0: broken
   double n0 = 0;                        // Σ w⁰ of the full lattice
+  double radius = 0;                    // [spacing]
   Tensors<dim> shape_inverse;           // [1/m²] A_i⁻¹ of A_i = Σ_j w⁰ r⁰⊗r⁰, column-major
-  Eigen::VectorXd second_moment;        // n [m²] Σ_j w⁰ |r⁰|² = tr A_i
+  Eigen::VectorXd inverse_moment;       // n [1/m²] (dim/2)/Σ_j w⁰ |r⁰|²
+  Eigen::VectorXd hold;                 // n share of its stress that a particle still carries, 1: intact
 
-  Eigen::Index size() const { return second_moment.size(); }
+  Eigen::Index size() const { return inverse_moment.size(); }
   Eigen::Index first(Eigen::Index i) const { return start[static_cast<std::size_t>(i)]; }
   Eigen::Index end(Eigen::Index i) const { return start[static_cast<std::size_t>(i) + 1]; }
   Eigen::Index to(Eigen::Index bond) const { return neighbour[static_cast<std::size_t>(bond)]; }
 };
 template <int dim>
 Bonds<dim> make_bonds(const Lattice<dim>&, double radius /* [spacing] */);
+
+/// Finds A_i⁻¹ and the moment of a particle from the weights of its bonds. Where bonds broke and those left
+/// do not span the space it carries nothing any more: both are zero.
+template <int dim>
+void find_shape(Bonds<dim>&, Eigen::Index i);
 
 /// H_i = F_i − 1 of the corrected total-Lagrangian form, column-major:
 ///   F_i = (Σ_j w⁰ r_ij⊗r⁰_ij) A_i⁻¹ ,  r_ij = r⁰_ij + u_j − u_i      (exact for linear fields)

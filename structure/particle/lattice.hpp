@@ -5,6 +5,7 @@
 
 #include <Eigen/SparseCore>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct Lattice {
   const Material& material(Eigen::Index i) const {
     return parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])].material;
   }
+  Eigen::Index count_inside() const { return std::count(inside.begin(), inside.end(), 1); }
   /// Of the particle in a cell, or -1.
   Eigen::Index index(const Cell& at) const {
     std::size_t k = 0;
@@ -67,6 +69,14 @@ void for_each_cell(const Eigen::Matrix<int, dim, 1>& first, const Eigen::Matrix<
     }
     if (axis < 0) return;
   }
+}
+
+/// A field on the particles as points of space: in two dimensions with z = 0.
+template <int dim>
+Points in_space(const Vectors<dim>& vectors) {
+  Points points = Points::Zero(3, vectors.cols());
+  points.template topRows<dim>() = vectors;
+  return points;
 }
 
 /// The body must be made of boxes and have no lattice_fault.

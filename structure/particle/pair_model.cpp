@@ -63,6 +63,10 @@ Eigen::Matrix2Xd PairModel::turn_of_neighbours(const Eigen::Matrix2Xd& u) const 
       sine += w * (r0.x() * r.y() - r0.y() * r.x());
     }
     const double length = std::hypot(cosine, sine);
+    if (length == 0) {  // no bond is left
+      half_turn.col(i) << 1, 0;
+      continue;
+    }
     const double half = std::sqrt(0.5 * (1 + cosine / length));
     half_turn.col(i) << half, 0.5 * sine / length / half;
   }

@@ -18,13 +18,6 @@
 namespace strake::structure {
 namespace {
 
-template <int dim>
-Points in_space(const Vectors<dim>& vectors) {
-  Points points = Points::Zero(3, vectors.cols());
-  points.template topRows<dim>() = vectors;
-  return points;
-}
-
 /// N x for a field on the particles, and Nᵀ f for a force on the points.
 template <int dim>
 Points interpolate(const SparseRows& N, const Vectors<dim>& x) {
@@ -33,11 +26,6 @@ Points interpolate(const SparseRows& N, const Vectors<dim>& x) {
 template <int dim>
 Vectors<dim> spread(const SparseRows& N, const Points& f) {
   return (N.transpose() * f.template topRows<dim>().transpose()).transpose();
-}
-
-template <int dim>
-Eigen::Index count_inside(const Lattice<dim>& lattice) {
-  return std::count(lattice.inside.begin(), lattice.inside.end(), 1);
 }
 
 template <int dim>
@@ -54,7 +42,7 @@ Eigen::VectorXd masses(const Lattice<dim>& lattice) {
 /// clamps.
 template <int dim>
 InterfaceMesh volume_mesh(const Lattice<dim>& lattice, const Eigen::VectorXd& mass) {
-  const Eigen::Index n = count_inside(lattice);
+  const Eigen::Index n = lattice.count_inside();
   InterfaceMesh mesh;
   mesh.name = "structure";
   mesh.dimension = dim;
@@ -70,7 +58,7 @@ InterfaceMesh volume_mesh(const Lattice<dim>& lattice, const Eigen::VectorXd& ma
 
 template <int dim>
 SparseRows volume_selection(const Lattice<dim>& lattice) {
-  SparseRows N(count_inside(lattice), lattice.size());
+  SparseRows N(lattice.count_inside(), lattice.size());
   for (Eigen::Index i = 0, p = 0; i < lattice.size(); ++i)
     if (lattice.inside[static_cast<std::size_t>(i)]) N.insert(p++, i) = 1;
   N.makeCompressed();
@@ -104,13 +92,6 @@ Plate slenderest(const Parameters& p, const Lattice<dim>& lattice) {
   return plate;
 }
 
-std::string model_name(const ParticleKeys& keys) {
-  if (keys.model == ParticleModel::total_lagrangian) return "total Lagrangian";
-  return keys.rotation == Rotation::dynamic
-             ? "pair model, rotation dynamic: angular momentum exact"
-             : "pair model, rotation of the neighbourhood: angular momentum for small strains only";
-}
-
 }  // namespace
 
 template <int dim>
@@ -136,6 +117,10 @@ ParticleSolver<dim>::ParticleSolver(const Parameters& p)
 
   state_.displacement = Vectors<dim>::Zero(dim, lattice_.size());
   state_.velocity = p.velocity.head<dim>().replicate(1, lattice_.size());
+  if (p.failure.criterion != FailureCriterion::none) {
+    failure_.emplace(p.failure, p.particle.hourglass, lattice_, bonds_);
+    state_.failure = failure_->intact();
+  }
   if (model_->spins()) {
     inertia_ = mass_ * lattice_.spacing * lattice_.spacing / 6;  // of a square
     state_.turn = state_.spin = state_.torque = Eigen::VectorXd::Zero(lattice_.size());
@@ -157,6 +142,26 @@ template <int dim>
 void ParticleSolver<dim>::find_elastic_force() {
   state_.elastic_force = model_->spins() ? model_->force(state_.displacement, state_.turn, state_.torque)
                                          : model_->force(state_.displacement);
+}
+
+template <int dim>
+double ParticleSolver<dim>::strain_energy() const {
+  return model_->spins() ? model_->energy(state_.displacement, state_.turn)
+                         : model_->energy(state_.displacement);
+}
+
+template <int dim>
+void ParticleSolver<dim>::break_bonds() {
+  if (!failure_ || !failure_->look(state_.displacement, state_.failure)) return;
+  const double before = strain_energy();
+  failure_->apply(state_.failure);
+  state_.failure.released += before - strain_energy();
+}
+
+template <int dim>
+void ParticleSolver<dim>::restore() {
+  state_ = saved_;
+  if (failure_) failure_->apply(state_.failure);
 }
 
 template <int dim>
@@ -232,6 +237,7 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external) {
   state_.displacement += moved;
   double work = 0;
   if (model_->spins()) work += turn_half(h, true);
+  break_bonds();
   const Vectors<dim> before = std::move(state_.elastic_force);
   find_elastic_force();
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -294,8 +300,8 @@ Energy ParticleSolver<dim>::energy() const {
   for (Eigen::Index i = 0; i < lattice_.size(); ++i)
     if (lattice_.inside[static_cast<std::size_t>(i)])
       energy.kinetic += 0.5 * mass_[i] * state_.velocity.col(i).squaredNorm();
-  energy.strain = model_->spins() ? model_->energy(state_.displacement, state_.turn)
-                                  : model_->energy(state_.displacement);
+  energy.strain = strain_energy();
+  energy.released = state_.failure.released;
   if (model_->spins()) energy.kinetic += 0.5 * inertia_.dot(state_.spin.cwiseAbs2());
   energy.external = state_.external_work;
   return energy;
@@ -331,95 +337,6 @@ std::vector<double> ParticleSolver<dim>::frequencies(int count) {
                                         BeamTheory::euler_bernoulli, 1)
                            .at(0);
   return natural_frequencies<dim>(*model_, lattice_, mass_, scale, count);
-}
-
-template <int dim>
-void ParticleSolver<dim>::write(Archive& archive) const {
-  archive.real["particle.displacement"] = saved_.displacement;
-  archive.real["particle.velocity"] = saved_.velocity;
-  archive.real["particle.interface_velocity"] = saved_.interface_velocity;
-  archive.real["particle.window_velocity"] = saved_.window_velocity;
-  archive.real["particle.scalars"] = Eigen::Vector3d(saved_.time, saved_.external_work, saved_.window);
-  archive.integer["particle.steps"] = {saved_.steps};
-  if (model_->spins()) {
-    archive.real["particle.turn"] = saved_.turn;
-    archive.real["particle.spin"] = saved_.spin;
-  }
-}
-
-template <int dim>
-void ParticleSolver<dim>::read(const Archive& archive) {
-  const auto& u = archive.real.at("particle.displacement");
-  if (u.rows() != dim || u.cols() != lattice_.size())
-    throw Error(ExitCode::case_file, "structure, checkpoint",
-                fmt::format("holds {} particles, the case has {}", u.cols(), lattice_.size()),
-                "resume with the case of that run");
-  state_.displacement = u;
-  state_.velocity = archive.real.at("particle.velocity");
-  state_.time = archive.real.at("particle.scalars")(0);
-  state_.external_work = archive.real.at("particle.scalars")(1);
-  state_.window = archive.real.at("particle.scalars")(2);
-  state_.interface_velocity = archive.real.at("particle.interface_velocity");
-  state_.window_velocity = archive.real.at("particle.window_velocity");
-  state_.steps = static_cast<int>(archive.integer.at("particle.steps").at(0));
-  if (model_->spins()) {
-    state_.turn = archive.real.at("particle.turn");
-    state_.spin = archive.real.at("particle.spin");
-  }
-  find_elastic_force();
-  saved_ = state_;
-}
-
-//   Cauchy stress σ = P Fᵀ / det F; in plane strain σ_zz = λ/(2(λ+μ)) (σ_xx + σ_yy) = ν (σ_xx + σ_yy)
-//   von Mises √(3/2 s:s) of its deviator s
-template <int dim>
-Frame ParticleSolver<dim>::frame() const {
-  using Matrix = Eigen::Matrix<double, dim, dim>;
-  const Tensors<dim> H = displacement_gradient<dim>(bonds_, state_.displacement);
-  Eigen::MatrixXd stress(dim == 2 ? 3 : 6, lattice_.size()), mises(1, lattice_.size());
-  for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
-    const Material& material = lattice_.material(i);
-    const Matrix F = Matrix::Identity() + Eigen::Map<const Matrix>(H.col(i).data());
-    const Matrix s = first_piola_kirchhoff<dim>(material, F) * F.transpose() / F.determinant();
-    if constexpr (dim == 2) {
-      const double zz = material.plane_stress ? 0 : material.poisson * s.trace();
-      stress.col(i) << s(0, 0), s(1, 1), s(0, 1);
-      mises(0, i) = std::sqrt(
-          0.5 * (std::pow(s(0, 0) - s(1, 1), 2) + std::pow(s(1, 1) - zz, 2) + std::pow(zz - s(0, 0), 2)) +
-          3 * s(0, 1) * s(0, 1));
-    } else {
-      const Matrix deviator = s - s.trace() / 3 * Matrix::Identity();
-      stress.col(i) << s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2);
-      mises(0, i) = std::sqrt(1.5) * deviator.norm();
-    }
-  }
-  Frame frame;
-  frame.time = state_.time;
-  frame.position = in_space<dim>(lattice_.position + state_.displacement);
-  frame.point_data = {{"displacement", "m", in_space<dim>(state_.displacement)},
-                      {"velocity", "m/s", in_space<dim>(state_.velocity)},
-                      {"stress", "Pa", stress},
-                      {"von_mises", "Pa", mises}};
-  return frame;
-}
-
-template <int dim>
-std::vector<std::string> ParticleSolver<dim>::lines() const {
-  const Eigen::Index inside = count_inside(lattice_);
-  double fastest = 0, mass = 0;
-  for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
-    fastest = std::max(fastest, wave_speed(lattice_.material(i)));
-    if (lattice_.inside[static_cast<std::size_t>(i)]) mass += mass_[i];
-  }
-  const bool plate = parameters_.shape.kind == ShapeKind::plate && dim == 2;
-  return {
-      fmt::format("particle ({})   {} layers, {} particles (+ {} in the clamps)   spacing {:.4g} mm",
-                  model_name(parameters_.particle), lattice_.layers, inside, lattice_.size() - inside,
-                  1e3 * lattice_.spacing),
-      fmt::format("mass {:.4g} {}", mass, dim == 2 ? "kg/m" : "kg") +
-          (plate ? "   " + beam_line(parameters_.plate, parameters_.material) : std::string()),
-      fmt::format("elastic limit {:.4g} s = {:.3f} spacing / c_P (c_P {:.0f} m/s), sub-step at most {:.4g} s",
-                  elastic_limit_, elastic_limit_ * fastest / lattice_.spacing, fastest, largest_step_)};
 }
 
 std::unique_ptr<Solver> make_particle_solver(const Parameters& p) {

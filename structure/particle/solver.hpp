@@ -2,10 +2,13 @@
 
 #include "structure/particle/bonds.hpp"
 #include "structure/particle/elastic_model.hpp"
+#include "structure/particle/failure.hpp"
 #include "structure/particle/lattice.hpp"
 #include "structure/solver.hpp"
 
+#include <map>
 #include <memory>
+#include <optional>
 
 namespace strake::structure {
 
@@ -31,11 +34,13 @@ class ParticleSolver final : public Solver {
   Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const override;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const override;
   void save() override { saved_ = state_; }
-  void restore() override { state_ = saved_; }
+  void restore() override;
   void write(Archive&) const override;
   void read(const Archive&) override;
   Frame frame() const override;
   std::vector<std::string> lines() const override;
+  std::vector<Column> columns() const override;
+  std::map<std::string, double> monitor() const override;
   void solve_static() override;
   std::vector<double> frequencies(int count) override;
 
@@ -58,13 +63,16 @@ class ParticleSolver final : public Solver {
     Points interface_velocity;           // 3×m [m/s] at the end of the last window, as the partner is told
     Points window_velocity;              // 3×m [m/s] mean over the last window
     double window = 0;                   // [s] its length; 0: none yet
-    double external_work = 0;            // [J] ([J/m]) of loads, supports and damping
+    typename Failure<dim>::State failure;
+    double external_work = 0;  // [J] ([J/m]) of loads, supports and damping
     int steps = 0;
   };
   void follow_interface(const Points& displacement_before, double dt);
   void sub_step(double dt, const Vectors<dim>& external);
   double turn_half(double dt, bool first);
   void find_elastic_force();
+  void break_bonds();
+  double strain_energy() const;
   Vectors<dim> external_force(double time, const Vectors<dim>& fluid) const;
 
   Parameters parameters_;
@@ -73,6 +81,7 @@ class ParticleSolver final : public Solver {
   Eigen::VectorXd mass_;     // [kg] ([kg/m]) of each particle
   Eigen::VectorXd inertia_;  // [kg m] of each about z; empty unless particles spin
   std::unique_ptr<ElasticModel<dim>> model_;
+  std::optional<Failure<dim>> failure_;  // its damage is in the state, and from there in the bonds
   InterfaceMesh mesh_;
   SparseRows to_interface_;              // u_interface = N u, f = Nᵀ f_interface
   Vectors<dim> case_force_;              // [N] ([N/m]) of [structure.load] at full value

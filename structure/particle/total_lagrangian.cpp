@@ -11,12 +11,18 @@ TotalLagrangian<dim>::TotalLagrangian(const Lattice<dim>& lattice, const Bonds<d
     : lattice_(lattice),
       bonds_(bonds),
       volume_(lattice.volume()),
-      penalty_(bonds.size()),
+      stiffness_(bonds.size()),
       influence_(
           2 * static_cast<int>(std::lround(bonds.r0.colwise().template lpNorm<Eigen::Infinity>().maxCoeff() /
                                            lattice.spacing))) {
   for (Eigen::Index i = 0; i < bonds.size(); ++i)
-    penalty_[i] = hourglass * lattice.material(i).young * volume_ * (0.5 * dim / bonds.second_moment[i]);
+    stiffness_[i] = hourglass * lattice.material(i).young * volume_;
+}
+
+/// κ_i [Pa] ([Pa m]), less what softening took.
+template <int dim>
+Eigen::VectorXd TotalLagrangian<dim>::penalties() const {
+  return stiffness_.array() * bonds_.inverse_moment.array() * bonds_.hold.array();
 }
 
 //   f_i = Σ_j w⁰ [(V P_i A_i⁻¹ + V P_j A_j⁻¹) r⁰_ij + κ_i e_ij − κ_j e_ji]
@@ -26,6 +32,7 @@ template <int dim>
 Vectors<dim> TotalLagrangian<dim>::force(const Vectors<dim>& u) const {
   using Matrix = Eigen::Matrix<double, dim, dim>;
   const Eigen::Index n = bonds_.size();
+  const Eigen::VectorXd penalty = penalties();
   Tensors<dim> T = displacement_gradient<dim>(bonds_, u);
 #pragma omp parallel for schedule(static) if (n >= parallel_from)
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -33,7 +40,7 @@ Vectors<dim> TotalLagrangian<dim>::force(const Vectors<dim>& u) const {
                  A = Eigen::Map<const Matrix>(bonds_.shape_inverse.col(i).data());
     const Matrix F = Matrix::Identity() + H;
     Eigen::Map<Matrix>(T.col(i).data()) =
-        volume_ * first_piola_kirchhoff<dim>(lattice_.material(i), F) * A - penalty_[i] * H;
+        volume_ * bonds_.hold[i] * first_piola_kirchhoff<dim>(lattice_.material(i), F) * A - penalty[i] * H;
   }
 
   Vectors<dim> f(dim, n);
@@ -42,7 +49,7 @@ Vectors<dim> TotalLagrangian<dim>::force(const Vectors<dim>& u) const {
     double sum[dim] = {};
     for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b) {
       const Eigen::Index j = bonds_.to(b);
-      const double w = bonds_.weight[b], kappa = penalty_[i] + penalty_[j];
+      const double w = bonds_.weight[b], kappa = penalty[i] + penalty[j];
       for (int k = 0; k < dim; ++k) {
         double pull = 0;
         for (int l = 0; l < dim; ++l) pull += (T(l * dim + k, i) + T(l * dim + k, j)) * bonds_.r0(l, b);
@@ -57,6 +64,7 @@ Vectors<dim> TotalLagrangian<dim>::force(const Vectors<dim>& u) const {
 template <int dim>
 double TotalLagrangian<dim>::energy(const Vectors<dim>& u) const {
   using Matrix = Eigen::Matrix<double, dim, dim>;
+  const Eigen::VectorXd penalty = penalties();
   const Tensors<dim> H = displacement_gradient<dim>(bonds_, u);
   double total = 0;
   for (Eigen::Index i = 0; i < bonds_.size(); ++i) {
@@ -64,7 +72,8 @@ double TotalLagrangian<dim>::energy(const Vectors<dim>& u) const {
     double hourglass = 0;
     for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b)
       hourglass += bonds_.weight[b] * (u.col(bonds_.to(b)) - u.col(i) - Hi * bonds_.r0.col(b)).squaredNorm();
-    total += volume_ * energy_density<dim>(lattice_.material(i), F) + 0.5 * penalty_[i] * hourglass;
+    total += volume_ * bonds_.hold[i] * energy_density<dim>(lattice_.material(i), F) +
+             0.5 * penalty[i] * hourglass;
   }
   return total;
 }

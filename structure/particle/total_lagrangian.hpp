@@ -11,7 +11,8 @@ namespace strake::structure {
 ///   (dim/2) / Σ_k w⁰_ik |r⁰_ik|²
 /// (the sum grows with the number of dimensions: dim/2 keeps what a given α does to a bond of the plane), so
 /// that linear momentum, angular momentum and energy are kept, across parts of different materials too.
-/// References: Suzuki & Koshizuka 2008 (Hamiltonian MPS); the hourglass form is derived in PHYSICS §6.
+/// A particle that softens keeps Bonds::hold of its whole energy. References: Suzuki & Koshizuka 2008
+/// (Hamiltonian MPS); the hourglass form is derived in PHYSICS §6.
 template <int dim>
 class TotalLagrangian final : public ElasticModel<dim> {
  public:
@@ -21,10 +22,12 @@ class TotalLagrangian final : public ElasticModel<dim> {
   int influence() const override { return influence_; }
 
  private:
+  Eigen::VectorXd penalties() const;
+
   const Lattice<dim>& lattice_;
   const Bonds<dim>& bonds_;
-  double volume_;            // V [m²] per metre of depth, or [m³]
-  Eigen::VectorXd penalty_;  // κ_i [Pa], in three dimensions [Pa m]
+  double volume_;              // V [m²] per metre of depth, or [m³]
+  Eigen::VectorXd stiffness_;  // α E_i V [N]
   int influence_;
 };
 

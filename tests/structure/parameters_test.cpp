@@ -80,8 +80,8 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
   says(complaint("fem", {"structure.box=[{}]"}), "one shape, and structure.plate is given too");
   says(complaint("fem", {"structure.plate.thickness=0"}), "thickness");
   says(complaint("fem", {"fluid.dimension=3"}), "a length along z");
-  says(complaint("particle", {"fluid.dimension=3"}), "not built yet for particles");
-  says(complaint("particle", {"structure.plane=stress", "structure.material.model=neo_hookean"}), "structure.plane");
+  says(complaint("particle", {"structure.plane=stress", "structure.material.model=neo_hookean"}),
+       "structure.plane");
   says(complaint("particle", {"structure.particle.spacing=0.003"}), "a whole number of particle layers");
   says(complaint("particle", {"structure.particle.spacing=0.02"}), "at least 2");
   says(complaint("particle", {"structure.plate.length=0.401"}), "a whole number of particle columns");
@@ -123,6 +123,38 @@ TEST(StructureKeys, BoxesThatParticlesCannotFillAreRefused) {
   says(of_boxes(floor, {"fluid.dimension=3", "structure.particle.model=pair"}), "rotation of the plane");
   says(of_boxes(floor, {"structure.particle.rotation=dynamic"}), "model = \"pair\"");
   says(of_boxes(floor, {"structure.analysis=static"}), "no equilibrium");
+}
+
+TEST(StructureKeys, FailureNeedsWhatItsCriterionIsMadeOf) {
+  const auto says = [](const std::vector<std::string>& sets, const std::string& part,
+                       const char* kind = "particle") {
+    std::vector<std::string> all = {"structure.particle.spacing=0.0025"};
+    all.insert(all.end(), sets.begin(), sets.end());
+    const std::string text = complaint(kind, all);
+    if (part.empty()) {
+      EXPECT_EQ(text, "");
+    } else {
+      EXPECT_NE(text.find(part), std::string::npos) << text;
+    }
+  };
+  const std::string of = "structure.failure.";
+  says({of + "criterion=bond_strain"}, "critical_strain");
+  says({of + "criterion=bond_strain", of + "critical_strain=0.01"}, "");
+  says({of + "criterion=bond_strain", of + "fracture_energy=1e4"}, "no energy of its own");
+  says({of + "criterion=bond_strain", of + "fracture_energy=1e4", "structure.particle.model=pair"},
+       "rotation = \"dynamic\"");
+  says({of + "criterion=bond_strain", of + "fracture_energy=1e4", "structure.particle.model=pair",
+        "structure.particle.rotation=dynamic"},
+       "");
+  says({of + "criterion=von_mises"}, "strength");
+  says({of + "criterion=von_mises", of + "strength=5e8"}, "fracture_energy");
+  says({of + "criterion=von_mises", of + "strength=5e8", of + "fracture_energy=1e4"}, "");
+  says({of + "criterion=von_mises", of + "strength=5e8", of + "fracture_energy=1e3"}, "spacing below");
+  says({of + "criterion=max_principal", of + "strength=5e8", "structure.particle.model=pair",
+        "structure.particle.rotation=dynamic"},
+       "total_lagrangian");
+  says({of + "criterion=bond_strain", of + "critical_strain=0.01"}, "do not fail", "fem");
+  says({of + "criterion=bond_strain", of + "critical_strain=0.01", "structure.analysis=modal"}, "intact");
 }
 
 TEST(StructureKeys, AnotherSolversCoarseParticlesDoNotMatter) {

@@ -150,7 +150,8 @@ TEST(ParticleLattice, ASpacingThatDoesNotFitIsAnsweredByOneThatDoes) {
 }
 
 /// A bar of two materials in series, held at its left end and pulled at its right one, ν = 0:
-///   Δ = σ (L_1/E_1 + L_2/E_2), to within two spacings of the softer one: the strain jumps between two particles.
+///   Δ = σ (L_1/E_1 + L_2/E_2), to within two spacings of the softer one: the strain jumps between two
+///   particles.
 TEST(ParticleLattice, ABarOfTwoMaterialsStretchesAsSpringsInSeries) {
   std::vector<SolidBox> parts = {box("soft", {0, 0, 0}, {0.1, 0.02, 0}),
                                  box("stiff", {0.1, 0, 0}, {0.2, 0.02, 0})};
@@ -173,8 +174,7 @@ TEST(ParticleLattice, ABarOfTwoMaterialsStretchesAsSpringsInSeries) {
       if (lattice.position(0, i) > 0.195) force(0, i) = stress * d;
     const Vectors<2> u = equilibrium<2>(*elastic, lattice, force);
     const SparseRows N = interpolation<2>(lattice, Points{{0.2}, {0.01}, {0}});
-    EXPECT_NEAR((N * u.row(0).transpose())(0), expected, 2 * stress * d / 1e9)
-        << static_cast<int>(model);
+    EXPECT_NEAR((N * u.row(0).transpose())(0), expected, 2 * stress * d / 1e9) << static_cast<int>(model);
   }
 }
 

@@ -1,0 +1,83 @@
+#pragma once
+
+#include "structure/particle/bonds.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace strake::structure {
+
+/// Failure of particles (PHYSICS §9): bonds that break for good, and particles that soften before.
+///   bond_strain    a bond breaks when s = (|r| − |r⁰|)/|r⁰| exceeds s_c
+///   max_principal, von_mises
+///                  a particle softens from where that stress first reaches the strength. With Y the energy
+///                  per volume that it would hold undamaged, that of its hourglass form included, and y = √Y,
+///                    1 − D = y_0/y · (y_f − y)/(y_f − y_0)    between onset y_0 and y_f, for the largest y
+///                    so far,
+///                  under uniform loading a stress that falls along a line. ∫ Y dD = y_0 y_f whatever the
+///                  state of stress, so that y_f = G_c/(l_c y_0) dissipates G_c per area of a crack that
+///                  smears over a band l_c. The remaining share 1 − D is kept in Bonds::hold; a bond of a
+///                  particle that has lost all of it breaks when it is stretched by more than ½√(2/E') y_f:
+///                  all that cross the opening do by then (E' = E/(1 − ν²) in plane strain).
+/// l_c: see crack_band.
+template <int dim>
+class Failure {
+ public:
+  struct State {
+    std::vector<std::uint8_t> broken;  // m, both directions of a bond; empty: no failure asked for
+    Eigen::VectorXd onset, peak;       // n y_0 (0: not yet) and the largest y [√Pa]; empty with bond_strain
+    std::int64_t bonds = 0;            // broken so far, each once
+    double released = 0;               // [J] ([J/m]) strain energy that went with them
+  };
+
+  /// Refers to the lattice, and changes the bonds.
+  Failure(const FailureKeys&, double hourglass, const Lattice<dim>&, Bonds<dim>&);
+  State intact() const;
+  /// Whether a displacement adds damage; the state then holds it, and the bonds do not yet.
+  bool look(const Vectors<dim>& displacement, State&) const;
+  /// Gives the bonds the damage of a state.
+  void apply(const State&);
+  /// D_i = 1 − (1 − D of softening) Σ_alive w⁰/Σ w⁰ of each particle.
+  Eigen::RowVectorXd damage(const State&) const;
+  /// What is asked for, and what it can and cannot represent.
+  std::vector<std::string> lines(bool wet_surface) const;
+
+ private:
+  double last(double onset) const;
+  double softening(Eigen::Index i, const State&) const;
+  double undamaged_energy(Eigen::Index i, const Eigen::Matrix<double, dim, dim>& H,
+                          const Vectors<dim>& displacement) const;
+  bool soften(const Vectors<dim>& displacement, State&) const;
+  bool snap(const Vectors<dim>& displacement, State&) const;
+  double critical_strain(Eigen::Index i, Eigen::Index bond, const State&) const;
+
+  FailureKeys keys_;
+  double hourglass_;
+  double band_;  // l_c [m]
+  const Lattice<dim>& lattice_;
+  Bonds<dim>& bonds_;
+  Eigen::VectorXd weight_;              // m, of the intact bonds
+  std::vector<Eigen::Index> partner_;   // m, the bond from the other side
+  std::vector<double> crack_constant_;  // of the parts
+};
+
+/// C of s_c = √(G_c/(C μ l0)): what it takes to draw two halves of the pair model's square lattice straight
+/// apart along an axis until every bond between them has broken. Lengths in spacings, opening Δ:
+///   U(Δ)/(μ l0) = (4/n0) Σ_alive Δx w⁰ Δ²/|r⁰|² + (λ/μ) Σ_rows tr²,   tr_q = (2Δ/n0) Σ_alive,Δx>q w⁰
+///   Δx/|r⁰|²
+/// and a bond breaks at Δ = s_c |r⁰|²/Δx. PHYSICS §9 has the first sum with |u_ij| = s |r⁰| throughout, which
+/// leaves out that bonds across the opening shear (1.33 for 1.92 at r_e = 2.1), and no volumetric part.
+double crack_constant(double radius /* [spacing] */, double lambda_over_mu);
+
+/// Width over which a crack smears its strain [spacing]. An opening δ between two rows gives the particles of
+/// row q beside it the strain h_q δ/l0 and the hourglass residuals of the bonds that cross, in spacings
+///   h_q = Σ_{Δx>q} w⁰ Δx/a,   Y_q/E = ½ h_q² + α/(4a) (Σ_{Δx>q} w⁰ − a h_q²),   a = Σ w⁰ Δx²
+/// A row dissipates in proportion to its y = √Y, so that the band is 2 Σ_q y_q/y_0 (2.26 at r_e = 2.1, α =
+/// 1).
+double crack_band(int dimension, double radius /* [spacing] */, double hourglass);
+
+/// E' of uniaxial stress: E/(1 − ν²) in plane strain, otherwise E [Pa].
+double uniaxial_modulus(const Material&, int dimension);
+
+}  // namespace strake::structure

@@ -1,0 +1,169 @@
+#include "proto/error.hpp"
+#include "structure/beam.hpp"
+#include "structure/material.hpp"
+#include "structure/particle/solver.hpp"
+
+#include <fmt/format.h>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+// What a particle solver tells: checkpoints, frames, the lines of a run, columns of its own.
+
+namespace strake::structure {
+namespace {
+
+std::string model_name(const ParticleKeys& keys) {
+  if (keys.model == ParticleModel::total_lagrangian) return "total Lagrangian";
+  return keys.rotation == Rotation::dynamic
+             ? "pair model, rotation dynamic: angular momentum exact"
+             : "pair model, rotation of the neighbourhood: angular momentum for small strains only";
+}
+
+}  // namespace
+
+template <int dim>
+void ParticleSolver<dim>::write(Archive& archive) const {
+  archive.real["particle.displacement"] = saved_.displacement;
+  archive.real["particle.velocity"] = saved_.velocity;
+  archive.real["particle.interface_velocity"] = saved_.interface_velocity;
+  archive.real["particle.window_velocity"] = saved_.window_velocity;
+  archive.real["particle.scalars"] = Eigen::Vector3d(saved_.time, saved_.external_work, saved_.window);
+  archive.integer["particle.steps"] = {saved_.steps};
+  if (failure_) {
+    const auto& damage = saved_.failure;
+    archive.integer["particle.broken"] = {damage.broken.begin(), damage.broken.end()};
+    archive.integer["particle.bonds"] = {damage.bonds};
+    archive.real["particle.released"] = Eigen::MatrixXd::Constant(1, 1, damage.released);
+    if (damage.peak.size() > 0) {
+      archive.real["particle.onset"] = damage.onset;
+      archive.real["particle.peak"] = damage.peak;
+    }
+  }
+  if (model_->spins()) {
+    archive.real["particle.turn"] = saved_.turn;
+    archive.real["particle.spin"] = saved_.spin;
+  }
+}
+
+template <int dim>
+void ParticleSolver<dim>::read(const Archive& archive) {
+  const auto& u = archive.real.at("particle.displacement");
+  if (u.rows() != dim || u.cols() != lattice_.size())
+    throw Error(ExitCode::case_file, "structure, checkpoint",
+                fmt::format("holds {} particles, the case has {}", u.cols(), lattice_.size()),
+                "resume with the case of that run");
+  state_.displacement = u;
+  state_.velocity = archive.real.at("particle.velocity");
+  state_.time = archive.real.at("particle.scalars")(0);
+  state_.external_work = archive.real.at("particle.scalars")(1);
+  state_.window = archive.real.at("particle.scalars")(2);
+  state_.interface_velocity = archive.real.at("particle.interface_velocity");
+  state_.window_velocity = archive.real.at("particle.window_velocity");
+  state_.steps = static_cast<int>(archive.integer.at("particle.steps").at(0));
+  if (failure_) {
+    auto& damage = state_.failure;
+    const auto& broken = archive.integer.at("particle.broken");
+    damage.broken.assign(broken.begin(), broken.end());
+    damage.bonds = archive.integer.at("particle.bonds").at(0);
+    damage.released = archive.real.at("particle.released")(0);
+    if (damage.peak.size() > 0) {
+      damage.onset = archive.real.at("particle.onset");
+      damage.peak = archive.real.at("particle.peak");
+    }
+    failure_->apply(damage);
+  }
+  if (model_->spins()) {
+    state_.turn = archive.real.at("particle.turn");
+    state_.spin = archive.real.at("particle.spin");
+  }
+  find_elastic_force();
+  saved_ = state_;
+}
+
+//   Cauchy stress σ = P Fᵀ / det F; in plane strain σ_zz = λ/(2(λ+μ)) (σ_xx + σ_yy) = ν (σ_xx + σ_yy)
+//   von Mises √(3/2 s:s) of its deviator s
+template <int dim>
+Frame ParticleSolver<dim>::frame() const {
+  using Matrix = Eigen::Matrix<double, dim, dim>;
+  const Tensors<dim> H = displacement_gradient<dim>(bonds_, state_.displacement);
+  Eigen::MatrixXd stress(dim == 2 ? 3 : 6, lattice_.size()), mises(1, lattice_.size());
+  for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
+    const Material& material = lattice_.material(i);
+    const Matrix F = Matrix::Identity() + Eigen::Map<const Matrix>(H.col(i).data());
+    const Matrix s =
+        bonds_.hold[i] * first_piola_kirchhoff<dim>(material, F) * F.transpose() / F.determinant();
+    if constexpr (dim == 2) {
+      const double zz = material.plane_stress ? 0 : material.poisson * s.trace();
+      stress.col(i) << s(0, 0), s(1, 1), s(0, 1);
+      mises(0, i) = std::sqrt(
+          0.5 * (std::pow(s(0, 0) - s(1, 1), 2) + std::pow(s(1, 1) - zz, 2) + std::pow(zz - s(0, 0), 2)) +
+          3 * s(0, 1) * s(0, 1));
+    } else {
+      const Matrix deviator = s - s.trace() / 3 * Matrix::Identity();
+      stress.col(i) << s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2);
+      mises(0, i) = std::sqrt(1.5) * deviator.norm();
+    }
+  }
+  Frame frame;
+  frame.time = state_.time;
+  frame.position = in_space<dim>(lattice_.position + state_.displacement);
+  frame.point_data = {{"displacement", "m", in_space<dim>(state_.displacement)},
+                      {"velocity", "m/s", in_space<dim>(state_.velocity)},
+                      {"stress", "Pa", stress},
+                      {"von_mises", "Pa", mises}};
+  if (failure_) frame.point_data.push_back({"damage", "1", failure_->damage(state_.failure)});
+  return frame;
+}
+
+template <int dim>
+std::vector<std::string> ParticleSolver<dim>::lines() const {
+  const Eigen::Index inside = lattice_.count_inside();
+  double fastest = 0, mass = 0;
+  for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
+    fastest = std::max(fastest, wave_speed(lattice_.material(i)));
+    if (lattice_.inside[static_cast<std::size_t>(i)]) mass += mass_[i];
+  }
+  const bool plate = parameters_.shape.kind == ShapeKind::plate && dim == 2;
+  std::vector<std::string> lines = {
+      fmt::format("particle ({})   {} layers, {} particles (+ {} in the clamps)   spacing {:.4g} mm",
+                  model_name(parameters_.particle), lattice_.layers, inside, lattice_.size() - inside,
+                  1e3 * lattice_.spacing),
+      fmt::format("mass {:.4g} {}", mass, dim == 2 ? "kg/m" : "kg") +
+          (plate ? "   " + beam_line(parameters_.plate, parameters_.material) : std::string()),
+      fmt::format("elastic limit {:.4g} s = {:.3f} spacing / c_P (c_P {:.0f} m/s), sub-step at most {:.4g} s",
+                  elastic_limit_, elastic_limit_ * fastest / lattice_.spacing, fastest, largest_step_)};
+  if (failure_)
+    for (std::string& line : failure_->lines(mesh_.faces.cols() > 0)) lines.push_back(std::move(line));
+  return lines;
+}
+
+template <int dim>
+std::vector<Column> ParticleSolver<dim>::columns() const {
+  if (!failure_) return {};
+  return {{"failure.energy", "J"}, {"failure.bonds", "1"}, {"failure.damage", "1"}};
+}
+
+template <int dim>
+std::map<std::string, double> ParticleSolver<dim>::monitor() const {
+  if (!failure_) return {};
+  return {{"failure.energy", state_.failure.released},
+          {"failure.bonds", static_cast<double>(state_.failure.bonds)},
+          {"failure.damage", failure_->damage(state_.failure).maxCoeff()}};
+}
+
+template void ParticleSolver<2>::write(Archive&) const;
+template void ParticleSolver<3>::write(Archive&) const;
+template void ParticleSolver<2>::read(const Archive&);
+template void ParticleSolver<3>::read(const Archive&);
+template Frame ParticleSolver<2>::frame() const;
+template Frame ParticleSolver<3>::frame() const;
+template std::vector<std::string> ParticleSolver<2>::lines() const;
+template std::vector<std::string> ParticleSolver<3>::lines() const;
+template std::vector<Column> ParticleSolver<2>::columns() const;
+template std::vector<Column> ParticleSolver<3>::columns() const;
+template std::map<std::string, double> ParticleSolver<2>::monitor() const;
+template std::map<std::string, double> ParticleSolver<3>::monitor() const;
+
+}  // namespace strake::structure
