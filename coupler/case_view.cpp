@@ -54,15 +54,18 @@ std::string without_sides(const std::string& toml_text) {
   return kept;
 }
 
-/// Runs one mode of a side's program; what it refuses is thrown with its own words and exit code.
-std::string ask(const SideView& side, const std::string& mode, const CaseFile& file,
-                const std::vector<std::string>& sets, const StopRequest* stop) {
-  std::vector<std::string> arguments = {mode, "--case", file.path().string()};
+}  // namespace
+
+std::string ask(const std::filesystem::path& program, std::vector<std::string> arguments,
+                const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                const StopRequest* stop) {
+  const std::string mode = arguments.front();
+  arguments.insert(arguments.end(), {"--case", case_file.string()});
   for (const std::string& set : sets) {
     arguments.push_back("--set");
     arguments.push_back(set);
   }
-  const Captured answer = capture(side.program, arguments, std::chrono::seconds(120), stop);
+  const Captured answer = capture(program, arguments, std::chrono::seconds(120), stop);
   if (answer.exit_code == 0) return answer.out;
   const std::string words = answer.err.empty() ? answer.out : answer.err;
   switch (answer.exit_code) {
@@ -73,12 +76,13 @@ std::string ask(const SideView& side, const std::string& mode, const CaseFile& f
     case static_cast<int>(ExitCode::our_bug):
       throw Error(static_cast<ExitCode>(answer.exit_code), "", words);
     default:
-      throw Error(
-          ExitCode::participant_lost, side.program.string(),
-          fmt::format("{} ended with exit code {}\n{}", mode, answer.exit_code, words),
-          fmt::format("run it by hand: {} {} --case {}", side.program.string(), mode, file.path().string()));
+      throw Error(ExitCode::participant_lost, program.string(),
+                  fmt::format("{} ended with exit code {}\n{}", mode, answer.exit_code, words),
+                  fmt::format("run it by hand: {} {} --case {}", program.string(), mode, case_file.string()));
   }
 }
+
+namespace {
 
 SideView look_at(const std::string& name, const std::string& solver, CaseFile file,
                  const std::vector<std::string>& sets, const StopRequest* stop,
@@ -94,10 +98,10 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
   else
     side.program = find_program(program_name(name, solver), file.folder());
   if (users) return side;  // it knows its own table; nobody else does
-  std::istringstream lines(ask(side, "--check", file, sets, stop));
+  std::istringstream lines(ask(side.program, {"--check"}, file.path(), sets, stop));
   for (std::string line; std::getline(lines, line);)
     if (!line.empty()) side.lines.push_back(line);
-  side.echo = ask(side, "--echo", file, sets, stop);
+  side.echo = ask(side.program, {"--echo"}, file.path(), sets, stop);
   return side;
 }
 

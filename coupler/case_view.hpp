@@ -47,6 +47,12 @@ struct CaseView {
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
                    const StopRequest* stop = nullptr, const std::vector<std::string>& by_hand = {});
 
+/// Runs one mode of a program ("--check", or "--export" and its file) on a case; what it prints. What it
+/// refuses is thrown with its own words and exit code.
+std::string ask(const std::filesystem::path& program, std::vector<std::string> arguments,
+                const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                const StopRequest* stop = nullptr);
+
 /// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.
 std::string program_name(const std::string& side, const std::string& solver);
 

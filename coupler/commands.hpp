@@ -45,6 +45,14 @@ struct KeysOptions {
 };
 ExitCode keys(const KeysOptions&);
 
+struct ExportOptions {
+  std::filesystem::path recorded;  // a run folder
+  std::string to;                  // "ccx" | "ansys"
+  std::filesystem::path folder;    // empty: RUN/export
+  std::vector<std::string> sets;
+};
+ExitCode export_run(const ExportOptions&, const StopRequest&);
+
 struct ReplayOptions {
   std::filesystem::path recorded;  // a run folder
   std::string

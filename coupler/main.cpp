@@ -114,6 +114,18 @@ int main(int argc, char** argv) {
   command->add_option("RUN", compared, "run folder")->required();
   command->callback([&] { action = [&] { return strake::compare_run(compared); }; });
 
+  strake::ExportOptions deck;
+  command =
+      app.add_subcommand("export", "mesh, supports and recorded loads of a run as another program's deck");
+  command->add_option("RUN", deck.recorded, "run folder")->required();
+  command->add_option("--to", deck.to, "CalculiX, or Ansys Mechanical (APDL)")
+      ->required()
+      ->check(CLI::IsMember({"ccx", "ansys"}))
+      ->type_name("ccx|ansys");
+  command->add_option("-o", deck.folder, "folder of the deck, default RUN/export")->type_name("DIR");
+  add_sets(*command, deck.sets);
+  command->callback([&] { action = [&] { return strake::export_run(deck, stop); }; });
+
   strake::KeysOptions keys;
   command = app.add_subcommand("keys", "make the keys of a run between machines");
   command->add_option("DIR", keys.folder, "folder of the keys, default keys");

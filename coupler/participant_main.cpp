@@ -81,6 +81,14 @@ int run_mode(const ParticipantOptions& options, const Program& program) {
     case Mode::echo:
       fmt::print("{}", load_declared(options, program).echo(program.prefix));
       break;
+    case Mode::export_model: {
+      if (!program.export_model)
+        throw Error(ExitCode::command_line, program.program + " --export", "this solver has no mesh to write",
+                    "strake-structure-fem has one");
+      CaseFile file = load_declared(options, program);
+      program.export_model(file, options.export_file);
+      break;
+    }
     case Mode::check: {
       CaseFile file = load_declared(options, program);
       if (!program.check) break;
@@ -109,6 +117,8 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
   auto* modes = app.add_option_group("modes", "instead of taking part in a run");
   modes->add_flag("--check", check, "read the case, refuse what a run would refuse, print derived numbers");
   modes->add_flag("--echo", echo, "print this program's tables with every key resolved");
+  const auto* to_file =
+      modes->add_option("--export", options.export_file, "write mesh, supports and loads as HDF5");
   modes->add_flag("--keys", keys, "print this program's keys as JSON");
   modes->add_flag("--version", version, "print name and version");
   modes->require_option(0, 1);
@@ -121,11 +131,12 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
   }
   if (!hash.empty()) options.case_hash = parse_hash(hash);
   using Mode = ParticipantOptions::Mode;
-  options.mode = check     ? Mode::check
-                 : echo    ? Mode::echo
-                 : keys    ? Mode::keys
-                 : version ? Mode::version
-                           : Mode::serve;
+  options.mode = check      ? Mode::check
+                 : echo     ? Mode::echo
+                 : *to_file ? Mode::export_model
+                 : keys     ? Mode::keys
+                 : version  ? Mode::version
+                            : Mode::serve;
   return options;
 }
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,11 +16,12 @@
 namespace strake {
 
 /// The command line of a participant: --connect ENDPOINT --name N --case FILE [--set K=V]… [--case-hash HEX],
-/// or one of the modes --check, --echo, --keys, --version.
+/// or one of the modes --check, --echo, --export FILE, --keys, --version.
 struct ParticipantOptions {
-  enum class Mode { serve, check, echo, keys, version };
+  enum class Mode { serve, check, echo, export_model, keys, version };
   Mode mode = Mode::serve;
   std::string endpoint, name, case_file;
+  std::filesystem::path export_file;
   std::vector<std::string> sets;
   std::optional<std::array<std::uint8_t, 32>>
       case_hash;  // as the coupler gave it; our programs compute their own
@@ -41,6 +43,8 @@ struct Program {
   std::function<std::unique_ptr<Participant>(CaseFile&, const ParticipantOptions&, const Setup&)> build;
   /// Optional: the coupling, for a program that can lead it. `declare` has run on the same file.
   std::function<std::unique_ptr<Leader>(const ParticipantOptions&)> lead = {};
+  /// Optional, for --export FILE: writes what it would compute with, for other programs.
+  std::function<void(CaseFile&, const std::filesystem::path&)> export_model = nullptr;
 };
 
 /// The whole of a solver's main: parses, does the mode or serves, prints errors, returns the exit code.

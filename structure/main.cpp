@@ -1,4 +1,5 @@
 #include "coupler/participant_main.hpp"
+#include "proto/result_file.hpp"
 #include "structure/participant.hpp"
 #include "structure/program.hpp"
 
@@ -27,5 +28,9 @@ int main(int argc, char** argv) {
     return std::make_unique<structure::StructureParticipant>(solver.build(parameters), parameters, common,
                                                              setup);
   };
+  if (solver.model)
+    program.export_model = [&](CaseFile&, const std::filesystem::path& file) {
+      write_archive(file, structure::deck::to_archive(solver.model(parameters, common.probes)));
+    };
   return participant_main(argc, argv, program);
 }

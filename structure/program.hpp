@@ -1,11 +1,14 @@
 #pragma once
 
+#include "proto/case_keys.hpp"
+#include "structure/deck/model.hpp"
 #include "structure/parameters.hpp"
 #include "structure/solver.hpp"
 
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace strake::structure {
 
@@ -14,6 +17,8 @@ namespace strake::structure {
 struct SolverProgram {
   std::string kind;  // "fem" | "particle" | "rigid" | "replay"
   std::function<std::unique_ptr<Solver>(const Parameters&)> build;
+  /// Of a solver with a mesh that other programs can take.
+  std::function<deck::Model(const Parameters&, const std::vector<ProbeKeys>&)> model = nullptr;
 };
 SolverProgram this_program();
 

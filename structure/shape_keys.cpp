@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 namespace strake::structure {
 namespace {
@@ -139,10 +140,19 @@ void check_motion(CaseTable t, const CommonKeys& common, const Parameters& p) {
         fmt::format("add rows, or end_time = {:.6g}", p.motion->end()));
 }
 
+/// Tables whose keys have their defaults, as in the resolved case of a run, say nothing.
+bool says_something(std::string_view key, const Parameters& p) {
+  if (key == "lumped") return p.body.lumped_mass != 0;
+  if (key == "free") return p.free.any();
+  if (key == "motion") return p.motion.has_value();
+  if (key == "angular_velocity") return p.angular_velocity != 0;
+  return true;
+}
+
 void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
   for (const char* key : {"mass", "inertia", "inertia_axes", "centre_of_gravity", "lumped",
                           "angular_velocity", "pivot", "motion", "free"})
-    if (t.has(key) && p.kind != "rigid" && p.kind != "replay")
+    if (t.has(key) && says_something(key, p) && p.kind != "rigid" && p.kind != "replay")
       throw t.error(
           key, fmt::format("nothing: it belongs to rigid bodies, and structure.solver is \"{}\"", p.kind),
           fmt::format("leave {} out, or structure.solver = \"rigid\"", key));

@@ -1,11 +1,12 @@
 #include "structure/program.hpp"
 
 #include "structure/fem/make_solver.hpp"
+#include "structure/fem/model.hpp"
 
 namespace strake::structure {
 
 SolverProgram this_program() {
-  return {"fem", [](const Parameters& p) { return fem::make_solver(p); }};
+  return {"fem", [](const Parameters& p) { return fem::make_solver(p); }, &fem::model};
 }
 
 }  // namespace strake::structure

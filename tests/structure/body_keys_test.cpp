@@ -42,6 +42,18 @@ void refuses(const std::string& structure, const std::string& part, const std::v
   }
 }
 
+// The case.toml of a run holds every key, the tables of rigid bodies with their defaults too.
+TEST(BodyKeys, TheResolvedCaseOfAnElasticBodyIsACase) {
+  const std::string plate = "plate = { length = 0.4, thickness = 0.02 }\n";
+  for (const std::string kind : {"fem", "particle"}) {
+    CaseFile file = body_case(plate, {"structure.solver=" + kind, "structure.particle.spacing=0.005"});
+    read(file, kind);
+    CaseFile again = CaseFile::parse(file.echo());
+    EXPECT_NO_THROW(read(again, kind)) << file.echo();
+  }
+  refuses(plate + "lumped = { mass = 1 }\n", "structure.lumped", {}, "fem");
+}
+
 TEST(BodyKeys, AWedgeIsGivenByWidthOrByDraught) {
   const Parameters a = read_body("wedge = { deadrise = 45, width = 0.4, apex = [0, 0.1], height = 0.3 }\n");
   ASSERT_EQ(a.shape.corner.size(), 5u);

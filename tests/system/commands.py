@@ -23,9 +23,9 @@ def equal(one, other, what, names=("history.csv", "iterations.csv")):
 def help_and_version(place):
     result = strake("--help", cwd=place)
     expect(result.returncode == 0, "--help exits 0")
-    for command in ("run", "check", "explain", "compare", "replay"):
+    for command in ("run", "check", "explain", "compare", "replay", "export"):
         expect(f"  {command} " in result.stdout, f"--help names {command}")
-    for command in ("watch", "report", "export", "study", "picture", "film"):
+    for command in ("watch", "report", "study", "picture", "film"):
         expect(f"  {command} " not in result.stdout, f"--help is silent about {command}, which is not built")
     version = strake("--version", cwd=place)
     expect(version.returncode == 0 and version.stdout.startswith("strake "), f"--version: {version.stdout.strip()}")
@@ -111,6 +111,32 @@ def replay_repeats(place, run):
     expect(len(forces[0]) == len(forces[1]) and gap < 1e-12, f"replay: the same force on the structure, gap {gap:.1e}")
 
 
+def export_writes_decks(place, run):
+    if not (BIN / "strake-structure-fem").exists():
+        print("skip  export: there is no strake-structure-fem")
+        return
+    history = (run / "history.csv").read_text().splitlines()
+    column = history[0].split(",").index("force.y [N/m]")
+    impulse = sum(float(line.split(",")[column]) for line in history[1:]) * 1e-5
+    for to, name, word in (("ccx", "ccx.inp", "*DYNAMIC, DIRECT, ALPHA=0."), ("ansys", "ansys.inp", "ANTYPE,TRANS")):
+        result = strake("export", run, "--to", to, cwd=place)
+        deck = run / "export" / name
+        expect(result.returncode == 0 and deck.exists(), f"export --to {to}: exit {result.returncode}\n{result.stderr}")
+        expect(word in deck.read_text() and "next" in result.stdout, f"export --to {to} is a transient analysis")
+    felt, deck = 0.0, (run / "export" / "ccx.inp").read_text()
+    for amplitude in re.findall(r"\*AMPLITUDE, NAME=F\d+Y,[^\n]*\n([^*]*)", deck):
+        numbers = [float(n) for n in re.split(r"[,\s]+", amplitude.strip())]
+        felt += sum((t1 - t0) * (a + b) / 2 for t0, a, t1, b in zip(numbers[::2], numbers[1::2], numbers[2::2], numbers[3::2]))
+    # What falls on the clamped ends is lost to both.
+    expect(0.9 < felt / impulse <= 1.0001, f"export: the deck carries the recorded impulse, {felt:.5g} of {impulse:.5g} N s/m")
+    elsewhere = strake("export", run, "--to", "ccx", "-o", place / "decks", "--set", "structure.fem.refinement=1", cwd=place)
+    expect(elsewhere.returncode == 0 and (place / "decks" / "probes.csv").exists(), f"export -o DIR\n{elsewhere.stderr}")
+    nowhere = strake("export", place, "--to", "ccx", cwd=place)
+    expect(nowhere.returncode == 3 and "case.toml" in nowhere.stderr, f"export of no run is refused\n{nowhere.stderr}")
+    other = strake("export", run, "--to", "ccx", "--set", "structure.plate.length=0.2", cwd=place)
+    expect(other.returncode == 3 and "interface points" in other.stderr, f"export of another shape is refused\n{other.stderr}")
+
+
 def full_disk(place):
     """A folder that cannot be written: as root only a full or read-only file system refuses."""
     result = strake("run", CASE, *QUICK, "--runs", "/proc/strake", cwd=place)
@@ -134,6 +160,7 @@ with folder() as place:
     strict_fails(place)
     resume_is_exact(place, recorded)
     replay_repeats(place, recorded)
+    export_writes_decks(place, recorded)
     full_disk(place)
 reference_of_keys()
 finish()

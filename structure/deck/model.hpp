@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <string>
+#include <vector>
+
+#include "proto/interface.hpp"
+#include "structure/parameters.hpp"
+#include "structure/solid.hpp"
+
+namespace strake::structure::deck {
+
+/// Weights of nodes whose sum is the value in a point: points × nodes. The transpose puts forces in the
+/// points on the nodes.
+using Weights = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// A finite-element model as other programs take it: straight-sided elements with nodes in their corners and,
+/// quadratic, in the middles of their edges. Nodes of a cell as Abaqus, CalculiX and Ansys order them:
+/// corners of the bottom counter-clockwise, of the top, then the middles of the bottom's, the top's and the
+/// upright edges. Unknown dimension·node + component. Two dimensions speak per metre of depth.
+struct Model {
+  int dimension = 2, degree = 2;
+  Points node;              // 3×n [m], reference configuration
+  Eigen::MatrixXi cell;     // 4 or 8 (degree 1), 8 or 20 (degree 2) × m
+  std::vector<int> part;    // m, into `parts`
+  std::vector<Part> parts;  // name and material
+  std::vector<int> fixed;   // unknowns that the supports hold, ascending
+
+  Points interface_position;  // 3×k [m] points that the fluid's forces come in
+  Weights interface;          // k × n
+
+  std::vector<std::string> probe;  // names
+  Points probe_at;                 // 3×p [m]
+  Weights probe_weights;           // p × n
+
+  Analysis analysis = Analysis::dynamic;
+  Eigen::Vector3d support_velocity = Eigen::Vector3d::Zero();  // [m/s] of the frame that all this is said in
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();           // [m/s²]
+  double gravity_ramp = 0;                                     // [s], see structure::ramp_factor
+  Eigen::VectorXd own_load;                                    // [N] of [structure.load] at full value
+  double own_load_ramp = 0;                                    // [s]
+  Damping damping;
+
+  int n_nodes() const { return static_cast<int>(node.cols()); }
+  int n_cells() const { return static_cast<int>(cell.cols()); }
+};
+
+/// From Lagrange cells with (degree+1)^dimension nodes in lexicographic order, x fastest (`cell`, and all
+/// that speaks of nodes), which it replaces. Nodes in the middle of a cell or of a face are left out: their
+/// share of a load, and of a probe, goes to the other nodes as the shape functions of the element that is
+/// left have it in that place, which keeps work, force and moment.
+Model with_edge_nodes(Model lagrange);
+
+Archive to_archive(const Model&);
+/// Throws Error(case_file) with `source` where something is missing.
+Model from_archive(const Archive&, const std::string& source);
+
+/// Length of the shortest edge of a cell [m].
+double shortest_edge(const Model&);
+
+/// What none of the decks can say: throws Error(case_file).
+void require_plain_materials(const Model&);
+
+}  // namespace strake::structure::deck
