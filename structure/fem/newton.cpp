@@ -1,6 +1,7 @@
 #include "structure/fem/newton.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace strake::structure::fem {
@@ -33,12 +34,19 @@ NewtonResult solve(const Equilibrium& equilibrium, Eigen::VectorXd start, double
       fresh = result.refreshed = true;
       continue;
     }
-    for (int i = 0; i < max_halvings && grows(); ++i) {
+    // Along the line the work of the residual on the step counts, not the residual's size (Matthies & Strang
+    // 1979): a slender body that turns is stretched by the straight step, which the next one takes back; its
+    // residual grows meanwhile by orders, across the step.
+    const double work = std::abs(step.dot(here.value));
+    const auto works_more = [&] {
+      return !(std::abs(step.dot(there.value)) <= work) || !there.value.allFinite();
+    };
+    for (int i = 0; i < max_halvings && grows() && works_more(); ++i) {
       part /= 2;
       trial = result.x + part * step;
       there = equilibrium.residual(trial);
     }
-    if (grows()) return result;
+    if (grows() && works_more()) return result;
     const bool halved = there.value.norm() <= slow * result.residual;
     result.x = std::move(trial);
     here = std::move(there);

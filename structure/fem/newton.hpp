@@ -26,8 +26,8 @@ struct NewtonResult {
 };
 
 /// Modified Newton: keeps the tangent while each correction at least halves the residual, then takes a new
-/// one at the present x, and with that searches along the line. Every decision rests on residuals, none on
-/// time.
+/// one at the present x, and with that searches along the line until the residual does no more work on the
+/// step. Every decision rests on residuals, none on time.
 NewtonResult solve(const Equilibrium&, Eigen::VectorXd start, double tolerance, int max_iterations = 40);
 
 }  // namespace strake::structure::fem
