@@ -145,6 +145,20 @@ std::map<std::string, std::string> flatten_toml(const std::string& text, const s
   }
 }
 
+std::optional<std::string> ask_solver(const CaseView& view, const std::string& side,
+                                      const std::string& solver, const std::string& mode,
+                                      const StopRequest* stop) {
+  std::filesystem::path program;
+  try {
+    program = find_program(program_name(side, solver), view.file.folder());
+  } catch (const Error&) {
+    return std::nullopt;  // an optional one that was not built
+  }
+  std::vector<std::string> sets = view.sets;
+  sets.push_back(fmt::format("{}.solver={}", side, solver));
+  return ask(program, {mode}, view.file.path(), sets, stop);
+}
+
 CaseLookup CaseView::lookup() const {
   return [values = value](const std::string& key) -> std::optional<std::string> {
     const auto found = values.find(key);

@@ -53,6 +53,11 @@ std::string ask(const std::filesystem::path& program, std::vector<std::string> a
                 const std::filesystem::path& case_file, const std::vector<std::string>& sets,
                 const StopRequest* stop = nullptr);
 
+/// What a mode of a program of ours says ("--properties") of the case with another solver in the side's place
+/// ("particle"); nothing where the program is not installed. What it refuses is thrown with its own words.
+std::optional<std::string> ask_solver(const CaseView&, const std::string& side, const std::string& solver,
+                                      const std::string& mode, const StopRequest* stop);
+
 /// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.
 std::string program_name(const std::string& side, const std::string& solver);
 

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 
 #include "coupler/case_view.hpp"
 #include "coupler/commands.hpp"
@@ -8,8 +10,58 @@
 #include "coupler/run_folder.hpp"
 #include "coupler/session.hpp"
 #include "coupler/stop_request.hpp"
+#include "proto/error.hpp"
+#include "proto/whole_file.hpp"
 
 namespace strake {
+namespace {
+
+/// The case's body as each discretisation of ours has it; one that cannot take the case says why.
+void print_properties(const CaseView& view, const StopRequest& stop) {
+  std::string rows;
+  for (const std::string solver : {"fem", "particle", "rigid"}) try {
+      rows += ask_solver(view, "structure", solver, "--properties", &stop).value_or("");
+    } catch (const Error& error) {
+      if (solver == "rigid" || view.structure->solver == "rigid")
+        continue;  // no third and second opinion then
+      // The line, and from below it what was expected there.
+      const std::string words = error.problem(), expected = "^ expected ";
+      std::string why = words.substr(0, words.find('\n'));
+      if (const std::size_t at = words.find(expected); at != std::string::npos)
+        why += ": " + words.substr(at + expected.size(), words.find('\n', at) - at - expected.size());
+      rows += fmt::format("{:<10} not with this case: {}\n", solver, why);
+    }
+  if (!rows.empty())
+    fmt::print("\nthe body, by discretisation\n{:<10} {:>12}   {} {:>14}   {:<28} {}\n{}", "solver",
+               "mass [kg]", "centre [m]", "inertia [kg m2]", "f1, f2, f3 dry [Hz]", "stable step", rows);
+}
+
+/// One drawing per discretisation, one above the other.
+void write_picture(const CaseView& view, const std::filesystem::path& path, const StopRequest& stop) {
+  std::string drawings;
+  double y = 0, width = 0;
+  for (const std::string solver : {"fem", "particle", "rigid"}) try {
+      const std::string drawing = ask_solver(view, "structure", solver, "--picture", &stop).value_or("");
+      if (drawing.empty() || (solver == "rigid" && y > 0 && view.structure->solver != "rigid")) continue;
+      const auto number = [&](const std::string& name) {
+        const std::size_t at = drawing.find(name + "='");
+        return at == std::string::npos ? 0.0 : std::strtod(drawing.c_str() + at + name.size() + 2, nullptr);
+      };
+      drawings += fmt::format("<g transform='translate(0 {:.0f})'>\n{}</g>\n", y, drawing);
+      y += number("height");
+      width = std::max(width, number("width"));
+    } catch (const Error&) {  // the table says why
+    }
+  if (drawings.empty())
+    throw Error(ExitCode::command_line, "--picture " + path.string(),
+                "the case has no structure of ours to draw", "leave --picture out");
+  write_whole(path, fmt::format("<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' "
+                                "viewBox='0 0 {0:.0f} {1:.0f}'>\n{2}</svg>\n",
+                                width, y, drawings));
+  fmt::print("\npicture    {}\n", path.string());
+}
+
+}  // namespace
 
 /// Everything that `run` would refuse, the set-up of both solvers included; no window is advanced, nothing
 /// stays.
@@ -26,6 +78,14 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
   fmt::print("{}", block_text("mapping", session.mapping_lines()));
   for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", warning);
 
+  const bool ours = view.structure && view.structure->solver.find('/') == std::string::npos;
+  if (ours && view.structure->solver != "replay") print_properties(view, stop);
+  if (!options.picture.empty()) {
+    if (!view.structure || !ours)
+      throw Error(ExitCode::command_line, "--picture " + options.picture.string(),
+                  "the case has no structure of ours to draw", "leave --picture out");
+    write_picture(view, options.picture, stop);
+  }
   fmt::print("\nevery value and where it came from\n{}", view.resolved);
   fmt::print("\n{}: nothing to refuse\n  next    strake run {}\n", options.case_file.string(),
              options.case_file.string());

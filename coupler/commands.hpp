@@ -30,6 +30,7 @@ ExitCode run(const RunOptions&, const StopRequest&);
 struct CheckOptions {
   std::filesystem::path case_file;
   std::vector<std::string> sets;
+  std::filesystem::path picture;  // SVG to write; empty: none
   bool patient = false;
 };
 ExitCode check(const CheckOptions&, const StopRequest&);

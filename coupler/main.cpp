@@ -98,6 +98,8 @@ int main(int argc, char** argv) {
       app.add_subcommand("check", "all that run would refuse, plus derived numbers; starts no time step");
   command->add_option("CASE", check.case_file, "case file")->required();
   add_sets(*command, check.sets);
+  command->add_option("--picture", check.picture,
+                      "write shape, cells, particles, supports and wet surface of the structure as an SVG");
   command->add_flag("--patient", check.patient, "no deadline but death, for debuggers");
   command->callback([&] { action = [&] { return strake::check(check, stop); }; });
 

@@ -89,6 +89,13 @@ int run_mode(const ParticipantOptions& options, const Program& program) {
       program.export_model(file, options.export_file);
       break;
     }
+    case Mode::properties:
+    case Mode::picture: {
+      const auto& make = options.mode == Mode::picture ? program.picture : program.properties;
+      CaseFile file = load_declared(options, program);
+      if (make) fmt::print("{}", make(file));
+      break;
+    }
     case Mode::check: {
       CaseFile file = load_declared(options, program);
       if (!program.check) break;
@@ -103,7 +110,7 @@ int run_mode(const ParticipantOptions& options, const Program& program) {
 
 ParticipantOptions parse_participant_options(int argc, char** argv) {
   ParticipantOptions options;
-  bool check = false, echo = false, keys = false, version = false;
+  bool check = false, properties = false, picture = false, echo = false, keys = false, version = false;
   std::string hash;
   CLI::App app{"A participant of a Strake run. `strake run CASE` starts it; its modes stand alone."};
   app.add_option("--connect", options.endpoint, "endpoint of the coupler; the token is in STRAKE_TOKEN");
@@ -116,6 +123,9 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
   app.add_option("--case-hash", hash, "hash of the case as the coupler read it");
   auto* modes = app.add_option_group("modes", "instead of taking part in a run");
   modes->add_flag("--check", check, "read the case, refuse what a run would refuse, print derived numbers");
+  modes->add_flag("--properties", properties, "print mass, centre, inertia, frequencies and stable step");
+  modes->add_flag("--picture", picture,
+                  "print a drawing of shape, cells or particles, supports and wet surface (SVG)");
   modes->add_flag("--echo", echo, "print this program's tables with every key resolved");
   const auto* to_file =
       modes->add_option("--export", options.export_file, "write mesh, supports and loads as HDF5");
@@ -131,12 +141,14 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
   }
   if (!hash.empty()) options.case_hash = parse_hash(hash);
   using Mode = ParticipantOptions::Mode;
-  options.mode = check      ? Mode::check
-                 : echo     ? Mode::echo
-                 : *to_file ? Mode::export_model
-                 : keys     ? Mode::keys
-                 : version  ? Mode::version
-                            : Mode::serve;
+  options.mode = check        ? Mode::check
+                 : properties ? Mode::properties
+                 : picture    ? Mode::picture
+                 : echo       ? Mode::echo
+                 : *to_file   ? Mode::export_model
+                 : keys       ? Mode::keys
+                 : version    ? Mode::version
+                              : Mode::serve;
   return options;
 }
 

@@ -16,9 +16,9 @@
 namespace strake {
 
 /// The command line of a participant: --connect ENDPOINT --name N --case FILE [--set K=V]… [--case-hash HEX],
-/// or one of the modes --check, --echo, --export FILE, --keys, --version.
+/// or one of the modes --check, --properties, --picture, --echo, --export FILE, --keys, --version.
 struct ParticipantOptions {
-  enum class Mode { serve, check, echo, export_model, keys, version };
+  enum class Mode { serve, check, properties, picture, echo, export_model, keys, version };
   Mode mode = Mode::serve;
   std::string endpoint, name, case_file;
   std::filesystem::path export_file;
@@ -39,6 +39,8 @@ struct Program {
   std::function<void(CaseFile&)> declare;
   /// Optional, for --check: derived numbers, one line each; more refusals (a body outside the tank, …).
   std::function<std::vector<std::string>(CaseFile&)> check;
+  /// Optional, for --properties: one line of a table that compares discretisations; for --picture: an SVG.
+  std::function<std::string(CaseFile&)> properties, picture;
   /// Builds the participant. `declare` has run on the same file.
   std::function<std::unique_ptr<Participant>(CaseFile&, const ParticipantOptions&, const Setup&)> build;
   /// Optional: the coupling, for a program that can lead it. `declare` has run on the same file.

@@ -1,7 +1,9 @@
 #include "coupler/participant_main.hpp"
 #include "proto/result_file.hpp"
 #include "structure/participant.hpp"
+#include "structure/picture.hpp"
 #include "structure/program.hpp"
+#include "structure/properties.hpp"
 
 #include <memory>
 
@@ -24,6 +26,10 @@ int main(int argc, char** argv) {
   program.check = [&](CaseFile&) {
     return structure::describe(*solver.build(parameters), parameters, common);
   };
+  program.properties = [&](CaseFile&) {
+    return structure::properties_line(solver.kind, solver.build(parameters)->properties());
+  };
+  program.picture = [&](CaseFile&) { return structure::picture(*solver.build(parameters), parameters); };
   program.build = [&](CaseFile&, const ParticipantOptions&, const Setup& setup) {
     return std::make_unique<structure::StructureParticipant>(solver.build(parameters), parameters, common,
                                                              setup);

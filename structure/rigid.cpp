@@ -210,4 +210,9 @@ Frame outline_frame(double time, const InterfaceMesh& mesh, const Points& displa
   return frame;
 }
 
+Properties Rigid::properties() {
+  const MassProperties& m = body_.mass();
+  return {.mass = m.mass, .centre = m.centre, .inertia = m.inertia(2, 2), .frequencies = {}, .step = "any"};
+}
+
 }  // namespace strake::structure

@@ -28,6 +28,7 @@ class Rigid final : public Solver {
   void read(const Archive&) override;
   Frame frame() const override;
   std::vector<std::string> lines() const override;
+  Properties properties() override;
   /// Centre of gravity: place, turn, their rates; the fluid's load, the window's mean, moment about it.
   std::vector<Column> columns() const override;
   std::map<std::string, double> monitor() const override;

@@ -33,6 +33,15 @@ class Load {
   std::vector<Sample> samples_;
 };
 
+/// What a discretisation makes of a body, for comparison with the shape and with other discretisations.
+struct Properties {
+  double mass = 0;                                   // [kg], per metre of depth in 2-D
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // [m] of gravity
+  double inertia = 0;                                // [kg m²] about z through the centre
+  std::vector<double> frequencies;                   // [Hz] the lowest, dry; empty: it has none
+  std::string step;                                  // stable step, as text: "1.2e-06 s", "any"
+};
+
 /// One structure method. All that changes in time sits in one struct that save/restore copy.
 class Solver {
  public:
@@ -64,6 +73,8 @@ class Solver {
   virtual void solve_static();
   /// structure.analysis = modal: the lowest `count` natural frequencies [Hz], ascending. Default as above.
   virtual std::vector<double> frequencies(int count);
+  /// Default: nothing, mass 0.
+  virtual Properties properties() { return {}; }
 };
 
 }  // namespace strake::structure

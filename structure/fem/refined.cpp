@@ -22,7 +22,7 @@ struct Sizes {
   double largest;       // [thickness] away from the ends
   double largest_part;  // [extent]
 };
-constexpr Sizes in_plane{0.5, 0.25, 0.5, 1 / 32.0}, in_space{1.0, 0.5, 1.0, 1 / 12.0};
+constexpr Sizes in_plane{0.5, 0.25, 0.5, 1 / 32.0}, in_space{1.0, 0.5, 4.0, 1 / 12.0};
 // A part is thin along an axis where it measures less than so many times its smallest extent.
 constexpr double thin = 2;
 

@@ -411,6 +411,28 @@ std::vector<double> FemSolver<dim>::frequencies(int count) {
   return f;
 }
 
+// With the consistent mass M: m = 1·M 1, m x̄ = 1·M X, I_z = x·M x + y·M y − m (x̄² + ȳ²), exact for the cells'
+// shape.
+template <int dim>
+Properties FemSolver<dim>::properties() {
+  Properties result;
+  const auto component = [&](int k, auto value) {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(mesh().n_unknowns());
+    for (int i = 0; i < mesh().n_nodes(); ++i) v(dim * i + k) = value(i);
+    return v;
+  };
+  for (int k = 0; k < dim; ++k) {
+    const Eigen::VectorXd one = component(k, [](int) { return 1.0; });
+    const Eigen::VectorXd x = component(k, [&](int i) { return mesh().node(k, i); });
+    result.mass = one.dot(mass_ * one);
+    result.centre(k) = one.dot(mass_ * x) / result.mass;
+    if (k < 2) result.inertia += x.dot(mass_ * x) - result.mass * result.centre(k) * result.centre(k);
+  }
+  result.frequencies = frequencies(3);
+  result.step = "any (implicit)";
+  return result;
+}
+
 std::unique_ptr<Solver> make_solver(const Parameters& parameters) {
   if (parameters.dimension == 3) return std::make_unique<FemSolver<3>>(parameters);
   return std::make_unique<FemSolver<2>>(parameters);

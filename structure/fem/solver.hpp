@@ -47,6 +47,7 @@ class FemSolver final : public Solver {
   std::vector<std::string> lines() const override;
   void solve_static() override;
   std::vector<double> frequencies(int count) override;  // without rigid motions
+  Properties properties() override;
 
   /// For tests of the method: the mesh, and the displacement of its nodes relative to the supports.
   const Mesh<dim>& mesh() const { return discretisation_.mesh(); }
