@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "structure/fem/make_solver.hpp"
+#include "structure/fem/solver.hpp"
+
+namespace strake::structure::fem {
+namespace {
+
+/// Turek and Hron's flag, 0.35 m × 0.02 m behind a cylinder of radius 0.05 m at (0.2, 0.2): along × through
+/// cells, its left end on the cylinder, smaller cells towards it.
+Parameters flag(int along, int through) {
+  Parameters p;
+  p.shape.kind = ShapeKind::solid;
+  Solid& solid = p.solid;
+  const int row = along + 1;
+  solid.node = Points::Zero(3, row * (through + 1));
+  for (int j = 0; j <= through; ++j) {
+    const double y = 0.19 + 0.02 * j / through, left = 0.2 + std::sqrt(0.05 * 0.05 - (y - 0.2) * (y - 0.2));
+    for (int i = 0; i <= along; ++i) {
+      const double s = static_cast<double>(i) / along, graded = (s + 2 * s * s) / 3;
+      solid.node.col(j * row + i) << left + graded * (0.6 - left), y, 0;
+    }
+  }
+  solid.cell.resize(4, along * through);
+  for (int j = 0; j < through; ++j)
+    for (int i = 0; i < along; ++i) {
+      const int n = j * row + i;
+      solid.cell.col(j * along + i) << n, n + 1, n + row, n + row + 1;
+      solid.part_of.push_back(0);
+    }
+  solid.parts = {{"flag", {.density = 1000, .young = 1.4e6, .poisson = 0.4}, false}};
+  find_facets(solid);
+  SupportedFace clamp{"cylinder", Support::clamped, {}};
+  for (int f = 0; f < solid.facet.cols(); ++f)
+    if (solid.facet(0, f) % row == 0 && solid.facet(1, f) % row == 0) clamp.facet.push_back(f);
+  solid.supported = {clamp};
+  p.shape.corner = outer_polygons(solid).front();
+  p.surface_spacing = 0.02;
+  p.gravity = {0, -2, 0};
+  return p;
+}
+
+// CSM1 of Turek & Hron 2006, FeatFlow's finest rows: (−7.1878, −66.1029) mm.
+TEST(Flag, HangsUnderItsWeightAsTheBenchmarkHasIt) {
+  FemSolver<2> solver(flag(100, 8));
+  solver.solve_static();
+  const Eigen::Vector3d tip = solver.displacement_at({0.6, 0.2, 0});
+  EXPECT_NEAR(tip.x() / -7.1878e-3, 1, 1e-3);
+  EXPECT_NEAR(tip.y() / -66.1029e-3, 1, 1e-3);
+}
+
+// CSM3: let go at rest it swings at 1.0995 Hz down to −128.767 mm. The frequency is that of the returns to
+// the top.
+TEST(Flag, SwingsAsTheBenchmarkHasIt) {
+  const std::unique_ptr<Solver> solver = make_solver(flag(35, 2));
+  constexpr double dt = 0.005, end = 2.4;
+  double lowest = 0, before = 0, now = 0;
+  std::vector<double> bottom;  // times of the lowest places, by a parabola through three steps
+  for (int k = 0; k * dt < end; ++k) {
+    solver->advance(k * dt, dt, {});
+    const double y = solver->displacement_at({0.6, 0.2, 0}).y();
+    lowest = std::min(lowest, y);
+    if (now < before && now <= y && now < -0.1)
+      bottom.push_back(k * dt + 0.5 * dt * (before - y) / (before - 2 * now + y));
+    before = now;
+    now = y;
+  }
+  ASSERT_GE(bottom.size(), 3U);
+  EXPECT_NEAR(2 / (bottom[2] - bottom[0]) / 1.0995, 1, 5e-3);
+  EXPECT_NEAR(lowest / -128.767e-3, 1, 1e-2);
+}
+
+// Neo-Hookean keeps its energy over large swings too, which the mean of the stresses alone would not.
+TEST(Flag, OfRubberKeepsItsEnergy) {
+  Parameters p = flag(20, 2);
+  p.solid.parts[0].material.model = MaterialModel::neo_hookean;
+  p.gravity.setZero();
+  FemSolver<2> solver(p);
+  Eigen::VectorXd velocity = Eigen::VectorXd::Zero(solver.mesh().n_unknowns());
+  for (int i = 0; i < solver.mesh().n_nodes(); ++i) {
+    const double s = (solver.mesh().node(0, i) - 0.25) / 0.35;
+    velocity(2 * i + 1) = s * s;  // m/s at the tip
+  }
+  solver.set_unknowns(Eigen::VectorXd::Zero(velocity.size()), velocity);
+  const double first = solver.energy().kinetic;
+  double least = first;
+  for (int k = 0; k < 200; ++k) {
+    solver.advance(0.005 * k, 0.005, {});
+    const Energy e = solver.energy();
+    least = std::min(least, e.kinetic);
+    EXPECT_NEAR((e.kinetic + e.strain) / first, 1, 1e-7);
+  }
+  EXPECT_LT(least, 0.2 * first) << "it swings out";
+}
+
+}  // namespace
+}  // namespace strake::structure::fem
