@@ -36,6 +36,15 @@ Eigen::Matrix<double, dim, dim> strain(const Material& m, const Eigen::Matrix<do
   return 0.5 * (F.transpose() * F - Matrix::Identity());
 }
 
+/// ln J = ½ ln det(1 + 2E), without the round-off that a determinant near one has.
+template <int dim>
+double log_jacobian(const Eigen::Matrix<double, dim, dim>& E) {
+  const Eigen::Matrix<double, dim, dim> A = 2 * E;
+  double excess = A.trace() + A.determinant();  // det(1 + A) − 1
+  if constexpr (dim == 3) excess += 0.5 * (A.trace() * A.trace() - (A * A).trace());
+  return 0.5 * std::log1p(excess);
+}
+
 /// Energy density of a strain [J/m³]:
 ///   linear, saint_venant_kirchhoff  ψ = ½ λ (tr E)² + μ E:E
 ///   neo_hookean                     ψ = ½ μ (tr C − dim − 2 ln J) + ½ λ (ln J)²,  C = 2E + 1,  J² = det C
@@ -46,7 +55,7 @@ double energy_of_strain(const Material& m, const Eigen::Matrix<double, dim, dim>
   const double trace = E.trace();
   if (m.model != MaterialModel::neo_hookean)
     return 0.5 * m.lame_lambda() * trace * trace + m.lame_mu() * E.squaredNorm();
-  const double log_j = 0.5 * std::log((2 * E + Eigen::Matrix<double, dim, dim>::Identity()).determinant());
+  const double log_j = log_jacobian<dim>(E);
   return m.lame_mu() * (trace - log_j) + 0.5 * m.lame_lambda() * log_j * log_j;
 }
 
@@ -61,7 +70,7 @@ Eigen::Matrix<double, dim, dim> second_piola_kirchhoff(const Material& m,
     return S;
   }
   const Matrix C = 2 * E + Matrix::Identity(), inverse = C.inverse();
-  const double log_j = 0.5 * std::log(C.determinant());
+  const double log_j = log_jacobian<dim>(E);
   return m.lame_mu() * (Matrix::Identity() - inverse) + m.lame_lambda() * log_j * inverse;
 }
 

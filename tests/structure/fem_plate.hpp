@@ -17,6 +17,8 @@ inline Parameters plate(Support left, Support right, MaterialModel model) {
   return p;
 }
 
+inline constexpr auto all_models = {MaterialModel::linear, MaterialModel::saint_venant_kirchhoff,
+                                    MaterialModel::neo_hookean};
 inline constexpr auto both_models = {MaterialModel::linear, MaterialModel::saint_venant_kirchhoff};
 
 }  // namespace strake::structure::fem
