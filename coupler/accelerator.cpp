@@ -102,6 +102,8 @@ std::unique_ptr<Accelerator> make_accelerator(const AcceleratorParameters& p) {
 
 void AcceleratorState::save(Archive& archive) const {
   archive.integer["accelerator.iteration"] = {iteration};
+  archive.integer["accelerator.careful"] = {careful};
+  archive.real["accelerator.steepest"] = Eigen::RowVector4d(steepest, steepest_before, first, unexplained);
   archive.real["accelerator.relaxation"] = Eigen::MatrixXd::Constant(1, 1, relaxation);
   const auto put = [&](const std::string& name, const Eigen::MatrixXd& value) {
     if (value.size() > 0) archive.real["accelerator." + name] = value;
@@ -126,6 +128,16 @@ void AcceleratorState::load(const Archive& archive) {
     return found == archive.real.end() ? Eigen::MatrixXd() : found->second;
   };
   iteration = static_cast<int>(counts->second[0]);
+  if (const auto left = archive.integer.find("accelerator.careful");
+      left != archive.integer.end() && left->second.size() == 1)
+    careful = static_cast<int>(left->second[0]);
+  if (const auto slopes = archive.real.find("accelerator.steepest");
+      slopes != archive.real.end() && slopes->second.size() == 4) {
+    steepest = slopes->second(0, 0);
+    steepest_before = slopes->second(0, 1);
+    first = slopes->second(0, 2);
+    unexplained = slopes->second(0, 3);
+  }
   relaxation = omega->second(0, 0);
   const auto vector = [](const Eigen::MatrixXd& m) -> Eigen::VectorXd { return m.reshaped(); };
   previous_residual = vector(get("previous_residual"));

@@ -28,6 +28,10 @@ struct AcceleratorState {
   Secants secants;               // of IQN-ILS and IQN-IMVJ
   Eigen::VectorXd residual_sum;  // Σ_k |r_b^k| of each block in this window
   LowRank jacobian;              // of IQN-IMVJ, of the windows before this one
+  // Of IQN-ILS.
+  int careful = 0;                           // windows from this one on whose columns may mislead
+  double steepest = 0, steepest_before = 0;  // max |Δr|/|Δx| of this window and of the one before
+  double first = 0, unexplained = 0;         // of this window: |r_1|; |r + ΔR α| / |r| of the last step
 
   void save(Archive&) const;
   void load(const Archive&);

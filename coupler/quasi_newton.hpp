@@ -21,7 +21,10 @@ class QuasiNewton : public Accelerator {
   /// w_b = 1 / Σ_k |r_b^k| over the iterations of this window: what a field leaves weighs alike in
   /// every field, whatever its unit.
   Eigen::VectorXd weights() const;
-  /// own_filter: of the columns of this window, where it is finer than the filter.
+  double weighted_norm(const Eigen::VectorXd&) const;
+  /// Whether columns of this window may mislead, see IqnIls.
+  bool careful() const { return state_.careful > 0; }
+  /// own_filter: of the columns of this window.
   LeastSquares factorise(double own_filter) const;
   const AcceleratorParameters parameters_;
 

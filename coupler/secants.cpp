@@ -91,7 +91,7 @@ LeastSquares Secants::factorise(const VectorXd& weights, const SecantFilter& fil
       projection += part;
     }
     const double fresh = direction.norm();
-    const double limit = c >= columns() - own ? std::min(filter.limit, filter.own_limit) : filter.limit;
+    const double limit = c >= columns() - own ? filter.own_limit : filter.limit;
     const double beside =
         filter.kind == SecantFilter::Kind::qr2 ? 1 : std::sqrt(triangle + length * length) / length;
     if (fresh <= limit * beside) continue;
@@ -107,6 +107,17 @@ LeastSquares Secants::factorise(const VectorXd& weights, const SecantFilter& fil
   result.r.conservativeResize(k, k);
   result.length.conservativeResize(k);
   return result;
+}
+
+void Secants::add_residuals(const LeastSquares& problem, const VectorXd& alpha,
+                            const std::vector<Index>& sizes, VectorXd& r) const {
+  Index begin = 0;
+  for (std::size_t b = 0; b < residual.size(); begin += sizes[b++]) {
+    VectorXd part = VectorXd::Zero(residual[b].coordinates.rows());
+    for (std::size_t k = 0; k < problem.kept.size(); ++k)
+      part += alpha[static_cast<Index>(k)] * residual[b].coordinates.col(problem.kept[k]);
+    add_times(residual[b].basis, part, r.segment(begin, sizes[b]));
+  }
 }
 
 TallColumns Secants::images(const LeastSquares& problem) const {

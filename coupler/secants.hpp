@@ -18,7 +18,7 @@ struct SecantFilter {
   };
   Kind kind = Kind::qr2;
   double limit = 1e-2;
-  double own_limit = 1e-4;  // of the current window's columns
+  double own_limit = 1e-4;  // the same for the current window's columns
 };
 
 /// min over α of |D (ΔR α + r)| over the columns that the filter leaves, D the weights of the blocks.
@@ -45,10 +45,15 @@ struct Secants {
               Eigen::VectorXd image_change, int most);
   /// A new window; all but the newest `keep` of the earlier ones are dropped.
   void start_window(int keep);
+  /// Only those of the current window are left.
+  void forget_earlier() { drop_oldest(columns() - own); }
   /// g of the least-squares problem.
   Eigen::VectorXd project(const std::vector<Eigen::Index>& sizes, const Eigen::VectorXd& weights,
                           const Eigen::VectorXd& r) const;
   LeastSquares factorise(const Eigen::VectorXd& weights, const SecantFilter&) const;
+  /// r += ΔR α of the columns that were kept, whose sizes are those of the blocks.
+  void add_residuals(const LeastSquares&, const Eigen::VectorXd& alpha,
+                     const std::vector<Eigen::Index>& sizes, Eigen::VectorXd& r) const;
   /// ΔH of the columns that were kept.
   TallColumns images(const LeastSquares&) const;
   /// (ΔR⁺)ᵀ of the columns that were kept: α = −ΔR⁺ r.

@@ -167,16 +167,23 @@ void read_turbulence(CaseTable t, Scheme& s) {
   t.flag("wall_damping", s.wall_damping, {.help = "van Driest's factor near the tank's walls"});
 }
 
-void read_scheme(CaseTable t, const CommonKeys& common, Scheme& s) {
+void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, Scheme& s) {
   read_radii(t.table("radius", "reach of each operator, in spacings"), s);
-  // A window shorter than the usual step is the step, unless the case asks for one.
-  if (common.window > 0) s.time_step = std::min(s.time_step, common.window);
+  // A window shorter than the usual step is the step, unless the case asks for one. Without sound it is the
+  // step in any case: what stops a body is one blow, which shorter steps would give it at the speed that it
+  // has before, and which of them first finds its face wet would hang on the motion that the coupling is
+  // about to find.
+  if (common.window > 0 && std::isinf(sound_speed) && common.preset != "paper")
+    s.time_step = common.window;
+  else if (common.window > 0)
+    s.time_step = std::min(s.time_step, common.window);
   t.number("time_step", s.time_step,
            {.unit = "s",
             .min = 0,
             .exclusive = true,
             .infinite = true,
-            .help = "largest; steps end with a window, and inf leaves them to the limits of stability"});
+            .help = "largest; steps end with a window, and inf leaves them to the limits of stability; not "
+                    "given with sound_speed = inf: the window, in preset improved"});
   t.number("acoustic_cfl", s.acoustic_cfl,
            {.min = 0,
             .help = "sound speed times time step over spacing, to resolve pressure waves; 0: no such limit"});
@@ -293,7 +300,7 @@ Parameters read(CaseFile& file, const CommonKeys& common) {
   for (ProbeKeys& probe : p.probes)
     if (probe.diameter == 0) probe.diameter = 2 * p.spacing;
   read_scheme(fluid.table("scheme", "the particle method; preset = paper | improved sets the defaults"),
-              common, p.scheme);
+              common, p.sound_speed, p.scheme);
   file.root()
       .table("coupling")
       .table("volume")

@@ -85,6 +85,13 @@ TEST(FluidKeys, the_paper_preset_is_the_papers_scheme) {
   EXPECT_EQ(p.scheme.turbulence, Turbulence::statics);
 }
 
+TEST(FluidKeys, incompressible_water_takes_a_window_in_one_step) {
+  EXPECT_EQ(read_with({"fluid.sound_speed=inf"}).scheme.time_step, 1e-5);
+  EXPECT_EQ(read_with({"fluid.sound_speed=inf", "coupling.surface.window=1e-4"}).scheme.time_step, 1e-4);
+  EXPECT_EQ(read_with({"fluid.sound_speed=inf", "fluid.scheme.time_step=2e-6"}).scheme.time_step, 2e-6);
+  EXPECT_EQ(read_with({}).scheme.time_step, 2e-6);
+}
+
 TEST(FluidKeys, a_key_of_the_case_is_stronger_than_the_preset) {
   const auto p = read_with({"preset=paper", "fluid.sound_speed=1500", "fluid.scheme.gradient=corrected",
                             "fluid.scheme.source.tau=0.01"});
