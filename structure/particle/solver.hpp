@@ -43,6 +43,7 @@ class ParticleSolver final : public Solver {
   std::map<std::string, double> monitor() const override;
   void solve_static() override;
   std::vector<double> frequencies(int count) override;
+  Properties properties() override;
 
   const Lattice<dim>& lattice() const { return lattice_; }
   /// The velocity of all particles [m/s]: for tests that start in motion. Fixed particles keep that of

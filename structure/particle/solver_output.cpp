@@ -117,6 +117,26 @@ Frame ParticleSolver<dim>::frame() const {
   return frame;
 }
 
+// Of the particles within the body; each is a square or cube with an inertia of its own, m d²/6 about z.
+template <int dim>
+Properties ParticleSolver<dim>::properties() {
+  Properties result;
+  const double own = lattice_.spacing * lattice_.spacing / 6;
+  double about_origin = 0;
+  for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
+    if (!lattice_.inside[static_cast<std::size_t>(i)]) continue;
+    const auto x = lattice_.position.col(i);
+    result.mass += mass_[i];
+    result.centre.head<dim>() += mass_[i] * x;
+    about_origin += mass_[i] * (x.template head<2>().squaredNorm() + own);
+  }
+  result.centre /= result.mass;
+  result.inertia = about_origin - result.mass * result.centre.head<2>().squaredNorm();
+  result.frequencies = frequencies(3);
+  result.step = fmt::format("{:.3g} s", elastic_limit_);
+  return result;
+}
+
 template <int dim>
 std::vector<std::string> ParticleSolver<dim>::lines() const {
   const Eigen::Index inside = lattice_.count_inside();
@@ -159,6 +179,8 @@ template void ParticleSolver<2>::read(const Archive&);
 template void ParticleSolver<3>::read(const Archive&);
 template Frame ParticleSolver<2>::frame() const;
 template Frame ParticleSolver<3>::frame() const;
+template Properties ParticleSolver<2>::properties();
+template Properties ParticleSolver<3>::properties();
 template std::vector<std::string> ParticleSolver<2>::lines() const;
 template std::vector<std::string> ParticleSolver<3>::lines() const;
 template std::vector<Column> ParticleSolver<2>::columns() const;
