@@ -39,10 +39,10 @@ struct Program {
   std::function<void(CaseFile&)> declare;
   /// Optional, for --check: derived numbers, one line each; more refusals (a body outside the tank, …).
   std::function<std::vector<std::string>(CaseFile&)> check;
-  /// Optional, for --properties: one line of a table that compares discretisations; for --picture: an SVG.
-  std::function<std::string(CaseFile&)> properties, picture;
   /// Builds the participant. `declare` has run on the same file.
   std::function<std::unique_ptr<Participant>(CaseFile&, const ParticipantOptions&, const Setup&)> build;
+  /// Optional, for --properties: one line of a table that compares discretisations; for --picture: an SVG.
+  std::function<std::string(CaseFile&)> properties = {}, picture = {};
   /// Optional: the coupling, for a program that can lead it. `declare` has run on the same file.
   std::function<std::unique_ptr<Leader>(const ParticipantOptions&)> lead = {};
   /// Optional, for --export FILE: writes what it would compute with, for other programs.
