@@ -1,4 +1,5 @@
 #include "structure/deck/deck.hpp"
+#include "tests/structure/boxes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,18 +13,9 @@
 namespace strake::structure::deck {
 namespace {
 
-SolidBox box(const std::string& name, const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
-  SolidBox b;
-  b.name = name;
-  b.min = min;
-  b.max = max;
-  b.material = {.model = MaterialModel::linear, .density = 1000, .young = 1e6, .poisson = 0.3};
-  return b;
-}
-
 Parameters body(int dimension, int degree = 2) {
-  std::vector<SolidBox> boxes = {box("floor 1", {0, 0, 0}, {1, 0.1, 0.2}),
-                                 box("rib", {0.4, 0.1, 0}, {0.5, 0.3, 0.2})};
+  std::vector<SolidBox> boxes = {soft_box("floor 1", {0, 0, 0}, {1, 0.1, 0.2}),
+                                 soft_box("rib", {0.4, 0.1, 0}, {0.5, 0.3, 0.2})};
   boxes[0].support[0] = Support::clamped;
   boxes[1].material.young = 2e6;
   Parameters p;

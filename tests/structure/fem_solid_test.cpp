@@ -8,18 +8,10 @@
 #include "structure/fem/refined.hpp"
 #include "structure/fem/solver.hpp"
 #include "structure/mass.hpp"
+#include "tests/structure/boxes.hpp"
 
 namespace strake::structure::fem {
 namespace {
-
-SolidBox box(const std::string& name, const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
-  SolidBox b;
-  b.name = name;
-  b.min = min;
-  b.max = max;
-  b.material = {.model = MaterialModel::linear, .density = 1000, .young = 1e6, .poisson = 0.3};
-  return b;
-}
 
 Parameters of(int dimension, const std::vector<SolidBox>& boxes, int refinement = 1) {
   Parameters p;
@@ -33,8 +25,8 @@ Parameters of(int dimension, const std::vector<SolidBox>& boxes, int refinement 
 }
 
 TEST(FemSolid, CellsOfAUnionConformAndKeepMassAndParts) {
-  const std::vector<SolidBox> boxes = {box("floor", {0, 0, 0}, {1, 0.1, 0}),
-                                       box("rib", {0.4, 0.1, 0}, {0.5, 0.4, 0})};
+  const std::vector<SolidBox> boxes = {soft_box("floor", {0, 0, 0}, {1, 0.1, 0}),
+                                       soft_box("rib", {0.4, 0.1, 0}, {0.5, 0.4, 0})};
   const Solid solid = solid_of_boxes(2, boxes), fine = refined(solid, 2);
   EXPECT_NEAR(mass_of(fine).mass, mass_of(solid).mass, 1e-12 * mass_of(solid).mass);
   // Four cells through the floor and through the rib: each node of the junction belongs to both.
@@ -46,7 +38,8 @@ TEST(FemSolid, CellsOfAUnionConformAndKeepMassAndParts) {
 }
 
 TEST(FemSolid, ADenserPartWeighsMore) {
-  std::vector<SolidBox> boxes = {box("a", {0, 0, 0}, {1, 0.1, 0}), box("b", {1, 0, 0}, {2, 0.1, 0})};
+  std::vector<SolidBox> boxes = {soft_box("a", {0, 0, 0}, {1, 0.1, 0}),
+                                 soft_box("b", {1, 0, 0}, {2, 0.1, 0})};
   boxes[1].material.density = 3000;
   const FemSolver<2> solver(of(2, boxes));
   const Assembly<2> assembly(solver.mesh(), solid_of_boxes(2, boxes).parts);
@@ -56,7 +49,8 @@ TEST(FemSolid, ADenserPartWeighsMore) {
 // Two bars in line, E and 2E, pulled: the second one stretches by half as much. ν = 0, so that plane strain
 // is a bar.
 TEST(FemSolid, EachPartHasItsOwnStiffness) {
-  std::vector<SolidBox> boxes = {box("a", {0, 0, 0}, {1, 0.1, 0}), box("b", {1, 0, 0}, {2, 0.1, 0})};
+  std::vector<SolidBox> boxes = {soft_box("a", {0, 0, 0}, {1, 0.1, 0}),
+                                 soft_box("b", {1, 0, 0}, {2, 0.1, 0})};
   for (SolidBox& b : boxes) b.material.poisson = 0;
   boxes[1].material.young *= 2;
   boxes[0].support[0] = Support::clamped;
@@ -69,8 +63,8 @@ TEST(FemSolid, EachPartHasItsOwnStiffness) {
 }
 
 TEST(FemSolid, AHeldPartMovesWithTheSupportsAlone) {
-  std::vector<SolidBox> boxes = {box("frame", {0, 0, 0}, {0.1, 0.1, 0}),
-                                 box("arm", {0.1, 0, 0}, {1, 0.1, 0})};
+  std::vector<SolidBox> boxes = {soft_box("frame", {0, 0, 0}, {0.1, 0.1, 0}),
+                                 soft_box("arm", {0.1, 0, 0}, {1, 0.1, 0})};
   boxes[0].held = true;
   Parameters p = of(2, boxes);
   p.load = {.kind = LoadKind::traction, .value = {0, -1, 0}, .face = "arm.top", .at = {}, .ramp = 0};
@@ -83,7 +77,7 @@ TEST(FemSolid, AHeldPartMovesWithTheSupportsAlone) {
 // The left half with a face of symmetry bends as the whole does.
 TEST(FemSolid, AFaceOfSymmetryStandsForTheOtherHalf) {
   const auto deflection = [](double right, Support at_right) {
-    SolidBox b = box("strip", {-0.5, 0, 0}, {right, 0.05, 0});
+    SolidBox b = soft_box("strip", {-0.5, 0, 0}, {right, 0.05, 0});
     b.support[0] = Support::clamped;
     b.support[1] = at_right;
     Parameters p = of(2, {b}, 2);
@@ -92,13 +86,14 @@ TEST(FemSolid, AFaceOfSymmetryStandsForTheOtherHalf) {
     solver.solve_static();
     return solver.displacement_at({0, 0.025, 0}).y();
   };
-  EXPECT_NEAR(deflection(0, Support::symmetry) / deflection(0.5, Support::clamped), 1, 1e-4);  // the grids differ
+  EXPECT_NEAR(deflection(0, Support::symmetry) / deflection(0.5, Support::clamped), 1,
+              1e-4);  // the grids differ
 }
 
 // Simply supported with one end that can draw in: no membrane force, the linear deflection of the beam; both
 // pinned ends of a linear strip give the same.
 TEST(FemSolid, ARollerHoldsAcrossTheSpanOnly) {
-  SolidBox b = box("strip", {0, 0, 0}, {1, 0.05, 0});
+  SolidBox b = soft_box("strip", {0, 0, 0}, {1, 0.05, 0});
   b.support[0] = Support::pinned;
   b.support[1] = Support::roller;
   Parameters p = of(2, {b}, 2);
@@ -114,7 +109,7 @@ TEST(FemSolid, ARollerHoldsAcrossTheSpanOnly) {
 }
 
 TEST(FemSolid, WithoutSupportsThereIsNoEquilibrium) {
-  FemSolver<2> solver(of(2, {box("free", {0, 0, 0}, {1, 0.1, 0})}));
+  FemSolver<2> solver(of(2, {soft_box("free", {0, 0, 0}, {1, 0.1, 0})}));
   EXPECT_EQ(rigid_motions_left(solver.mesh()), 3);
   EXPECT_THROW(solver.solve_static(), Error);
 }
@@ -122,7 +117,7 @@ TEST(FemSolid, WithoutSupportsThereIsNoEquilibrium) {
 TEST(FemSolid, ALinearFieldOfThreeDimensionsIsExact) {
   for (const int degree : {1, 2}) {
     const Solid solid = solid_of_boxes(
-        3, {box("slab", {0, 0, 0}, {1, 0.2, 0.7}), box("rib", {0.4, 0.2, 0}, {0.6, 0.5, 0.7})});
+        3, {soft_box("slab", {0, 0, 0}, {1, 0.2, 0.7}), soft_box("rib", {0.4, 0.2, 0}, {0.6, 0.5, 0.7})});
     const Discretisation<3> d(solid, degree, 1);
     const Assembly<3> assembly(d.mesh(), solid.parts);
     Eigen::Matrix3d H;
@@ -146,7 +141,7 @@ TEST(FemSolid, ALinearFieldOfThreeDimensionsIsExact) {
 
 // A strip of three dimensions with faces of symmetry in front and behind is in plane strain.
 TEST(FemSolid, PlaneStrainIsASlabBetweenFacesOfSymmetry) {
-  SolidBox flat = box("strip", {0, 0, 0}, {1, 0.1, 0});
+  SolidBox flat = soft_box("strip", {0, 0, 0}, {1, 0.1, 0});
   flat.support[0] = Support::clamped;
   SolidBox slab = flat;
   slab.max.z() = 0.1;
@@ -163,7 +158,7 @@ TEST(FemSolid, PlaneStrainIsASlabBetweenFacesOfSymmetry) {
 }
 
 TEST(FemSolid, AFrameOfThreeDimensionsHasHexahedraWithPositiveVolume) {
-  SolidBox b = box("slab", {0, 0, 0}, {1, 0.2, 0.6});
+  SolidBox b = soft_box("slab", {0, 0, 0}, {1, 0.2, 0.6});
   b.support[0] = Support::clamped;
   const FemSolver<3> solver(of(3, {b}, 0));
   const Frame frame = solver.frame();

@@ -3,6 +3,7 @@
 #include "structure/particle/pair_model.hpp"
 #include "structure/particle/total_lagrangian.hpp"
 #include "structure/surface.hpp"
+#include "tests/structure/boxes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,14 +14,6 @@ namespace strake::structure {
 namespace {
 
 using Eigen::Vector3d;
-
-SolidBox box(const std::string& name, Vector3d min, Vector3d max) {
-  SolidBox b;
-  b.name = name;
-  b.min = min;
-  b.max = max;
-  return b;
-}
 
 /// A hull of 0.3 × 0.08 m, open above, with walls of 10 mm and a rib at x = 0.
 std::vector<SolidBox> hull() {

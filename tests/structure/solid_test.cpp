@@ -1,4 +1,5 @@
 #include "structure/solid.hpp"
+#include "tests/structure/boxes.hpp"
 
 #include "structure/mass.hpp"
 #include "structure/shape.hpp"
@@ -12,25 +13,22 @@ namespace {
 
 using Eigen::Vector3d;
 
-SolidBox box(const std::string& name, Vector3d min, Vector3d max) {
-  SolidBox b;
-  b.name = name;
-  b.min = min;
-  b.max = max;
-  b.material.density = 1000;
-  return b;
+SolidBox light_box(const std::string& name, const Vector3d& min, const Vector3d& max) {
+  return box(name, min, max, {.density = 1000});
 }
 
 /// A closed hull of 0.3 × 0.08 m with walls of 10 mm and one rib in its middle, in the plane.
 std::vector<SolidBox> hull() {
-  return {box("bottom", {-0.15, 0, 0}, {0.15, 0.01, 0}), box("deck", {-0.15, 0.07, 0}, {0.15, 0.08, 0}),
-          box("left", {-0.15, 0.01, 0}, {-0.14, 0.07, 0}), box("right", {0.14, 0.01, 0}, {0.15, 0.07, 0}),
-          box("rib", {-0.005, 0.01, 0}, {0.005, 0.07, 0})};
+  return {light_box("bottom", {-0.15, 0, 0}, {0.15, 0.01, 0}),
+          light_box("deck", {-0.15, 0.07, 0}, {0.15, 0.08, 0}),
+          light_box("left", {-0.15, 0.01, 0}, {-0.14, 0.07, 0}),
+          light_box("right", {0.14, 0.01, 0}, {0.15, 0.07, 0}),
+          light_box("rib", {-0.005, 0.01, 0}, {0.005, 0.07, 0})};
 }
 
 TEST(Solid, OneBoxHasTheOutlineOfThePlate) {
   const Plate plate{.length = 0.4, .thickness = 0.02, .bottom = {0, 0.012, 0}};
-  const Solid solid = solid_of_boxes(2, {box("plate", {-0.2, 0.012, 0}, {0.2, 0.032, 0})});
+  const Solid solid = solid_of_boxes(2, {light_box("plate", {-0.2, 0.012, 0}, {0.2, 0.032, 0})});
   ASSERT_EQ(solid.cell.cols(), 1);
   ASSERT_EQ(solid.facet.cols(), 4);
   const auto polygons = outer_polygons(solid);
@@ -77,14 +75,15 @@ TEST(Solid, MassAndInertiaAreThoseOfTheParts) {
 }
 
 TEST(Solid, WhereBoxesOverlapTheFirstOneCounts) {
-  const Solid solid = solid_of_boxes(2, {box("a", {0, 0, 0}, {2, 1, 0}), box("b", {1, 0, 0}, {3, 1, 0})});
+  const Solid solid =
+      solid_of_boxes(2, {light_box("a", {0, 0, 0}, {2, 1, 0}), light_box("b", {1, 0, 0}, {3, 1, 0})});
   ASSERT_EQ(solid.cell.cols(), 3);
   EXPECT_EQ(solid.part_of, (std::vector<int>{0, 0, 1}));
 }
 
 TEST(Solid, PartsThatTouchInACornerOnlyAreNamed) {
   const Solid solid =
-      solid_of_boxes(2, {box("floor", {0, 0, 0}, {1, 1, 0}), box("stray", {1, 1, 0}, {2, 2, 0})});
+      solid_of_boxes(2, {light_box("floor", {0, 0, 0}, {1, 1, 0}), light_box("stray", {1, 1, 0}, {2, 2, 0})});
   const SolidFault fault = fault_of(solid);
   EXPECT_NE(fault.problem.find("\"stray\""), std::string::npos) << fault.problem;
   EXPECT_EQ(outer_polygons(solid).size(), 2U);
@@ -111,8 +110,8 @@ TEST(Solid, ASupportIsTheSideOfItsOwnBox) {
 }
 
 TEST(Solid, ASolidBoxOfThreeDimensionsHasAClosedSurface) {
-  std::vector<SolidBox> parts = {box("slab", {0, 0, 0}, {1, 0.1, 0.5}),
-                                 box("rib", {0.4, 0.1, 0}, {0.5, 0.3, 0.5})};
+  std::vector<SolidBox> parts = {light_box("slab", {0, 0, 0}, {1, 0.1, 0.5}),
+                                 light_box("rib", {0.4, 0.1, 0}, {0.5, 0.3, 0.5})};
   const Solid solid = solid_of_boxes(3, parts);
   EXPECT_TRUE(fault_of(solid).problem.empty());
   const InterfaceMesh mesh = outer_surface(solid, 0.05);
@@ -131,12 +130,12 @@ TEST(Solid, ASolidBoxOfThreeDimensionsHasAClosedSurface) {
 TEST(Solid, ACavityOfThreeDimensionsIsDry) {
   std::vector<SolidBox> parts;
   const double t = 0.1;
-  parts.push_back(box("bottom", {0, 0, 0}, {1, t, 1}));
-  parts.push_back(box("top", {0, 1 - t, 0}, {1, 1, 1}));
-  parts.push_back(box("left", {0, t, 0}, {t, 1 - t, 1}));
-  parts.push_back(box("right", {1 - t, t, 0}, {1, 1 - t, 1}));
-  parts.push_back(box("back", {t, t, 0}, {1 - t, 1 - t, t}));
-  parts.push_back(box("front", {t, t, 1 - t}, {1 - t, 1 - t, 1}));
+  parts.push_back(light_box("bottom", {0, 0, 0}, {1, t, 1}));
+  parts.push_back(light_box("top", {0, 1 - t, 0}, {1, 1, 1}));
+  parts.push_back(light_box("left", {0, t, 0}, {t, 1 - t, 1}));
+  parts.push_back(light_box("right", {1 - t, t, 0}, {1, 1 - t, 1}));
+  parts.push_back(light_box("back", {t, t, 0}, {1 - t, 1 - t, t}));
+  parts.push_back(light_box("front", {t, t, 1 - t}, {1 - t, 1 - t, 1}));
   const Solid solid = solid_of_boxes(3, parts);
   EXPECT_NEAR(enclosed_volume(outer_surface(solid, 0.25)), 1, 1e-12);
   EXPECT_NEAR(mass_of(solid).mass, 1000 * (1 - 0.8 * 0.8 * 0.8), 1e-9);

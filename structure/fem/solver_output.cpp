@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "proto/error.hpp"
+#include "structure/beam.hpp"
+#include "structure/fem/solver.hpp"
+
+// What a finite-element solver tells: checkpoints, frames, the lines of a run, what it made of the body.
+
+namespace strake::structure::fem {
+
+template <int dim>
+void FemSolver<dim>::write(Archive& archive) const {
+  archive.real["fem.displacement"] = saved_.displacement;
+  archive.real["fem.velocity"] = saved_.velocity;
+  archive.real["fem.acceleration"] = saved_.acceleration;
+  archive.real["fem.tangent_at"] = saved_.tangent_at;
+  archive.real["fem.scalars"] = Eigen::RowVector3d(saved_.time, saved_.external, saved_.tangent_dt);
+  archive.integer["fem.steps"] = {saved_.steps};
+}
+
+template <int dim>
+void FemSolver<dim>::read(const Archive& archive) {
+  const auto vector = [&](const std::string& name, Eigen::Index size) -> Eigen::VectorXd {
+    const auto found = archive.real.find(name);
+    if (found == archive.real.end() || found->second.size() != size)
+      throw Error(ExitCode::case_file, "structure checkpoint",
+                  fmt::format("{} has {} values, this mesh has {}", name,
+                              found == archive.real.end() ? 0 : found->second.size(), size),
+                  "resume with the structure.plate and structure.fem keys of the run that wrote it");
+    return found->second.reshaped();
+  };
+  const Eigen::Index n = mesh().n_unknowns();
+  state_.displacement = vector("fem.displacement", n);
+  state_.velocity = vector("fem.velocity", n);
+  state_.acceleration = vector("fem.acceleration", n);
+  state_.tangent_at = vector("fem.tangent_at", n);
+  const Eigen::VectorXd scalars = vector("fem.scalars", 3);
+  state_.time = scalars(0);
+  state_.external = scalars(1);
+  state_.tangent_dt = scalars(2);
+  state_.steps = static_cast<int>(archive.integer.at("fem.steps").at(0));
+  saved_ = state_;
+}
+
+template <int dim>
+Frame FemSolver<dim>::frame() const {
+  const Eigen::Index n = mesh().n_nodes();
+  const auto on_nodes = [&](const Eigen::VectorXd& unknowns, const Eigen::Vector3d& rigid) {
+    Points values = Points::Zero(3, n);
+    values.topRows<dim>() =
+        Eigen::Map<const Eigen::Matrix<double, dim, Eigen::Dynamic>>(unknowns.data(), dim, n);
+    return Points(values.colwise() + rigid);
+  };
+  Frame frame;
+  frame.time = state_.time;
+  const Points displacement = on_nodes(state_.displacement, rigid_motion());
+  frame.position = displacement;
+  frame.position.topRows<dim>() += mesh().node;
+
+  // Every node is a point: a Q2 cell shows as four quadrilaterals or eight hexahedra, nodes in ParaView's
+  // order.
+  const int parts = mesh().degree, row = parts + 1, layers = dim == 3 ? parts : 1;
+  frame.cells.resize(1 << dim, mesh().n_cells() * parts * parts * layers);
+  Eigen::Index at = 0;
+  for (int c = 0; c < mesh().n_cells(); ++c)
+    for (int l = 0; l < layers; ++l)
+      for (int j = 0; j < parts; ++j)
+        for (int i = 0; i < parts; ++i) {
+          const auto node = [&](int x, int y, int z) {
+            return mesh().cell(((l + z) * row + j + y) * row + i + x, c);
+          };
+          auto cell = frame.cells.col(at++);
+          for (int z = 0; z < dim - 1; ++z)
+            cell.template segment<4>(4 * z) << node(0, 0, z), node(1, 0, z), node(1, 1, z), node(0, 1, z);
+        }
+  frame.point_data = {{"displacement", "m", displacement},
+                      {"velocity", "m/s", on_nodes(state_.velocity, parameters_.velocity)},
+                      {"von_mises", "Pa", assembly_.von_mises(state_.displacement).transpose()}};
+  return frame;
+}
+
+template <int dim>
+std::vector<std::string> FemSolver<dim>::lines() const {
+  std::vector<std::string> lines = {
+      fmt::format("fem ({})   {} cells Q{}, {} unknowns   f1 dry {:.1f} Hz", library(), mesh().n_cells(),
+                  mesh().degree, mesh().n_unknowns(), first_frequency_),
+      fmt::format("{}, {}", linear_ ? "linear elasticity" : "Saint Venant-Kirchhoff, total Lagrangian",
+                  scheme_.mid_point
+                      ? std::string("Newmark 1/4-1/2 with the mean load of a window")
+                      : fmt::format("generalised-alpha, rho_infinity {:g}", parameters_.fem.rho_infinity))};
+  if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
+    lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));
+  return lines;
+}
+
+// With the consistent mass M: m = 1·M 1, m x̄ = 1·M X, I_z = x·M x + y·M y − m (x̄² + ȳ²), exact for the cells'
+// shape.
+template <int dim>
+Properties FemSolver<dim>::properties() {
+  Properties result;
+  const auto component = [&](int k, auto value) {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(mesh().n_unknowns());
+    for (int i = 0; i < mesh().n_nodes(); ++i) v(dim * i + k) = value(i);
+    return v;
+  };
+  for (int k = 0; k < dim; ++k) {
+    const Eigen::VectorXd one = component(k, [](int) { return 1.0; });
+    const Eigen::VectorXd x = component(k, [&](int i) { return mesh().node(k, i); });
+    result.mass = one.dot(mass_ * one);
+    result.centre(k) = one.dot(mass_ * x) / result.mass;
+    if (k < 2) result.inertia += x.dot(mass_ * x) - result.mass * result.centre(k) * result.centre(k);
+  }
+  result.frequencies = frequencies(3);
+  result.step = "any (implicit)";
+  return result;
+}
+
+template void FemSolver<2>::write(Archive&) const;
+template void FemSolver<2>::read(const Archive&);
+template Frame FemSolver<2>::frame() const;
+template std::vector<std::string> FemSolver<2>::lines() const;
+template Properties FemSolver<2>::properties();
+template void FemSolver<3>::write(Archive&) const;
+template void FemSolver<3>::read(const Archive&);
+template Frame FemSolver<3>::frame() const;
+template std::vector<std::string> FemSolver<3>::lines() const;
+template Properties FemSolver<3>::properties();
+
+}  // namespace strake::structure::fem
