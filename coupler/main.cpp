@@ -8,6 +8,8 @@
 #include <functional>
 
 #include "coupler/commands.hpp"
+#include "coupler/picture/command.hpp"
+#include "coupler/report/command.hpp"
 #include "coupler/stop_request.hpp"
 
 namespace {
@@ -127,6 +129,35 @@ int main(int argc, char** argv) {
   command->add_option("-o", deck.folder, "folder of the deck, default RUN/export")->type_name("DIR");
   add_sets(*command, deck.sets);
   command->callback([&] { action = [&] { return strake::export_run(deck, stop); }; });
+
+  strake::PictureOptions picture;
+  command =
+      app.add_subcommand("picture", "one instant of a run as PNG or SVG: water and structure by a field");
+  command->add_option("RUN", picture.run, "run folder")->required();
+  command->add_option("--at", picture.at, "time [s], the frame next to it; default the last");
+  command
+      ->add_option("--field", picture.field,
+                   "pressure, speed, or another field of the frames, e.g. von_mises or damage")
+      ->capture_default_str();
+  command->add_option("--size", picture.size, "pixels, default 1120 wide and as high as it takes")
+      ->type_name("WxH");
+  command->add_option("--view", picture.view, "corners of what is drawn [m]; default all")
+      ->type_name("x0,y0,x1,y1");
+  command->add_option("--range", picture.range, "of the field's colours, SI units")->type_name("LO,HI");
+  command->add_option("--scale", picture.scale, "factor on the structure's deformation")
+      ->capture_default_str();
+  command->add_option("-o", picture.out, "x.png or x.svg, default RUN/FIELD.png")->type_name("FILE");
+  command->callback([&] { action = [&] { return strake::draw_picture(picture); }; });
+
+  strake::ReportOptions report_options;
+  command = app.add_subcommand("report", "one self-contained HTML page about runs, or about a study");
+  command->add_option("RUN", report_options.what, "run folders, or the folder of a study")->required();
+  command->add_option("-o", report_options.out, "default report.html in the first folder")->type_name("FILE");
+  command
+      ->add_option("--at", report_options.at, "times of the pictures [s], default contact, first peak, end")
+      ->delimiter(',')
+      ->type_name("T1,T2,...");
+  command->callback([&] { action = [&] { return strake::write_report(report_options); }; });
 
   strake::KeysOptions keys;
   command = app.add_subcommand("keys", "make the keys of a run between machines");

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strake::picture {
+
+struct Place {
+  double x = 0, y = 0;  // [m]
+};
+
+/// From `lo` to `hi`; empty while lo > hi.
+struct Range {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  bool empty() const { return !(lo <= hi); }
+  void add(double value) {
+    if (value < lo) lo = value;
+    if (value > hi) hi = value;
+  }
+};
+
+/// A quantity on marks, by the name that the frame gives it.
+struct Quantity {
+  std::string name, unit;  // empty name: there is none
+  Range shown;             // without the outermost half per cent of either end
+  Range all;               // with it
+};
+
+/// A particle: `value` is NaN where it has none.
+struct Mark {
+  Place at;
+  double value = 0;
+};
+/// A cell of a mesh, its section by the plane of the picture, or a line of two points.
+struct Patch {
+  std::vector<Place> corner;
+  double value = 0;
+};
+
+/// What a picture shows of one instant of a run.
+struct Scene {
+  std::string title;
+  double time = 0;           // [s] of the frame that was nearest
+  double spacing = 0;        // [m] of the fluid's particles
+  double solid_spacing = 0;  // [m] of the structure's, where it consists of particles
+  std::vector<Mark> water, wall, solid;
+  std::vector<Patch> cells;
+  Quantity water_field, solid_field;
+  std::string cut;   // of three dimensions: which section this is; empty in two
+  double scale = 1;  // of the deformation
+  Range x, y;        // what water and structure span [m]
+};
+
+struct SceneOptions {
+  double time = std::numeric_limits<double>::infinity();  // [s] the frame next to it
+  /// A scalar of the fluid's frames, "speed" (|velocity|), or one of the structure's ("von_mises", "damage").
+  std::string field = "pressure";
+  double scale = 1;  // of the structure's displacement beyond that of its driven supports
+};
+
+/// Reads the frames of a run. Throws Error(case_file) where there is none and Error(command_line) for a field
+/// that no frame has.
+Scene read_scene(const std::filesystem::path& run_folder, const SceneOptions&);
+/// The shown range of values: from zero where the least is but a small part of the largest.
+Range shown_range(std::vector<double> values);
+
+}  // namespace strake::picture

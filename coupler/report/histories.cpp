@@ -1,0 +1,197 @@
+// Histories of all runs in one plot per quantity, whole and around the first peak.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/report/html.hpp"
+#include "coupler/report/plot.hpp"
+#include "coupler/report/sections.hpp"
+
+namespace strake::report {
+namespace {
+
+/// A column of history.csv that the report plots.
+struct Recording {
+  std::string column, unit;
+};
+
+std::optional<std::size_t> index_of(const Table& table, const std::string& name) {
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    if (table.columns[c].name == name) return c;
+  return std::nullopt;
+}
+
+/// The column over time, without rows that it does not know.
+Curve curve_of(const Recorded& run, const std::string& column) {
+  Curve curve;
+  const auto at = index_of(run.history, column), time = index_of(run.history, "time");
+  if (!at || !time) return curve;
+  for (std::size_t row = 0; row < run.history.rows(); ++row) {
+    const double t = run.history.value[*time][row], q = run.history.value[*at][row];
+    if (!std::isfinite(t) || !std::isfinite(q)) continue;
+    curve.time.push_back(t);
+    curve.value.push_back(q);
+  }
+  return curve;
+}
+
+double largest(const std::vector<Recorded>& runs, const std::string& column) {
+  double most = 0;
+  for (const Recorded& run : runs)
+    if (const auto point = peak(curve_of(run, column))) most = std::max(most, std::abs(point->value));
+  return most;
+}
+
+/// Columns of the probes in the order of the case, a pressure's impulse after it, and the force.
+std::vector<Recording> recordings(const std::vector<Recorded>& runs) {
+  std::vector<Recording> found;
+  const auto take = [&](const std::string& column) {
+    if (std::any_of(found.begin(), found.end(), [&](const Recording& r) { return r.column == column; }))
+      return;
+    for (const Recorded& run : runs)
+      if (const auto c = index_of(run.history, column)) {
+        found.push_back({column, run.history.columns[*c].unit});
+        return;
+      }
+  };
+  for (const Recorded& run : runs)
+    for (int i = 0;; ++i) {
+      const std::string name = run.setting(fmt::format("output.probe[{}].name", i));
+      if (name.empty()) break;
+      take(name);
+      take(name + ".impulse");
+      for (const char* axis : {".x", ".y", ".z"}) take(name + axis);
+    }
+  for (const Recorded& run : runs)
+    for (const ProbeResult& result : run.probes) take(result.probe);
+  take("force.y");
+  // A component that is a thousandth of its sisters is round-off, not a finding.
+  std::erase_if(found, [&](const Recording& r) {
+    const double own = largest(runs, r.column);
+    if (own == 0) return true;
+    const auto dot = r.column.rfind('.');
+    if (dot == std::string::npos || r.column.size() - dot != 2 || r.column.starts_with("force")) return false;
+    double of_sisters = 0;
+    for (const char* axis : {"x", "y", "z"})
+      of_sisters = std::max(of_sisters, largest(runs, r.column.substr(0, dot + 1) + axis));
+    return own < 1e-3 * of_sisters;
+  });
+  return found;
+}
+
+std::optional<CurvePoint> first_peak_of(const Recorded& run, const std::string& column) {
+  const ProbeResult* result = run.probe(column);
+  if (result == nullptr) return std::nullopt;
+  const auto value = result->metric("first_peak"), time = result->metric("time_of_first_peak");
+  if (!value || !time) return std::nullopt;
+  return CurvePoint{*time, *value};
+}
+
+/// References of the metrics that are values of the curve itself. Those of an impulse belong to its own
+/// column.
+std::vector<ReferenceLine> lines_for(const std::vector<Recorded>& runs, const std::string& column) {
+  const bool impulse = column.ends_with(".impulse");
+  const std::string probe = impulse ? column.substr(0, column.size() - 8) : column;
+  std::vector<ReferenceLine> lines;
+  for (const Recorded& run : runs)
+    for (const Judged& judged : run.compare) {
+      const bool of_curve = judged.metric == "first_peak" || judged.metric == "peak" ||
+                            judged.metric == "final" || judged.metric == "mean";
+      if (judged.probe != probe || (impulse ? judged.metric != "impulse" : !of_curve)) continue;
+      std::string metric = judged.metric;
+      std::replace(metric.begin(), metric.end(), '_', ' ');
+      ReferenceLine line = {metric + ", " + judged.kind, judged.reference};
+      if (impulse) {
+        const auto contact = run.contact.find(probe);
+        const double from = contact == run.contact.end() ? 0 : contact->second;
+        line.name = "impulse of the first 300 µs, " + judged.kind;  // VALIDATION A
+        line.over = {from, from + 300e-6};
+      }
+      if (std::none_of(lines.begin(), lines.end(),
+                       [&](const ReferenceLine& l) { return l.value == line.value && l.name == line.name; }))
+        lines.push_back(line);
+    }
+  return lines;
+}
+
+/// From before the contact to a while after the last first peak.
+std::optional<std::pair<double, double>> around_first_peak(const std::vector<Recorded>& runs,
+                                                           const std::string& column) {
+  double first = 1e300, last = -1e300, end = 0, window = 0;
+  for (const Recorded& run : runs) {
+    const auto point = first_peak_of(run, column);
+    if (!point) continue;
+    last = std::max(last, point->time);
+    const auto contact = run.contact.find(column);
+    first = std::min(first, contact != run.contact.end() ? contact->second : point->time);
+    end = std::max(end, run.end_time.value_or(0));
+    if (run.windows && *run.windows > 0) window = std::max(window, run.end_time.value_or(0) / *run.windows);
+  }
+  if (!(first <= last)) return std::nullopt;
+  const double width = std::max({last - first, 12 * window, 0.02 * last});
+  const std::pair<double, double> around = {std::max(0.0, first - 0.5 * width),
+                                            std::min(end, last + 1.5 * width)};
+  // A zoom that shows half of all is no zoom.
+  if (around.second - around.first > 0.5 * end) return std::nullopt;
+  return around;
+}
+
+std::string plain_name(const std::string& column) {
+  if (column.ends_with(".impulse"))
+    return "impulse of " + column.substr(0, column.size() - 8) + " since contact";
+  if (column == "force.y") return "force on the structure, upwards";
+  return column;
+}
+
+std::string quantity_name(const std::string& unit) {
+  if (unit == "Pa") return "pressure";
+  if (unit == "Pa s") return "impulse";
+  if (unit == "N" || unit == "N/m") return "force";
+  if (unit == "m") return "length";
+  return "value";
+}
+
+}  // namespace
+
+std::string history_figures(const std::vector<Recorded>& runs, const std::string& heading) {
+  std::string body;
+  for (const Recording& recording : recordings(runs)) {
+    Plot plot;
+    plot.title = (heading.empty() ? "" : heading + ": ") + plain_name(recording.column);
+    plot.x_name = "time";
+    plot.x_unit = "s";
+    plot.y_name = recording.column.find('.') == std::string::npos && recording.unit == "Pa" ? recording.column
+                  : quantity_name(recording.unit) == "length"                               ? recording.column
+                                                              : quantity_name(recording.unit);
+    plot.y_unit = recording.unit;
+    const double most = largest(runs, recording.column);
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      Series series = {.name = runs[i].name,
+                       .curve = curve_of(runs[i], recording.column),
+                       .style = static_cast<int>(i),
+                       .marker = first_peak_of(runs[i], recording.column),
+                       .dots = false};
+      if (series.marker && std::abs(series.marker->value) < 1e-3 * most) series.marker.reset();  // round-off
+      if (series.curve.size() > 0) plot.series.push_back(std::move(series));
+    }
+    plot.references = lines_for(runs, recording.column);
+    body += figure(plot);
+    plot.window = around_first_peak(runs, recording.column);
+    if (!plot.window) continue;
+    plot.title += ", around the first peak";
+    body += figure(plot);
+  }
+  return body.empty() ? body : "<div class=\"figures\">\n" + body + "</div>\n";
+}
+
+std::string histories(const std::vector<Recorded>& runs) {
+  const std::string figures = history_figures(runs, "");
+  if (figures.empty()) return {};
+  return section("histories", "Histories",
+                 "<p>Lines join the values at the ends of windows; a ring is the first peak as measured at "
+                 "every step, which may stand between and above them. References are dashed.</p>\n" +
+                     figures);
+}
+
+}  // namespace strake::report

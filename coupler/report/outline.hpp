@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "coupler/picture/scene.hpp"
+
+namespace strake::report {
+
+/// The closed curves around a set of cells that share corners: edges that belong to one cell only, chained,
+/// without corners on straight lines. Particles count as squares of their spacing.
+std::vector<std::vector<picture::Place>> outline(const picture::Scene&);
+
+}  // namespace strake::report

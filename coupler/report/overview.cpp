@@ -1,0 +1,168 @@
+// What was run and how: the runs themselves, their settings, and their commands.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <set>
+
+#include "coupler/report/html.hpp"
+#include "coupler/report/sections.hpp"
+#include "coupler/report/sketch.hpp"
+
+namespace strake::report {
+namespace {
+
+std::string duration(std::optional<double> seconds) {
+  if (!seconds) return "–";
+  if (*seconds < 60) return fmt::format("{:.1f} s", *seconds);
+  const auto whole = static_cast<long>(*seconds + 0.5);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
+/// "2026-11-21T22:31:54Z" → "2026-11-21 22:31".
+std::string minute(const std::string& utc) {
+  return utc.size() < 16 ? utc : utc.substr(0, 10) + " " + utc.substr(11, 5);
+}
+
+std::string state_badge(const Recorded& run) {
+  return badge(run.exit_code == 0 ? "good" : run.finished() || !run.exit_code ? "open" : "bad", run.state());
+}
+
+std::string solvers(const Recorded& run) {
+  std::string text;
+  for (const auto& [side, solver] : run.solver) text += (text.empty() ? "" : ", ") + side + " " + solver;
+  return escape(text.empty() ? "–" : text);
+}
+
+/// A word as a shell takes it.
+std::string quoted(const std::string& word) {
+  const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+}  // namespace
+
+std::string what_was_run(const std::vector<Recorded>& runs) {
+  HtmlTable table("The runs of this report");
+  table.head({"run", "state", "solvers", "simulated", "windows", "iterations of a window", "wall time",
+              "threads", "started (UTC)", "Strake"});
+  std::string problems;
+  for (const Recorded& run : runs) {
+    table.row({escape(run.name), state_badge(run), solvers(run), number_cell(run.end_time, "s"),
+               number_cell(run.windows, "1"), number_cell(run.mean_iterations, "1"),
+               fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(run.wall_seconds),
+                           duration(run.wall_seconds)),
+               number_cell(run.threads, "1"), "<span class=\"n\">" + escape(minute(run.started)) + "</span>",
+               escape(run.version + (run.commit.empty() ? "" : " (" + run.commit + ")"))});
+    for (const std::string& problem : run.problems)
+      problems += "<li>" + escape(run.name + ": " + problem) + "</li>\n";
+    if (!run.error.empty()) problems += "<li>" + escape(run.name + " ended with: " + run.error) + "</li>\n";
+  }
+  std::string body;
+  if (!problems.empty())
+    body +=
+        "<div class=\"warning\" role=\"note\"><p>Not all of this is whole; what is there is "
+        "shown.</p><ul>\n" +
+        problems + "</ul></div>\n";
+  std::set<std::string> said;
+  for (const Recorded& run : runs) {
+    std::string notes;
+    for (const auto& [word, text] : run.notes)
+      if (word != "run" && said.insert(word + text).second)
+        notes += "<dt>" + escape(word) + "</dt><dd>" + escape(text) + "</dd>\n";
+    if (!notes.empty()) body += "<dl>\n" + notes + "</dl>\n";
+  }
+  return section("runs", "What was run", body + table.html());
+}
+
+std::string drawing_of_case(const std::vector<Recorded>& runs) {
+  for (const Recorded& run : runs) {
+    if (run.settings.empty()) continue;
+    std::optional<picture::Scene> start;
+    try {
+      start = picture::read_scene(run.folder, {.time = 0});
+    } catch (const std::exception&) {  // a run that wrote no frame still has its tank and water
+    }
+    const std::string drawn = sketch(run, start ? &*start : nullptr);
+    if (!drawn.empty()) return section("sketch", "The case", drawn);
+  }
+  return {};
+}
+
+std::string settings(const std::vector<Recorded>& runs) {
+  std::vector<const Setting*> keys;
+  std::set<std::string> listed;
+  for (const Recorded& run : runs)
+    for (const Setting& setting : run.settings)
+      if (!setting.key.starts_with("compare") && listed.insert(setting.key).second) keys.push_back(&setting);
+  HtmlTable differing("Settings in which the runs differ"), given("Settings of the case"),
+      defaults("Defaults that nothing changed");
+  std::vector<std::string> names = {"key", "unit"};
+  for (const Recorded& run : runs) names.push_back(run.name);
+  differing.head(names);
+  given.head({"key", "value", "unit", "from"});
+  defaults.head({"key", "value", "unit"});
+  for (const Setting* key : keys) {
+    std::set<std::string> values;
+    std::string origin = "default";
+    std::vector<std::string> cells = {"<code>" + escape(key->key) + "</code>", escape(key->unit)};
+    for (const Recorded& run : runs) {
+      const auto found = std::find_if(run.settings.begin(), run.settings.end(),
+                                      [&](const Setting& s) { return s.key == key->key; });
+      if (run.settings.empty()) {
+        cells.emplace_back("–");
+        continue;
+      }
+      const bool has = found != run.settings.end();
+      values.insert(has ? found->value : "");
+      cells.push_back(has ? escape(found->value) + (found->origin == "default"
+                                                        ? ""
+                                                        : " <small>(" + escape(found->origin) + ")</small>")
+                          : "not given");
+      if (has && found->origin != "default") origin = found->origin;
+    }
+    if (values.size() > 1)
+      differing.row(cells);
+    else if (origin != "default")
+      given.row({cells[0], escape(key->value), escape(key->unit), escape(origin)});
+    else
+      defaults.row({cells[0], escape(key->value), escape(key->unit)});
+  }
+  if (keys.empty()) return {};
+  std::string body = differing.empty() ? "" : differing.html();
+  if (!given.empty()) body += given.html();
+  if (!defaults.empty())
+    body += "<details><summary>Defaults that nothing changed</summary>\n" + defaults.html() + "</details>\n";
+  return section("settings", "Settings", body);
+}
+
+std::string how_to_run_again(const std::vector<Recorded>& runs) {
+  std::string body =
+      "<p>The commands as they were given; a run's own <code>case.toml</code> is a case too and "
+      "holds every key.</p>\n";
+  for (const Recorded& run : runs) {
+    std::string line;
+    for (const std::string& word : run.command) line += (line.empty() ? "" : " ") + quoted(word);
+    if (line.empty()) line = "strake run " + quoted((run.folder / "case.toml").string());
+    body += fmt::format(
+        "<h3>{0}</h3>\n<pre tabindex=\"0\" aria-label=\"command of {0}\"><code>{1}</code></pre>\n",
+        escape(run.name), escape(line));
+  }
+  std::set<std::string> more;
+  for (const Recorded& run : runs)
+    for (const auto& [word, text] : run.notes)
+      if (word == "run") more.insert(text);
+  if (!more.empty()) {
+    body +=
+        "<h3>What else the case suggests</h3>\n<pre tabindex=\"0\" aria-label=\"further commands\"><code>";
+    for (const std::string& line : more) body += escape(line) + "\n";
+    body += "</code></pre>\n";
+  }
+  return section("again", "How to run it again", body);
+}
+
+}  // namespace strake::report

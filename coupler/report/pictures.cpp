@@ -1,0 +1,121 @@
+// Pictures of the runs at chosen instants, each instant in the same colours for every run.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+
+#include "coupler/picture/drawing.hpp"
+#include "coupler/report/base64.hpp"
+#include "coupler/report/html.hpp"
+#include "coupler/report/sections.hpp"
+
+namespace strake::report {
+namespace {
+
+constexpr std::size_t most_runs = 6;  // that are drawn; more would make a page of many megabytes
+
+struct Instant {
+  std::string name;  // "contact"
+  double time = 0;   // [s]
+};
+
+/// Of the deflection where the structure bends, else of the first probe that has one.
+std::optional<double> first_peak_time(const Recorded& run) {
+  std::optional<double> best, any;
+  double largest = 0;
+  for (const ProbeResult& result : run.probes) {
+    const auto time = result.metric("time_of_first_peak"), value = result.metric("first_peak");
+    if (!time || !value) continue;
+    if (!any) any = time;
+    if (result.unit == "m" && std::abs(*value) > largest) {
+      largest = std::abs(*value);
+      best = time;
+    }
+  }
+  return best ? best : any;
+}
+
+std::vector<Instant> instants_of(const Recorded& run, const std::vector<double>& wanted) {
+  std::vector<Instant> instants;
+  for (const double time : wanted) instants.push_back({fmt::format("{:g} s", time), time});
+  if (!wanted.empty()) return instants;
+  const double end = run.end_time.value_or(std::numeric_limits<double>::infinity());
+  double contact = std::numeric_limits<double>::infinity();
+  for (const auto& [probe, time] : run.contact) contact = std::min(contact, time);
+  if (std::isfinite(contact)) instants.push_back({"contact", contact});
+  if (const auto time = first_peak_time(run)) instants.push_back({"first peak", *time});
+  if (instants.empty() && std::isfinite(end)) instants.push_back({"half way", 0.5 * end});
+  instants.push_back({"end", end});
+  return instants;
+}
+
+struct Shot {
+  std::string run, instant;
+  picture::Scene scene;
+};
+
+void widen(picture::Range& range, const picture::Range& other) {
+  if (other.empty()) return;
+  range.add(other.lo);
+  range.add(other.hi);
+}
+
+}  // namespace
+
+std::string pictures(const std::vector<Recorded>& runs, const std::vector<double>& at) {
+  std::vector<Shot> shots;
+  std::vector<std::string> order;
+  std::size_t drawn = 0;
+  for (const Recorded& run : runs) {
+    if (drawn == most_runs) break;
+    const std::size_t before = shots.size();
+    double last = -1;
+    for (const Instant& instant : instants_of(run, at)) try {
+        picture::Scene scene = picture::read_scene(run.folder, {.time = instant.time});
+        if (shots.size() > before && scene.time == last) continue;  // the same frame twice
+        last = scene.time;
+        if (std::find(order.begin(), order.end(), instant.name) == order.end()) order.push_back(instant.name);
+        shots.push_back({run.name, instant.name, std::move(scene)});
+      } catch (const std::exception&) {
+        break;  // no frames, or damaged: the rest of the report stands
+      }
+    drawn += shots.size() > before ? 1 : 0;
+  }
+  if (shots.empty()) return {};
+
+  std::map<std::string, std::pair<picture::Range, picture::Range>> ranges;  // instant → water, structure
+  for (const Shot& shot : shots) {
+    widen(ranges[shot.instant].first, shot.scene.water_field.shown);
+    widen(ranges[shot.instant].second, shot.scene.solid_field.shown);
+  }
+  std::string body =
+      "<p>Water by pressure, structure by von Mises stress where the solver gives it. The pictures of one "
+      "instant share their colours; each shows the frame next to the time it is named after.</p>\n";
+  if (runs.size() > most_runs)
+    body += fmt::format("<p>The first {} runs are drawn; <code>strake picture</code> draws any.</p>\n",
+                        most_runs);
+  for (const std::string& instant : order) {
+    body += "<h3>" + escape(instant) + "</h3>\n<div class=\"pictures\">\n";
+    for (const Shot& shot : shots) {
+      if (shot.instant != instant) continue;
+      picture::DrawingOptions drawing;
+      drawing.width = 960;
+      drawing.field = "pressure";
+      const auto& [water, solid] = ranges[instant];
+      if (!water.empty()) drawing.range = water;
+      if (!solid.empty()) drawing.solid_range = solid;
+      const std::string caption =
+          fmt::format("{}: {}, t = {}", shot.run, instant, quantity(shot.scene.time, "s"));
+      body += fmt::format(
+          "<figure>\n<img alt=\"{0}\" "
+          "src=\"data:image/png;base64,{1}\">\n<figcaption>{0}</figcaption>\n</figure>\n",
+          escape(caption), base64(picture::draw(shot.scene, drawing, picture::Canvas::Kind::png)));
+    }
+    body += "</div>\n";
+  }
+  return section("pictures", "Pictures", body);
+}
+
+}  // namespace strake::report

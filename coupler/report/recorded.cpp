@@ -1,0 +1,253 @@
+#include "coupler/report/recorded.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "proto/error.hpp"
+
+namespace strake::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::optional<std::string> text_of(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) return std::nullopt;
+  return text.str();
+}
+
+/// An object; an empty one where the file is missing or damaged, which is said.
+Json object_of(const std::filesystem::path& path, std::vector<std::string>& problems) {
+  const auto text = text_of(path);
+  const std::string name = path.filename().string();
+  if (!text) {
+    problems.push_back(
+        name + " is missing: " +
+        (name == "summary.json" ? "the run has not ended, or was killed" : "it cannot be read"));
+    return Json::object();
+  }
+  Json json = Json::parse(*text, nullptr, false);
+  if (json.is_object()) return json;
+  problems.push_back(name + " is damaged: it is not a JSON object");
+  return Json::object();
+}
+
+const Json& member(const Json& json, const std::string& key) {
+  static const Json null;
+  const auto found = json.is_object() ? json.find(key) : json.end();
+  return json.is_object() && found != json.end() ? *found : null;
+}
+
+std::string string_of(const Json& json, const std::string& key) {
+  const Json& value = member(json, key);
+  return value.is_string() ? value.get<std::string>() : std::string();
+}
+
+std::optional<double> number_of(const Json& json, const std::string& key) {
+  const Json& value = member(json, key);
+  return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
+}
+
+std::string without_quotes(std::string text) {
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  return text;
+}
+
+/// The echo's own form: "[table]", "[[table]]", "key = value  # unit, origin".
+std::vector<Setting> settings_of(const std::string& echo) {
+  std::vector<Setting> settings;
+  std::map<std::string, int> count;
+  std::istringstream lines(echo);
+  std::string table;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("[[")) {
+      table = line.substr(2, line.find("]]") - 2);
+      table += fmt::format("[{}]", count[table]++);
+      continue;
+    }
+    if (line.starts_with("[")) {
+      table = line.substr(1, line.find(']') - 1);
+      for (const auto& [array, elements] : count)  // "[box.supports]" is that of the last [[box]]
+        if (table.starts_with(array + "."))
+          table = fmt::format("{}[{}]{}", array, elements - 1, table.substr(array.size()));
+      continue;
+    }
+    const auto equals = line.find(" = "), note = line.rfind("  # ");
+    if (line.starts_with("#") || equals == std::string::npos || note == std::string::npos || note < equals)
+      continue;
+    Setting setting;
+    setting.key = (table.empty() ? "" : table + ".") + line.substr(0, equals);
+    setting.value = without_quotes(line.substr(equals + 3, note - equals - 3));
+    const std::string said = line.substr(note + 4);
+    const auto comma = said.rfind(", ");
+    setting.origin = comma == std::string::npos ? said : said.substr(comma + 2);
+    setting.unit = comma == std::string::npos ? "" : said.substr(0, comma);
+    settings.push_back(std::move(setting));
+  }
+  return settings;
+}
+
+/// "# physics    flat-bottom slamming: …", and the lines that go on beneath it.
+std::vector<std::pair<std::string, std::string>> notes_of(const std::string& case_text) {
+  std::vector<std::pair<std::string, std::string>> notes;
+  std::istringstream lines(case_text);
+  for (std::string line; std::getline(lines, line) && line.starts_with("#");) {
+    std::string text = line.substr(1);
+    const auto begin = text.find_first_not_of(' ');
+    if (begin == std::string::npos) continue;
+    const bool goes_on = begin > 3 && !notes.empty();
+    text = text.substr(begin);
+    if (goes_on) {
+      notes.back().second += " " + text;
+      continue;
+    }
+    const auto gap = text.find("  ");
+    const auto word = text.substr(0, text.find(' '));
+    if (gap != std::string::npos && gap == word.size())
+      notes.emplace_back(word, text.substr(text.find_first_not_of(' ', gap)));
+    else if (notes.empty())
+      notes.emplace_back("case", text);
+    else if (word == "expect" || word == "choices" || word == "note" || word == "run")
+      notes.emplace_back(word, text.substr(word.size() + 1));
+  }
+  return notes;
+}
+
+void read_record(const Json& record, Recorded& run) {
+  run.version = string_of(record, "strake");
+  run.commit = string_of(record, "commit");
+  run.host = string_of(record, "host");
+  run.started = string_of(record, "started");
+  run.ended = string_of(record, "ended");
+  run.threads = number_of(record, "threads");
+  if (const auto code = number_of(record, "exit_code")) run.exit_code = static_cast<int>(*code);
+  const Json& error = member(record, "error");
+  if (error.is_object()) run.error = string_of(error, "where") + ": " + string_of(error, "problem");
+  for (const Json& word : member(record, "command"))
+    if (word.is_string()) run.command.push_back(word.get<std::string>());
+  for (const char* side : {"fluid", "structure"}) {
+    const std::string solver = string_of(member(member(record, "participants"), side), "solver");
+    if (!solver.empty()) run.solver[side] = solver;
+  }
+  const Json& contact = member(record, "contact");
+  if (contact.is_object())
+    for (const auto& [probe, time] : contact.items())
+      if (time.is_number()) run.contact[probe] = time.get<double>();
+  if (const auto text = text_of(string_of(record, "case"))) run.notes = notes_of(*text);
+}
+
+void read_summary(const Json& summary, Recorded& run) {
+  run.end_time = number_of(summary, "end_time");
+  run.windows = number_of(summary, "windows");
+  run.mean_iterations = number_of(member(summary, "iterations"), "mean");
+  run.wall_seconds = number_of(member(summary, "seconds"), "wall");
+  if (const auto code = number_of(summary, "exit_code"); code && !run.exit_code)
+    run.exit_code = static_cast<int>(*code);
+  const Json &probes = member(summary, "probes"), &checks = member(summary, "checks");
+  if (probes.is_object())
+    for (const auto& [name, entry] : probes.items()) {
+      ProbeResult result = {.probe = name, .unit = string_of(entry, "unit"), .metrics = {}};
+      if (entry.is_object())
+        for (const auto& [metric, value] : entry.items())
+          if (metric != "unit") result.metrics.emplace_back(metric, number_of(entry, metric));
+      run.probes.push_back(std::move(result));
+    }
+  if (checks.is_object())
+    for (const auto& [name, value] : checks.items()) run.checks.emplace_back(name, number_of(checks, name));
+  for (const Json& entry : member(summary, "compare")) {
+    if (!entry.is_object()) continue;
+    Judged judged = {.probe = string_of(entry, "probe"),
+                     .metric = string_of(entry, "metric"),
+                     .kind = string_of(entry, "kind"),
+                     .source = string_of(entry, "source"),
+                     .value = number_of(entry, "value"),
+                     .tolerance = number_of(entry, "tolerance"),
+                     .reference = number_of(entry, "reference").value_or(0),
+                     .pass = std::nullopt};
+    if (const Json& pass = member(entry, "pass"); pass.is_boolean()) judged.pass = pass.get<bool>();
+    run.compare.push_back(std::move(judged));
+  }
+}
+
+}  // namespace
+
+std::optional<double> ProbeResult::metric(const std::string& name) const {
+  for (const auto& [metric, value] : metrics)
+    if (metric == name) return value;
+  return std::nullopt;
+}
+
+std::optional<double> Judged::deviation() const {
+  if (!value) return std::nullopt;
+  return reference == 0 ? *value : (*value - reference) / std::abs(reference);
+}
+
+const ProbeResult* Recorded::probe(const std::string& wanted) const {
+  for (const ProbeResult& result : probes)
+    if (result.probe == wanted) return &result;
+  return nullptr;
+}
+
+std::string Recorded::setting(const std::string& key) const {
+  for (const Setting& setting : settings)
+    if (setting.key == key) return setting.value;
+  return {};
+}
+
+std::string Recorded::state() const {
+  if (!exit_code) return problems.empty() ? "running or killed" : "no result";
+  switch (*exit_code) {
+    case 0:
+      return "finished";
+    case 1:
+      return "finished, outside tolerance";
+    case 4:
+      return "failed: the solver";
+    case 5:
+      return "failed: a program was lost";
+    case 6:
+      return "failed: could not write";
+    case 130:
+    case 143:
+      return "stopped before its end";
+    default:
+      return fmt::format("failed, exit code {}", *exit_code);
+  }
+}
+
+Recorded read_run(const std::filesystem::path& folder) {
+  Recorded run;
+  run.folder = folder;
+  run.name = std::filesystem::absolute(folder).lexically_normal().filename().string();
+  if (run.name.empty())  // "runs/plate_entry/"
+    run.name = std::filesystem::absolute(folder).lexically_normal().parent_path().filename().string();
+  const bool any =
+      std::filesystem::exists(folder / "run.json") || std::filesystem::exists(folder / "case.toml");
+  if (!any)
+    throw Error(ExitCode::case_file, folder.string(), "is not the folder of a run: it has no run.json",
+                "name a folder that `strake run` has made, e.g. runs/plate_entry");
+  read_record(object_of(folder / "run.json", run.problems), run);
+  read_summary(object_of(folder / "summary.json", run.problems), run);
+  if (const auto echo = text_of(folder / "case.toml"))
+    run.settings = settings_of(*echo);
+  else
+    run.problems.emplace_back("case.toml is missing: what was set is not known");
+  run.title = run.setting("title");
+  try {
+    run.history = read_table(folder / "history.csv");
+  } catch (const Error& error) {
+    run.problems.push_back("history.csv: " + error.problem());
+  }
+  if (!run.end_time && run.history.rows() > 0)
+    for (std::size_t c = 0; c < run.history.columns.size(); ++c)
+      if (run.history.columns[c].name == "time") run.end_time = run.history.value[c].back();
+  return run;
+}
+
+}  // namespace strake::report

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proto/history.hpp"
+
+namespace strake::report {
+
+/// A key of the resolved case as case.toml writes it.
+struct Setting {
+  std::string key, value, unit, origin;  // origin: default | preset | case | --set
+};
+
+/// What a probe found: metric → value in the order of summary.json.
+struct ProbeResult {
+  std::string probe, unit;
+  std::vector<std::pair<std::string, std::optional<double>>> metrics;
+  std::optional<double> metric(const std::string& name) const;
+};
+
+/// One line of summary.json's "compare".
+struct Judged {
+  std::string probe, metric, kind, source;
+  std::optional<double> value, tolerance;
+  double reference = 0;
+  std::optional<bool> pass;
+  std::optional<double> deviation() const;  // as Verdict::deviation
+};
+
+/// A run folder as it lies on disk, whole or not: what cannot be read is said in `problems`, and the rest
+/// still shows.
+struct Recorded {
+  std::filesystem::path folder;
+  std::string name;   // of the folder; a study gives its own
+  std::string title;  // of the case
+  std::vector<std::string> problems;
+  std::vector<std::pair<std::string, std::string>> notes;  // "physics" → text, from the case's first lines
+  std::vector<Setting> settings;
+
+  std::string version, commit, host, started, ended, error;
+  std::vector<std::string> command;
+  std::map<std::string, std::string> solver;  // side → "fem"
+  std::optional<int> exit_code;
+  std::optional<double> end_time, wall_seconds, windows, mean_iterations, threads;
+  std::map<std::string, double> contact;  // probe → [s]
+  std::vector<ProbeResult> probes;
+  std::vector<std::pair<std::string, std::optional<double>>> checks;
+  std::vector<Judged> compare;
+  Table history;
+
+  const ProbeResult* probe(const std::string& name) const;
+  std::string setting(const std::string& key) const;  // empty: none
+  std::string state() const;                          // "finished", "stopped by the user" …
+  bool finished() const { return exit_code == 0 || exit_code == 1; }
+};
+
+/// Never throws for a damaged run; throws Error(case_file) where the folder is no run at all.
+Recorded read_run(const std::filesystem::path& folder);
+
+}  // namespace strake::report

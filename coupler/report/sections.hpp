@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "coupler/report/recorded.hpp"
+
+namespace strake::report {
+
+/// The parts of a report on runs, each a section of the page; empty where there is nothing to say. Every run
+/// keeps its place in `runs` as its colour.
+
+std::string what_was_run(const std::vector<Recorded>&);
+std::string drawing_of_case(const std::vector<Recorded>&);
+/// What the case sets; keys that differ between runs come first. Defaults are folded away.
+std::string settings(const std::vector<Recorded>&);
+/// `at`: times [s]; empty: contact, first peak, end.
+std::string pictures(const std::vector<Recorded>&, const std::vector<double>& at);
+std::string histories(const std::vector<Recorded>&);
+/// Every metric of every probe with a column for each reference, its kind and the deviation from it.
+std::string metrics(const std::vector<Recorded>&);
+std::string checks(const std::vector<Recorded>&);
+std::string how_to_run_again(const std::vector<Recorded>&);
+
+/// The plots of `histories` alone: one figure per quantity that any of the runs recorded, and its first peak.
+/// heading: before each title, e.g. "6.26 m/s".
+std::string history_figures(const std::vector<Recorded>&, const std::string& heading);
+
+}  // namespace strake::report

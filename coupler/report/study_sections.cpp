@@ -1,0 +1,238 @@
+#include "coupler/report/study_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "coupler/report/html.hpp"
+#include "coupler/report/plot.hpp"
+#include "coupler/report/sections.hpp"
+
+namespace strake::report {
+namespace {
+
+std::string words(std::string metric) {
+  std::replace(metric.begin(), metric.end(), '_', ' ');
+  return metric;
+}
+
+std::string label_of(const StudyData::Run& run, const std::string& axis) {
+  const auto found = run.labels.find(axis);
+  return found == run.labels.end() ? std::string("–") : found->second;
+}
+
+std::optional<double> value_of(const StudyData::Run& run, const StudyData::QuantityOfRuns& column) {
+  const auto found = run.values.find(column.probe + ":" + column.metric);
+  return found == run.values.end() ? std::nullopt : found->second;
+}
+
+std::string state_of(const StudyData::Run& run) {
+  return badge(run.state == "done"     ? "good"
+               : run.state == "failed" ? "bad"
+                                       : "open",
+               run.state.empty() ? "unknown" : run.state);
+}
+
+/// Two axes: the first down, the second across, one table per quantity.
+std::string cross_table(const StudyData& study, const StudyData::QuantityOfRuns& column) {
+  const StudyData::Axis &down = study.axes[0], &across = study.axes[1];
+  HtmlTable table(fmt::format("{} {}", column.probe, words(column.metric)));
+  std::vector<std::string> names = {down.name + " \\ " + across.name};
+  names.insert(names.end(), across.labels.begin(), across.labels.end());
+  table.head(names);
+  for (const std::string& row : down.labels) {
+    std::vector<std::string> cells = {escape(row)};
+    for (const std::string& label : across.labels) {
+      std::string cell;
+      for (const StudyData::Run& run : study.runs)
+        if (label_of(run, down.name) == row && label_of(run, across.name) == label)
+          cell += (cell.empty() ? "" : "<br>") +
+                  (run.state == "done" ? number_cell(value_of(run, column), column.unit) : state_of(run));
+      cells.push_back(cell.empty() ? "–" : cell);
+    }
+    table.row(cells);
+  }
+  return table.html();
+}
+
+std::string list_table(const StudyData& study) {
+  HtmlTable table("All runs of the study");
+  std::vector<std::string> names = {"run"};
+  for (const StudyData::Axis& axis : study.axes) names.push_back(axis.name);
+  names.emplace_back("state");
+  for (const auto& column : study.columns) names.push_back(column.probe + " " + words(column.metric));
+  names.emplace_back("wall time");
+  table.head(names);
+  for (const StudyData::Run& run : study.runs) {
+    std::vector<std::string> cells = {escape(run.name)};
+    for (const StudyData::Axis& axis : study.axes) cells.push_back(escape(label_of(run, axis.name)));
+    cells.push_back(state_of(run));
+    for (const auto& column : study.columns) cells.push_back(number_cell(value_of(run, column), column.unit));
+    cells.push_back(number_cell(run.seconds, "s"));
+    table.row(cells);
+  }
+  return table.html();
+}
+
+}  // namespace
+
+std::string study_summary(const StudyData& study) {
+  std::string body;
+  if (study.axes.size() == 2)
+    for (const auto& column : study.columns) body += cross_table(study, column);
+  const std::string list = list_table(study);
+  body += body.empty() ? list : "<details><summary>As one list</summary>\n" + list + "</details>\n";
+  return section("summary", "Results of the study", body);
+}
+
+std::string study_histories(const StudyData& study, const RunsByName& runs) {
+  std::string body;
+  const auto group = [&](const std::string& heading, const auto& belongs) {
+    std::vector<Recorded> members;
+    for (const StudyData::Run& run : study.runs)
+      if (const auto found = runs.find(run.name); belongs(run) && found != runs.end()) {
+        members.push_back(found->second);
+        std::string name;  // what tells it from the others of its group
+        for (std::size_t a = 1; a < study.axes.size(); ++a)
+          name += (name.empty() ? "" : ", ") + label_of(run, study.axes[a].name);
+        members.back().name = name.empty() || heading.empty() ? run.name : name;
+      }
+    const std::string figures = members.empty() ? "" : history_figures(members, heading);
+    if (!figures.empty()) body += (heading.empty() ? "" : "<h3>" + escape(heading) + "</h3>\n") + figures;
+  };
+  if (study.axes.size() < 2)
+    group("", [](const StudyData::Run&) { return true; });
+  else
+    for (const std::string& label : study.axes[0].labels)
+      group(study.axes[0].name + " " + label,
+            [&](const StudyData::Run& run) { return label_of(run, study.axes[0].name) == label; });
+  if (body.empty()) return {};
+  return section(
+      "histories", "Histories",
+      "<p>A ring is the first peak as measured at every step; references are dashed.</p>\n" + body);
+}
+
+std::string study_convergence(const StudyData& study) {
+  if (study.convergence.empty()) return {};
+  HtmlTable table("Observed order and grid convergence index");
+  table.head({"study", "axis", "quantity", "finest value", "extrapolated", "observed order",
+              "GCI of the finest", "remark"});
+  std::string figures;
+  for (const StudyData::Convergence& item : study.convergence) {
+    Plot plot;
+    plot.title = item.title;
+    plot.x_name = item.axis;
+    plot.x_unit = "1";
+    plot.y_name = item.probe + " " + words(item.metric);
+    plot.y_unit = item.unit.empty() ? "1" : item.unit;
+    plot.logarithmic = true;
+    Series size = {.name = "|value|", .curve = {}, .style = 0, .marker = std::nullopt, .dots = true};
+    Series error = {
+        .name = "|value − extrapolated|", .curve = {}, .style = 1, .marker = std::nullopt, .dots = true};
+    std::optional<double> finest;
+    double smallest = 1e300;
+    for (std::size_t k = 0; k < std::min(item.along.size(), item.values.size()); ++k) {
+      const double h = item.along[k], q = item.values[k];
+      if (!std::isfinite(h) || !std::isfinite(q)) continue;
+      size.curve.time.push_back(h);
+      size.curve.value.push_back(std::abs(q));
+      if (item.extrapolated && q != *item.extrapolated) {
+        error.curve.time.push_back(h);
+        error.curve.value.push_back(std::abs(q - *item.extrapolated));
+      }
+      if (h < smallest) {
+        smallest = h;
+        finest = q;
+      }
+    }
+    plot.series.push_back(size);
+    figures += figure(plot);
+    if (error.curve.size() > 1) {
+      plot.title += ", distance from the extrapolated value";
+      plot.y_name = "distance of " + item.probe + " " + words(item.metric);
+      plot.series = {error};
+      figures += figure(plot);
+    }
+    table.row({escape(item.title), escape(item.axis), escape(item.probe + " " + words(item.metric)),
+               number_cell(finest, plot.y_unit), number_cell(item.extrapolated, plot.y_unit),
+               number_cell(item.order, "1"),
+               fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(item.gci),
+                           item.gci ? fmt::format("{:.2f} %", 100 * *item.gci) : "–"),
+               "<span class=\"words\">" + escape(item.remark) + "</span>"});
+  }
+  return section(
+      "convergence", "Convergence",
+      "<p>The grid convergence index bounds the error of the finest value by what the last refinements "
+      "changed (safety factor 1.25), as a share; it means something only where the order is steady.</p>\n" +
+          table.html() + (figures.empty() ? "" : "<div class=\"figures\">\n" + figures + "</div>\n"));
+}
+
+std::string study_checks(const StudyData& study) {
+  if (study.checks.empty()) return {};
+  HtmlTable table("Checks of the study");
+  table.head({"check", "verdict", "run", "quantity", "value", "reference", "deviation", "allowed", "kind",
+              "against"});
+  for (const StudyData::Check& check : study.checks) {
+    std::string unit = "1";
+    for (const auto& column : study.columns)
+      if (column.probe == check.probe && column.metric == check.metric) unit = column.unit;
+    const std::string kind = !check.pass ? "open" : *check.pass ? "good" : "bad";
+    table.row({escape(check.title),
+               badge(kind, !check.pass   ? "not judged"
+                           : *check.pass ? "pass"
+                                         : "outside"),
+               escape(check.run), escape(check.probe + " " + words(check.metric)),
+               number_cell(check.value, unit), number_cell(check.reference, unit),
+               fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(check.deviation),
+                           escape(percent(check.deviation))),
+               check.tolerance ? fmt::format("{:g} %", 100 * *check.tolerance) : std::string("stated only"),
+               escape(check.kind),
+               "<span class=\"words\">" + escape(check.against.empty() ? check.source : check.against) +
+                   "</span>"});
+  }
+  return section("checks", "Checks", table.html());
+}
+
+std::string study_claims(const StudyData& study) {
+  if (study.claims.empty()) return {};
+  HtmlTable table("Claims, one by one");
+  table.head({"claim", "verdict", "what was measured", "why", "where it is made"});
+  for (const StudyData::Claim& claim : study.claims) {
+    const std::string kind = claim.verdict == "holds"           ? "good"
+                             : claim.verdict == "does not hold" ? "bad"
+                                                                : "open";
+    const auto words = [](const std::string& text) {
+      return "<span class=\"words\">" + escape(text) + "</span>";
+    };
+    table.row({words(claim.claim), badge(kind, claim.verdict.empty() ? "not judged" : claim.verdict),
+               words(claim.measured), words(claim.why), escape(claim.source)});
+  }
+  return section("claims", "Claims", table.html());
+}
+
+std::string study_runs(const StudyData& study, const RunsByName& runs) {
+  std::string body;
+  if (!study.commands.empty()) {
+    body += "<pre tabindex=\"0\" aria-label=\"commands\"><code>";
+    for (const std::string& command : study.commands) body += escape(command) + "\n";
+    body += "</code></pre>\n";
+  }
+  HtmlTable table("The runs behind it");
+  table.head({"run", "folder", "state", "what it said"});
+  for (const StudyData::Run& run : study.runs) {
+    std::string said;
+    if (const auto found = runs.find(run.name); found != runs.end()) {
+      for (const std::string& problem : found->second.problems) said += (said.empty() ? "" : "; ") + problem;
+      if (!found->second.error.empty()) said += (said.empty() ? "" : "; ") + found->second.error;
+    } else {
+      said = "its folder holds no run";
+    }
+    table.row({escape(run.name), "<code>" + escape(run.folder.generic_string()) + "</code>", state_of(run),
+               "<span class=\"words\">" + escape(said) + "</span>"});
+  }
+  return section("again", "How to run it again", body + table.html());
+}
+
+}  // namespace strake::report

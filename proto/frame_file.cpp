@@ -1,0 +1,81 @@
+#include "proto/frame_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "proto/error.hpp"
+#include "proto/hdf5_file.hpp"
+
+namespace strake {
+namespace {
+
+const std::string frame_format = "strake frame 1";
+
+/// /point or /cell: a file holds n×components, row after row; a frame components×n.
+std::vector<Frame::Array> read_arrays(const hdf5::Reader& file, const std::string& group) {
+  std::vector<Frame::Array> arrays;
+  for (const std::string& link : file.names(group)) {
+    const std::string path = group + "/" + link;
+    arrays.push_back({.name = hdf5::from_link_name(link),
+                      .unit = file.text_of(path, "unit").value_or("1"),
+                      .value = file.real(path).transpose()});
+  }
+  return arrays;
+}
+
+}  // namespace
+
+std::vector<FrameFile> list_frames(const std::filesystem::path& run_folder, const std::string& name) {
+  std::vector<FrameFile> frames;
+  std::error_code error;
+  for (const auto& item : std::filesystem::directory_iterator(run_folder / "frames", error)) {
+    const std::filesystem::path& path = item.path();
+    if (path.extension() != ".h5" || !path.filename().string().starts_with(name + "-")) continue;
+    try {
+      frames.push_back({hdf5::Reader(path, frame_format).number("time"), path});
+    } catch (const Error&) {  // damaged, or not of ours: the others still show the run
+    }
+  }
+  std::sort(frames.begin(), frames.end(), [](const FrameFile& a, const FrameFile& b) {
+    return std::pair(a.time, a.path) < std::pair(b.time, b.path);
+  });
+  return frames;
+}
+
+const FrameFile* nearest(const std::vector<FrameFile>& frames, double time) {
+  if (frames.empty()) return nullptr;
+  if (std::isinf(time)) return time > 0 ? &frames.back() : &frames.front();
+  const FrameFile* best = nullptr;
+  for (const FrameFile& frame : frames)
+    if (best == nullptr || std::abs(frame.time - time) < std::abs(best->time - time)) best = &frame;
+  return best;
+}
+
+Frame read_frame(const std::filesystem::path& path) {
+  const hdf5::Reader file(path, frame_format);
+  Frame frame;
+  frame.time = file.number("time");
+  const hdf5::RowMajor position = file.real("/position");
+  if (position.cols() != 3)
+    throw Error(ExitCode::case_file, path.string(), "the positions of a frame have three components",
+                "run the case again");
+  frame.position = position.transpose();
+
+  const auto shape = file.shape("/cells");  // cells, nodes of each
+  const std::vector<std::int64_t> cells = file.integer("/cells");
+  if (shape[1] > 1) {
+    frame.cells.resize(shape[1], shape[0]);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (cells[i] < 0 || cells[i] >= frame.position.cols())
+        throw Error(ExitCode::case_file, path.string(), "a cell names a point that is not there",
+                    "run the case again");
+      frame.cells.data()[i] = static_cast<int>(cells[i]);
+    }
+  }
+  frame.point_data = read_arrays(file, "/point");
+  frame.cell_data = read_arrays(file, "/cell");
+  return frame;
+}
+
+}  // namespace strake

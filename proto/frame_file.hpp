@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "proto/interface.hpp"
+
+namespace strake {
+
+/// A frame of a run that lies on disk.
+struct FrameFile {
+  double time = 0;  // [s]
+  std::filesystem::path path;
+};
+
+/// The frames frames/<name>-000042.h5 of a run folder that can be read, in order of time; none is no error.
+std::vector<FrameFile> list_frames(const std::filesystem::path& run_folder, const std::string& name);
+/// The frame next to `time`, the earlier of two as near; nullptr where there is none.
+const FrameFile* nearest(const std::vector<FrameFile>&, double time);
+/// Throws Error(case_file) with the path when the file is not a frame of ours.
+Frame read_frame(const std::filesystem::path&);
+
+}  // namespace strake

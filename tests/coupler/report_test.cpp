@@ -1,0 +1,109 @@
+#include <gtest/gtest.h>
+
+#include "coupler/report/base64.hpp"
+#include "coupler/report/html.hpp"
+#include "coupler/report/outline.hpp"
+#include "coupler/report/plot.hpp"
+#include "coupler/report/sketch.hpp"
+
+namespace strake::report {
+namespace {
+
+std::size_t count(const std::string& text, const std::string& word) {
+  std::size_t n = 0;
+  for (auto at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
+  return n;
+}
+
+TEST(Html, EveryCharacterThatMeansSomethingIsEscaped) {
+  EXPECT_EQ(escape("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
+  EXPECT_EQ(escape(std::string("a\0b\x07", 4)), "ab");
+}
+
+TEST(Html, QuantitiesAreReadableAndExactBesides) {
+  EXPECT_EQ(quantity(0.00174235, "m"), "1.742 mm");
+  EXPECT_EQ(quantity(-9.2e6, "Pa"), "−9.2 MPa");
+  EXPECT_EQ(quantity(8.8e-14, "1"), "8.800e-14");
+  EXPECT_EQ(quantity(std::nullopt, "m"), "–");
+  EXPECT_EQ(percent(-0.0153), "−1.5 %");
+  EXPECT_NE(number_cell(0.1, "m").find("data-value=\"0.1\""), std::string::npos);
+}
+
+TEST(Base64, GivesTheVectorsOfRfc4648) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64("\xff\xfe\xfd"), "//79");
+}
+
+TEST(Plot, DrawsEachCurveItsFirstPeakAndTheReference) {
+  Plot plot{.title = "a < b", .x_name = "time", .x_unit = "s", .y_name = "p", .y_unit = "Pa"};
+  plot.series = {
+      {.name = "one", .curve = {{0, 1e-3, 2e-3}, {0, 5e6, 1e6}}, .style = 0, .marker = CurvePoint{1e-3, 6e6}},
+      {.name = "two", .curve = {{0, 2e-3}, {0, 2e6}}, .style = 1}};
+  plot.references = {{"theory", 4e6}};
+  const std::string html = figure(plot);
+  EXPECT_EQ(count(html, "<path class=\"line s"), 4U);  // two curves, two swatches
+  EXPECT_EQ(count(html, "<circle class=\"ring"), 2U);
+  EXPECT_EQ(count(html, "class=\"reference\""), 2U);
+  EXPECT_NE(html.find("p [MPa]"), std::string::npos);
+  EXPECT_NE(html.find("time [ms]"), std::string::npos);
+  EXPECT_NE(html.find("a &lt; b"), std::string::npos);
+}
+
+TEST(Plot, AWindowWithoutSamplesIsNoFigureAndNoNumberIsEverNan) {
+  Plot plot{.title = "t", .x_name = "time", .x_unit = "s", .y_name = "q", .y_unit = "1"};
+  plot.series = {{.name = "one", .curve = {{0, 1, 2, 3}, {1, std::nan(""), 1, 1}}}};
+  EXPECT_EQ(figure(plot).find("nan"), std::string::npos);
+  plot.window = {7, 9};
+  EXPECT_EQ(figure(plot), "");
+  plot.window.reset();
+  plot.logarithmic = true;
+  plot.series[0].curve = {{0.01, 0.02, 0}, {1e-3, 0, 1}};
+  const std::string html = figure(plot);
+  EXPECT_EQ(html.find("nan"), std::string::npos);
+  EXPECT_EQ(html.find("inf"), std::string::npos);
+}
+
+TEST(Plot, ManySamplesAreThinnedAndThePeakStays) {
+  Plot plot{.title = "t", .x_name = "time", .x_unit = "s", .y_name = "q", .y_unit = "1"};
+  Curve curve;
+  for (int k = 0; k < 100'000; ++k) {
+    curve.time.push_back(k);
+    curve.value.push_back(k == 31'415 ? 10 : 0);
+  }
+  plot.series = {{.name = "one", .curve = curve}};
+  const std::string html = figure(plot);
+  EXPECT_LT(html.size(), 60'000U);
+  plot.series[0].curve.value[31'415] = 0;
+  EXPECT_NE(figure(plot), html);
+}
+
+TEST(Outline, OfTwoSquaresSideBySideIsOneRectangle) {
+  picture::Scene scene;
+  scene.cells = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 0}, {{{1, 1}, {2, 1}, {2, 0}, {1, 0}}, 0}};
+  const auto loops = outline(scene);
+  ASSERT_EQ(loops.size(), 1U);
+  EXPECT_EQ(loops[0].size(), 4U);
+}
+
+TEST(Outline, OfParticlesAroundAHoleIsTwoLoops) {
+  picture::Scene scene;
+  scene.solid_spacing = 1;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (i != 1 || j != 1) scene.solid.push_back({{static_cast<double>(i), static_cast<double>(j)}, 0});
+  EXPECT_EQ(outline(scene).size(), 2U);
+}
+
+TEST(Sketch, ReadsPointsOfTwoAndOfThreeNumbers) {
+  const auto three = places("[[-1, -0.5, 0], [1, 1e-1, 0]]");
+  ASSERT_EQ(three.size(), 2U);
+  EXPECT_EQ(three[1].y, 0.1);
+  EXPECT_EQ(places("[[0, 0], [1, 0], [1, 2]]").size(), 3U);
+  EXPECT_TRUE(places("none").empty());
+}
+
+}  // namespace
+}  // namespace strake::report
