@@ -56,6 +56,22 @@ CLI::App* add_run_options(CLI::App* command, strake::RunOptions& options) {
   return command;
 }
 
+void add_picture_options(CLI::App* command, strake::PictureOptions& options, const std::string& out) {
+  command->add_option("RUN", options.run, "run folder")->required();
+  command
+      ->add_option("--field", options.field,
+                   "pressure, speed, or another field of the frames, e.g. von_mises or damage")
+      ->capture_default_str();
+  command->add_option("--size", options.size, "pixels, default 1120 wide and as high as it takes")
+      ->type_name("WxH");
+  command->add_option("--view", options.view, "corners of what is drawn [m]; default all")
+      ->type_name("x0,y0,x1,y1");
+  command->add_option("--range", options.range, "of the field's colours, SI units")->type_name("LO,HI");
+  command->add_option("--scale", options.scale, "factor on the structure's deformation")
+      ->capture_default_str();
+  command->add_option("-o", options.out, out)->type_name("FILE");
+}
+
 /// CLI11's words in the form of ours.
 ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
@@ -133,21 +149,17 @@ int main(int argc, char** argv) {
   strake::PictureOptions picture;
   command =
       app.add_subcommand("picture", "one instant of a run as PNG or SVG: water and structure by a field");
-  command->add_option("RUN", picture.run, "run folder")->required();
+  add_picture_options(command, picture, "x.png or x.svg, default RUN/FIELD.png");
   command->add_option("--at", picture.at, "time [s], the frame next to it; default the last");
-  command
-      ->add_option("--field", picture.field,
-                   "pressure, speed, or another field of the frames, e.g. von_mises or damage")
-      ->capture_default_str();
-  command->add_option("--size", picture.size, "pixels, default 1120 wide and as high as it takes")
-      ->type_name("WxH");
-  command->add_option("--view", picture.view, "corners of what is drawn [m]; default all")
-      ->type_name("x0,y0,x1,y1");
-  command->add_option("--range", picture.range, "of the field's colours, SI units")->type_name("LO,HI");
-  command->add_option("--scale", picture.scale, "factor on the structure's deformation")
-      ->capture_default_str();
-  command->add_option("-o", picture.out, "x.png or x.svg, default RUN/FIELD.png")->type_name("FILE");
   command->callback([&] { action = [&] { return strake::draw_picture(picture); }; });
+
+  strake::FilmOptions film;
+  command = app.add_subcommand("film", "all frames of a run as a film, with ffmpeg where that is installed");
+  add_picture_options(command, film.picture, "x.mp4, x.webm or x.gif, default RUN/FIELD.mp4");
+  command->add_option("--fps", film.frames_per_second, "frames in a second")->capture_default_str();
+  command->add_option("--from", film.from, "first time [s]");
+  command->add_option("--to", film.to, "last time [s]");
+  command->callback([&] { action = [&] { return strake::make_film(film, stop); }; });
 
   strake::ReportOptions report_options;
   command = app.add_subcommand("report", "one self-contained HTML page about runs, or about a study");

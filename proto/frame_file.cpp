@@ -6,6 +6,7 @@
 
 #include "proto/error.hpp"
 #include "proto/hdf5_file.hpp"
+#include "proto/interface.hpp"
 
 namespace strake {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "proto/interface.hpp"
-
 namespace strake {
+
+struct Frame;
 
 /// A frame of a run that lies on disk.
 struct FrameFile {

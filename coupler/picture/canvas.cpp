@@ -42,16 +42,18 @@ struct Canvas::Parts {
   }
 };
 
-Canvas::Canvas(Kind kind, int width, int height) : parts_(std::make_unique<Parts>()) {
+Canvas::Canvas(Kind kind, int width, int height, double ratio) : parts_(std::make_unique<Parts>()) {
   parts_->kind = kind;
   parts_->surface = kind == Kind::png
-                        ? cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height)
+                        ? cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(ratio * width),
+                                                     static_cast<int>(ratio * height))
                         : cairo_svg_surface_create_for_stream(keep, &parts_->bytes, width, height);
   if (kind == Kind::svg) cairo_svg_surface_set_document_unit(parts_->surface, CAIRO_SVG_UNIT_PX);
   parts_->page = cairo_create(parts_->surface);
   if (cairo_status(parts_->page) != CAIRO_STATUS_SUCCESS)
     throw Error(ExitCode::command_line, "--size", cairo_status_to_string(cairo_status(parts_->page)),
                 "a smaller picture, e.g. --size 1280x720");
+  if (kind == Kind::png) cairo_scale(parts_->page, ratio, ratio);
   fill_rectangle(0, 0, width, height, {1, 1, 1});
 }
 
@@ -75,7 +77,10 @@ void Canvas::dot(double x, double y, double radius, const Colour& colour) {
 }
 
 void Canvas::square(double x, double y, double half, const Colour& colour) {
+  // Soft edges of squares that touch would let a grid of the background shine through.
+  cairo_set_antialias(parts_->at(), CAIRO_ANTIALIAS_NONE);
   fill_rectangle(x - half, y - half, 2 * half, 2 * half, colour);
+  cairo_set_antialias(parts_->at(), CAIRO_ANTIALIAS_DEFAULT);
 }
 
 void Canvas::polygon(const std::vector<Place>& corner, const Colour& colour) {

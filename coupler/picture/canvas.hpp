@@ -13,7 +13,8 @@ namespace strake::picture {
 class Canvas {
  public:
   enum class Kind { png, svg };
-  Canvas(Kind, int width, int height);
+  /// ratio: pixels of a PNG per unit of the drawing, so that the same drawing is sharp on fine screens.
+  Canvas(Kind, int width, int height, double ratio = 1);
   ~Canvas();
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;

@@ -2,12 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
 
+#include "coupler/console.hpp"
 #include "coupler/picture/drawing.hpp"
+#include "coupler/picture/encoder.hpp"
+#include "coupler/stop_request.hpp"
+#include "proto/frame_file.hpp"
 #include "proto/result_file.hpp"
 
 namespace strake {
@@ -58,6 +63,36 @@ picture::DrawingOptions drawing_of(const PictureOptions& options) {
   return drawing;
 }
 
+void widen(picture::Range& range, const picture::Range& other) {
+  if (other.empty()) return;
+  range.add(other.lo);
+  range.add(other.hi);
+}
+
+/// Colours and view of a whole film: what a few of its frames, the first and last among them, span together.
+void settle(const PictureOptions& options, const picture::RunFrames& run,
+            const std::vector<FrameFile>& frames, picture::DrawingOptions& drawing) {
+  constexpr std::size_t looked_at = 24;
+  picture::Range water, solid, x, y;
+  double spacing = 0;
+  for (std::size_t k = 0; k < std::min(looked_at, frames.size()); ++k) {
+    const std::size_t of = frames.size() <= looked_at ? k : k * (frames.size() - 1) / (looked_at - 1);
+    const picture::Scene scene =
+        picture::read_scene(run, {.time = frames[of].time, .field = options.field, .scale = options.scale});
+    widen(water, scene.water_field.shown);
+    widen(solid, scene.solid_field.shown);
+    widen(x, scene.x);
+    widen(y, scene.y);
+    spacing = std::max(scene.spacing, scene.solid_spacing);
+  }
+  const bool fluid = options.field != "von_mises" && options.field != "damage";
+  if (!drawing.range && !(fluid ? water : solid).empty()) drawing.range = fluid ? water : solid;
+  if (fluid && !solid.empty()) drawing.solid_range = solid;
+  if (drawing.view || x.empty()) return;
+  const double room = std::max(0.02 * (x.hi - x.lo), 1.5 * spacing);
+  drawing.view = picture::View{x.lo - room, y.lo - room, x.hi + room, y.hi + room};
+}
+
 }  // namespace
 
 ExitCode draw_picture(const PictureOptions& options) {
@@ -70,11 +105,49 @@ ExitCode draw_picture(const PictureOptions& options) {
   const picture::DrawingOptions drawing = drawing_of(options);
   picture::SceneOptions wanted = {.field = options.field, .scale = options.scale};
   if (options.at) wanted.time = *options.at;
-  const picture::Scene scene = picture::read_scene(options.run, wanted);
+  const picture::Scene scene = picture::read_scene(picture::find_frames(options.run), wanted);
   write_text(out, picture::draw(scene, drawing,
                                 kind == ".png" ? picture::Canvas::Kind::png : picture::Canvas::Kind::svg));
   fmt::print("{}: the frame at {:.6g} s, {} particles of water{}\n", out.string(), scene.time,
              scene.water.size(), scene.cut.empty() ? "" : ", " + scene.cut);
+  return ExitCode::done;
+}
+
+ExitCode make_film(const FilmOptions& options, const StopRequest& stop) {
+  PictureOptions wanted = options.picture;
+  if (wanted.out.empty()) wanted.out = wanted.run / (wanted.field + ".mp4");
+  picture::DrawingOptions drawing = drawing_of(wanted);
+  if (options.frames_per_second < 1 || options.frames_per_second > 120)
+    throw Error(ExitCode::command_line, "--fps", "a film has from 1 to 120 frames in a second", "--fps 25");
+  const picture::RunFrames run = picture::find_frames(wanted.run);
+  std::vector<FrameFile> frames = run.fluid.empty() ? run.structure : run.fluid;
+  std::erase_if(frames, [&](const FrameFile& frame) {
+    return frame.time < options.from.value_or(-1) || frame.time > options.to.value_or(frame.time);
+  });
+  if (frames.empty())
+    throw Error(ExitCode::command_line, "--from, --to", "there is no frame between them",
+                fmt::format("the frames go from {:.6g} to {:.6g} s",
+                            (run.fluid.empty() ? run.structure : run.fluid).front().time,
+                            (run.fluid.empty() ? run.structure : run.fluid).back().time));
+  picture::Encoder encoder(wanted.out, options.frames_per_second);
+  settle(wanted, run, frames, drawing);
+
+  const bool live = style_of(stdout).terminal;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (stop.requested()) {
+      fmt::print(stderr, "{}{}: {}, no film is left\n", live ? "\r" : "", wanted.out.string(),
+                 stop.in_words());
+      return stop.code();
+    }
+    const picture::Scene scene =
+        picture::read_scene(run, {.time = frames[k].time, .field = wanted.field, .scale = wanted.scale});
+    encoder.add(picture::draw(scene, drawing, picture::Canvas::Kind::png));
+    if (live) fmt::print("\rframe {} of {}", k + 1, frames.size());
+    if (live) std::fflush(stdout);
+  }
+  encoder.finish();
+  fmt::print("{}{}: {} frames from {:.6g} to {:.6g} s, {} a second\n", live ? "\r" : "", wanted.out.string(),
+             frames.size(), frames.front().time, frames.back().time, options.frames_per_second);
   return ExitCode::done;
 }
 

@@ -71,7 +71,7 @@ void draw_marks(Canvas& canvas, const Frame& f, const std::vector<Mark>& marks, 
       continue;
     const Colour colour = colour_of(mark.value, range, solid);
     if (radius < 3 || solid)
-      canvas.square(p.x, p.y, solid ? 1.02 * radius : radius, colour);
+      canvas.square(p.x, p.y, solid ? 1.02 * radius : 1.15 * radius, colour);
     else
       canvas.dot(p.x, p.y, 1.04 * radius, colour);
   }
@@ -191,10 +191,12 @@ std::string draw(const Scene& scene, const DrawingOptions& options, Canvas::Kind
   const double below = axis_height + (water_bar || solid_bar ? bar_height : 0);
   const View view = options.view ? *options.view : whole(scene);
   const Frame f = place(view, options, below);
-  const int height =
-      options.height > 0 ? options.height : static_cast<int>(std::ceil(top_margin + f.height + below));
+  // Even, as films want it.
+  const int height = options.height > 0
+                         ? options.height
+                         : 2 * static_cast<int>(std::ceil(0.5 * (top_margin + f.height + below)));
 
-  Canvas canvas(kind, options.width, height);
+  Canvas canvas(kind, options.width, height, options.ratio);
   draw_head(canvas, scene, options.width);
   const bool many = scene.water.size() + scene.wall.size() + scene.solid.size() > most_shapes;
   const auto inside = [&] {

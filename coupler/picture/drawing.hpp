@@ -15,6 +15,7 @@ struct View {
 
 struct DrawingOptions {
   int width = 1120, height = 0;  // [px]; height 0: as high as the view asks for
+  double ratio = 1;              // pixels of a PNG per unit of width and height
   std::optional<View> view;      // all of water and structure
   std::optional<Range> range;    // of the named field; else the scene's own
   std::optional<Range> solid_range;

@@ -10,6 +10,7 @@
 #include "coupler/case_view.hpp"
 #include "coupler/picture/section.hpp"
 #include "proto/frame_file.hpp"
+#include "proto/interface.hpp"
 
 namespace strake::picture {
 namespace {
@@ -179,12 +180,19 @@ Range shown_range(std::vector<double> values) {
   return {range.lo - (range.lo == 0 ? 0 : width), range.hi + width};
 }
 
-Scene read_scene(const std::filesystem::path& folder, const SceneOptions& options) {
-  const auto keys = keys_of(folder);
-  const auto fluid = list_frames(folder, "fluid"), structure = list_frames(folder, "structure");
-  if (fluid.empty() && structure.empty())
+RunFrames find_frames(const std::filesystem::path& folder) {
+  RunFrames run = {.folder = folder,
+                   .keys = keys_of(folder),
+                   .fluid = list_frames(folder, "fluid"),
+                   .structure = list_frames(folder, "structure")};
+  if (run.fluid.empty() && run.structure.empty())
     throw Error(ExitCode::case_file, (folder / "frames").string(), "there is no frame to draw",
                 "name the folder of a run that has written frames (output.every), e.g. runs/plate_entry");
+  return run;
+}
+
+Scene read_scene(const RunFrames& run, const SceneOptions& options) {
+  const auto& [folder, keys, fluid, structure] = run;
   Scene scene;
   if (const auto title = keys.find("title"); title != keys.end()) scene.title = title->second;
   if (scene.title.empty()) scene.title = folder.filename().string();

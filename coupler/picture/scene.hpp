@@ -3,9 +3,12 @@
 #include <array>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "proto/frame_file.hpp"
 
 namespace strake::picture {
 
@@ -62,9 +65,16 @@ struct SceneOptions {
   double scale = 1;  // of the structure's displacement beyond that of its driven supports
 };
 
-/// Reads the frames of a run. Throws Error(case_file) where there is none and Error(command_line) for a field
-/// that no frame has.
-Scene read_scene(const std::filesystem::path& run_folder, const SceneOptions&);
+/// The frames of a run and what its case says of them, looked up once for many scenes.
+struct RunFrames {
+  std::filesystem::path folder;
+  std::map<std::string, std::string> keys;  // of case.toml
+  std::vector<FrameFile> fluid, structure;
+};
+/// Throws Error(case_file) where there is no frame.
+RunFrames find_frames(const std::filesystem::path& run_folder);
+/// Throws Error(command_line) for a field that no frame has, Error(case_file) for a damaged one.
+Scene read_scene(const RunFrames&, const SceneOptions&);
 /// The shown range of values: from zero where the least is but a small part of the largest.
 Range shown_range(std::vector<double> values);
 

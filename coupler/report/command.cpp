@@ -80,7 +80,7 @@ std::string page_of_study(const std::filesystem::path& folder, const std::vector
                                     [](const auto& check) { return check.pass.has_value(); });
   std::string lead = fmt::format("<p>{} of {} runs done", done, study.runs.size());
   if (judged > 0) lead += fmt::format("; {} of {} checks pass", passed, judged);
-  if (study.seconds) lead += fmt::format("; {} of wall time", report::quantity(study.seconds, "s"));
+  if (study.seconds) lead += fmt::format("; {} of wall time", report::duration(study.seconds));
   lead += ".";
   if (!study.of_case.empty()) lead += " Case: <code>" + report::escape(study.of_case) + "</code>.";
   if (!study.file.empty()) lead += " Study: <code>" + report::escape(study.file) + "</code>.";

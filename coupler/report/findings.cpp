@@ -92,11 +92,13 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
       const ProbeResult* result = run.probe(probe);
       std::optional<double> value = result == nullptr ? std::nullopt : result->metric(metric);
       std::string deviations;
-      for (const Reference& reference : references) {
+      for (std::size_t i = 0; i < references.size(); ++i) {
+        const Reference& reference = references[i];
         const Judged* judged = judged_by(run, reference);
         if (reference.probe != probe || reference.metric != metric || judged == nullptr) continue;
         if (!value) value = judged->value;
-        deviations += "<br>" + off(*judged, unit) + " " + verdict(*judged);
+        deviations += fmt::format("<br>{} <span class=\"to\">to [{}]</span> {}", off(*judged, unit), i + 1,
+                                  verdict(*judged));
       }
       cells.push_back(number_cell(value, unit) + deviations);
     }

@@ -137,19 +137,28 @@ std::optional<std::pair<double, double>> around_first_peak(const std::vector<Rec
   return around;
 }
 
-std::string plain_name(const std::string& column) {
-  if (column.ends_with(".impulse"))
-    return "impulse of " + column.substr(0, column.size() - 8) + " since contact";
-  if (column == "force.y") return "force on the structure, upwards";
-  return column;
+/// What a probe measures, by the case: "deflection", "pressure".
+std::string measured(const std::vector<Recorded>& runs, const std::string& column) {
+  for (const Recorded& run : runs)
+    for (int i = 0;; ++i) {
+      const std::string probe = fmt::format("output.probe[{}]", i), name = run.setting(probe + ".name");
+      if (name.empty()) break;
+      const bool own = column == name || (column.starts_with(name + ".") && column.size() == name.size() + 2);
+      if (own) return run.setting(probe + ".quantity");
+    }
+  return {};
 }
 
-std::string quantity_name(const std::string& unit) {
-  if (unit == "Pa") return "pressure";
-  if (unit == "Pa s") return "impulse";
-  if (unit == "N" || unit == "N/m") return "force";
-  if (unit == "m") return "length";
-  return "value";
+struct Names {
+  std::string title, axis;
+};
+
+Names names_of(const std::vector<Recorded>& runs, const std::string& column) {
+  if (column.ends_with(".impulse"))
+    return {"impulse of " + column.substr(0, column.size() - 8) + " since contact", "impulse"};
+  if (column == "force.y") return {"force on the structure, upwards", "force"};
+  const std::string quantity = measured(runs, column);
+  return quantity.empty() ? Names{column, column} : Names{quantity + " " + column, quantity};
 }
 
 }  // namespace
@@ -158,12 +167,11 @@ std::string history_figures(const std::vector<Recorded>& runs, const std::string
   std::string body;
   for (const Recording& recording : recordings(runs)) {
     Plot plot;
-    plot.title = (heading.empty() ? "" : heading + ": ") + plain_name(recording.column);
+    const Names names = names_of(runs, recording.column);
+    plot.title = (heading.empty() ? "" : heading + ": ") + names.title;
     plot.x_name = "time";
     plot.x_unit = "s";
-    plot.y_name = recording.column.find('.') == std::string::npos && recording.unit == "Pa" ? recording.column
-                  : quantity_name(recording.unit) == "length"                               ? recording.column
-                                                              : quantity_name(recording.unit);
+    plot.y_name = names.axis;
     plot.y_unit = recording.unit;
     const double most = largest(runs, recording.column);
     for (std::size_t i = 0; i < runs.size(); ++i) {

@@ -58,6 +58,14 @@ std::string exact(std::optional<double> value) {
   return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
 }
 
+std::string duration(std::optional<double> seconds) {
+  if (!seconds) return "–";
+  if (*seconds < 60) return fmt::format("{:.1f} s", *seconds);
+  const auto whole = static_cast<long>(*seconds + 0.5);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
 std::string number_cell(std::optional<double> value, const std::string& unit) {
   return fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(value),
                      escape(quantity(value, unit)));

@@ -13,6 +13,8 @@ std::string escape(std::string_view);
 std::string quantity(std::optional<double> value, const std::string& unit);
 /// "−1.5 %"; "–" for none.
 std::string percent(std::optional<double> share);
+/// "4 min 41 s"; "–" for none.
+std::string duration(std::optional<double> seconds);
 /// The shortest text that reads back to the same number; empty for none.
 std::string exact(std::optional<double> value);
 

@@ -48,6 +48,52 @@ std::vector<std::vector<Place>> walks(const picture::Scene& scene) {
   return walks;
 }
 
+/// Two-point cells (the facets of a rigid outline, or their sections) joined end to end, whatever their
+/// order.
+std::vector<std::vector<Place>> lines(const picture::Scene& scene) {
+  double shortest = 1e300;
+  for (const picture::Patch& patch : scene.cells)
+    if (patch.corner.size() == 2)
+      shortest = std::min(shortest, std::max(1e-6, std::hypot(patch.corner[1].x - patch.corner[0].x,
+                                                              patch.corner[1].y - patch.corner[0].y)));
+  const double grain = 0.1 * shortest;
+  const auto key = [&](const Place& p) { return Key(std::llround(p.x / grain), std::llround(p.y / grain)); };
+  std::map<Key, Place> corner;
+  std::multimap<Key, Key> neighbour;  // both ways
+  for (const picture::Patch& patch : scene.cells) {
+    if (patch.corner.size() != 2) continue;
+    const Key a = key(patch.corner[0]), b = key(patch.corner[1]);
+    corner[a] = patch.corner[0];
+    corner[b] = patch.corner[1];
+    if (a == b) continue;
+    neighbour.emplace(a, b);
+    neighbour.emplace(b, a);
+  }
+  const auto take = [&](const Key& from, const Key& to) {
+    const auto [begin, end] = neighbour.equal_range(from);
+    for (auto it = begin; it != end; ++it)
+      if (it->second == to) {
+        neighbour.erase(it);
+        return;
+      }
+  };
+  std::vector<std::vector<Place>> found;
+  while (!neighbour.empty()) {
+    std::vector<Place> line;
+    for (Key at = neighbour.begin()->first;;) {
+      line.push_back(corner[at]);
+      const auto step = neighbour.find(at);
+      if (step == neighbour.end()) break;
+      const Key to = step->second;
+      neighbour.erase(step);
+      take(to, at);
+      at = to;
+    }
+    if (line.size() >= 3) found.push_back(std::move(line));
+  }
+  return found;
+}
+
 }  // namespace
 
 std::vector<std::vector<Place>> outline(const picture::Scene& scene) {
@@ -87,11 +133,7 @@ std::vector<std::vector<Place>> outline(const picture::Scene& scene) {
     }
     if (loop.size() >= 3) loops.push_back(without_straight_corners(loop));
   }
-  // The facets of a rigid outline are two-point cells: one open walk, closed by the drawing.
-  std::vector<Place> line;
-  for (const picture::Patch& patch : scene.cells)
-    if (patch.corner.size() == 2) line.push_back(patch.corner[0]);
-  if (line.size() >= 3) loops.push_back(without_straight_corners(line));
+  for (auto& line : lines(scene)) loops.push_back(without_straight_corners(line));
   return loops;
 }
 

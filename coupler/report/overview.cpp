@@ -12,14 +12,6 @@
 namespace strake::report {
 namespace {
 
-std::string duration(std::optional<double> seconds) {
-  if (!seconds) return "–";
-  if (*seconds < 60) return fmt::format("{:.1f} s", *seconds);
-  const auto whole = static_cast<long>(*seconds + 0.5);
-  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
-  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
-}
-
 /// "2026-11-21T22:31:54Z" → "2026-11-21 22:31".
 std::string minute(const std::string& utc) {
   return utc.size() < 16 ? utc : utc.substr(0, 10) + " " + utc.substr(11, 5);
@@ -31,8 +23,9 @@ std::string state_badge(const Recorded& run) {
 
 std::string solvers(const Recorded& run) {
   std::string text;
-  for (const auto& [side, solver] : run.solver) text += (text.empty() ? "" : ", ") + side + " " + solver;
-  return escape(text.empty() ? "–" : text);
+  for (const auto& [side, solver] : run.solver)
+    text += (text.empty() ? "" : "<br>") + ("<span class=\"n\">" + escape(side + " " + solver) + "</span>");
+  return text.empty() ? "–" : text;
 }
 
 /// A word as a shell takes it.
@@ -84,7 +77,7 @@ std::string drawing_of_case(const std::vector<Recorded>& runs) {
     if (run.settings.empty()) continue;
     std::optional<picture::Scene> start;
     try {
-      start = picture::read_scene(run.folder, {.time = 0});
+      start = picture::read_scene(picture::find_frames(run.folder), {.time = 0});
     } catch (const std::exception&) {  // a run that wrote no frame still has its tank and water
     }
     const std::string drawn = sketch(run, start ? &*start : nullptr);

@@ -21,31 +21,45 @@ struct Instant {
   double time = 0;   // [s]
 };
 
-/// Of the deflection where the structure bends, else of the first probe that has one.
-std::optional<double> first_peak_time(const Recorded& run) {
-  std::optional<double> best, any;
-  double largest = 0;
+struct FirstPeak {
+  double time = 0, size = 0;  // [s], of the deflection [m]
+};
+
+/// Of the largest displacement that a probe of this run saw.
+std::optional<FirstPeak> largest_first_peak(const Recorded& run) {
+  std::optional<FirstPeak> best;
   for (const ProbeResult& result : run.probes) {
     const auto time = result.metric("time_of_first_peak"), value = result.metric("first_peak");
-    if (!time || !value) continue;
-    if (!any) any = time;
-    if (result.unit == "m" && std::abs(*value) > largest) {
-      largest = std::abs(*value);
-      best = time;
-    }
+    if (time && value && result.unit == "m" && std::abs(*value) > (best ? best->size : 0))
+      best = {*time, std::abs(*value)};
   }
-  return best ? best : any;
+  return best;
 }
 
-std::vector<Instant> instants_of(const Recorded& run, const std::vector<double>& wanted) {
+/// Where one run bends and another is rigid, the rigid one is shown at the first peak of the other.
+std::optional<double> first_peak_time(const Recorded& run, const std::vector<Recorded>& runs) {
+  std::optional<FirstPeak> largest;
+  for (const Recorded& other : runs)
+    if (const auto peak = largest_first_peak(other); peak && peak->size > (largest ? largest->size : 0))
+      largest = peak;
+  const auto own = largest_first_peak(run);
+  if (own && own->size > 1e-3 * largest->size) return own->time;
+  if (largest) return largest->time;
+  for (const ProbeResult& result : run.probes)
+    if (const auto time = result.metric("time_of_first_peak")) return time;
+  return std::nullopt;
+}
+
+std::vector<Instant> instants_of(const Recorded& run, const std::vector<Recorded>& runs,
+                                 const std::vector<double>& wanted) {
   std::vector<Instant> instants;
-  for (const double time : wanted) instants.push_back({fmt::format("{:g} s", time), time});
+  for (const double time : wanted) instants.push_back({quantity(time, "s"), time});
   if (!wanted.empty()) return instants;
   const double end = run.end_time.value_or(std::numeric_limits<double>::infinity());
   double contact = std::numeric_limits<double>::infinity();
   for (const auto& [probe, time] : run.contact) contact = std::min(contact, time);
   if (std::isfinite(contact)) instants.push_back({"contact", contact});
-  if (const auto time = first_peak_time(run)) instants.push_back({"first peak", *time});
+  if (const auto time = first_peak_time(run, runs)) instants.push_back({"first peak", *time});
   if (instants.empty() && std::isfinite(end)) instants.push_back({"half way", 0.5 * end});
   instants.push_back({"end", end});
   return instants;
@@ -72,15 +86,17 @@ std::string pictures(const std::vector<Recorded>& runs, const std::vector<double
     if (drawn == most_runs) break;
     const std::size_t before = shots.size();
     double last = -1;
-    for (const Instant& instant : instants_of(run, at)) try {
-        picture::Scene scene = picture::read_scene(run.folder, {.time = instant.time});
+    try {  // no frames, or damaged ones: the rest of the report stands
+      const picture::RunFrames frames = picture::find_frames(run.folder);
+      for (const Instant& instant : instants_of(run, runs, at)) {
+        picture::Scene scene = picture::read_scene(frames, {.time = instant.time});
         if (shots.size() > before && scene.time == last) continue;  // the same frame twice
         last = scene.time;
         if (std::find(order.begin(), order.end(), instant.name) == order.end()) order.push_back(instant.name);
         shots.push_back({run.name, instant.name, std::move(scene)});
-      } catch (const std::exception&) {
-        break;  // no frames, or damaged: the rest of the report stands
       }
+    } catch (const std::exception&) {
+    }
     drawn += shots.size() > before ? 1 : 0;
   }
   if (shots.empty()) return {};
@@ -101,7 +117,8 @@ std::string pictures(const std::vector<Recorded>& runs, const std::vector<double
     for (const Shot& shot : shots) {
       if (shot.instant != instant) continue;
       picture::DrawingOptions drawing;
-      drawing.width = 960;
+      drawing.width = 600;
+      drawing.ratio = 1.6;
       drawing.field = "pressure";
       const auto& [water, solid] = ranges[instant];
       if (!water.empty()) drawing.range = water;
@@ -109,8 +126,9 @@ std::string pictures(const std::vector<Recorded>& runs, const std::vector<double
       const std::string caption =
           fmt::format("{}: {}, t = {}", shot.run, instant, quantity(shot.scene.time, "s"));
       body += fmt::format(
-          "<figure>\n<img alt=\"{0}\" "
-          "src=\"data:image/png;base64,{1}\">\n<figcaption>{0}</figcaption>\n</figure>\n",
+          "<figure>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"picture: {0}\"><img "
+          "alt=\"{0}\" "
+          "src=\"data:image/png;base64,{1}\"></div>\n<figcaption>{0}</figcaption>\n</figure>\n",
           escape(caption), base64(picture::draw(shot.scene, drawing, picture::Canvas::Kind::png)));
     }
     body += "</div>\n";

@@ -35,7 +35,8 @@ struct Axis {
         for (const double m : steps)
           if (m * power >= lo * (1 - 1e-9) && m * power <= hi * (1 + 1e-9))
             marks.emplace_back(m * power, fmt::format("{:.3g}", prefix.factor * m * power));
-      return marks;
+      if (marks.size() > 2) return marks;
+      marks.clear();  // less than a decade: round numbers as on a straight axis
     }
     const auto round = round_ticks(prefix.factor * lo, prefix.factor * hi, wanted);
     for (const double t : round)

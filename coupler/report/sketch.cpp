@@ -80,7 +80,7 @@ std::string probes(const Recorded& run, const View& view) {
     const double half = 4.2 * static_cast<double>(label.names.size());
     depth = label.at.x - half < free_from ? depth + 18 : 0;
     free_from = label.at.x + half;
-    const double x = std::clamp(label.at.x, half, width - half);
+    const double x = std::clamp(label.at.x, edge + 6 + half, width - edge - 6 - half);
     const double y = std::min(label.at.y + 34 + depth, view.height - edge - 6);
     svg += fmt::format(
         "<path class=\"leader\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>"
@@ -208,7 +208,9 @@ std::string sketch(const Recorded& run, const picture::Scene* start) {
   if (!water.empty()) {
     Range x, y;
     span(water, x, y);
-    const Place p = view({x.lo, 0.5 * (y.lo + y.hi)});
+    // Beside a column that is too narrow for the words.
+    const bool fits = view.scale * (x.hi - x.lo) > 190;
+    const Place p = view({fits ? x.lo : x.hi, 0.5 * (y.lo + y.hi)});
     svg += text({p.x + 8, p.y}, "water " + quantity(y.hi - y.lo, "m") + " deep", "start");
   }
   std::string loops;

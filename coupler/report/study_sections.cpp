@@ -70,7 +70,7 @@ std::string list_table(const StudyData& study) {
     for (const StudyData::Axis& axis : study.axes) cells.push_back(escape(label_of(run, axis.name)));
     cells.push_back(state_of(run));
     for (const auto& column : study.columns) cells.push_back(number_cell(value_of(run, column), column.unit));
-    cells.push_back(number_cell(run.seconds, "s"));
+    cells.push_back("<span class=\"n\">" + duration(run.seconds) + "</span>");
     table.row(cells);
   }
   return table.html();

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+#include <vector>
+
 #include "coupler/report/base64.hpp"
 #include "coupler/report/html.hpp"
 #include "coupler/report/outline.hpp"
@@ -95,6 +99,25 @@ TEST(Outline, OfParticlesAroundAHoleIsTwoLoops) {
     for (int j = 0; j < 3; ++j)
       if (i != 1 || j != 1) scene.solid.push_back({{static_cast<double>(i), static_cast<double>(j)}, 0});
   EXPECT_EQ(outline(scene).size(), 2U);
+}
+
+TEST(Outline, OfFacetsInAnyOrderIsOneWalk) {
+  const std::vector<picture::Place> corner = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  picture::Scene scene;
+  // One after the other: GCC 12.2 at -O3 gets the last number of nested lists of these wrong.
+  for (const auto& [a, b] :
+       std::vector<std::pair<std::size_t, std::size_t>>{{2, 3}, {0, 1}, {3, 0}, {2, 1}}) {
+    scene.cells.emplace_back();
+    scene.cells.back().corner = {corner[a], corner[b]};
+  }
+  const auto loops = outline(scene);
+  ASSERT_EQ(loops.size(), 1U);
+  ASSERT_EQ(loops[0].size(), 5U);  // back at its start
+  for (std::size_t i = 1; i < loops[0].size(); ++i) {
+    const picture::Place &from = loops[0][i - 1], &to = loops[0][i];
+    EXPECT_EQ(std::hypot(to.x - from.x, to.y - from.y), 1)
+        << from.x << " " << from.y << " to " << to.x << " " << to.y;
+  }
 }
 
 TEST(Sketch, ReadsPointsOfTwoAndOfThreeNumbers) {

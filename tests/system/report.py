@@ -103,8 +103,30 @@ def pictures(place, run):
                               (["--view", "1,1,0,0"], 2, "corner"), (["--range", "5"], 2, "0,1e6")):
         result = strake("picture", run, *wrong, cwd=place)
         expect(result.returncode == code and word in result.stderr, f"{wrong} is refused: {result.stderr.strip()}")
+    films(place, run)
     nothing = strake("picture", place, cwd=place)
     expect(nothing.returncode == 3 and "no frame" in nothing.stderr, f"picture of no run is refused: {nothing.returncode}")
+
+
+def films(place, run):
+    """ffmpeg is told what to do and given every frame; without it the error names the package."""
+    none = dict(ENV, PATH=str(place))
+    words = [str(BIN / "strake"), "film", str(run), "--from", "1.5e-3", "--size", "400x300", "-o", "f.mp4"]
+    result = subprocess.run(words, cwd=place, env=none, capture_output=True, text=True, timeout=60)
+    expect(result.returncode == 2 and "apt-get install ffmpeg" in result.stderr, f"no ffmpeg: {result.stderr.strip()}")
+    tool = place / "tools" / "ffmpeg"
+    tool.parent.mkdir()
+    tool.write_text("#!/bin/sh\nfor out; do :; done\ncat > \"$out\"\n")
+    tool.chmod(0o755)
+    with_tool = dict(ENV, PATH=f"{tool.parent}:{os.environ['PATH']}")
+    result = subprocess.run(words, cwd=place, env=with_tool, capture_output=True, text=True, timeout=60)
+    frames = (place / "f.mp4").read_bytes().count(b"IEND") if result.returncode == 0 else 0
+    expect(frames == 9 and "9 frames" in result.stdout, f"film: {frames} frames from 1.5 ms {result.stdout} {result.stderr}")
+    tool.write_text("#!/bin/sh\necho no room >&2\nexit 1\n")
+    (place / "f.mp4").unlink()
+    result = subprocess.run(words, cwd=place, env=with_tool, capture_output=True, text=True, timeout=60)
+    expect(result.returncode == 6 and "no room" in result.stderr, f"an ffmpeg that fails: {result.returncode} {result.stderr.strip()}")
+    expect(not list(place.glob("f.mp4*")), "and nothing is left of it")
 
 
 def read_page(path):
