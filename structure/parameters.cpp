@@ -178,22 +178,8 @@ void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p)
   const std::string source = volume ? "fluid.spacing" : "structure.particle.spacing";
   if (p.shape.kind == ShapeKind::plate) check_plate_lattice(structure.table("plate"), source, p);
   CaseTable t = structure.table("particle");
-  const Solid solid = elastic_solid(p);
-  if (!solid.made_of_boxes())
-    throw structure.error("solver",
-                          "\"fem\" or \"rigid\": particles stand on a lattice, and structure.mesh has none",
-                          "structure.solver = \"fem\", or structure.box");
-  if (const SolidFault fault = lattice_fault(solid, p.particle.spacing); !fault.problem.empty())
+  if (const SolidFault fault = lattice_fault(elastic_solid(p), p.particle.spacing); !fault.problem.empty())
     throw t.error("spacing", "a lattice that fills the body: " + fault.problem, fault.fix);
-  for (const SupportedFace& face : solid.supported)
-    if (face.support != Support::clamped && face.support != Support::free)
-      throw structure.error(
-          p.shape.kind == ShapeKind::plate ? "plate.supports" : "box",
-          fmt::format(
-              "{} clamped or free: the particles' centres lie half a spacing inside a face, and neither "
-              "its middle line nor its plane has particles that could be held",
-              face.name),
-          "structure.solver = \"fem\", or clamped");
   if (p.dimension == 3 && p.particle.model == ParticleModel::pair)
     throw t.error("model",
                   "total_lagrangian in three dimensions: the pair model has the rotation of the plane",
@@ -237,12 +223,7 @@ void check_probes(const CaseFile& file, const CommonKeys& common, const Paramete
 /// Whether anything holds the body: of a plate so that no rigid motion is left. Finite elements look for
 /// rigid motions of other bodies themselves.
 bool is_held(const Parameters& p) {
-  if (!p.solid.empty())
-    return p.kind != "particle" ||
-           std::any_of(p.solid.supported.begin(), p.solid.supported.end(),
-                       [](const SupportedFace& face) { return face.support != Support::free; }) ||
-           std::any_of(p.solid.parts.begin(), p.solid.parts.end(),
-                       [](const Part& part) { return part.held; });
+  if (!p.solid.empty()) return p.kind != "particle" || has_supports(p.solid);
   if (p.plate.left == Support::clamped || p.plate.right == Support::clamped) return true;
   return p.plate.left != Support::free && p.plate.right != Support::free;
 }
@@ -258,6 +239,13 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
     throw structure.error("analysis",
                           fmt::format("dynamic: a {} structure has no statics and no modes", p.kind),
                           "structure.solver = \"fem\" or \"particle\"");
+  if (p.analysis != Analysis::dynamic && p.kind != "rigid" && p.kind != "replay" && p.free.any())
+    throw structure.table("free").error(
+        p.free.x   ? "x"
+        : p.free.y ? "y"
+                   : "z",
+        "false: statics and modes are those of a body whose supports are at rest",
+        "leave structure.free out");
   if (p.analysis == Analysis::statics && !is_held(p))
     throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
                           "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
@@ -315,6 +303,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
                        "structure.replay.run = \"runs/plate_entry\"");
 
   read_body(file, t, common, p);
+  read_initial_velocity(file, t, p);
 
   if (!file.only_declares()) check_together(file, common, t, p);
   return p;

@@ -70,24 +70,37 @@ struct Damping {
   double stiffness = 0;  // [s]   Rayleigh, stiffness-proportional
 };
 
-/// What takes the place of the homogeneous body's mass, for rigid bodies; in two dimensions per metre of
-/// depth.
+/// What takes the place of the homogeneous body's mass, for rigid bodies (of elastic ones the lumped mass
+/// alone); in two dimensions per metre of depth.
 struct BodyMass {
   double mass = 0;                              // [kg] 0: density times volume
   double inertia = 0;                           // [kg m²] about z through the centre; 0: of the shape
   std::optional<Eigen::Vector3d> inertia_axes;  // [kg m²] about x, y and z, three dimensions
   std::optional<Eigen::Vector3d> centre;        // [m] of gravity; otherwise of the shape
-  double lumped_mass = 0;                       // [kg] in one point, added to all that
+  double lumped_mass = 0;  // [kg] in one point, added to all that; of an elastic body: of
+                           // the frame that its supports stand in
   Eigen::Vector3d lumped_at = Eigen::Vector3d::Zero();  // [m]
 };
 
-/// Which motions of a rigid body are left to the loads; the others are prescribed.
+/// Which motions of a rigid body, or of the frame of an elastic body's supports, are left to the loads; the
+/// others are prescribed.
 struct FreeMotion {
   bool x = false, y = false, z = false;
   bool angle = false;     // about z
   bool rotation = false;  // about all axes, three dimensions
   bool any() const { return x || y || z || angle || rotation; }
   bool translates() const { return x || y || z; }
+};
+
+/// Velocity relative to the supports at t = 0 of all that is not held: [structure.initial_velocity], the sum
+/// of what it gives.
+struct InitialVelocity {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();  // [m/s]
+  std::vector<Eigen::Vector3d> of_part;             // [m/s] of each part of the solid; empty: none
+  /// [m/s] over a coordinate [m], which stands where a motion table has the time and velocities where it has
+  /// places: the same spline joins them.
+  std::optional<MotionTable> profile;
+  Eigen::Index along = 0;  // axis of that coordinate
 };
 
 /// Everything a structure solver needs; knows nothing of TOML beyond `read`.
@@ -109,6 +122,7 @@ struct Parameters {
   Material material;  // of parts that have none of their own
   BodyMass body;
   FreeMotion free;
+  InitialVelocity initial;
   double angular_velocity = 0;           // [rad/s] about z; of a free body at t = 0
   std::optional<Eigen::Vector3d> pivot;  // [m] about which it turns; otherwise the centre of gravity
   std::optional<MotionTable> motion;     // structure.motion.file

@@ -33,8 +33,8 @@ double peak_memory() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux counts in KiB
 }
 
-/// What a deflection is counted from. A body that is free or driven by a table has no supports at a constant
-/// speed: its deflection is its displacement.
+/// What the deflection of a rigid or replayed body is counted from. One that is free or driven by a table has
+/// no supports at a constant speed: its deflection is its displacement.
 Eigen::Vector3d support_velocity(const Parameters& p) {
   return p.free.any() || p.motion ? Eigen::Vector3d(0, 0, 0) : p.velocity;
 }
@@ -148,7 +148,8 @@ void StructureParticipant::follow(const Window& window) {
 Eigen::Vector3d StructureParticipant::measure(const ProbeKeys& probe) const {
   if (probe.quantity == "velocity") return solver_->velocity_at(probe.at);
   Eigen::Vector3d value = solver_->displacement_at(probe.at);
-  if (probe.quantity == "deflection") value -= support_velocity_ * state_.time;
+  if (probe.quantity == "deflection")
+    value -= solver_->support_displacement().value_or(support_velocity_ * state_.time);
   return value;
 }
 

@@ -1,11 +1,14 @@
 #include "structure/shape_keys.hpp"
 
+#include "proto/error.hpp"
+#include "proto/history.hpp"
 #include "proto/motion_file.hpp"
 #include "structure/mass.hpp"
 #include "structure/surface.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -113,6 +116,48 @@ void check_outline(CaseTable structure, const Parameters& p, const std::string& 
                         fault.fix);
 }
 
+/// A velocity over a coordinate, as a motion table of which it takes the place of time.
+void read_velocity_profile(const std::filesystem::path& path, InitialVelocity& initial) {
+  const char* example = "a first line like: x [m],vy [m/s]";
+  const Table table = read_table(path);
+  const auto wrong = [&](const std::string& problem) {
+    return Error(ExitCode::case_file, path.string(), problem, example);
+  };
+  std::vector<double> place;
+  std::array<MotionColumn, MotionTable::n_channels> kind{};
+  std::array<std::vector<double>, MotionTable::n_channels> value;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const Column& column = table.columns[c];
+    for (const double v : table.value[c])
+      if (!std::isfinite(v))
+        throw wrong(fmt::format("column {} holds what is no finite number", column.name));
+    std::size_t axis = 0;
+    while (axis < 3 && column.name != std::string(1, "xyz"[axis]) &&
+           column.name != "v" + std::string(1, "xyz"[axis]))
+      ++axis;
+    const bool coordinate = column.name.size() == 1;
+    if (axis == 3 || column.unit != (coordinate ? "m" : "m/s"))
+      throw wrong(
+          fmt::format("column {} [{}] is none of x, y, z [m], vx, vy, vz [m/s]", column.name, column.unit));
+    if (!coordinate) {
+      kind[axis] = MotionColumn::place;
+      value[axis] = table.value[c];
+      continue;
+    }
+    if (!place.empty()) throw wrong("has two coordinates: velocities are given over one");
+    place = table.value[c];
+    initial.along = static_cast<Eigen::Index>(axis);
+  }
+  if (place.size() < 2 ||
+      std::all_of(kind.begin(), kind.end(), [](MotionColumn k) { return k == MotionColumn::absent; }))
+    throw wrong("needs one coordinate, one velocity at least, and two rows");
+  for (std::size_t row = 1; row < place.size(); ++row)
+    if (!(place[row] > place[row - 1]))
+      throw wrong(fmt::format("the coordinate of row {} ({:.9g} m) is not beyond that of the row before it",
+                              row + 1, place[row]));
+  initial.profile.emplace(std::move(place), kind, std::move(value));
+}
+
 /// A free motion is not prescribed as well, by table or speed.
 void check_motion(CaseTable t, const CommonKeys& common, const Parameters& p) {
   const std::array<std::pair<const char*, bool>, 4> free = {
@@ -140,22 +185,39 @@ void check_motion(CaseTable t, const CommonKeys& common, const Parameters& p) {
         fmt::format("add rows, or end_time = {:.6g}", p.motion->end()));
 }
 
-/// Tables whose keys have their defaults, as in the resolved case of a run, say nothing.
+/// The frame that an elastic body's supports stand in: it needs supports, moves and does not turn.
+void check_frame(CaseTable t, const Parameters& p) {
+  CaseTable free = t.table("free"), lumped = t.table("lumped");
+  const char* no_turn = "false: supports move and do not turn; a body without supports turns by itself";
+  if (p.free.angle) throw free.error("angle", no_turn, "leave it out, or structure.solver = \"rigid\"");
+  if (p.free.rotation) throw free.error("rotation", no_turn, "leave it out, or structure.solver = \"rigid\"");
+  if (p.motion && p.motion->turns())
+    throw t.table("motion").error("file", "a table without angle or rate: supports move and do not turn",
+                                  "leave that column out, or structure.solver = \"rigid\"");
+  const bool held = has_supports(elastic_solid(p));
+  const char* floats = "nothing: the body has no supports, it floats and moves by its own inertia";
+  const char* hold = "structure.plate.supports, or supports of its boxes or mesh";
+  if (p.motion && !held) throw t.table("motion").error("file", floats, hold);
+  if (p.body.lumped_mass == 0) return;
+  if (!held) throw lumped.error("mass", floats, hold);
+  if (!p.free.translates())
+    throw lumped.error("mass", "0: the supports are driven, whatever their mass", "structure.free.y = true");
+}
+
+/// Keys that have their defaults, as in the resolved case of a run, say nothing.
 bool says_something(std::string_view key, const Parameters& p) {
-  if (key == "lumped") return p.body.lumped_mass != 0;
-  if (key == "free") return p.free.any();
-  if (key == "motion") return p.motion.has_value();
   if (key == "angular_velocity") return p.angular_velocity != 0;
   return true;
 }
 
 void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
-  for (const char* key : {"mass", "inertia", "inertia_axes", "centre_of_gravity", "lumped",
-                          "angular_velocity", "pivot", "motion", "free"})
+  for (const char* key :
+       {"mass", "inertia", "inertia_axes", "centre_of_gravity", "angular_velocity", "pivot"})
     if (t.has(key) && says_something(key, p) && p.kind != "rigid" && p.kind != "replay")
       throw t.error(
           key, fmt::format("nothing: it belongs to rigid bodies, and structure.solver is \"{}\"", p.kind),
           fmt::format("leave {} out, or structure.solver = \"rigid\"", key));
+  if (p.kind != "rigid" && p.kind != "replay") check_frame(t, p);
   CaseTable free = t.table("free");
   if (p.dimension == 2) {
     const char* solid = "false: there is no such motion in two dimensions";
@@ -230,6 +292,26 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
   if (!body) check_outline(t, p, given.empty() ? "plate" : given[0]);
 }
 
+void read_initial_velocity(const CaseFile& file, CaseTable structure, Parameters& p) {
+  const bool all = file.only_declares();
+  CaseTable t = structure.table(
+      "initial_velocity", "of an elastic body at t = 0, relative to its supports, beside structure.velocity");
+  t.vector("value", p.initial.value, {.unit = "m/s", .help = "of all that is not held"});
+  std::filesystem::path path;
+  if (all || t.has("file"))
+    t.file(
+        "file", path,
+        {.help =
+             "added to it: columns x, y or z [m], ascending, and vx, vy, vz [m/s] there, joined by a cubic "
+             "spline"});
+  if (!path.empty()) read_velocity_profile(path, p.initial);
+  if (all || (p.kind != "rigid" && p.kind != "replay")) return;
+  if (!p.initial.value.isZero() || p.initial.profile)
+    throw structure.error("initial_velocity",
+                          fmt::format("nothing: a {} body starts with structure.velocity", p.kind),
+                          "leave it out, or structure.solver = \"fem\" or \"particle\"");
+}
+
 void read_body(const CaseFile& file, CaseTable t, const CommonKeys& common, Parameters& p) {
   const bool all = file.only_declares();
   BodyMass& body = p.body;
@@ -255,23 +337,30 @@ void read_body(const CaseFile& file, CaseTable t, const CommonKeys& common, Para
   optional_vector("inertia_axes", body.inertia_axes, "kg m^2",
                   "of a rigid body about x, y and z through its centre of gravity; three dimensions");
   optional_vector("centre_of_gravity", body.centre, "m", "of a rigid body; not given: of the shape");
-  CaseTable lumped = t.table("lumped", "a point mass that a rigid body carries");
+  CaseTable lumped = t.table(
+      "lumped",
+      "a point mass that a rigid body carries; of an elastic body that of the frame its supports stand in");
   lumped.number("mass", body.lumped_mass,
-                {.unit = "kg", .min = 0, .help = "beside that of the body; 0: none"});
-  lumped.vector("at", body.lumped_at, {.unit = "m", .help = "where it sits"});
+                {.unit = "kg",
+                 .min = 0,
+                 .help = "beside that of the body, in two dimensions per metre of depth; 0: none"});
+  lumped.vector("at", body.lumped_at,
+                {.unit = "m", .help = "where it sits; of no account for a frame, which does not turn"});
 
   t.number("angular_velocity", p.angular_velocity,
            {.unit = "rad/s", .help = "of a rigid body about z, counter-clockwise; of a free one at t = 0"});
   optional_vector("pivot", p.pivot, "m", "about which a rigid body turns; not given: its centre of gravity");
-  CaseTable motion = t.table("motion", "motion of a rigid body by a table");
+  CaseTable motion =
+      t.table("motion", "motion of a rigid body, or of an elastic body's supports, by a table");
   if (all || motion.has("file")) {
     std::filesystem::path path;
     motion.file("file", path,
                 {.help = "columns t [s] and x, y, z [m], angle [deg], or their rates vx, vy, vz [m/s], rate "
-                         "[deg/s]; counted from the place at t = 0"});
+                         "[deg/s]; counted from the place at t = 0; supports do not turn"});
     if (!path.empty()) p.motion = read_motion(path);
   }
-  CaseTable free = t.table("free", "which motions of a rigid body follow from its loads");
+  CaseTable free = t.table(
+      "free", "which motions of a rigid body, or of an elastic body's supports, follow from the loads");
   free.flag("x", p.free.x, {.help = "moved by loads, not prescribed"});
   free.flag("y", p.free.y, {.help = "moved by loads, not prescribed"});
   free.flag("z", p.free.z, {.help = "moved by loads, not prescribed; three dimensions"});

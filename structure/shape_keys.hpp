@@ -8,8 +8,11 @@ namespace strake::structure {
 /// far it reaches along z. Throws Error(case_file) for a shape that no body can have.
 void read_shape(const CaseFile&, CaseTable structure, Parameters&);
 
-/// Reads what only rigid bodies have: mass and inertia, motion by a table, turning, freedom; checks them
-/// against one another.
+/// Reads how a rigid body, or the frame of an elastic body's supports, moves: mass and inertia, motion by a
+/// table, turning, freedom; checks them against one another.
 void read_body(const CaseFile&, CaseTable structure, const CommonKeys&, Parameters&);
+
+/// Reads [structure.initial_velocity] of an elastic body.
+void read_initial_velocity(const CaseFile&, CaseTable structure, Parameters&);
 
 }  // namespace strake::structure

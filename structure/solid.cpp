@@ -261,26 +261,36 @@ SolidFault fault_of(const Solid& solid) {
   return {};
 }
 
-int cell_at(const Solid& solid, const Vector3d& X, double slack) {
+bool has_supports(const Solid& solid) {
+  return std::any_of(solid.supported.begin(), solid.supported.end(),
+                     [](const SupportedFace& face) { return face.support != Support::free; }) ||
+         std::any_of(solid.parts.begin(), solid.parts.end(), [](const Part& part) { return part.held; });
+}
+
+Eigen::Matrix4Xd half_spaces(const Solid& solid, int c) {
   const auto local = sides(solid.dimension);
-  for (int c = 0; c < solid.cell.cols(); ++c) {
-    bool inside = true;
-    for (std::size_t s = 0; inside && s < local.size(); ++s) {
-      const auto corner = [&](std::size_t k) -> Vector3d {
-        return solid.node.col(solid.cell(local[s][k], c));
-      };
-      Vector3d normal;
-      if (solid.dimension == 2) {
-        const Vector3d t = corner(1) - corner(0);
-        normal << t.y(), -t.x(), 0;
-      } else {
-        normal = (corner(2) - corner(0)).cross(corner(3) - corner(1));
-      }
-      const Vector3d middle =
-          solid.dimension == 2 ? corner(0) : 0.25 * (corner(0) + corner(1) + corner(2) + corner(3));
-      inside = normal.dot(X - middle) <= slack * normal.norm();
+  Eigen::Matrix4Xd planes(4, static_cast<Index>(local.size()));
+  for (std::size_t s = 0; s < local.size(); ++s) {
+    const auto corner = [&](std::size_t k) -> Vector3d { return solid.node.col(solid.cell(local[s][k], c)); };
+    Vector3d normal, middle;
+    if (solid.dimension == 2) {
+      const Vector3d t = corner(1) - corner(0);
+      normal << t.y(), -t.x(), 0;
+      middle = corner(0);
+    } else {
+      normal = (corner(2) - corner(0)).cross(corner(3) - corner(1));
+      middle = 0.25 * (corner(0) + corner(1) + corner(2) + corner(3));
     }
-    if (inside) return c;
+    normal.normalize();
+    planes.col(static_cast<Index>(s)) << normal, normal.dot(middle);
+  }
+  return planes;
+}
+
+int cell_at(const Solid& solid, const Vector3d& X, double slack) {
+  for (int c = 0; c < solid.cell.cols(); ++c) {
+    const Eigen::Matrix4Xd planes = half_spaces(solid, c);
+    if ((X.transpose() * planes.topRows<3>() - planes.row(3)).maxCoeff() <= slack) return c;
   }
   return -1;
 }

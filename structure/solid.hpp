@@ -78,6 +78,12 @@ void find_facets(Solid&);
 /// Parts that do not touch, cells that are turned inside out or empty, supports that hold nothing.
 SolidFault fault_of(const Solid&);
 
+/// Whether a face is supported or a part is held.
+bool has_supports(const Solid&);
+
+/// The half spaces whose common part is a cell, 4×(sides): columns (n, c) with n·X ≤ c inside and |n| = 1.
+/// The sides of a hexahedron are taken as flat.
+Eigen::Matrix4Xd half_spaces(const Solid&, int cell);
 /// The cell that holds a place to within `slack` [m], or -1.
 int cell_at(const Solid&, const Eigen::Vector3d& X, double slack);
 
@@ -91,6 +97,8 @@ InterfaceMesh outer_surface(const Solid&, double spacing);
 
 /// Whether a place lies on a facet, to within `slack` [m].
 bool on_facet(const Solid&, int facet, const Eigen::Vector3d& X, double slack);
+/// Normal of a facet, outside, as long as the facet is large.
+Eigen::Vector3d facet_normal(const Solid&, int facet);
 /// Mean normal of a supported face, outside.
 Eigen::Vector3d normal_of(const Solid&, const SupportedFace&);
 /// Middle of a supported face: of the box around it [m].

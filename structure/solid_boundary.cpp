@@ -77,6 +77,8 @@ class PointSet {
   std::map<std::array<long long, 3>, int> number_;
 };
 
+}  // namespace
+
 Vector3d facet_normal(const Solid& solid, int f) {
   const auto at = [&](int k) -> Vector3d { return solid.node.col(solid.facet(k, f)); };
   if (solid.dimension == 2) {
@@ -85,8 +87,6 @@ Vector3d facet_normal(const Solid& solid, int f) {
   }
   return 0.5 * (at(2) - at(0)).cross(at(3) - at(1));
 }
-
-}  // namespace
 
 // Each facet leads from its first node to its second. Where two loops touch in one node the sharpest turn to
 // the left closes the loop at hand: it stays with its own cells and never crosses itself.

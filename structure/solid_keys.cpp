@@ -16,7 +16,10 @@ const std::vector<std::pair<std::string, Support>> support_names = {{"free", Sup
                                                                     {"roller", Support::roller},
                                                                     {"symmetry", Support::symmetry}};
 
-SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>& others) {
+constexpr const char* initial_help = "of this part at t = 0, beside structure.initial_velocity";
+
+SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>& others,
+                  Eigen::Vector3d& velocity) {
   SolidBox box;
   box.material = p.material;
   t.text("name", box.name, {.required = true, .help = "of this part, for supports, output and messages"});
@@ -30,6 +33,7 @@ SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>&
                             "the side's normal; symmetry: all of it along the normal"
                           : "as left; three dimensions"});
   supports.flag("all", box.held, {.help = "the whole part is held: a frame, a deck that is driven"});
+  t.vector("initial_velocity", velocity, {.unit = "m/s", .help = initial_help});
   read_material(t.table("material", "of this part; keys that are not given: structure.material"),
                 box.material);
   if (!t.has("name")) return box;  // a list of declarations holds no box
@@ -94,7 +98,7 @@ void read_material(CaseTable t, Material& m) {
 namespace {
 
 /// [[structure.part]] and [[structure.support]]: what the parts and faces of a mesh file are.
-void read_parts(CaseTable t, bool all, Solid& solid) {
+void read_parts(CaseTable t, bool all, Solid& solid, std::vector<Eigen::Vector3d>& velocity) {
   for (CaseTable& table : t.tables("part", "a part of structure.mesh, by its physical name")) {
     std::string name;
     table.text("name", name, {.required = true, .help = "physical name of the part's cells"});
@@ -102,6 +106,10 @@ void read_parts(CaseTable t, bool all, Solid& solid) {
                                     [&](const Part& part) { return part.name == name; });
     Part spare, &part = found == solid.parts.end() ? spare : *found;
     table.flag("held", part.held, {.help = "all of it moves with the supports"});
+    Eigen::Vector3d initial = Eigen::Vector3d::Zero();
+    table.vector("initial_velocity", initial, {.unit = "m/s", .help = initial_help});
+    if (found != solid.parts.end())
+      velocity.at(static_cast<std::size_t>(found - solid.parts.begin())) = initial;
     read_material(table.table("material", "of this part; keys that are not given: structure.material"),
                   part.material);
     if (all || found != solid.parts.end()) continue;
@@ -146,8 +154,12 @@ void read_supports(CaseTable t, bool all, Solid& solid) {
 void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
   const bool all = file.only_declares();
   std::vector<SolidBox> boxes;
-  for (CaseTable& box : t.tables("box", "one part of a body that is a union of axis-aligned boxes"))
-    boxes.push_back(read_box(box, p, boxes));
+  std::vector<Eigen::Vector3d>& velocity = p.initial.of_part;
+  for (CaseTable& box : t.tables("box", "one part of a body that is a union of axis-aligned boxes")) {
+    Eigen::Vector3d initial = Eigen::Vector3d::Zero();
+    boxes.push_back(read_box(box, p, boxes, initial));
+    velocity.push_back(initial);
+  }
   std::filesystem::path mesh;
   if (all || t.has("mesh"))
     t.file(
@@ -166,7 +178,8 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
   if (!all && mesh.empty() && t.has("part"))
     throw t.error("part", "nothing: parts of structure.box say in their own table what they are",
                   "leave it out");
-  read_parts(t, all, p.solid);
+  velocity.resize(p.solid.parts.size(), Eigen::Vector3d::Zero());
+  read_parts(t, all, p.solid, velocity);
   read_supports(t, all, p.solid);
   if (all || !body) return;
 

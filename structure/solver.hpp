@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,9 @@ class Solver {
   virtual void read(const Archive&) = 0;
   virtual Frame frame() const = 0;
   virtual std::vector<std::string> lines() const = 0;  // what it understood: headline first
+  /// How far the supports have moved [m]: what a deflection is counted from. Default: as structure.velocity
+  /// says.
+  virtual std::optional<Eigen::Vector3d> support_displacement() const { return std::nullopt; }
   /// Named scalars of its own for history.csv, and their values now.
   virtual std::vector<Column> columns() const { return {}; }
   virtual std::map<std::string, double> monitor() const { return {}; }

@@ -1,7 +1,10 @@
 #include "structure/fem/model.hpp"
 
+#include "proto/error.hpp"
 #include "structure/fem/mesh.hpp"
 #include "structure/surface.hpp"
+
+#include <algorithm>
 
 namespace strake::structure::fem {
 namespace {
@@ -18,8 +21,23 @@ deck::Weights weights(const Discretisation<dim>& discretisation, const Points& a
   return matrix;
 }
 
+/// A deck speaks in the frame of supports at a constant velocity, in which the body is at rest at the start.
+void require_plain_motion(const Parameters& p) {
+  const auto refuse = [](const std::string& key, const std::string& what) {
+    throw Error(ExitCode::case_file, "structure." + key, "a deck cannot say " + what,
+                "compare with structure.solver = \"particle\", or leave structure." + key + " out");
+  };
+  if (p.motion) refuse("motion", "that its supports move by a table");
+  if (p.free.translates() && has_supports(elastic_solid(p))) refuse("free", "that its supports are free");
+  const bool parts = std::any_of(p.initial.of_part.begin(), p.initial.of_part.end(),
+                                 [](const Eigen::Vector3d& v) { return !v.isZero(); });
+  if (!p.initial.value.isZero() || p.initial.profile || parts)
+    refuse("initial_velocity", "that the body moves against its supports at the start");
+}
+
 template <int dim>
 deck::Model model_of(const Parameters& p, const std::vector<ProbeKeys>& probes) {
+  require_plain_motion(p);
   const Solid solid = elastic_solid(p);
   const Discretisation<dim> discretisation(solid, p.fem.degree, p.fem.refinement);
   const Mesh<dim>& mesh = discretisation.mesh();

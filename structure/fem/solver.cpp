@@ -50,11 +50,12 @@ FemSolver<dim>::FemSolver(const Parameters& p)
       linear_(all_linear(solid_)),
       discretisation_(solid_, p.fem.degree, p.fem.refinement),
       assembly_(discretisation_.mesh(), solid_.parts),
+      mass_(assembly_.mass()),
+      frame_(SupportFrame(p), mass_, discretisation_.mesh()),
       interface_(surface(p)),
       transfer_(discretisation_, interface_.position) {
   const int n = mesh().n_unknowns();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
-  mass_ = assembly_.mass();
   stiffness_ = assembly_.tangent(zero);
   node_mass_ = mass_ * Eigen::VectorXd::Ones(n);
   largest_stiffness_ = stiffness_.coeffs().abs().maxCoeff();
@@ -69,12 +70,44 @@ FemSolver<dim>::FemSolver(const Parameters& p)
   }
 
   first_frequency_ = frequencies(1).front();
-  state_ = {.displacement = zero, .velocity = zero, .acceleration = zero, .tangent_at = zero};
+  start();
+}
+
+// The body moves with its supports and by what the case adds, as far as they let it; in a node between parts
+// by the mean of what the cells around say. Accelerations at t = 0, which rho_inf < 1 remembers, follow from
+// the loads.
+template <int dim>
+void FemSolver<dim>::start() {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(mesh().n_unknowns());
+  state_ = {};
+  state_.displacement = state_.velocity = state_.acceleration = state_.tangent_at = zero;
+  state_.frame = frame_.supports().start();
+  Eigen::VectorXd met = zero;
+  for (int c = 0; c < mesh().n_cells(); ++c)
+    for (Eigen::Index a = 0; a < mesh().cell.rows(); ++a) {
+      const int node = mesh().cell(a, c);
+      Eigen::Vector3d X = Eigen::Vector3d::Zero();
+      X.template head<dim>() = mesh().node.col(node);
+      state_.velocity.template segment<dim>(dim * node) +=
+          velocity_at_start(parameters_.initial, mesh().part[static_cast<std::size_t>(c)], X)
+              .template head<dim>();
+      met.template segment<dim>(dim * node).array() += 1;
+    }
+  state_.velocity = state_.velocity.cwiseQuotient(met);
+  hold(state_.velocity);
   if (!scheme_.mid_point) {
-    Eigen::VectorXd force = own_load(0);
+    const Eigen::VectorXd force = own_load(0);
+    const auto A = frame_.acceleration(scheme_, state_.frame, state_.frame, force, zero,
+                                       gravity_at(0).template head<dim>(), 1);
     LinearSolver mass_factors;
     mass_factors.factorise(mass_, mesh().fixed);
-    state_.acceleration = mass_factors.solve(force);
+    Eigen::VectorXd r = force - frame_.inertia(A);
+    hold(r);
+    state_.acceleration = frame_.correction(mass_factors, 1)(mass_factors, r);
+    const auto at_start =
+        frame_.acceleration(scheme_, state_.frame, state_.frame, force, mass_ * state_.acceleration,
+                            gravity_at(0).template head<dim>(), 1);
+    state_.frame.acceleration.template head<dim>() = at_start;
   }
   saved_ = state_;
 }
@@ -85,9 +118,14 @@ void FemSolver<dim>::hold(Eigen::VectorXd& unknowns) const {
 }
 
 template <int dim>
+Eigen::Vector3d FemSolver<dim>::gravity_at(double time) const {
+  return ramp_factor(time, parameters_.gravity_ramp) * parameters_.gravity;
+}
+
+template <int dim>
 Eigen::VectorXd FemSolver<dim>::own_load(double time) const {
   Eigen::VectorXd force = ramp_factor(time, parameters_.load.ramp) * load_shape_;
-  const Eigen::Vector3d gravity = ramp_factor(time, parameters_.gravity_ramp) * parameters_.gravity;
+  const Eigen::Vector3d gravity = gravity_at(time);
   for (int i = 0; i < mesh().n_nodes(); ++i)
     force.segment<dim>(dim * i).array() +=
         node_mass_.segment<dim>(dim * i).array() * gravity.template head<dim>().array();
@@ -146,14 +184,25 @@ Eigen::VectorXd FemSolver<dim>::damping_force(const State& old, const Eigen::Vec
   return damping.mass * (mass_ * v) + damping.stiffness * (stiffness_ * v);
 }
 
-// r(u1) = F − f(u0, u1) − C v_α − M a_m, in the unknowns that are free.
 template <int dim>
-NewtonResult FemSolver<dim>::solve_step(const State& old, const Eigen::VectorXd& force, double dt) {
+Eigen::Matrix<double, dim, 1> FemSolver<dim>::frame_acceleration(const State& old, const FrameState& told,
+                                                                 const Eigen::VectorXd& force,
+                                                                 const Eigen::VectorXd& inertia,
+                                                                 double dt) const {
+  const Eigen::Vector3d gravity = gravity_at(old.time + (1 - scheme_.alpha_f) * dt);
+  return frame_.acceleration(scheme_, old.frame, told, force, inertia, gravity.template head<dim>(), dt);
+}
+
+// r(u1) = F − f(u0, u1) − C v_α − M a_m − M 1 A, in the unknowns that are free.
+template <int dim>
+NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told,
+                                        const Eigen::VectorXd& force, double dt) {
   const Eigen::VectorXd drift = old.displacement + dt * old.velocity;
   Equilibrium equilibrium;
   equilibrium.residual = [&](const Eigen::VectorXd& u1) {
     const Eigen::VectorXd inside = internal_force(old.displacement, u1, scheme_.alpha_f);
-    const Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
+    Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
+    inertia += frame_.inertia(frame_acceleration(old, told, force, inertia, dt));
     Equilibrium::Residual r{.value = force - inside - damping_force(old, u1, dt) - inertia};
     hold(r.value);
     r.scale = std::max({force.norm(), inside.norm(), inertia.norm()});
@@ -161,12 +210,16 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const Eigen::VectorXd&
     return r;
   };
   LinearSolver* factors = &factors_;
-  equilibrium.correction = [&](const Eigen::VectorXd& r) { return factors->solve(r); };
+  const double kappa = scheme_.inertia() / (dt * dt);
+  auto correction = frame_.correction(*factors, kappa);
+  equilibrium.correction = [&](const Eigen::VectorXd& r) { return correction(*factors, r); };
   equilibrium.refresh = [&](const Eigen::VectorXd& u1) {
     factors = &fresh_factors_;
     ++factorisations_;
     const Matrix tangent = assembly_.tangent(old.displacement, u1, scheme_.alpha_f);
-    return fresh_factors_.factorise(effective(tangent, dt), mesh().fixed);
+    if (!fresh_factors_.factorise(effective(tangent, dt), mesh().fixed)) return false;
+    correction = frame_.correction(fresh_factors_, kappa);
+    return true;
   };
   const NewtonResult result = solve(equilibrium, drift, parameters_.fem.tolerance);
   newton_iterations_ = result.iterations;
@@ -185,16 +238,30 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const Eigen::VectorXd&
   return result;
 }
 
-// Kinetic + strain − external stays as it is when nothing damps: the loads work on u1 − u0, the supports give
-// the momentum that the moving frame hides, V·Δp, and damping takes its share.
+// Kinetic + strain − external stays as it is when nothing damps: the loads work on u1 − u0, and what changes
+// the momentum p of body and free frame, loads and supports, on the frame's way, ½(V0 + V1)·Δp; damping takes
+// its share.
 template <int dim>
-double FemSolver<dim>::work_of_step(const State& old, const State& next, const Eigen::VectorXd& force,
-                                    double dt) const {
-  const Eigen::VectorXd gained = node_mass_.cwiseProduct(next.velocity - old.velocity);
-  const Eigen::Map<const Eigen::Matrix<double, dim, Eigen::Dynamic>> momentum(gained.data(), dim,
-                                                                              mesh().n_nodes());
-  return (force - damping_force(old, next.displacement, dt)).dot(next.displacement - old.displacement) +
-         parameters_.velocity.template head<dim>().dot(momentum.rowwise().sum());
+void FemSolver<dim>::account(const State& old, const Eigen::VectorXd& force, double dt, State& next) const {
+  const Eigen::Vector3d gained = next.frame.velocity - old.frame.velocity;
+  const auto momentum = frame_.gained(next.velocity - old.velocity, gained);
+  const Eigen::Vector3d V = 0.5 * (old.frame.velocity + next.frame.velocity);
+  next.external +=
+      (force - damping_force(old, next.displacement, dt)).dot(next.displacement - old.displacement) +
+      V.template head<dim>().dot(momentum);
+  next.reaction.setZero();
+  for (int axis = 0; axis < dim; ++axis) {
+    double loads = 0;
+    for (Eigen::Index i = axis; i < force.size(); i += dim) loads += force[i];
+    next.reaction[axis] = (momentum[axis] - frame_.lumped_mass(axis) * gained[axis]) / dt - loads;
+  }
+}
+
+template <int dim>
+Eigen::Vector3d FemSolver<dim>::momentum() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  sum.head<dim>() = frame_.gained(state_.velocity, state_.frame.velocity);
+  return sum;
 }
 
 template <int dim>
@@ -206,12 +273,15 @@ void FemSolver<dim>::advance(double t, double dt, const Load& load) {
   use_tangent(next);
 
   const Eigen::VectorXd force = load_of_window(t, dt, load);
-  const NewtonResult result = solve_step(old, force, dt);
+  next.frame = frame_.prescribed(old.frame, t + dt);
+  const NewtonResult result = solve_step(old, next.frame, force, dt);
   const Eigen::VectorXd leap = result.x - old.displacement - dt * old.velocity;
   next.displacement = result.x;
   next.velocity = scheme_.velocity(old.displacement, result.x, old.velocity, old.acceleration, dt);
   next.acceleration = scheme_.acceleration(leap, old.acceleration, dt);
-  next.external += work_of_step(old, next, force, dt);
+  const Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(leap, old.acceleration, dt);
+  frame_.advance(scheme_, old.frame, frame_acceleration(old, next.frame, force, inertia, dt), dt, next.frame);
+  account(old, force, dt, next);
   if (result.refreshed || result.iterations > iterations_of_a_good_tangent) next.tangent_at = result.x;
   next.time = t + dt;
   ++next.steps;
@@ -220,20 +290,23 @@ void FemSolver<dim>::advance(double t, double dt, const Load& load) {
 
 template <int dim>
 Points FemSolver<dim>::displacement() const {
-  return transfer_.at_points(state_.displacement).colwise() + rigid_motion();
+  return transfer_.at_points(state_.displacement).colwise() + state_.frame.displacement;
 }
 
 template <int dim>
 Points FemSolver<dim>::velocity() const {
-  return transfer_.at_points(state_.velocity).colwise() + parameters_.velocity;
+  return transfer_.at_points(state_.velocity).colwise() + state_.frame.velocity;
 }
 
 template <int dim>
 Energy FemSolver<dim>::energy() const {
   Eigen::VectorXd velocity = state_.velocity;
   for (int i = 0; i < mesh().n_nodes(); ++i)
-    velocity.segment<dim>(dim * i) += parameters_.velocity.template head<dim>();
-  return {.kinetic = 0.5 * velocity.dot(mass_ * velocity),
+    velocity.segment<dim>(dim * i) += state_.frame.velocity.template head<dim>();
+  double lumped = 0;
+  for (Eigen::Index axis = 0; axis < dim; ++axis)
+    lumped += 0.5 * frame_.lumped_mass(axis) * state_.frame.velocity[axis] * state_.frame.velocity[axis];
+  return {.kinetic = 0.5 * velocity.dot(mass_ * velocity) + lumped,
           .strain = assembly_.strain_energy(state_.displacement),
           .external = state_.external};
 }
@@ -248,12 +321,12 @@ const Transfer<dim>& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
 
 template <int dim>
 Eigen::Vector3d FemSolver<dim>::displacement_at(const Eigen::Vector3d& X) const {
-  return probe(X).at_points(state_.displacement).col(0) + rigid_motion();
+  return probe(X).at_points(state_.displacement).col(0) + state_.frame.displacement;
 }
 
 template <int dim>
 Eigen::Vector3d FemSolver<dim>::velocity_at(const Eigen::Vector3d& X) const {
-  return probe(X).at_points(state_.velocity).col(0) + parameters_.velocity;
+  return probe(X).at_points(state_.velocity).col(0) + state_.frame.velocity;
 }
 
 template <int dim>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "structure/fem/assembly.hpp"
+#include "structure/fem/frame.hpp"
 #include "structure/fem/linear_solver.hpp"
 #include "structure/fem/mesh.hpp"
 #include "structure/fem/newmark.hpp"
@@ -19,10 +20,10 @@ namespace strake::structure::fem {
 
 /// Dynamic elasticity of a body on driven supports by finite elements:
 ///   M ü + C u̇ + f(u) = F,  C = mass·M + stiffness·K(0)  (Rayleigh)
-/// The unknown is the displacement u relative to the supports, which move at a constant velocity V: an
-/// inertial frame, where the equations are the same, supports are at rest and rounding acts on the deflection
-/// alone. V t is added to what the outside sees. The window's load is the mean force over the window; one
-/// window is one step.
+/// The unknown is the displacement u relative to the supports, so that rounding acts on the deflection alone;
+/// that of the supports, D, is added to what the outside sees. Where their frame is accelerated, by a table
+/// or as a lumped mass that is free, the body feels −M 1 A in it, see FrameMotion. The window's load is the
+/// mean force over the window; one window is one step.
 template <int dim>
 class FemSolver final : public Solver {
  public:
@@ -31,7 +32,7 @@ class FemSolver final : public Solver {
   void advance(double t, double dt, const Load&) override;
   Points displacement() const override;
   Points velocity() const override;
-  bool sends_velocity() const override { return !scheme_.mid_point; }
+  bool sends_velocity() const override { return !scheme_.mid_point || frame_.supports().by_table(); }
   double stable_dt() const override { return std::numeric_limits<double>::infinity(); }
   /// As an observer at rest sees it. `external` is the work of loads and supports, less what the damping
   /// took.
@@ -39,6 +40,11 @@ class FemSolver final : public Solver {
   int steps() const override { return state_.steps; }
   Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const override;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const override;
+  std::optional<Eigen::Vector3d> support_displacement() const override { return state_.frame.displacement; }
+  std::vector<Column> columns() const override;
+  std::map<std::string, double> monitor() const override;
+  /// Linear momentum of the body and a free frame [kg m/s].
+  Eigen::Vector3d momentum() const;
   void save() override { saved_ = state_; }
   void restore() override { state_ = saved_; }
   void write(Archive&) const override;
@@ -63,23 +69,29 @@ class FemSolver final : public Solver {
   struct State {
     double time = 0;                                       // [s]
     Eigen::VectorXd displacement, velocity, acceleration;  // relative to the supports
+    FrameState frame;                                      // of the supports
+    Eigen::Vector3d reaction = Eigen::Vector3d::Zero();    // [N] of the supports on the body, last step
     Eigen::VectorXd tangent_at;                            // displacement where the tangent was taken
     double tangent_dt = 0;                                 // [s] for which it was made
     double external = 0;                                   // [J]
     int steps = 0;
   };
 
-  Eigen::VectorXd own_load(double time) const;  // gravity and [structure.load], [N]
+  void start();
+  Eigen::Vector3d gravity_at(double time) const;  // [m/s²]
+  Eigen::VectorXd own_load(double time) const;    // gravity and [structure.load], [N]
   Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
   Matrix effective(const Matrix& tangent, double dt) const;
   void use_tangent(const State&);
   Eigen::VectorXd load_of_window(double t, double dt, const Load&) const;
   Eigen::VectorXd damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const;
-  NewtonResult solve_step(const State& old, const Eigen::VectorXd& force, double dt);
-  double work_of_step(const State& old, const State& next, const Eigen::VectorXd& force, double dt) const;
+  NewtonResult solve_step(const State& old, const FrameState& told, const Eigen::VectorXd& force, double dt);
+  Eigen::Matrix<double, dim, 1> frame_acceleration(const State& old, const FrameState& told,
+                                                   const Eigen::VectorXd& force,
+                                                   const Eigen::VectorXd& inertia, double dt) const;
+  void account(const State& old, const Eigen::VectorXd& force, double dt, State& next) const;
   void hold(Eigen::VectorXd& unknowns) const;  // zero in the held unknowns
   const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
-  Eigen::Vector3d rigid_motion() const { return parameters_.velocity * state_.time; }
 
   Parameters parameters_;
   TimeScheme scheme_;
@@ -90,6 +102,7 @@ class FemSolver final : public Solver {
   Matrix mass_, stiffness_;    // stiffness at u = 0
   Eigen::VectorXd node_mass_;  // [kg] row sums
   double largest_stiffness_ = 0;
+  FrameMotion<dim> frame_;
   InterfaceMesh interface_;
   Transfer<dim> transfer_;
   Eigen::VectorXd load_shape_;  // [N] of [structure.load] at full value

@@ -17,6 +17,9 @@ void FemSolver<dim>::write(Archive& archive) const {
   archive.real["fem.acceleration"] = saved_.acceleration;
   archive.real["fem.tangent_at"] = saved_.tangent_at;
   archive.real["fem.scalars"] = Eigen::RowVector3d(saved_.time, saved_.external, saved_.tangent_dt);
+  Eigen::Matrix<double, 3, 4> frame;
+  frame << saved_.frame.displacement, saved_.frame.velocity, saved_.frame.acceleration, saved_.reaction;
+  archive.real["fem.frame"] = frame;
   archive.integer["fem.steps"] = {saved_.steps};
 }
 
@@ -40,6 +43,9 @@ void FemSolver<dim>::read(const Archive& archive) {
   state_.time = scalars(0);
   state_.external = scalars(1);
   state_.tangent_dt = scalars(2);
+  const Eigen::Matrix<double, 3, 4> frame = vector("fem.frame", 12).reshaped(3, 4);
+  state_.frame = {.displacement = frame.col(0), .velocity = frame.col(1), .acceleration = frame.col(2)};
+  state_.reaction = frame.col(3);
   state_.steps = static_cast<int>(archive.integer.at("fem.steps").at(0));
   saved_ = state_;
 }
@@ -55,7 +61,7 @@ Frame FemSolver<dim>::frame() const {
   };
   Frame frame;
   frame.time = state_.time;
-  const Points displacement = on_nodes(state_.displacement, rigid_motion());
+  const Points displacement = on_nodes(state_.displacement, state_.frame.displacement);
   frame.position = displacement;
   frame.position.topRows<dim>() += mesh().node;
 
@@ -76,7 +82,7 @@ Frame FemSolver<dim>::frame() const {
             cell.template segment<4>(4 * z) << node(0, 0, z), node(1, 0, z), node(1, 1, z), node(0, 1, z);
         }
   frame.point_data = {{"displacement", "m", displacement},
-                      {"velocity", "m/s", on_nodes(state_.velocity, parameters_.velocity)},
+                      {"velocity", "m/s", on_nodes(state_.velocity, state_.frame.velocity)},
                       {"von_mises", "Pa", assembly_.von_mises(state_.displacement).transpose()}};
   return frame;
 }
@@ -90,9 +96,20 @@ std::vector<std::string> FemSolver<dim>::lines() const {
                   scheme_.mid_point
                       ? std::string("Newmark 1/4-1/2 with the mean load of a window")
                       : fmt::format("generalised-alpha, rho_infinity {:g}", parameters_.fem.rho_infinity))};
+  if (std::string line = frame_line(frame_.supports(), dim); !line.empty()) lines.push_back(std::move(line));
   if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
     lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));
   return lines;
+}
+
+template <int dim>
+std::vector<Column> FemSolver<dim>::columns() const {
+  return frame_columns(frame_.supports(), dim);
+}
+
+template <int dim>
+std::map<std::string, double> FemSolver<dim>::monitor() const {
+  return frame_monitor(frame_.supports(), dim, state_.frame, state_.reaction);
 }
 
 // With the consistent mass M: m = 1·M 1, m x̄ = 1·M X, I_z = x·M x + y·M y − m (x̄² + ȳ²), exact for the cells'
@@ -121,11 +138,15 @@ template void FemSolver<2>::write(Archive&) const;
 template void FemSolver<2>::read(const Archive&);
 template Frame FemSolver<2>::frame() const;
 template std::vector<std::string> FemSolver<2>::lines() const;
+template std::vector<Column> FemSolver<2>::columns() const;
+template std::map<std::string, double> FemSolver<2>::monitor() const;
 template Properties FemSolver<2>::properties();
 template void FemSolver<3>::write(Archive&) const;
 template void FemSolver<3>::read(const Archive&);
 template Frame FemSolver<3>::frame() const;
 template std::vector<std::string> FemSolver<3>::lines() const;
+template std::vector<Column> FemSolver<3>::columns() const;
+template std::map<std::string, double> FemSolver<3>::monitor() const;
 template Properties FemSolver<3>::properties();
 
 }  // namespace strake::structure::fem

@@ -1,13 +1,12 @@
 #include "structure/particle/lattice.hpp"
 
-#include "proto/error.hpp"
+#include "structure/particle/sites.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace strake::structure {
 namespace {
@@ -32,51 +31,62 @@ struct Grid {
   }
 };
 
-struct Site {
-  int part = 0;
-  bool fixed = false, inside = true;
-};
-
-/// Cells in the order of their numbers: x slowest.
-struct Before {
-  template <class Cell>
-  bool operator()(const Cell& a, const Cell& b) const {
-    return std::lexicographical_compare(a.data(), a.data() + a.size(), b.data(), b.data() + b.size());
-  }
-};
+/// Sites of a union of boxes whose planes lie between lattice cells.
 template <int dim>
-using Sites = std::map<Eigen::Matrix<int, dim, 1>, Site, Before>;
-
-/// The clamp rule of PHYSICS §6 on one facet: the cells behind it, and `beyond` cells in front of it.
-template <int dim>
-void clamp_facet(const Grid& grid, Index facet, int beyond, bool hold_inside, Sites<dim>& sites) {
+Placement<dim> filled(const Solid& solid, double spacing) {
   using Cell = Eigen::Matrix<int, dim, 1>;
-  const Solid& solid = grid.solid;
-  const int c = solid.facet_cell[static_cast<std::size_t>(facet)];
-  Cell first, end;
-  int normal = 0, direction = 0;
-  for (int axis = 0; axis < dim; ++axis) {
-    std::tie(first[axis], end[axis]) = grid.range(c, axis);
-    const int plane = grid.at(solid.facet(0, facet), axis);
-    bool flat = true;
-    for (Index k = 1; k < solid.facet.rows(); ++k)
-      flat = flat && grid.at(solid.facet(k, facet), axis) == plane;
-    if (!flat) continue;
-    normal = axis;
-    direction = plane == first[axis] ? -1 : 1;
+  const Grid grid{solid, spacing};
+  Placement<dim> placement;
+  for (int axis = 0; axis < dim; ++axis)
+    placement.origin[axis] = solid.plane[static_cast<std::size_t>(axis)].front();
+  for (Index c = 0; c < solid.cell.cols(); ++c) {
+    Cell first, end;
+    for (int axis = 0; axis < dim; ++axis) std::tie(first[axis], end[axis]) = grid.range(c, axis);
+    const int part = solid.part_of[static_cast<std::size_t>(c)];
+    const bool held = solid.parts[static_cast<std::size_t>(part)].held;
+    for_each_cell<dim>(first, end, [&](const Cell& at) {
+      placement.sites[at] = {.part = part, .fixed = held, .inside = true, .share = 1};
+    });
   }
-  (direction < 0 ? end[normal] : first[normal]) = direction < 0 ? first[normal] + 1 : end[normal] - 1;
-  for_each_cell<dim>(first, end, [&](Cell at) {
-    Site& behind = sites.at(at);
-    if (hold_inside) behind.fixed = true;
-    for (int k = 0; k < beyond; ++k) {
-      at[normal] += direction;
-      // Another part of the body stands in the way; further clamps may have been there already.
-      if (const auto [found, fresh] = sites.emplace(at, Site{behind.part, true, false});
-          !fresh && found->second.inside)
-        return;
-    }
-  });
+  return placement;
+}
+
+/// The clamp rule of PHYSICS §6 on one facet: along each line of cells that crosses it the last one inside,
+/// and `beyond` cells in front of that.
+template <int dim>
+void clamp_facet(const Solid& solid, int facet, double spacing, int beyond, bool hold_inside,
+                 Placement<dim>& placement) {
+  using Cell = Eigen::Matrix<int, dim, 1>;
+  const Eigen::Vector3d normal = facet_normal(solid, facet);
+  Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  const int direction = normal[axis] > 0 ? 1 : -1;
+  auto& sites = placement.sites;
+  for_each_line<dim>(
+      solid, facet, static_cast<int>(axis), placement.origin, spacing, [&](Cell at, double crossing) {
+        const auto inside = [&] {
+          const auto found = sites.find(at);
+          return found == sites.end() || !found->second.inside ? nullptr : &found->second;
+        };
+        // Behind the face; of an oblique one the cell that the face cuts may have its particle or not.
+        at[axis] = static_cast<int>(std::lround(crossing)) - (direction > 0 ? 1 : 0);
+        Site* last = inside();
+        for (int k = 0; last == nullptr && k < 2; ++k) {
+          at[axis] -= direction;
+          last = inside();
+        }
+        if (last == nullptr) return;
+        if (hold_inside) last->fixed = true;
+        const int part = last->part;
+        for (int k = 0; k < beyond; ++k) {
+          at[axis] += direction;
+          // Another part of the body stands in the way; further clamps may have been there already.
+          if (const auto [found, fresh] =
+                  sites.emplace(at, Site{.part = part, .fixed = true, .inside = false, .share = 1});
+              !fresh && found->second.inside)
+            return;
+        }
+      });
 }
 
 }  // namespace
@@ -84,21 +94,16 @@ void clamp_facet(const Grid& grid, Index facet, int beyond, bool hold_inside, Si
 template <int dim>
 Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, ClampColumn clamp) {
   using Cell = typename Lattice<dim>::Cell;
-  const Grid grid{solid, spacing};
-  Sites<dim> sites;
-  for (Index c = 0; c < solid.cell.cols(); ++c) {
-    Cell first, end;
-    for (int axis = 0; axis < dim; ++axis) std::tie(first[axis], end[axis]) = grid.range(c, axis);
-    const int part = solid.part_of[static_cast<std::size_t>(c)];
-    const bool held = solid.parts[static_cast<std::size_t>(part)].held;
-    for_each_cell<dim>(first, end, [&](const Cell& at) { sites[at] = {part, held, true}; });
-  }
+  Placement<dim> placement =
+      solid.made_of_boxes() ? filled<dim>(solid, spacing) : sampled<dim>(solid, spacing);
   // Two beyond a clamp at least, else the reach of a bond.
   const int beyond = std::max(2, static_cast<int>(std::floor(radius)));
   for (const SupportedFace& face : solid.supported)
     if (face.support == Support::clamped)
-      for (const int f : face.facet) clamp_facet<dim>(grid, f, beyond, clamp == ClampColumn::inside, sites);
+      for (const int f : face.facet)
+        clamp_facet<dim>(solid, f, spacing, beyond, clamp == ClampColumn::inside, placement);
 
+  const Sites<dim>& sites = placement.sites;
   Cell low = sites.begin()->first, high = low;
   for (const auto& [at, site] : sites) {
     low = low.cwiseMin(at);
@@ -112,6 +117,7 @@ Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, Cla
   const auto n = static_cast<Index>(sites.size());
   lattice.cell.resize(dim, n);
   lattice.position.resize(dim, n);
+  lattice.share.resize(n);
   lattice.number.assign(static_cast<std::size_t>(lattice.extent.template cast<long>().prod()), -1);
   Index i = 0;
   for (const auto& [at, site] : sites) {
@@ -119,15 +125,38 @@ Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, Cla
     std::size_t k = 0;
     for (int axis = 0; axis < dim; ++axis) {
       k = k * static_cast<std::size_t>(lattice.extent[axis]) + static_cast<std::size_t>(at[axis] - low[axis]);
-      lattice.position(axis, i) =
-          solid.plane[static_cast<std::size_t>(axis)].front() + (at[axis] + 0.5) * spacing;
+      lattice.position(axis, i) = placement.origin[axis] + (at[axis] + 0.5) * spacing;
     }
+    lattice.share[i] = site.share;
     lattice.number[k] = static_cast<int>(i++);
     lattice.fixed.push_back(site.fixed);
     lattice.inside.push_back(site.inside);
     lattice.part.push_back(site.part);
   }
   return lattice;
+}
+
+template <int dim>
+MassProperties mass_of(const Lattice<dim>& lattice) {
+  MassProperties body;
+  const double own = lattice.spacing * lattice.spacing / 12;  // ∫x² of a unit volume about its centre
+  const Eigen::Vector3d origin = in_space<dim>(lattice.position.col(0));
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (Index i = 0; i < lattice.size(); ++i) {
+    if (!lattice.inside[static_cast<std::size_t>(i)]) continue;
+    const double m = lattice.material(i).density * lattice.volume(i);
+    const Eigen::Vector3d x = in_space<dim>(lattice.position.col(i)) - origin;
+    body.mass += m;
+    first += m * x;
+    second += m * x * x.transpose();
+    for (int axis = 0; axis < dim; ++axis) second(axis, axis) += m * own;
+  }
+  const Eigen::Vector3d centre = first / body.mass;
+  body.centre = origin + centre;
+  second -= body.mass * centre * centre.transpose();
+  body.inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+  return body;
 }
 
 namespace {
@@ -165,7 +194,9 @@ std::string part_at_plane(const Solid& solid, int axis, double coordinate) {
 
 }  // namespace
 
-SolidFault lattice_fault(const Solid& solid, double spacing) {
+namespace {
+
+SolidFault fault_of_boxes(const Solid& solid, double spacing) {
   constexpr int layers = 2;  // through each part: below that a bond sees no bending
   const double thin = thinnest(solid), measure = common_measure(solid);
   const double fitting =
@@ -202,82 +233,38 @@ SolidFault lattice_fault(const Solid& solid, double spacing) {
   return {};
 }
 
-namespace {
-
-/// A lattice cell between 2^dim particles that a place is told from, and where in it the place lies.
 template <int dim>
-struct Block {
-  Eigen::Matrix<int, dim, 1> base;
-  Eigen::Matrix<double, dim, 1> within;
-  int shifted = 0;  // axes along which the place lies beside the block
-};
-
-template <int dim>
-bool is_complete(const Lattice<dim>& lattice, const Eigen::Matrix<int, dim, 1>& base) {
-  for (int corner = 0; corner < 1 << dim; ++corner) {
-    Eigen::Matrix<int, dim, 1> at = base;
-    for (int axis = 0; axis < dim; ++axis) at[axis] += (corner >> axis) & 1;
-    if (lattice.index(at) < 0) return false;
-  }
-  return true;
-}
-
-/// The block that holds the place; if it misses a particle, those beside it that reach the place by half a
-/// spacing, along as few axes as that goes. At an inner corner of the body these are two of equal right.
-template <int dim>
-std::vector<Block<dim>> blocks_at(const Lattice<dim>& lattice, const Eigen::Matrix<double, dim, 1>& s) {
-  using Cell = Eigen::Matrix<int, dim, 1>;
-  Cell natural;
-  for (int axis = 0; axis < dim; ++axis) natural[axis] = static_cast<int>(std::floor(s[axis]));
-  std::vector<Block<dim>> best;
-  for_each_cell<dim>(natural - Cell::Ones(), natural + 2 * Cell::Ones(), [&](const Cell& base) {
-    Block<dim> block{base, s - base.template cast<double>(), (base - natural).cwiseAbs().sum()};
-    const bool in_reach = block.within.minCoeff() >= -0.5 - near && block.within.maxCoeff() <= 1.5 + near;
-    if (!in_reach || (!best.empty() && block.shifted > best.front().shifted)) return;
-    if (!is_complete<dim>(lattice, base)) return;
-    if (!best.empty() && block.shifted < best.front().shifted) best.clear();
-    best.push_back(block);
-  });
-  return best;
+SolidFault fault_of_samples(const Solid& solid, double spacing) {
+  constexpr double gate = 0.01;
+  const double thin = thinnest(solid);
+  if (thin < 2 * spacing * (1 - near))
+    return {fmt::format("a part is {:.6g} m thin, {:.3g} layers of {:.6g} m: at least 2", thin,
+                        thin / spacing, spacing),
+            fmt::format("spacing = {:.6g}", thin / 4)};
+  const MassProperties body = mass_of(solid);
+  const Lattice<dim> lattice = make_lattice<dim>(solid, spacing, 1.5);
+  if (lattice.size() == 0) return {"no lattice cell lies in it", fmt::format("spacing = {:.6g}", thin / 4)};
+  const MassProperties particles = mass_of(lattice);
+  const double mass = particles.mass / body.mass - 1,
+               inertia = particles.inertia(2, 2) / body.inertia(2, 2) - 1;
+  if (std::abs(mass) <= gate && std::abs(inertia) <= gate) return {};
+  return {
+      fmt::format("particles of {:.6g} m have {:+.2f} % of its mass and {:+.2f} % of its moment of inertia "
+                  "too much: at most 1 %",
+                  spacing, 100 * mass, 100 * inertia),
+      fmt::format("spacing = {:.6g}", spacing / 2)};
 }
 
 }  // namespace
 
-template <int dim>
-SparseRows interpolation(const Lattice<dim>& lattice, const Points& at) {
-  const Eigen::Matrix<double, dim, 1> origin =
-      lattice.position.col(0) - lattice.spacing * lattice.cell.col(0).template cast<double>();
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index p = 0; p < at.cols(); ++p) {
-    Eigen::Matrix<double, dim, 1> s;
-    for (int axis = 0; axis < dim; ++axis) s[axis] = (at(axis, p) - origin[axis]) / lattice.spacing;
-    const auto blocks = blocks_at<dim>(lattice, s);
-    if (blocks.empty())
-      throw Error(ExitCode::case_file, "structure, particle",
-                  fmt::format("the place ({:.6g}, {:.6g}, {:.6g}) m has no particles around it", at(0, p),
-                              at(1, p), at(2, p)),
-                  "choose a place in the body");
-    for (const Block<dim>& block : blocks)
-      for (int corner = 0; corner < 1 << dim; ++corner) {
-        double weight = 1 / static_cast<double>(blocks.size());
-        Eigen::Matrix<int, dim, 1> cell = block.base;
-        for (int axis = 0; axis < dim; ++axis) {
-          const int far = (corner >> axis) & 1;
-          weight *= far ? block.within[axis] : 1 - block.within[axis];
-          cell[axis] += far;
-        }
-        if (weight != 0)
-          entries.emplace_back(static_cast<int>(p), static_cast<int>(lattice.index(cell)), weight);
-      }
-  }
-  SparseRows N(at.cols(), lattice.size());
-  N.setFromTriplets(entries.begin(), entries.end());
-  return N;
+SolidFault lattice_fault(const Solid& solid, double spacing) {
+  if (solid.made_of_boxes()) return fault_of_boxes(solid, spacing);
+  return solid.dimension == 2 ? fault_of_samples<2>(solid, spacing) : fault_of_samples<3>(solid, spacing);
 }
 
 template Lattice<2> make_lattice<2>(const Solid&, double, double, ClampColumn);
 template Lattice<3> make_lattice<3>(const Solid&, double, double, ClampColumn);
-template SparseRows interpolation<2>(const Lattice<2>&, const Points&);
-template SparseRows interpolation<3>(const Lattice<3>&, const Points&);
+template MassProperties mass_of<2>(const Lattice<2>&);
+template MassProperties mass_of<3>(const Lattice<3>&);
 
 }  // namespace strake::structure

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "proto/interface.hpp"
+#include "structure/mass.hpp"
 #include "structure/parameters.hpp"
 
 #include <Eigen/SparseCore>
@@ -16,11 +17,14 @@ template <int dim>
 using Vectors = Eigen::Matrix<double, dim, Eigen::Dynamic>;
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// A body of boxes as a square or cubic lattice: a particle where a lattice cell lies in the body, numbered
-/// with x slowest. A clamped face goes on beyond the body, far enough to complete every bond of a free
-/// particle. With ClampColumn::inside the last particles inside are fixed too (their centres half a spacing
-/// from the face), so that the clamp stands where the face is (PHYSICS §6); with `outside` each clamp gives
-/// way by nearly a spacing. Particles outside are no part of the wet body.
+/// A body as a square or cubic lattice: a particle where at least half of a lattice cell lies in the body,
+/// numbered with x slowest. Bodies of boxes fill their cells exactly. Of other bodies a particle at the
+/// boundary has the volume that its cell shares with the body, and what lies in cells without a particle is
+/// its neighbours', so that mass and moment of inertia are the body's. A clamped face goes on beyond the
+/// body, far enough to complete every bond of a free particle. With ClampColumn::inside the last particles
+/// inside are fixed too (their centres half a spacing from the face), so that the clamp stands where the face
+/// is (PHYSICS §6); with `outside` each clamp gives way by nearly a spacing. Particles outside are no part of
+/// the wet body.
 template <int dim>
 struct Lattice {
   using Cell = Eigen::Matrix<int, dim, 1>;
@@ -32,6 +36,7 @@ struct Lattice {
   Vectors<dim> position;                         // [m] reference
   std::vector<std::uint8_t> fixed;               // n
   std::vector<std::uint8_t> inside;              // n, within the body
+  Eigen::VectorXd share;                         // n, volume over that of a lattice cell
   std::vector<int> part;                         // n, into `parts`
   std::vector<Part> parts;
   std::vector<int> number;  // of the particle in each cell of `extent`, or -1
@@ -50,8 +55,12 @@ struct Lattice {
     }
     return number[k];
   }
-  /// [m^dim] of one particle.
-  double volume() const { return dim == 2 ? spacing * spacing : spacing * spacing * spacing; }
+  /// [m^dim] of a lattice cell, and of a particle.
+  double cell_volume() const { return dim == 2 ? spacing * spacing : spacing * spacing * spacing; }
+  double volume(Eigen::Index i) const { return share[i] * cell_volume(); }
+  Eigen::Matrix<double, dim, 1> origin() const {  // [m] lower corner of cell 0
+    return position.col(0) - spacing * (cell.col(0).template cast<double>().array() + 0.5).matrix();
+  }
 };
 
 /// Calls `visit` with each lattice cell of a box of them.
@@ -79,19 +88,24 @@ Points in_space(const Vectors<dim>& vectors) {
   return points;
 }
 
-/// The body must be made of boxes and have no lattice_fault.
+/// The body must have no lattice_fault.
 template <int dim>
 Lattice<dim> make_lattice(const Solid&, double spacing, double radius /* [spacing] */,
                           ClampColumn = ClampColumn::inside);
 
-/// Why a lattice of this spacing does not fill a body exactly; an empty problem: it does. The fix is a
-/// spacing.
+/// Why a lattice of this spacing does not stand for a body; an empty problem: it does. A body of boxes it
+/// must fill exactly; of others it must have mass and moment of inertia within 1 %. The fix is a spacing.
 SolidFault lattice_fault(const Solid&, double spacing);
 
+/// Of the particles within the body, each a square or cube with an inertia of its own, m d²/6.
+template <int dim>
+MassProperties mass_of(const Lattice<dim>&);
+
 /// m×n: values at places of the body from values on the particles, linear along each axis between the corners
-/// of a lattice cell all of whose corners have particles, extrapolated by half a spacing to the faces. Rows
-/// sum to 1 and are exact for linear fields, so that with its transpose for forces sum, moment and virtual
-/// work are kept. Throws Error(case_file) for a place that is not in the body.
+/// of a lattice cell all of whose corners have particles, extrapolated by half a spacing to the faces; beyond
+/// that, at the oblique faces of a mesh, by the linear field that fits the particles around best. Rows sum to
+/// 1 and are exact for linear fields, so that with its transpose for forces sum, moment and virtual work are
+/// kept. Throws Error(case_file) for a place that is not in the body.
 template <int dim>
 SparseRows interpolation(const Lattice<dim>&, const Points& at);
 

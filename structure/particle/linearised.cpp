@@ -57,12 +57,42 @@ Vectors<dim> scatter(const Lattice<dim>& lattice, const Eigen::VectorXd& x) {
   return full;
 }
 
-void factorise(Eigen::SparseLU<Eigen::SparseMatrix<double>>& lu, const Eigen::SparseMatrix<double>& K) {
-  lu.compute(K);
-  if (lu.info() != Eigen::Success)
-    throw Error(ExitCode::solver_fault, "structure, particle", "the stiffness matrix is singular",
-                "hold the body: structure.plate.supports, or supports of a structure.box");
-}
+/// Factors of K x + Cᵀλ = b, C x = 0: the supports' equations beside those of the particles.
+class Factors {
+ public:
+  void compute(const Eigen::SparseMatrix<double>& K, const SparseRows& C) {
+    n_ = K.rows();
+    const Eigen::Index m = C.rows();
+    Eigen::SparseMatrix<double> whole(n_ + m, n_ + m);
+    std::vector<Eigen::Triplet<double>> entries;
+    double largest = 0;
+    for (Eigen::Index c = 0; c < n_; ++c)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(K, c); entry; ++entry) {
+        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(c), entry.value());
+        largest = std::max(largest, std::abs(entry.value()));
+      }
+    for (Eigen::Index r = 0; r < m; ++r)  // as large as K, for the pivots' sake
+      for (SparseRows::InnerIterator entry(C, r); entry; ++entry) {
+        const int row = static_cast<int>(n_ + r), column = static_cast<int>(entry.col());
+        entries.emplace_back(row, column, largest * entry.value());
+        entries.emplace_back(column, row, largest * entry.value());
+      }
+    whole.setFromTriplets(entries.begin(), entries.end());
+    lu_.compute(whole);
+    if (lu_.info() != Eigen::Success)
+      throw Error(ExitCode::solver_fault, "structure, particle", "the stiffness matrix is singular",
+                  "hold the body: structure.plate.supports, or supports of a structure.box");
+  }
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const {
+    Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(lu_.rows(), b.cols());
+    whole.topRows(n_) = b;
+    return Eigen::MatrixXd(lu_.solve(whole)).topRows(n_);
+  }
+
+ private:
+  Eigen::Index n_ = 0;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
+};
 
 }  // namespace
 
@@ -116,14 +146,15 @@ Eigen::SparseMatrix<double> stiffness(const ElasticModel<dim>& model, const Latt
 
 template <int dim>
 Vectors<dim> equilibrium(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
-                         const Vectors<dim>& force) {
+                         const Constraints<dim>& supports, const Vectors<dim>& force) {
   constexpr int max_iterations = 30;
   constexpr double tolerance = 1e-9;  // of the increment, relative to the displacement
   Vectors<dim> u = Vectors<dim>::Zero(dim, lattice.size());
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
+  const SparseRows C = supports.rows(unknowns<dim>(lattice), count_unknowns<dim>(lattice));
+  Factors factors;
   for (int k = 0; k < max_iterations; ++k) {
-    factorise(lu, stiffness<dim>(model, lattice, u));
-    const Eigen::VectorXd increment = lu.solve(gather<dim>(lattice, model.force(u) + force));
+    factors.compute(stiffness<dim>(model, lattice, u), C);
+    const Eigen::VectorXd increment = factors.solve(gather<dim>(lattice, model.force(u) + force));
     if (!increment.allFinite()) break;
     u += scatter<dim>(lattice, increment);
     if (increment.lpNorm<Eigen::Infinity>() <= tolerance * u.template lpNorm<Eigen::Infinity>()) return u;
@@ -133,10 +164,11 @@ Vectors<dim> equilibrium(const ElasticModel<dim>& model, const Lattice<dim>& lat
 }
 
 // Orthogonal (subspace) iteration with (M^-½ K M^-½ + σ)⁻¹: eigenvalues 1/(ω² + σ), the largest first. σ > 0
-// lets a free body with its rigid motions be factorised.
+// lets a free body with its rigid motions be factorised. Supports' equations take their directions out: 0.
 template <int dim>
 std::vector<double> natural_frequencies(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
-                                        const Eigen::VectorXd& mass, double scale, int count) {
+                                        const Constraints<dim>& supports, const Eigen::VectorXd& mass,
+                                        double scale, int count) {
   constexpr int max_iterations = 200;
   constexpr double tolerance = 1e-8;  // change of the eigenvalues between iterations; round-off leaves 1e-10
   constexpr int rigid_motions = dim == 2 ? 3 : 6, guard = 4;
@@ -147,8 +179,10 @@ std::vector<double> natural_frequencies(const ElasticModel<dim>& model, const La
     for (Eigen::SparseMatrix<double>::InnerIterator entry(K, c); entry; ++entry)
       entry.valueRef() /= m[entry.row()] == m[c] ? m[c] : std::sqrt(m[entry.row()] * m[c]);
   for (Eigen::Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) += sigma;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
-  factorise(lu, K);
+  SparseRows C = supports.rows(unknowns<dim>(lattice), count_unknowns<dim>(lattice));
+  C = C * m.cwiseSqrt().cwiseInverse().asDiagonal() * std::sqrt(m.maxCoeff());
+  Factors factors;
+  factors.compute(K, C);
 
   const Eigen::Index n = K.rows(), width = std::min<Eigen::Index>(n, count + rigid_motions + guard);
   Eigen::MatrixXd Q(n, width);
@@ -160,7 +194,7 @@ std::vector<double> natural_frequencies(const ElasticModel<dim>& model, const La
   Eigen::VectorXd value = Eigen::VectorXd::Zero(width);
   for (int k = 0; k < max_iterations; ++k) {
     Q = Eigen::HouseholderQR<Eigen::MatrixXd>(Q).householderQ() * Eigen::MatrixXd::Identity(n, width);
-    const Eigen::MatrixXd Z = lu.solve(Q);
+    const Eigen::MatrixXd Z = factors.solve(Q);
     Eigen::VectorXd next = Eigen::EigenSolver<Eigen::MatrixXd>(Q.transpose() * Z, false).eigenvalues().real();
     std::sort(next.begin(), next.end(), std::greater<>());
     Q = Z;
@@ -180,10 +214,11 @@ std::vector<double> natural_frequencies(const ElasticModel<dim>& model, const La
 }
 
 // In y = M^½ v, so that the operator is symmetric. Where particles turn as unknowns of their own they count
-// with I^½ θ, I = m l0²/6.
+// with I^½ θ, I = m l0²/6. A free frame is one more unknown along each axis, on which the forces of all fixed
+// particles act. The supports' equations are left out: they can only lower ω_max.
 template <int dim>
-double elastic_limit(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
-                     const Eigen::VectorXd& mass) {
+double elastic_limit(const ElasticModel<dim>& model, const Lattice<dim>& lattice, const Eigen::VectorXd& mass,
+                     const Eigen::Matrix<double, dim, 1>& frame_mass) {
   constexpr int iterations = 150;  // Rayleigh quotient within 1 % of ω²_max (tested against the exact value)
   const Eigen::Index n = lattice.size();
   Vectors<dim> v(dim, n);
@@ -200,28 +235,37 @@ double elastic_limit(const ElasticModel<dim>& model, const Lattice<dim>& lattice
     }
     if (model.spins()) spin[i] = 1 + 0.1 * std::sin(1.9 * c + 2.7 * l);  // all alike is the stiffest
   }
+  using Vector = Eigen::Matrix<double, dim, 1>;
+  const double heaviest = mass.maxCoeff();
+  const Vector frame_root = (frame_mass / heaviest).cwiseSqrt();
+  Vector frame = Vector::Ones();
+  // Takes fixed particles out; what stood in them is the frame's when it is free.
   const auto hold = [&](Vectors<dim>& x, Eigen::VectorXd& turn) {
+    Vector sum = Vector::Zero();
     for (Eigen::Index i = 0; i < n; ++i)
       if (lattice.fixed[static_cast<std::size_t>(i)]) {
+        sum += x.col(i);
         x.col(i).setZero();
         if (model.spins()) turn[i] = 0;
       }
+    return sum;
   };
-  const double heaviest = mass.maxCoeff();
+  hold(v, spin);
   const Eigen::RowVectorXd root = (mass / heaviest).cwiseSqrt().transpose();  // 1 throughout for one material
   const Eigen::VectorXd arm = root.transpose() * (lattice.spacing / std::sqrt(6.0));
   const double step = difference_step * lattice.spacing;
   double omega2 = 0;
   for (int k = 0; k < iterations; ++k) {
-    hold(v, spin);
-    if (model.spins()) {
-      const double size = std::sqrt(v.squaredNorm() + spin.squaredNorm());
-      v /= size;
-      spin /= size;
-    } else {
-      v.normalize();
-    }
-    const Vectors<dim> disturbed = step * (v.array().rowwise() / root.array()).matrix();
+    for (int axis = 0; axis < dim; ++axis)
+      if (!std::isfinite(frame_mass[axis])) frame[axis] = 0;
+    const double size = std::sqrt(v.squaredNorm() + frame.squaredNorm() + spin.squaredNorm());
+    v /= size;
+    frame /= size;
+    spin /= size;
+    Vectors<dim> disturbed = step * (v.array().rowwise() / root.array()).matrix();
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (lattice.fixed[static_cast<std::size_t>(i)])
+        disturbed.col(i) = step * frame.cwiseQuotient(frame_root);
     Vectors<dim> Kv;
     Eigen::VectorXd K_spin;
     if (model.spins()) {
@@ -233,12 +277,13 @@ double elastic_limit(const ElasticModel<dim>& model, const Lattice<dim>& lattice
     } else {
       Kv = (model.force(-disturbed) - model.force(disturbed)) / (2 * step * heaviest);
     }
+    const Vector K_frame = hold(Kv, K_spin).cwiseQuotient(frame_root);
     Kv.array().rowwise() /= root.array();
-    hold(Kv, K_spin);
-    omega2 = v.cwiseProduct(Kv).sum();
+    omega2 = v.cwiseProduct(Kv).sum() + frame.dot(K_frame);
     if (model.spins()) omega2 += spin.dot(K_spin);
     v = Kv;
-    spin = K_spin;
+    frame = K_frame;
+    if (model.spins()) spin = K_spin;
   }
   return 2 / std::sqrt(omega2);
 }
@@ -247,13 +292,19 @@ template Eigen::SparseMatrix<double> stiffness<2>(const ElasticModel<2>&, const 
                                                   const Vectors<2>&);
 template Eigen::SparseMatrix<double> stiffness<3>(const ElasticModel<3>&, const Lattice<3>&,
                                                   const Vectors<3>&);
-template Vectors<2> equilibrium<2>(const ElasticModel<2>&, const Lattice<2>&, const Vectors<2>&);
-template Vectors<3> equilibrium<3>(const ElasticModel<3>&, const Lattice<3>&, const Vectors<3>&);
+template Vectors<2> equilibrium<2>(const ElasticModel<2>&, const Lattice<2>&, const Constraints<2>&,
+                                   const Vectors<2>&);
+template Vectors<3> equilibrium<3>(const ElasticModel<3>&, const Lattice<3>&, const Constraints<3>&,
+                                   const Vectors<3>&);
 template std::vector<double> natural_frequencies<2>(const ElasticModel<2>&, const Lattice<2>&,
-                                                    const Eigen::VectorXd&, double, int);
+                                                    const Constraints<2>&, const Eigen::VectorXd&, double,
+                                                    int);
 template std::vector<double> natural_frequencies<3>(const ElasticModel<3>&, const Lattice<3>&,
-                                                    const Eigen::VectorXd&, double, int);
-template double elastic_limit<2>(const ElasticModel<2>&, const Lattice<2>&, const Eigen::VectorXd&);
-template double elastic_limit<3>(const ElasticModel<3>&, const Lattice<3>&, const Eigen::VectorXd&);
+                                                    const Constraints<3>&, const Eigen::VectorXd&, double,
+                                                    int);
+template double elastic_limit<2>(const ElasticModel<2>&, const Lattice<2>&, const Eigen::VectorXd&,
+                                 const Eigen::Matrix<double, 2, 1>&);
+template double elastic_limit<3>(const ElasticModel<3>&, const Lattice<3>&, const Eigen::VectorXd&,
+                                 const Eigen::Matrix<double, 3, 1>&);
 
 }  // namespace strake::structure

@@ -31,7 +31,7 @@ Eigen::Matrix2Xd half_turns(const Eigen::VectorXd& turn) {
 
 PairModel::PairModel(const Lattice<2>& lattice, const Bonds<2>& bonds, Rotation rotation)
     : bonds_(bonds),
-      volume_(lattice.volume()),
+      volume_(lattice.cell_volume()),
       lambda_(lattice.material(0).poisson != 0 ? lattice.material(0).lame_lambda() : 1.0),
       relative_lambda_(bonds.size()),
       mu_(bonds.weight.size()),

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strake::structure {
 namespace {
@@ -32,10 +33,20 @@ template <int dim>
 Eigen::VectorXd masses(const Lattice<dim>& lattice) {
   Eigen::VectorXd mass(lattice.size());
   for (Eigen::Index i = 0; i < mass.size(); ++i) {
-    mass[i] = lattice.material(i).density;
+    mass[i] = lattice.material(i).density * lattice.share[i];
     for (int axis = 0; axis < dim; ++axis) mass[i] *= lattice.spacing;
   }
   return mass;
+}
+
+/// Of the body's particles that move with its supports.
+template <int dim>
+double fixed_mass(const Lattice<dim>& lattice, const Eigen::VectorXd& mass) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < mass.size(); ++i)
+    if (lattice.fixed[static_cast<std::size_t>(i)] && lattice.inside[static_cast<std::size_t>(i)])
+      sum += mass[i];
+  return sum;
 }
 
 /// Volume coupling: the particles of the body themselves, with their mass; those outside belong to the
@@ -97,9 +108,12 @@ Plate slenderest(const Parameters& p, const Lattice<dim>& lattice) {
 template <int dim>
 ParticleSolver<dim>::ParticleSolver(const Parameters& p)
     : parameters_(p),
+      frame_(p),
       lattice_(make_lattice<dim>(elastic_solid(p), p.particle.spacing, p.particle.radius, p.particle.clamp)),
       bonds_(make_bonds<dim>(lattice_, p.particle.radius)),
       mass_(masses<dim>(lattice_)),
+      fixed_mass_(fixed_mass<dim>(lattice_, mass_)),
+      constraints_(lattice_, elastic_solid(p), mass_, frame_mass()),
       model_(make_model<dim>(p.particle, lattice_, bonds_)) {
   if (p.interface == "volume") {
     mesh_ = volume_mesh<dim>(lattice_, mass_);
@@ -112,11 +126,19 @@ ParticleSolver<dim>::ParticleSolver(const Parameters& p)
   case_force_ =
       spread<dim>(interpolation<dim>(lattice_, fine.position), case_force(p.load, elastic_solid(p), fine));
 
-  elastic_limit_ = elastic_limit<dim>(*model_, lattice_, mass_);
+  const bool has_fixed = std::count(lattice_.fixed.begin(), lattice_.fixed.end(), 1) > 0;
+  for (int axis = 0; axis < dim; ++axis)
+    if (!has_fixed && !constraints_.along(axis)) frame_.stays_out(axis);
+  if (frame_.is_free() && frame_.mass() + fixed_mass_ == 0)
+    throw Error(ExitCode::case_file, "structure.lumped.mass",
+                "is 0, and no particle of the body is fixed: a free frame has no mass",
+                "structure.lumped.mass, or structure.particle.clamp = \"inside\"");
+  elastic_limit_ = elastic_limit<dim>(
+      *model_, lattice_, mass_,
+      has_fixed ? frame_mass() : Vector(Vector::Constant(std::numeric_limits<double>::infinity())));
   largest_step_ = p.particle.safety * elastic_limit_;
 
-  state_.displacement = Vectors<dim>::Zero(dim, lattice_.size());
-  state_.velocity = p.velocity.head<dim>().replicate(1, lattice_.size());
+  start();
   if (p.failure.criterion != FailureCriterion::none) {
     failure_.emplace(p.failure, p.particle.hourglass, lattice_, bonds_);
     state_.failure = failure_->intact();
@@ -130,10 +152,30 @@ ParticleSolver<dim>::ParticleSolver(const Parameters& p)
   saved_ = state_;
 }
 
+/// The body moves with its supports and by what the case adds, as far as they let it.
+template <int dim>
+void ParticleSolver<dim>::start() {
+  state_.frame = frame_.start();
+  state_.displacement = Vectors<dim>::Zero(dim, lattice_.size());
+  const Points X = in_space<dim>(lattice_.position);
+  Vector V = state_.frame.velocity.template head<dim>();
+  state_.velocity = V.replicate(1, lattice_.size());
+  for (Eigen::Index i = 0; i < lattice_.size(); ++i)
+    if (!lattice_.fixed[static_cast<std::size_t>(i)])
+      state_.velocity.col(i) +=
+          velocity_at_start(parameters_.initial, lattice_.part[static_cast<std::size_t>(i)], X.col(i))
+              .template head<dim>();
+  constraints_.hold(state_.velocity, V, nullptr, 1);
+  state_.frame.velocity.template head<dim>() = V;
+}
+
 template <int dim>
 void ParticleSolver<dim>::set_velocity(const Vectors<dim>& velocity) {
   for (Eigen::Index i = 0; i < lattice_.size(); ++i)
     if (!lattice_.fixed[static_cast<std::size_t>(i)]) state_.velocity.col(i) = velocity.col(i);
+  Vector V = state_.frame.velocity.template head<dim>();
+  constraints_.hold(state_.velocity, V, nullptr, 1);
+  state_.frame.velocity.template head<dim>() = V;
   state_.interface_velocity = state_.window_velocity = interpolate<dim>(to_interface_, state_.velocity);
   saved_ = state_;
 }
@@ -173,7 +215,7 @@ void ParticleSolver<dim>::advance(double t, double dt, const Load& load) {
     const double middle = t + (k + 0.5) * h;
     state_.time = t + k * h;
     const Points fluid = load.mean(state_.time, t + (k + 1) * h, mesh_.position.cols());
-    sub_step(h, external_force(middle, spread<dim>(to_interface_, fluid)));
+    sub_step(h, external_force(middle, spread<dim>(to_interface_, fluid)), gravity_at(middle));
   }
   state_.time = t + dt;
   follow_interface(before, dt);
@@ -207,71 +249,16 @@ void ParticleSolver<dim>::follow_interface(const Points& before, double dt) {
 
 template <int dim>
 Vectors<dim> ParticleSolver<dim>::external_force(double time, const Vectors<dim>& fluid) const {
-  const double ramp = ramp_factor(time, parameters_.gravity_ramp);
+  const Vector gravity = gravity_at(time);
   Vectors<dim> force = fluid + ramp_factor(time, parameters_.load.ramp) * case_force_;
   for (Eigen::Index i = 0; i < force.cols(); ++i)
-    force.col(i) += mass_[i] * ramp * parameters_.gravity.head<dim>();
+    if (lattice_.inside[static_cast<std::size_t>(i)]) force.col(i) += mass_[i] * gravity;
   return force;
 }
 
-// Leapfrog (velocity Verlet), second order and symplectic; external force held over the step, c
-// mass-proportional damping of the motion relative to the supports:
-//   v_½ = v + ½h (f(u)/m + a),  u⁺ = u + h v_½,  v⁺ = v_½ + ½h (f(u⁺)/m + a)
-// The work of the loads is f_ext·(u⁺ − u). A support moves with constant velocity: its force is −(f + f_ext),
-// its work added to that of the loads leaves −½(f(u) + f(u⁺))·(u⁺ − u).
 template <int dim>
-void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external) {
-  const Eigen::Matrix<double, dim, 1> V = parameters_.velocity.head<dim>();
-  const double c = parameters_.damping.mass;
-  const Eigen::Index n = lattice_.size();
-  Vectors<dim> moved(dim, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (lattice_.fixed[static_cast<std::size_t>(i)]) {
-      moved.col(i) = V * (state_.time + h) - state_.displacement.col(i);
-    } else {
-      const Eigen::Matrix<double, dim, 1> a = (state_.elastic_force.col(i) + external.col(i)) / mass_[i];
-      state_.velocity.col(i) += 0.5 * h * (a - c * (state_.velocity.col(i) - V));
-      moved.col(i) = h * state_.velocity.col(i);
-    }
-  }
-  state_.displacement += moved;
-  double work = 0;
-  if (model_->spins()) work += turn_half(h, true);
-  break_bonds();
-  const Vectors<dim> before = std::move(state_.elastic_force);
-  find_elastic_force();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (lattice_.fixed[static_cast<std::size_t>(i)]) {
-      work -= 0.5 * (before.col(i) + state_.elastic_force.col(i)).dot(moved.col(i));
-    } else {
-      work += (external.col(i) - c * mass_[i] * (state_.velocity.col(i) - V)).dot(moved.col(i));
-      const Eigen::Matrix<double, dim, 1> a = (state_.elastic_force.col(i) + external.col(i)) / mass_[i];
-      state_.velocity.col(i) = V + (state_.velocity.col(i) - V + 0.5 * h * a) / (1 + 0.5 * h * c);
-    }
-  }
-  if (model_->spins()) turn_half(h, false);
-  state_.external_work += work;
-  ++state_.steps;
-}
-
-// The spins of R2 in the same way: ω_½ = ω + ½h (M/I − c ω), θ⁺ = θ + h ω_½, and once more with the new
-// torque. Returns the damping's work −c I ω_½ · hω_½.
-template <int dim>
-double ParticleSolver<dim>::turn_half(double h, bool first) {
-  const double c = parameters_.damping.mass;
-  double work = 0;
-  for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
-    if (lattice_.fixed[static_cast<std::size_t>(i)]) continue;  // supports move, they do not turn
-    const double a = state_.torque[i] / inertia_[i];
-    if (first) {
-      state_.spin[i] += 0.5 * h * (a - c * state_.spin[i]);
-      state_.turn[i] += h * state_.spin[i];
-      work -= c * inertia_[i] * state_.spin[i] * h * state_.spin[i];
-    } else {
-      state_.spin[i] = (state_.spin[i] + 0.5 * h * a) / (1 + 0.5 * h * c);
-    }
-  }
-  return work;
+typename ParticleSolver<dim>::Vector ParticleSolver<dim>::gravity_at(double time) const {
+  return ramp_factor(time, parameters_.gravity_ramp) * parameters_.gravity.head<dim>();
 }
 
 template <int dim>
@@ -300,6 +287,9 @@ Energy ParticleSolver<dim>::energy() const {
   for (Eigen::Index i = 0; i < lattice_.size(); ++i)
     if (lattice_.inside[static_cast<std::size_t>(i)])
       energy.kinetic += 0.5 * mass_[i] * state_.velocity.col(i).squaredNorm();
+  for (int axis = 0; axis < dim; ++axis)
+    if (frame_.is_free(axis))
+      energy.kinetic += 0.5 * frame_.mass() * std::pow(state_.frame.velocity[axis], 2);
   energy.strain = strain_energy();
   energy.released = state_.failure.released;
   if (model_->spins()) energy.kinetic += 0.5 * inertia_.dot(state_.spin.cwiseAbs2());
@@ -309,7 +299,13 @@ Energy ParticleSolver<dim>::energy() const {
 
 template <int dim>
 Eigen::Vector3d ParticleSolver<dim>::momentum() const {
-  return in_space<dim>(state_.velocity) * mass_;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  const Points v = in_space<dim>(state_.velocity);
+  for (Eigen::Index i = 0; i < v.cols(); ++i)
+    if (lattice_.inside[static_cast<std::size_t>(i)]) sum += mass_[i] * v.col(i);
+  for (Eigen::Index axis = 0; axis < dim; ++axis)
+    if (frame_.is_free(axis)) sum[axis] += frame_.mass() * state_.frame.velocity[axis];
+  return sum;
 }
 
 template <int dim>
@@ -317,7 +313,8 @@ Eigen::Vector3d ParticleSolver<dim>::angular_momentum() const {
   const Points x = in_space<dim>(lattice_.position + state_.displacement), v = in_space<dim>(state_.velocity);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (Eigen::Index i = 0; i < x.cols(); ++i)
-    sum += mass_[i] * Eigen::Vector3d(x.col(i)).cross(Eigen::Vector3d(v.col(i)));
+    if (lattice_.inside[static_cast<std::size_t>(i)])
+      sum += mass_[i] * Eigen::Vector3d(x.col(i)).cross(Eigen::Vector3d(v.col(i)));
   if (model_->spins()) sum.z() += inertia_.dot(state_.spin);
   return sum;
 }
@@ -325,7 +322,7 @@ Eigen::Vector3d ParticleSolver<dim>::angular_momentum() const {
 template <int dim>
 void ParticleSolver<dim>::solve_static() {
   const Vectors<dim> weight = parameters_.gravity.head<dim>() * mass_.transpose();
-  state_.displacement = equilibrium<dim>(*model_, lattice_, case_force_ + weight);
+  state_.displacement = equilibrium<dim>(*model_, lattice_, constraints_, case_force_ + weight);
   state_.velocity.setZero();
   state_.interface_velocity.setZero();
   find_elastic_force();
@@ -336,7 +333,7 @@ std::vector<double> ParticleSolver<dim>::frequencies(int count) {
   const double scale = beam_frequencies(slenderest(parameters_, lattice_), parameters_.material,
                                         BeamTheory::euler_bernoulli, 1)
                            .at(0);
-  return natural_frequencies<dim>(*model_, lattice_, mass_, scale, count);
+  return natural_frequencies<dim>(*model_, lattice_, constraints_, mass_, scale, count);
 }
 
 std::unique_ptr<Solver> make_particle_solver(const Parameters& p) {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "structure/particle/bonds.hpp"
+#include "structure/particle/constraints.hpp"
 #include "structure/particle/elastic_model.hpp"
 #include "structure/particle/failure.hpp"
 #include "structure/particle/lattice.hpp"
 #include "structure/solver.hpp"
+#include "structure/support_frame.hpp"
 
 #include <map>
 #include <memory>
@@ -12,8 +14,9 @@
 
 namespace strake::structure {
 
-/// Elastic particles of a body of boxes (in the plane: plane strain), integrated by leapfrog in sub-steps
-/// below the elastic limit.
+/// Elastic particles of a body, integrated by leapfrog in sub-steps below the elastic limit. Fixed particles,
+/// those of clamps and held parts, move as one with the frame of the supports; along axes in which that is
+/// free it is one more mass, their own and the lumped one, that leapfrog moves like any other.
 template <int dim>
 class ParticleSolver final : public Solver {
  public:
@@ -39,6 +42,7 @@ class ParticleSolver final : public Solver {
   void read(const Archive&) override;
   Frame frame() const override;
   std::vector<std::string> lines() const override;
+  std::optional<Eigen::Vector3d> support_displacement() const override { return state_.frame.displacement; }
   std::vector<Column> columns() const override;
   std::map<std::string, double> monitor() const override;
   void solve_static() override;
@@ -49,17 +53,21 @@ class ParticleSolver final : public Solver {
   /// The velocity of all particles [m/s]: for tests that start in motion. Fixed particles keep that of
   /// the supports.
   void set_velocity(const Vectors<dim>&);
-  /// Of all particles, those in the clamps included [kg m/s]; the angular one about the origin, their spins
-  /// included [kg m²/s].
+  const FrameState& frame_of_supports() const { return state_.frame; }
+  /// Of the body's particles and a free frame [kg m/s]; the angular one about the origin, their spins
+  /// included, without the frame [kg m²/s].
   Eigen::Vector3d momentum() const;
   Eigen::Vector3d angular_momentum() const;
 
  private:
+  using Vector = Eigen::Matrix<double, dim, 1>;
   struct State {
-    double time = 0;                     // [s]
-    Vectors<dim> displacement;           // [m]
-    Vectors<dim> velocity;               // [m/s]
-    Vectors<dim> elastic_force;          // [N] ([N/m]) at `displacement`
+    double time = 0;                                     // [s]
+    FrameState frame;                                    // of the supports
+    Eigen::Vector3d reaction = Eigen::Vector3d::Zero();  // [N] of the supports on the body, last sub-step
+    Vectors<dim> displacement;                           // [m]
+    Vectors<dim> velocity;                               // [m/s]
+    Vectors<dim> elastic_force;                          // [N] ([N/m]) at `displacement`
     Eigen::VectorXd turn, spin, torque;  // n [rad], [rad/s], [N m/m]; empty unless particles spin
     Points interface_velocity;           // 3×m [m/s] at the end of the last window, as the partner is told
     Points window_velocity;              // 3×m [m/s] mean over the last window
@@ -69,18 +77,26 @@ class ParticleSolver final : public Solver {
     int steps = 0;
   };
   void follow_interface(const Points& displacement_before, double dt);
-  void sub_step(double dt, const Vectors<dim>& external);
+  void sub_step(double dt, const Vectors<dim>& external, const Vector& gravity);
+  Vector kick(double dt, const Vectors<dim>& external, const Vector& frame_velocity, bool first);
+  Vector pull_on_frame(const Vectors<dim>& external, const Vector& gravity) const;
   double turn_half(double dt, bool first);
   void find_elastic_force();
   void break_bonds();
   double strain_energy() const;
+  Vector gravity_at(double time) const;
   Vectors<dim> external_force(double time, const Vectors<dim>& fluid) const;
+  Vector frame_mass() const;
+  void start();
 
   Parameters parameters_;
+  SupportFrame frame_;
   Lattice<dim> lattice_;
   Bonds<dim> bonds_;
   Eigen::VectorXd mass_;     // [kg] ([kg/m]) of each particle
   Eigen::VectorXd inertia_;  // [kg m] of each about z; empty unless particles spin
+  double fixed_mass_;        // [kg] of the body's particles that are fixed
+  Constraints<dim> constraints_;
   std::unique_ptr<ElasticModel<dim>> model_;
   std::optional<Failure<dim>> failure_;  // its damage is in the state, and from there in the bonds
   InterfaceMesh mesh_;

@@ -30,6 +30,9 @@ void ParticleSolver<dim>::write(Archive& archive) const {
   archive.real["particle.interface_velocity"] = saved_.interface_velocity;
   archive.real["particle.window_velocity"] = saved_.window_velocity;
   archive.real["particle.scalars"] = Eigen::Vector3d(saved_.time, saved_.external_work, saved_.window);
+  Eigen::Matrix<double, 3, 4> frame;
+  frame << saved_.frame.displacement, saved_.frame.velocity, saved_.frame.acceleration, saved_.reaction;
+  archive.real["particle.frame"] = frame;
   archive.integer["particle.steps"] = {saved_.steps};
   if (failure_) {
     const auto& damage = saved_.failure;
@@ -59,6 +62,9 @@ void ParticleSolver<dim>::read(const Archive& archive) {
   state_.time = archive.real.at("particle.scalars")(0);
   state_.external_work = archive.real.at("particle.scalars")(1);
   state_.window = archive.real.at("particle.scalars")(2);
+  const auto& frame = archive.real.at("particle.frame");
+  state_.frame = {.displacement = frame.col(0), .velocity = frame.col(1), .acceleration = frame.col(2)};
+  state_.reaction = frame.col(3);
   state_.interface_velocity = archive.real.at("particle.interface_velocity");
   state_.window_velocity = archive.real.at("particle.window_velocity");
   state_.steps = static_cast<int>(archive.integer.at("particle.steps").at(0));
@@ -117,21 +123,13 @@ Frame ParticleSolver<dim>::frame() const {
   return frame;
 }
 
-// Of the particles within the body; each is a square or cube with an inertia of its own, m d²/6 about z.
 template <int dim>
 Properties ParticleSolver<dim>::properties() {
+  const MassProperties body = mass_of(lattice_);
   Properties result;
-  const double own = lattice_.spacing * lattice_.spacing / 6;
-  double about_origin = 0;
-  for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
-    if (!lattice_.inside[static_cast<std::size_t>(i)]) continue;
-    const auto x = lattice_.position.col(i);
-    result.mass += mass_[i];
-    result.centre.head<dim>() += mass_[i] * x;
-    about_origin += mass_[i] * (x.template head<2>().squaredNorm() + own);
-  }
-  result.centre /= result.mass;
-  result.inertia = about_origin - result.mass * result.centre.head<2>().squaredNorm();
+  result.mass = body.mass;
+  result.centre = body.centre;
+  result.inertia = body.inertia(2, 2);
   result.frequencies = frequencies(3);
   result.step = fmt::format("{:.3g} s", elastic_limit_);
   return result;
@@ -154,6 +152,7 @@ std::vector<std::string> ParticleSolver<dim>::lines() const {
           (plate ? "   " + beam_line(parameters_.plate, parameters_.material) : std::string()),
       fmt::format("elastic limit {:.4g} s = {:.3f} spacing / c_P (c_P {:.0f} m/s), sub-step at most {:.4g} s",
                   elastic_limit_, elastic_limit_ * fastest / lattice_.spacing, fastest, largest_step_)};
+  if (std::string line = frame_line(frame_, dim); !line.empty()) lines.push_back(std::move(line));
   if (failure_)
     for (std::string& line : failure_->lines(mesh_.faces.cols() > 0)) lines.push_back(std::move(line));
   return lines;
@@ -161,16 +160,23 @@ std::vector<std::string> ParticleSolver<dim>::lines() const {
 
 template <int dim>
 std::vector<Column> ParticleSolver<dim>::columns() const {
-  if (!failure_) return {};
-  return {{"failure.energy", "J"}, {"failure.bonds", "1"}, {"failure.damage", "1"}};
+  std::vector<Column> columns = frame_columns(frame_, dim);
+  if (failure_)
+    for (const Column& column :
+         {Column{"failure.energy", "J"}, Column{"failure.bonds", "1"}, Column{"failure.damage", "1"}})
+      columns.push_back(column);
+  return columns;
 }
 
 template <int dim>
 std::map<std::string, double> ParticleSolver<dim>::monitor() const {
-  if (!failure_) return {};
-  return {{"failure.energy", state_.failure.released},
-          {"failure.bonds", static_cast<double>(state_.failure.bonds)},
-          {"failure.damage", failure_->damage(state_.failure).maxCoeff()}};
+  std::map<std::string, double> monitor = frame_monitor(frame_, dim, state_.frame, state_.reaction);
+  if (failure_) {
+    monitor["failure.energy"] = state_.failure.released;
+    monitor["failure.bonds"] = static_cast<double>(state_.failure.bonds);
+    monitor["failure.damage"] = failure_->damage(state_.failure).maxCoeff();
+  }
+  return monitor;
 }
 
 template void ParticleSolver<2>::write(Archive&) const;

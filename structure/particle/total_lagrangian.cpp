@@ -10,13 +10,12 @@ template <int dim>
 TotalLagrangian<dim>::TotalLagrangian(const Lattice<dim>& lattice, const Bonds<dim>& bonds, double hourglass)
     : lattice_(lattice),
       bonds_(bonds),
-      volume_(lattice.volume()),
       stiffness_(bonds.size()),
       influence_(
           2 * static_cast<int>(std::lround(bonds.r0.colwise().template lpNorm<Eigen::Infinity>().maxCoeff() /
                                            lattice.spacing))) {
   for (Eigen::Index i = 0; i < bonds.size(); ++i)
-    stiffness_[i] = hourglass * lattice.material(i).young * volume_;
+    stiffness_[i] = hourglass * lattice.material(i).young * lattice.volume(i);
 }
 
 /// κ_i [Pa] ([Pa m]), less what softening took.
@@ -40,7 +39,8 @@ Vectors<dim> TotalLagrangian<dim>::force(const Vectors<dim>& u) const {
                  A = Eigen::Map<const Matrix>(bonds_.shape_inverse.col(i).data());
     const Matrix F = Matrix::Identity() + H;
     Eigen::Map<Matrix>(T.col(i).data()) =
-        volume_ * bonds_.hold[i] * first_piola_kirchhoff<dim>(lattice_.material(i), F) * A - penalty[i] * H;
+        lattice_.volume(i) * bonds_.hold[i] * first_piola_kirchhoff<dim>(lattice_.material(i), F) * A -
+        penalty[i] * H;
   }
 
   Vectors<dim> f(dim, n);
@@ -72,7 +72,7 @@ double TotalLagrangian<dim>::energy(const Vectors<dim>& u) const {
     double hourglass = 0;
     for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b)
       hourglass += bonds_.weight[b] * (u.col(bonds_.to(b)) - u.col(i) - Hi * bonds_.r0.col(b)).squaredNorm();
-    total += volume_ * bonds_.hold[i] * energy_density<dim>(lattice_.material(i), F) +
+    total += lattice_.volume(i) * bonds_.hold[i] * energy_density<dim>(lattice_.material(i), F) +
              0.5 * penalty[i] * hourglass;
   }
   return total;

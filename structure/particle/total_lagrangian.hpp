@@ -26,7 +26,6 @@ class TotalLagrangian final : public ElasticModel<dim> {
 
   const Lattice<dim>& lattice_;
   const Bonds<dim>& bonds_;
-  double volume_;              // V [m²] per metre of depth, or [m³]
   Eigen::VectorXd stiffness_;  // α E_i V [N]
   int influence_;
 };

@@ -1,6 +1,7 @@
 #include "proto/error.hpp"
 #include "structure/mass.hpp"
 #include "structure/parameters.hpp"
+#include "structure/support_frame.hpp"
 #include "structure/surface.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
@@ -130,7 +131,48 @@ TEST(BodyKeys, WrongMassesAndMotionsAreRefusedWithPlaceAndRemedy) {
           {"fluid.dimension=3"});
   refuses(wedge + "depth = 1\ninertia_axes = [1, 1, 3]\n", "sum of the other two", {"fluid.dimension=3"});
   refuses(plate + "mass = 3\n", "rigid bodies", {}, "fem");
-  refuses(plate + "free = { y = true }\n", "rigid bodies", {}, "particle");
+}
+
+// What an elastic body's supports stand in moves by a table or freely, and does not turn.
+TEST(BodyKeys, TheFrameOfAnElasticBodyIsDrivenOrFree) {
+  const TemporaryFolder folder;
+  const std::string name = (folder / "case.toml").string(),
+                    held = "plate = { length = 0.4, thickness = 0.02, supports = { left = \"clamped\" } }\n",
+                    floating = "plate = { length = 0.4, thickness = 0.02 }\n",
+                    table = "motion = { file = \"motion.csv\" }\n";
+  const Parameters p =
+      read_body(held + "free = { y = true }\nlumped = { mass = 3 }\nvelocity = [0, -2]\n", {}, "particle");
+  EXPECT_TRUE(p.free.y);
+  EXPECT_EQ(p.body.lumped_mass, 3);
+  EXPECT_NO_THROW(read_body(floating + "free = { y = true }\n", {}, "fem")) << "it floats as it is";
+  refuses(held + "lumped = { mass = 3 }\n", "structure.free.y = true", {}, "fem");
+  refuses(floating + "free = { y = true }\nlumped = { mass = 3 }\n", "no supports", {}, "fem");
+  refuses(held + "free = { angle = true }\n", "do not turn", {}, "fem");
+  refuses(held + "free = { y = true }\nanalysis = \"modal\"\n", "supports are at rest", {}, "fem");
+  put(folder / "motion.csv", "t [s],vy [m/s]\n0,0\n0.25,-1\n0.5,-3\n");
+  EXPECT_NEAR(read_body(held + table, {}, "fem", name).motion->at(0.5).velocity.y(), -3, 1e-15);
+  refuses(floating + table, "no supports", {}, "fem", name);
+  refuses(held + table + "free = { y = true }\n", "prescribes this motion", {}, "particle", name);
+  refuses(held + table, "end_time = 0.5", {"end_time=0.6"}, "fem", name);
+  put(folder / "motion.csv", "t [s],angle [deg]\n0,0\n0.5,1\n");
+  refuses(held + table, "do not turn", {}, "fem", name);
+}
+
+TEST(BodyKeys, AnElasticBodyStartsWithTheVelocityOfAFile) {
+  const TemporaryFolder folder;
+  const std::string name = (folder / "case.toml").string(),
+                    plate = "plate = { length = 0.4, thickness = 0.02 }\n",
+                    start = "initial_velocity = { value = [1, 0], file = \"motion.csv\" }\n";
+  put(folder / "motion.csv", "x [m],vy [m/s]\n-0.2,4\n0,0\n0.2,4\n");
+  const Parameters p = read_body(plate + start, {}, "fem", name);
+  EXPECT_LT((velocity_at_start(p.initial, 0, {0.1, 0, 0}) - Eigen::Vector3d(1, 1, 0)).norm(), 1e-12);
+  refuses(plate + start, "structure.velocity", {}, "rigid", name);
+  for (const char* wrong :
+       {"x [m],vy [m]\n0,1\n1,1\n", "x [m]\n0\n1\n", "x [m],y [m],vy [m/s]\n0,0,1\n1,1,1\n",
+        "x [m],vy [m/s]\n0,1\n0,2\n", "x [m],vy [m/s]\n0,1\n"}) {
+    put(folder / "motion.csv", wrong);
+    refuses(plate + start, "a first line like", {}, "fem", name);
+  }
 }
 
 TEST(BodyKeys, AMotionTableMustFitTheRunAndTheOtherKeys) {

@@ -42,7 +42,7 @@ TEST(ParticleLattice, AHullHasTheMassCentreAndMomentOfItsParts) {
   double mass = 0, inertia = 0;
   Eigen::Vector2d moment = Eigen::Vector2d::Zero();
   for (Eigen::Index i = 0; i < lattice.size(); ++i) {
-    const double m = lattice.material(i).density * lattice.volume();
+    const double m = lattice.material(i).density * lattice.volume(i);
     mass += m;
     moment += m * lattice.position.col(i);
     inertia += m * (lattice.position.col(i) - body.centre.head<2>()).squaredNorm();
@@ -165,10 +165,72 @@ TEST(ParticleLattice, ABarOfTwoMaterialsStretchesAsSpringsInSeries) {
     Vectors<2> force = Vectors<2>::Zero(2, lattice.size());
     for (Eigen::Index i = 0; i < lattice.size(); ++i)
       if (lattice.position(0, i) > 0.195) force(0, i) = stress * d;
-    const Vectors<2> u = equilibrium<2>(*elastic, lattice, force);
+    const Vectors<2> u = equilibrium<2>(*elastic, lattice, Constraints<2>(), force);
     const SparseRows N = interpolation<2>(lattice, Points{{0.2}, {0.01}, {0}});
     EXPECT_NEAR((N * u.row(0).transpose())(0), expected, 2 * stress * d / 1e9) << static_cast<int>(model);
   }
+}
+
+/// A body whose cells come from a mesh file, in the place of one of boxes.
+Solid as_mesh(Solid solid) {
+  solid.plane = {};
+  return solid;
+}
+
+template <int dim>
+void expect_same_lattice(const Solid& solid) {
+  const auto boxes = make_lattice<dim>(solid, d, reach), mesh = make_lattice<dim>(as_mesh(solid), d, reach);
+  ASSERT_EQ(mesh.size(), boxes.size());
+  EXPECT_LT((mesh.position - boxes.position).cwiseAbs().maxCoeff(), 1e-15);
+  EXPECT_EQ(mesh.fixed, boxes.fixed);
+  EXPECT_EQ(mesh.inside, boxes.inside);
+  EXPECT_EQ(mesh.part, boxes.part);
+  EXPECT_LT((mesh.share.array() - 1).abs().maxCoeff(), 1e-12);
+}
+
+TEST(ParticleLattice, SamplesOfAMeshThatFillsTheLatticeAreTheBoxes) {
+  std::vector<SolidBox> parts = hull();
+  parts[1].support[3] = Support::clamped;
+  parts[3].material.density = 2000;
+  expect_same_lattice<2>(solid_of_boxes(2, parts));
+  for (SolidBox& part : parts) {
+    part.max.z() = 0.02;
+    part.support[4] = Support::clamped;
+  }
+  expect_same_lattice<3>(solid_of_boxes(3, parts));
+}
+
+// A disc of 32 sectors, 10 and 20 particles across.
+TEST(ParticleLattice, AnyShapeHasItsMassAndMomentWithinOnePercent) {
+  constexpr double radius = 0.05;
+  constexpr int sectors = 32;
+  Solid disc;
+  disc.node = Points::Zero(3, 1 + 2 * sectors);
+  for (int k = 0; k < 2 * sectors; ++k) {
+    const double turn = std::acos(-1.0) * k / sectors;
+    disc.node.col(1 + k) << radius * std::cos(turn), radius * std::sin(turn), 0;
+  }
+  disc.cell.resize(4, sectors);
+  for (int k = 0; k < sectors; ++k) {
+    const int a = 1 + 2 * k, c = 1 + (2 * k + 2) % (2 * sectors);
+    disc.cell.col(k) << 0, a, c, a + 1;
+    disc.part_of.push_back(0);
+  }
+  disc.parts = {{"disc", {}, false}};
+  find_facets(disc);
+  const MassProperties body = mass_of(disc);
+  for (const double spacing : {0.01, 0.005}) {
+    EXPECT_EQ(lattice_fault(disc, spacing).problem, "") << spacing;
+    const auto lattice = make_lattice<2>(disc, spacing, reach);
+    const MassProperties particles = mass_of(lattice);
+    EXPECT_NEAR(particles.mass / body.mass, 1, 0.01);
+    EXPECT_NEAR(particles.inertia(2, 2) / body.inertia(2, 2), 1, 0.01);
+    // The wet surface is told from the particles around it, exactly where motion is linear.
+    const Points at = outline_of(disc, 0.004);
+    const SparseRows N = interpolation<2>(lattice, at);
+    EXPECT_LT((N * lattice.position.transpose() - at.topRows<2>().transpose()).norm(), 1e-14);
+  }
+  EXPECT_NE(lattice_fault(disc, 0.04).problem, "");
 }
 
 }  // namespace

@@ -1,0 +1,147 @@
+#include "structure/particle/sites.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+namespace strake::structure {
+namespace {
+
+using Eigen::Index;
+
+/// Where the lattice stands along an axis: on the plane that most of the boundary lies in, so that flat faces
+/// are met exactly; without such a plane in the middle of the body.
+double plane_of_lattice(const Solid& solid, int axis, double spacing) {
+  constexpr double flat = 1e-9;  // 1 − cosine of the angle to the axis
+  const double low = solid.node.row(axis).minCoeff(), high = solid.node.row(axis).maxCoeff();
+  const double near = 1e-9 * (high - low);
+  std::map<long long, double> size;  // of the facets in each plane
+  for (int f = 0; f < solid.facet.cols(); ++f) {
+    const Eigen::Vector3d normal = facet_normal(solid, f);
+    if (std::abs(normal[axis]) > (1 - flat) * normal.norm())
+      size[std::llround((solid.node(axis, solid.facet(0, f)) - low) / near)] += normal.norm();
+  }
+  double most = 0, plane = 0.5 * (low + high) - 0.5 * spacing * std::round((high - low) / spacing);
+  for (const auto& [at, area] : size)
+    if (area > most * (1 + 1e-6)) {
+      most = area;
+      plane = low + static_cast<double>(at) * near;
+    }
+  return plane;
+}
+
+/// Samples of a body's volume on a lattice `fineness` times as fine as that of the particles: the part that
+/// each lies in, or -1.
+template <int dim>
+class Samples {
+ public:
+  using Cell = Eigen::Matrix<int, dim, 1>;
+  using Place = Eigen::Matrix<double, dim, 1>;
+
+  Samples(const Solid& solid, const Place& origin, double spacing) {
+    const double round_off = 1e-9 * spacing;
+    for (int axis = 0; axis < dim; ++axis) {
+      first[axis] = static_cast<int>(std::floor((solid.node.row(axis).minCoeff() - origin[axis]) / spacing));
+      end[axis] = static_cast<int>(std::ceil((solid.node.row(axis).maxCoeff() - origin[axis]) / spacing));
+    }
+    const double fine = spacing / fineness;
+    part_.assign(static_cast<std::size_t>(((end - first) * fineness).template cast<long>().prod()), -1);
+    const Place lowest = origin + spacing * first.template cast<double>();
+    for (int c = 0; c < solid.cell.cols(); ++c) {
+      const Eigen::Matrix4Xd planes = half_spaces(solid, c);
+      Place low = solid.node.col(solid.cell(0, c)).template head<dim>(), high = low;
+      for (Index k = 1; k < solid.cell.rows(); ++k) {
+        low = low.cwiseMin(solid.node.col(solid.cell(k, c)).template head<dim>());
+        high = high.cwiseMax(solid.node.col(solid.cell(k, c)).template head<dim>());
+      }
+      Cell from, to;
+      for (int axis = 0; axis < dim; ++axis) {
+        from[axis] = std::max(0, static_cast<int>(std::floor((low[axis] - lowest[axis]) / fine)));
+        to[axis] = std::min((end[axis] - first[axis]) * fineness,
+                            static_cast<int>(std::ceil((high[axis] - lowest[axis]) / fine)));
+      }
+      for_each_cell<dim>(from, to, [&](const Cell& at) {
+        Eigen::Vector3d X = Eigen::Vector3d::Zero();
+        X.head<dim>() = lowest + fine * (at.template cast<double>().array() + 0.5).matrix();
+        if ((X.transpose() * planes.topRows<3>() - planes.row(3)).maxCoeff() <= round_off)
+          part_[index(at)] = static_cast<std::int16_t>(solid.part_of[static_cast<std::size_t>(c)]);
+      });
+    }
+  }
+
+  /// How many samples of a lattice cell lie in each part, over all of them.
+  std::map<int, double> shares(const Cell& cell) const {
+    std::map<int, double> share;
+    const Cell from = (cell - first) * fineness;
+    for_each_cell<dim>(from, from + Cell::Constant(fineness), [&](const Cell& at) {
+      if (const int part = part_[index(at)]; part >= 0) share[part] += 1;
+    });
+    for (auto& [part, value] : share) value /= std::pow(fineness, dim);
+    return share;
+  }
+
+  Cell first, end;  // lattice cells around the body
+
+ private:
+  static constexpr int fineness = dim == 2 ? 8 : 4;
+  std::size_t index(const Cell& at) const {
+    std::size_t k = 0;
+    for (int axis = 0; axis < dim; ++axis)
+      k = k * static_cast<std::size_t>((end[axis] - first[axis]) * fineness) +
+          static_cast<std::size_t>(at[axis]);
+    return k;
+  }
+  std::vector<std::int16_t> part_;
+};
+
+/// Gives the volume of a cell that has no particle to those beside it: over a side if there are any, else
+/// over a corner.
+template <int dim>
+void give_away(const Eigen::Matrix<int, dim, 1>& cell, double share, Sites<dim>& sites) {
+  using Cell = Eigen::Matrix<int, dim, 1>;
+  std::vector<Site*> beside, further;
+  for_each_cell<dim>(cell - Cell::Ones(), cell + 2 * Cell::Ones(), [&](const Cell& at) {
+    const auto found = sites.find(at);
+    if (found == sites.end()) return;
+    ((at - cell).cwiseAbs().sum() == 1 ? beside : further).push_back(&found->second);
+  });
+  const std::vector<Site*>& takers = beside.empty() ? further : beside;
+  for (Site* site : takers) site->share += share / static_cast<double>(takers.size());
+}
+
+}  // namespace
+
+template <int dim>
+Placement<dim> sampled(const Solid& solid, double spacing) {
+  using Cell = Eigen::Matrix<int, dim, 1>;
+  Placement<dim> placement;
+  for (int axis = 0; axis < dim; ++axis) placement.origin[axis] = plane_of_lattice(solid, axis, spacing);
+  const Samples<dim> samples(solid, placement.origin, spacing);
+  std::map<Cell, double, Before> rest;
+  for_each_cell<dim>(samples.first, samples.end, [&](const Cell& at) {
+    double whole = 0, most = 0;
+    Site site;
+    for (const auto& [part, share] : samples.shares(at)) {
+      whole += share;
+      if (share <= most) continue;
+      most = share;
+      site.part = part;
+    }
+    if (whole == 0) return;
+    site.share = whole;
+    site.fixed = solid.parts[static_cast<std::size_t>(site.part)].held;
+    if (whole >= 0.5)
+      placement.sites.emplace(at, site);
+    else
+      rest.emplace(at, whole);
+  });
+  // Shares as the cells had them decide who gets the rest, not the order in which it is given away.
+  for (const auto& [at, share] : rest) give_away<dim>(at, share, placement.sites);
+  return placement;
+}
+
+template Placement<2> sampled<2>(const Solid&, double);
+template Placement<3> sampled<3>(const Solid&, double);
+
+}  // namespace strake::structure
