@@ -22,7 +22,7 @@ TEST(FemFrame, ADropKeepsMomentumAndEnergy) {
     }
 }
 
-// With rho_inf < 1 the same within what the scheme damps.
+// With rho_inf < 1 the same but for the first step, whose load comes at once: a tenth of dt later or earlier.
 TEST(FemFrame, ADropWithNumericalDampingFallsAlike) {
   Parameters p = dropped_plate();
   FemSolver<2> exact(p);
@@ -33,7 +33,7 @@ TEST(FemFrame, ADropWithNumericalDampingFallsAlike) {
     exact.advance(1e-5 * k, 1e-5, load);
     damped.advance(1e-5 * k, 1e-5, load);
   }
-  EXPECT_NEAR(damped.support_displacement()->y() / exact.support_displacement()->y(), 1, 1e-3);
+  EXPECT_NEAR(damped.support_displacement()->y() / exact.support_displacement()->y(), 1, 5e-3);
   EXPECT_NEAR(damped.momentum().y() / exact.momentum().y(), 1, 1e-2);
 }
 
@@ -68,34 +68,35 @@ TEST(FemFrame, CheckpointsAndRewindsAreBitEqual) {
 }
 
 // VALIDATION B6, dry. The references are of Euler-Bernoulli's beam, from which shear takes 1.6 % of the
-// plate's stiffness; a strip of a quarter of the thickness is that beam, four times as far and as long. Of
-// pinned ends there are two peaks alike, at 0.691 and 0.931 ms.
+// plate's stiffness and shifts the ripple of modes 3 and 5; a strip of a sixteenth of the thickness is that
+// beam, sixteen times as far and as long. Of pinned ends there are two peaks alike, at 0.691 and 0.931 ms.
 TEST(FemStart, AStoppedStripBendsAsFarAsTheBeamWithinOnePercent) {
-  for (const auto& [support, peak_at, time_at] : {std::tuple{Support::clamped, 4 * 0.3049e-3, 4 * 0.444e-3},
-                                                  {Support::pinned, 4 * 0.6571e-3, 4 * 0.931e-3}}) {
+  constexpr double slender = 16;
+  for (const auto& [support, peak_at, time_at] :
+       {std::tuple{Support::clamped, 0.3049e-3, 0.444e-3}, {Support::pinned, 0.6571e-3, 0.931e-3}}) {
     Parameters p = paper_plate(4);
-    p.plate.thickness = 0.005;
+    p.plate.thickness = 0.02 / slender;
     p.plate.left = p.plate.right = support;
     p.fem.refinement = 1;
     p.material.model = MaterialModel::linear;
     p.initial.value = {0, -1, 0};
     FemSolver<2> solver(p);
     double peak = 0, time = 0;
-    constexpr double dt = 2e-5;
-    for (int k = 0; k * dt < 1.2 * time_at; ++k) {
+    const double dt = slender * time_at / 300;  // modes 5 to 9 make the last 2 % of the peak
+    for (int k = 0; k * dt < 1.2 * slender * time_at; ++k) {
       solver.advance(k * dt, dt, {});
-      const double w = -solver.displacement_at({0, 0.0025, 0}).y();
+      const double w = -solver.displacement_at({0, 0.01 / slender, 0}).y();
       if (w > peak) {
         peak = w;
         time = (k + 1) * dt;
       }
     }
     const std::string name = support == Support::clamped ? "cc" : "pp";
-    RecordProperty(name + "_peak", std::to_string(peak / peak_at));
-    RecordProperty(name + "_time", std::to_string(time / time_at));
-    EXPECT_NEAR(peak / peak_at, 1, 0.01) << name;
-    EXPECT_LT(time / time_at, 1.03) << name;  // the peak is flat
-    EXPECT_GT(time / (support == Support::clamped ? time_at : 4 * 0.691e-3), 0.97) << name;
+    RecordProperty(name + "_peak", std::to_string(peak / (slender * peak_at)));
+    RecordProperty(name + "_time", std::to_string(time / (slender * time_at)));
+    EXPECT_NEAR(peak / (slender * peak_at), 1, 0.01) << name;
+    EXPECT_LT(time / (slender * time_at), 1.03) << name;  // the peak is flat
+    EXPECT_GT(time / (slender * (support == Support::clamped ? time_at : 0.691e-3)), 0.97) << name;
   }
 }
 
