@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -95,6 +96,45 @@ MotionTable read_motion(const std::filesystem::path& path) {
                       row + 1, time[row], time[row - 1]),
           "give the rows in rising order of time");
   return {std::move(time), kind, std::move(value)};
+}
+
+VelocityProfile read_velocity_profile(const std::filesystem::path& path) {
+  const Table table = read_table(path);
+  const auto wrong = [&](const std::string& problem) {
+    return Error(ExitCode::case_file, path.string(), problem, "a first line like: x [m],vy [m/s]");
+  };
+  std::vector<double> place;
+  Eigen::Index along = 0;
+  std::array<MotionColumn, MotionTable::n_channels> kind{};
+  std::array<std::vector<double>, MotionTable::n_channels> value;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const Column& column = table.columns[c];
+    for (const double v : table.value[c])
+      if (!std::isfinite(v))
+        throw wrong(fmt::format("column {} holds what is no finite number", column.name));
+    const std::string axis = column.name.substr(column.name.size() == 2 && column.name[0] == 'v' ? 1 : 0);
+    const std::size_t number = axis.size() == 1 ? std::string("xyz").find(axis) : std::string::npos;
+    const bool coordinate = column.name.size() == 1;
+    if (number == std::string::npos || column.unit != (coordinate ? "m" : "m/s"))
+      throw wrong(
+          fmt::format("column {} [{}] is none of x, y, z [m], vx, vy, vz [m/s]", column.name, column.unit));
+    if (!coordinate) {
+      kind[number] = MotionColumn::place;
+      value[number] = table.value[c];
+      continue;
+    }
+    if (!place.empty()) throw wrong("has two coordinates: velocities are given over one");
+    place = table.value[c];
+    along = static_cast<Eigen::Index>(number);
+  }
+  const bool none =
+      std::all_of(kind.begin(), kind.end(), [](MotionColumn k) { return k == MotionColumn::absent; });
+  if (place.size() < 2 || none) throw wrong("needs one coordinate, one velocity at least, and two rows");
+  for (std::size_t row = 1; row < place.size(); ++row)
+    if (!(place[row] > place[row - 1]))
+      throw wrong(fmt::format("the coordinate of row {} ({:.9g} m) is not beyond that of the row before it",
+                              row + 1, place[row]));
+  return {MotionTable(std::move(place), kind, std::move(value)), along};
 }
 
 }  // namespace strake

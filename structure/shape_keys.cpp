@@ -1,14 +1,11 @@
 #include "structure/shape_keys.hpp"
 
-#include "proto/error.hpp"
-#include "proto/history.hpp"
 #include "proto/motion_file.hpp"
 #include "structure/mass.hpp"
 #include "structure/surface.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -114,48 +111,6 @@ void check_outline(CaseTable structure, const Parameters& p, const std::string& 
                           fault.fix);
   throw structure.error("wedge", "a wedge that the surface's points can resolve: " + fault.problem,
                         fault.fix);
-}
-
-/// A velocity over a coordinate, as a motion table of which it takes the place of time.
-void read_velocity_profile(const std::filesystem::path& path, InitialVelocity& initial) {
-  const char* example = "a first line like: x [m],vy [m/s]";
-  const Table table = read_table(path);
-  const auto wrong = [&](const std::string& problem) {
-    return Error(ExitCode::case_file, path.string(), problem, example);
-  };
-  std::vector<double> place;
-  std::array<MotionColumn, MotionTable::n_channels> kind{};
-  std::array<std::vector<double>, MotionTable::n_channels> value;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const Column& column = table.columns[c];
-    for (const double v : table.value[c])
-      if (!std::isfinite(v))
-        throw wrong(fmt::format("column {} holds what is no finite number", column.name));
-    std::size_t axis = 0;
-    while (axis < 3 && column.name != std::string(1, "xyz"[axis]) &&
-           column.name != "v" + std::string(1, "xyz"[axis]))
-      ++axis;
-    const bool coordinate = column.name.size() == 1;
-    if (axis == 3 || column.unit != (coordinate ? "m" : "m/s"))
-      throw wrong(
-          fmt::format("column {} [{}] is none of x, y, z [m], vx, vy, vz [m/s]", column.name, column.unit));
-    if (!coordinate) {
-      kind[axis] = MotionColumn::place;
-      value[axis] = table.value[c];
-      continue;
-    }
-    if (!place.empty()) throw wrong("has two coordinates: velocities are given over one");
-    place = table.value[c];
-    initial.along = static_cast<Eigen::Index>(axis);
-  }
-  if (place.size() < 2 ||
-      std::all_of(kind.begin(), kind.end(), [](MotionColumn k) { return k == MotionColumn::absent; }))
-    throw wrong("needs one coordinate, one velocity at least, and two rows");
-  for (std::size_t row = 1; row < place.size(); ++row)
-    if (!(place[row] > place[row - 1]))
-      throw wrong(fmt::format("the coordinate of row {} ({:.9g} m) is not beyond that of the row before it",
-                              row + 1, place[row]));
-  initial.profile.emplace(std::move(place), kind, std::move(value));
 }
 
 /// A free motion is not prescribed as well, by table or speed.
@@ -304,7 +259,11 @@ void read_initial_velocity(const CaseFile& file, CaseTable structure, Parameters
         {.help =
              "added to it: columns x, y or z [m], ascending, and vx, vy, vz [m/s] there, joined by a cubic "
              "spline"});
-  if (!path.empty()) read_velocity_profile(path, p.initial);
+  if (!path.empty()) {
+    const VelocityProfile read = read_velocity_profile(path);
+    p.initial.profile = read.velocity;
+    p.initial.along = read.axis;
+  }
   if (all || (p.kind != "rigid" && p.kind != "replay")) return;
   if (!p.initial.value.isZero() || p.initial.profile)
     throw structure.error("initial_velocity",
