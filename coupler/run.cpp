@@ -11,6 +11,7 @@
 #include "coupler/checkpoint.hpp"
 #include "coupler/commands.hpp"
 #include "coupler/console.hpp"
+#include "coupler/failure_notes.hpp"
 #include "coupler/run_clocks.hpp"
 #include "coupler/run_files.hpp"
 #include "coupler/run_folder.hpp"
@@ -166,6 +167,7 @@ class Run {
 
   void windows() {
     started_ = true;
+    FailureNotes failure(case_.common.interface == "surface" && case_.coupled(), plan_.start.time);
     const std::unique_ptr<WindowLoop> windows = session_->loop(plan_);
     WindowLoop& loop = *windows;
     auto saved = Clock::now();
@@ -182,6 +184,7 @@ class Run {
       RunRow row{.window = &window, .force = Eigen::Vector3d::Zero(), .elapsed = elapsed()};
       if (window.report.force.cols() > 0) row.force = window.report.force.rowwise().sum();
       reporter_->window(row);
+      for (const std::string& line : failure.look(window.report.structure)) note(line);
       if (window.taken_back > 0)
         log_->warn("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s", window.number,
                    window.time, window.why, window.taken_back, window.taken_back == 1 ? "" : "s",

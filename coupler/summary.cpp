@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "coupler/failure_notes.hpp"
+
 namespace strake {
 
 namespace {
@@ -158,6 +160,8 @@ Json Summary::json() const {
   for (const char* check : {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids",
                             "openings", "penetrations", "lost", "volume_drift"})
     json["checks"][check] = either(fluid_, structure_, std::string("check.") + check);
+
+  json["failure"] = failure_json(structure_);
 
   json["compare"] = Json::array();
   for (const Verdict& verdict : verdicts) json["compare"].push_back(json_of(verdict));

@@ -192,6 +192,21 @@ void Simulation<dim>::Work::measure_number_density() {
   classify_rows();
 }
 
+/// Whether a structure particle that its fellows surrounded stands at a crack by now: so many of them are
+/// gone as a face lacks. Strain takes less, 1 % of it no more than 3 %; a second row at a crack lacks 2 %,
+/// the face itself 15 % from an opening of 0.35 l0 on and 35 to 40 % in the end.
+template <int dim>
+bool Simulation<dim>::Work::laid_bare(std::int64_t i, const Neighbours& near) const {
+  constexpr double left = 0.85;
+  const auto columns = near.row(i);
+  const auto distances = near.distances(i);
+  double fellows = 0;
+  for (std::size_t e = 0; e < columns.size(); ++e)
+    if (columns[e] >= boundary.first_of_bodies() && distances[e] < density_lattice.radius)
+      fellows += weight(distances[e], density_lattice.radius);
+  return fellows < left * density_lattice.n0;
+}
+
 /// Unknowns are particles with a pressure that are not surface; δ = (n − n0)/n0, where a negative value
 /// beside the surface is no expansion but missing neighbours, and would suck (PHYSICS §16.8, trap 1).
 template <int dim>
@@ -204,7 +219,8 @@ void Simulation<dim>::Work::classify_rows() {
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (!has_pressure(state.kind[k]) || boundary.buried(i) || boundary.parked(state, i)) continue;
+    if (!has_pressure(state.kind[k]) || boundary.parked(state, i)) continue;
+    if (boundary.buried(i) && !laid_bare(i, near)) continue;
     row[k] = state.surface[k] ? Row::zero : Row::unknown;
     if (state.surface[k]) continue;
     solved[k] = 1;

@@ -56,6 +56,7 @@ struct Simulation<dim>::Work {
 
   void search_neighbours();
   void classify_rows();
+  bool laid_bare(std::int64_t i, const Neighbours& near) const;
   void assemble();
   void correct_fitted();
   void check_finite() const;

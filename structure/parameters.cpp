@@ -3,6 +3,7 @@
 #include "structure/particle/failure.hpp"
 #include "structure/particle/lattice.hpp"
 #include "structure/shape_keys.hpp"
+#include "structure/softening.hpp"
 #include "structure/solid_keys.hpp"
 #include "structure/surface.hpp"
 
@@ -93,8 +94,8 @@ void read_failure(CaseTable t, FailureKeys& failure) {
        {"max_principal", FailureCriterion::max_principal},
        {"von_mises", FailureCriterion::von_mises}},
       {.help =
-           "particles: what breaks bonds: their own strain (pair: with rotation = dynamic), or a stress that "
-           "softens first (total_lagrangian)"});
+           "bond_strain: particles, bonds break at a strain of their own (pair: with rotation = dynamic); a "
+           "stress that softens first: total_lagrangian particles and fem"});
   t.number(
       "fracture_energy", failure.fracture_energy,
       {.unit = "J/m^2", .min = 0, .help = "G_c that a crack takes per area; bond_strain: of the pair model"});
@@ -105,16 +106,38 @@ void read_failure(CaseTable t, FailureKeys& failure) {
       {.min = 0, .max = 10, .help = "bond_strain: at which a bond breaks; not given: from fracture_energy"});
 }
 
+void check_softening(CaseTable t, const FailureKeys& f) {
+  if (f.strength == 0 || f.fracture_energy == 0)
+    throw t.error(f.strength == 0 ? "strength" : "fracture_energy", "a number greater than 0",
+                  "strength in Pa and fracture_energy in J/m^2");
+}
+
+/// Finite elements. That softening ends later than it begins the mesh tells.
+void check_cell_failure(CaseTable t, const Parameters& p) {
+  if (p.failure.criterion == FailureCriterion::bond_strain)
+    throw t.error("criterion", "max_principal or von_mises: finite elements have no bonds",
+                  "criterion = \"max_principal\" with strength and fracture_energy");
+  if (p.damping.stiffness > 0)
+    throw t.error("criterion",
+                  "none: structure.damping.stiffness is that of the intact body, and would hold a crack shut",
+                  "structure.damping.mass in its place");
+  check_softening(t, p.failure);
+}
+
 /// What a criterion needs, and that softening ends later than it begins on this lattice.
 void check_failure(CaseTable t, const Parameters& p) {
   const FailureKeys& f = p.failure;
   if (f.criterion == FailureCriterion::none) return;
-  if (p.kind != "particle")
+  if (p.kind != "particle" && p.kind != "fem")
     throw t.error("criterion", fmt::format("none: {} structures do not fail", p.kind),
-                  "structure.solver = \"particle\"");
+                  "structure.solver = \"particle\" or \"fem\"");
   if (p.analysis != Analysis::dynamic)
     throw t.error("criterion", "none: statics and modes are those of the intact body",
                   "structure.analysis = \"dynamic\"");
+  if (p.kind == "fem") {
+    check_cell_failure(t, p);
+    return;
+  }
   const bool pair = p.particle.model == ParticleModel::pair;
   if (pair && p.particle.rotation == Rotation::kinematic)
     throw t.error("criterion",
@@ -136,14 +159,11 @@ void check_failure(CaseTable t, const Parameters& p) {
   if (pair)
     throw t.error("criterion", "bond_strain: the pair model has no stress of a particle to soften",
                   "structure.particle.model = \"total_lagrangian\"");
-  if (f.strength == 0 || f.fracture_energy == 0)
-    throw t.error(f.strength == 0 ? "strength" : "fracture_energy", "a number greater than 0",
-                  "strength in Pa and fracture_energy in J/m^2");
-  const double band = crack_band(p.dimension, p.particle.radius, p.particle.hourglass) * p.particle.spacing;
+  check_softening(t, f);
+  const double band =
+      crack_band(p.dimension, p.particle.radius, p.particle.hourglass).width * p.particle.spacing;
   for (const Part& part : elastic_solid(p).parts) {
-    // y_f > y_0: the band's elastic energy at the strength, ½ f²/E' l_c, is less than G_c
-    const double most =
-        2 * f.fracture_energy * uniaxial_modulus(part.material, p.dimension) / (f.strength * f.strength);
+    const double most = widest_band(f, part.material, p.dimension);
     if (band >= most)
       throw t.error("fracture_energy",
                     fmt::format("more than {:.4g} J/m^2 on this lattice: a band of {:.4g} m holds as much "

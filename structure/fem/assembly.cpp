@@ -72,6 +72,10 @@ auto with_nodes(int degree, const Kernel& kernel) {
 
 template <int dim>
 Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts) : mesh_(mesh), part_(parts) {
+  for (const Part& part : parts) {
+    eroded_.push_back(part.material);
+    eroded_.back().model = MaterialModel::linear;
+  }
   // Nodes that share a cell, ascending.
   const int per_cell = static_cast<int>(mesh.cell.rows());
   std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(mesh.n_nodes()));
@@ -118,7 +122,7 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
         const bool large = is_large(m);
         Tensor<dim> P = stress_between<dim>(m, strain_of<dim>(H0, large), strain_of<dim>(H1, large), alpha);
         if (large) P += ((alpha * H0 + (1 - alpha) * H1) * P).eval();
-        sum.noalias() += (mesh_.weight(q) * P) * gradient.transpose();
+        sum.noalias() += (share(c) * mesh_.weight(q) * P) * gradient.transpose();
       }
       for (int a = 0; a < n; ++a) force.template segment<dim>(dim * mesh_.cell(a, c)) += sum.col(a);
     }
@@ -161,7 +165,7 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
       local.setZero();
       for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
         const auto g = view.gradient(q);
-        const double weight = mesh_.weight(q);
+        const double weight = share(c) * mesh_.weight(q);
         Tensor<dim> F_alpha = Tensor<dim>::Identity(), F1 = F_alpha, S = Tensor<dim>::Zero(), B = F_alpha;
         double lambda = m.lame_lambda(), mu = m.lame_mu();
         if (is_large(m)) {
@@ -204,7 +208,7 @@ double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
       const auto values = view.gather(u, c);
       for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
         const Tensor<dim> E = strain_of<dim>(Tensor<dim>(values * view.gradient(q)), is_large(m));
-        energy += mesh_.weight(q) * energy_of_strain<dim>(m, E);
+        energy += share(c) * mesh_.weight(q) * energy_of_strain<dim>(m, E);
       }
     }
     return energy;
@@ -269,11 +273,46 @@ Eigen::VectorXd Assembly<dim>::von_mises(const Eigen::VectorXd& u) const {
         stress.template topLeftCorner<dim, dim>() = S;
       }
       stress.diagonal().array() -= stress.trace() / 3;
-      sum(mesh_.cell(a, c)) += std::sqrt(1.5 * stress.squaredNorm());
+      sum(mesh_.cell(a, c)) += share(c) * std::sqrt(1.5 * stress.squaredNorm());
       count(mesh_.cell(a, c)) += 1;
     }
   }
   return sum.cwiseQuotient(count);
+}
+
+template <int dim>
+CellMean<dim> Assembly<dim>::mean(const Eigen::VectorXd& u, int c) const {
+  return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
+    const CellView<dim, decltype(nodes)::value> view{mesh_};
+    const Material& m = material(c);
+    const auto values = view.gather(u, c);
+    CellMean<dim> mean;
+    double volume = 0;
+    for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
+      const Tensor<dim> H = values * view.gradient(q), E = strain_of<dim>(H, is_large(m)),
+                        S = second_piola_kirchhoff<dim>(m, E);
+      const double weight = mesh_.weight(q);
+      Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
+      if (dim == 2) stress(2, 2) = out_of_plane<dim>(m, E);
+      stress.template topLeftCorner<dim, dim>() = S;
+      if (is_large(m)) {
+        const Tensor<dim> F = Tensor<dim>::Identity() + H;
+        stress.template topLeftCorner<dim, dim>() = F * S * F.transpose();
+        stress /= F.determinant();
+      }
+      mean.energy += weight * energy_of_strain<dim>(m, E);
+      mean.stress += weight * stress;
+      volume += weight;
+    }
+    mean.energy /= volume;
+    mean.stress /= volume;
+    return mean;
+  });
+}
+
+template <int dim>
+void Assembly<dim>::damage(Eigen::VectorXd held) {
+  held_ = std::move(held);
 }
 
 template class Assembly<2>;

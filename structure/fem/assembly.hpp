@@ -12,6 +12,13 @@ namespace strake::structure::fem {
 
 using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
+/// Means over an undamaged cell.
+template <int dim>
+struct CellMean {
+  double energy = 0;                                 // [J/m³] ψ
+  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();  // [Pa] Cauchy
+};
+
 /// Integrals over the cells, total Lagrangian: everything refers to the reference configuration X.
 ///
 ///   F = I + ∇u,  E = ½(FᵀF − I),  S(E) and ψ(E) of material.hpp;  linear: F = I and E = ½(∇u + ∇uᵀ)
@@ -48,15 +55,32 @@ class Assembly {
   /// there.
   Eigen::VectorXd von_mises(const Eigen::VectorXd& u) const;
 
+  /// Of one cell, whatever its share.
+  CellMean<dim> mean(const Eigen::VectorXd& u, int cell) const;
+  const Material& material(int cell) const {
+    return part_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].material;
+  }
+
+  /// Share of its stress that each cell still carries. At 0 a cell keeps `residual` of its stiffness, linear:
+  /// it may turn and close without F to be turned inside out.
+  void damage(Eigen::VectorXd held);
+  bool intact() const { return held_.size() == 0 || held_.minCoeff() == 1; }
+  static constexpr double residual = 1e-5;
+
  private:
   template <class Visit>
   Matrix scatter(const Visit& cell_matrix) const;
 
   const Mesh<dim>& mesh_;
+  bool eroded(int cell) const { return held_.size() > 0 && held_(cell) == 0; }
+  double share(int cell) const { return held_.size() == 0 ? 1 : held_(cell) == 0 ? residual : held_(cell); }
   const Material& of(int cell) const {
-    return part_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].material;
+    if (eroded(cell)) return eroded_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])];
+    return material(cell);
   }
   std::vector<Part> part_;
+  std::vector<Material> eroded_;  // of the parts: linear
+  Eigen::VectorXd held_;          // empty: intact
   Matrix pattern_;
   std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin
 };

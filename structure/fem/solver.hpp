@@ -3,10 +3,12 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "structure/fem/assembly.hpp"
+#include "structure/fem/damage.hpp"
 #include "structure/fem/frame.hpp"
 #include "structure/fem/linear_solver.hpp"
 #include "structure/fem/mesh.hpp"
@@ -46,7 +48,7 @@ class FemSolver final : public Solver {
   /// Linear momentum of the body and a free frame [kg m/s].
   Eigen::Vector3d momentum() const;
   void save() override { saved_ = state_; }
-  void restore() override { state_ = saved_; }
+  void restore() override;
   void write(Archive&) const override;
   void read(const Archive&) override;
   Frame frame() const override;
@@ -74,6 +76,7 @@ class FemSolver final : public Solver {
     Eigen::VectorXd tangent_at;                            // displacement where the tangent was taken
     double tangent_dt = 0;                                 // [s] for which it was made
     double external = 0;                                   // [J]
+    typename Damage<dim>::State damage = {};
     int steps = 0;
   };
 
@@ -85,11 +88,15 @@ class FemSolver final : public Solver {
   void use_tangent(const State&);
   Eigen::VectorXd load_of_window(double t, double dt, const Load&) const;
   Eigen::VectorXd damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const;
-  NewtonResult solve_step(const State& old, const FrameState& told, const Eigen::VectorXd& force, double dt);
+  NewtonResult solve_step(const State& old, const FrameState& told, const Eigen::VectorXd& force, double dt,
+                          const Eigen::VectorXd& start);
   Eigen::Matrix<double, dim, 1> frame_acceleration(const State& old, const FrameState& told,
                                                    const Eigen::VectorXd& force,
                                                    const Eigen::VectorXd& inertia, double dt) const;
   void account(const State& old, const Eigen::VectorXd& force, double dt, State& next) const;
+  void step(double t, double dt, const Load&, int halved);
+  NewtonResult solve_softening(const State& old, const FrameState& told, const Eigen::VectorXd& force,
+                               double dt, typename Damage<dim>::State& damage);
   void hold(Eigen::VectorXd& unknowns) const;  // zero in the held unknowns
   const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
 
@@ -99,8 +106,9 @@ class FemSolver final : public Solver {
   bool linear_;  // all parts are
   Discretisation<dim> discretisation_;
   Assembly<dim> assembly_;
-  Matrix mass_, stiffness_;    // stiffness at u = 0
-  Eigen::VectorXd node_mass_;  // [kg] row sums
+  std::optional<Damage<dim>> failure_;  // its damage is in the state, and from there in the assembly
+  Matrix mass_, stiffness_;             // stiffness at u = 0
+  Eigen::VectorXd node_mass_;           // [kg] row sums
   double largest_stiffness_ = 0;
   FrameMotion<dim> frame_;
   InterfaceMesh interface_;

@@ -21,6 +21,14 @@ void FemSolver<dim>::write(Archive& archive) const {
   frame << saved_.frame.displacement, saved_.frame.velocity, saved_.frame.acceleration, saved_.reaction;
   archive.real["fem.frame"] = frame;
   archive.integer["fem.steps"] = {saved_.steps};
+  if (!failure_) return;
+  const auto& damage = saved_.damage;
+  archive.real["fem.onset"] = damage.onset;
+  archive.real["fem.peak"] = damage.peak;
+  archive.real["fem.end"] = damage.end;
+  archive.real["fem.failure"] = damage.record.table();
+  archive.real["fem.released"] = Eigen::MatrixXd::Constant(1, 1, damage.released);
+  archive.integer["fem.eroded"] = {damage.eroded};
 }
 
 template <int dim>
@@ -47,6 +55,16 @@ void FemSolver<dim>::read(const Archive& archive) {
   state_.frame = {.displacement = frame.col(0), .velocity = frame.col(1), .acceleration = frame.col(2)};
   state_.reaction = frame.col(3);
   state_.steps = static_cast<int>(archive.integer.at("fem.steps").at(0));
+  if (failure_) {
+    auto& damage = state_.damage;
+    damage.onset = vector("fem.onset", mesh().n_cells());
+    damage.peak = vector("fem.peak", mesh().n_cells());
+    damage.end = vector("fem.end", mesh().n_cells());
+    damage.record = FailureRecord::from(archive.real.at("fem.failure"));
+    damage.released = archive.real.at("fem.released")(0);
+    damage.eroded = archive.integer.at("fem.eroded").at(0);
+    assembly_.damage(failure_->held(damage));
+  }
   saved_ = state_;
 }
 
@@ -84,6 +102,7 @@ Frame FemSolver<dim>::frame() const {
   frame.point_data = {{"displacement", "m", displacement},
                       {"velocity", "m/s", on_nodes(state_.velocity, state_.frame.velocity)},
                       {"von_mises", "Pa", assembly_.von_mises(state_.displacement).transpose()}};
+  if (failure_) frame.point_data.push_back({"damage", "1", failure_->in_nodes(state_.damage)});
   return frame;
 }
 
@@ -99,17 +118,31 @@ std::vector<std::string> FemSolver<dim>::lines() const {
   if (std::string line = frame_line(frame_.supports(), dim); !line.empty()) lines.push_back(std::move(line));
   if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
     lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));
+  if (failure_)
+    for (std::string& line : failure_->lines()) lines.push_back(std::move(line));
   return lines;
 }
 
 template <int dim>
 std::vector<Column> FemSolver<dim>::columns() const {
-  return frame_columns(frame_.supports(), dim);
+  std::vector<Column> columns = frame_columns(frame_.supports(), dim);
+  if (failure_)
+    for (const char* name : {"failure.energy", "failure.cells", "failure.damage"})
+      columns.push_back({name, std::string(name) == "failure.energy" ? "J" : "1"});
+  return columns;
 }
 
 template <int dim>
 std::map<std::string, double> FemSolver<dim>::monitor() const {
-  return frame_monitor(frame_.supports(), dim, state_.frame, state_.reaction);
+  std::map<std::string, double> monitor =
+      frame_monitor(frame_.supports(), dim, state_.frame, state_.reaction);
+  if (!failure_) return monitor;
+  const auto& damage = state_.damage;
+  monitor["failure.energy"] = damage.released;
+  monitor["failure.cells"] = static_cast<double>(damage.eroded);
+  monitor["failure.damage"] = 1 - failure_->held(damage).minCoeff();
+  damage.record.report(monitor);
+  return monitor;
 }
 
 // With the consistent mass M: m = 1·M 1, m x̄ = 1·M X, I_z = x·M x + y·M y − m (x̄² + ȳ²), exact for the cells'

@@ -1,9 +1,8 @@
 #include "structure/particle/failure.hpp"
 
-#include "structure/material.hpp"
+#include "structure/softening.hpp"
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -11,26 +10,6 @@
 #include <limits>
 
 namespace strake::structure {
-namespace {
-
-/// max_principal or von_mises of the Cauchy stress σ = P Fᵀ/det F that an undamaged particle would have.
-template <int dim>
-double equivalent_stress(FailureCriterion criterion, const Material& material,
-                         const Eigen::Matrix<double, dim, dim>& F) {
-  const Eigen::Matrix<double, dim, dim> P = first_piola_kirchhoff<dim>(material, F);
-  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
-  stress.template topLeftCorner<dim, dim>() = P * F.transpose() / F.determinant();
-  if (dim == 2 && !material.plane_stress) stress(2, 2) = material.poisson * stress.trace();
-  if (criterion == FailureCriterion::max_principal)
-    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(0.5 * (stress + stress.transpose()),
-                                                          Eigen::EigenvaluesOnly)
-        .eigenvalues()
-        .maxCoeff();
-  const Eigen::Matrix3d deviator = stress - stress.trace() / 3 * Eigen::Matrix3d::Identity();
-  return std::sqrt(1.5) * deviator.norm();
-}
-
-}  // namespace
 
 double crack_constant(double radius, double lambda_over_mu) {
   struct Crossing {
@@ -66,7 +45,7 @@ double crack_constant(double radius, double lambda_over_mu) {
   return released;
 }
 
-double crack_band(int dimension, double radius, double hourglass) {
+CrackBand crack_band(int dimension, double radius, double hourglass) {
   const int reach = static_cast<int>(std::floor(radius)), deep = dimension == 3 ? reach : 0;
   double a = 0;
   std::vector<double> weight(static_cast<std::size_t>(reach), 0), moment = weight;  // Σ_{Δx>q} w⁰, w⁰ Δx
@@ -87,12 +66,8 @@ double crack_band(int dimension, double radius, double hourglass) {
     return std::sqrt(0.5 * h * h + 0.25 * hourglass / a * (weight[q] - a * h * h));
   };
   double rows = 0;
-  for (std::size_t q = 0; q < weight.size(); ++q) rows += y(q) / y(0);
-  return 2 * rows;
-}
-
-double uniaxial_modulus(const Material& m, int dimension) {
-  return dimension == 2 ? m.bending_modulus() : m.young;
+  for (std::size_t q = 0; q < weight.size(); ++q) rows += y(q) / y(0) * (2 - y(q) / y(0));
+  return {.width = 2 * rows, .opening = 1 / y(0)};
 }
 
 template <int dim>
@@ -100,7 +75,8 @@ Failure<dim>::Failure(const FailureKeys& keys, double hourglass, const Lattice<d
                       Bonds<dim>& bonds)
     : keys_(keys),
       hourglass_(hourglass),
-      band_(crack_band(dim, bonds.radius, hourglass) * lattice.spacing),
+      band_(crack_band(dim, bonds.radius, hourglass).width * lattice.spacing),
+      opening_(crack_band(dim, bonds.radius, hourglass).opening * lattice.spacing),
       lattice_(lattice),
       bonds_(bonds),
       weight_(bonds.weight),
@@ -133,11 +109,7 @@ double Failure<dim>::last(double onset) const {
 
 template <int dim>
 double Failure<dim>::softening(Eigen::Index i, const State& state) const {
-  const double first = state.onset[i], y = state.peak[i];
-  if (first == 0) return 0;
-  const double end = last(first);
-  if (y >= end) return 1;
-  return 1 - first / y * (end - y) / (end - first);
+  return 1 - share_held(state.onset[i], state.peak[i], state.onset[i] == 0 ? 0 : last(state.onset[i]));
 }
 
 //   Y = ψ(F) + ½ α E (dim/2)/(Σ w⁰|r⁰|²) Σ_j w⁰ |e_ij|²,   e_ij = u_ij − H r⁰_ij
@@ -158,9 +130,10 @@ double Failure<dim>::critical_strain(Eigen::Index i, Eigen::Index bond, const St
   const double infinity = std::numeric_limits<double>::infinity();
   if (keys_.criterion != FailureCriterion::bond_strain) {
     const auto limit = [&](Eigen::Index k) {
-      return softening(k, state) < 1
-                 ? infinity
-                 : 0.5 * std::sqrt(2 / uniaxial_modulus(lattice_.material(k), dim)) * last(state.onset[k]);
+      if (state.onset[k] == 0) return infinity;
+      const double y = last(state.onset[k]) / std::sqrt(uniaxial_modulus(lattice_.material(k), dim));
+      const double whole_row = y * opening_ / bonds_.r0.col(bond).norm();
+      return softening(k, state) < 1 ? whole_row : std::min(whole_row, std::sqrt(0.5) * y);
     };
     return std::min(limit(i), limit(j));
   }
@@ -187,8 +160,8 @@ bool Failure<dim>::soften(const Vectors<dim>& u, State& state) const {
     if (!lattice_.inside[static_cast<std::size_t>(i)]) continue;
     const Matrix H = Eigen::Map<const Matrix>(gradient.col(i).data());
     if (state.onset[i] == 0) {
-      const double stress =
-          equivalent_stress<dim>(keys_.criterion, lattice_.material(i), Matrix::Identity() + H);
+      const double stress = equivalent_stress(
+          keys_.criterion, cauchy_stress<dim>(lattice_.material(i), Matrix::Identity() + H));
       if (!(stress > keys_.strength)) continue;
       state.onset[i] = state.peak[i] = std::sqrt(undamaged_energy(i, H, u));
     } else {
@@ -221,9 +194,46 @@ bool Failure<dim>::snap(const Vectors<dim>& u, State& state) const {
 }
 
 template <int dim>
-bool Failure<dim>::look(const Vectors<dim>& u, State& state) const {
+bool Failure<dim>::look(const Vectors<dim>& u, double time, State& state) const {
   const bool softer = keys_.criterion != FailureCriterion::bond_strain && soften(u, state);
-  return snap(u, state) || softer;
+  const bool broken = snap(u, state);
+  if (broken || (softer && !state.record.start.happened())) note(time, state);
+  return broken || softer;
+}
+
+template <int dim>
+void Failure<dim>::note(double time, State& state) const {
+  FailureRecord& record = state.record;
+  const auto place = [&](Eigen::Index i) {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    at.template head<dim>() = lattice_.position.col(i);
+    return at;
+  };
+  for (Eigen::Index i = 0; i < state.onset.size() && !record.start.happened(); ++i)
+    if (state.onset[i] > 0) record.start = {time, place(i)};
+  if (state.bonds == 0 || record.parted.happened()) return;
+  Pieces pieces(bonds_.size());
+  const auto broken = [&](Eigen::Index b) { return state.broken[static_cast<std::size_t>(b)] != 0; };
+  for (Eigen::Index i = 0; i < bonds_.size(); ++i)
+    for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b) {
+      if (broken(b) && !record.crack.happened())
+        record.crack = {time, 0.5 * (place(i) + place(bonds_.to(b)))};
+      if (!broken(b)) pieces.join(i, bonds_.to(b));
+    }
+  if (!record.start.happened()) record.start = record.crack;
+  const std::vector<Eigen::Index> piece = pieces.large();
+  if (!Pieces::more_than_one(piece)) return;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of the bonds that joined two of them
+  double count = 0;
+  for (Eigen::Index i = 0; i < bonds_.size(); ++i)
+    for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b) {
+      const Eigen::Index mine = piece[static_cast<std::size_t>(i)],
+                         other = piece[static_cast<std::size_t>(bonds_.to(b))];
+      if (mine < 0 || other < 0 || mine == other) continue;
+      sum += place(i);
+      ++count;
+    }
+  record.parted = {time, count > 0 ? Eigen::Vector3d(sum / count) : record.crack.at};
 }
 
 template <int dim>

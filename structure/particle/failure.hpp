@@ -1,5 +1,6 @@
 #pragma once
 
+#include "structure/failure_record.hpp"
 #include "structure/particle/bonds.hpp"
 
 #include <cstdint>
@@ -11,15 +12,12 @@ namespace strake::structure {
 /// Failure of particles (PHYSICS §9): bonds that break for good, and particles that soften before.
 ///   bond_strain    a bond breaks when s = (|r| − |r⁰|)/|r⁰| exceeds s_c
 ///   max_principal, von_mises
-///                  a particle softens from where that stress first reaches the strength. With Y the energy
-///                  per volume that it would hold undamaged, that of its hourglass form included, and y = √Y,
-///                    1 − D = y_0/y · (y_f − y)/(y_f − y_0)    between onset y_0 and y_f, for the largest y
-///                    so far,
-///                  under uniform loading a stress that falls along a line. ∫ Y dD = y_0 y_f whatever the
-///                  state of stress, so that y_f = G_c/(l_c y_0) dissipates G_c per area of a crack that
-///                  smears over a band l_c. The remaining share 1 − D is kept in Bonds::hold; a bond of a
-///                  particle that has lost all of it breaks when it is stretched by more than ½√(2/E') y_f:
-///                  all that cross the opening do by then (E' = E/(1 − ν²) in plane strain).
+///                  a particle softens from where that stress first reaches the strength (softening.hpp), Y
+///                  with the energy of its hourglass form. The remaining share 1 − D is kept in Bonds::hold;
+///                  a bond of a particle that has lost all of it breaks when it is stretched by more than
+///                  ½√(2/E') y_f: all that cross the opening do by then (E' = E/(1 − ν²) in plane strain).
+///                  Bonds that neighbours have broken leave a particle a smaller F: so a bond breaks at the
+///                  latest when it is longer by the opening at which a whole row would be through.
 /// l_c: see crack_band.
 template <int dim>
 class Failure {
@@ -29,13 +27,14 @@ class Failure {
     Eigen::VectorXd onset, peak;       // n y_0 (0: not yet) and the largest y [√Pa]; empty with bond_strain
     std::int64_t bonds = 0;            // broken so far, each once
     double released = 0;               // [J] ([J/m]) strain energy that went with them
+    FailureRecord record;
   };
 
   /// Refers to the lattice, and changes the bonds.
   Failure(const FailureKeys&, double hourglass, const Lattice<dim>&, Bonds<dim>&);
   State intact() const;
   /// Whether a displacement adds damage; the state then holds it, and the bonds do not yet.
-  bool look(const Vectors<dim>& displacement, State&) const;
+  bool look(const Vectors<dim>& displacement, double time, State&) const;
   /// Gives the bonds the damage of a state.
   void apply(const State&);
   /// D_i = 1 − (1 − D of softening) Σ_alive w⁰/Σ w⁰ of each particle.
@@ -50,11 +49,12 @@ class Failure {
                           const Vectors<dim>& displacement) const;
   bool soften(const Vectors<dim>& displacement, State&) const;
   bool snap(const Vectors<dim>& displacement, State&) const;
+  void note(double time, State&) const;
   double critical_strain(Eigen::Index i, Eigen::Index bond, const State&) const;
 
   FailureKeys keys_;
   double hourglass_;
-  double band_;  // l_c [m]
+  double band_, opening_;  // [m] l_c, and the opening of a row that is through per y_f/√E'
   const Lattice<dim>& lattice_;
   Bonds<dim>& bonds_;
   Eigen::VectorXd weight_;              // m, of the intact bonds
@@ -70,14 +70,17 @@ class Failure {
 /// leaves out that bonds across the opening shear (1.33 for 1.92 at r_e = 2.1), and no volumetric part.
 double crack_constant(double radius /* [spacing] */, double lambda_over_mu);
 
-/// Width over which a crack smears its strain [spacing]. An opening δ between two rows gives the particles of
-/// row q beside it the strain h_q δ/l0 and the hourglass residuals of the bonds that cross, in spacings
+/// Width over which a crack smears what it takes [spacing]. An opening δ between two rows gives the particles
+/// of row q beside it the strain h_q δ/l0 and the hourglass residuals of the bonds that cross, in spacings
 ///   h_q = Σ_{Δx>q} w⁰ Δx/a,   Y_q/E = ½ h_q² + α/(4a) (Σ_{Δx>q} w⁰ − a h_q²),   a = Σ w⁰ Δx²
-/// A row dissipates in proportion to its y = √Y, so that the band is 2 Σ_q y_q/y_0 (2.26 at r_e = 2.1, α =
-/// 1).
-double crack_band(int dimension, double radius /* [spacing] */, double hourglass);
-
-/// E' of uniaxial stress: E/(1 − ν²) in plane strain, otherwise E [Pa].
-double uniaxial_modulus(const Material&, int dimension);
+/// With η_q = √(Y_q/Y_0), row 0 softens all the way and takes y_0 y_f; row q has y = η_q y_f by then, took
+/// η_q y_0 y_f in softening, and holds (1 − D) Y_q = η_q (1 − η_q) y_0 y_f, which goes with the bonds across
+/// the opening as they break (y_f ≫ y_0). The band is therefore 2 Σ_q η_q (2 − η_q): 2.48 at r_e = 2.1, α
+/// = 1.
+struct CrackBand {
+  double width;    // [spacing]
+  double opening;  // [spacing] of δ at which row 0 is through, in units of y_f/√E'
+};
+CrackBand crack_band(int dimension, double radius /* [spacing] */, double hourglass);
 
 }  // namespace strake::structure

@@ -193,8 +193,8 @@ double ParticleSolver<dim>::strain_energy() const {
 }
 
 template <int dim>
-void ParticleSolver<dim>::break_bonds() {
-  if (!failure_ || !failure_->look(state_.displacement, state_.failure)) return;
+void ParticleSolver<dim>::break_bonds(double time) {
+  if (!failure_ || !failure_->look(state_.displacement, time, state_.failure)) return;
   const double before = strain_energy();
   failure_->apply(state_.failure);
   state_.failure.released += before - strain_energy();

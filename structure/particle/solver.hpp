@@ -82,7 +82,7 @@ class ParticleSolver final : public Solver {
   Vector pull_on_frame(const Vectors<dim>& external, const Vector& gravity) const;
   double turn_half(double dt, bool first);
   void find_elastic_force();
-  void break_bonds();
+  void break_bonds(double time);
   double strain_energy() const;
   Vector gravity_at(double time) const;
   Vectors<dim> external_force(double time, const Vectors<dim>& fluid) const;

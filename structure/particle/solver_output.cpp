@@ -39,6 +39,7 @@ void ParticleSolver<dim>::write(Archive& archive) const {
     archive.integer["particle.broken"] = {damage.broken.begin(), damage.broken.end()};
     archive.integer["particle.bonds"] = {damage.bonds};
     archive.real["particle.released"] = Eigen::MatrixXd::Constant(1, 1, damage.released);
+    archive.real["particle.failure"] = damage.record.table();
     if (damage.peak.size() > 0) {
       archive.real["particle.onset"] = damage.onset;
       archive.real["particle.peak"] = damage.peak;
@@ -74,6 +75,7 @@ void ParticleSolver<dim>::read(const Archive& archive) {
     damage.broken.assign(broken.begin(), broken.end());
     damage.bonds = archive.integer.at("particle.bonds").at(0);
     damage.released = archive.real.at("particle.released")(0);
+    damage.record = FailureRecord::from(archive.real.at("particle.failure"));
     if (damage.peak.size() > 0) {
       damage.onset = archive.real.at("particle.onset");
       damage.peak = archive.real.at("particle.peak");
@@ -175,6 +177,7 @@ std::map<std::string, double> ParticleSolver<dim>::monitor() const {
     monitor["failure.energy"] = state_.failure.released;
     monitor["failure.bonds"] = static_cast<double>(state_.failure.bonds);
     monitor["failure.damage"] = failure_->damage(state_.failure).maxCoeff();
+    state_.failure.record.report(monitor);
   }
   return monitor;
 }

@@ -54,7 +54,7 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
   state_.displacement += moved;
   double work = 0;
   if (model_->spins()) work += turn_half(h, true);
-  break_bonds();
+  break_bonds(state_.time + h);
   const Vectors<dim> before = std::move(state_.elastic_force);
   find_elastic_force();
 

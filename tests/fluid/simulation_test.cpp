@@ -174,13 +174,13 @@ TEST(Simulation, UnconvergedPressureStopsWithItsNumbers) {
 }
 
 /// Two layers of steel particles over the water, as volume coupling gives them.
-InterfaceMesh steel_layers(double low) {
+InterfaceMesh steel_layers(double low, int layers = 2) {
   InterfaceMesh mesh;
   mesh.dimension = 2;
-  mesh.position = Points::Zero(3, 40);
-  for (int k = 0; k < 40; ++k)
+  mesh.position = Points::Zero(3, 20 * layers);
+  for (int k = 0; k < 20 * layers; ++k)
     mesh.position.col(k) << -0.095 + 0.01 * (k % 20), low + 0.005 + 0.01 * (k / 20), 0;
-  mesh.mass = Eigen::VectorXd::Constant(40, 7800 * 1e-4);
+  mesh.mass = Eigen::VectorXd::Constant(20 * layers, 7800 * 1e-4);
   return mesh;
 }
 
@@ -200,6 +200,42 @@ TEST(Simulation, VolumeCouplingLoadsTheStructureParticlesTheWaterTouchesAndKeeps
   EXPECT_LT(force.row(1).tail(20).cwiseAbs().maxCoeff(), 0.2 * force.row(1).sum());  // upper layer
   EXPECT_LT(momentum_gap(simulation.state(), 0.1).norm(),
             1e-10 * simulation.state().impulse_on_bodies.norm());
+}
+
+// The inside of a body of particles has no pressure of its own. Where it has parted, what was inside is a
+// face: water between the halves that moves to one of them presses on it.
+TEST(Simulation, VolumeCouplingWetsTheFacesOfACrack) {
+  Parameters p = SmallEntry::parameters();
+  p.interface = "volume";
+  p.scheme = with_gradient(p.scheme, Gradient::pairwise);
+  const InterfaceMesh solid = steel_layers(0.0, 8);
+  const auto n = solid.position.cols();
+  for (const bool parted : {false, true}) {
+    Simulation<2> simulation(p, solid, Points::Zero(3, n));
+    InterfaceMotion motion{Points::Zero(3, n), Points::Zero(3, n), Points::Zero(3, n)};
+    if (parted)
+      for (Eigen::Index k = 0; k < n; ++k)
+        motion.displacement(0, k) = std::copysign(0.015, solid.position(0, k));
+    State<2>& state = simulation.mutable_state();
+    if (parted)
+      for (int k = 0; k < 15; ++k) {  // from the bottom of the tank, three columns into the crack
+        state.position.col(k) << -0.01 + 0.01 * (k % 3), 0.005 + 0.01 * (k / 3);
+        state.velocity.col(k) << 1, 0;
+      }
+    for (int k = 0; k < 3; ++k) simulation.step(2e-6, motion);
+    const Points& force = simulation.interface_force();
+    for (const int row : {2, 3}) {
+      const Eigen::Index k = 20 * row + 10;  // the right half's face
+      const double pressure = state.pressure[state.position.cols() - n + k];
+      if (parted) {
+        EXPECT_GT(force(0, k), 0) << row;
+        EXPECT_GT(pressure, 0) << row;
+      } else {
+        EXPECT_EQ(force.col(k).norm(), 0) << row;
+        EXPECT_EQ(pressure, 0) << row;
+      }
+    }
+  }
 }
 
 // The rows of the tank's walls beside the plate have the water's corner particle one spacing above them: were

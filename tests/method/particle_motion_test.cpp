@@ -1,13 +1,19 @@
 // Elastic particles in time, against beam and wave theory: VALIDATION B3, B5; and convergence with the
 // layers.
 #include "structure/particle/solver.hpp"
+#include "tests/structure/notched_cells.hpp"
 #include "tests/structure/paper_plate.hpp"
 #include "tests/structure/pulled_bar.hpp"
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
 
 namespace strake::structure {
 namespace {
@@ -145,22 +151,101 @@ TEST(ParticleMotion, AStepOfPressureRunsThroughABarAndIsReflected) {
   EXPECT_LT(worst, 1e-3);
 }
 
-// A notched bar is drawn apart: what its softening dissipates is G_c times the ligament on any lattice, to
-// within what the rows beside the crack lose at its tips: 10, 11, 13 % more at 8, 12, 16 layers (with one and
-// the same speed of the blocks; 25 % at four times that).
+// A notched bar is drawn apart: what its softening dissipates is G_c times the ligament on any lattice.
+// Measured 1.00 and 1.02 at 8 and 16 layers, 1.01 and 1.05 at twice the speed of the blocks; at four times it
+// the bar softens away from its notch too.
 TEST(ParticleMotion, ANotchedBarTakesItsFractureEnergyInOneStraightCrack) {
-  for (const int layers : {8, 16}) {
-    const Parameters p = pulled_bar(FailureCriterion::max_principal, layers);
+  for (const int layers : {8, 16})
+    for (const double speed : {0.25, 0.5}) {
+      const Parameters p = pulled_bar(FailureCriterion::max_principal, layers);
+      ParticleSolver<2> solver(p);
+      pull_apart(solver, speed);
+      const double dt = 2e-5 * 0.25 / speed;
+      for (int k = 0; k < 40; ++k) solver.advance(k * dt, dt, {});
+      const double ratio = solver.energy().released / (p.failure.fracture_energy * ligament(layers));
+      RecordProperty("released_" + std::to_string(layers) + (speed < 0.4 ? "_slow" : "_fast"),
+                     std::to_string(ratio));
+      EXPECT_NEAR(ratio, 1, 0.10) << layers << " layers, " << speed << " m/s";
+      // (1, 0), (1, ±1) and (2, 0) bonds over the ligament's rows: no other broke.
+      const int rows = layers - 4;
+      EXPECT_EQ(solver.monitor().at("failure.bonds"), rows + 2 * (rows - 1) + 2 * rows);
+    }
+}
+
+// The pair model has no softening, so that the bar holds three times G_c when its crack runs. What the crack
+// takes until it has parted the bar is G_c (0.95 and 1.05 at 8 and 12 layers); the rest rings on, undamped,
+// and chips the faces of the crack later at 12 layers.
+TEST(ParticleMotion, ThePairModelsCrackTakesItsFractureEnergy) {
+  for (const int layers : {8, 12}) {
+    const Parameters p = pulled_bar(FailureCriterion::bond_strain, layers);
     ParticleSolver<2> solver(p);
     pull_apart(solver, 0.25);
-    for (int k = 0; k < 60; ++k) solver.advance(k * 2e-5, 2e-5, {});
+    for (int k = 0; k < 60 && !solver.monitor().contains("failure.parted.time"); ++k)
+      solver.advance(k * 5e-6, 5e-6, {});
     const double ratio = solver.energy().released / (p.failure.fracture_energy * ligament(layers));
-    RecordProperty("released_" + std::to_string(layers), std::to_string(ratio));
-    EXPECT_NEAR(ratio, 1, 0.15) << layers << " layers";
-    // (1, 0), (1, ±1) and (2, 0) bonds over the ligament's rows: no other broke.
-    const int rows = layers - 4;
-    EXPECT_EQ(solver.monitor().at("failure.bonds"), rows + 2 * (rows - 1) + 2 * rows);
+    RecordProperty("pair_released_" + std::to_string(layers), std::to_string(ratio));
+    EXPECT_NEAR(ratio, 1, 0.10) << layers << " layers";
+    EXPECT_NEAR(solver.monitor().at("failure.parted.x"), 0.01, p.particle.spacing);
   }
+}
+
+// The lattice turned against the bar: energy and largest load within 20 % of one another (measured 5 %), and
+// a crack that stays in the notch, 2.5 mm wide. Steps in the sides and notches of the turned bar are the
+// lattice's.
+TEST(ParticleMotion, ACrackDoesNotCareForTheLatticesOrientation) {
+  double least[2] = {1e9, 1e9}, most[2] = {0, 0};
+  for (const double degrees : {0.0, 15.0, 30.0, 45.0}) {
+    constexpr double d = 0.00125, speed = 0.25, dt = 2e-5;
+    const double turn = degrees * std::numbers::pi / 180;
+    Parameters p = notched_cells(FailureCriterion::max_principal, 8, 0, turn);
+    p.kind = "particle";
+    p.solid = squares_in(p.solid, d);
+    p.particle.spacing = d;
+    const Eigen::Rotation2Dd turned(turn);
+    p.shape.corner.clear();  // no load comes from outside: the surface may lie within a block
+    for (const auto& [x, y] : {std::pair(-0.015, 0.005), {-0.005, 0.005}, {-0.005, 0.015}, {-0.015, 0.015}})
+      p.shape.corner.push_back(turned * Eigen::Vector2d(x, y));
+    p.surface_spacing = 0.02;
+    ParticleSolver<2> solver(p);
+    const Eigen::Vector2d along = turned * Eigen::Vector2d(1, 0);
+    Vectors<2> v(2, solver.lattice().size());
+    for (Eigen::Index i = 0; i < v.cols(); ++i)
+      v.col(i) = pulled(speed, along.dot(solver.lattice().position.col(i))) * along;
+    solver.set_velocity(v);
+    // What draws on the crack's plane is what the half beyond it loses of its momentum.
+    const auto momentum = [&] {
+      const Eigen::MatrixXd velocity = solver.frame().point_data.at(1).value;
+      double sum = 0;
+      for (Eigen::Index i = 0; i < v.cols(); ++i)
+        if (along.dot(solver.lattice().position.col(i)) > 0.01)
+          sum += solver.lattice().material(i).density * d * d * along.dot(velocity.col(i).head<2>());
+      return sum;
+    };
+    double load = 0, before = momentum();
+    for (int k = 0; k < 20; ++k) {
+      solver.advance(k * dt, dt, {});
+      const double now = momentum();
+      load = std::max(load, (before - now) / dt / (p.failure.strength * notched_ligament));
+      before = now;
+    }
+    const double measured[2] = {solver.energy().released / (p.failure.fracture_energy * notched_ligament),
+                                load};
+    const std::string at = std::to_string(static_cast<int>(degrees));
+    RecordProperty("turned_energy_" + at, std::to_string(measured[0]));
+    RecordProperty("turned_load_" + at, std::to_string(measured[1]));
+    EXPECT_NEAR(measured[0], 1, 0.10) << degrees;
+    for (const int k : {0, 1}) {
+      least[k] = std::min(least[k], measured[k]);
+      most[k] = std::max(most[k], measured[k]);
+    }
+    const Frame frame = solver.frame();
+    for (Eigen::Index i = 0; i < v.cols(); ++i)
+      if (frame.point_data.back().value(0, i) == 1) {
+        EXPECT_NEAR(along.dot(solver.lattice().position.col(i)), 0.00875, 2 * d) << degrees;
+      }
+  }
+  EXPECT_LT(most[0] / least[0], 1.2);
+  EXPECT_LT(most[1] / least[1], 1.2);
 }
 
 }  // namespace

@@ -152,7 +152,13 @@ TEST(StructureKeys, FailureNeedsWhatItsCriterionIsMadeOf) {
   says({of + "criterion=max_principal", of + "strength=5e8", "structure.particle.model=pair",
         "structure.particle.rotation=dynamic"},
        "total_lagrangian");
-  says({of + "criterion=bond_strain", of + "critical_strain=0.01"}, "do not fail", "fem");
+  says({of + "criterion=bond_strain", of + "critical_strain=0.01"}, "do not fail", "rigid");
+  says({of + "criterion=bond_strain", of + "critical_strain=0.01"}, "have no bonds", "fem");
+  says({of + "criterion=max_principal", of + "strength=5e8"}, "fracture_energy", "fem");
+  says({of + "criterion=max_principal", of + "strength=5e8", of + "fracture_energy=1e4"}, "", "fem");
+  says({of + "criterion=max_principal", of + "strength=5e8", of + "fracture_energy=1e4",
+        "structure.damping.stiffness=1e-6"},
+       "damping.mass", "fem");
   says({of + "criterion=bond_strain", of + "critical_strain=0.01", "structure.analysis=modal"}, "intact");
 }
 

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "structure/failure_record.hpp"
+#include "structure/fem/assembly.hpp"
+#include "structure/fem/mesh.hpp"
+#include "structure/parameters.hpp"
+
+namespace strake::structure::fem {
+
+/// Failure of finite elements (PHYSICS §9). A cell softens as a whole, from where the mean of its Cauchy
+/// stress reaches the strength, with Y the mean of its energy density (softening.hpp). The band of a crack is
+/// the cell's extent along the largest principal stress of that moment: across a square of side h,
+/// h(|n_x| + |n_y|), which is what a crack in stairs takes per length (Oliver 1989).
+///
+/// A cell that has lost all is eroded: `residual` of its stiffness stays, linear, so that nodes of its own
+/// keep to their neighbours, and all of its mass.
+template <int dim>
+class Damage {
+ public:
+  static constexpr double residual = Assembly<dim>::residual;
+  struct State {
+    Eigen::VectorXd onset, peak, end;  // cells: y_0 (0: not yet), largest y, y_f [√Pa]; empty: no failure
+                                       // asked for
+    std::int64_t eroded = 0;           // cells
+    double released = 0;               // [J] ([J/m])
+    FailureRecord record;
+  };
+
+  /// Throws Error(case_file) where a cell is too wide for the softening.
+  Damage(const FailureKeys&, const Mesh<dim>&, const Assembly<dim>&);
+  State intact() const;
+  /// Whether a displacement adds damage; the state then holds it.
+  bool look(const Eigen::VectorXd& displacement, double time, State&) const;
+  /// Share of its stiffness that each cell still has, 1 − D.
+  Eigen::VectorXd held(const State&) const;
+  /// D in the nodes, the largest of the cells that meet there.
+  Eigen::RowVectorXd in_nodes(const State&) const;
+  std::vector<std::string> lines() const;
+
+ private:
+  double extent(int cell, const Eigen::Vector3d& direction) const;
+  Eigen::Vector3d middle(int cell) const;
+  void note_parting(double time, State&) const;
+
+  FailureKeys keys_;
+  const Mesh<dim>& mesh_;
+  const Assembly<dim>& assembly_;
+  double narrowest_, widest_;  // [m] of the cells' extents along the axes
+};
+
+}  // namespace strake::structure::fem
