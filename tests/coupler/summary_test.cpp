@@ -1,5 +1,7 @@
 #include "coupler/summary.hpp"
 
+#include "coupler/failure_notes.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,7 +35,7 @@ TEST(Summary, HoldsExactlyTheKeysThatScriptsRelyOn) {
   EXPECT_EQ(keys(json),
             (std::set<std::string>{"case", "tag", "exit_code", "end_time", "windows", "iterations",
                                    "particles", "steps", "steps_committed", "seconds", "peak_memory_bytes",
-                                   "probes", "checks", "compare"}));
+                                   "probes", "checks", "failure", "compare"}));
   EXPECT_EQ(keys(json["iterations"]), (std::set<std::string>{"mean", "max", "unconverged", "taken_back"}));
   EXPECT_EQ(keys(json["particles"]), (std::set<std::string>{"fluid", "wall", "solid"}));
   EXPECT_EQ(keys(json["seconds"]), (std::set<std::string>{"wall", "fluid", "structure", "coupler"}));
@@ -61,6 +63,34 @@ TEST(Summary, CollectsWhatTheParticipantsReport) {
   EXPECT_TRUE(json["probes"]["mid.y"]["first_peak"].is_null());
   EXPECT_EQ(json["checks"]["work_gap"], 0.25);
   EXPECT_EQ(json["checks"]["momentum_gap"], 1e-13);
+}
+
+TEST(Summary, TellsWhereAndWhenABodyFailsAndTheConsoleHearsItOnce) {
+  Summary summary("plate_failure", "");
+  CommittedWindow window = window_with(1, true, 0, 0);
+  summary.add(window);
+  EXPECT_TRUE(summary.json()["failure"].is_null()) << "nothing was asked to fail";
+  auto& monitor = window.report.structure;
+  monitor["failure.energy"] = 0;
+  FailureNotes surface(true, 0), volume(false, 0), resumed(true, 1e-3);
+  EXPECT_TRUE(surface.look(monitor).empty());
+  for (const std::string event : {"start", "parted"}) {
+    monitor["failure." + event + ".time"] = 1e-3;
+    for (const char* axis : {"x", "y", "z"}) monitor["failure." + event + "." + axis] = 0.2;
+  }
+  summary.add(window);
+  const auto json = summary.json()["failure"];
+  EXPECT_EQ(json["start"]["time"], 1e-3);
+  EXPECT_EQ(json["parted"]["x"], 0.2);
+  EXPECT_TRUE(json["crack"].is_null());
+  EXPECT_EQ(json["energy"], 0);
+  const std::vector<std::string> lines = surface.look(monitor);
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_NE(lines[0].find("t = 0.001 s at (0.2, 0.2, 0.2) m"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[2].find("stay dry"), std::string::npos) << lines[2];
+  EXPECT_TRUE(surface.look(monitor).empty());
+  EXPECT_EQ(volume.look(monitor).size(), 2U);
+  EXPECT_TRUE(resumed.look(monitor).empty());
 }
 
 TEST(Summary, ForgetsAResultThatAParticipantWithdraws) {
