@@ -23,7 +23,7 @@ class Constraints {
 
   Constraints() = default;  // nothing is held
   /// `mass` [kg] of each particle; `frame_mass` [kg] along each axis, of what moves with D: infinite where D
-  /// is prescribed. Throws Error(case_file) where a face cannot be held so, or twice.
+  /// is prescribed. Throws Error(case_file) where a face cannot be held so.
   Constraints(const Lattice<dim>&, const Solid&, const Eigen::VectorXd& mass, const Vector& frame_mass);
 
   bool any() const;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -153,6 +154,57 @@ TEST(ParticleSolid, CheckpointAndRewindAreBitEqual) {
   EXPECT_EQ(first.displacement(), once);
   EXPECT_EQ(second.displacement(), once);
   EXPECT_EQ(first.frame().point_data.at(2).value.rows(), 6);
+}
+
+/// A bar of boxes whose sides are held as given: left, right, bottom, top, back, front.
+Parameters held_bar(const std::array<Support, 6>& support) {
+  Parameters p = bar(12 * d, 4 * d, Support::free);
+  SolidBox box;
+  box.name = "bar";
+  box.max << 12 * d, 4 * d, 4 * d;
+  box.support = support;
+  p.solid = solid_of_boxes(3, {box});
+  p.gravity = {0, -1000, 0};
+  return p;
+}
+
+// Pinned on the line at mid-height of an end, a roller at the other, symmetric at the back: the lines stay,
+// and the bar's end faces turn about them.
+TEST(ParticleSolid, SupportsHoldTheirLinesAndPlanes) {
+  ParticleSolver<3> solver(held_bar(
+      {Support::pinned, Support::roller, Support::free, Support::free, Support::symmetry, Support::free}));
+  solver.solve_static();
+  const auto u = [&](double x, double y, double z) -> Vector3d {
+    return solver.displacement_at(Vector3d(x, y, z) * d);
+  };
+  const double sag = -u(6, 2, 2).y();
+  ASSERT_GT(sag, 0);
+  const double nothing = 1e-8 * sag;
+  for (const double z : {0.5, 2.5}) {
+    EXPECT_LT(u(0, 2, z).norm(), nothing);
+    EXPECT_LT(std::abs(u(12, 2, z).y()), nothing);
+    EXPECT_LT(std::abs(u(12, 2, z).z()), nothing + 0.05 * sag) << "free but for the other supports";
+  }
+  for (const double x : {0.5, 5.5, 11.5}) EXPECT_LT(std::abs(u(x, 2.5, 0).z()), nothing);
+  EXPECT_GT(std::abs(u(0, 4, 2).x()), 0.01 * sag) << "it turns";
+}
+
+TEST(ParticleSolid, AClampedBarAndItsFreeFrameKeepTheirMomentum) {
+  Parameters p = held_bar(
+      {Support::clamped, Support::pinned, Support::free, Support::free, Support::free, Support::free});
+  p.free.x = p.free.y = p.free.z = true;
+  p.body.lumped_mass = 0.5;
+  p.velocity = {1, 0, -2};
+  p.damping.mass = 100;
+  ParticleSolver<3> solver(p);
+  const double mass = 0.5 + 7800 * 12 * 16 * d * d * d, dt = 1e-5;
+  Eigen::MatrixXd force = Eigen::MatrixXd::Zero(3, solver.interface().position.cols());
+  force.row(1).setConstant(40);
+  force.row(2).setConstant(-10);
+  const Load load({{0, {{"force", "N", true, force}}}});
+  for (int k = 0; k < 20; ++k) solver.advance(k * dt, dt, load);
+  const Vector3d expected = mass * p.velocity + 20 * dt * (force.rowwise().sum() + mass * p.gravity);
+  EXPECT_LT((solver.momentum() - expected).norm(), 1e-12 * expected.norm());
 }
 
 }  // namespace
