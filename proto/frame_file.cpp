@@ -1,5 +1,7 @@
 #include "proto/frame_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,14 +15,21 @@ namespace {
 
 const std::string frame_format = "strake frame 1";
 
+Error damaged(const std::filesystem::path& path, const std::string& problem) {
+  return {ExitCode::case_file, path.string(), problem, "run the case again"};
+}
+
 /// /point or /cell: a file holds n×components, row after row; a frame components×n.
-std::vector<Frame::Array> read_arrays(const hdf5::Reader& file, const std::string& group) {
+std::vector<Frame::Array> read_arrays(const hdf5::Reader& file, const std::string& group, Eigen::Index n,
+                                      const std::filesystem::path& from) {
   std::vector<Frame::Array> arrays;
   for (const std::string& link : file.names(group)) {
     const std::string path = group + "/" + link;
     arrays.push_back({.name = hdf5::from_link_name(link),
                       .unit = file.text_of(path, "unit").value_or("1"),
                       .value = file.real(path).transpose()});
+    if (arrays.back().value.cols() != n)
+      throw damaged(from, fmt::format("{} has {} rows, not {}", path, arrays.back().value.cols(), n));
   }
   return arrays;
 }
@@ -58,9 +67,7 @@ Frame read_frame(const std::filesystem::path& path) {
   Frame frame;
   frame.time = file.number("time");
   const hdf5::RowMajor position = file.real("/position");
-  if (position.cols() != 3)
-    throw Error(ExitCode::case_file, path.string(), "the positions of a frame have three components",
-                "run the case again");
+  if (position.cols() != 3) throw damaged(path, "the positions of a frame have three components");
   frame.position = position.transpose();
 
   const auto shape = file.shape("/cells");  // cells, nodes of each
@@ -69,13 +76,12 @@ Frame read_frame(const std::filesystem::path& path) {
     frame.cells.resize(shape[1], shape[0]);
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (cells[i] < 0 || cells[i] >= frame.position.cols())
-        throw Error(ExitCode::case_file, path.string(), "a cell names a point that is not there",
-                    "run the case again");
+        throw damaged(path, "a cell names a point that is not there");
       frame.cells.data()[i] = static_cast<int>(cells[i]);
     }
   }
-  frame.point_data = read_arrays(file, "/point");
-  frame.cell_data = read_arrays(file, "/cell");
+  frame.point_data = read_arrays(file, "/point", frame.position.cols(), path);
+  frame.cell_data = read_arrays(file, "/cell", shape[0], path);
   return frame;
 }
 

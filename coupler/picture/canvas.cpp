@@ -95,6 +95,7 @@ void Canvas::polygon(const std::vector<Place>& corner, const Colour& colour) {
 void Canvas::line(const std::vector<Place>& points, double width, const Colour& colour) {
   parts_->colour(colour);
   cairo_set_line_width(parts_->at(), width);
+  cairo_set_line_cap(parts_->at(), CAIRO_LINE_CAP_SQUARE);  // facets of an outline meet without a notch
   parts_->walk(points);
   cairo_stroke(parts_->at());
 }

@@ -44,8 +44,15 @@ std::string page_of_runs(const std::vector<Recorded>& runs, const std::vector<do
   const std::string lead = "<p>" + report::escape(verdict_sentence(runs)) + "</p>\n";
   return report::page(title, lead,
                       report::what_was_run(runs) + report::drawing_of_case(runs) + report::metrics(runs) +
-                          report::histories(runs) + report::pictures(runs, at) + report::checks(runs) +
-                          report::settings(runs) + report::how_to_run_again(runs));
+                          report::failures(runs) + report::histories(runs) + report::pictures(runs, at) +
+                          report::checks(runs) + report::settings(runs) + report::how_to_run_again(runs));
+}
+
+std::vector<Recorded> recorded_runs(const report::StudyData& study, const report::RunsByName& runs) {
+  std::vector<Recorded> all;
+  for (const report::StudyData::Run& run : study.runs)
+    if (const auto found = runs.find(run.name); found != runs.end()) all.push_back(found->second);
+  return all;
 }
 
 /// One run for each label of the first axis: enough to see what the study is about.

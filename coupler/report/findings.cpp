@@ -36,7 +36,12 @@ std::string unit_of(const std::vector<Recorded>& runs, const std::string& probe,
   if (metric == "l2" || metric == "dtw") return "1";
   std::string unit = "1";
   for (const Recorded& run : runs)
-    if (const ProbeResult* result = run.probe(probe)) unit = result->unit.empty() ? "1" : result->unit;
+    if (const ProbeResult* result = run.probe(probe); result != nullptr && !result->unit.empty())
+      unit = result->unit;
+  if (unit == "1")
+    for (const Recorded& run : runs)
+      for (const Column& column : run.history.columns)
+        if (column.name == probe) unit = column.unit;
   return metric == "impulse" && unit != "1" ? unit + " s" : unit;
 }
 
@@ -71,8 +76,13 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
   for (const Recorded& run : runs)
     if (const ProbeResult* result = run.probe(probe))
       for (const auto& [metric, value] : result->metrics)
-        if (value && std::find(metrics.begin(), metrics.end(), metric) == metrics.end())
-          metrics.push_back(metric);
+        if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) metrics.push_back(metric);
+  std::erase_if(metrics, [&](const std::string& metric) {  // what no run knows
+    return std::none_of(runs.begin(), runs.end(), [&](const Recorded& run) {
+      const ProbeResult* result = run.probe(probe);
+      return result != nullptr && result->metric(metric);
+    });
+  });
   std::vector<std::string> kinds;  // of this probe's references: a column each
   for (const Reference& reference : references) {
     if (reference.probe != probe) continue;
@@ -204,6 +214,40 @@ std::string metrics(const std::vector<Recorded>& runs) {
           body);
 }
 
+std::string failures(const std::vector<Recorded>& runs) {
+  std::vector<std::string> names;
+  for (const Recorded& run : runs)
+    for (const FailureEvent& event : run.failure)
+      if (std::find(names.begin(), names.end(), event.name) == names.end()) names.push_back(event.name);
+  if (names.empty()) return {};
+  const std::map<std::string, std::string> words_of = {
+      {"start", "strength reached"}, {"crack", "first crack"}, {"parted", "torn through"}};
+  HtmlTable table("When and where");
+  std::vector<std::string> head = {"event"};
+  for (const Recorded& run : runs) head.push_back(run.name);
+  table.head(head);
+  for (const std::string& name : names) {
+    const auto known = words_of.find(name);
+    std::vector<std::string> cells = {escape(known == words_of.end() ? name : known->second)};
+    for (const Recorded& run : runs) {
+      std::string cell = "–";
+      for (const FailureEvent& event : run.failure) {
+        if (event.name != name || !event.time) continue;
+        cell = number_cell(event.time, "s") + " <span class=\"n\">at x = " + number_cell(event.x, "m") +
+               ", y = " + number_cell(event.y, "m") + "</span>";
+        if (event.z.value_or(0) != 0)
+          cell += " <span class=\"n\">z = " + number_cell(event.z, "m") + "</span>";
+      }
+      cells.push_back(cell);
+    }
+    table.row(cells);
+  }
+  std::vector<std::string> energy = {"energy released"};
+  for (const Recorded& run : runs) energy.push_back(number_cell(run.failure_energy, "J"));
+  table.row(energy);
+  return section("failure", "Failure", "<p>Places are those of the unloaded structure.</p>\n" + table.html());
+}
+
 std::string checks(const std::vector<Recorded>& runs) {
   std::vector<std::string> names;
   for (const Recorded& run : runs)
@@ -217,12 +261,15 @@ std::string checks(const std::vector<Recorded>& runs) {
   table.head(head);
   for (const std::string& name : names) {
     std::vector<std::string> cells = {"<code>" + escape(name) + "</code>"};
+    bool any = false;  // a structure alone has no water to lose
     for (const Recorded& run : runs) {
       std::optional<double> value;
       for (const auto& [own, number] : run.checks)
         if (own == name) value = number;
       cells.push_back(number_cell(value, "1"));
+      any = any || value;
     }
+    if (!any) continue;
     const auto known = std::find_if(std::begin(known_checks), std::end(known_checks),
                                     [&](const Check& c) { return name == c.name; });
     const bool is_known = known != std::end(known_checks);
@@ -231,7 +278,7 @@ std::string checks(const std::vector<Recorded>& runs) {
                              : "");
     table.row(cells);
   }
-  return section("checks", "Conservation checks", table.html());
+  return table.empty() ? std::string() : section("checks", "Conservation checks", table.html());
 }
 
 }  // namespace strake::report

@@ -158,7 +158,8 @@ Names names_of(const std::vector<Recorded>& runs, const std::string& column) {
     return {"impulse of " + column.substr(0, column.size() - 8) + " since contact", "impulse"};
   if (column == "force.y") return {"force on the structure, upwards", "force"};
   const std::string quantity = measured(runs, column);
-  return quantity.empty() ? Names{column, column} : Names{quantity + " " + column, quantity};
+  return quantity.empty() || quantity == column ? Names{column, column}
+                                                : Names{quantity + " " + column, quantity};
 }
 
 }  // namespace

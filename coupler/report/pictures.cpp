@@ -70,10 +70,43 @@ struct Shot {
   picture::Scene scene;
 };
 
+/// The last frame by damage, where something is damaged.
+void add_damage(const picture::RunFrames& frames, const std::string& run, std::vector<Shot>& shots,
+                std::vector<std::string>& order) {
+  const std::string instant = "damage at the end";
+  try {
+    picture::Scene scene = picture::read_scene(frames, {.field = "damage"});
+    if (scene.solid_field.name != "damage" || !(scene.solid_field.all.hi > 0)) return;
+    scene.solid_field.shown = {0, 1};
+    shots.push_back({run, instant, std::move(scene)});
+  } catch (const Error&) {  // no frame has such a field
+    return;
+  }
+  if (std::find(order.begin(), order.end(), instant) == order.end()) order.push_back(instant);
+}
+
 void widen(picture::Range& range, const picture::Range& other) {
   if (other.empty()) return;
   range.add(other.lo);
   range.add(other.hi);
+}
+
+/// The body and as much again on every side, where it is small in its tank; else all.
+std::optional<picture::View> around_body(const picture::Scene& scene) {
+  picture::Range x, y;
+  const auto add = [&](const picture::Place& p) {
+    x.add(p.x);
+    y.add(p.y);
+  };
+  for (const picture::Patch& patch : scene.cells)
+    for (const picture::Place& p : patch.corner) add(p);
+  for (const picture::Mark& mark : scene.solid) add(mark.at);
+  const double length = x.empty() ? 0 : std::max(x.hi - x.lo, y.hi - y.lo);
+  if (scene.water.empty() || x.empty() || length > 0.4 * (scene.x.hi - scene.x.lo)) return std::nullopt;
+  const double room = 1.5 * scene.spacing;
+  return picture::View{std::max(x.lo - length, scene.x.lo - room), std::max(y.lo - length, scene.y.lo - room),
+                       std::min(x.hi + length, scene.x.hi + room),
+                       std::min(y.hi + 0.5 * length, scene.y.hi + room)};
 }
 
 }  // namespace
@@ -95,6 +128,7 @@ std::string pictures(const std::vector<Recorded>& runs, const std::vector<double
         if (std::find(order.begin(), order.end(), instant.name) == order.end()) order.push_back(instant.name);
         shots.push_back({run.name, instant.name, std::move(scene)});
       }
+      add_damage(frames, run.name, shots, order);
     } catch (const std::exception&) {
     }
     drawn += shots.size() > before ? 1 : 0;
@@ -108,7 +142,8 @@ std::string pictures(const std::vector<Recorded>& runs, const std::vector<double
   }
   std::string body =
       "<p>Water by pressure, structure by von Mises stress where the solver gives it. The pictures of one "
-      "instant share their colours; each shows the frame next to the time it is named after.</p>\n";
+      "instant share their colours; each shows the frame next to the time it is named after, around a body "
+      "that is small in its tank.</p>\n";
   if (runs.size() > most_runs)
     body += fmt::format("<p>The first {} runs are drawn; <code>strake picture</code> draws any.</p>\n",
                         most_runs);
@@ -120,6 +155,7 @@ std::string pictures(const std::vector<Recorded>& runs, const std::vector<double
       drawing.width = 600;
       drawing.ratio = 1.6;
       drawing.field = "pressure";
+      drawing.view = around_body(shot.scene);
       const auto& [water, solid] = ranges[instant];
       if (!water.empty()) drawing.range = water;
       if (!solid.empty()) drawing.solid_range = solid;

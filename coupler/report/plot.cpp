@@ -13,7 +13,7 @@
 namespace strake::report {
 namespace {
 
-constexpr double width = 480, height = 300, left = 66, right = 14, top = 14, bottom = 46;
+constexpr double width = 480, height = 300, right = 14, top = 14, bottom = 46;
 constexpr int styles = 8;  // that the page's style sheet knows
 
 /// One direction of a plot: from values to pixels, with its ticks.
@@ -132,12 +132,12 @@ void draw_axes(std::string& svg, const Axis& x, const Axis& y) {
     svg += fmt::format(
         "<path class=\"grid\" d=\"M{0} {1:.1f}H{2}\"/><text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5}"
         "</text>\n",
-        left, at, width - right, left - 6, at + 4.5, text);
+        x.from, at, width - right, x.from - 6, at + 4.5, text);
   }
   svg +=
-      fmt::format("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>\n", left, top, height - bottom, width - right);
+      fmt::format("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>\n", x.from, top, height - bottom, width - right);
   svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                     0.5 * (left + width - right), height - 8, escape(x.name));
+                     0.5 * (x.from + width - right), height - 8, escape(x.name));
   svg +=
       fmt::format("<text transform=\"translate(15 {:.1f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
                   0.5 * (top + height - bottom), escape(y.name));
@@ -198,10 +198,13 @@ std::string figure(const Plot& plot) {
   Axis x = axis(log ? x_lo / 1.15 : x_lo, log ? x_hi * 1.15 : x_hi, log, plot.x_name, plot.x_unit);
   Axis y = axis(log ? y_lo / factor : y_lo - room, log ? y_hi * factor : y_hi + room, log, plot.y_name,
                 plot.y_unit);
-  x.from = left;
-  x.to = width - right;
   y.from = height - bottom;
   y.to = top;
+  std::size_t longest = 0;  // tick, in letters
+  for (const auto& [value, text] : y.ticks(6)) longest = std::max(longest, text.size());
+  const double left = std::max(58.0, 32 + 8.5 * static_cast<double>(longest));
+  x.from = left;
+  x.to = width - right;
 
   std::string svg = fmt::format(
       "<svg class=\"plot\" viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n<title>{2}</title>\n",

@@ -160,6 +160,13 @@ void read_summary(const Json& summary, Recorded& run) {
     }
   if (checks.is_object())
     for (const auto& [name, value] : checks.items()) run.checks.emplace_back(name, number_of(checks, name));
+  const Json& failure = member(summary, "failure");
+  run.failure_energy = number_of(failure, "energy");
+  if (failure.is_object())
+    for (const auto& [name, event] : failure.items())
+      if (event.is_object() || event.is_null())
+        run.failure.push_back({name, number_of(event, "time"), number_of(event, "x"), number_of(event, "y"),
+                               number_of(event, "z")});
   for (const Json& entry : member(summary, "compare")) {
     if (!entry.is_object()) continue;
     Judged judged = {.probe = string_of(entry, "probe"),

@@ -32,6 +32,12 @@ struct Judged {
   std::optional<double> deviation() const;  // as Verdict::deviation
 };
 
+/// One line of summary.json's "failure": when and where, in the reference configuration.
+struct FailureEvent {
+  std::string name;
+  std::optional<double> time, x, y, z;
+};
+
 /// A run folder as it lies on disk, whole or not: what cannot be read is said in `problems`, and the rest
 /// still shows.
 struct Recorded {
@@ -51,6 +57,8 @@ struct Recorded {
   std::vector<ProbeResult> probes;
   std::vector<std::pair<std::string, std::optional<double>>> checks;
   std::vector<Judged> compare;
+  std::vector<FailureEvent> failure;
+  std::optional<double> failure_energy;
   Table history;
 
   const ProbeResult* probe(const std::string& name) const;

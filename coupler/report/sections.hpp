@@ -19,6 +19,8 @@ std::string pictures(const std::vector<Recorded>&, const std::vector<double>& at
 std::string histories(const std::vector<Recorded>&);
 /// Every metric of every probe with a column for each reference, its kind and the deviation from it.
 std::string metrics(const std::vector<Recorded>&);
+/// Where and when structures that may fail began to.
+std::string failures(const std::vector<Recorded>&);
 std::string checks(const std::vector<Recorded>&);
 std::string how_to_run_again(const std::vector<Recorded>&);
 

@@ -81,7 +81,8 @@ std::string probes(const Recorded& run, const View& view) {
     depth = label.at.x - half < free_from ? depth + 18 : 0;
     free_from = label.at.x + half;
     const double x = std::clamp(label.at.x, edge + 6 + half, width - edge - 6 - half);
-    const double y = std::min(label.at.y + 34 + depth, view.height - edge - 6);
+    const double lowest = view.height - edge - 6;
+    const double below = label.at.y + 34 + depth, y = below > lowest ? lowest - depth : below;
     svg += fmt::format(
         "<path class=\"leader\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>"
         "<circle class=\"probe\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"/>\n",
