@@ -96,9 +96,10 @@ std::string page_of_study(const std::filesystem::path& folder, const std::vector
   const std::string title = study.title.empty() ? study.name.empty() ? "study" : study.name : study.title;
   return report::page(title, lead,
                       report::study_summary(study) + report::study_claims(study) +
-                          report::study_checks(study) + report::drawing_of_case(drawn) +
-                          report::study_histories(study, runs) + report::study_convergence(study) +
-                          report::pictures(drawn, at) + report::study_runs(study, runs));
+                          report::study_checks(study) + report::failures(recorded_runs(study, runs)) +
+                          report::drawing_of_case(drawn) + report::study_histories(study, runs) +
+                          report::study_convergence(study) + report::pictures(drawn, at) +
+                          report::study_runs(study, runs));
 }
 
 }  // namespace

@@ -221,7 +221,7 @@ std::string failures(const std::vector<Recorded>& runs) {
       if (std::find(names.begin(), names.end(), event.name) == names.end()) names.push_back(event.name);
   if (names.empty()) return {};
   const std::map<std::string, std::string> words_of = {
-      {"start", "strength reached"}, {"crack", "first crack"}, {"parted", "torn through"}};
+      {"start", "strength reached"}, {"crack", "first bond or cell broken"}, {"parted", "in two pieces"}};
   HtmlTable table("When and where");
   std::vector<std::string> head = {"event"};
   for (const Recorded& run : runs) head.push_back(run.name);

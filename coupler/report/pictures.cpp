@@ -10,6 +10,7 @@
 #include "coupler/report/base64.hpp"
 #include "coupler/report/html.hpp"
 #include "coupler/report/sections.hpp"
+#include "proto/error.hpp"
 
 namespace strake::report {
 namespace {
@@ -162,7 +163,7 @@ std::string pictures(const std::vector<Recorded>& runs, const std::vector<double
       const std::string caption =
           fmt::format("{}: {}, t = {}", shot.run, instant, quantity(shot.scene.time, "s"));
       body += fmt::format(
-          "<figure>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"picture: {0}\"><img "
+          "<figure>\n<div class=\"scroll\"><img "
           "alt=\"{0}\" "
           "src=\"data:image/png;base64,{1}\"></div>\n<figcaption>{0}</figcaption>\n</figure>\n",
           escape(caption), base64(picture::draw(shot.scene, drawing, picture::Canvas::Kind::png)));

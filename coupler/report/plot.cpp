@@ -236,7 +236,7 @@ std::string figure(const Plot& plot) {
                          series.style % styles, x(series.marker->time), y(series.marker->value));
   svg += "</svg>";
   return fmt::format(
-      "<figure>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"plot: {0}\">"
+      "<figure>\n<div class=\"scroll\">"
       "{1}</div>\n<figcaption><strong>{0}</strong>{2}</figcaption>\n</figure>\n",
       escape(plot.title), svg, legend(plot));
 }

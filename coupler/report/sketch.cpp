@@ -229,9 +229,8 @@ std::string sketch(const Recorded& run, const picture::Scene* start) {
   if (!said.empty()) caption += ", supports: " + said;
   caption += ". Dots: probes.";
   return fmt::format(
-      "<figure class=\"wide\">\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"sketch of "
-      "the "
-      "case\"><svg class=\"sketch\" viewBox=\"0 0 {0:.0f} {1:.0f}\" role=\"img\" "
+      "<figure class=\"wide\">\n<div class=\"scroll\"><svg class=\"sketch\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
+      "role=\"img\" "
       "aria-label=\"{2}\">\n<title>{2}"
       "</title>\n{3}</svg></div>\n<figcaption>{2}</figcaption>\n</figure>\n",
       width, view.height, escape(caption), svg);

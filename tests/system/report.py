@@ -207,6 +207,18 @@ def damaged_runs(place, run):
     expect(nothing.returncode == 3 and "run.json" in nothing.stderr, f"report of no run is refused: {nothing.returncode}")
 
 
+def failure_is_told(place, run):
+    copy = place / "runs" / "failed plate"
+    shutil.copytree(run, copy)
+    summary = json.loads((copy / "summary.json").read_text())
+    summary["failure"] = {"start": {"time": 1.95e-3, "x": -0.2, "y": 0.0321, "z": 0}, "crack": None, "parted": None, "energy": 12.75}
+    (copy / "summary.json").write_text(json.dumps(summary))
+    strake("report", copy, "-o", "failure.html", cwd=place)
+    page = read_page(place / "failure.html")
+    expect(all(has(page, v) for v in (1.95e-3, -0.2, 0.0321, 12.75)) and "strength reached" in page.words,
+           "where and when a structure fails, and what that released")
+
+
 def report_of_study(place, runs):
     study = {"title": "two solvers", "study": "study_plate", "file": "cases/study_plate.toml", "case": "plate_entry.toml",
              "commands": ["strake study cases/study_plate.toml"],
@@ -255,5 +267,6 @@ with folder() as place:
     report_of_runs(place, runs)
     names_are_escaped(place, runs[0])
     damaged_runs(place, runs[0])
+    failure_is_told(place, runs[0])
     report_of_study(place, runs)
 finish()
