@@ -88,6 +88,9 @@ class Spawn {
                                      O_WRONLY | O_CREAT | O_APPEND | (keep ? 0 : O_TRUNC), 0644);
   }
   void copy(int from, int to) { posix_spawn_file_actions_adddup2(&files_, from, to); }
+  void change_folder(const std::filesystem::path& folder) {
+    posix_spawn_file_actions_addchdir_np(&files_, folder.c_str());
+  }
 
   pid_t run(const std::filesystem::path& program, const std::vector<std::string>& arguments,
             const std::map<std::string, std::string>& environment) const {
@@ -213,10 +216,11 @@ std::filesystem::path find_program(const std::string& name, const std::filesyste
   std::istringstream folders(path ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');)
     if (runnable(fs::path(folder) / name)) return fs::absolute(fs::path(folder) / name);
-  throw Error(
-      ExitCode::case_file, name,
-      fmt::format("no such program beside {} or on PATH", beside.parent_path().string()),
-      name == "strake-structure-fem" ? "install libdeal.ii-dev and build again" : "build it: ninja programs");
+  throw Error(ExitCode::case_file, name,
+              fmt::format("no such program beside {} or on PATH", beside.parent_path().string()),
+              name == "strake-structure-fem" || name == "strake-structure-ccx"
+                  ? "install libdeal.ii-dev and build again"
+                  : "build it: ninja programs");
 }
 
 std::string to_text(const Exit& exit) {
@@ -232,6 +236,7 @@ Child::Child(const Launch& launch) {
   Spawn spawn;
   spawn.open(1, launch.log.empty() ? "/dev/null" : launch.log, launch.keep_log);
   spawn.copy(1, 2);
+  if (!launch.folder.empty()) spawn.change_folder(launch.folder);
   pid_ = spawn.run(launch.program, launch.arguments, environment);
   owned().insert(pid_);
 }

@@ -27,6 +27,7 @@ struct Launch {
   int threads = 1;                                 // OMP_NUM_THREADS
   std::map<std::string, std::string> environment;  // added to (and replacing) that of this process
   bool keep_log = false;                           // go on behind what the log holds
+  std::filesystem::path folder = {};               // its current folder; empty: that of this process
 };
 
 /// What every solver gets beside the environment of this process, so that it computes the same everywhere.

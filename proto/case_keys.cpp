@@ -58,8 +58,8 @@ CommonKeys read_common(CaseFile& file) {
   fluid.choice("solver", keys.fluid_solver, {"mps", "replay", "none"},
                {.or_path = true, .help = "which program solves the fluid"});
   CaseTable structure = root.table("structure", "the structure: its shape, its material, its solver");
-  structure.choice("solver", keys.structure_solver, {"fem", "particle", "rigid", "replay", "none"},
-                   {.or_path = true, .not_built = {"ccx"}, .help = "which program solves the structure"});
+  structure.choice("solver", keys.structure_solver, {"fem", "particle", "ccx", "rigid", "replay", "none"},
+                   {.or_path = true, .help = "which program solves the structure"});
 
   CaseTable coupling = root.table("coupling", "how the two are coupled");
   coupling.choice(

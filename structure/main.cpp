@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   };
   program.picture = [&](CaseFile&) { return structure::picture(*solver.build(parameters), parameters); };
   program.build = [&](CaseFile&, const ParticipantOptions&, const Setup& setup) {
+    parameters.run_folder = setup.run_folder;
     return std::make_unique<structure::StructureParticipant>(solver.build(parameters), parameters, common,
                                                              setup);
   };

@@ -86,6 +86,46 @@ void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
            {.min = 0, .max = 1, .exclusive = true, .help = "sub-step over the elastic limit"});
 }
 
+void read_ccx(CaseTable t, CalculixKeys& ccx) {
+  t.choice(
+      "calls", ccx.calls,
+      {{"auto", CalculixCalls::automatic}, {"window", CalculixCalls::window}, {"once", CalculixCalls::once}},
+      {.help = "window: CalculiX is started for each window and goes on from its restart file; once: for a "
+               "whole run whose load is known beforehand; auto: once where fluid.solver is replay or none"});
+  t.number(
+      "answer_within", ccx.answer_within,
+      {.unit = "s", .min = 0, .exclusive = true, .help = "wall clock that CalculiX has for an increment"});
+}
+
+/// What the coupler's tables and the fluid's say of the load that will come.
+void read_load_to_come(CaseFile& file, const CommonKeys& common, Parameters& p) {
+  p.fluid_none = common.fluid_solver == "none";
+  p.end_time = common.end_time;
+  p.window = common.window;
+  p.output_every = common.output_every;
+  p.probes = common.probes;
+  if (common.fluid_solver != "replay" || p.kind != "ccx") return;
+  std::string run;
+  file.root()
+      .table("fluid")
+      .table("replay", "fluid.solver = replay")
+      .text("run", run, {.help = "run folder whose recorded interface force is played back"});
+  if (!run.empty()) p.load_run = file.folder() / run;
+}
+
+void check_ccx(CaseTable structure, Parameters& p) {
+  CaseTable t = structure.table("ccx");
+  const bool known = p.fluid_none || !p.load_run.empty();
+  if (p.ccx.calls == CalculixCalls::automatic)
+    p.ccx.calls = known ? CalculixCalls::once : CalculixCalls::window;
+  if (p.ccx.calls == CalculixCalls::once && !known)
+    throw t.error("calls", "window: the load of a computed fluid is not known beforehand",
+                  "strake replay RUN --onto CASE --set structure.solver=ccx takes a recorded one");
+  if (p.fem.rho_infinity != 1)
+    throw structure.table("fem").error("rho_infinity", "1: CalculiX steps with Newmark 1/4-1/2 here",
+                                       "leave rho_infinity out, or structure.solver = \"fem\"");
+}
+
 void read_failure(CaseTable t, FailureKeys& failure) {
   t.choice(
       "criterion", failure.criterion,
@@ -271,6 +311,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
                           "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
   if (p.load.kind == LoadKind::traction) check_face(structure.table("load"), p);
   if (p.kind == "particle") check_lattice(structure, common, p);
+  if (p.kind == "ccx") check_ccx(structure, p);
   check_failure(structure.table("failure"), p);
   check_probes(file, common, p);
 }
@@ -285,6 +326,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   Parameters p;
   p.kind = kind;
   read_shared(file, common, p);
+  read_load_to_come(file, common, p);
 
   CaseTable t = file.root().table("structure");
   t.vector("velocity", p.velocity,
@@ -311,8 +353,9 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   CaseTable damping = t.table("damping", "Rayleigh");
   damping.number("mass", p.damping.mass, {.unit = "1/s", .min = 0, .help = "mass-proportional"});
   damping.number("stiffness", p.damping.stiffness, {.unit = "s", .min = 0, .help = "stiffness-proportional"});
-  read_fem(t.table("fem", "structure.solver = fem"), p.fem);
+  read_fem(t.table("fem", "structure.solver = fem or ccx"), p.fem);
   read_particle(t.table("particle", "structure.solver = particle"), p.particle, common.interface == "volume");
+  read_ccx(t.table("ccx", "structure.solver = ccx: CalculiX on the mesh of structure.fem"), p.ccx);
   read_failure(t.table("failure", "what breaks a body"), p.failure);
   CaseTable replay = t.table("replay", "structure.solver = replay");
   std::string run;

@@ -103,10 +103,18 @@ struct InitialVelocity {
   Eigen::Index along = 0;  // axis of that coordinate
 };
 
+/// How often CalculiX is called: for each window, going on from its restart file, or once for a whole run
+/// whose load is known beforehand.
+enum class CalculixCalls { automatic, window, once };
+struct CalculixKeys {
+  CalculixCalls calls = CalculixCalls::automatic;
+  double answer_within = 600;  // [s] of wall clock for an increment
+};
+
 /// Everything a structure solver needs; knows nothing of TOML beyond `read`.
 struct Parameters {
   int dimension = 2;
-  std::string kind = "fem";           // the running program: fem | particle | rigid | replay
+  std::string kind = "fem";           // the running program: fem | particle | ccx | rigid | replay
   std::string interface = "surface";  // surface | volume
   double fluid_density = 1000;        // [kg/m^3] for the contact pressure ½ρV²
   double fluid_spacing = 0.01;        // [m]
@@ -132,7 +140,13 @@ struct Parameters {
   FemKeys fem;
   ParticleKeys particle;
   FailureKeys failure;
-  std::filesystem::path replay_run;  // structure.replay.run
+  CalculixKeys ccx;
+  std::filesystem::path replay_run;                   // structure.replay.run
+  std::filesystem::path load_run;                     // fluid.replay.run: whose recorded load comes
+  bool fluid_none = false;                            // fluid.solver = "none"
+  double end_time = 0, window = 0, output_every = 0;  // [s]
+  std::vector<ProbeKeys> probes;
+  std::filesystem::path run_folder;  // of the run; empty: nothing stays
   int threads = 2;
 };
 

@@ -136,7 +136,7 @@ void StructureParticipant::follow(const Window& window) {
       record.add(window.t, state_.time, value[axis]);
     }
   }
-  if (analysis_ != Analysis::dynamic) return;
+  if (analysis_ != Analysis::dynamic || !solver_->follows_work()) return;
   const Energy energy = solver_->energy();
   state_.energy_scale = std::max({state_.energy_scale, total(energy), std::abs(energy.external)});
   if (state_.energy_scale > 0)
@@ -186,7 +186,8 @@ Advanced StructureParticipant::finish() {
     monitor[frequency_name(i)] = state_.frequencies[i];
     monitor[frequency_name(i) + ":final"] = state_.frequencies[i];
   }
-  if (analysis_ == Analysis::dynamic) monitor["check.structure_energy_drift"] = state_.drift;
+  if (analysis_ == Analysis::dynamic && solver_->follows_work())
+    monitor["check.structure_energy_drift"] = state_.drift;
   monitor["count.steps"] = static_cast<double>(steps_);
   monitor["count.steps_committed"] = solver_->steps();
   monitor["seconds.step"] = seconds_;

@@ -15,7 +15,7 @@ namespace strake::structure {
 /// What tells one structure program from another. main.cpp is the same in all of them; each links the one
 /// file that defines `this_program`.
 struct SolverProgram {
-  std::string kind;  // "fem" | "particle" | "rigid" | "replay"
+  std::string kind;  // "fem" | "particle" | "ccx" | "rigid" | "replay"
   std::function<std::unique_ptr<Solver>(const Parameters&)> build;
   /// Of a solver with a mesh that other programs can take.
   std::function<deck::Model(const Parameters&, const std::vector<ProbeKeys>&)> model = nullptr;

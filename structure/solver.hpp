@@ -56,6 +56,8 @@ class Solver {
   virtual bool sends_velocity() const = 0;
   virtual double stable_dt() const = 0;  // [s]; infinity if implicit
   virtual Energy energy() const = 0;
+  /// Whether `external` holds all work, so that energies balance.
+  virtual bool follows_work() const { return true; }
   virtual int steps() const = 0;  // own steps so far
   /// Displacement [m] and velocity [m/s] of the material point that was at X.
   virtual Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const = 0;

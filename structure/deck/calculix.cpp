@@ -11,6 +11,7 @@ namespace {
 
 using Buffer = fmt::memory_buffer;
 constexpr std::array<char, 3> axis_letter = {'X', 'Y', 'Z'};
+constexpr int n_modes = 9;  // three beside the six rigid motions of a free body
 
 template <class... Values>
 void put(Buffer& out, fmt::format_string<Values...> text, Values&&... values) {
@@ -91,16 +92,54 @@ void put_gravity(Buffer& out, const Model& m, bool by_amplitude) {
       g, along.x(), along.y(), along.z());
 }
 
-void put_output(Buffer& out, const Model& m, bool whole_field) {
+/// Fields come out in the nodes that went in: plane elements are solids inside.
+void put_output(Buffer& out, const Model& m, bool whole_field, const std::optional<Wanted>& wanted) {
+  if (wanted) {
+    const bool dynamic = m.analysis == Analysis::dynamic;
+    put(out, "*NODE PRINT, NSET=WANTED\nU{0}\n*EL PRINT, ELSET=BODY, TOTALS=ONLY\nELSE{1}\n",
+        dynamic ? ",V" : "", dynamic ? ",ELKE" : "");
+    put(out, "*NODE FILE{0}, FREQUENCY={1}\nU{2}\n*EL FILE{0}, FREQUENCY={1}\nS\n",
+        m.dimension == 2 ? ", OUTPUT=2D" : "", wanted->field_every, dynamic ? ",V" : "");
+    return;
+  }
   if (!m.probe.empty()) put(out, "*NODE PRINT, NSET=PROBES\nU\n");
   if (whole_field) put(out, "*NODE FILE\nU\n");
 }
+
+void put_set(Buffer& out, const std::string& name, const std::vector<int>& nodes) {
+  put(out, "*NSET, NSET={}\n", name);
+  for (const int node : nodes) put(out, "{}\n", node + 1);
+}
+
+std::vector<int> probe_nodes(const Model& m) {
+  std::vector<int> nodes;
+  for (Eigen::Index p = 0; p < m.probe_weights.outerSize(); ++p)
+    for (Weights::InnerIterator it(m.probe_weights, p); it; ++it) nodes.push_back(static_cast<int>(it.col()));
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+/// A plane element's node that carries no force has its velocity written as zero: it hangs on the nodes of
+/// the solid inside, and only those of loaded nodes are tied back. A force of zero ties it.
+void put_zero_forces(Buffer& out, const Model& m, const std::vector<int>& loaded) {
+  if (m.dimension == 3) return;
+  put(out, "*CLOAD\n");
+  for (int i = 0; i < m.dimension * m.n_nodes(); ++i)
+    if (!std::binary_search(m.fixed.begin(), m.fixed.end(), i) &&
+        !std::binary_search(loaded.begin(), loaded.end(), i))
+      put(out, "{},{},0.\n", i / m.dimension + 1, i % m.dimension + 1);
+}
+
+// The programs' own tolerance, half a per cent of the mean force in each increment, would add up.
+constexpr const char* strict_convergence = "*CONTROLS, PARAMETERS=FIELD\n1.e-6,1.e-3\n";
 
 bool linear(const Model& m) {
   return m.parts.front().material.model == MaterialModel::linear;
 }
 
-void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history) {
+void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history,
+                  const std::optional<Wanted>& wanted) {
   const double thickness = plane_thickness(m, true);
   for (std::size_t row = 0; row < history.unknown.size(); ++row)
     put_amplitude(out, amplitude_name(m, history.unknown[row]), history.time, [&](std::size_t k) {
@@ -113,25 +152,60 @@ void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history) {
   double begin = 0;
   for (const Stretch& stretch : stretches(history)) {
     put(out, "**\n*STEP, INC={}{}\n", stretch.windows + 10, linear(m) ? "" : ", NLGEOM");
-    // The programs' own tolerance, half a per cent of the mean force in each increment, would add up.
-    put(out, "*CONTROLS, PARAMETERS=FIELD\n1.e-6,1.e-3\n");
+    put(out, "{}", strict_convergence);
     put(out, "*DYNAMIC, DIRECT, ALPHA=0.\n{:.12g},{:.12g}\n", stretch.dt, stretch.end - begin);
     if (first) {
       for (const int unknown : history.unknown)
         put(out, "*CLOAD, AMPLITUDE={}\n{},{},1.\n", amplitude_name(m, unknown), unknown / m.dimension + 1,
             unknown % m.dimension + 1);
+      if (wanted) put_zero_forces(out, m, history.unknown);
       put_gravity(out, m, true);
     }
-    put_output(out, m, false);
+    put_output(out, m, false, wanted);
     put(out, "*END STEP\n");
     begin = stretch.end;
     first = false;
   }
 }
 
+void put_body(Buffer& out, const Model& m, const std::optional<Wanted>& wanted) {
+  put_mesh(out, m);
+  put_materials(out, m);
+  put_supports(out, m);
+  if (wanted)
+    put_set(out, "WANTED", wanted->node);
+  else if (!m.probe.empty())
+    put_set(out, "PROBES", probe_nodes(m));
+}
+
 }  // namespace
 
-std::string calculix(const Model& m, const std::optional<LoadHistory>& history, const Story& story) {
+std::string calculix_window(const Model& m, const Wanted& wanted, const WindowLoad& load) {
+  require_plain_materials(m);
+  Buffer out;
+  if (load.windows_before == 0)
+    put_body(out, m, wanted);
+  else
+    put(out, "*RESTART, READ, STEP={}\n", load.windows_before);
+  put(out, "*STEP, INC=10, AMPLITUDE=STEP{}\n{}", linear(m) ? "" : ", NLGEOM", strict_convergence);
+  put(out, "*DYNAMIC, DIRECT, ALPHA=0.\n{0:.15g},{0:.15g}\n*RESTART, WRITE, FREQUENCY=1\n", load.dt);
+  const double thickness = plane_thickness(m, true);
+  put(out, "*CLOAD, OP=NEW\n");
+  for (int i = 0; i < static_cast<int>(load.force.size()); ++i)
+    if (!std::binary_search(m.fixed.begin(), m.fixed.end(), i) && (m.dimension == 2 || load.force(i) != 0))
+      put(out, "{},{},{:.12e}\n", i / m.dimension + 1, i % m.dimension + 1, thickness * load.force(i));
+  if (const double g = load.gravity * m.gravity.norm(); g != 0) {
+    const Eigen::Vector3d along = m.gravity.normalized();
+    put(out, "*DLOAD, OP=NEW\nBODY,GRAV,{:.12g},{:.12g},{:.12g},{:.12g}\n", g, along.x(), along.y(),
+        along.z());
+  }
+  put_output(out, m, false, wanted);
+  put(out, "*END STEP\n");
+  return fmt::to_string(out);
+}
+
+std::string calculix(const Model& m, const std::optional<LoadHistory>& history, const Story& story,
+                     const std::optional<Wanted>& wanted) {
   require_plain_materials(m);
   Buffer out;
   put(out,
@@ -145,27 +219,16 @@ std::string calculix(const Model& m, const std::optional<LoadHistory>& history, 
         thickness);
     put(out, "{}\n", thickness == 1 ? "" : ": all forces are multiplied by it");
   }
-  put_mesh(out, m);
-  put_materials(out, m);
-  put_supports(out, m);
-  if (!m.probe.empty()) {
-    put(out, "*NSET, NSET=PROBES\n");
-    std::vector<Eigen::Index> nodes;
-    for (Eigen::Index p = 0; p < m.probe_weights.outerSize(); ++p)
-      for (Weights::InnerIterator it(m.probe_weights, p); it; ++it) nodes.push_back(it.col() + 1);
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    for (const Eigen::Index node : nodes) put(out, "{}\n", node);
-  }
+  put_body(out, m, wanted);
   if (history) {
-    put_dynamics(out, m, *history);
+    put_dynamics(out, m, *history, wanted);
   } else if (m.analysis == Analysis::modal) {
-    put(out, "*STEP\n*FREQUENCY\n6\n*NODE FILE\nU\n*END STEP\n");
+    put(out, "*STEP\n*FREQUENCY\n{}\n{}*END STEP\n", n_modes, wanted ? "" : "*NODE FILE\nU\n");
   } else {
     put(out, "*STEP{}\n*STATIC\n", linear(m) ? "" : ", NLGEOM");
     put_own_load(out, m, plane_thickness(m, true));
     put_gravity(out, m, false);
-    put_output(out, m, true);
+    put_output(out, m, true, wanted);
     put(out, "*END STEP\n");
   }
   return fmt::to_string(out);

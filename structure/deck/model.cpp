@@ -169,6 +169,7 @@ Model with_edge_nodes(Model old) {
   }
   model.interface = old.interface * from_old;
   model.probe_weights = old.probe_weights * from_old;
+  if (old.node_mass.size() > 0) model.node_mass = from_old.transpose() * old.node_mass;
   model.own_load = Eigen::VectorXd::Zero(model.dimension * model.node.cols());
   for (Eigen::Index row = 0; row < from_old.outerSize(); ++row)
     for (Weights::InnerIterator it(from_old, row); it; ++it)

@@ -40,7 +40,8 @@ struct Model {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();           // [m/s²]
   double gravity_ramp = 0;                                     // [s], see structure::ramp_factor
   Eigen::VectorXd own_load;                                    // [N] of [structure.load] at full value
-  double own_load_ramp = 0;                                    // [s]
+  Eigen::VectorXd node_mass;  // n [kg] ∫ρN, where the mesh's own program made the model: in no archive
+  double own_load_ramp = 0;   // [s]
   Damping damping;
 
   int n_nodes() const { return static_cast<int>(node.cols()); }

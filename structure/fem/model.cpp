@@ -1,6 +1,7 @@
 #include "structure/fem/model.hpp"
 
 #include "proto/error.hpp"
+#include "structure/fem/assembly.hpp"
 #include "structure/fem/mesh.hpp"
 #include "structure/surface.hpp"
 
@@ -78,6 +79,9 @@ deck::Model model_of(const Parameters& p, const std::vector<ProbeKeys>& probes) 
     for (const auto& [node, weight] : discretisation.shape_values(p.load.at))
       m.own_load.segment<dim>(dim * node) += weight * p.load.value.head<dim>();
   }
+  const Eigen::VectorXd mass =
+      Assembly<dim>(mesh, solid.parts).mass() * Eigen::VectorXd::Ones(mesh.n_unknowns());
+  m.node_mass = mass(Eigen::seqN(0, mesh.n_nodes(), dim));
   return deck::with_edge_nodes(std::move(m));
 }
 

@@ -32,7 +32,8 @@ for path in sorted(root.glob("*/**/*.[ch]pp")):
             problems.append(f"{where}; proto depends on nothing of ours")
         if name.startswith("zmq") and path.relative_to(root).as_posix() not in transport:
             problems.append(f"{where}; only coupler/link.cpp, its parts and its doorkeeper speak ZeroMQ")
-        core = part in ("fluid", "structure") and path.name not in outside_core
+        # A program of its own that starts another one.
+        core = part in ("fluid", "structure") and path.name not in outside_core and path.parent.name != "ccx"
         if core and name.startswith(("coupler/", "proto/result_file", "proto/case_file", "proto/wire", "proto/coupling",
                                      "proto/history", "hdf5", "toml++", "google/protobuf", "thread")):
             problems.append(f"{where}; a core knows Eigen and proto's values alone")

@@ -28,7 +28,10 @@ CASES = [
      ["volume", "particle"]),
     ("a missing file", 'kind = "theory"\nsource = "VALIDATION A: potential',
      'file = "reference/none.csv"\nkind = "theory"\nsource = "VALIDATION A: potential', 3, ["none.csv"]),
-    ("a feature not built", 'solver = "fem"', 'solver = "ccx"', 3, ["ccx", "not built"]),
+    ("one call of CalculiX for a load that is not known", 'solver = "fem"', 'solver = "ccx"\nccx = { calls = "once" }', 3,
+     ["structure.ccx.calls", "window", "replay"]),
+    ("CalculiX in volume coupling", 'solver = "fem"', 'solver = "ccx"\n[coupling]\ninterface = "volume"\n[structure.fem]', 3,
+     ["volume", "particle"]),
 ]
 
 with folder() as place:

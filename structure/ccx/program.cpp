@@ -1,0 +1,25 @@
+#include "structure/program.hpp"
+
+#include "structure/ccx/by_window.hpp"
+#include "structure/ccx/once.hpp"
+#include "structure/fem/model.hpp"
+
+namespace strake::structure {
+namespace {
+
+std::unique_ptr<Solver> build(const Parameters& p) {
+  ccx::installed_program();  // before the mesh, which takes longer
+  deck::Model model = fem::model(p, p.probes);
+  if (p.ccx.calls != CalculixCalls::once || p.analysis != Analysis::dynamic)
+    return std::make_unique<ccx::ByWindow>(p, std::move(model));
+  const InterfaceRecord record = p.load_run.empty() ? ccx::no_load(p) : read_interface_record(p.load_run);
+  return std::make_unique<ccx::Once>(p, std::move(model), record);
+}
+
+}  // namespace
+
+SolverProgram this_program() {
+  return {"ccx", &build, &fem::model};
+}
+
+}  // namespace strake::structure

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace strake::structure::ccx {
+
+/// The program; throws Error(case_file) that names the package where it is not installed.
+std::filesystem::path installed_program();
+/// "2.20"; empty where it does not say.
+std::string installed_version();
+
+/// Starts CalculiX on decks in a folder of its own, which goes with it; after a failure it stays to be looked
+/// at.
+class Runner {
+ public:
+  /// `run_folder`: its folder is run_folder/ccx; without one a temporary one.
+  Runner(std::filesystem::path run_folder, int threads, double answer_within);
+  ~Runner();
+  Runner(const Runner&) = delete;
+  Runner& operator=(const Runner&) = delete;
+
+  /// Runs a deck to its end; `restart`: the content of the restart file that it reads, if any. `what` says in
+  /// an error what was computed. Throws Error(solver_fault) with the last lines of CalculiX when it fails or
+  /// needs longer for an increment than it may; Error(cannot_write) without room on the disk.
+  void run(const std::string& deck, const std::string& restart, std::size_t increments,
+           const std::string& what);
+  /// Files of the last run: "dat", "frd", "rout".
+  std::filesystem::path file(const std::string& extension) const;
+  /// All bytes of one of them; fails like `run` where it is missing or empty.
+  std::string content(const std::string& extension, const std::string& what);
+  /// For a run that ended well and left less than it was asked for.
+  [[noreturn]] void fail(const std::string& what, const std::string& problem);
+
+ private:
+  void prepare();
+  void write(const std::string& name, const std::string& bytes);
+
+  std::filesystem::path run_folder_, folder_;
+  int threads_;
+  double answer_within_;  // [s]
+  bool keep_ = false;
+};
+
+}  // namespace strake::structure::ccx
