@@ -93,13 +93,21 @@ void put_gravity(Buffer& out, const Model& m, bool by_amplitude) {
 }
 
 /// Fields come out in the nodes that went in: plane elements are solids inside.
+void put_field_output(Buffer& out, const Model& m) {
+  const bool dynamic = m.analysis == Analysis::dynamic;
+  put(out, "*NODE FILE{0}\nU{1}\n*EL FILE{0}\nS\n", m.dimension == 2 ? ", OUTPUT=2D" : "",
+      dynamic ? ",V" : "");
+}
+
 void put_output(Buffer& out, const Model& m, bool whole_field, const std::optional<Wanted>& wanted) {
   if (wanted) {
     const bool dynamic = m.analysis == Analysis::dynamic;
     put(out, "*NODE PRINT, NSET=WANTED\nU{0}\n*EL PRINT, ELSET=BODY, TOTALS=ONLY\nELSE{1}\n",
         dynamic ? ",V" : "", dynamic ? ",ELKE" : "");
-    put(out, "*NODE FILE{0}, FREQUENCY={1}\nU{2}\n*EL FILE{0}, FREQUENCY={1}\nS\n",
-        m.dimension == 2 ? ", OUTPUT=2D" : "", wanted->field_every, dynamic ? ",V" : "");
+    if (whole_field)
+      put_field_output(out, m);
+    else
+      put(out, "*NODE FILE\n*EL FILE\n");  // none: else those of the step before go on
     return;
   }
   if (!m.probe.empty()) put(out, "*NODE PRINT, NSET=PROBES\nU\n");
@@ -138,6 +146,27 @@ bool linear(const Model& m) {
   return m.parts.front().material.model == MaterialModel::linear;
 }
 
+/// Windows of one length as one or more steps. What is printed and what is written as a field have one
+/// frequency in a step, so a window that ends with fields is a step of its own.
+struct Piece {
+  std::size_t windows = 0;
+  bool fields = false;
+};
+
+std::vector<Piece> pieces(std::size_t windows, std::size_t done, const std::optional<Wanted>& wanted) {
+  const std::size_t every = wanted ? static_cast<std::size_t>(wanted->field_every) : 1;
+  if (every == 1) return {{windows, wanted.has_value()}};
+  std::vector<Piece> list;
+  for (const std::size_t end = done + windows; done < end; done += list.back().windows) {
+    const std::size_t to_field = every - done % every;
+    if (to_field == 1)
+      list.push_back({1, true});
+    else
+      list.push_back({std::min(to_field - 1, end - done), false});
+  }
+  return list;
+}
+
 void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history,
                   const std::optional<Wanted>& wanted) {
   const double thickness = plane_thickness(m, true);
@@ -149,23 +178,24 @@ void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history,
     put_amplitude(out, "GRAVITY", history.time, [&](std::size_t k) { return history.gravity[k]; });
 
   bool first = true;
-  double begin = 0;
-  for (const Stretch& stretch : stretches(history)) {
-    put(out, "**\n*STEP, INC={}{}\n", stretch.windows + 10, linear(m) ? "" : ", NLGEOM");
-    put(out, "{}", strict_convergence);
-    put(out, "*DYNAMIC, DIRECT, ALPHA=0.\n{:.12g},{:.12g}\n", stretch.dt, stretch.end - begin);
-    if (first) {
-      for (const int unknown : history.unknown)
-        put(out, "*CLOAD, AMPLITUDE={}\n{},{},1.\n", amplitude_name(m, unknown), unknown / m.dimension + 1,
-            unknown % m.dimension + 1);
-      if (wanted) put_zero_forces(out, m, history.unknown);
-      put_gravity(out, m, true);
+  std::size_t done = 0;
+  for (const Stretch& stretch : stretches(history))
+    for (const Piece& piece : pieces(stretch.windows, done, wanted)) {
+      put(out, "**\n*STEP, INC={}{}\n", piece.windows + 10, linear(m) ? "" : ", NLGEOM");
+      put(out, "{}*DYNAMIC, DIRECT, ALPHA=0.\n{:.12g},{:.12g}\n", strict_convergence, stretch.dt,
+          static_cast<double>(piece.windows) * stretch.dt);
+      if (first) {
+        for (const int unknown : history.unknown)
+          put(out, "*CLOAD, AMPLITUDE={}\n{},{},1.\n", amplitude_name(m, unknown), unknown / m.dimension + 1,
+              unknown % m.dimension + 1);
+        if (wanted) put_zero_forces(out, m, history.unknown);
+        put_gravity(out, m, true);
+      }
+      put_output(out, m, piece.fields, wanted);
+      put(out, "*END STEP\n");
+      done += piece.windows;
+      first = false;
     }
-    put_output(out, m, false, wanted);
-    put(out, "*END STEP\n");
-    begin = stretch.end;
-    first = false;
-  }
 }
 
 void put_body(Buffer& out, const Model& m, const std::optional<Wanted>& wanted) {
@@ -199,7 +229,7 @@ std::string calculix_window(const Model& m, const Wanted& wanted, const WindowLo
     put(out, "*DLOAD, OP=NEW\nBODY,GRAV,{:.12g},{:.12g},{:.12g},{:.12g}\n", g, along.x(), along.y(),
         along.z());
   }
-  put_output(out, m, false, wanted);
+  put_output(out, m, true, wanted);
   put(out, "*END STEP\n");
   return fmt::to_string(out);
 }
