@@ -138,11 +138,14 @@ Solid read_mesh(const std::filesystem::path& path, int dimension, const Material
       if (const auto found = number.find(n); found != number.end()) key.push_back(found->second);
     std::sort(key.begin(), key.end());
     const auto facet = by_nodes.find(key);
-    if (facet == by_nodes.end())
+    if (facet == by_nodes.end()) {
+      if (const SolidFault fault = fault_of(solid); !fault.problem.empty())  // the reason, perhaps
+        throw wrong(0, fault.problem, fault.fix);
       throw wrong(
           element.line,
           fmt::format("a {} of \"{}\" is no side of a cell at the body's boundary", side, element.group),
           "give physical names to outer sides only");
+    }
     add_to_face(solid, element.group, facet->second);
   }
   for (const auto& [name, members] : text.node_set) {

@@ -308,7 +308,9 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
         "leave structure.free out");
   if (p.analysis == Analysis::statics && !is_held(p))
     throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
-                          "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }");
+                          p.shape.kind == ShapeKind::plate
+                              ? "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }"
+                              : "supports = { left = \"clamped\" } in a structure.box");
   if (p.load.kind == LoadKind::traction) check_face(structure.table("load"), p);
   if (p.kind == "particle") check_lattice(structure, common, p);
   if (p.kind == "ccx") check_ccx(structure, p);

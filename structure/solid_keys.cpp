@@ -185,7 +185,7 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
 
   const std::string key = mesh.empty() ? "box" : "mesh";
   if (const SolidFault fault = fault_of(p.solid); !fault.problem.empty())
-    throw t.error(key, "a body in one piece: " + fault.problem, fault.fix);
+    throw t.error(key, "a sound body: " + fault.problem, fault.fix);
   check_planes(t, p.solid);
   if (p.dimension == 3) return;
   const auto polygons = outer_polygons(p.solid);

@@ -34,24 +34,15 @@ ByWindow::ByWindow(const Parameters& p, deck::Model model) : CalculixSolver(p, s
 }
 
 void ByWindow::begin_at(Now found) {
-  state_ = {.now = std::move(found), .restart = {}, .strain = 0, .kinetic = 0, .external = 0, .steps = 0};
+  state_ = State{};
+  state_.now = std::move(found);
   saved_ = state_;
 }
 
 void ByWindow::advance(double t, double dt, const Load& load) {
-  const Points on_points = load.mean(t, t + dt, interface().position.cols());
   const std::string when = at_time(t + dt);
-  if (!on_points.allFinite())
-    throw Error(ExitCode::solver_fault, "structure (ccx), " + when, "the load on the interface is not finite",
-                "see the fluid's log; lower coupling.surface.window");
-  const int dim = model_.dimension;
-  const double middle = t + dt / 2;
-  const Eigen::MatrixXd nodal = model_.interface.transpose() * on_points.topRows(dim).transpose();
-  deck::WindowLoad window{.windows_before = state_.steps,
-                          .dt = dt,
-                          .force = nodal.transpose().reshaped(),
-                          .gravity = ramp_factor(middle, model_.gravity_ramp)};
-  window.force += ramp_factor(middle, model_.own_load_ramp) * model_.own_load;
+  deck::WindowLoad window = load_of({.t = t, .dt = dt}, load.mean(t, t + dt, interface().position.cols()));
+  window.windows_before = state_.steps;
 
   runner_.run(deck::calculix_window(model_, wanted_, window),
               state_.restart ? *state_.restart : std::string(), 1, when);
@@ -66,13 +57,14 @@ void ByWindow::advance(double t, double dt, const Load& load) {
               .velocity = std::move(printed.front().velocity),
               .body = std::move(fields.back())};
   next.restart = std::make_shared<const std::string>(runner_.content("rout", when));
-  next.strain = printed.front().strain / thickness_;
+  next.printed_strain = printed.front().strain;
+  next.strain = (next.printed_strain - state_.printed_strain) / thickness_;
   next.kinetic = printed.front().kinetic / thickness_;
   next.steps = state_.steps + 1;
   // Loads and gravity work on the way, and the supports give the momentum that their frame hides, V·Δp.
   const Points way = next.now.displacement - state_.now.displacement;
-  const Eigen::Map<const Eigen::MatrixXd> force(window.force.data(), dim, model_.n_nodes());
-  next.external = state_.external + force.cwiseProduct(way.topRows(dim)).sum() +
+  const Eigen::Map<const Eigen::MatrixXd> force(window.force.data(), model_.dimension, model_.n_nodes());
+  next.external = state_.external + force.cwiseProduct(way.topRows(model_.dimension)).sum() +
                   window.gravity * model_.gravity.dot(way * model_.node_mass) +
                   model_.support_velocity.dot(momentum(next.now) - momentum(state_.now));
   state_ = std::move(next);
@@ -96,8 +88,8 @@ void ByWindow::write(Archive& archive) const {
   archive.real["ccx.body.displacement"] = saved_.now.body.displacement;
   archive.real["ccx.body.velocity"] = saved_.now.body.velocity;
   archive.real["ccx.body.von_mises"] = saved_.now.body.von_mises;
-  archive.real["ccx.scalars"] =
-      Eigen::Vector4d(saved_.now.time, saved_.strain, saved_.kinetic, saved_.external);
+  archive.real["ccx.scalars"] = Eigen::Matrix<double, 5, 1>(saved_.now.time, saved_.strain, saved_.kinetic,
+                                                            saved_.external, saved_.printed_strain);
   archive.integer["ccx.steps"] = {saved_.steps};
   archive.integer["ccx.restart"] = as_numbers(saved_.restart ? *saved_.restart : std::string());
 }
@@ -119,11 +111,12 @@ void ByWindow::read(const Archive& archive) {
                    .displacement = real("ccx.body.displacement", 3, n),
                    .velocity = real("ccx.body.velocity", 3, n),
                    .von_mises = real("ccx.body.von_mises", n, 1)};
-  const Eigen::MatrixXd scalars = real("ccx.scalars", 4, 1);
+  const Eigen::MatrixXd scalars = real("ccx.scalars", 5, 1);
   read.now.time = scalars(0);
   read.strain = scalars(1);
   read.kinetic = scalars(2);
   read.external = scalars(3);
+  read.printed_strain = scalars(4);
   read.steps = static_cast<int>(archive.integer.at("ccx.steps").at(0));
   if (std::string bytes = as_bytes(archive.integer.at("ccx.restart")); !bytes.empty())
     read.restart = std::make_shared<const std::string>(std::move(bytes));

@@ -29,6 +29,8 @@ class ByWindow final : public CalculixSolver {
     Now now;
     std::shared_ptr<const std::string> restart;    // CalculiX's file; none at the start
     double strain = 0, kinetic = 0, external = 0;  // [J], kinetic relative to the supports
+    /// CalculiX adds up the strain energies of all steps' ends: the difference of two is the last one's.
+    double printed_strain = 0;  // [J] of the model, as thick as it is
     int steps = 0;
   };
   const Now& now() const override { return state_.now; }

@@ -98,16 +98,20 @@ void Once::require_known(double t, double dt, const Load& load) const {
 }
 
 void Once::compute() {
-  const deck::LoadHistory history = deck::nodal_history(model_, windows_, force_);
-  const std::string what = fmt::format("all {} windows to {:.6g} s", windows_.size(), history.end());
-  runner_.run(deck::calculix(model_, history, story(), wanted_), {}, windows_.size(), what);
+  std::vector<deck::WindowLoad> loads;
+  for (std::size_t w = 0; w < windows_.size(); ++w) loads.push_back(load_of(windows_[w], force_[w]));
+  const double start = windows_.front().t;
+  const std::string what =
+      fmt::format("all {} windows to {:.6g} s", windows_.size(), windows_.back().t + windows_.back().dt);
+  runner_.run(deck::calculix_windows(model_, wanted_, loads), {}, windows_.size(), what);
   std::vector<Printed> printed = read_printed(runner_.file("dat"), wanted_.node, model_.n_nodes());
   std::vector<BodyField> fields = read_fields(runner_.file("frd"), model_.n_nodes());
   if (printed.size() != windows_.size())
     runner_.fail(what, fmt::format("ended well and printed {} windows", printed.size()));
   // CalculiX counts from zero and prints few digits of a time: windows know better.
-  const double start = windows_.front().t;
   for (std::size_t w = 0; w < printed.size(); ++w) printed[w].time = windows_[w].t + windows_[w].dt;
+  // It adds up the strain energies of all steps' ends.
+  for (std::size_t w = printed.size() - 1; w > 0; --w) printed[w].strain -= printed[w - 1].strain;
   for (BodyField& field : fields) {
     const auto nearest = std::min_element(printed.begin(), printed.end(), [&](const auto& a, const auto& b) {
       return std::abs(a.time - start - field.time) < std::abs(b.time - start - field.time);

@@ -80,8 +80,8 @@ std::string installed_version() {
   return text.substr(from, text.find_first_of(" \n", from) - from);
 }
 
-Runner::Runner(fs::path run_folder, int threads, double answer_within)
-    : run_folder_(std::move(run_folder)), threads_(threads), answer_within_(answer_within) {}
+Runner::Runner(fs::path run_folder, double answer_within)
+    : run_folder_(std::move(run_folder)), answer_within_(answer_within) {}
 
 Runner::~Runner() {
   std::error_code ignored;
@@ -145,7 +145,7 @@ void Runner::run(const std::string& deck, const std::string& restart, std::size_
   Child child({.program = program,
                .arguments = arguments,
                .log = folder_ / "log",
-               .threads = threads_,
+               .threads = 1,
                .environment = {},
                .folder = folder_});
   const auto limit =

@@ -16,7 +16,7 @@ std::string installed_version();
 class Runner {
  public:
   /// `run_folder`: its folder is run_folder/ccx; without one a temporary one.
-  Runner(std::filesystem::path run_folder, int threads, double answer_within);
+  Runner(std::filesystem::path run_folder, double answer_within);
   ~Runner();
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
@@ -38,7 +38,6 @@ class Runner {
   void write(const std::string& name, const std::string& bytes);
 
   std::filesystem::path run_folder_, folder_;
-  int threads_;
   double answer_within_;  // [s]
   bool keep_ = false;
 };

@@ -29,7 +29,7 @@ CalculixSolver::CalculixSolver(const Parameters& p, deck::Model model)
     : parameters_(p),
       model_(std::move(model)),
       thickness_(deck::plane_thickness(model_, true)),
-      runner_(p.run_folder, p.threads, p.ccx.answer_within),
+      runner_(p.run_folder, p.ccx.answer_within),
       version_(installed_version()),
       interface_(surface(p)) {
   deck::require_plain_materials(model_);
@@ -67,6 +67,21 @@ CalculixSolver::Now CalculixSolver::at_rest() const {
 
 std::string CalculixSolver::at_time(double t) const {
   return fmt::format("t = {:.6g} s", t);
+}
+
+deck::WindowLoad CalculixSolver::load_of(const Window& window, const Points& force) const {
+  if (!force.allFinite())
+    throw Error(ExitCode::solver_fault, "structure (ccx), " + at_time(window.t + window.dt),
+                "the load on the interface is not finite",
+                "see the fluid's log; lower coupling.surface.window");
+  const double middle = window.t + window.dt / 2;
+  const Eigen::MatrixXd nodal = model_.interface.transpose() * force.topRows(model_.dimension).transpose();
+  deck::WindowLoad load{.windows_before = 0,
+                        .dt = window.dt,
+                        .force = nodal.transpose().reshaped(),
+                        .gravity = ramp_factor(middle, model_.gravity_ramp)};
+  load.force += ramp_factor(middle, model_.own_load_ramp) * model_.own_load;
+  return load;
 }
 
 deck::Story CalculixSolver::story() const {

@@ -43,6 +43,9 @@ class CalculixSolver : public Solver {
   std::string headline() const;
   deck::Story story() const;
   std::string at_time(double t) const;  // "t = 0.0042 s"
+  /// The load of a window from the fluid's mean force on the interface points, 3×k [N], and the case's own in
+  /// its middle. Throws Error(solver_fault) where it is not finite.
+  deck::WindowLoad load_of(const Window&, const Points& force) const;
 
   Parameters parameters_;
   deck::Model model_;

@@ -92,26 +92,22 @@ void put_gravity(Buffer& out, const Model& m, bool by_amplitude) {
       g, along.x(), along.y(), along.z());
 }
 
-/// Fields come out in the nodes that went in: plane elements are solids inside.
-void put_field_output(Buffer& out, const Model& m) {
-  const bool dynamic = m.analysis == Analysis::dynamic;
-  put(out, "*NODE FILE{0}\nU{1}\n*EL FILE{0}\nS\n", m.dimension == 2 ? ", OUTPUT=2D" : "",
-      dynamic ? ",V" : "");
-}
-
-void put_output(Buffer& out, const Model& m, bool whole_field, const std::optional<Wanted>& wanted) {
-  if (wanted) {
-    const bool dynamic = m.analysis == Analysis::dynamic;
-    put(out, "*NODE PRINT, NSET=WANTED\nU{0}\n*EL PRINT, ELSET=BODY, TOTALS=ONLY\nELSE{1}\n",
-        dynamic ? ",V" : "", dynamic ? ",ELKE" : "");
-    if (whole_field)
-      put_field_output(out, m);
-    else
-      put(out, "*NODE FILE\n*EL FILE\n");  // none: else those of the step before go on
-    return;
-  }
+void put_output(Buffer& out, const Model& m, bool whole_field) {
   if (!m.probe.empty()) put(out, "*NODE PRINT, NSET=PROBES\nU\n");
   if (whole_field) put(out, "*NODE FILE\nU\n");
+}
+
+/// Fields come out in the nodes that went in: plane elements are solids inside. Requests go on from step to
+/// step until there is another one, which may be empty.
+void put_wanted(Buffer& out, const Model& m, bool fields) {
+  const bool dynamic = m.analysis == Analysis::dynamic;
+  put(out, "*NODE PRINT, NSET=WANTED\nU{0}\n*EL PRINT, ELSET=BODY, TOTALS=ONLY\nELSE{1}\n",
+      dynamic ? ",V" : "", dynamic ? ",ELKE" : "");
+  if (fields)
+    put(out, "*NODE FILE{0}\nU{1}\n*EL FILE{0}\nS\n", m.dimension == 2 ? ", OUTPUT=2D" : "",
+        dynamic ? ",V" : "");
+  else
+    put(out, "*NODE FILE\n*EL FILE\n");
 }
 
 void put_set(Buffer& out, const std::string& name, const std::vector<int>& nodes) {
@@ -128,17 +124,6 @@ std::vector<int> probe_nodes(const Model& m) {
   return nodes;
 }
 
-/// A plane element's node that carries no force has its velocity written as zero: it hangs on the nodes of
-/// the solid inside, and only those of loaded nodes are tied back. A force of zero ties it.
-void put_zero_forces(Buffer& out, const Model& m, const std::vector<int>& loaded) {
-  if (m.dimension == 3) return;
-  put(out, "*CLOAD\n");
-  for (int i = 0; i < m.dimension * m.n_nodes(); ++i)
-    if (!std::binary_search(m.fixed.begin(), m.fixed.end(), i) &&
-        !std::binary_search(loaded.begin(), loaded.end(), i))
-      put(out, "{},{},0.\n", i / m.dimension + 1, i % m.dimension + 1);
-}
-
 // The programs' own tolerance, half a per cent of the mean force in each increment, would add up.
 constexpr const char* strict_convergence = "*CONTROLS, PARAMETERS=FIELD\n1.e-6,1.e-3\n";
 
@@ -146,29 +131,7 @@ bool linear(const Model& m) {
   return m.parts.front().material.model == MaterialModel::linear;
 }
 
-/// Windows of one length as one or more steps. What is printed and what is written as a field have one
-/// frequency in a step, so a window that ends with fields is a step of its own.
-struct Piece {
-  std::size_t windows = 0;
-  bool fields = false;
-};
-
-std::vector<Piece> pieces(std::size_t windows, std::size_t done, const std::optional<Wanted>& wanted) {
-  const std::size_t every = wanted ? static_cast<std::size_t>(wanted->field_every) : 1;
-  if (every == 1) return {{windows, wanted.has_value()}};
-  std::vector<Piece> list;
-  for (const std::size_t end = done + windows; done < end; done += list.back().windows) {
-    const std::size_t to_field = every - done % every;
-    if (to_field == 1)
-      list.push_back({1, true});
-    else
-      list.push_back({std::min(to_field - 1, end - done), false});
-  }
-  return list;
-}
-
-void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history,
-                  const std::optional<Wanted>& wanted) {
+void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history) {
   const double thickness = plane_thickness(m, true);
   for (std::size_t row = 0; row < history.unknown.size(); ++row)
     put_amplitude(out, amplitude_name(m, history.unknown[row]), history.time, [&](std::size_t k) {
@@ -178,24 +141,22 @@ void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history,
     put_amplitude(out, "GRAVITY", history.time, [&](std::size_t k) { return history.gravity[k]; });
 
   bool first = true;
-  std::size_t done = 0;
-  for (const Stretch& stretch : stretches(history))
-    for (const Piece& piece : pieces(stretch.windows, done, wanted)) {
-      put(out, "**\n*STEP, INC={}{}\n", piece.windows + 10, linear(m) ? "" : ", NLGEOM");
-      put(out, "{}*DYNAMIC, DIRECT, ALPHA=0.\n{:.12g},{:.12g}\n", strict_convergence, stretch.dt,
-          static_cast<double>(piece.windows) * stretch.dt);
-      if (first) {
-        for (const int unknown : history.unknown)
-          put(out, "*CLOAD, AMPLITUDE={}\n{},{},1.\n", amplitude_name(m, unknown), unknown / m.dimension + 1,
-              unknown % m.dimension + 1);
-        if (wanted) put_zero_forces(out, m, history.unknown);
-        put_gravity(out, m, true);
-      }
-      put_output(out, m, piece.fields, wanted);
-      put(out, "*END STEP\n");
-      done += piece.windows;
-      first = false;
+  double begin = 0;
+  for (const Stretch& stretch : stretches(history)) {
+    put(out, "**\n*STEP, INC={}{}\n", stretch.windows + 10, linear(m) ? "" : ", NLGEOM");
+    put(out, "{}*DYNAMIC, DIRECT, ALPHA=0.\n{:.12g},{:.12g}\n", strict_convergence, stretch.dt,
+        stretch.end - begin);
+    if (first) {
+      for (const int unknown : history.unknown)
+        put(out, "*CLOAD, AMPLITUDE={}\n{},{},1.\n", amplitude_name(m, unknown), unknown / m.dimension + 1,
+            unknown % m.dimension + 1);
+      put_gravity(out, m, true);
     }
+    put_output(out, m, false);
+    put(out, "*END STEP\n");
+    begin = stretch.end;
+    first = false;
+  }
 }
 
 void put_body(Buffer& out, const Model& m, const std::optional<Wanted>& wanted) {
@@ -208,6 +169,32 @@ void put_body(Buffer& out, const Model& m, const std::optional<Wanted>& wanted) 
     put_set(out, "PROBES", probe_nodes(m));
 }
 
+/// A step of one increment under a constant load. `before`: the load of the step before in the same deck, so
+/// that only what changes is written. A plane element's node without a force has its velocity written as
+/// zero: it hangs on the nodes of the solid inside, and only those of loaded nodes are tied back. A force of
+/// zero ties it.
+void put_window(Buffer& out, const Model& m, const WindowLoad& load, const WindowLoad* before,
+                const char* restart, bool fields) {
+  put(out, "*STEP, INC=10, AMPLITUDE=STEP{}\n{}", linear(m) ? "" : ", NLGEOM", strict_convergence);
+  put(out, "*DYNAMIC, DIRECT, ALPHA=0.\n{0:.15g},{0:.15g}\n{1}", load.dt, restart);
+  const double thickness = plane_thickness(m, true);
+  bool any = false;
+  for (int i = 0; i < static_cast<int>(load.force.size()); ++i) {
+    const bool said = before ? load.force(i) != before->force(i) : m.dimension == 2 || load.force(i) != 0;
+    if (!said || std::binary_search(m.fixed.begin(), m.fixed.end(), i)) continue;
+    if (!any) put(out, "*CLOAD, OP={}\n", before ? "MOD" : "NEW");
+    put(out, "{},{},{:.12e}\n", i / m.dimension + 1, i % m.dimension + 1, thickness * load.force(i));
+    any = true;
+  }
+  if (const double g = m.gravity.norm(); g != 0) {
+    const Eigen::Vector3d along = m.gravity / g;
+    put(out, "*DLOAD, OP=NEW\nBODY,GRAV,{:.12g},{:.12g},{:.12g},{:.12g}\n", load.gravity * g, along.x(),
+        along.y(), along.z());
+  }
+  put_wanted(out, m, fields);
+  put(out, "*END STEP\n");
+}
+
 }  // namespace
 
 std::string calculix_window(const Model& m, const Wanted& wanted, const WindowLoad& load) {
@@ -217,20 +204,17 @@ std::string calculix_window(const Model& m, const Wanted& wanted, const WindowLo
     put_body(out, m, wanted);
   else
     put(out, "*RESTART, READ, STEP={}\n", load.windows_before);
-  put(out, "*STEP, INC=10, AMPLITUDE=STEP{}\n{}", linear(m) ? "" : ", NLGEOM", strict_convergence);
-  put(out, "*DYNAMIC, DIRECT, ALPHA=0.\n{0:.15g},{0:.15g}\n*RESTART, WRITE, FREQUENCY=1\n", load.dt);
-  const double thickness = plane_thickness(m, true);
-  put(out, "*CLOAD, OP=NEW\n");
-  for (int i = 0; i < static_cast<int>(load.force.size()); ++i)
-    if (!std::binary_search(m.fixed.begin(), m.fixed.end(), i) && (m.dimension == 2 || load.force(i) != 0))
-      put(out, "{},{},{:.12e}\n", i / m.dimension + 1, i % m.dimension + 1, thickness * load.force(i));
-  if (const double g = load.gravity * m.gravity.norm(); g != 0) {
-    const Eigen::Vector3d along = m.gravity.normalized();
-    put(out, "*DLOAD, OP=NEW\nBODY,GRAV,{:.12g},{:.12g},{:.12g},{:.12g}\n", g, along.x(), along.y(),
-        along.z());
-  }
-  put_output(out, m, true, wanted);
-  put(out, "*END STEP\n");
+  put_window(out, m, load, nullptr, "*RESTART, WRITE, FREQUENCY=1\n", true);
+  return fmt::to_string(out);
+}
+
+std::string calculix_windows(const Model& m, const Wanted& wanted, const std::vector<WindowLoad>& loads) {
+  require_plain_materials(m);
+  Buffer out;
+  put_body(out, m, wanted);
+  const auto every = static_cast<std::size_t>(wanted.field_every);
+  for (std::size_t w = 0; w < loads.size(); ++w)
+    put_window(out, m, loads[w], w == 0 ? nullptr : &loads[w - 1], "", (w + 1) % every == 0);
   return fmt::to_string(out);
 }
 
@@ -251,14 +235,17 @@ std::string calculix(const Model& m, const std::optional<LoadHistory>& history, 
   }
   put_body(out, m, wanted);
   if (history) {
-    put_dynamics(out, m, *history, wanted);
+    put_dynamics(out, m, *history);
   } else if (m.analysis == Analysis::modal) {
     put(out, "*STEP\n*FREQUENCY\n{}\n{}*END STEP\n", n_modes, wanted ? "" : "*NODE FILE\nU\n");
   } else {
     put(out, "*STEP{}\n*STATIC\n", linear(m) ? "" : ", NLGEOM");
     put_own_load(out, m, plane_thickness(m, true));
     put_gravity(out, m, false);
-    put_output(out, m, true, wanted);
+    if (wanted)
+      put_wanted(out, m, true);
+    else
+      put_output(out, m, true);
     put(out, "*END STEP\n");
   }
   return fmt::to_string(out);

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "structure/deck/history.hpp"
 #include "structure/deck/model.hpp"
@@ -16,28 +17,32 @@ struct Story {
 
 /// What CalculiX writes for a program that reads it back.
 struct Wanted {
-  std::vector<int> node;  // ascending, from 0: displacement and velocity after each increment, .dat
-  int field_every = 1;    // increments between fields of displacement, velocity and stress, .frd
+  std::vector<int> node;  // ascending, from 0: displacement and velocity after each window, .dat
+  int field_every = 1;    // windows between fields of displacement, velocity and stress, .frd
 };
 
 /// An input file of CalculiX (`ccx`). `history` for dynamics; without one the statics or the modes of the
-/// model under its own load. In the frame of the supports: they are held and nothing moves at the start, as
-/// fem/solver.hpp has it. Nodes and elements count from 1. Without `wanted` it prints the probes' nodes.
+/// model under its own load, of which `wanted` is written, where given, and otherwise the probes' nodes. In
+/// the frame of the supports: they are held and nothing moves at the start, as fem/solver.hpp has it. Nodes
+/// and elements count from 1.
 std::string calculix(const Model&, const std::optional<LoadHistory>&, const Story&,
                      const std::optional<Wanted>& wanted = {});
 
 /// One window's load: constant over it.
 struct WindowLoad {
-  int windows_before = 0;  // steps that its restart file holds; 0: there is none
+  int windows_before = 0;  // steps that a restart file holds; 0: there is none
   double dt = 0;           // [s]
   Eigen::VectorXd force;   // [N] on the unknowns, gravity excepted
   double gravity = 0;      // factor of Model::gravity
 };
 /// A step of one increment that goes on from the restart file of the step before and writes the next one.
-/// CalculiX keeps displacement and velocity in it and finds the acceleration anew, from the equation of
-/// motion under the new load; with a constant load and Newmark 1/4-1/2 the mean of the accelerations at both
-/// ends is then that of the trapezoidal rule under the mean load, as in fem/newmark.hpp.
+/// CalculiX keeps displacement and velocity in it and finds the acceleration anew at each step's start, from
+/// the equation of motion under the new load; with a constant load and Newmark 1/4-1/2 the mean of the
+/// accelerations at both ends is then that of the trapezoidal rule under the mean load, as in
+/// fem/newmark.hpp.
 std::string calculix_window(const Model&, const Wanted&, const WindowLoad&);
+/// The same for a whole run whose loads are known, as so many steps in one deck.
+std::string calculix_windows(const Model&, const Wanted&, const std::vector<WindowLoad>&);
 
 /// The same for Ansys Mechanical APDL.
 std::string ansys(const Model&, const std::optional<LoadHistory>&, const Story&);

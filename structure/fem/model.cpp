@@ -2,6 +2,7 @@
 
 #include "proto/error.hpp"
 #include "structure/fem/assembly.hpp"
+#include "structure/fem/held.hpp"
 #include "structure/fem/mesh.hpp"
 #include "structure/surface.hpp"
 
@@ -42,6 +43,7 @@ deck::Model model_of(const Parameters& p, const std::vector<ProbeKeys>& probes) 
   const Solid solid = elastic_solid(p);
   const Discretisation<dim> discretisation(solid, p.fem.degree, p.fem.refinement);
   const Mesh<dim>& mesh = discretisation.mesh();
+  if (p.analysis == Analysis::statics) require_held(mesh);
 
   deck::Model m;
   m.dimension = dim;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "proto/error.hpp"
+#include "structure/fem/held.hpp"
 #include "structure/fem/make_solver.hpp"
 #include "structure/fem/modal.hpp"
 #include "structure/material.hpp"
@@ -54,6 +55,7 @@ FemSolver<dim>::FemSolver(const Parameters& p)
       frame_(SupportFrame(p), mass_, discretisation_.mesh()),
       interface_(surface(p)),
       transfer_(discretisation_, interface_.position) {
+  if (p.analysis == Analysis::statics) require_held(mesh());
   const int n = mesh().n_unknowns();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
   stiffness_ = assembly_.tangent(zero);
@@ -408,10 +410,7 @@ void FemSolver<dim>::set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd 
 
 template <int dim>
 void FemSolver<dim>::solve_static() {
-  if (rigid_motions_left(mesh()) > 0)
-    throw Error(ExitCode::case_file, "structure (fem), static",
-                "without enough supports there is no equilibrium: the body can move or turn as a whole",
-                "hold it: structure.plate.supports or the supports of structure.box");
+  require_held(mesh());
   constexpr double end_of_ramps = std::numeric_limits<double>::infinity();
   constexpr double smallest_part = 1.0 / 64;  // of the load
   const Eigen::VectorXd full = own_load(end_of_ramps);

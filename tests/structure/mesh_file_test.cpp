@@ -194,6 +194,12 @@ TEST_F(MeshFile, WhatIsWrongIsNamedWithItsLine) {
        "a.inp:8 | expected a number instead of \"one\"");
 }
 
+// Its sides are not what the file says, so that a named side would be missed first.
+TEST_F(MeshFile, ACellThatIsTwistedIsNamedBeforeItsSides) {
+  says(complaint("a.msh", changed(msh2, "2 3 2 1 1 1 2 5 4", "2 3 2 1 1 1 2 4 5")),
+       "cell 1 of part \"steel\"");
+}
+
 TEST_F(MeshFile, ACellThatIsTurnedInsideOutIsNamed) {
   std::string crossed = msh2;
   const std::string from = "2 3 2 1 1 1 2 5 4";
