@@ -138,9 +138,16 @@ void read_supports(CaseTable t, bool all, Solid& solid) {
     const std::vector<int> facets = facets_named(solid, on);
     if (facets.empty()) {
       std::string known;
-      for (const SupportedFace& face : solid.supported) known += ", " + face.name;
+      std::vector<std::string> names = {"left", "right", "bottom", "top"};
+      for (const SupportedFace& face : solid.supported) {
+        known += ", " + face.name;
+        names.push_back(face.name);
+      }
+      const std::string near = did_you_mean(on, names);
       throw table.error("on", "a face at the body's boundary: left, right, bottom, top" + known,
-                        "give that side a physical name in the mesh file");
+                        near.empty()
+                            ? "give that side a physical name in the mesh file, or PART.SIDE of a box"
+                            : fmt::format("did you mean \"{}\"?", near));
     }
     auto found = std::find_if(solid.supported.begin(), solid.supported.end(),
                               [&](const SupportedFace& face) { return face.name == on; });

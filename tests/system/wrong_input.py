@@ -1,5 +1,7 @@
 """What a person types wrongly is answered before the first step: where it stands, what was expected, how to fix it,
 and the exit code of its kind; no run folder is left behind by a refused run."""
+import shutil
+
 from processes import *  # noqa: F403: the test's own vocabulary
 
 TEXT = (ROOT / "cases" / "plate_entry.toml").read_text()
@@ -34,8 +36,73 @@ CASES = [
      ["volume", "particle"]),
 ]
 
+# Bodies alone, which every solver of them refuses alike.
+ALONE = 'end_time = 1e-4\n[fluid]\nsolver = "none"\nspacing = 0.05\n[structure]\nsolver = "fem"\n'
+LOADED = '[structure.load]\nkind = "traction"\nvalue = [0, 1e3, 0]\n[structure.particle]\nspacing = 0.05\n'
+BOX = '[[structure.box]]\nname = "a"\nmin = [0, 0, 0]\nmax = [1, 0.1, 0]\n'
+FROM_FILE = 'mesh = "body.msh"\n[[structure.support]]\non = "clamp"\n'
+MESH = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 7 "clamp"
+2 1 "steel"
+$EndPhysicalNames
+$Nodes
+8
+1 0 0 0
+2 1 0 0
+3 2 0 0
+4 0 1 0
+5 1 1 0
+6 2 1 0
+7 3 1 0
+8 3 0 0
+$EndNodes
+$Elements
+3
+1 1 2 7 4 4 1
+2 3 2 1 1 1 2 5 4
+3 3 2 1 1 2 3 6 5
+$EndElements
+"""
+BODIES = [  # what, the structure's keys, (text to replace in the mesh, replacement), words
+    ("a broken mesh", FROM_FILE, ("2 3 6 5\n$EndElements\n", "2 3"), ["body.msh:24", "expected 4 nodes"]),
+    ("a mesh that is no mesh", FROM_FILE, (MESH, "hello"), ["body.msh", "$MeshFormat"]),
+    ("an inverted element", FROM_FILE, ("6 2 1 0", "6 0.5 0.4 0"), ["structure.mesh", "cell 2", "inside out"]),
+    ("a twisted element", FROM_FILE, ("1 2 5 4", "1 2 4 5"), ["body.msh", "cell 1", "inside out"]),
+    ("unconnected parts of a mesh", FROM_FILE, ("3 3 2 1 1 2 3 6 5", "3 3 2 1 1 3 6 7 8"), ["structure.mesh", "does not touch"]),
+    ("a missing physical name", FROM_FILE.replace("clamp", "clmap"), None, ["structure.support[0].on", "clamp", "did you mean"]),
+    ("unconnected boxes", LOADED + BOX + BOX.replace("0, 0, 0", "0, 0.2, 0").replace("0.1, 0", "0.3, 0").replace('"a"', '"b"'),
+     None, ["structure.box", '"b"', "does not touch"]),
+    ("a box turned over", LOADED + BOX.replace("0.1, 0]", "-0.1, 0]"), None, ["structure.box[0].max", "above min"]),
+    ("statics of boxes without supports", 'analysis = "static"\n' + LOADED + BOX, None, ["static", "without enough supports"]),
+    ("statics of a plate without supports", 'analysis = "static"\n' + LOADED +
+     "[structure.plate]\nlength = 1.0\nthickness = 0.1\nbottom = [0, 0, 0]\n", None, ["static", "without enough supports"]),
+    ("a Poisson ratio of a half", LOADED + BOX + "[structure.material]\npoisson = 0.5\n", None,
+     ["structure.material.poisson", "below 0.5", "^"]),
+]
+
+
+def bodies(place):
+    """Every solver says what is wrong with a body, where, and how to mend it, before anything is computed."""
+    case = place / "body.toml"
+    for what, keys, change, words in BODIES:
+        (place / "body.msh").write_text(MESH.replace(*change) if change else MESH)
+        case.write_text(ALONE + keys)
+        for solver in ("fem", "ccx", "particle"):
+            if not (BIN / f"strake-structure-{solver}").exists() or solver == "ccx" and shutil.which("ccx") is None:
+                print(f"skip  {what}: {solver} is not built, or ccx not installed (Debian: apt install calculix-ccx)")
+                continue
+            result = strake("check", case, "--set", f"structure.solver={solver}", cwd=place)
+            expect(result.returncode == 3 and all(w in result.stderr for w in words) and "fix:" in result.stderr,
+                   f"{what} ({solver}): exit {result.returncode}, the message holds {words}\n{result.stderr.rstrip()}")
+
+
 with folder() as place:
     place = pathlib.Path(place)
+    bodies(place)
     case = place / "wrong.toml"
     for what, old, new, code, words in CASES:
         if TEXT.count(old) < 1:
