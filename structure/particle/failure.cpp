@@ -281,8 +281,13 @@ std::vector<std::string> Failure<dim>::lines(bool wet_surface) const {
                     keys_.strength, keys_.fracture_energy, 1e3 * band_));
   }
   lines.push_back(
+      keys_.criterion == FailureCriterion::bond_strain
+          ? "failure is elastic and brittle: bonds take their own and their volumetric energy with "
+            "them, what a body holds beyond G_c rings on"
+          : "failure is elastic and softening, over the reach of the bonds");
+  lines.push_back(
       "failure has no plastic flow, no contact between the faces of a crack, and paths that follow the "
-      "lattice");
+      "lattice; no mass is lost");
   lines.push_back(wet_surface
                       ? "the wet surface stays closed over a crack: the faces of a crack are not wetted"
                       : "water sees the particles themselves, those at the faces of a crack too");
