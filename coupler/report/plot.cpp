@@ -29,15 +29,18 @@ struct Axis {
   }
   std::vector<std::pair<double, std::string>> ticks(int wanted) const {
     std::vector<std::pair<double, std::string>> marks;
-    if (logarithmic) {
-      const std::vector<double> steps = hi / lo < 30 ? std::vector<double>{1, 2, 5} : std::vector<double>{1};
+    // Powers of ten where there are enough of them, else 1, 2 and 5 times those; over less than that, round
+    // numbers as on a straight axis.
+    for (const auto& steps : {std::vector<double>{1}, std::vector<double>{1, 2, 5}}) {
+      if (!logarithmic || marks.size() > 2) break;
+      marks.clear();
       for (double power = std::pow(10, std::floor(std::log10(lo))); power <= hi; power *= 10)
         for (const double m : steps)
           if (m * power >= lo * (1 - 1e-9) && m * power <= hi * (1 + 1e-9))
             marks.emplace_back(m * power, fmt::format("{:.3g}", prefix.factor * m * power));
-      if (marks.size() > 2) return marks;
-      marks.clear();  // less than a decade: round numbers as on a straight axis
     }
+    if (marks.size() > 2) return marks;
+    marks.clear();
     const auto round = round_ticks(prefix.factor * lo, prefix.factor * hi, wanted);
     for (const double t : round)
       marks.emplace_back(t / prefix.factor, tick_text(t, round.size() > 1 ? round[1] - round[0] : 0));

@@ -70,6 +70,20 @@ TEST(Plot, AWindowWithoutSamplesIsNoFigureAndNoNumberIsEverNan) {
   EXPECT_EQ(html.find("inf"), std::string::npos);
 }
 
+TEST(Plot, LogarithmicAxesCarryPowersOfTenAndLessThanADecadeRoundNumbers) {
+  Plot plot{.title = "t", .x_name = "step", .x_unit = "1", .y_name = "p", .y_unit = "Pa"};
+  plot.logarithmic = true;
+  plot.series = {{.name = "one", .curve = {{1e-6, 1e-5, 1e-4}, {6.1e8, 6.2e7, 6.3e6}}, .dots = true}};
+  const std::string wide = figure(plot);
+  for (const char* tick : {">10<", ">20<", ">100<", ">500<"})
+    EXPECT_NE(wide.find(tick), std::string::npos) << tick;
+  plot.series[0].curve.value = {1.9e-3, 1.7e-3, 1.6e-3};
+  plot.y_unit = "m";
+  const std::string narrow = figure(plot);
+  for (const char* tick : {">1.7<", ">1.8<", ">1.9<"})
+    EXPECT_NE(narrow.find(tick), std::string::npos) << tick;
+}
+
 TEST(Plot, ManySamplesAreThinnedAndThePeakStays) {
   Plot plot{.title = "t", .x_name = "time", .x_unit = "s", .y_name = "q", .y_unit = "1"};
   Curve curve;
