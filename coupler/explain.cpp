@@ -9,6 +9,7 @@
 #include "coupler/case_view.hpp"
 #include "coupler/commands.hpp"
 #include "coupler/launch.hpp"
+#include "coupler/words.hpp"
 
 namespace strake {
 
@@ -59,12 +60,6 @@ Declarations collect() {
   std::stable_sort(all.keys.begin(), all.keys.end(),
                    [&](const KeyInfo& a, const KeyInfo& b) { return rank(a) < rank(b); });
   return all;
-}
-
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
 }
 
 std::string type_text(const KeyInfo& key) {

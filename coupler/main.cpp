@@ -11,6 +11,7 @@
 #include "coupler/picture/command.hpp"
 #include "coupler/report/command.hpp"
 #include "coupler/stop_request.hpp"
+#include "coupler/study/study.hpp"
 
 namespace {
 
@@ -128,11 +129,38 @@ int main(int argc, char** argv) {
   command->add_flag("--markdown", markdown, "the reference of every key, as it stands in proto/README.md");
   command->callback([&] { action = [&] { return strake::explain(key, markdown); }; });
 
-  std::filesystem::path compared;
-  command =
-      app.add_subcommand("compare", "a run against the compare blocks of its case; exit 1 outside tolerance");
-  command->add_option("RUN", compared, "run folder")->required();
-  command->callback([&] { action = [&] { return strake::compare_run(compared); }; });
+  strake::CompareOptions compared;
+  command = app.add_subcommand(
+      "compare", "a run against its case's references, or runs and CSV files against the first of them");
+  command
+      ->add_option("RUN", compared.operands, "run folder; or two or more run folders, CSV files, FILE:COLUMN")
+      ->required();
+  auto* probes =
+      command->add_option("--probe", compared.probes, "quantity, e.g. mid.y; default all that they share");
+  probes->type_name("NAME")->take_all()->allow_extra_args(false);
+  command->add_option("--from", compared.from, "begin of the span")->type_name("S");
+  command->add_option("--to", compared.to, "end of the span")->type_name("S");
+  command
+      ->add_option("--after", compared.after, "where --from and --to count from, on the clock of the first")
+      ->check(CLI::IsMember({"start", "contact"}))
+      ->type_name("start|contact");
+  command->add_option("--shift", compared.shifts, "move the others in time: seconds, contact or peak")
+      ->type_name("S|contact|peak")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      ->add_option("--within", compared.within,
+                   "limit of a deviation from the first, exit 1 outside: l2=0.01")
+      ->type_name("METRIC=PART")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--csv", compared.csv, "write all records at common times")->type_name("FILE");
+  command->callback([&] {
+    action = [&] {
+      return compared.of_one_run() ? strake::compare_run(compared.operands.front())
+                                   : strake::compare_several(compared);
+    };
+  });
 
   strake::ExportOptions deck;
   command =
@@ -170,6 +198,20 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->type_name("T1,T2,...");
   command->callback([&] { action = [&] { return strake::write_report(report_options); }; });
+
+  strake::StudyOptions study;
+  command =
+      app.add_subcommand("study", "a case at many settings: runs what is not done, one table at the end");
+  command->add_option("STUDY", study.file, "study file")->required();
+  command->add_option("--runs", study.runs, "the study is DIR/<study>, default runs")->type_name("DIR");
+  command->add_option("--jobs", study.jobs, "runs at once, default one for each core")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  command->add_flag("--again", study.again, "run again what is done");
+  command->add_flag("--list", study.list, "print the command of each run, start none");
+  command->add_flag("--strict", study.strict, "exit 1 when a check fails");
+  command->add_flag("--quiet", study.quiet, "print only the checks");
+  command->callback([&] { action = [&] { return strake::study_command(study, stop); }; });
 
   strake::KeysOptions keys;
   command = app.add_subcommand("keys", "make the keys of a run between machines");

@@ -69,14 +69,15 @@ std::string advice(const Document& document, const std::string& path) {
   };
   for (const KeyInfo& key : document.keys) consider(key.path);
   for (const std::string& table : document.tables) consider(table);
-  const auto explain = [](const std::string& table) {
-    return table.empty() || table.find('[') != std::string::npos ? "strake explain"
-                                                                 : "strake explain " + table;
+  const auto explain = [&document](const std::string& table) -> std::string {
+    if (!document.explained) return "";
+    const bool all = table.empty() || table.find('[') != std::string::npos;
+    return "  (strake explain" + (all ? "" : " " + table) + ")";
   };
   if (const std::string near = did_you_mean(name, siblings); !near.empty())
-    return fmt::format("did you mean {}?  ({})", quoted_key(near), explain(parent));
+    return fmt::format("did you mean {}?{}", quoted_key(near), explain(parent));
   if (!elsewhere.empty())
-    return fmt::format("did you mean {}?  ({})", elsewhere.front(),
+    return fmt::format("did you mean {}?{}", elsewhere.front(),
                        explain(parent_and_name(elsewhere.front()).first));
   return explain(parent) + " lists the keys";
 }

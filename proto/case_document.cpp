@@ -240,7 +240,9 @@ Error CaseFile::Document::missing(const std::string& path, const std::string& ex
     if (index.contains(stranger) || did_you_mean(std::string(there.str()), {key}).empty()) continue;
     const Set* set = set_of(stranger);
     return {ExitCode::case_file, set ? "--set " + set->argument : place(there.source().begin),
-            stranger + " is not a key", fmt::format("did you mean {}?  (strake explain {})", key, parent)};
+            stranger + " is not a key",
+            fmt::format("did you mean {}?", key) +
+                (explained ? fmt::format("  (strake explain {})", parent) : "")};
   }
   std::string fix = fmt::format("add {} = {}", quoted_key(key), sample);
   if (const std::size_t bracket = parent.rfind('['); parent.ends_with(']'))

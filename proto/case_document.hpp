@@ -49,6 +49,7 @@ struct CaseFile::Document {
   toml::table root;
   std::vector<Set> sets;
   bool only_declares = false;
+  bool explained = true;  // `strake explain` knows its keys
   std::string preset = "improved";
 
   std::vector<KeyInfo> keys;  // one per declaration, in order

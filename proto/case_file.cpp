@@ -229,6 +229,9 @@ CaseFile CaseFile::declarations_only() {
 CaseTable CaseFile::root() {
   return {document_, ""};
 }
+void CaseFile::not_a_case() {
+  document_->explained = false;
+}
 const std::vector<KeyInfo>& CaseFile::declared() const {
   return document_->keys;
 }

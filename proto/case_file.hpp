@@ -95,6 +95,8 @@ class CaseFile {
   static CaseFile declarations_only();
 
   CaseTable root();
+  /// The file is no case (a study): its messages do not point to `strake explain`.
+  void not_a_case();
   /// Error for every key below `prefix` ("fluid"; empty: the whole file) that no declaration has touched,
   /// with did-you-mean. Call after all reading.
   void refuse_unknown(const std::string& prefix = {}) const;

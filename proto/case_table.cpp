@@ -108,7 +108,7 @@ Error Declaration::wrong(const std::string& what, const std::string& fix, const 
   std::string advice = fix;
   if (advice.empty() && !info.default_value.empty() && default_passes)
     advice = name() + " = " + info.default_value + " is the default";
-  if (advice.empty()) advice = "strake explain " + info.path;
+  if (advice.empty() && document_.explained) advice = "strake explain " + info.path;
   return document_.wrong(info.path, "expected " + what, advice, part);
 }
 
@@ -307,7 +307,7 @@ std::string CaseTable::where(const std::string& name) const {
 Error CaseTable::error(const std::string& name, const std::string& expected, const std::string& fix) const {
   const std::string text = expected.starts_with("expected ") ? expected : "expected " + expected;
   const std::string path = document_->join(path_, name);
-  return document_->wrong(path, text, fix.empty() ? "strake explain " + path : fix);
+  return document_->wrong(path, text, fix.empty() && document_->explained ? "strake explain " + path : fix);
 }
 
 }  // namespace strake

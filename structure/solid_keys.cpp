@@ -54,6 +54,42 @@ SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>&
   return box;
 }
 
+/// The box, or its copies: their middles stand along x as far from one another as from the ends of `between`.
+std::vector<SolidBox> read_copies(CaseTable t, const SolidBox& box) {
+  int copies = 1;
+  Eigen::Vector3d between = Eigen::Vector3d::Zero();
+  t.integer("copies", copies,
+            {.min = 0, .max = 1000, .help = "how many of it there are, e.g. ribs; 0 leaves it out"});
+  t.vector(
+      "between", between,
+      {.unit = "m",
+       .help =
+           "two x; copies stand along x as far from one another as from these, instead of at min and max"});
+  if (!t.has("between")) {
+    if (copies > 1)
+      throw t.error("copies", "0 or 1, or two x between which they stand", "between = [-0.1, 0.1]");
+    return copies == 0 ? std::vector<SolidBox>{} : std::vector{box};
+  }
+  const double from = between[0], step = (between[1] - from) / (copies + 1);
+  const double width = box.max[0] - box.min[0];
+  if (!(step > 0) || (copies > 1 && step <= width))
+    throw t.error(
+        "between",
+        fmt::format("two x that ascend and leave room for {} of {:g} m side by side", copies, width),
+        "fewer copies, or a longer span");
+  std::vector<SolidBox> all;
+  for (int k = 1; k <= copies; ++k) {
+    SolidBox one = box;
+    if (copies > 1) one.name += fmt::format("_{}", k);
+    // Rounded to what a spacing is ever given in, so that planes of other boxes are met.
+    constexpr double grain = 1e-9;  // [m]
+    one.min[0] = std::round((from + k * step - 0.5 * width) / grain) * grain;
+    one.max[0] = std::round((from + k * step + 0.5 * width) / grain) * grain;
+    all.push_back(one);
+  }
+  return all;
+}
+
 /// Planes that all but coincide are a slip of the pen: they would make cells as thin as the slip.
 void check_planes(CaseTable structure, const Solid& solid) {
   constexpr double sliver = 0.02;  // of the thinnest part
@@ -162,10 +198,13 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
   const bool all = file.only_declares();
   std::vector<SolidBox> boxes;
   std::vector<Eigen::Vector3d>& velocity = p.initial.of_part;
-  for (CaseTable& box : t.tables("box", "one part of a body that is a union of axis-aligned boxes")) {
+  for (CaseTable& table : t.tables("box", "one part of a body that is a union of axis-aligned boxes")) {
     Eigen::Vector3d initial = Eigen::Vector3d::Zero();
-    boxes.push_back(read_box(box, p, boxes, initial));
-    velocity.push_back(initial);
+    const SolidBox box = read_box(table, p, boxes, initial);
+    for (SolidBox& one : read_copies(table, box)) {
+      boxes.push_back(std::move(one));
+      velocity.push_back(initial);
+    }
   }
   std::filesystem::path mesh;
   if (all || t.has("mesh"))

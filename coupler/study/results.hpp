@@ -1,0 +1,41 @@
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/study/plan.hpp"
+#include "coupler/study/runner.hpp"
+
+namespace strake::study {
+
+/// What a run found, from its summary.json: "mid.y:first_peak", "momentum_gap", "wall", "iterations" …
+using Values = std::map<std::string, double>;
+Values read_values(const std::filesystem::path& run_folder);
+
+/// Everything a study found.
+struct Results {
+  const Plan* plan = nullptr;
+  std::map<std::string, Outcome> outcome;  // by run
+  std::map<std::string, Values> values;    // of the runs that are done
+  std::optional<double> value(const PlannedRun&, const Quantity&) const;
+  /// Runs that are planned and hold these labels, in the plan's order.
+  std::vector<const PlannedRun*> runs(const Filter&) const;
+};
+Results collect(const Plan&, std::map<std::string, Outcome>);
+
+/// One deviation and its limit.
+struct CheckResult {
+  std::string title, run, against;  // names of runs; against empty: a reference of the case
+  std::string probe, metric;
+  std::optional<double> value, reference, deviation;
+  std::optional<double> tolerance;
+  bool pass = false;
+  std::string kind, source;  // as in a compare block
+};
+/// The study's checks, then the references that each case brings along (summary.json, "compare").
+std::vector<CheckResult> judge_checks(const Results&);
+
+}  // namespace strake::study

@@ -1,0 +1,301 @@
+#include "coupler/study/runner.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <deque>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "coupler/console.hpp"
+#include "coupler/launch.hpp"
+#include "coupler/stop_request.hpp"
+#include "coupler/words.hpp"
+#include "proto/case_file.hpp"
+#include "proto/result_file.hpp"
+
+namespace strake::study {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+nlohmann::json json_of(const fs::path& path) {
+  std::ifstream stream(path);
+  return nlohmann::json::parse(stream, nullptr, false);
+}
+
+/// What a run depends on: the case's bytes, its keys, the files it names, the run it replays.
+std::string fingerprint(const Plan& plan, const PlannedRun& run) {
+  std::string text = run.source + ":";
+  for (const std::uint8_t byte : CaseFile::load(plan.case_file, run.sets).hash())
+    text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+/// The error in a run's log, without our indentation.
+std::string problem_in(const fs::path& log) {
+  std::ifstream stream(log);
+  std::deque<std::string> last;
+  for (std::string line; std::getline(stream, line);) {
+    last.push_back(line);
+    if (last.size() > 6) last.pop_front();
+  }
+  return joined({last.begin(), last.end()}, "\n");
+}
+
+/// How far a run has come, from the last whole row of its history: "34 %".
+std::string progress_of(const fs::path& folder, double end_time) {
+  std::ifstream stream(folder / "history.csv", std::ios::binary | std::ios::ate);
+  const std::streamoff size = stream ? static_cast<std::streamoff>(stream.tellg()) : 0;
+  if (size <= 0) return "starting";
+  const std::streamoff tail = std::min<std::streamoff>(size, 4096);
+  std::string text(static_cast<std::size_t>(tail), '\0');
+  stream.seekg(size - tail);
+  stream.read(text.data(), tail);
+  const auto end = text.rfind('\n');
+  const auto begin = end == std::string::npos || end == 0 ? std::string::npos : text.rfind('\n', end - 1);
+  if (begin == std::string::npos) return "starting";
+  std::istringstream row(text.substr(begin + 1, end - begin - 1));
+  std::string window, time;
+  std::getline(row, window, ',');
+  std::getline(row, time, ',');
+  try {
+    return fmt::format("{:.0f} %", 100 * std::stod(time) / end_time);
+  } catch (const std::exception&) {
+    return "starting";  // the header alone
+  }
+}
+
+/// What the last study left, by run; written anew after each run.
+class Ledger {
+ public:
+  explicit Ledger(const fs::path& folder) : path_(folder / "state.json") {
+    if (fs::exists(path_)) data_ = json_of(path_);
+    if (!data_.is_object()) data_ = nlohmann::json::object();
+  }
+  /// The seconds that a run of these very inputs took, if it was finished.
+  bool is_done(const std::string& run, const std::string& print, const fs::path& folder,
+               double& seconds) const {
+    if (!same(run, print) || data_[run].value("state", "") != "done") return false;
+    const nlohmann::json summary = json_of(folder / "summary.json");
+    if (!summary.is_object() || !summary.contains("exit_code") || summary["exit_code"] != 0) return false;
+    seconds = data_[run].value("seconds", 0.0);
+    return true;
+  }
+  bool same(const std::string& run, const std::string& print) const {
+    return data_.contains(run) && data_[run].is_object() && data_[run].value("inputs", "") == print;
+  }
+  void set(const std::string& run, const std::string& print, const Outcome& outcome) {
+    data_[run] = {{"inputs", print}, {"state", to_text(outcome.state)}, {"seconds", outcome.seconds}};
+    write_text(path_, data_.dump(2) + "\n");
+  }
+  void begin(const std::string& run, const std::string& print) {
+    data_[run] = {{"inputs", print}, {"state", "begun"}};
+    write_text(path_, data_.dump(2) + "\n");
+  }
+
+ private:
+  fs::path path_;
+  nlohmann::json data_;
+};
+
+struct Running {
+  const PlannedRun* run = nullptr;
+  Child child;
+  Clock::time_point since;
+  std::string print;
+};
+
+class Performance {
+ public:
+  Performance(const Plan& plan, const RunnerOptions& options, const StopRequest& stop)
+      : plan_(plan), options_(options), stop_(stop), ledger_(options.folder) {}
+
+  std::map<std::string, Outcome> execute() {
+    for (const PlannedRun& run : plan_.runs) look_back(run);
+    while (!(waiting_.empty() && running_.empty())) {
+      if (stop_.requested()) {
+        end_all();
+        break;
+      }
+      start_what_can();
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      reap();
+      tell_progress();
+    }
+    return outcomes_;
+  }
+
+ private:
+  void look_back(const PlannedRun& run) {
+    Outcome& outcome = outcomes_[run.name];
+    outcome.folder = folder_of(plan_, run, options_.folder);
+    print_[run.name] = fingerprint(plan_, run);
+    // A replayed record that is made anew makes its replay anew.
+    const bool source_new = !run.source.empty() && outcomes_[run.source].state != Outcome::State::done;
+    if (!options_.again && !source_new &&
+        ledger_.is_done(run.name, print_[run.name], outcome.folder, outcome.seconds)) {
+      outcome.state = Outcome::State::done;
+      outcome.exit_code = 0;
+      say(fmt::format("{:<28} done before, {}", run.name, duration_text(outcome.seconds)));
+    } else {
+      waiting_.push_back(&run);
+    }
+  }
+
+  void start_what_can() {
+    for (auto next = waiting_.begin(); next != waiting_.end() && running_.size() < jobs();) {
+      const PlannedRun& run = **next;
+      const Outcome* source = run.source.empty() ? nullptr : &outcomes_[run.source];
+      if (source && source->state == Outcome::State::failed) {
+        Outcome& outcome = outcomes_[run.name];
+        outcome.state = Outcome::State::failed;
+        outcome.problem = fmt::format("{}, whose loads it replays, has failed", run.source);
+        say(fmt::format("{:<28} left out: {}", run.name, outcome.problem));
+        next = waiting_.erase(next);
+      } else if (source && source->state != Outcome::State::done) {
+        ++next;
+      } else {
+        start(run);
+        next = waiting_.erase(next);
+      }
+    }
+  }
+
+  std::size_t jobs() const { return static_cast<std::size_t>(std::max(1, options_.jobs)); }
+
+  void start(const PlannedRun& run) {
+    const fs::path folder = outcomes_[run.name].folder;
+    std::vector<std::string> arguments = arguments_of(plan_, run, options_.folder);
+    std::error_code error;
+    if (fs::exists(folder, error)) {
+      const bool unfinished = !options_.again && ledger_.same(run.name, print_[run.name]) &&
+                              fs::exists(folder / "checkpoint" / "latest", error) &&
+                              json_of(folder / "summary.json").value("exit_code", 1) != 0;
+      arguments.push_back(unfinished ? "--resume" : "--force");
+    }
+    arguments.push_back("--quiet");
+    ledger_.begin(run.name, print_[run.name]);
+    Launch launch{.program = fs::read_symlink("/proc/self/exe"),
+                  .arguments = std::move(arguments),
+                  .log = options_.folder / (run.name + ".log"),
+                  .threads = 1,
+                  .environment = {},
+                  .keep_log = false};
+    running_.push_back(
+        {.run = &run, .child = Child(launch), .since = Clock::now(), .print = print_[run.name]});
+  }
+
+  void reap() {
+    for (auto now = running_.begin(); now != running_.end();) {
+      const auto exit = now->child.exit();
+      if (!exit) {
+        ++now;
+        continue;
+      }
+      Outcome& outcome = outcomes_[now->run->name];
+      outcome.seconds = std::chrono::duration<double>(Clock::now() - now->since).count();
+      outcome.exit_code = exit->signal != 0 ? 128 + exit->signal : exit->code;
+      outcome.state = outcome.exit_code == 0 ? Outcome::State::done : Outcome::State::failed;
+      if (outcome.state == Outcome::State::failed)
+        outcome.problem = problem_in(options_.folder / (now->run->name + ".log"));
+      ledger_.set(now->run->name, now->print, outcome);
+      ++ended_;
+      say(fmt::format("{:<28} {}, {}", now->run->name, to_text(outcome.state),
+                      duration_text(outcome.seconds)));
+      if (!outcome.problem.empty()) say("  " + outcome.problem);
+      now = running_.erase(now);
+    }
+  }
+
+  /// Ctrl-C: each run saves its state and ends by itself, as it would at its own console.
+  void end_all() {
+    say(fmt::format("{}: {} run{} under way keep{} what they have", stop_.in_words(), running_.size(),
+                    running_.size() == 1 ? "" : "s", running_.size() == 1 ? "s" : ""));
+    for (Running& now : running_) now.child.signal(SIGINT);
+    for (Running& now : running_) now.child.wait(std::chrono::seconds(30));
+    running_.clear();
+  }
+
+  void tell_progress() {
+    if (running_.empty() || Clock::now() - told_ < std::chrono::seconds(10)) return;
+    told_ = Clock::now();
+    std::string line;
+    for (const Running& now : running_)
+      line += fmt::format("  {} {}", now.run->name,
+                          progress_of(outcomes_[now.run->name].folder, end_time(*now.run)));
+    say(fmt::format("under way:{}   waiting: {}", line, waiting_.size()));
+  }
+
+  double end_time(const PlannedRun& run) {
+    const auto known = end_time_.find(run.name);
+    if (known != end_time_.end()) return known->second;
+    double end = 1;
+    CaseFile::load(plan_.case_file, run.sets).root().number("end_time", end, {.help = "end"});
+    return end_time_[run.name] = end;
+  }
+
+  void say(const std::string& text) {
+    if (!options_.console) return;
+    fmt::print(options_.console, "  {}\n", text);
+    std::fflush(options_.console);
+  }
+
+  const Plan& plan_;
+  const RunnerOptions& options_;
+  const StopRequest& stop_;
+  Ledger ledger_;
+  std::map<std::string, Outcome> outcomes_;
+  std::map<std::string, std::string> print_;
+  std::map<std::string, double> end_time_;
+  std::vector<const PlannedRun*> waiting_;
+  std::vector<Running> running_;
+  Clock::time_point told_ = Clock::now();
+  int ended_ = 0;
+};
+
+}  // namespace
+
+std::string to_text(Outcome::State state) {
+  switch (state) {
+    case Outcome::State::done:
+      return "done";
+    case Outcome::State::failed:
+      return "failed";
+    case Outcome::State::missing:
+      break;
+  }
+  return "missing";
+}
+
+fs::path folder_of(const Plan& plan, const PlannedRun& run, const fs::path& study_folder) {
+  return study_folder / (plan.case_file.stem().string() + "-" + run.name);
+}
+
+std::vector<std::string> arguments_of(const Plan& plan, const PlannedRun& run, const fs::path& folder) {
+  std::vector<std::string> arguments;
+  if (run.source.empty()) {
+    arguments = {"run", plan.case_file.string()};
+  } else {
+    const fs::path recorded = folder / (plan.case_file.stem().string() + "-" + run.source);
+    arguments = {"replay", recorded.string(), "--onto", plan.case_file.string()};
+  }
+  for (const std::string& set : run.sets) {
+    arguments.push_back("--set");
+    arguments.push_back(set);
+  }
+  arguments.insert(arguments.end(), {"--runs", folder.string(), "--tag", run.name});
+  return arguments;
+}
+
+std::map<std::string, Outcome> perform(const Plan& plan, const RunnerOptions& options,
+                                       const StopRequest& stop) {
+  return Performance(plan, options, stop).execute();
+}
+
+}  // namespace strake::study

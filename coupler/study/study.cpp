@@ -1,0 +1,273 @@
+#include "coupler/study/study.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <thread>
+
+#include "coupler/console.hpp"
+#include "coupler/launch.hpp"
+#include "coupler/run_folder.hpp"
+#include "coupler/stop_request.hpp"
+#include "coupler/study/claims.hpp"
+#include "coupler/study/grid_convergence.hpp"
+#include "coupler/study/results.hpp"
+#include "coupler/study/runner.hpp"
+#include "coupler/words.hpp"
+#include "proto/result_file.hpp"
+
+namespace strake {
+namespace {
+
+using namespace study;
+using Json = nlohmann::ordered_json;
+
+Json or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+std::string command_of(const Plan& plan, const PlannedRun& run, const std::filesystem::path& folder) {
+  std::string line = "strake";
+  for (const std::string& word : arguments_of(plan, run, folder)) line += " " + shell_word(word);
+  return line;
+}
+
+Json json_of(const Plan& plan, const Results& results, const std::filesystem::path& folder,
+             const std::vector<CheckResult>& checks, const std::vector<GridConvergence>& orders,
+             const std::vector<ClaimResult>& claims, double seconds) {
+  Json json = {
+      {"title", plan.title},        {"study", plan.file.stem().string()},
+      {"file", plan.file.string()}, {"case", plan.case_file.string()},
+      {"commit", strake_commit()},  {"commands", {fmt::format("strake study {}", plan.file.string())}}};
+  json["axes"] = Json::array();
+  for (const Axis& axis : plan.axes) {
+    Json labels = Json::array();
+    for (const AxisValue& value : axis.values) labels.push_back(value.label);
+    json["axes"].push_back({{"name", axis.name}, {"labels", labels}});
+  }
+  json["runs"] = Json::array();
+  for (const PlannedRun& run : plan.runs) {
+    const Outcome& outcome = results.outcome.at(run.name);
+    Json values = Json::object();
+    if (results.values.contains(run.name))
+      for (const auto& [name, value] : results.values.at(run.name)) values[name] = value;
+    json["runs"].push_back({{"name", run.name},
+                            {"labels", run.label},
+                            {"folder", outcome.folder.filename().string()},
+                            {"state", to_text(outcome.state)},
+                            {"exit_code", outcome.exit_code},
+                            {"seconds", outcome.seconds},
+                            {"problem", outcome.problem},
+                            {"command", command_of(plan, run, folder)},
+                            {"values", values}});
+  }
+  json["columns"] = Json::array();
+  for (const Quantity& column : plan.columns)
+    json["columns"].push_back({{"probe", column.probe}, {"metric", column.metric}});
+  json["checks"] = Json::array();
+  for (const CheckResult& c : checks)
+    json["checks"].push_back({{"title", c.title},
+                              {"run", c.run},
+                              {"against", c.against},
+                              {"probe", c.probe},
+                              {"metric", c.metric},
+                              {"value", or_null(c.value)},
+                              {"reference", or_null(c.reference)},
+                              {"deviation", or_null(c.deviation)},
+                              {"tolerance", or_null(c.tolerance)},
+                              {"pass", c.pass},
+                              {"kind", c.kind},
+                              {"source", c.source}});
+  json["convergence"] = Json::array();
+  for (const GridConvergence& c : orders)
+    json["convergence"].push_back({{"title", c.title},
+                                   {"axis", c.axis},
+                                   {"probe", c.probe},
+                                   {"metric", c.metric},
+                                   {"runs", c.runs},
+                                   {"along", c.along},
+                                   {"values", c.value},
+                                   {"order", or_null(c.order)},
+                                   {"extrapolated", or_null(c.extrapolated)},
+                                   {"gci", or_null(c.gci)},
+                                   {"remark", c.remark}});
+  json["claims"] = Json::array();
+  for (const ClaimResult& c : claims)
+    json["claims"].push_back({{"claim", c.claim},
+                              {"source", c.source},
+                              {"measured", c.measured},
+                              {"verdict", c.verdict},
+                              {"why", c.why}});
+  json["seconds"] = seconds;
+  return json;
+}
+
+std::string csv_of(const Plan& plan, const Results& results) {
+  std::string text = "# " + plan.title + "\nrun";
+  for (const Axis& axis : plan.axes) text += "," + axis.name;
+  text += ",state,seconds [s]";
+  for (const Quantity& column : plan.columns) text += "," + column.name();
+  text += "\n";
+  for (const PlannedRun& run : plan.runs) {
+    const Outcome& outcome = results.outcome.at(run.name);
+    text += run.name;
+    for (const Axis& axis : plan.axes) text += "," + run.label.at(axis.name);
+    text += fmt::format(",{},{:.3f}", to_text(outcome.state), outcome.seconds);
+    for (const Quantity& column : plan.columns) {
+      const auto value = results.value(run, column);
+      text += value ? fmt::format(",{:.9g}", *value) : ",";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+/// Columns as wide as their widest cell.
+void print_table(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> width;
+  for (const auto& row : rows)
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (c == width.size()) width.push_back(0);
+      width[c] = std::max(width[c], row[c].size());
+    }
+  for (const auto& row : rows) {
+    std::string line = "  ";
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string blank(width[c] - row[c].size(), ' ');
+      line += c == 0 ? row[c] + blank : "  " + blank + row[c];
+    }
+    fmt::print("{}\n", line);
+  }
+}
+
+void print_summary(const Plan& plan, const Results& results) {
+  std::vector<std::vector<std::string>> rows = {{"run", "state", "wall [s]"}};
+  for (const Quantity& column : plan.columns) rows.front().push_back(column.name());
+  for (const PlannedRun& run : plan.runs) {
+    const Outcome& outcome = results.outcome.at(run.name);
+    rows.push_back({run.name, to_text(outcome.state), fmt::format("{:.1f}", outcome.seconds)});
+    for (const Quantity& column : plan.columns) {
+      const auto value = results.value(run, column);
+      rows.back().push_back(value ? fmt::format("{:.5g}", *value) : "-");
+    }
+  }
+  fmt::print("\n");
+  print_table(rows);
+}
+
+std::string percent(const std::optional<double>& part) {
+  return part ? fmt::format("{:+.2f} %", 100 * *part) : "not measured";
+}
+
+void print_checks(const std::vector<CheckResult>& checks) {
+  if (!checks.empty()) fmt::print("\n");
+  for (const CheckResult& c : checks) {
+    const std::string other = c.against.empty() ? fmt::format("{}, {}", c.kind, c.source) : c.against;
+    const std::string off = c.reference && *c.reference == 0 && c.deviation
+                                ? fmt::format("{:.3g}", *c.deviation)
+                                : percent(c.deviation);
+    fmt::print("  {}  {} {} {}: {} (within {})   {}\n", c.pass ? "pass" : "FAIL", c.run, c.probe, c.metric,
+               off, c.tolerance ? fmt::format("{:.3g} %", 100 * *c.tolerance) : "?", other);
+  }
+}
+
+void print_orders(const std::vector<GridConvergence>& orders) {
+  if (orders.empty()) return;
+  fmt::print("\n");
+  for (const GridConvergence& c : orders) {
+    std::vector<std::string> values;
+    for (std::size_t k = 0; k < c.value.size(); ++k)
+      values.push_back(fmt::format("{:g}: {:.5g}", c.along[k], c.value[k]));
+    fmt::print("  {}\n    {}\n    {}", c.title, joined(values), c.remark);
+    if (c.order) fmt::print(", order {:.2f}, {:.5g} at zero", *c.order, *c.extrapolated);
+    if (c.gci) fmt::print(", GCI {:.2g} %", 100 * *c.gci);
+    fmt::print("\n");
+  }
+}
+
+void print_claims(const std::vector<ClaimResult>& claims) {
+  if (!claims.empty()) fmt::print("\n");
+  for (const ClaimResult& c : claims) {
+    fmt::print("  {:<16} {}  ({})\n", c.verdict, c.claim, c.source);
+    if (!c.measured.empty()) fmt::print("  {:<16}   {}\n", "", c.measured);
+    if (!c.why.empty()) fmt::print("  {:<16}   {}\n", "", c.why);
+  }
+}
+
+int jobs_of(const StudyOptions& options, const Plan& plan) {
+  if (options.jobs > 0) return options.jobs;
+  if (plan.jobs > 0) return plan.jobs;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+
+ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
+  const auto start = std::chrono::steady_clock::now();
+  const Plan plan = read_plan(options.file);
+  const std::filesystem::path folder = options.runs / plan.file.stem();
+  const int jobs = jobs_of(options, plan);
+  if (!options.quiet)
+    fmt::print("{}   {} run{} of {}, {} at once   {}\n", plan.title, plan.runs.size(),
+               plan.runs.size() == 1 ? "" : "s", plan.case_file.filename().string(), jobs, folder.string());
+  if (options.list) {
+    for (const PlannedRun& run : plan.runs) fmt::print("  {}\n", command_of(plan, run, folder));
+    return ExitCode::done;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw Error(ExitCode::cannot_write, folder.string(), error.message(),
+                "choose another folder with --runs DIR");
+  const FolderLock lock(folder);
+
+  const Results results = collect(plan, perform(plan,
+                                                {.folder = folder,
+                                                 .jobs = jobs,
+                                                 .again = options.again,
+                                                 .console = options.quiet ? nullptr : stdout},
+                                                stop));
+  const auto checks = judge_checks(results);
+  const auto orders = judge_convergence(results);
+  const auto claims = judge_claims(results);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_text(folder / "study.json",
+             json_of(plan, results, folder, checks, orders, claims, seconds).dump(2) + "\n");
+  write_text(folder / "study.csv", csv_of(plan, results));
+  if (!options.quiet) {
+    print_summary(plan, results);
+    print_orders(orders);
+    print_claims(claims);
+  }
+  print_checks(checks);
+
+  int failed = 0, missing = 0;
+  ExitCode code = ExitCode::done;
+  for (const PlannedRun& run : plan.runs) {
+    const Outcome& outcome = results.outcome.at(run.name);
+    missing += outcome.state == Outcome::State::missing;
+    if (outcome.state != Outcome::State::failed) continue;
+    if (failed++ == 0)
+      code = outcome.exit_code > 0 ? static_cast<ExitCode>(outcome.exit_code) : ExitCode::solver_fault;
+  }
+  const auto passed =
+      std::count_if(checks.begin(), checks.end(), [](const CheckResult& c) { return c.pass; });
+  fmt::print("\n{}  {} of {} runs, {} of {} checks pass, {}\n", stop.requested() ? "interrupted" : "done",
+             static_cast<int>(plan.runs.size()) - failed - missing, plan.runs.size(), passed, checks.size(),
+             duration_text(seconds));
+  fmt::print("  table   {}\n  all     {}\n", (folder / "study.csv").string(),
+             (folder / "study.json").string());
+  if (failed > 0) fmt::print("  logs    {}\n", (folder / "*.log").string());
+  fmt::print("  next    {}\n", stop.requested() || failed > 0
+                                   ? "the same command goes on where this one stopped"
+                                   : fmt::format("strake report {}", folder.string()));
+  if (stop.requested()) return stop.code();
+  if (failed == 0 && options.strict && passed != static_cast<long>(checks.size()))
+    return ExitCode::outside_tolerance;
+  return code;
+}
+
+}  // namespace strake

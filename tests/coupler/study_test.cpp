@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "coupler/study/claims.hpp"
+#include "coupler/study/grid_convergence.hpp"
+#include "coupler/study/plan.hpp"
+#include "tests/proto/refusal.hpp"
+#include "tests/proto/temporary_folder.hpp"
+
+namespace strake::study {
+namespace {
+
+class StudyFile : public testing::Test {
+ protected:
+  Plan read(const std::string& text) {
+    std::ofstream(folder_.path() / "case.toml") << "title = \"c\"\n";
+    std::ofstream(folder_.path() / "s.toml") << "title = \"t\"\ncase = \"case.toml\"\n" << text;
+    return read_plan(folder_.path() / "s.toml");
+  }
+  std::string problem(const std::string& text) {
+    return text_of_error([&] { read(text); }, ExitCode::case_file);
+  }
+  const std::string axes_ =
+      "[[axis]]\nname = \"speed\"\nvalue = [{ label = \"1\", at = 1, set = [\"v=1\"] }, { label = \"2\", at "
+      "= 2, set = "
+      "[\"v=2\"] }]\n"
+      "[[axis]]\nname = \"solver\"\nvalue = [{ label = \"fem\", set = [\"s=fem\"] }, { label = \"ccx\", set "
+      "= [\"s=ccx\"], "
+      "replay = \"fem\" }]\n";
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(StudyFile, IsTheProductOfItsAxesWithTheKeysOfEach) {
+  const Plan plan = read("set = [\"a=0\"]\n" + axes_);
+  ASSERT_EQ(plan.runs.size(), 4u);
+  EXPECT_EQ(plan.runs[1].name, "1-ccx");
+  EXPECT_EQ(plan.runs[1].sets, (std::vector<std::string>{"a=0", "v=1", "s=ccx"}));
+  EXPECT_EQ(plan.runs[1].source, "1-fem");
+  EXPECT_EQ(plan.runs[3].source, "2-fem");
+  EXPECT_TRUE(plan.runs[2].source.empty());
+}
+
+TEST_F(StudyFile, LeavesOutWhatAllConditionsOfAnExcludeHoldFor) {
+  const Plan plan = read(axes_ + "[[exclude]]\nwhere = [\"speed!=2\", \"solver=ccx\"]\n");
+  ASSERT_EQ(plan.runs.size(), 3u);
+  for (const PlannedRun& run : plan.runs) EXPECT_NE(run.name, "1-ccx");
+}
+
+TEST_F(StudyFile, IsRefusedWithItsPlaceWhenANameIsUnknown) {
+  EXPECT_NE(problem(axes_ + "[[exclude]]\nwhere = [\"speeed=2\"]\n").find("name of an axis: speed, solver"),
+            std::string::npos);
+  EXPECT_NE(problem(axes_ + "[[exclude]]\nwhere = [\"speed=3\"]\n").find("a label of axis speed: 1, 2"),
+            std::string::npos);
+  EXPECT_NE(
+      problem(
+          axes_ +
+          "[[check]]\naxis = \"solver\"\nof = \"fam\"\nagainst = \"fem\"\nmetric = \"wall\"\ntolerance = 1\n")
+          .find("a label of axis solver"),
+      std::string::npos);
+  EXPECT_NE(problem(axes_ + "colum = 1\n").find("colum"), std::string::npos);
+  EXPECT_NE(problem("jobs = 1\n").find("varies nothing"), std::string::npos);
+  EXPECT_NE(problem("[[axis]]\nname = \"a\"\nvalue = [{ label = \"x/y\" }]\n").find("names a folder"),
+            std::string::npos);
+  EXPECT_NE(
+      problem("[[axis]]\nname = \"a\"\nvalue = [{ label = \"x\", set = [\"fem\"] }]\n").find("KEY=VALUE"),
+      std::string::npos);
+  EXPECT_NE(problem("[[axis]]\nname = \"a\"\nvalue = [{ label = \"x\", replay = \"y\" }]\n")
+                .find("stands before it"),
+            std::string::npos);
+  EXPECT_NE(problem(axes_ + "[[convergence]]\naxis = \"solver\"\nmetric = \"wall\"\n").find("number above 0"),
+            std::string::npos);
+  EXPECT_NE(problem(axes_ + "[[claim]]\nclaim = \"c\"\nsource = \"s\"\nrule = \"none\"\n")
+                .find("why it cannot be judged"),
+            std::string::npos);
+}
+
+TEST(GridConvergence, FindsTheOrderOfAPowerLawForAnyRatios) {
+  for (const double p : {0.7, 1.0, 2.0, 3.3})
+    for (const auto& h :
+         {std::vector{4.0, 2.0, 1.0}, std::vector{3.0, 2.0, 1.5}, std::vector{8.0, 5.0, 1.0}}) {
+      std::vector<double> values;
+      for (const double x : h) values.push_back(3 + 0.1 * std::pow(x, p));
+      const GridConvergence c = grid_convergence(h, values);
+      ASSERT_TRUE(c.order) << p;
+      EXPECT_NEAR(*c.order, p, 1e-6);
+      EXPECT_NEAR(*c.extrapolated, 3, 1e-8);
+      EXPECT_NEAR(*c.gci, 1.25 * (values[2] - 3) / values[2], 1e-8);
+    }
+}
+
+TEST(GridConvergence, SaysWhenThereIsNoOrder) {
+  EXPECT_EQ(grid_convergence({4, 2, 1}, {1, 2, 4}).remark, "does not converge");  // as 1/h
+  EXPECT_EQ(grid_convergence({4, 2, 1}, {1, 2, 3}).remark, "does not converge");  // as -log h
+  EXPECT_NE(grid_convergence({4, 2, 1}, {1, 2, 1.5}).remark.find("oscillates"), std::string::npos);
+  EXPECT_NE(grid_convergence({2, 1}, {1, 2}).remark.find("fewer than three"), std::string::npos);
+  EXPECT_NE(grid_convergence({4, 2, 1}, {1, 2, 2}).remark.find("round-off"), std::string::npos);
+  EXPECT_FALSE(grid_convergence({4, 2, 1}, {1, 2, 4}).order);
+}
+
+TEST_F(StudyFile, ClaimsFollowTheNumbers) {
+  const std::string claim = "claim = \"c\"\nsource = \"s\"\nmetric = \"wall\"\n";
+  const Plan plan =
+      read(axes_ + "[[claim]]\n" + claim + "rule = \"increases\"\naxis = \"speed\"\n[[claim]]\n" + claim +
+           "rule = \"same\"\naxis = \"speed\"\ntolerance = 0.1\n[[claim]]\n" + claim +
+           "rule = \"agree\"\naxis = \"solver\"\nof = \"ccx\"\nagainst = \"fem\"\ntolerance = 0.02\n");
+  Results results = {.plan = &plan, .outcome = {}, .values = {}};
+  results.values["1-fem"]["wall"] = 1.0;
+  results.values["1-ccx"]["wall"] = 1.01;
+  results.values["2-fem"]["wall"] = 2.0;
+  results.values["2-ccx"]["wall"] = 2.02;
+  const auto all = judge_claims(results);
+  EXPECT_EQ(all[0].verdict, "holds");
+  EXPECT_EQ(all[1].verdict, "does not hold");
+  EXPECT_EQ(all[2].verdict, "holds");
+  EXPECT_NE(all[2].measured.find("+1 %"), std::string::npos) << all[2].measured;
+  results.values.erase("2-ccx");
+  EXPECT_EQ(judge_claims(results)[2].verdict, "cannot be judged");
+  results.values["2-ccx"]["wall"] = 2.2;
+  EXPECT_EQ(judge_claims(results)[2].verdict, "does not hold");
+}
+
+}  // namespace
+}  // namespace strake::study
