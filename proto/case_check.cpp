@@ -69,17 +69,22 @@ std::string advice(const Document& document, const std::string& path) {
   };
   for (const KeyInfo& key : document.keys) consider(key.path);
   for (const std::string& table : document.tables) consider(table);
-  const auto explain = [&document](const std::string& table) -> std::string {
-    if (!document.explained) return "";
+  const auto command = [](const std::string& table) -> std::string {
     const bool all = table.empty() || table.find('[') != std::string::npos;
-    return "  (strake explain" + (all ? "" : " " + table) + ")";
+    return all ? "strake explain" : "strake explain " + table;
+  };
+  const auto explain = [&](const std::string& table) {
+    return document.explained ? fmt::format("  ({})", command(table)) : std::string();
   };
   if (const std::string near = did_you_mean(name, siblings); !near.empty())
     return fmt::format("did you mean {}?{}", quoted_key(near), explain(parent));
   if (!elsewhere.empty())
     return fmt::format("did you mean {}?{}", elsewhere.front(),
                        explain(parent_and_name(elsewhere.front()).first));
-  return explain(parent) + " lists the keys";
+  if (document.explained) return command(parent) + " lists the keys";
+  std::string known;
+  for (const std::string& sibling : siblings) known += (known.empty() ? "" : ", ") + sibling;
+  return "its keys are " + known;
 }
 
 }  // namespace

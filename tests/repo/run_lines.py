@@ -1,4 +1,5 @@
-"""Every `# run` line of a case file is a command that `strake check` accepts, and the README's commands exist."""
+"""Every `# run` line of a case file is a command that `strake check` accepts, of a study file one that lists runs whose first
+and last `strake check` accepts; the README's commands exist."""
 import pathlib
 import re
 import shlex
@@ -7,23 +8,46 @@ import sys
 
 root, bin_dir = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 problems, checked = [], 0
+
+
+def strake(*words):
+    return subprocess.run([str(bin_dir / "strake"), *words], cwd=root, capture_output=True, text=True, timeout=120)
+
+
+def check(case, line, words):
+    global checked
+    for option in ("--tag", "--runs"):
+        while option in words:
+            at = words.index(option)
+            del words[at:at + 2]
+    result = strake("check", *words)
+    checked += 1
+    if result.returncode != 0:
+        problems.append(f"{case.name}: `{line}` exits {result.returncode}:\n{result.stderr}")
+
+
+def check_study(case, line):
+    result = strake(*shlex.split(line)[1:], "--list")
+    runs = [l.strip() for l in result.stdout.splitlines() if l.strip().startswith("strake run ")]
+    if result.returncode != 0 or not runs:
+        problems.append(f"{case.name}: `{line}` exits {result.returncode}:\n{result.stderr}")
+        return
+    for one in (runs[0], runs[-1]):
+        check(case, one, shlex.split(one)[2:])
+
+
 for case in sorted((root / "cases").rglob("*.toml")):
     lines = [l[len("# run"):].strip() for l in case.read_text(encoding="utf-8").splitlines() if l.startswith("# run ")]
     if not lines:
         problems.append(f"{case.name}: no `# run` line")
     for line in lines:
         words = shlex.split(line)
-        if words[:2] != ["strake", "run"]:
-            problems.append(f"{case.name}: `{line}` is not a strake run command")
-            continue
-        words = [str(bin_dir / "strake"), "check"] + [w for w in words[2:]]
-        while "--tag" in words:
-            at = words.index("--tag")
-            del words[at:at + 2]
-        result = subprocess.run(words, cwd=root, capture_output=True, text=True, timeout=120)
-        checked += 1
-        if result.returncode != 0:
-            problems.append(f"{case.name}: `{line}` exits {result.returncode}:\n{result.stderr}")
+        if words[:2] == ["strake", "run"]:
+            check(case, line, words[2:])
+        elif words[:2] == ["strake", "study"]:
+            check_study(case, line)
+        elif words[:2] != ["strake", "report"]:
+            problems.append(f"{case.name}: `{line}` is not a strake run, study or report command")
 readme = (root / "README.md").read_text(encoding="utf-8")
 for script in re.findall(r"^\s*((?:cases|tests)/\w+\.sh)", readme, re.M):
     if not (root / script).exists():
