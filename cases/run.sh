@@ -24,6 +24,7 @@ fi
 strake_install $strake_packages_build
 # shellcheck disable=SC2086
 [ -z "$(find "$(dirname "$case_file")" -maxdepth 1 -name '*.py')" ] || strake_install $strake_packages_python
+if grep -q 'structure.solver=ccx' "$case_file"; then strake_install calculix-ccx; fi
 strake_make programs
 if grep -q '^\[\[axis\]\]' "$case_file"; then
   exec "$strake_build/bin/strake" study "$case_file" "$@"
