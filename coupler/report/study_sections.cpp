@@ -24,7 +24,8 @@ std::string label_of(const StudyData::Run& run, const std::string& axis) {
 }
 
 std::optional<double> value_of(const StudyData::Run& run, const StudyData::QuantityOfRuns& column) {
-  const auto found = run.values.find(column.probe + ":" + column.metric);
+  const std::string name = column.probe.empty() ? column.metric : column.probe + ":" + column.metric;
+  const auto found = run.values.find(name);
   return found == run.values.end() ? std::nullopt : found->second;
 }
 

@@ -98,6 +98,14 @@ Finding same_time(const Results& results, const Claim& claim, const PlannedRun& 
   return finding;
 }
 
+/// |q| of one run against the limit.
+Finding at_most(const Results& results, const Claim& claim, const PlannedRun& run) {
+  const auto q = results.value(run, claim.quantity);
+  return {.known = q.has_value(),
+          .holds = q && std::abs(*q) <= claim.tolerance,
+          .words = run.name + ": " + (q ? fmt::format("{:.3g}", *q) : "not measured")};
+}
+
 /// Rms over the last fifth of the record, over the largest of it.
 Finding decays(const Results& results, const Claim& claim, const PlannedRun& run) {
   Finding finding;
@@ -120,11 +128,12 @@ Finding decays(const Results& results, const Claim& claim, const PlannedRun& run
 
 std::vector<Finding> findings(const Results& results, const Claim& claim) {
   std::vector<Finding> all;
-  const bool single = claim.rule == Claim::Rule::same_time || claim.rule == Claim::Rule::decays;
-  if (single) {
+  using Rule = Claim::Rule;
+  if (claim.rule == Rule::same_time || claim.rule == Rule::decays || claim.rule == Rule::at_most) {
     for (const PlannedRun* run : results.runs(claim.where))
-      all.push_back(claim.rule == Claim::Rule::decays ? decays(results, claim, *run)
-                                                      : same_time(results, claim, *run));
+      all.push_back(claim.rule == Rule::decays      ? decays(results, claim, *run)
+                    : claim.rule == Rule::same_time ? same_time(results, claim, *run)
+                                                    : at_most(results, claim, *run));
     return all;
   }
   for (const Group& group : groups_along(results, claim.axis, claim.where))

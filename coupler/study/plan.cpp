@@ -180,17 +180,20 @@ Claim read_claim(CaseTable table, const std::vector<Axis>& axes) {
        {"agree", Claim::Rule::agree},
        {"same_time", Claim::Rule::same_time},
        {"decays", Claim::Rule::decays},
+       {"at_most", Claim::Rule::at_most},
        {"none", Claim::Rule::none}},
       {.required = true,
        .help =
            "increases, decreases, same: along the axis; agree: `of` with `against` on it; same_time: peaks "
-           "of two probes; decays: the last fifth against the peak; none: cannot be judged here"});
+           "of two probes; decays: the last fifth against the peak; at_most: each run's number; none: cannot "
+           "be judged here"});
   if (claim.rule == Claim::Rule::none) {
     if (claim.why.empty()) throw table.error("rule", "a reason why it cannot be judged", "why = \"…\"");
     return claim;
   }
   claim.quantity = read_quantity(table);
-  const bool along = claim.rule != Claim::Rule::same_time && claim.rule != Claim::Rule::decays;
+  const bool along = claim.rule != Claim::Rule::same_time && claim.rule != Claim::Rule::decays &&
+                     claim.rule != Claim::Rule::at_most;
   table.text("axis", claim.axis, {.required = along, .help = "axis that the rule follows"});
   if (!claim.axis.empty()) axis_of(table, axes, "axis", claim.axis);
   const bool agree = claim.rule == Claim::Rule::agree;
@@ -204,11 +207,11 @@ Claim read_claim(CaseTable table, const std::vector<Axis>& axes) {
       "other_probe", claim.other_probe,
       {.required = claim.rule == Claim::Rule::same_time, .help = "probe whose peak comes at the same time"});
   const bool limited = claim.rule != Claim::Rule::increases && claim.rule != Claim::Rule::decreases;
-  table.number(
-      "tolerance", claim.tolerance,
-      {.min = 0,
-       .required = limited,
-       .help = "same, agree: relative; same_time: in s; decays: share of the peak that may be left"});
+  table.number("tolerance", claim.tolerance,
+               {.min = 0,
+                .required = limited,
+                .help = "same, agree: relative; same_time: in s; decays: share of the peak that may be left; "
+                        "at_most: the limit"});
   claim.where = read_filter(table, axes);
   return claim;
 }

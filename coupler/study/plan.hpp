@@ -55,7 +55,7 @@ struct Convergence {
 
 /// A sentence of the paper, and the rule that judges it from what was measured.
 struct Claim {
-  enum class Rule { increases, decreases, same, agree, same_time, decays, none };
+  enum class Rule { increases, decreases, same, agree, same_time, decays, at_most, none };
   std::string claim, source, why;
   Rule rule = Rule::none;
   std::string axis, of, against;  // agree: `of` against `against`; the others go along the axis

@@ -101,6 +101,20 @@ TEST(GridConvergence, SaysWhenThereIsNoOrder) {
   EXPECT_FALSE(grid_convergence({4, 2, 1}, {1, 2, 4}).order);
 }
 
+TEST_F(StudyFile, AClaimOfALimitIsJudgedRunByRun) {
+  const Plan plan =
+      read(axes_ +
+           "[[claim]]\nclaim = \"c\"\nsource = \"s\"\nmetric = \"momentum_gap\"\nrule = \"at_most\"\n"
+           "tolerance = 0.01\nwhere = [\"solver=ccx\"]\n");
+  Results results = {.plan = &plan, .outcome = {}, .values = {}};
+  results.values["1-ccx"]["momentum_gap"] = 1e-3;
+  EXPECT_EQ(judge_claims(results).front().verdict, "cannot be judged");  // the other speed is missing
+  results.values["2-ccx"]["momentum_gap"] = -9e-3;
+  EXPECT_EQ(judge_claims(results).front().verdict, "holds");
+  results.values["2-ccx"]["momentum_gap"] = -2e-2;
+  EXPECT_EQ(judge_claims(results).front().verdict, "does not hold");
+}
+
 TEST_F(StudyFile, ClaimsFollowTheNumbers) {
   const std::string claim = "claim = \"c\"\nsource = \"s\"\nmetric = \"wall\"\n";
   const Plan plan =
