@@ -15,11 +15,12 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   probe.quantity = probe.of == "fluid" ? "pressure" : "deflection";
   table.choice(
       "quantity", probe.quantity,
-      {"deflection", "displacement", "velocity", "pressure", "front", "level", "height"},
-      {.help =
-           "structure: deflection (displacement less that of the supports, the default), displacement or "
-           "velocity; fluid: pressure (the default), front (x where the water on the floor at `at` ends), "
-           "level (of the water over `at`) or height (wetted length over `at`)"});
+      {"deflection", "displacement", "velocity", "von_mises", "stress", "pressure", "front", "level",
+       "height"},
+      {.help = "structure: deflection (displacement less that of the supports, the default), displacement, "
+               "velocity, von_mises or stress (Cauchy's, each component); fluid: pressure (the default), "
+               "front (x where the water on the floor at `at` ends), "
+               "level (of the water over `at`) or height (wetted length over `at`)"});
   table.number(
       "diameter", probe.diameter,
       {.unit = "m", .min = 0, .exclusive = true, .help = "of a pressure sensor; not given: 2 fluid.spacing"});
@@ -37,8 +38,9 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   if ((probe.of == "fluid") != among({"pressure", "front", "level", "height"}))
     throw table.error(
         "quantity",
-        probe.of == "fluid" ? "pressure, front, level or height for a probe of the fluid"
-                            : "deflection, displacement or velocity for a probe of the structure",
+        probe.of == "fluid"
+            ? "pressure, front, level or height for a probe of the fluid"
+            : "deflection, displacement, velocity, von_mises or stress for a probe of the structure",
         probe.of == "fluid" ? "quantity = \"pressure\"" : "of = \"fluid\", or another quantity");
   return probe;
 }

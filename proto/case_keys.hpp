@@ -13,9 +13,10 @@ struct ProbeKeys {
   std::string of;    // "fluid" | "structure"
   Eigen::Vector3d at =
       Eigen::Vector3d::Zero();  // [m] reference configuration; moves with the body it touches
-  std::string quantity;         // structure: "deflection" | "displacement" | "velocity"; fluid: "pressure" |
-                                // "front" | "level" | "height", which stay where they are in space
-  double diameter = 0;          // [m] pressure sensor; 0: 2 l0
+  /// Structure: "deflection" | "displacement" | "velocity" | "von_mises" | "stress"; fluid: "pressure" |
+  /// "front" | "level" | "height", which stay where they are in space.
+  std::string quantity;
+  double diameter = 0;  // [m] pressure sensor; 0: 2 l0
 };
 
 /// The keys that more than one program reads, so that they are declared once.

@@ -55,6 +55,19 @@ void read_fem(CaseTable t, FemKeys& fem) {
   t.number("rho_infinity", fem.rho_infinity,
            {.min = 0, .max = 1, .help = "spectral radius of generalised-alpha; 1: Newmark, no damping"});
   t.number("tolerance", fem.tolerance, {.min = 0, .exclusive = true, .help = "of Newton's method, relative"});
+  t.choice(
+      "strain", fem.strain,
+      {{"auto", StrainField::automatic},
+       {"compatible", StrainField::compatible},
+       {"enhanced", StrainField::enhanced}},
+      {.help = "compatible: of the displacement alone; enhanced: with strains beside it that keep cells "
+               "from locking in bending (Q1) and at constant volume; auto: enhanced for Q1, and for Q2 "
+               "from Poisson's ratio 0.49 on, but compatible for neo_hookean and with a failure criterion"});
+  t.choice(
+      "linear_solver", fem.linear_solver,
+      {{"auto", LinearMethod::automatic}, {"direct", LinearMethod::direct}, {"cg-amg", LinearMethod::cg_amg}},
+      {.help = "direct: LU factors (UMFPACK); cg-amg: conjugate gradients with algebraic multigrid "
+               "(Trilinos ML); auto: cg-amg in three dimensions from 60000 unknowns on"});
 }
 
 void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
@@ -161,6 +174,9 @@ void check_cell_failure(CaseTable t, const Parameters& p) {
     throw t.error("criterion",
                   "none: structure.damping.stiffness is that of the intact body, and would hold a crack shut",
                   "structure.damping.mass in its place");
+  if (p.fem.strain == StrainField::enhanced)
+    throw t.error("criterion", "none: a cell that softens has the strains of its displacement alone",
+                  "structure.fem.strain = \"compatible\" or \"auto\"");
   check_softening(t, p.failure);
 }
 
@@ -269,6 +285,12 @@ void check_face(CaseTable load, const Parameters& p) {
 /// A probe of the structure measures a material point, so it must be one.
 void check_probes(const CaseFile& file, const CommonKeys& common, const Parameters& p) {
   for (const ProbeKeys& probe : common.probes) {
+    const bool of_stress = probe.quantity == "stress" || probe.quantity == "von_mises";
+    if (probe.of == "structure" && of_stress && p.kind != "fem" && p.kind != "particle")
+      throw Error(ExitCode::case_file,
+                  fmt::format("{}: output.probe \"{}\"", file.path().string(), probe.name),
+                  fmt::format("quantity = \"{}\": a {} structure has no stress", probe.quantity, p.kind),
+                  "structure.solver = \"fem\" or \"particle\"");
     if (probe.of != "structure" || is_in_body(p, probe.at)) continue;
     const Box box = bounds(p);
     throw Error(

@@ -36,11 +36,17 @@ struct CaseLoad {
   double ramp = 0;                                  // [s] value · ½(1 − cos(πt/ramp)); 0: at once
 };
 
+/// Strains of a finite element: of its displacement alone, or with others beside them that cure locking.
+enum class StrainField { automatic, compatible, enhanced };
+/// LU factors (UMFPACK), or conjugate gradients with algebraic multigrid (Trilinos ML).
+enum class LinearMethod { automatic, direct, cg_amg };
 struct FemKeys {
   int degree = 2;
   int refinement = 3;  // cells through the thickness = 2^refinement; along the length graded to the clamps
   double rho_infinity = 1;   // spectral radius of generalised-alpha; 1: Newmark, trapezoidal
   double tolerance = 1e-10;  // Newton, relative
+  StrainField strain = StrainField::automatic;
+  LinearMethod linear_solver = LinearMethod::automatic;
 };
 enum class ParticleModel { pair, total_lagrangian };
 /// Where a clamped end's first fixed column of particles stands (PHYSICS §6).

@@ -16,6 +16,7 @@ namespace {
 
 constexpr int n_frequencies = 3;  // reported by structure.analysis = modal
 constexpr std::array<const char*, 3> axis_name = {"x", "y", "z"};
+constexpr std::array<const char*, 6> stress_name = {"xx", "xy", "xz", "yy", "yz", "zz"};
 
 double total(const Energy& e) {
   return e.kinetic + e.strain;
@@ -40,7 +41,27 @@ Eigen::Vector3d support_velocity(const Parameters& p) {
 }
 
 std::string unit_of(const ProbeKeys& probe) {
+  if (probe.quantity == "stress" || probe.quantity == "von_mises") return "Pa";
   return probe.quantity == "velocity" ? "m/s" : "m";
+}
+
+/// Places of a plane's stress among the six components; the others are zero there.
+bool in_plane(std::size_t component) {
+  return component != 2 && component != 4;
+}
+
+/// Columns of a probe: of a vector or a tensor one for each component.
+std::vector<std::string> columns_of(const ProbeKeys& probe, int dimension) {
+  if (probe.quantity == "von_mises") return {probe.name};
+  std::vector<std::string> columns;
+  if (probe.quantity == "stress") {
+    for (std::size_t k = 0; k < stress_name.size(); ++k)
+      if (dimension == 3 || in_plane(k)) columns.push_back(probe.name + "." + stress_name.at(k));
+  } else {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k)
+      columns.push_back(probe.name + "." + axis_name.at(k));
+  }
+  return columns;
 }
 
 std::string frequency_name(std::size_t i) {
@@ -66,12 +87,15 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
       point_size_(wetted_sizes(solver_->interface(), p)),
       dimension_(p.dimension),
       first_energy_(total(solver_->energy())) {
-  for (const ProbeKeys& probe : common.probes)
-    if (probe.of == "structure") probes_.push_back(probe);
+  for (const ProbeKeys& probe : common.probes) {
+    if (probe.of != "structure") continue;
+    probes_.push_back(probe);
+    for (const std::string& column : columns_of(probe, dimension_))
+      probe_columns_.push_back({column, unit_of(probe)});
+  }
   // A plate that enters water is measured from its contact, anything else from the first step.
   const bool enters = common.fluid_solver != "none" && contact_pressure_ > 0;
-  state_.probes.assign(probes_.size() * static_cast<std::size_t>(dimension_),
-                       enters ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
+  state_.probes.assign(probe_columns_.size(), enters ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   state_.energy_scale = first_energy_;
 
   description_.initial = motion();
@@ -79,9 +103,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   description_.history = history;
   if (history) interpolation_ = interpolation_kind(common.interpolation);
   description_.lines = describe(*solver_, p, common);
-  for (std::size_t i = 0; i < probes_.size(); ++i)
-    for (int axis = 0; axis < dimension_; ++axis)
-      description_.columns.push_back({probe_column(i, axis), unit_of(probes_[i])});
+  description_.columns = probe_columns_;
   for (const Column& column : solver_->columns()) description_.columns.push_back(column);
   for (const char* name : {"energy.kinetic", "energy.strain", "energy.external"})
     description_.columns.push_back({name, "J"});
@@ -127,15 +149,13 @@ void StructureParticipant::solve_once() {
 /// Probes and the energy balance at the end of a window.
 void StructureParticipant::follow(const Window& window) {
   state_.time = window.t + window.dt;
-  for (std::size_t i = 0; i < probes_.size(); ++i) {
-    const Eigen::Vector3d value = measure(probes_[i]);
-    for (int axis = 0; axis < dimension_; ++axis) {
-      ProbeRecord& record =
-          state_.probes[i * static_cast<std::size_t>(dimension_) + static_cast<std::size_t>(axis)];
+  std::size_t column = 0;
+  for (const ProbeKeys& probe : probes_)
+    for (const double value : measure(probe)) {
+      ProbeRecord& record = state_.probes[column++];
       record.new_window();
-      record.add(window.t, state_.time, value[axis]);
+      record.add(window.t, state_.time, value);
     }
-  }
   if (analysis_ != Analysis::dynamic || !solver_->follows_work()) return;
   const Energy energy = solver_->energy();
   state_.energy_scale = std::max({state_.energy_scale, total(energy), std::abs(energy.external)});
@@ -145,16 +165,22 @@ void StructureParticipant::follow(const Window& window) {
                                    state_.energy_scale);
 }
 
-Eigen::Vector3d StructureParticipant::measure(const ProbeKeys& probe) const {
-  if (probe.quantity == "velocity") return solver_->velocity_at(probe.at);
-  Eigen::Vector3d value = solver_->displacement_at(probe.at);
+/// In the order of columns_of.
+std::vector<double> StructureParticipant::measure(const ProbeKeys& probe) const {
+  if (probe.quantity == "von_mises") return {von_mises(solver_->stress_at(probe.at))};
+  std::vector<double> values;
+  if (probe.quantity == "stress") {
+    const Stress stress = solver_->stress_at(probe.at);
+    for (std::size_t k = 0; k < stress_name.size(); ++k)
+      if (dimension_ == 3 || in_plane(k)) values.push_back(stress[static_cast<Eigen::Index>(k)]);
+    return values;
+  }
+  Eigen::Vector3d value =
+      probe.quantity == "velocity" ? solver_->velocity_at(probe.at) : solver_->displacement_at(probe.at);
   if (probe.quantity == "deflection")
     value -= solver_->support_displacement().value_or(support_velocity_ * state_.time);
-  return value;
-}
-
-std::string StructureParticipant::probe_column(std::size_t probe, int axis) const {
-  return fmt::format("{}.{}", probes_[probe].name, axis_name.at(static_cast<std::size_t>(axis)));
+  values.assign(value.data(), value.data() + dimension_);
+  return values;
 }
 
 std::vector<Field> StructureParticipant::motion() const {
@@ -169,14 +195,9 @@ Advanced StructureParticipant::finish() {
   result.output = motion();
   auto& monitor = result.monitor;
   monitor = solver_->monitor();
-  for (std::size_t i = 0; i < probes_.size(); ++i) {
-    for (int axis = 0; axis < dimension_; ++axis) {
-      const ProbeRecord& record =
-          state_.probes[i * static_cast<std::size_t>(dimension_) + static_cast<std::size_t>(axis)];
-      const std::string name = probe_column(i, axis);
-      monitor[name] = record.last();
-      record.report(name, monitor);
-    }
+  for (std::size_t i = 0; i < probe_columns_.size(); ++i) {
+    monitor[probe_columns_[i].name] = state_.probes[i].last();
+    state_.probes[i].report(probe_columns_[i].name, monitor);
   }
   const Energy energy = solver_->energy();
   monitor["energy.kinetic"] = energy.kinetic;

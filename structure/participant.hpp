@@ -37,14 +37,13 @@ class StructureParticipant final : public Participant {
     double time = 0;                     // [s]
     bool solved = false;                 // statics and modes are solved once
     std::vector<double> frequencies;     // [Hz]
-    std::vector<ProbeRecord> probes;     // dimension per probe: x, y(, z)
+    std::vector<ProbeRecord> probes;     // one per column of a probe
     double energy_scale = 0, drift = 0;  // [J] largest energy so far; 1: worst |ΔE − work| over it
   };
   void solve_once();
   void follow(const Window&);
   void look_for_contact(const Window&, const Load&);
-  std::string probe_column(std::size_t probe, int axis) const;
-  Eigen::Vector3d measure(const ProbeKeys&) const;
+  std::vector<double> measure(const ProbeKeys&) const;
   std::vector<Field> motion() const;
 
   std::unique_ptr<Solver> solver_;
@@ -55,6 +54,7 @@ class StructureParticipant final : public Participant {
   Eigen::VectorXd point_size_;  // n [m] length of the surface that a point's force comes from
   int dimension_;
   std::vector<ProbeKeys> probes_;  // those of the structure
+  std::vector<Column> probe_columns_;
   Description description_;
   std::optional<FrameSeries> frames_;
   double first_energy_;       // [J] at t = 0

@@ -14,4 +14,9 @@ std::vector<double> Solver::frequencies(int) {
               "structure.solver = \"fem\" or \"particle\"");
 }
 
+Stress Solver::stress_at(const Eigen::Vector3d&) const {
+  throw Error(ExitCode::case_file, "output.probe, quantity = \"stress\" or \"von_mises\"",
+              "this structure has no stress", "structure.solver = \"fem\" or \"particle\"");
+}
+
 }  // namespace strake::structure

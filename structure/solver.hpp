@@ -2,6 +2,7 @@
 
 #include "proto/interface.hpp"
 #include "proto/interpolation.hpp"
+#include "structure/stress.hpp"
 
 #include <filesystem>
 #include <limits>
@@ -62,6 +63,8 @@ class Solver {
   /// Displacement [m] and velocity [m/s] of the material point that was at X.
   virtual Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const = 0;
   virtual Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const = 0;
+  /// Cauchy stress there. Default: Error(case_file), "has no stress".
+  virtual Stress stress_at(const Eigen::Vector3d& X) const;
   virtual void save() = 0;  // in memory
   virtual void restore() = 0;
   virtual void write(Archive&) const = 0;  // checkpoint of the saved (committed) state

@@ -2,79 +2,86 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <utility>
+
+#include "structure/fem/enhanced.hpp"
 
 namespace strake::structure::fem {
 namespace {
 
-template <int dim>
-using Tensor = Eigen::Matrix<double, dim, dim>;
+template <int dim, int n>
+using Strains = std::array<Tensor<dim>, static_cast<std::size_t>(n)>;
 
-template <int dim>
-Tensor<dim> strain_of(const Tensor<dim>& gradient, bool large) {
-  Tensor<dim> E = 0.5 * (gradient + gradient.transpose());
-  if (large) E += 0.5 * gradient.transpose() * gradient;
-  return E;
-}
-
-bool is_large(const Material& m) {
-  return m.model != MaterialModel::linear;
-}
-
-/// S_zz [Pa] that plane strain needs: λ tr E, neo-Hookean λ ln J (out of the plane C⁻¹ = 1).
-template <int dim>
-double out_of_plane(const Material& m, const Tensor<dim>& E) {
-  if (m.plane_stress) return 0;
-  if (m.model != MaterialModel::neo_hookean) return m.lame_lambda() * E.trace();
-  return m.lame_lambda() * log_jacobian<dim>(E);
-}
-
-/// S between two strains, so that at α = ½ its work is the change of energy.
-template <int dim>
-Tensor<dim> stress_between(const Material& m, const Tensor<dim>& E0, const Tensor<dim>& E1, double alpha) {
-  Tensor<dim> S = second_piola_kirchhoff<dim>(m, Tensor<dim>(alpha * E0 + (1 - alpha) * E1));
-  if (m.model != MaterialModel::neo_hookean || alpha != 0.5) return S;
-  const Tensor<dim> change = E1 - E0;
+/// Adds to the stresses of a cell between two strains what makes their work the change of its energy:
+///   S += (Σ w (ψ1 − ψ0 − S:ΔE) / Σ w ΔE:ΔE) ΔE
+template <int dim, int n>
+void balance_work(Strains<dim, n>& S, const Material& m, const Strains<dim, n>& change,
+                  const Strains<dim, n>& E0, const Strains<dim, n>& E1, const double* weight) {
   // ψ carries a round-off of ε |E| μ, so that the quotient is noise where ΔE is small; the addition is of
   // third order and nothing there.
   constexpr double noise = 1e-10;  // ΔE:ΔE
-  S += (energy_of_strain<dim>(m, E1) - energy_of_strain<dim>(m, E0) - S.cwiseProduct(change).sum()) /
-       (change.squaredNorm() + noise) * change;
-  return S;
+  double missing = 0, size = 0;
+  for (std::size_t q = 0; q < S.size(); ++q) {
+    missing += weight[q] * (energy_of_strain<dim>(m, E1[q]) - energy_of_strain<dim>(m, E0[q]) -
+                            S[q].cwiseProduct(change[q]).sum());
+    size += weight[q] * (change[q].squaredNorm() + noise);
+  }
+  for (std::size_t q = 0; q < S.size(); ++q) S[q] += missing / size * change[q];
 }
 
-/// One cell's view of the mesh for elements of `n` nodes: fixed sizes, so that the small products unroll.
-template <int dim, int n>
-struct CellView {
-  using Values = Eigen::Matrix<double, dim, n>;
-  using Gradient = Eigen::Map<const Eigen::Matrix<double, n, dim>>;
-  const Mesh<dim>& mesh;
-
-  Values gather(const Eigen::VectorXd& u, int cell) const {
-    Values values;
-    for (int a = 0; a < n; ++a) values.col(a) = u.template segment<dim>(dim * mesh.cell(a, cell));
-    return values;
+/// −Lᵅ H⁻¹ L1ᵀ: what the added strains take from a cell's stiffness, with L(k; a) = Σ w F (∂S/∂E:G_k) g_a.
+template <int dim, int n, class Local>
+void soften(Local& local, const EnhancedStrain<dim, n>& enhanced, const CellView<dim, n>& view, int cell,
+            const Material& m, const Strains<dim, n>& E, const Strains<dim, n>& F_alpha,
+            const Strains<dim, n>& F1) {
+  constexpr int modes = EnhancedStrain<dim, n>::modes;
+  Eigen::MatrixXd L_alpha = Eigen::MatrixXd::Zero(dim * n, modes), L1 = L_alpha;
+  for (int q = 0; q < n; ++q) {
+    const auto at = static_cast<std::size_t>(q);
+    const auto g = view.gradient(cell * n + q);
+    const auto stress = (view.mesh.weight(cell * n + q) * moduli<dim>(m, E[at]) * enhanced.at(q)).eval();
+    for (int k = 0; k < modes; ++k) {
+      const Eigen::Matrix<double, dim, n> Tg = stress_tensor<dim>(stress.col(k)) * g.transpose();
+      Eigen::Map<Eigen::Matrix<double, dim, n>>(L_alpha.col(k).data()).noalias() += F_alpha[at] * Tg;
+      Eigen::Map<Eigen::Matrix<double, dim, n>>(L1.col(k).data()).noalias() += F1[at] * Tg;
+    }
   }
-  Gradient gradient(int point) const { return Gradient(mesh.gradient.col(point).data()); }
-};
+  const Eigen::MatrixXd right = enhanced.stiffness(m, E).ldlt().solve(L1.transpose());
+  local.noalias() -= L_alpha * right;
+}
 
-/// Calls `kernel` with the number of nodes per cell as a constant.
-template <int dim, class Kernel>
-auto with_nodes(int degree, const Kernel& kernel) {
-  constexpr int linear = dim == 2 ? 4 : 8, quadratic = dim == 2 ? 9 : 27;
-  assert(degree == 1 || degree == 2);
-  return degree == 1 ? kernel(std::integral_constant<int, linear>{})
-                     : kernel(std::integral_constant<int, quadratic>{});
+/// σ = F S Fᵀ / det F [Pa]; out of the plane F = 1 and S_zz = λ tr E, neo-Hookean λ ln J.
+template <int dim>
+Eigen::Matrix3d cauchy_stress(const Material& m, const Tensor<dim>& H, const Tensor<dim>& E) {
+  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
+  const Tensor<dim> S = second_piola_kirchhoff<dim>(m, E);
+  stress.topLeftCorner<dim, dim>() = S;
+  if (dim == 2 && !m.plane_stress)
+    stress(2, 2) =
+        m.lame_lambda() * (m.model == MaterialModel::neo_hookean ? log_jacobian<dim>(E) : E.trace());
+  if (is_large(m)) {
+    const Tensor<dim> F = Tensor<dim>::Identity() + H;
+    stress.topLeftCorner<dim, dim>() = F * S * F.transpose();
+    stress /= F.determinant();
+  }
+  return stress;
 }
 
 }  // namespace
 
 template <int dim>
-Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts) : mesh_(mesh), part_(parts) {
+Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts, StrainField strain)
+    : mesh_(mesh), part_(parts) {
   for (const Part& part : parts) {
     eroded_.push_back(part.material);
     eroded_.back().model = MaterialModel::linear;
+    const bool locks = mesh.degree == 1 || part.material.poisson >= incompressible;
+    enhanced_.push_back(
+        strain == StrainField::enhanced ||
+        (strain == StrainField::automatic && locks && part.material.model != MaterialModel::neo_hookean));
   }
   // Nodes that share a cell, ascending.
   const int per_cell = static_cast<int>(mesh.cell.rows());
@@ -114,15 +121,35 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
     Eigen::VectorXd force = Eigen::VectorXd::Zero(mesh_.n_unknowns());
     for (int c = 0; c < mesh_.n_cells(); ++c) {
       const Material& m = of(c);
+      const bool large = is_large(m);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
-      typename CellView<dim, n>::Values sum = CellView<dim, n>::Values::Zero();
-      for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
-        const auto gradient = view.gradient(q);
+      const double* weight = mesh_.weight.data() + c * n;
+      Strains<dim, n> H, E, E0, E1, change, S;
+      for (int q = 0; q < n; ++q) {
+        const auto at = static_cast<std::size_t>(q);
+        const auto gradient = view.gradient(c * n + q);
         const Tensor<dim> H0 = values0 * gradient, H1 = values1 * gradient;
-        const bool large = is_large(m);
-        Tensor<dim> P = stress_between<dim>(m, strain_of<dim>(H0, large), strain_of<dim>(H1, large), alpha);
-        if (large) P += ((alpha * H0 + (1 - alpha) * H1) * P).eval();
-        sum.noalias() += (share(c) * mesh_.weight(q) * P) * gradient.transpose();
+        E0[at] = strain_of<dim>(H0, large);
+        E1[at] = strain_of<dim>(H1, large);
+        H[at] = alpha * H0 + (1 - alpha) * H1;
+        E[at] = alpha * E0[at] + (1 - alpha) * E1[at];
+        change[at] = E1[at] - E0[at];
+      }
+      const bool balances = m.model == MaterialModel::neo_hookean && alpha == 0.5;
+      if (is_enhanced(c)) {
+        const EnhancedStrain<dim, n> enhanced(mesh_, c);
+        enhanced.add_to(E, m);
+        if (balances) enhanced.add_to(E0, m);
+        if (balances) enhanced.add_to(E1, m);
+      }
+      for (std::size_t q = 0; q < S.size(); ++q) S[q] = second_piola_kirchhoff<dim>(m, E[q]);
+      if (balances) balance_work<dim, n>(S, m, change, E0, E1, weight);
+      typename CellView<dim, n>::Values sum = CellView<dim, n>::Values::Zero();
+      for (int q = 0; q < n; ++q) {
+        const auto at = static_cast<std::size_t>(q);
+        Tensor<dim> P = S[at];
+        if (large) P += H[at] * S[at];
+        sum.noalias() += (share(c) * weight[q] * P) * view.gradient(c * n + q).transpose();
       }
       for (int a = 0; a < n; ++a) force.template segment<dim>(dim * mesh_.cell(a, c)) += sum.col(a);
     }
@@ -161,24 +188,35 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
     Eigen::Matrix<double, dim * n, dim * n> local;
     return scatter([&](int c) -> const auto& {
       const Material& m = of(c);
+      const bool large = is_large(m);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
+      Strains<dim, n> E, F_of_alpha, F_of_1;
+      for (int q = 0; q < n; ++q) {
+        const auto at = static_cast<std::size_t>(q), g = static_cast<std::size_t>(c) * n + at;
+        const Tensor<dim> H0 = values0 * view.gradient(static_cast<int>(g)),
+                          H1 = values1 * view.gradient(static_cast<int>(g));
+        F_of_alpha[at] = F_of_1[at] = Tensor<dim>::Identity();
+        if (large) F_of_alpha[at] += alpha * H0 + (1 - alpha) * H1;
+        if (large) F_of_1[at] += H1;
+        E[at] = alpha * strain_of<dim>(H0, large) + (1 - alpha) * strain_of<dim>(H1, large);
+      }
       local.setZero();
-      for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
-        const auto g = view.gradient(q);
-        const double weight = share(c) * mesh_.weight(q);
-        Tensor<dim> F_alpha = Tensor<dim>::Identity(), F1 = F_alpha, S = Tensor<dim>::Zero(), B = F_alpha;
+      if (is_enhanced(c)) {
+        const EnhancedStrain<dim, n> enhanced(mesh_, c);
+        enhanced.add_to(E, m);
+        soften<dim, n>(local, enhanced, view, c, m, E, F_of_alpha, F_of_1);
+      }
+      for (int q = 0; q < n; ++q) {
+        const auto at = static_cast<std::size_t>(q);
+        const auto g = view.gradient(c * n + q);
+        const double weight = share(c) * mesh_.weight(c * n + q);
+        const Tensor<dim>&F_alpha = F_of_alpha[at], &F1 = F_of_1[at];
+        Tensor<dim> S = Tensor<dim>::Zero(), B = Tensor<dim>::Identity();
         double lambda = m.lame_lambda(), mu = m.lame_mu();
-        if (is_large(m)) {
-          const Tensor<dim> H0 = values0 * g, H1 = values1 * g;
-          F_alpha += alpha * H0 + (1 - alpha) * H1;
-          F1 += H1;
-          const Tensor<dim> E = alpha * strain_of<dim>(H0, true) + (1 - alpha) * strain_of<dim>(H1, true);
-          S = second_piola_kirchhoff<dim>(m, E);
-          if (m.model == MaterialModel::neo_hookean) {
-            const Tensor<dim> C = 2 * E + Tensor<dim>::Identity();
-            B = C.inverse();
-            mu -= lambda * log_jacobian<dim>(E);
-          }
+        if (large) S = second_piola_kirchhoff<dim>(m, E[at]);
+        if (m.model == MaterialModel::neo_hookean) {
+          B = Tensor<dim>(2 * E[at] + B).inverse();
+          mu -= lambda * log_jacobian<dim>(E[at]);
         }
         const Tensor<dim> FB = F_alpha * B, F1B = F1 * B;
         const Eigen::Matrix<double, dim, n> f_alpha = FB * g.transpose(), f1 = F1B * g.transpose();
@@ -199,17 +237,31 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
 }
 
 template <int dim>
+template <int n>
+std::array<Tensor<dim>, static_cast<std::size_t>(n)> Assembly<dim>::strains(const Eigen::VectorXd& u,
+                                                                            int cell) const {
+  const CellView<dim, n> view{mesh_};
+  const Material& m = of(cell);
+  const auto values = view.gather(u, cell);
+  Strains<dim, n> E;
+  for (int q = 0; q < n; ++q)
+    E[static_cast<std::size_t>(q)] =
+        strain_of<dim>(Tensor<dim>(values * view.gradient(cell * n + q)), is_large(m));
+  if (is_enhanced(cell)) EnhancedStrain<dim, n>(mesh_, cell).add_to(E, m);
+  return E;
+}
+
+template <int dim>
 double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
-    const CellView<dim, decltype(nodes)::value> view{mesh_};
+    constexpr int n = nodes;
     double energy = 0;
     for (int c = 0; c < mesh_.n_cells(); ++c) {
-      const Material& m = of(c);
-      const auto values = view.gather(u, c);
-      for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
-        const Tensor<dim> E = strain_of<dim>(Tensor<dim>(values * view.gradient(q)), is_large(m));
-        energy += share(c) * mesh_.weight(q) * energy_of_strain<dim>(m, E);
-      }
+      const Strains<dim, n> E = strains<n>(u, c);
+      double sum = 0;
+      for (int q = 0; q < n; ++q)
+        sum += mesh_.weight(c * n + q) * energy_of_strain<dim>(of(c), E[static_cast<std::size_t>(q)]);
+      energy += share(c) * sum;
     }
     return energy;
   });
@@ -251,33 +303,23 @@ Matrix Assembly<dim>::mass() const {
 }
 
 template <int dim>
-Eigen::VectorXd Assembly<dim>::von_mises(const Eigen::VectorXd& u) const {
-  const int n = static_cast<int>(mesh_.cell.rows());
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh_.n_nodes()), count = sum;
-  Eigen::MatrixXd values(dim, n);
-  for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const Material& m = of(c);
-    for (int a = 0; a < n; ++a) values.col(a) = u.template segment<dim>(dim * mesh_.cell(a, c));
-    for (int a = 0; a < n; ++a) {
-      const Eigen::Map<const Eigen::MatrixXd> gradient(mesh_.node_gradient.col(c * n + a).data(), n, dim);
-      const Tensor<dim> H = values * gradient;
-      const Tensor<dim> E = strain_of<dim>(H, is_large(m));
-      const Tensor<dim> S = second_piola_kirchhoff<dim>(m, E);
-      Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
-      if (dim == 2) stress(2, 2) = out_of_plane<dim>(m, E);
-      if (is_large(m)) {
-        const Tensor<dim> F = Tensor<dim>::Identity() + H;
-        stress.template topLeftCorner<dim, dim>() = F * S * F.transpose();
-        stress /= F.determinant();
-      } else {
-        stress.template topLeftCorner<dim, dim>() = S;
-      }
-      stress.diagonal().array() -= stress.trace() / 3;
-      sum(mesh_.cell(a, c)) += share(c) * std::sqrt(1.5 * stress.squaredNorm());
-      count(mesh_.cell(a, c)) += 1;
+Eigen::MatrixXd Assembly<dim>::cell_state(const Eigen::VectorXd& u, int cell) const {
+  return with_nodes<dim>(mesh_.degree, [&](auto nodes) -> Eigen::MatrixXd {
+    constexpr int n = nodes;
+    const CellView<dim, n> view{mesh_};
+    const Material& m = of(cell);
+    const auto values = view.gather(u, cell);
+    const Strains<dim, n> E = strains<n>(u, cell);
+    Eigen::MatrixXd state(n_state, n);
+    for (int q = 0; q < n; ++q) {
+      const Tensor<dim>& strain = E[static_cast<std::size_t>(q)];
+      const Tensor<dim> H = values * view.gradient(cell * n + q);
+      const Eigen::Matrix3d stress = share(cell) * cauchy_stress<dim>(m, H, strain);
+      state.col(q) << stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2),
+          share(cell) * energy_of_strain<dim>(m, strain);
     }
-  }
-  return sum.cwiseQuotient(count);
+    return state;
+  });
 }
 
 template <int dim>
@@ -289,19 +331,10 @@ CellMean<dim> Assembly<dim>::mean(const Eigen::VectorXd& u, int c) const {
     CellMean<dim> mean;
     double volume = 0;
     for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
-      const Tensor<dim> H = values * view.gradient(q), E = strain_of<dim>(H, is_large(m)),
-                        S = second_piola_kirchhoff<dim>(m, E);
+      const Tensor<dim> H = values * view.gradient(q), E = strain_of<dim>(H, is_large(m));
       const double weight = mesh_.weight(q);
-      Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
-      if (dim == 2) stress(2, 2) = out_of_plane<dim>(m, E);
-      stress.template topLeftCorner<dim, dim>() = S;
-      if (is_large(m)) {
-        const Tensor<dim> F = Tensor<dim>::Identity() + H;
-        stress.template topLeftCorner<dim, dim>() = F * S * F.transpose();
-        stress /= F.determinant();
-      }
       mean.energy += weight * energy_of_strain<dim>(m, E);
-      mean.stress += weight * stress;
+      mean.stress += weight * cauchy_stress<dim>(m, H, E);
       volume += weight;
     }
     mean.energy /= volume;
@@ -312,6 +345,7 @@ CellMean<dim> Assembly<dim>::mean(const Eigen::VectorXd& u, int c) const {
 
 template <int dim>
 void Assembly<dim>::damage(Eigen::VectorXd held) {
+  assert(!any_enhanced());
   held_ = std::move(held);
 }
 

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "structure/fem/mesh.hpp"
@@ -27,15 +29,20 @@ struct CellMean {
 template <int dim>
 class Assembly {
  public:
-  /// One material per part of the solid.
-  Assembly(const Mesh<dim>&, const std::vector<Part>&);
+  /// From here on a material counts as one that keeps its volume: there Q2 cells lock too.
+  static constexpr double incompressible = 0.49;  // Poisson's ratio
+
+  /// One material per part of the solid. Enhanced: cells add strains to those of their displacement
+  /// (enhanced.hpp); automatic: Q1, and Q2 where the material keeps its volume, but no neo-Hookean ones:
+  /// where those double their volume, the minimum that the strains are is beside a saddle.
+  Assembly(const Mesh<dim>&, const std::vector<Part>&, StrainField = StrainField::automatic);
 
   /// Internal nodal forces [N] between two configurations u0 and u1, for a step weighted α to its start:
   ///   f_a = ∫ F_α S_α ∇N_a dV,  F_α = F(α u0 + (1−α) u1),  S_α of E_α = α E(u0) + (1−α) E(u1).
   /// With α = ½ the work f·(u1 − u0) is exactly the change of strain energy, also for large deformation,
   /// since F_½ᵀ ∇(u1 − u0) has the symmetric part ΔE = E1 − E0 (Simo & Tarnow 1992): for a quadratic ψ as it
-  /// stands, for neo-Hookean with (ψ1 − ψ0 − S_½:ΔE)/(ΔE:ΔE) ΔE added to S_½ (Gonzalez 2000). u0 = u1 gives
-  /// the static force.
+  /// stands, for neo-Hookean with a multiple of ΔE added to S_½ that makes up the cell's work (Gonzalez
+  /// 2000). u0 = u1 gives the static force.
   Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
 
   /// ∂f/∂u1 of the above, divided by 1−α: the tangent stiffness [N/m] for u0 = u1, then symmetric.
@@ -51,9 +58,15 @@ class Assembly {
   /// Consistent mass ∫ ρ N_a N_b dV [kg] on each component.
   Matrix mass() const;
 
-  /// Von Mises stress [Pa] of the Cauchy stress F S Fᵀ / det F in the nodes, mean over the cells that meet
-  /// there.
-  Eigen::VectorXd von_mises(const Eigen::VectorXd& u) const;
+  /// In the points of quadrature of a cell, n_state × n: Cauchy stress xx, xy, xz, yy, yz, zz [Pa] and strain
+  /// energy per reference volume [J/m³].
+  static constexpr int n_state = 7;
+  Eigen::MatrixXd cell_state(const Eigen::VectorXd& u, int cell) const;
+
+  bool is_enhanced(int cell) const {
+    return enhanced_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])] != 0;
+  }
+  bool any_enhanced() const { return std::find(enhanced_.begin(), enhanced_.end(), 1) != enhanced_.end(); }
 
   /// Of one cell, whatever its share.
   CellMean<dim> mean(const Eigen::VectorXd& u, int cell) const;
@@ -61,8 +74,8 @@ class Assembly {
     return part_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].material;
   }
 
-  /// Share of its stress that each cell still carries. At 0 a cell keeps `residual` of its stiffness, linear:
-  /// it may turn and close without F to be turned inside out.
+  /// Share of its stress that each cell still carries; for compatible strains. At 0 a cell keeps `residual`
+  /// of its stiffness, linear: it may turn and close without F to be turned inside out.
   void damage(Eigen::VectorXd held);
   bool intact() const { return held_.size() == 0 || held_.minCoeff() == 1; }
   static constexpr double residual = 1e-5;
@@ -70,6 +83,10 @@ class Assembly {
  private:
   template <class Visit>
   Matrix scatter(const Visit& cell_matrix) const;
+  /// E in the points of quadrature of a cell, with the strains it adds.
+  template <int n>
+  std::array<Eigen::Matrix<double, dim, dim>, static_cast<std::size_t>(n)> strains(const Eigen::VectorXd& u,
+                                                                                   int cell) const;
 
   const Mesh<dim>& mesh_;
   bool eroded(int cell) const { return held_.size() > 0 && held_(cell) == 0; }
@@ -80,6 +97,7 @@ class Assembly {
   }
   std::vector<Part> part_;
   std::vector<Material> eroded_;  // of the parts: linear
+  std::vector<char> enhanced_;    // of the parts
   Eigen::VectorXd held_;          // empty: intact
   Matrix pattern_;
   std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin

@@ -100,9 +100,9 @@ typename FrameMotion<dim>::Correction FrameMotion<dim>::correction(const LinearS
 }
 
 template <int dim>
-Eigen::VectorXd FrameMotion<dim>::Correction::operator()(const LinearSolver& A,
-                                                         const Eigen::VectorXd& r) const {
-  Eigen::VectorXd x = A.solve(r);
+Eigen::VectorXd FrameMotion<dim>::Correction::operator()(const LinearSolver& A, const Eigen::VectorXd& r,
+                                                         double tolerance) const {
+  Eigen::VectorXd x = A.solve(r, tolerance);
   if (W_ != nullptr) x += Z_ * (S_inverse_ * (W_->transpose() * x));
   return x;
 }

@@ -41,7 +41,7 @@ class FrameMotion {
   /// formula.
   class Correction {
    public:
-    Eigen::VectorXd operator()(const LinearSolver&, const Eigen::VectorXd& r) const;
+    Eigen::VectorXd operator()(const LinearSolver&, const Eigen::VectorXd& r, double tolerance = 1e-12) const;
 
    private:
     friend class FrameMotion;

@@ -9,6 +9,7 @@
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -84,16 +85,22 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
   using namespace dealii;  // the update flags' operator|
   FEValues<dim> inside(parts.mapping, parts.element, quadrature,
                        update_values | update_gradients | update_JxW_values);
-  FEValues<dim> in_nodes(parts.mapping, parts.element, nodes, update_gradients | update_quadrature_points);
+  FEValues<dim> in_nodes(parts.mapping, parts.element, nodes, update_quadrature_points);
 
   mesh_.degree = degree;
   mesh_.n_quadrature = static_cast<int>(quadrature.size());
   mesh_.node.resize(dim, n_nodes);
   mesh_.cell.resize(per_cell, n_cells);
   mesh_.gradient.resize(per_cell * dim, n_cells * mesh_.n_quadrature);
-  mesh_.node_gradient.resize(per_cell * dim, n_cells * per_cell);
   mesh_.weight.resize(n_cells * mesh_.n_quadrature);
   mesh_.shape.resize(per_cell, mesh_.n_quadrature);
+  mesh_.centre_inverse.resize(dim * dim, n_cells);
+  mesh_.point.resize(dim, mesh_.n_quadrature);
+  mesh_.reference_weight.resize(mesh_.n_quadrature);
+  for (unsigned int q = 0; q < quadrature.size(); ++q) {
+    mesh_.reference_weight(q) = quadrature.weight(q);
+    for (unsigned int k = 0; k < dim; ++k) mesh_.point(k, q) = 2 * quadrature.point(q)[k] - 1;
+  }
 
   std::vector<types::global_dof_index> index(per_cell);
   Eigen::Index c = 0;
@@ -109,15 +116,18 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
         mesh_.node(k, node) = in_nodes.quadrature_point(place)[k];
         for (unsigned int q = 0; q < quadrature.size(); ++q)
           mesh_.gradient(k * per_cell + a, c * mesh_.n_quadrature + q) = inside.shape_grad(place, q)[k];
-        for (unsigned int b = 0; b < per_cell; ++b)
-          mesh_.node_gradient(k * per_cell + a, c * per_cell + b) =
-              in_nodes.shape_grad(place, parts.lexicographic[b])[k];
       }
       for (unsigned int q = 0; q < quadrature.size(); ++q) mesh_.shape(a, q) = inside.shape_value(place, q);
     }
     for (unsigned int q = 0; q < quadrature.size(); ++q)
       mesh_.weight(c * mesh_.n_quadrature + q) = inside.JxW(q);
     mesh_.part.push_back(static_cast<int>(cell->material_id()));
+    Eigen::Matrix<double, dim, dim> J = Eigen::Matrix<double, dim, dim>::Zero();
+    for (const unsigned int v : cell->vertex_indices())
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int l = 0; l < dim; ++l)
+          J(k, l) += std::ldexp((v >> l) & 1 ? cell->vertex(v)[k] : -cell->vertex(v)[k], -dim);
+    Eigen::Map<Eigen::Matrix<double, dim, dim>>(mesh_.centre_inverse.col(c).data()) = J.inverse();
     ++c;
   }
 
@@ -206,7 +216,7 @@ template <int dim>
 Discretisation<dim>::~Discretisation() = default;
 
 template <int dim>
-NodeWeights Discretisation<dim>::shape_values(const Eigen::Vector3d& X) const {
+typename Discretisation<dim>::Place Discretisation<dim>::locate(const Eigen::Vector3d& X) const {
   const Parts& parts = *parts_;
   const dealii::Point<dim> x = point<dim>(X);
 
@@ -227,10 +237,10 @@ NodeWeights Discretisation<dim>::shape_values(const Eigen::Vector3d& X) const {
   }
   std::vector<dealii::types::global_dof_index> index(parts.element.n_dofs_per_cell());
   nearest->get_dof_indices(index);
-  NodeWeights weights;
+  Place place{.cell = static_cast<int>(nearest->active_cell_index()), .weights = {}};
   for (unsigned int a = 0; a < index.size(); ++a)
-    weights.emplace_back(static_cast<int>(index[a]), parts.element.shape_value(a, unit));
-  return weights;
+    place.weights.emplace_back(static_cast<int>(index[a]), parts.element.shape_value(a, unit));
+  return place;
 }
 
 std::string library() {

@@ -21,15 +21,21 @@ struct Mesh {
       gradient;  // (nodes per cell · dim) × (m · n_quadrature) [1/m]: ∂N_a/∂X_k in row k·nodes + a
   Eigen::VectorXd weight;  // m · n_quadrature [m^dim]: quadrature weight × Jacobian
   Eigen::MatrixXd shape;   // nodes per cell × n_quadrature, N_a
-  Eigen::MatrixXd
-      node_gradient;       // (nodes per cell · dim) × (m · nodes per cell) [1/m]: gradients in the nodes
-  std::vector<int> part;   // m, of the solid
-  std::vector<int> fixed;  // unknowns that the supports hold, ascending
+  Eigen::Matrix<double, dim, Eigen::Dynamic> point;  // dim × n_quadrature in the reference cell, −1 to 1
+  Eigen::VectorXd reference_weight;                  // n_quadrature, sum 1
+  Eigen::MatrixXd centre_inverse;  // (dim·dim) × m [1/m]: inverse of ∂X/∂ξ at the centre of the corners
+  std::vector<int> part;           // m, of the solid
+  std::vector<int> fixed;          // unknowns that the supports hold, ascending
 
   int n_nodes() const { return static_cast<int>(node.cols()); }
   int n_cells() const { return static_cast<int>(cell.cols()); }
   int n_unknowns() const { return dim * n_nodes(); }
 };
+
+/// The body's rigid motions, one per column, zero in fixed unknowns: three translations and three rotations
+/// about its middle, in units of its size; in the plane two and one.
+template <int dim>
+Eigen::MatrixXd rigid_motions(const Mesh<dim>&);
 
 /// How many of the body's rigid motions (three in the plane, six in space) no fixed unknown stops.
 template <int dim>
@@ -52,7 +58,13 @@ class Discretisation {
   const Mesh<dim>& mesh() const { return mesh_; }
   /// Shape values at the material point X [m]; a point outside is taken to the nearest place of the nearest
   /// cell.
-  NodeWeights shape_values(const Eigen::Vector3d& X) const;
+  NodeWeights shape_values(const Eigen::Vector3d& X) const { return locate(X).weights; }
+  /// The same, and the cell.
+  struct Place {
+    int cell = 0;
+    NodeWeights weights;
+  };
+  Place locate(const Eigen::Vector3d& X) const;
   /// n [m^(dim-1)]: ∫ N_a dS over facets of the solid.
   Eigen::VectorXd face_sizes(const std::vector<int>& facets) const;
 

@@ -1,63 +1,98 @@
 #include "structure/fem/modal.hpp"
 
-#include <Spectra/MatOp/SparseSymMatProd.h>
-#include <Spectra/MatOp/SymShiftInvert.h>
 #include <Spectra/SymGEigsShiftSolver.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "proto/error.hpp"
 
 namespace strake::structure::fem {
 namespace {
 
-using ColumnMatrix = Eigen::SparseMatrix<double>;
+using Eigen::Index;
+using Vector = Eigen::Map<const Eigen::VectorXd>;
 
-ColumnMatrix free_part(const Matrix& matrix, const std::vector<int>& number) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
-    for (Matrix::InnerIterator entry(matrix, i); entry; ++entry) {
-      const int row = number[static_cast<std::size_t>(i)],
-                column = number[static_cast<std::size_t>(entry.col())];
-      if (row >= 0 && column >= 0) entries.emplace_back(row, column, entry.value());
-    }
-  const auto n =
-      static_cast<Eigen::Index>(std::count_if(number.begin(), number.end(), [](int i) { return i >= 0; }));
-  ColumnMatrix part(n, n);
-  part.setFromTriplets(entries.begin(), entries.end());
-  return part;
+/// (K − σM)⁻¹ as the eigenvalue solver calls it; σ was given with the factors.
+class Inverse {
+ public:
+  using Scalar = double;
+  Inverse(const LinearSolver& solver, Index size, double tolerance)
+      : solver_(solver), size_(size), tolerance_(tolerance) {}
+  Index rows() const { return size_; }
+  Index cols() const { return size_; }
+  void set_shift(double) {}
+  void perform_op(const double* x, double* y) const {
+    Eigen::Map<Eigen::VectorXd>(y, size_) = solver_.solve(Vector(x, size_), tolerance_);
+  }
+
+ private:
+  const LinearSolver& solver_;
+  Index size_;
+  double tolerance_;
+};
+
+/// M between the free unknowns, for vectors that are zero in the others.
+class Mass {
+ public:
+  using Scalar = double;
+  Mass(const Matrix& mass, const std::vector<int>& fixed) : mass_(mass), fixed_(fixed) {}
+  Index rows() const { return mass_.rows(); }
+  Index cols() const { return mass_.rows(); }
+  void perform_op(const double* x, double* y) const {
+    Eigen::Map<Eigen::VectorXd> product(y, mass_.rows());
+    product.noalias() = mass_ * Vector(x, mass_.rows());
+    for (const int i : fixed_) product(i) = 0;
+  }
+
+ private:
+  const Matrix& mass_;
+  const std::vector<int>& fixed_;
+};
+
+/// A start that has a share of every mode, the same on every machine: the golden ratio's multiples.
+Eigen::VectorXd start(Index size, const std::vector<int>& fixed) {
+  Eigen::VectorXd x(size);
+  double fraction = 0;
+  for (Index i = 0; i < size; ++i) {
+    fraction = std::fmod(fraction + std::numbers::phi, 1.0);
+    x(i) = fraction - 0.5;
+  }
+  for (const int i : fixed) x(i) = 0;
+  return x;
 }
 
 }  // namespace
 
 std::vector<double> natural_frequencies(const Matrix& stiffness, const Matrix& mass,
-                                        const std::vector<int>& fixed, int count, double slowness) {
-  std::vector<int> number(static_cast<std::size_t>(stiffness.rows()), 0);
-  for (const int i : fixed) number[static_cast<std::size_t>(i)] = -1;
-  int next = 0;
-  for (int& i : number)
-    if (i == 0) i = next++;
-  const ColumnMatrix K = free_part(stiffness, number), M = free_part(mass, number);
-
+                                        const std::vector<int>& fixed, int count, double slowness,
+                                        LinearSolver solver, double tolerance) {
+  const auto failed = [](const std::string& problem) {
+    return Error(ExitCode::solver_fault, "structure (fem), natural frequencies", problem,
+                 "ask for fewer frequencies or lower structure.fem.refinement");
+  };
   // A small negative shift: K − σM is positive definite even for a body without supports.
   const double shift = -1e-6 / (slowness * slowness);
-  using Inverse = Spectra::SymShiftInvert<double, Eigen::Sparse, Eigen::Sparse>;
-  using Product = Spectra::SparseSymMatProd<double>;
-  Inverse inverse(K, M);
-  Product product(M);
-  const int wanted = std::min(count, next - 1);
-  Spectra::SymGEigsShiftSolver<Inverse, Product, Spectra::GEigsMode::ShiftInvert> solver(
-      inverse, product, wanted, std::min(next, std::max(2 * wanted + 1, 20)), shift);
-  solver.init();
-  solver.compute(Spectra::SortRule::LargestMagn, 1000, 1e-12);
-  if (solver.info() != Spectra::CompInfo::Successful)
-    throw Error(ExitCode::solver_fault, "structure (fem), natural frequencies",
-                "the eigenvalue iteration did not converge",
-                "ask for fewer frequencies or lower structure.fem.refinement");
+  Matrix shifted = stiffness;
+  shifted.coeffs() -= shift * mass.coeffs();  // one pattern
+  if (!solver.factorise(shifted, fixed)) throw failed("the shifted stiffness is singular");
+
+  // An iteration's error must stay below what the eigenvalues are asked for.
+  Inverse inverse(solver, stiffness.rows(), 0.1 * tolerance);
+  Mass product(mass, fixed);
+  const auto free = static_cast<int>(stiffness.rows()) - static_cast<int>(fixed.size());
+  const int wanted = std::min(count, free - 1);
+  Spectra::SymGEigsShiftSolver<Inverse, Mass, Spectra::GEigsMode::ShiftInvert> eigen(
+      inverse, product, wanted, std::min(free, std::max(2 * wanted + 1, 20)), shift);
+  const Eigen::VectorXd first = start(stiffness.rows(), fixed);
+  eigen.init(first.data());
+  eigen.compute(Spectra::SortRule::LargestMagn, 1000, tolerance);
+  if (eigen.info() != Spectra::CompInfo::Successful)
+    throw failed("the eigenvalue iteration did not converge");
   std::vector<double> frequencies;
-  for (const double eigenvalue : solver.eigenvalues())
+  for (const double eigenvalue : eigen.eigenvalues())
     frequencies.push_back(std::sqrt(std::max(0.0, eigenvalue)) / (2 * std::numbers::pi));
   std::sort(frequencies.begin(), frequencies.end());
   return frequencies;

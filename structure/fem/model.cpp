@@ -59,7 +59,8 @@ deck::Model model_of(const Parameters& p, const std::vector<ProbeKeys>& probes) 
   m.interface = weights(discretisation, m.interface_position);
   m.probe_at.resize(3, 0);
   for (const ProbeKeys& probe : probes) {
-    if (probe.of != "structure") continue;
+    // Other programs print displacements.
+    if (probe.of != "structure" || probe.quantity == "stress" || probe.quantity == "von_mises") continue;
     m.probe.push_back(probe.name);
     m.probe_at.conservativeResize(3, m.probe_at.cols() + 1);
     m.probe_at.rightCols<1>() = probe.at;

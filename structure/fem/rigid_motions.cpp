@@ -4,6 +4,26 @@
 
 namespace strake::structure::fem {
 
+template <int dim>
+Eigen::MatrixXd rigid_motions(const Mesh<dim>& mesh) {
+  constexpr int count = dim == 2 ? 3 : 6;
+  const Eigen::Matrix<double, dim, 1> middle = mesh.node.rowwise().mean();
+  const double length = (mesh.node.colwise() - middle).cwiseAbs().maxCoeff();
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(mesh.n_unknowns(), count);
+  for (int i = 0; i < mesh.n_nodes(); ++i) {
+    const Eigen::Matrix<double, dim, 1> r = (mesh.node.col(i) - middle) / length;
+    for (int k = 0; k < dim; ++k) motions(dim * i + k, k) = 1;
+    if constexpr (dim == 2) {
+      motions.template block<2, 1>(2 * i, 2) << -r(1), r(0);
+    } else {
+      for (int axis = 0; axis < 3; ++axis)
+        motions.template block<3, 1>(3 * i, 3 + axis) = Eigen::Vector3d::Unit(axis).cross(r);
+    }
+  }
+  for (const int i : mesh.fixed) motions.row(i).setZero();
+  return motions;
+}
+
 // The motions u = a + ω × (X − X̄)/L restricted to the fixed unknowns: as many are stopped as that matrix has
 // rank.
 template <int dim>
@@ -33,6 +53,8 @@ int rigid_motions_left(const Mesh<dim>& mesh) {
   return left;
 }
 
+template Eigen::MatrixXd rigid_motions(const Mesh<2>&);
+template Eigen::MatrixXd rigid_motions(const Mesh<3>&);
 template int rigid_motions_left(const Mesh<2>&);
 template int rigid_motions_left(const Mesh<3>&);
 

@@ -25,6 +25,12 @@ constexpr int iterations_of_a_good_tangent = 8;
 // Factors made for a step are kept for another one this near to it, relative: window ends carry rounding, no
 // more.
 constexpr double same_step = 1e-6;
+// An iteration that solves for a correction leaves this much of it to the next one: Newton's method takes the
+// residual anew each time.
+constexpr double enough_of_a_correction = 1e-6;
+// Of the square of the first frequency, for the line that shows five figures of it.
+constexpr double enough_for_a_line = 1e-8;
+constexpr double exact = 1e-12;
 // Round-off of the internal force, in units of ε · largest stiffness · |u|: the forces of a node nearly
 // cancel. Measured on the clamped strip of VALIDATION B1, 4 to 16 cells through the thickness: residuals
 // stall at 0.57.
@@ -33,6 +39,12 @@ constexpr double round_off = 2;
 bool all_linear(const Solid& solid) {
   return std::all_of(solid.parts.begin(), solid.parts.end(),
                      [](const Part& part) { return part.material.model == MaterialModel::linear; });
+}
+
+/// A cell softens by a share of its stress, which the enhanced strains of a cell in equilibrium do not know.
+StrainField strain_field(const Parameters& p) {
+  if (p.fem.strain != StrainField::automatic) return p.fem.strain;
+  return p.failure.criterion == FailureCriterion::none ? StrainField::automatic : StrainField::compatible;
 }
 
 double fastest_wave(const Solid& solid) {
@@ -50,11 +62,15 @@ FemSolver<dim>::FemSolver(const Parameters& p)
       solid_(elastic_solid(p)),
       linear_(all_linear(solid_)),
       discretisation_(solid_, p.fem.degree, p.fem.refinement),
-      assembly_(discretisation_.mesh(), solid_.parts),
+      assembly_(discretisation_.mesh(), solid_.parts, strain_field(p)),
+      recovery_(discretisation_.mesh()),
+      method_(chosen(p.fem.linear_solver, dim, discretisation_.mesh().n_unknowns())),
       mass_(assembly_.mass()),
       frame_(SupportFrame(p), mass_, discretisation_.mesh()),
       interface_(surface(p)),
-      transfer_(discretisation_, interface_.position) {
+      transfer_(discretisation_, interface_.position),
+      factors_(linear_solver()),
+      fresh_factors_(linear_solver()) {
   if (p.analysis == Analysis::statics) require_held(mesh());
   const int n = mesh().n_unknowns();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
@@ -71,7 +87,7 @@ FemSolver<dim>::FemSolver(const Parameters& p)
     load_shape_ = Transfer<dim>(discretisation_, p.load.at).to_unknowns(p.load.value);
   }
 
-  first_frequency_ = frequencies(1).front();
+  first_frequency_ = frequencies(1, enough_for_a_line).front();
   if (p.failure.criterion != FailureCriterion::none) failure_.emplace(p.failure, mesh(), assembly_);
   start();
 }
@@ -103,7 +119,7 @@ void FemSolver<dim>::start() {
     const Eigen::VectorXd force = own_load(0);
     const auto A = frame_.acceleration(scheme_, state_.frame, state_.frame, force, zero,
                                        gravity_at(0).template head<dim>(), 1);
-    LinearSolver mass_factors;
+    LinearSolver mass_factors = linear_solver();
     mass_factors.factorise(mass_, mesh().fixed);
     Eigen::VectorXd r = force - frame_.inertia(A);
     hold(r);
@@ -217,11 +233,16 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   LinearSolver* factors = &factors_;
   const double kappa = scheme_.inertia() / (dt * dt);
   auto correction = frame_.correction(*factors, kappa);
-  equilibrium.correction = [&](const Eigen::VectorXd& r) { return correction(*factors, r); };
+  equilibrium.correction = [&](const Eigen::VectorXd& r) {
+    return correction(*factors, r, enough_of_a_correction);
+  };
   equilibrium.refresh = [&](const Eigen::VectorXd& u1) {
     factors = &fresh_factors_;
     ++factorisations_;
-    const Matrix tangent = assembly_.tangent(old.displacement, u1, scheme_.alpha_f);
+    // Conjugate gradients need a symmetric matrix: that of a state, not of a step.
+    const Matrix tangent = method_ == LinearMethod::direct
+                               ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
+                               : assembly_.tangent(u1);
     if (!fresh_factors_.factorise(effective(tangent, dt), mesh().fixed)) return false;
     correction = frame_.correction(fresh_factors_, kappa);
     return true;
@@ -399,6 +420,20 @@ Eigen::Vector3d FemSolver<dim>::velocity_at(const Eigen::Vector3d& X) const {
 }
 
 template <int dim>
+Stress FemSolver<dim>::stress_at(const Eigen::Vector3d& X) const {
+  const std::array<double, 3> key{X.x(), X.y(), X.z()};
+  auto found = stress_probes_.find(key);
+  if (found == stress_probes_.end()) {
+    const auto place = discretisation_.locate(X);
+    found = stress_probes_.emplace(key, recovery_.shares(place.cell, place.weights)).first;
+  }
+  Stress stress = Stress::Zero();
+  for (const auto& share : found->second)
+    stress += assembly_.cell_state(state_.displacement, share.cell).template topRows<6>() * share.weight;
+  return stress;
+}
+
+template <int dim>
 void FemSolver<dim>::set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd velocity) {
   assert(displacement.size() == mesh().n_unknowns() && velocity.size() == mesh().n_unknowns());
   hold(displacement);
@@ -415,7 +450,7 @@ void FemSolver<dim>::solve_static() {
   constexpr double smallest_part = 1.0 / 64;  // of the load
   const Eigen::VectorXd full = own_load(end_of_ramps);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh().n_unknowns());
-  LinearSolver factors;
+  LinearSolver factors = linear_solver();
   double done = 0, part = 1;
   while (done < 1) {
     const double share = std::min(1.0, done + part);
@@ -429,7 +464,9 @@ void FemSolver<dim>::solve_static() {
       r.floor = round_off * std::numeric_limits<double>::epsilon() * largest_stiffness_ * x.norm();
       return r;
     };
-    equilibrium.correction = [&](const Eigen::VectorXd& r) { return factors.solve(r); };
+    equilibrium.correction = [&](const Eigen::VectorXd& r) {
+      return factors.solve(r, enough_of_a_correction);
+    };
     equilibrium.refresh = [&](const Eigen::VectorXd& x) {
       return factors.factorise(assembly_.tangent(x), mesh().fixed);
     };
@@ -454,12 +491,25 @@ void FemSolver<dim>::solve_static() {
 }
 
 template <int dim>
+LinearSolver FemSolver<dim>::linear_solver() const {
+  if (method_ == LinearMethod::direct) return LinearSolver(method_);
+  return LinearSolver(method_, {.per_node = dim, .rigid_motions = rigid_motions(mesh())});
+}
+
+template <int dim>
 std::vector<double> FemSolver<dim>::frequencies(int count) {
+  return frequencies(count, exact);
+}
+
+template <int dim>
+std::vector<double> FemSolver<dim>::frequencies(int count, double tolerance) const {
   // Motions that the supports leave free have no frequency.
   const int rigid = rigid_motions_left(mesh());
   const Eigen::Vector3d size = solid_.node.rowwise().maxCoeff() - solid_.node.rowwise().minCoeff();
-  std::vector<double> f = natural_frequencies(stiffness_, mass_, mesh().fixed, count + rigid,
-                                              size.maxCoeff() / fastest_wave(solid_));
+  if (method_ != LinearMethod::direct) tolerance = std::max(tolerance, enough_for_a_line);
+  std::vector<double> f =
+      natural_frequencies(stiffness_, mass_, mesh().fixed, count + rigid,
+                          size.maxCoeff() / fastest_wave(solid_), linear_solver(), tolerance);
   f.erase(f.begin(), f.begin() + std::min<std::ptrdiff_t>(rigid, static_cast<std::ptrdiff_t>(f.size())));
   return f;
 }

@@ -14,6 +14,7 @@
 #include "structure/fem/mesh.hpp"
 #include "structure/fem/newmark.hpp"
 #include "structure/fem/newton.hpp"
+#include "structure/fem/recovery.hpp"
 #include "structure/fem/transfer.hpp"
 #include "structure/parameters.hpp"
 #include "structure/solver.hpp"
@@ -47,6 +48,8 @@ class FemSolver final : public Solver {
   std::map<std::string, double> monitor() const override;
   /// Linear momentum of the body and a free frame [kg m/s].
   Eigen::Vector3d momentum() const;
+  /// Mean over the cells of one part that meet in the nodes around it.
+  Stress stress_at(const Eigen::Vector3d& X) const override;
   void save() override { saved_ = state_; }
   void restore() override;
   void write(Archive&) const override;
@@ -98,6 +101,9 @@ class FemSolver final : public Solver {
   NewtonResult solve_softening(const State& old, const FrameState& told, const Eigen::VectorXd& force,
                                double dt, typename Damage<dim>::State& damage);
   void hold(Eigen::VectorXd& unknowns) const;  // zero in the held unknowns
+  LinearSolver linear_solver() const;
+  std::string strain_line() const;
+  std::vector<double> frequencies(int count, double tolerance) const;
   const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
 
   Parameters parameters_;
@@ -107,8 +113,10 @@ class FemSolver final : public Solver {
   Discretisation<dim> discretisation_;
   Assembly<dim> assembly_;
   std::optional<Damage<dim>> failure_;  // its damage is in the state, and from there in the assembly
-  Matrix mass_, stiffness_;             // stiffness at u = 0
-  Eigen::VectorXd node_mass_;           // [kg] row sums
+  Recovery<dim> recovery_;
+  LinearMethod method_;        // direct or cg_amg
+  Matrix mass_, stiffness_;    // stiffness at u = 0
+  Eigen::VectorXd node_mass_;  // [kg] row sums
   double largest_stiffness_ = 0;
   FrameMotion<dim> frame_;
   InterfaceMesh interface_;
@@ -122,6 +130,7 @@ class FemSolver final : public Solver {
   Eigen::VectorXd factors_at_;
   double factors_dt_ = 0;
   mutable std::map<std::array<double, 3>, Transfer<dim>> probes_;
+  mutable std::map<std::array<double, 3>, std::vector<typename Recovery<dim>::Share>> stress_probes_;
   int newton_iterations_ = 0, factorisations_ = 0;
 };
 

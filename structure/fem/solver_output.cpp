@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "proto/error.hpp"
 #include "structure/beam.hpp"
@@ -9,6 +10,25 @@
 // What a finite-element solver tells: checkpoints, frames, the lines of a run, what it made of the body.
 
 namespace strake::structure::fem {
+namespace {
+
+/// "linear elasticity", or the laws of the parts.
+std::string material_law(const Solid& solid) {
+  bool linear = false, quadratic = false, rubber = false;
+  for (const Part& part : solid.parts) {
+    linear = linear || part.material.model == MaterialModel::linear;
+    quadratic = quadratic || part.material.model == MaterialModel::saint_venant_kirchhoff;
+    rubber = rubber || part.material.model == MaterialModel::neo_hookean;
+  }
+  if (!quadratic && !rubber) return "linear elasticity";
+  std::string laws;
+  for (const auto& [there, name] :
+       {std::pair{linear, "linear"}, {quadratic, "Saint Venant-Kirchhoff"}, {rubber, "neo-Hookean"}})
+    if (there) laws += (laws.empty() ? "" : " and ") + std::string(name);
+  return laws + ", total Lagrangian";
+}
+
+}  // namespace
 
 template <int dim>
 void FemSolver<dim>::write(Archive& archive) const {
@@ -70,40 +90,77 @@ void FemSolver<dim>::read(const Archive& archive) {
 
 template <int dim>
 Frame FemSolver<dim>::frame() const {
-  const Eigen::Index n = mesh().n_nodes();
-  const auto on_nodes = [&](const Eigen::VectorXd& unknowns, const Eigen::Vector3d& rigid) {
+  const std::vector<int>& node = recovery_.node();
+  const auto n = static_cast<Eigen::Index>(node.size());
+  const auto on_points = [&](const Eigen::VectorXd& unknowns, const Eigen::Vector3d& rigid) {
     Points values = Points::Zero(3, n);
-    values.topRows<dim>() =
-        Eigen::Map<const Eigen::Matrix<double, dim, Eigen::Dynamic>>(unknowns.data(), dim, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      values.col(i).head<dim>() = unknowns.segment<dim>(dim * node[static_cast<std::size_t>(i)]);
     return Points(values.colwise() + rigid);
   };
   Frame frame;
   frame.time = state_.time;
-  const Points displacement = on_nodes(state_.displacement, state_.frame.displacement);
+  const Points displacement = on_points(state_.displacement, state_.frame.displacement);
   frame.position = displacement;
-  frame.position.topRows<dim>() += mesh().node;
+  for (Eigen::Index i = 0; i < n; ++i)
+    frame.position.col(i).head<dim>() += mesh().node.col(node[static_cast<std::size_t>(i)]);
 
   // Every node is a point: a Q2 cell shows as four quadrilaterals or eight hexahedra, nodes in ParaView's
-  // order.
-  const int parts = mesh().degree, row = parts + 1, layers = dim == 3 ? parts : 1;
-  frame.cells.resize(1 << dim, mesh().n_cells() * parts * parts * layers);
+  // order. Where parts meet there is a point for each.
+  const int pieces = mesh().degree, row = pieces + 1, layers = dim == 3 ? pieces : 1;
+  frame.cells.resize(1 << dim, mesh().n_cells() * pieces * pieces * layers);
   Eigen::Index at = 0;
   for (int c = 0; c < mesh().n_cells(); ++c)
     for (int l = 0; l < layers; ++l)
-      for (int j = 0; j < parts; ++j)
-        for (int i = 0; i < parts; ++i) {
-          const auto node = [&](int x, int y, int z) {
-            return mesh().cell(((l + z) * row + j + y) * row + i + x, c);
+      for (int j = 0; j < pieces; ++j)
+        for (int i = 0; i < pieces; ++i) {
+          const auto point = [&](int x, int y, int z) {
+            return recovery_.cell()(((l + z) * row + j + y) * row + i + x, c);
           };
           auto cell = frame.cells.col(at++);
           for (int z = 0; z < dim - 1; ++z)
-            cell.template segment<4>(4 * z) << node(0, 0, z), node(1, 0, z), node(1, 1, z), node(0, 1, z);
+            cell.template segment<4>(4 * z) << point(0, 0, z), point(1, 0, z), point(1, 1, z), point(0, 1, z);
         }
+
+  const Eigen::Index points = mesh().n_quadrature;
+  Eigen::MatrixXd state(Assembly<dim>::n_state, mesh().n_cells() * points);
+  for (int c = 0; c < mesh().n_cells(); ++c)
+    state.middleCols(c * points, points) = assembly_.cell_state(state_.displacement, c);
+  const Eigen::MatrixXd recovered = recovery_.on_nodes(state);
   frame.point_data = {{"displacement", "m", displacement},
-                      {"velocity", "m/s", on_nodes(state_.velocity, state_.frame.velocity)},
-                      {"von_mises", "Pa", assembly_.von_mises(state_.displacement).transpose()}};
-  if (failure_) frame.point_data.push_back({"damage", "1", failure_->in_nodes(state_.damage)});
+                      {"velocity", "m/s", on_points(state_.velocity, state_.frame.velocity)},
+                      {"stress", "Pa", recovered.topRows<6>()},
+                      {"von_mises", "Pa", von_mises_of(recovered.topRows<6>())},
+                      {"strain_energy", "J/m^3", recovered.row(6)}};
+  if (failure_) {
+    const Eigen::RowVectorXd damage = failure_->in_nodes(state_.damage);
+    frame.point_data.push_back({"damage", "1", damage(Eigen::all, node)});
+  }
   return frame;
+}
+
+/// What keeps cells from locking, or why nothing does; empty where they do not lock.
+template <int dim>
+std::string FemSolver<dim>::strain_line() const {
+  bool rubber = false, locks = mesh().degree == 1;
+  for (const Part& part : solid_.parts) {
+    rubber = rubber || part.material.model == MaterialModel::neo_hookean;
+    locks = locks || part.material.poisson >= Assembly<dim>::incompressible;
+  }
+  const bool automatic = parameters_.fem.strain == StrainField::automatic;
+  if (assembly_.any_enhanced())
+    return std::string(mesh().degree == 1
+                           ? "enhanced strains: Q1 does not lock in bending, nor at constant volume"
+                           : "enhanced strains: the pressure is linear in a Q2 cell") +
+           (automatic && rubber ? "; compatible in neo-Hookean parts" : "");
+  if (!locks) return "";
+  return std::string("compatible strains") +
+         (!automatic ? ""
+          : failure_ ? ", as cells soften"
+          : rubber   ? ", as for all neo-Hookean bodies"
+                     : "") +
+         (mesh().degree == 1 ? ": Q1 locks in bending and at constant volume"
+                             : ": Q2 is too stiff at constant volume on coarse meshes");
 }
 
 template <int dim>
@@ -111,11 +168,15 @@ std::vector<std::string> FemSolver<dim>::lines() const {
   std::vector<std::string> lines = {
       fmt::format("fem ({})   {} cells Q{}, {} unknowns   f1 dry {:.1f} Hz", library(), mesh().n_cells(),
                   mesh().degree, mesh().n_unknowns(), first_frequency_),
-      fmt::format("{}, {}", linear_ ? "linear elasticity" : "Saint Venant-Kirchhoff, total Lagrangian",
+      fmt::format("{}, {}", material_law(solid_),
                   scheme_.mid_point
                       ? std::string("Newmark 1/4-1/2 with the mean load of a window")
                       : fmt::format("generalised-alpha, rho_infinity {:g}", parameters_.fem.rho_infinity))};
   if (std::string line = frame_line(frame_.supports(), dim); !line.empty()) lines.push_back(std::move(line));
+  if (std::string line = strain_line(); !line.empty()) lines.push_back(std::move(line));
+  lines.push_back(method_ == LinearMethod::direct
+                      ? "linear systems: LU factors (UMFPACK)"
+                      : "linear systems: conjugate gradients with algebraic multigrid (Trilinos ML)");
   if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
     lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));
   if (failure_)

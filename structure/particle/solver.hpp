@@ -36,6 +36,7 @@ class ParticleSolver final : public Solver {
   int steps() const override { return state_.steps; }
   Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const override;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const override;
+  Stress stress_at(const Eigen::Vector3d& X) const override;
   void save() override { saved_ = state_; }
   void restore() override;
   void write(Archive&) const override;
@@ -76,6 +77,7 @@ class ParticleSolver final : public Solver {
     double external_work = 0;  // [J] ([J/m]) of loads, supports and damping
     int steps = 0;
   };
+  Eigen::MatrixXd cauchy_stress() const;  // 6×n [Pa], as Stress orders it
   void follow_interface(const Points& displacement_before, double dt);
   void sub_step(double dt, const Vectors<dim>& external, const Vector& gravity);
   Vector kick(double dt, const Vectors<dim>& external, const Vector& frame_velocity, bool first);

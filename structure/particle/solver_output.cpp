@@ -90,37 +90,41 @@ void ParticleSolver<dim>::read(const Archive& archive) {
   saved_ = state_;
 }
 
-//   Cauchy stress σ = P Fᵀ / det F; in plane strain σ_zz = λ/(2(λ+μ)) (σ_xx + σ_yy) = ν (σ_xx + σ_yy)
-//   von Mises √(3/2 s:s) of its deviator s
+//   σ = P Fᵀ / det F; in plane strain σ_zz = λ/(2(λ+μ)) (σ_xx + σ_yy) = ν (σ_xx + σ_yy)
 template <int dim>
-Frame ParticleSolver<dim>::frame() const {
+Eigen::MatrixXd ParticleSolver<dim>::cauchy_stress() const {
   using Matrix = Eigen::Matrix<double, dim, dim>;
   const Tensors<dim> H = displacement_gradient<dim>(bonds_, state_.displacement);
-  Eigen::MatrixXd stress(dim == 2 ? 3 : 6, lattice_.size()), mises(1, lattice_.size());
+  Eigen::MatrixXd stress(6, lattice_.size());
   for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
     const Material& material = lattice_.material(i);
     const Matrix F = Matrix::Identity() + Eigen::Map<const Matrix>(H.col(i).data());
     const Matrix s =
         bonds_.hold[i] * first_piola_kirchhoff<dim>(material, F) * F.transpose() / F.determinant();
-    if constexpr (dim == 2) {
-      const double zz = material.plane_stress ? 0 : material.poisson * s.trace();
-      stress.col(i) << s(0, 0), s(1, 1), s(0, 1);
-      mises(0, i) = std::sqrt(
-          0.5 * (std::pow(s(0, 0) - s(1, 1), 2) + std::pow(s(1, 1) - zz, 2) + std::pow(zz - s(0, 0), 2)) +
-          3 * s(0, 1) * s(0, 1));
-    } else {
-      const Matrix deviator = s - s.trace() / 3 * Matrix::Identity();
+    if constexpr (dim == 2)
+      stress.col(i) << s(0, 0), s(0, 1), 0, s(1, 1), 0,
+          material.plane_stress ? 0 : material.poisson * s.trace();
+    else
       stress.col(i) << s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2);
-      mises(0, i) = std::sqrt(1.5) * deviator.norm();
-    }
   }
+  return stress;
+}
+
+template <int dim>
+Stress ParticleSolver<dim>::stress_at(const Eigen::Vector3d& X) const {
+  return cauchy_stress() * interpolation<dim>(lattice_, X).transpose();
+}
+
+template <int dim>
+Frame ParticleSolver<dim>::frame() const {
+  const Eigen::MatrixXd stress = cauchy_stress();
   Frame frame;
   frame.time = state_.time;
   frame.position = in_space<dim>(lattice_.position + state_.displacement);
   frame.point_data = {{"displacement", "m", in_space<dim>(state_.displacement)},
                       {"velocity", "m/s", in_space<dim>(state_.velocity)},
                       {"stress", "Pa", stress},
-                      {"von_mises", "Pa", mises}};
+                      {"von_mises", "Pa", von_mises_of(stress)}};
   if (failure_) frame.point_data.push_back({"damage", "1", failure_->damage(state_.failure)});
   return frame;
 }
@@ -186,7 +190,11 @@ template void ParticleSolver<2>::write(Archive&) const;
 template void ParticleSolver<3>::write(Archive&) const;
 template void ParticleSolver<2>::read(const Archive&);
 template void ParticleSolver<3>::read(const Archive&);
+template Eigen::MatrixXd ParticleSolver<2>::cauchy_stress() const;
+template Stress ParticleSolver<2>::stress_at(const Eigen::Vector3d&) const;
 template Frame ParticleSolver<2>::frame() const;
+template Eigen::MatrixXd ParticleSolver<3>::cauchy_stress() const;
+template Stress ParticleSolver<3>::stress_at(const Eigen::Vector3d&) const;
 template Frame ParticleSolver<3>::frame() const;
 template Properties ParticleSolver<2>::properties();
 template Properties ParticleSolver<3>::properties();

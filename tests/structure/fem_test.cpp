@@ -163,7 +163,7 @@ TEST(FemSolver, FramesShowQuadrilateralsThatCoverThePlate) {
       area += cell;
     }
     EXPECT_NEAR(area, 0.4 * 0.02, 1e-14);
-    ASSERT_EQ(frame.point_data.size(), 3U);
+    ASSERT_EQ(frame.point_data.size(), 5U);
     for (const auto& array : frame.point_data) EXPECT_EQ(array.value.cols(), frame.position.cols());
   }
 }

@@ -93,8 +93,15 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
                          "structure.plate.supports.right=free"}),
        "no equilibrium");
   says(complaint("replay", {}), "structure.replay.run");
+  says(complaint("fem", {"structure.failure.criterion=max_principal", "structure.failure.strength=1e6",
+                         "structure.failure.fracture_energy=100", "structure.fem.strain=enhanced"}),
+       "strains of its displacement alone");
   says(complaint("fem", {}, "[[output.probe]]\nname = \"mid\"\nof = \"structure\"\nat = [0.0, -0.1, 0.0]\n"),
        "outside the plate");
+  says(complaint("rigid", {},
+                 "[[output.probe]]\nname = \"mid\"\nof = \"structure\"\nat = [0.0, 0.01, 0.0]\n"
+                 "quantity = \"von_mises\"\n"),
+       "has no stress");
 }
 
 TEST(StructureKeys, BoxesThatParticlesCannotFillAreRefused) {

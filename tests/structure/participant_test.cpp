@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 namespace strake::structure {
@@ -223,6 +225,32 @@ TEST(StructureParticipant, AFreeBodyReportsItsMotionAndGoesOnFromACheckpointBitE
   EXPECT_NEAR(a.monitor.at("body.fy"), 5.0 * static_cast<double>(first.mesh().position.cols()), 1e-9);
   EXPECT_LT(a.monitor.at("check.structure_energy_drift"), 1e-12);
   std::filesystem::remove_all(folder);
+}
+
+// A bar of particles under tension: one stress alone but for what the plane adds.
+TEST(StructureParticipant, ProbesOfStressHaveAColumnPerComponent) {
+  Parameters p = paper_plate(4);
+  p.plate.right = Support::free;
+  p.analysis = Analysis::statics;
+  p.load = {.kind = LoadKind::traction, .value = {1e6, 0, 0}, .face = "right", .at = {}, .ramp = 0};
+  CommonKeys common = mid_probe("stress");
+  common.probes[0].at = {0, 0.01, 0};
+  common.probes.push_back(common.probes[0]);
+  common.probes[1].name = "size";
+  common.probes[1].quantity = "von_mises";
+  StructureParticipant participant(std::make_unique<ParticleSolver<2>>(p), p, common, {});
+  const auto& columns = participant.description().columns;
+  for (const char* name : {"mid.xx", "mid.xy", "mid.yy", "mid.zz", "size"})
+    EXPECT_TRUE(std::any_of(columns.begin(), columns.end(), [&](const Column& c) {
+      return c.name == name && c.unit == "Pa";
+    })) << name;
+  participant.start({0, 1e-5}, {});
+  const auto monitor = participant.finish().monitor;
+  EXPECT_NEAR(monitor.at("mid.xx"), 1e6, 2e4);
+  EXPECT_NEAR(monitor.at("mid.yy"), 0, 2e4);
+  EXPECT_NEAR(monitor.at("mid.zz"), 0.3e6, 1e4);
+  const double xx = monitor.at("mid.xx"), zz = monitor.at("mid.zz");
+  EXPECT_NEAR(monitor.at("size"), std::sqrt(xx * xx - xx * zz + zz * zz), 2e4);
 }
 
 }  // namespace
