@@ -226,8 +226,14 @@ typename Discretisation<dim>::Place Discretisation<dim>::locate(const Eigen::Vec
   double least = std::numeric_limits<double>::infinity();
   for (const auto& cell : parts.dofs.active_cell_iterators()) {
     if (cell->barycenter().distance(x) - cell->diameter() > least) continue;
-    const dealii::Point<dim> candidate =
-        dealii::GeometryInfo<dim>::project_to_unit_cell(parts.mapping.transform_real_to_unit_cell(cell, x));
+    // Far from a distorted cell its map has no inverse; its middle then stands for it.
+    dealii::Point<dim> candidate;
+    for (int axis = 0; axis < dim; ++axis) candidate[static_cast<unsigned>(axis)] = 0.5;
+    try {
+      candidate =
+          dealii::GeometryInfo<dim>::project_to_unit_cell(parts.mapping.transform_real_to_unit_cell(cell, x));
+    } catch (const typename dealii::Mapping<dim>::ExcTransformationFailed&) {
+    }
     const double distance = parts.mapping.transform_unit_to_real_cell(cell, candidate).distance(x);
     if (distance >= least) continue;
     least = distance;
