@@ -205,7 +205,6 @@ class Performance {
       if (outcome.state == Outcome::State::failed)
         outcome.problem = problem_in(options_.folder / (now->run->name + ".log"));
       ledger_.set(now->run->name, now->print, outcome);
-      ++ended_;
       say(fmt::format("{:<28} {}, {}", now->run->name, to_text(outcome.state),
                       duration_text(outcome.seconds)));
       if (!outcome.problem.empty()) say("  " + outcome.problem);
@@ -256,7 +255,6 @@ class Performance {
   std::vector<const PlannedRun*> waiting_;
   std::vector<Running> running_;
   Clock::time_point told_ = Clock::now();
-  int ended_ = 0;
 };
 
 }  // namespace
