@@ -212,8 +212,8 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   if (!view.structure) view.resolved += "\n[structure]\nsolver = \"none\"\n";
   for (const auto& side : {view.fluid, view.structure})
     if (side && side->echo.empty())
-      view.resolved += fmt::format("\n[{}]\nsolver = \"{}\"  # a program of the user's reads its own table\n",
-                                   side->side, std::filesystem::absolute(side->program).string());
+      view.resolved += "\n# read by a program of the user's: as given, files relative to " + file.folder().string() +
+                       "\n" + file.as_given(side->side, std::filesystem::absolute(side->program).string());
   return view;
 }
 

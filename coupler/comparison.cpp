@@ -70,6 +70,14 @@ double shift_onto(const Record& first, const Record& other, const std::string& h
   return seconds;
 }
 
+std::string metric_unit(const std::string& metric, const std::string& unit) {
+  if (metric.starts_with("time_of_") || metric == "period" || metric == "onset") return "s";
+  if (metric == "l2" || metric == "dtw") return "1";
+  if (metric == "frequency") return "Hz";
+  if (metric != "impulse") return unit;
+  return unit == "1" ? "s" : unit + " s";
+}
+
 Comparison compare_records(const std::vector<Record>& records, const std::string& quantity,
                            const ComparisonSpan& span) {
   Comparison result;
@@ -125,10 +133,7 @@ Comparison compare_records(const std::vector<Record>& records, const std::string
   for (const std::string& name : record_metrics()) {
     MetricRow row = {.name = name, .unit = first.unit, .value = {}, .deviation = {}};
     const bool difference = name == "l2" || name == "dtw";
-    if (difference) row.unit = "1";
-    if (name == "frequency") row.unit = "Hz";
-    if (name == "impulse") row.unit = first.unit == "1" ? "s" : first.unit + " s";
-    if (name.starts_with("time_of")) row.unit = "s";
+    row.unit = metric_unit(name, first.unit);
     for (std::size_t r = 0; r < records.size(); ++r) {
       row.value.push_back(value_of(name, r));
       const auto& one = row.value.front();

@@ -36,6 +36,9 @@ struct ComparisonSpan {
 /// the records share no span or their units differ.
 Comparison compare_records(const std::vector<Record>&, const std::string& quantity, const ComparisonSpan&);
 
+/// Unit of a metric of a quantity that has `unit`: "impulse" of "Pa" is in "Pa s", "l2" of anything in "1".
+std::string metric_unit(const std::string& metric, const std::string& unit);
+
 /// The metrics that `compare_records` gives.
 const std::vector<std::string>& record_metrics();
 

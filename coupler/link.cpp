@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <stdlib.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 #include <zmq.hpp>
 
@@ -27,6 +28,7 @@ using std::chrono::milliseconds;
 
 constexpr int last_words = 500;         // [ms] a participant's Fault or Done may take to leave
 constexpr int to_greet = 3000;          // [ms] a connection that has not greeted by then is cut
+constexpr std::uint64_t introduction = 1 << 20;  // [bytes] more than any Hello has, with all around it
 constexpr std::size_t unix_path = 107;  // bytes of a Unix socket's address
 
 /// A folder that only this user may enter, removed at the end.
@@ -109,6 +111,7 @@ struct Hub::Sockets {
     std::string address;
     std::string peer;  // routing id; empty while it has said nothing
     std::unique_ptr<Witness> witness;
+    bool admitted = false, cut = false;
   };
   std::map<int, Connection> open;  // by descriptor
   std::set<std::string> left;      // peers that had a witness and closed their connection
@@ -116,24 +119,38 @@ struct Hub::Sockets {
   std::map<std::string, int> strangers;
 
   void look();
+  void cut_the_talkative();
+  void stranger(const std::string& text);
   void heard(const std::string& peer, int socket);
   Connection* find(const std::string& peer, int* socket = nullptr);
   std::string reason(const Monitor::Event&) const;
 };
 
+void Hub::Sockets::stranger(const std::string& text) {
+  constexpr std::size_t enough = 100;
+  ++strangers[strangers.size() < enough ? text : "others were refused too"];
+}
+
+/// ZeroMQ hands a message over when it is whole. The parts of one that never ends would pile up in memory, and
+/// no limit of its own counts them; the kernel counts bytes.
+void Hub::Sockets::cut_the_talkative() {
+  for (auto& [socket, connection] : open) {
+    if (connection.admitted || connection.cut || bytes_received(socket) <= introduction) continue;
+    connection.cut = true;
+    shutdown(socket, SHUT_RDWR);
+    stranger(connection.address + " sent more than a megabyte and did not say who it is");
+  }
+}
+
 /// What happened to the connections since the last look.
 void Hub::Sockets::look() {
-  constexpr std::size_t enough = 100;
-  const auto stranger = [this](const std::string& text) {
-    ++strangers[strangers.size() < enough ? text : "others were refused too"];
-  };
   while (const auto event = monitor.next(milliseconds(0))) switch (event->kind) {
       case ZMQ_EVENT_ACCEPTED:
-        open[event->value] = {peer_address(event->value), {}, nullptr};
+        open[event->value] = {peer_address(event->value), {}, nullptr, false, false};
         break;
       case ZMQ_EVENT_DISCONNECTED: {
         const Connection& c = open[event->value];
-        if (c.peer.empty() && failed.empty()) failed = " left or was cut before its first word";
+        if (c.peer.empty() && failed.empty() && !c.cut) failed = " left or was cut before its first word";
         if (!failed.empty()) stranger(c.address + failed);
         if (c.witness && c.witness->closed_by_peer()) left.insert(c.peer);
         failed.clear();
@@ -143,6 +160,7 @@ void Hub::Sockets::look() {
       default:  // followed by the end of the same connection
         failed = reason(*event);
     }
+  cut_the_talkative();
   if (doorkeeper)
     for (const std::string& address : doorkeeper->take_refused())
       stranger(address + " holds no key of this run");
@@ -241,6 +259,11 @@ void Hub::send(const std::string& peer, const wire::Parts& parts) {
 bool Hub::connected(const std::string& peer) {
   sockets_->look();
   return sockets_->find(peer) != nullptr;
+}
+
+void Hub::admit(const std::string& peer) {
+  sockets_->look();
+  if (auto* connection = sockets_->find(peer)) connection->admitted = true;
 }
 
 void Hub::keep_witness(const std::string& peer) {

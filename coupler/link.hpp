@@ -47,6 +47,8 @@ class Hub {
   void send(const std::string& peer, const wire::Parts&);
   /// Whether the connection of that peer stands. Heartbeats end it 0.8 s after the peer fell silent.
   bool connected(const std::string& peer);
+  /// That peer takes part. Who does not is cut once it has sent more than an introduction needs.
+  void admit(const std::string& peer);
   /// From here on `left` can tell how that peer's connection ends.
   void keep_witness(const std::string& peer);
   /// Whether its connection has ended because it was closed at the other end, as the end of a process does.

@@ -328,6 +328,7 @@ void Roster::State::greet(const Hub::Message& message) {
 /// Of a process that is not ours, only the connection tells whether it lives.
 void Roster::State::take_connection(Member& m, const std::string& peer) {
   m.peer = peer;
+  hub.admit(peer);
   if (!m.child) hub.keep_witness(peer);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 namespace strake {
 
 /// A second descriptor of a connection that ZeroMQ owns. ZeroMQ reports the end of a connection in the same
@@ -18,5 +20,8 @@ class Witness {
  private:
   int socket_;
 };
+
+/// Bytes that the kernel has taken from the other end of a tcp connection; 0 where it cannot tell.
+std::uint64_t bytes_received(int socket);
 
 }  // namespace strake

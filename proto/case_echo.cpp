@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "proto/case_document.hpp"
 
@@ -75,6 +76,16 @@ std::string CaseFile::echo(const std::string& prefix) const {
   std::string text;
   write(root, "", false, text);
   return text;
+}
+
+std::string CaseFile::as_given(const std::string& table, const std::string& solver) const {
+  const toml::table* given = document_->root[table].as_table();
+  toml::table copy = given ? *given : toml::table();
+  copy.insert_or_assign("solver", solver);
+  const toml::table whole{{table, copy}};
+  std::ostringstream text;
+  text << toml::toml_formatter(whole) << "\n";
+  return text.str();
 }
 
 std::string to_json(const std::vector<KeyInfo>& keys) {

@@ -103,6 +103,9 @@ class CaseFile {
   const std::vector<KeyInfo>& declared() const;
   /// Resolved TOML of the declared keys below `prefix`, each marked with its origin.
   std::string echo(const std::string& prefix = {}) const;
+  /// A top table as TOML, with what --set changed, as the user gave it: for programs whose keys nobody here
+  /// knows. `solver` takes the place of its key of that name.
+  std::string as_given(const std::string& table, const std::string& solver) const;
   /// SHA-256 of the file's bytes, each --set string, and the bytes of every existing file that a text value
   /// names.
   std::array<std::uint8_t, 32> hash() const;

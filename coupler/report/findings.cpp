@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "coupler/comparison.hpp"
 #include "coupler/report/html.hpp"
 #include "coupler/report/sections.hpp"
 
@@ -32,8 +33,6 @@ std::vector<Reference> references_of(const std::vector<Recorded>& runs) {
 }
 
 std::string unit_of(const std::vector<Recorded>& runs, const std::string& probe, const std::string& metric) {
-  if (metric.starts_with("time_of_") || metric == "period" || metric == "onset") return "s";
-  if (metric == "l2" || metric == "dtw") return "1";
   std::string unit = "1";
   for (const Recorded& run : runs)
     if (const ProbeResult* result = run.probe(probe); result != nullptr && !result->unit.empty())
@@ -42,7 +41,7 @@ std::string unit_of(const std::vector<Recorded>& runs, const std::string& probe,
     for (const Recorded& run : runs)
       for (const Column& column : run.history.columns)
         if (column.name == probe) unit = column.unit;
-  return metric == "impulse" && unit != "1" ? unit + " s" : unit;
+  return metric_unit(metric, unit);
 }
 
 /// "first_peak" → "first peak".

@@ -113,6 +113,18 @@ StudyData read_study(const std::filesystem::path& folder) {
   for (const Json& column : objects(json, "columns"))
     study.columns.push_back({text(column, "probe"), text(column, "metric"), text(column, "unit")});
   for (const Json& check : objects(json, "checks")) study.checks.push_back(check_of(check));
+  for (const Json& item : objects(json, "references")) {
+    study.references.push_back({.title = text(item, "title"),
+                                .axis = text(item, "axis"),
+                                .probe = text(item, "probe"),
+                                .metric = text(item, "metric"),
+                                .kind = text(item, "kind"),
+                                .source = text(item, "source"),
+                                .values = {}});
+    if (const Json& values = member(item, "values"); values.is_object())
+      for (const auto& [label, value] : values.items())
+        study.references.back().values[label] = number(values, label);
+  }
   for (const Json& item : objects(json, "convergence"))
     study.convergence.push_back({.title = text(item, "title"),
                                  .axis = text(item, "axis"),

@@ -30,6 +30,10 @@ struct StudyData {
     std::optional<double> value, reference, deviation, tolerance;
     std::optional<bool> pass;
   };
+  struct Reference {
+    std::string title, axis, probe, metric, kind, source;
+    std::map<std::string, std::optional<double>> values;  // by label on the axis
+  };
   struct Convergence {
     std::string title, axis, probe, metric, unit, remark;
     std::vector<double> along, values;  // NaN: not known
@@ -44,6 +48,7 @@ struct StudyData {
   std::vector<Run> runs;
   std::vector<QuantityOfRuns> columns;
   std::vector<Check> checks;
+  std::vector<Reference> references;
   std::vector<Convergence> convergence;
   std::vector<Claim> claims;
   std::optional<double> seconds;

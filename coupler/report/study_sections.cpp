@@ -42,6 +42,10 @@ std::string cross_table(const StudyData& study, const StudyData::QuantityOfRuns&
   HtmlTable table(fmt::format("{} {}", column.probe, words(column.metric)));
   std::vector<std::string> names = {down.name + " \\ " + across.name};
   names.insert(names.end(), across.labels.begin(), across.labels.end());
+  std::vector<const StudyData::Reference*> references;
+  for (const StudyData::Reference& r : study.references)
+    if (r.axis == down.name && r.probe == column.probe && r.metric == column.metric) references.push_back(&r);
+  for (const StudyData::Reference* r : references) names.push_back(fmt::format("{} ({})", r->title, r->kind));
   table.head(names);
   for (const std::string& row : down.labels) {
     std::vector<std::string> cells = {escape(row)};
@@ -53,6 +57,8 @@ std::string cross_table(const StudyData& study, const StudyData::QuantityOfRuns&
                   (run.state == "done" ? number_cell(value_of(run, column), column.unit) : state_of(run));
       cells.push_back(cell.empty() ? "–" : cell);
     }
+    for (const StudyData::Reference* r : references)
+      cells.push_back(number_cell(r->values.contains(row) ? r->values.at(row) : std::nullopt, column.unit));
     table.row(cells);
   }
   return table.html();

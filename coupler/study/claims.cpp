@@ -80,7 +80,7 @@ Finding agree(const Results& results, const Claim& claim, const Group& group) {
     return finding;
   }
   const double off = (*a - *b) / std::abs(*b);
-  finding.holds = std::abs(off) <= claim.tolerance;
+  finding.holds = (std::abs(off) <= claim.tolerance) == (claim.rule == Claim::Rule::agree);
   finding.words =
       fmt::format("{}{:.4g} against {:.4g} ({:+.3g} %)", others_of(*one, claim.axis), *a, *b, 100 * off);
   return finding;
@@ -137,8 +137,8 @@ std::vector<Finding> findings(const Results& results, const Claim& claim) {
     return all;
   }
   for (const Group& group : groups_along(results, claim.axis, claim.where))
-    all.push_back(claim.rule == Claim::Rule::agree ? agree(results, claim, group)
-                                                   : along(results, claim, group));
+    all.push_back(claim.rule == Rule::agree || claim.rule == Rule::differ ? agree(results, claim, group)
+                                                                          : along(results, claim, group));
   return all;
 }
 

@@ -151,6 +151,32 @@ Check read_check(CaseTable table, const std::vector<Axis>& axes) {
   return check;
 }
 
+Reference read_reference(CaseTable table, const std::vector<Axis>& axes) {
+  Reference r;
+  table.text("title", r.title, {.required = true, .help = "what the numbers are, as a table's head"});
+  table.text("axis", r.axis, {.required = true, .help = "axis whose labels the numbers belong to"});
+  const Axis& axis = axis_of(table, axes, "axis", r.axis);
+  r.quantity = read_quantity(table);
+  table.choice("kind", r.kind, {"experiment", "theory", "code", "calibration"},
+               {.required = true, .help = "where the numbers come from"});
+  table.text("source", r.source, {.required = true, .help = "who gives them, and how sure they are"});
+  CaseTable value = table.table("value", "label = number, SI");
+  for (const std::string& label : value.keys()) {
+    refuse_label(value, label, label, axis);
+    value.number(label, r.value[label], {.unit = "SI", .required = true, .help = "expected at " + label});
+  }
+  if (r.value.empty())
+    throw table.error("title", "numbers beside it", "value = { \"" + axis.values.front().label + "\" = 1.0 }");
+  table.texts("fitted", r.fitted, {.help = "labels whose number chose the study's settings: not judged"});
+  for (const std::string& label : r.fitted) refuse_label(table, "fitted", label, axis);
+  double tolerance = 0;
+  table.number("tolerance", tolerance,
+               {.min = 0, .help = "allowed deviation, relative; not given: stated only"});
+  if (table.has("tolerance")) r.tolerance = tolerance;
+  r.where = read_filter(table, axes);
+  return r;
+}
+
 Convergence read_convergence(CaseTable table, const std::vector<Axis>& axes) {
   Convergence c;
   table.text("title", c.title, {.help = "what should converge"});
@@ -178,13 +204,14 @@ Claim read_claim(CaseTable table, const std::vector<Axis>& axes) {
        {"decreases", Claim::Rule::decreases},
        {"same", Claim::Rule::same},
        {"agree", Claim::Rule::agree},
+       {"differ", Claim::Rule::differ},
        {"same_time", Claim::Rule::same_time},
        {"decays", Claim::Rule::decays},
        {"at_most", Claim::Rule::at_most},
        {"none", Claim::Rule::none}},
       {.required = true,
        .help =
-           "increases, decreases, same: along the axis; agree: `of` with `against` on it; same_time: peaks "
+           "increases, decreases, same: along the axis; agree: `of` with `against` on it; differ: not so; same_time: peaks "
            "of two probes; decays: the last fifth against the peak; at_most: each run's number; none: cannot "
            "be judged here"});
   if (claim.rule == Claim::Rule::none) {
@@ -196,7 +223,7 @@ Claim read_claim(CaseTable table, const std::vector<Axis>& axes) {
                      claim.rule != Claim::Rule::at_most;
   table.text("axis", claim.axis, {.required = along, .help = "axis that the rule follows"});
   if (!claim.axis.empty()) axis_of(table, axes, "axis", claim.axis);
-  const bool agree = claim.rule == Claim::Rule::agree;
+  const bool agree = claim.rule == Claim::Rule::agree || claim.rule == Claim::Rule::differ;
   table.text("of", claim.of, {.required = agree, .help = "label of what is judged"});
   table.text("against", claim.against, {.required = agree, .help = "label of what it is held against"});
   if (agree) {
@@ -210,7 +237,7 @@ Claim read_claim(CaseTable table, const std::vector<Axis>& axes) {
   table.number("tolerance", claim.tolerance,
                {.min = 0,
                 .required = limited,
-                .help = "same, agree: relative; same_time: in s; decays: share of the peak that may be left; "
+                .help = "same, agree, differ: relative; same_time: in s; decays: share of the peak that may be left; "
                         "at_most: the limit"});
   claim.where = read_filter(table, axes);
   return claim;
@@ -288,6 +315,8 @@ Plan read_plan(const std::filesystem::path& path) {
     plan.columns.push_back(read_quantity(table));
   for (CaseTable table : root.tables("check", "two choices held against each other"))
     plan.checks.push_back(read_check(table, plan.axes));
+  for (CaseTable table : root.tables("reference", "published or derived numbers along an axis"))
+    plan.references.push_back(read_reference(table, plan.axes));
   for (CaseTable table : root.tables("convergence", "order and uncertainty along an axis"))
     plan.convergences.push_back(read_convergence(table, plan.axes));
   for (CaseTable table : root.tables("claim", "a published sentence and the rule that judges it"))

@@ -46,6 +46,17 @@ struct Check {
   Filter where;
 };
 
+/// Published or derived numbers along an axis, and who gives them. Those that the study's settings were
+/// fitted to are shown beside the measured ones and not judged.
+struct Reference {
+  std::string title, axis, kind, source;  // kind as in a compare block: experiment | theory | code | calibration
+  Quantity quantity;
+  std::map<std::string, double> value;  // label on the axis → number, SI
+  std::vector<std::string> fitted;      // labels whose number chose the settings
+  std::optional<double> tolerance;      // relative; none: stated only
+  Filter where;
+};
+
 /// Order and uncertainty along an axis of numbers, for every choice on the others.
 struct Convergence {
   std::string title, axis;
@@ -55,10 +66,10 @@ struct Convergence {
 
 /// A sentence of the paper, and the rule that judges it from what was measured.
 struct Claim {
-  enum class Rule { increases, decreases, same, agree, same_time, decays, at_most, none };
+  enum class Rule { increases, decreases, same, agree, differ, same_time, decays, at_most, none };
   std::string claim, source, why;
   Rule rule = Rule::none;
-  std::string axis, of, against;  // agree: `of` against `against`; the others go along the axis
+  std::string axis, of, against;  // agree, differ: `of` against `against`; the others go along the axis
   Quantity quantity;
   std::string other_probe;  // same_time: its peak of the same metric
   double tolerance = 0;
@@ -74,6 +85,7 @@ struct Plan {
   std::vector<PlannedRun> runs;  // a run stands behind the one it replays
   std::vector<Quantity> columns;
   std::vector<Check> checks;
+  std::vector<Reference> references;
   std::vector<Convergence> convergences;
   std::vector<Claim> claims;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -20,6 +21,15 @@ void take_numbers(const nlohmann::json& object, const std::string& prefix, Value
   if (!object.is_object()) return;
   for (const auto& [name, value] : object.items())
     if (value.is_number()) values[prefix + name] = value.get<double>();
+}
+
+std::map<std::string, std::string> units_of(const nlohmann::json& summary) {
+  std::map<std::string, std::string> units;
+  if (summary.contains("probes") && summary["probes"].is_object())
+    for (const auto& [probe, entry] : summary["probes"].items())
+      if (entry.is_object() && entry.contains("unit") && entry["unit"].is_string())
+        units[probe] = entry["unit"].get<std::string>();
+  return units;
 }
 
 /// l2 or dtw of two whole records.
@@ -44,7 +54,7 @@ CheckResult judge(const Results& results, const Check& check, const PlannedRun& 
                         .reference = results.value(other, check.quantity),
                         .deviation = {},
                         .tolerance = check.tolerance,
-                        .pass = false,
+                        .pass = {},
                         .kind = "code",
                         .source = "another solver of the same case"};
   const bool whole = check.quantity.metric == "l2" || check.quantity.metric == "dtw";
@@ -54,6 +64,31 @@ CheckResult judge(const Results& results, const Check& check, const PlannedRun& 
   else if (result.value && result.reference && *result.reference != 0)
     result.deviation = (*result.value - *result.reference) / std::abs(*result.reference);
   result.pass = result.deviation && std::abs(*result.deviation) <= check.tolerance;
+  return result;
+}
+
+CheckResult judge(const Results& results, const Reference& reference, const PlannedRun& run,
+                  double expected) {
+  CheckResult result = {.title = reference.title,
+                        .run = run.name,
+                        .against = {},
+                        .probe = reference.quantity.probe,
+                        .metric = reference.quantity.metric,
+                        .value = results.value(run, reference.quantity),
+                        .reference = expected,
+                        .deviation = {},
+                        .tolerance = reference.tolerance,
+                        .pass = {},
+                        .kind = reference.kind,
+                        .source = reference.source};
+  if (result.value)
+    result.deviation = expected == 0 ? *result.value : (*result.value - expected) / std::abs(expected);
+  const std::string& label = run.label.at(reference.axis);
+  if (std::find(reference.fitted.begin(), reference.fitted.end(), label) != reference.fitted.end()) {
+    result.tolerance.reset();
+    result.source = "fitted to it, not judged: " + result.source;
+  }
+  if (result.tolerance) result.pass = result.deviation && std::abs(*result.deviation) <= *result.tolerance;
   return result;
 }
 
@@ -73,7 +108,7 @@ CheckResult from_case(const std::string& run, const nlohmann::json& verdict) {
                         .reference = number_in(verdict, "reference"),
                         .deviation = {},
                         .tolerance = number_in(verdict, "tolerance"),
-                        .pass = false,
+                        .pass = {},
                         .kind = verdict.value("kind", ""),
                         .source = verdict.value("source", "")};
   result.title = fmt::format("{} {}", result.probe, result.metric);
@@ -97,6 +132,11 @@ Values read_values(const std::filesystem::path& folder) {
     take_numbers(summary["iterations"], "iterations.", values);
     if (const auto mean = number_in(summary["iterations"], "mean")) values["iterations"] = *mean;
   }
+  if (summary.contains("failure") && summary["failure"].is_object()) {
+    take_numbers(summary["failure"], "failure.", values);
+    for (const auto& [event, place] : summary["failure"].items())
+      take_numbers(place, "failure." + event + ".", values);
+  }
   if (summary.contains("seconds"))
     if (const auto wall = number_in(summary["seconds"], "wall")) values["wall"] = *wall;
   if (const auto windows = number_in(summary, "windows")) values["windows"] = *windows;
@@ -110,6 +150,12 @@ std::optional<double> Results::value(const PlannedRun& run, const Quantity& q) c
   return number == found->second.end() ? std::nullopt : std::optional(number->second);
 }
 
+std::string Results::unit_of(const Quantity& q) const {
+  if (q.probe.empty()) return q.metric == "wall" ? "s" : "1";
+  const auto found = unit.find(q.probe);
+  return metric_unit(q.metric, found == unit.end() ? "1" : found->second);
+}
+
 std::vector<const PlannedRun*> Results::runs(const Filter& filter) const {
   std::vector<const PlannedRun*> chosen;
   for (const PlannedRun& run : plan->runs) {
@@ -121,10 +167,12 @@ std::vector<const PlannedRun*> Results::runs(const Filter& filter) const {
 }
 
 Results collect(const Plan& plan, std::map<std::string, Outcome> outcome) {
-  Results results = {.plan = &plan, .outcome = std::move(outcome), .values = {}};
+  Results results = {.plan = &plan, .outcome = std::move(outcome), .values = {}, .unit = {}};
   for (const PlannedRun& run : plan.runs) {
     const Outcome& o = results.outcome[run.name];
-    if (o.state == Outcome::State::done) results.values[run.name] = read_values(o.folder);
+    if (o.state != Outcome::State::done) continue;
+    results.values[run.name] = read_values(o.folder);
+    for (const auto& [probe, unit] : units_of(summary_of(o.folder))) results.unit.emplace(probe, unit);
   }
   return results;
 }
@@ -140,6 +188,10 @@ std::vector<CheckResult> judge_checks(const Results& results) {
       for (const PlannedRun* other : results.runs(same)) all.push_back(judge(results, check, *run, *other));
     }
   }
+  for (const Reference& reference : results.plan->references)
+    for (const PlannedRun* run : results.runs(reference.where))
+      if (const auto found = reference.value.find(run->label.at(reference.axis)); found != reference.value.end())
+        all.push_back(judge(results, reference, *run, found->second));
   for (const auto& [run, values] : results.values) {
     const nlohmann::json summary = summary_of(results.outcome.at(run).folder);
     if (summary.contains("compare") && summary["compare"].is_array())

@@ -11,7 +11,7 @@
 
 namespace strake::study {
 
-/// What a run found, from its summary.json: "mid.y:first_peak", "momentum_gap", "wall", "iterations" …
+/// What a run found, from its summary.json: "mid.y:first_peak", "momentum_gap", "wall", "iterations", "failure.crack.x" …
 using Values = std::map<std::string, double>;
 Values read_values(const std::filesystem::path& run_folder);
 
@@ -20,7 +20,9 @@ struct Results {
   const Plan* plan = nullptr;
   std::map<std::string, Outcome> outcome;  // by run
   std::map<std::string, Values> values;    // of the runs that are done
+  std::map<std::string, std::string> unit;  // of the probes, "mid.y" → "m"
   std::optional<double> value(const PlannedRun&, const Quantity&) const;
+  std::string unit_of(const Quantity&) const;  // "1" where no run tells
   /// Runs that are planned and hold these labels, in the plan's order.
   std::vector<const PlannedRun*> runs(const Filter&) const;
 };
@@ -32,10 +34,10 @@ struct CheckResult {
   std::string probe, metric;
   std::optional<double> value, reference, deviation;
   std::optional<double> tolerance;
-  bool pass = false;
+  std::optional<bool> pass;  // none: stated only
   std::string kind, source;  // as in a compare block
 };
-/// The study's checks, then the references that each case brings along (summary.json, "compare").
+/// The study's checks, its references, then those that each case brings along (summary.json, "compare").
 std::vector<CheckResult> judge_checks(const Results&);
 
 }  // namespace strake::study

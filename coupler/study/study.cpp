@@ -66,7 +66,8 @@ Json json_of(const Plan& plan, const Results& results, const std::filesystem::pa
   }
   json["columns"] = Json::array();
   for (const Quantity& column : plan.columns)
-    json["columns"].push_back({{"probe", column.probe}, {"metric", column.metric}});
+    json["columns"].push_back(
+        {{"probe", column.probe}, {"metric", column.metric}, {"unit", results.unit_of(column)}});
   json["checks"] = Json::array();
   for (const CheckResult& c : checks)
     json["checks"].push_back({{"title", c.title},
@@ -78,15 +79,25 @@ Json json_of(const Plan& plan, const Results& results, const std::filesystem::pa
                               {"reference", or_null(c.reference)},
                               {"deviation", or_null(c.deviation)},
                               {"tolerance", or_null(c.tolerance)},
-                              {"pass", c.pass},
+                              {"pass", c.pass ? Json(*c.pass) : Json(nullptr)},
                               {"kind", c.kind},
                               {"source", c.source}});
+  json["references"] = Json::array();
+  for (const Reference& r : plan.references)
+    json["references"].push_back({{"title", r.title},
+                                  {"axis", r.axis},
+                                  {"probe", r.quantity.probe},
+                                  {"metric", r.quantity.metric},
+                                  {"kind", r.kind},
+                                  {"source", r.source},
+                                  {"values", r.value}});
   json["convergence"] = Json::array();
   for (const GridConvergence& c : orders)
     json["convergence"].push_back({{"title", c.title},
                                    {"axis", c.axis},
                                    {"probe", c.probe},
                                    {"metric", c.metric},
+                                   {"unit", results.unit_of({c.probe, c.metric})},
                                    {"runs", c.runs},
                                    {"along", c.along},
                                    {"values", c.value},
@@ -105,11 +116,16 @@ Json json_of(const Plan& plan, const Results& results, const std::filesystem::pa
   return json;
 }
 
+/// " [Pa s]"; nothing for a number without a unit.
+std::string bracketed(const std::string& unit) {
+  return unit == "1" ? "" : " [" + unit + "]";
+}
+
 std::string csv_of(const Plan& plan, const Results& results) {
   std::string text = "# " + plan.title + "\nrun";
   for (const Axis& axis : plan.axes) text += "," + axis.name;
   text += ",state,seconds [s]";
-  for (const Quantity& column : plan.columns) text += "," + column.name();
+  for (const Quantity& column : plan.columns) text += "," + column.name() + bracketed(results.unit_of(column));
   text += "\n";
   for (const PlannedRun& run : plan.runs) {
     const Outcome& outcome = results.outcome.at(run.name);
@@ -145,7 +161,7 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
 
 void print_summary(const Plan& plan, const Results& results) {
   std::vector<std::vector<std::string>> rows = {{"run", "state", "wall [s]"}};
-  for (const Quantity& column : plan.columns) rows.front().push_back(column.name());
+  for (const Quantity& column : plan.columns) rows.front().push_back(column.name() + bracketed(results.unit_of(column)));
   for (const PlannedRun& run : plan.runs) {
     const Outcome& outcome = results.outcome.at(run.name);
     rows.push_back({run.name, to_text(outcome.state), fmt::format("{:.1f}", outcome.seconds)});
@@ -169,8 +185,9 @@ void print_checks(const std::vector<CheckResult>& checks) {
     const std::string off = c.reference && *c.reference == 0 && c.deviation
                                 ? fmt::format("{:.3g}", *c.deviation)
                                 : percent(c.deviation);
-    fmt::print("  {}  {} {} {}: {} (within {})   {}\n", c.pass ? "pass" : "FAIL", c.run, c.probe, c.metric,
-               off, c.tolerance ? fmt::format("{:.3g} %", 100 * *c.tolerance) : "?", other);
+    fmt::print("  {}  {} {} {}: {} ({})   {}\n", !c.pass ? "    " : *c.pass ? "pass" : "FAIL", c.run, c.probe,
+               c.metric, off,
+               c.tolerance ? fmt::format("within {:.3g} %", 100 * *c.tolerance) : "stated only", other);
   }
 }
 
@@ -253,10 +270,12 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
     if (failed++ == 0)
       code = outcome.exit_code > 0 ? static_cast<ExitCode>(outcome.exit_code) : ExitCode::solver_fault;
   }
+  const auto judged =
+      std::count_if(checks.begin(), checks.end(), [](const CheckResult& c) { return c.pass.has_value(); });
   const auto passed =
-      std::count_if(checks.begin(), checks.end(), [](const CheckResult& c) { return c.pass; });
+      std::count_if(checks.begin(), checks.end(), [](const CheckResult& c) { return c.pass.value_or(false); });
   fmt::print("\n{}  {} of {} runs, {} of {} checks pass, {}\n", stop.requested() ? "interrupted" : "done",
-             static_cast<int>(plan.runs.size()) - failed - missing, plan.runs.size(), passed, checks.size(),
+             static_cast<int>(plan.runs.size()) - failed - missing, plan.runs.size(), passed, judged,
              duration_text(seconds));
   fmt::print("  table   {}\n  all     {}\n", (folder / "study.csv").string(),
              (folder / "study.json").string());
@@ -265,7 +284,7 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
                                    ? "the same command goes on where this one stopped"
                                    : fmt::format("strake report {}", folder.string()));
   if (stop.requested()) return stop.code();
-  if (failed == 0 && options.strict && passed != static_cast<long>(checks.size()))
+  if (failed == 0 && options.strict && passed != judged)
     return ExitCode::outside_tolerance;
   return code;
 }

@@ -13,6 +13,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -209,6 +210,59 @@ TEST_F(Network, AConnectionThatSaysNothingIsCut) {
   char byte[64];
   while (recv(silent, byte, sizeof byte, 0) > 0) {
   }  // its greeting, then the end
+}
+
+/// ZMTP 3.0 (RFC 23): greeting with the NULL mechanism, then READY as a DEALER.
+std::string greeting_of_a_dealer() {
+  std::string words = {'\xff', 0, 0, 0, 0, 0, 0, 0, 1, '\x7f', 3, 0};
+  words += "NULL" + std::string(16, '\0') + std::string(32, '\0');
+  const std::string ready = std::string("\x05READY\x0bSocket-Type") + std::string(3, '\0') + "\x06" + "DEALER";
+  return words + '\x04' + static_cast<char>(ready.size()) + ready;
+}
+
+TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCut) {
+  Hub hub("tcp://127.0.0.1:*");
+  const int endless = knock(hub.endpoint(), greeting_of_a_dealer());
+  std::array<char, 128> answer{};  // the hub's own greeting and READY: it has taken ours
+  for (std::size_t heard = 0; heard < 64 + 2;) {
+    const ssize_t n = recv(endless, answer.data(), answer.size(), 0);
+    ASSERT_GT(n, 0);
+    heard += static_cast<std::size_t>(n);
+  }
+  std::string frames;  // of one byte each, more to follow
+  for (int i = 0; i < 20000; ++i) frames += std::string("\x01\x01") + "a";
+  constexpr std::size_t far_too_much = std::size_t{1} << 27;
+  std::size_t sent = 0;
+  bool told = false;
+  while (!told && sent < far_too_much) {
+    const std::size_t begin = sent % frames.size();  // a part of them may have gone
+    const ssize_t n = send(endless, frames.data() + begin, frames.size() - begin, MSG_NOSIGNAL | MSG_DONTWAIT);
+    sent += n > 0 ? static_cast<std::size_t>(n) : 0;
+    hub.receive(milliseconds(1));
+    for (const auto& [what, times] : hub.take_strangers())
+      told = told || what == "127.0.0.1 sent more than a megabyte and did not say who it is";
+  }
+  EXPECT_TRUE(told);
+  for (int i = 0; i < 1000 && hub.somebody_is_new(); ++i) std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_FALSE(hub.somebody_is_new());
+}
+
+TEST_F(Network, OneThatTakesPartMaySendAsMuchAsItHasToSay) {
+  Hub hub("tcp://127.0.0.1:*");
+  Line line(hub.endpoint());
+  line.send(one_word());
+  const auto first = hub.receive(std::chrono::seconds(5));
+  ASSERT_TRUE(first);
+  hub.admit(first->peer);
+  const std::vector<std::byte> much(std::size_t{3} << 20);
+  for (int i = 0; i < 3; ++i) {
+    line.send({{much, nullptr}});
+    const auto message = hub.receive(std::chrono::seconds(5));
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->parts.front().bytes.size(), much.size());
+  }
+  EXPECT_TRUE(hub.connected(first->peer));
+  EXPECT_TRUE(hub.take_strangers().empty());
 }
 
 TEST_F(Network, ACrowdAtThePortDisturbsNobody) {

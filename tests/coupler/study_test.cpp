@@ -106,7 +106,7 @@ TEST_F(StudyFile, AClaimOfALimitIsJudgedRunByRun) {
       read(axes_ +
            "[[claim]]\nclaim = \"c\"\nsource = \"s\"\nmetric = \"momentum_gap\"\nrule = \"at_most\"\n"
            "tolerance = 0.01\nwhere = [\"solver=ccx\"]\n");
-  Results results = {.plan = &plan, .outcome = {}, .values = {}};
+  Results results = {.plan = &plan, .outcome = {}, .values = {}, .unit = {}};
   results.values["1-ccx"]["momentum_gap"] = 1e-3;
   EXPECT_EQ(judge_claims(results).front().verdict, "cannot be judged");  // the other speed is missing
   results.values["2-ccx"]["momentum_gap"] = -9e-3;
@@ -115,13 +115,41 @@ TEST_F(StudyFile, AClaimOfALimitIsJudgedRunByRun) {
   EXPECT_EQ(judge_claims(results).front().verdict, "does not hold");
 }
 
+TEST_F(StudyFile, ReferencesStandBesideTheRunsOfTheirLabel) {
+  const std::string reference =
+      "[[reference]]\ntitle = \"r\"\naxis = \"speed\"\nprobe = \"p\"\nmetric = \"peak\"\nkind = \"experiment\"\n"
+      "source = \"somebody\"\ntolerance = 0.1\nfitted = [\"2\"]\nwhere = [\"solver=fem\"]\n";
+  const Plan plan = read(axes_ + reference + "value = { \"1\" = 10.0, \"2\" = 20.0 }\n");
+  Results results = {.plan = &plan, .outcome = {}, .values = {}, .unit = {{"p", "Pa"}}};
+  for (const PlannedRun& run : plan.runs) results.outcome[run.name] = {};
+  auto all = judge_checks(results);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].run, "1-fem");
+  EXPECT_EQ(all[0].pass, false) << "a run that is missing does not pass";
+  results.values["1-fem"]["p:peak"] = 10.9;
+  results.values["2-fem"]["p:peak"] = 30.0;
+  all = judge_checks(results);
+  EXPECT_EQ(all[0].pass, true);
+  EXPECT_NEAR(*all[0].deviation, 0.09, 1e-12);
+  EXPECT_FALSE(all[1].pass) << "what the settings were fitted to is not judged";
+  EXPECT_NE(all[1].source.find("fitted to it"), std::string::npos);
+  results.values["1-fem"]["p:peak"] = 8.9;
+  EXPECT_EQ(judge_checks(results)[0].pass, false);
+  EXPECT_EQ(results.unit_of({"p", "impulse"}), "Pa s");
+
+  EXPECT_NE(problem(axes_ + reference + "value = { \"3\" = 1.0 }\n").find("a label of axis speed: 1, 2"),
+            std::string::npos);
+  EXPECT_NE(problem(axes_ + reference).find("numbers beside it"), std::string::npos);
+}
+
 TEST_F(StudyFile, ClaimsFollowTheNumbers) {
   const std::string claim = "claim = \"c\"\nsource = \"s\"\nmetric = \"wall\"\n";
   const Plan plan =
       read(axes_ + "[[claim]]\n" + claim + "rule = \"increases\"\naxis = \"speed\"\n[[claim]]\n" + claim +
            "rule = \"same\"\naxis = \"speed\"\ntolerance = 0.1\n[[claim]]\n" + claim +
-           "rule = \"agree\"\naxis = \"solver\"\nof = \"ccx\"\nagainst = \"fem\"\ntolerance = 0.02\n");
-  Results results = {.plan = &plan, .outcome = {}, .values = {}};
+           "rule = \"agree\"\naxis = \"solver\"\nof = \"ccx\"\nagainst = \"fem\"\ntolerance = 0.02\n[[claim]]\n" + claim +
+           "rule = \"differ\"\naxis = \"solver\"\nof = \"ccx\"\nagainst = \"fem\"\ntolerance = 0.02\n");
+  Results results = {.plan = &plan, .outcome = {}, .values = {}, .unit = {}};
   results.values["1-fem"]["wall"] = 1.0;
   results.values["1-ccx"]["wall"] = 1.01;
   results.values["2-fem"]["wall"] = 2.0;
@@ -130,6 +158,7 @@ TEST_F(StudyFile, ClaimsFollowTheNumbers) {
   EXPECT_EQ(all[0].verdict, "holds");
   EXPECT_EQ(all[1].verdict, "does not hold");
   EXPECT_EQ(all[2].verdict, "holds");
+  EXPECT_EQ(all[3].verdict, "does not hold");
   EXPECT_NE(all[2].measured.find("+1 %"), std::string::npos) << all[2].measured;
   results.values.erase("2-ccx");
   EXPECT_EQ(judge_claims(results)[2].verdict, "cannot be judged");

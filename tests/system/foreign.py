@@ -3,6 +3,7 @@ Both are the floor on a spring of cases/python_spring, run by the installed prog
 import csv
 import json
 import shutil
+import tomllib
 
 from processes import *  # noqa: F403: the test's own vocabulary
 
@@ -56,6 +57,9 @@ def run_both(place, prefix, solver):
         print(f"      {verdict['probe']} {verdict['metric']} {verdict['value']:.5g}, theory {verdict['reference']:.5g}")
     heavy = command(*words, "--tag", "heavy", "--set", "structure.spring.mass=1000", "--set", "end_time=0.005", cwd=place)
     expect("m 1000 kg" in heavy.stdout, "--set reaches the solver's own table")
+    resolved = tomllib.loads((place / "runs" / "python_spring-heavy" / "case.toml").read_text())["structure"]
+    expect(float(resolved["spring"]["mass"]) == 1000 and resolved["spring"]["stiffness"] == 1e8
+           and resolved["solver"] == str(case / "spring.py"), "the resolved case keeps the solver's own table")
     return words, runs[0]
 
 
