@@ -151,7 +151,11 @@ std::optional<double> Results::value(const PlannedRun& run, const Quantity& q) c
 }
 
 std::string Results::unit_of(const Quantity& q) const {
-  if (q.probe.empty()) return q.metric == "wall" ? "s" : "1";
+  if (q.probe.empty()) {
+    const bool of_failure = q.metric.starts_with("failure.");
+    if (q.metric == "wall" || (of_failure && q.metric.ends_with(".time"))) return "s";
+    return of_failure && q.metric != "failure.energy" ? "m" : "1";
+  }
   const auto found = unit.find(q.probe);
   return metric_unit(q.metric, found == unit.end() ? "1" : found->second);
 }
