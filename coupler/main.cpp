@@ -12,6 +12,7 @@
 #include "coupler/report/command.hpp"
 #include "coupler/stop_request.hpp"
 #include "coupler/study/study.hpp"
+#include "coupler/watch/command.hpp"
 
 namespace {
 
@@ -198,6 +199,12 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->type_name("T1,T2,...");
   command->callback([&] { action = [&] { return strake::write_report(report_options); }; });
+
+  strake::WatchOptions watch;
+  command = app.add_subcommand("watch", "state, curves and fields of a run, live or afterwards");
+  command->add_option("RUN", watch.run, "run folder, default the newest under runs");
+  command->add_option("--runs", watch.runs, "where the newest is looked for, default runs")->type_name("DIR");
+  command->callback([&] { action = [&] { return strake::watch_run(watch, stop); }; });
 
   strake::StudyOptions study;
   command =

@@ -115,8 +115,12 @@ void remove_unfinished(const fs::path& run_folder) {
 
 FolderLock::FolderLock(const fs::path& path)
     : folder_(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  if (folder_ < 0 || ::flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
-    return;  // some disks have no locks
+  constexpr int tries = 5;  // who only looks whether a run is under way (strake watch) holds it for a moment
+  for (int k = 0; k < tries; ++k) {
+    if (folder_ < 0 || ::flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+      return;  // some disks have no locks
+    ::usleep(10'000);
+  }
   ::close(folder_);
   throw Error(ExitCode::command_line, path.string(), "another run is under way in this folder",
               "wait until it has ended, or name the new run with --tag NAME");

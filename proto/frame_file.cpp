@@ -42,15 +42,20 @@ std::vector<FrameFile> list_frames(const std::filesystem::path& run_folder, cons
   for (const auto& item : std::filesystem::directory_iterator(run_folder / "frames", error)) {
     const std::filesystem::path& path = item.path();
     if (path.extension() != ".h5" || !path.filename().string().starts_with(name + "-")) continue;
-    try {
-      frames.push_back({hdf5::Reader(path, frame_format).number("time"), path});
-    } catch (const Error&) {  // damaged, or not of ours: the others still show the run
-    }
+    if (const auto time = time_of_frame(path)) frames.push_back({*time, path});  // the others still show the run
   }
   std::sort(frames.begin(), frames.end(), [](const FrameFile& a, const FrameFile& b) {
     return std::pair(a.time, a.path) < std::pair(b.time, b.path);
   });
   return frames;
+}
+
+std::optional<double> time_of_frame(const std::filesystem::path& path) {
+  try {
+    return hdf5::Reader(path, frame_format).number("time");
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 const FrameFile* nearest(const std::vector<FrameFile>& frames, double time) {

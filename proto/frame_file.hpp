@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct FrameFile {
 
 /// The frames frames/<name>-000042.h5 of a run folder that can be read, in order of time; none is no error.
 std::vector<FrameFile> list_frames(const std::filesystem::path& run_folder, const std::string& name);
+/// Time of one of them [s]; nothing where it is damaged, not of ours, or gone.
+std::optional<double> time_of_frame(const std::filesystem::path&);
 /// The frame next to `time`, the earlier of two as near; nullptr where there is none.
 const FrameFile* nearest(const std::vector<FrameFile>&, double time);
 /// Throws Error(case_file) with the path when the file is not a frame of ours.

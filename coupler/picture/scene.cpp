@@ -56,16 +56,6 @@ const Frame::Array* find(const std::vector<Frame::Array>& arrays, const std::str
   return nullptr;
 }
 
-/// One number per point: the field itself, or the length of a vector ("speed" is that of the velocity).
-std::optional<Eigen::VectorXd> scalar(const Frame& frame, const std::string& name, Quantity& quantity) {
-  const Frame::Array* array = find(frame.point_data, name == "speed" ? "velocity" : name);
-  if (array == nullptr) return std::nullopt;
-  quantity.name = name;
-  quantity.unit = array->unit;
-  if (array->value.rows() == 1) return array->value.row(0).transpose();
-  return array->value.colwise().norm().transpose();
-}
-
 /// Of three dimensions: the plane z = `at`, and how far from it a particle is still shown.
 struct Cut {
   bool solid = false;
@@ -165,6 +155,19 @@ Cut middle_cut(const std::map<std::string, std::string>& keys, const Frame& fram
 
 }  // namespace
 
+std::optional<Eigen::VectorXd> scalar(const Frame& frame, const std::string& name, Quantity& quantity) {
+  const Frame::Array* array = find(frame.point_data, name == "speed" ? "velocity" : name);
+  if (array == nullptr) return std::nullopt;
+  quantity.name = name;
+  quantity.unit = array->unit;
+  if (array->value.rows() == 1) return array->value.row(0).transpose();
+  return array->value.colwise().norm().transpose();
+}
+
+Eigen::Vector3d motion_of_supports(const std::map<std::string, std::string>& keys, double time) {
+  return time * vector(keys, "structure.velocity");
+}
+
 Range shown_range(std::vector<double> values) {
   if (values.empty()) return {};
   const auto at = [&](double share) {
@@ -219,7 +222,7 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
     const auto given = keys.find("coupling.interface");
     if (given != keys.end() && given->second == "volume" && scene.spacing > 0)
       scene.solid_spacing = scene.spacing;
-    const Eigen::Vector3d driven = frame.time * vector(keys, "structure.velocity");
+    const Eigen::Vector3d driven = motion_of_supports(keys, frame.time);
     const bool has = find(frame.point_data, options.field) != nullptr && options.field != "velocity";
     take_structure(frame, enlarged(frame, driven, options.scale), has ? options.field : "von_mises", cut,
                    scene);

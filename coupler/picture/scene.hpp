@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <filesystem>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "proto/frame_file.hpp"
+#include "proto/interface.hpp"
 
 namespace strake::picture {
 
@@ -75,6 +77,11 @@ struct RunFrames {
 RunFrames find_frames(const std::filesystem::path& run_folder);
 /// Throws Error(command_line) for a field that no frame has, Error(case_file) for a damaged one.
 Scene read_scene(const RunFrames&, const SceneOptions&);
+/// One number per point of a field of the frame: the field itself, or the length of a vector ("speed" is that
+/// of the velocity); name and unit go to `quantity`. Nothing where the frame has no such field.
+std::optional<Eigen::VectorXd> scalar(const Frame&, const std::string& name, Quantity& quantity);
+/// How far the driven supports have come by that time [m]; no part of a deformation.
+Eigen::Vector3d motion_of_supports(const std::map<std::string, std::string>& keys, double time);
 /// The shown range of values: from zero where the least is but a small part of the largest.
 Range shown_range(std::vector<double> values);
 

@@ -1,0 +1,265 @@
+#include "coupler/watch/text_view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "coupler/console.hpp"
+#include "coupler/picture/ticks.hpp"
+#include "coupler/watch/choice.hpp"
+#include "coupler/watch/small_curve.hpp"
+
+namespace strake::watch {
+namespace {
+
+constexpr std::size_t most_columns = 5;  // of the table in a pipe, beside window and time
+constexpr int least_side_by_side = 100;  // [characters] from which on curves stand in two columns
+
+std::string painted(const Screen& screen, const char* code, const std::string& text) {
+  return screen.colour ? fmt::format("\033[{}m{}\033[0m", code, text) : text;
+}
+
+const char* colour_of(State state) {
+  switch (state) {
+    case State::running:
+    case State::finished:
+      return "32";
+    case State::starting:
+      return "36";
+    case State::silent:
+    case State::stopped:
+    case State::away:
+      return "33";
+    case State::failed:
+    case State::killed:
+      return "31";
+  }
+  return "0";
+}
+
+std::string clocks_text(const Glance& g) {
+  std::string text = duration_text(g.elapsed);
+  if (g.left) text += fmt::format(", about {} left", duration_text(*g.left));
+  return text;
+}
+
+std::string head_text(const Glance& g) {
+  std::string text = fmt::format("window {}   t {}", grouped(g.window), value_text(g.time, "s"));
+  if (g.end_time) text += " of " + value_text(*g.end_time, "s");
+  return text + "   " + clocks_text(g);
+}
+
+std::string bar_text(double share, std::size_t width) {
+  // Eighths of a block: U+2588 is whole, U+258F an eighth.
+  const auto eighths = static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * static_cast<double>(8 * width));
+  std::string bar;
+  for (std::size_t k = 0; k < width; ++k) {
+    const std::size_t filled = eighths > 8 * k ? std::min<std::size_t>(8, eighths - 8 * k) : 0;
+    if (filled == 0)
+      bar += "·";
+    else
+      bar += {static_cast<char>(0xE2), static_cast<char>(0x96), static_cast<char>(0x90 - filled)};
+  }
+  return bar;
+}
+
+/// A curve with its name, latest value and extremes above it.
+std::vector<std::string> curve_block(const WatchedRun& run, std::size_t column, std::size_t width, int rows) {
+  const GrowingTable& table = run.history();
+  const Column& of = table.columns()[column];
+  const auto& y = table.value()[column];
+  const auto clock = table.find("time");
+  const Extremes ends = extremes(table, column);
+  const auto text = [&](double v) { return value_text(v, of.unit); };
+  std::vector<std::string> block;
+  std::string head = of.name + "  " + (y.empty() ? "no data yet" : text(y.back()));
+  if (ends.any && ends.lo < ends.hi) {
+    const bool low = std::abs(ends.lo) > std::abs(ends.hi);
+    const std::string peak =
+        fmt::format("   {} {} at {}", low ? "least" : "largest", text(low ? ends.lo : ends.hi),
+                    value_text(low ? ends.time_lo : ends.time_hi, "s"));
+    if (shown_width(head + peak) <= width) head += peak;
+  }
+  block.push_back(fitted(head, width));
+  constexpr std::size_t edge = 11;  // [characters] of the scale
+  const SmallCurve curve = small_curve(clock ? table.value()[*clock] : y, y,
+                                       static_cast<int>(width - edge - 2), rows, is_logarithmic(of.name));
+  for (std::size_t r = 0; r < curve.lines.size(); ++r) {
+    std::string scale;
+    if (ends.any && r == 0) scale = text(curve.hi);
+    if (ends.any && r + 1 == curve.lines.size() && curve.lines.size() > 1) scale = text(curve.lo);
+    const std::size_t has = shown_width(scale);
+    block.push_back((has < edge ? std::string(edge - has, ' ') + scale : fitted(scale, edge)) + " │" +
+                    curve.lines[r]);
+  }
+  return block;
+}
+
+std::string processes_text(const Glance& g) {
+  std::string text;
+  for (const Process& process : g.processes)
+    text += fmt::format("{}{} {} ({}, {:.0f} MB)", text.empty() ? "" : "   ", process.name,
+                        words_for_state(process.state), duration_text(process.cpu_seconds),
+                        1e-6 * process.memory_bytes);
+  return text;
+}
+
+std::string stages_text(const WatchedRun& run) {
+  const auto found = stages(run);
+  double total = 0;
+  for (const Stage& stage : found) total += stage.seconds;
+  std::string text;
+  for (std::size_t k = 0; k < std::min<std::size_t>(5, found.size()) && total > 0; ++k)
+    text += fmt::format("{}{} {:.0f} %", k == 0 ? "" : "   ", found[k].name, 100 * found[k].seconds / total);
+  return text;
+}
+
+void wrap(std::vector<std::string>& lines, const std::string& text, std::size_t width) {
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(fitted("  " + line, width));
+}
+
+}  // namespace
+
+std::string value_text(double value, const std::string& unit) {
+  if (!std::isfinite(value)) return "–";
+  const Prefix prefix = prefix_for(value, unit);
+  const double shown = prefix.factor * value;
+  const std::string name = with_prefix(prefix, unit);
+  const std::string number = shown != 0 && (std::abs(shown) >= 1e5 || std::abs(shown) < 1e-3)
+                                 ? fmt::format("{:.2e}", shown)
+                                 : fmt::format("{:.4g}", shown);
+  return name.empty() ? number : number + " " + name;
+}
+
+std::vector<std::string> screen_lines(const WatchedRun& run, const Screen& screen) {
+  const Glance& g = run.last();
+  const auto width = static_cast<std::size_t>(std::clamp(screen.width, 40, 400));
+  const auto height = static_cast<std::size_t>(std::max(screen.height, 8));
+  std::vector<std::string> lines;
+  const std::string folder = run.folder().string(), title = run.title();
+  const std::size_t room = width > shown_width(folder) + 2 ? width - shown_width(folder) - 2 : 0;
+  lines.push_back(room > 12 ? painted(screen, "1", fitted(title, room)) + "  " + folder
+                            : fitted(title, width));
+  const std::string state =
+      fitted(g.words.starts_with(name_of(g.state)) ? g.words : name_of(g.state) + ": " + g.words, width);
+  lines.push_back(painted(screen, colour_of(g.state), state));
+  lines.push_back(fitted(head_text(g), width));
+  if (g.end_time && *g.end_time > 0) {
+    const double share = g.time / *g.end_time;
+    lines.push_back(bar_text(share, width - 8) + fmt::format(" {:5.1f} %", 100 * std::min(share, 1.0)));
+  }
+  if (!g.error.empty()) wrap(lines, g.error, width);
+
+  std::vector<std::string> foot;
+  if (const auto it = run.history().last("iterations"))
+    foot.push_back(fitted(fmt::format("coupling   {:.0f} iterations   residual {}   work gap {}", *it,
+                                      value_text(run.history().last("residual").value_or(NAN), "m"),
+                                      value_text(run.history().last("work_gap").value_or(NAN), "1")),
+                          width));
+  if (const std::string text = processes_text(g); !text.empty())
+    foot.push_back(fitted("processes  " + text, width));
+  if (const std::string text = stages_text(run); !text.empty())
+    foot.push_back(fitted("time       " + text, width));
+
+  if (run.history().rows() == 0) {
+    lines.emplace_back();
+    lines.push_back(fitted(open(g.state) ? "no window is done yet: curves begin with the first one"
+                                         : "no window was done: there are no curves",
+                           width));
+  } else {
+    const bool pairs = screen.width >= least_side_by_side;
+    const std::size_t taken = lines.size() + foot.size() + 2;
+    const std::size_t free = height > taken ? height - taken : 0;
+    constexpr std::size_t least = 4;  // lines of a block: a head, two of curve, a gap
+    const std::size_t columns = pairs ? 2 : 1;
+    const auto chosen = chosen_columns(run, std::min<std::size_t>(8, columns * (free / least)));
+    const std::size_t bands = (chosen.size() + columns - 1) / columns;
+    const int rows = bands == 0 ? 0 : static_cast<int>(std::min<std::size_t>(8, free / bands - 2));
+    const std::size_t each = pairs ? (width - 3) / 2 : width;
+    for (std::size_t k = 0; k < chosen.size(); k += columns) {
+      lines.emplace_back();
+      const auto left = curve_block(run, chosen[k], each, rows);
+      const auto right = pairs && k + 1 < chosen.size() ? curve_block(run, chosen[k + 1], each, rows)
+                                                        : std::vector<std::string>(left.size());
+      for (std::size_t r = 0; r < left.size(); ++r)
+        lines.push_back(right[r].empty() ? left[r] : left[r] + "   " + right[r]);
+    }
+  }
+  lines.emplace_back();
+  lines.insert(lines.end(), foot.begin(), foot.end());
+  if (lines.size() > height) lines.resize(height);
+  return lines;
+}
+
+void PlainLines::put(const std::string& line) {
+  std::fputs((line + "\n").c_str(), stream_);
+  std::fflush(stream_);
+}
+
+void PlainLines::say_state(const WatchedRun& run) {
+  const Glance& g = run.last();
+  if (name_of(g.state) == said_) return;
+  said_ = name_of(g.state);
+  put("  " + (g.words.starts_with(said_) ? g.words : said_ + ": " + g.words));
+}
+
+void PlainLines::begin(const WatchedRun& run) {
+  put(fmt::format("{:<44}{}", run.title(), run.folder().string()));
+  say_state(run);
+}
+
+void PlainLines::more(const WatchedRun& run) {
+  say_state(run);
+  const GrowingTable& table = run.history();
+  if (table.rows() > 0 && (columns_.empty() || table.generation() != generation_)) {
+    generation_ = table.generation();
+    columns_.clear();
+    for (const char* name : {"iterations", "residual"})
+      if (const auto column = table.find(name)) columns_.push_back(*column);
+    for (const std::size_t column : chosen_columns(run, most_columns))
+      if (std::find(columns_.begin(), columns_.end(), column) == columns_.end()) columns_.push_back(column);
+    std::string titles = fmt::format("\n{:>8}  {:>10}", "window", "t [s]");
+    widths_.clear();
+    for (const std::size_t column : columns_) {
+      const Column& of = table.columns()[column];
+      const std::string title = of.unit == "1" ? of.name : fmt::format("{} [{}]", of.name, of.unit);
+      widths_.push_back(std::max<std::size_t>(11, shown_width(title)));
+      titles += fmt::format("  {:>{}}", title, widths_.back());
+    }
+    put(titles);
+  }
+  if (table.rows() > 0 && run.last().window != window_) {
+    window_ = run.last().window;
+    std::string line = fmt::format("{:>8}  {:>10.6f}", window_, run.last().time);
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      const double value = table.value()[columns_[k]].back();
+      line += fmt::format("  {:>{}}", std::isfinite(value) ? fmt::format("{:.5g}", value) : "-", widths_[k]);
+    }
+    put(line);
+  }
+}
+
+void PlainLines::end(const WatchedRun& run) {
+  more(run);
+  const Glance& g = run.last();
+  put("\n" + name_of(g.state) + "  " + head_text(g));
+  if (!g.error.empty()) {
+    std::istringstream stream(g.error);
+    for (std::string line; std::getline(stream, line);) put("  " + line);
+  }
+  for (const std::string& probe : run.probes())
+    for (const std::string& name : {probe, probe + ".y"})
+      if (const auto column = run.history().find(name)) {
+        const Extremes ends = extremes(run.history(), *column);
+        const std::string& unit = run.history().columns()[*column].unit;
+        if (ends.any)
+          put(fmt::format("  {:<16}least {} at {}   largest {} at {}", name, value_text(ends.lo, unit),
+                          value_text(ends.time_lo, "s"), value_text(ends.hi, unit),
+                          value_text(ends.time_hi, "s")));
+      }
+}
+
+}  // namespace strake::watch

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "coupler/watch/glance.hpp"
+
+namespace strake::watch {
+
+/// What a terminal can show.
+struct Screen {
+  int width = 80, height = 24;  // [characters]
+  bool colour = false;
+};
+/// A run as lines that fill at most such a screen: state, progress, curves with their latest value and
+/// extremes, processes, and where the time goes. Without colour the lines hold no control characters.
+std::vector<std::string> screen_lines(const WatchedRun&, const Screen&);
+
+/// A run as plain lines, for a pipe: a head, then one line per call of `more` where there are new windows,
+/// then how it ended.
+class PlainLines {
+ public:
+  explicit PlainLines(std::FILE* stream) : stream_(stream) {}
+  void begin(const WatchedRun&);
+  /// Prints the last window and whether the state is another one.
+  void more(const WatchedRun&);
+  void end(const WatchedRun&);
+
+ private:
+  void say_state(const WatchedRun&);
+  void put(const std::string& line);
+  std::FILE* stream_;
+  std::vector<std::size_t> columns_;  // of the table, once there is a history
+  std::vector<std::size_t> widths_;
+  std::uint32_t generation_ = 0;
+  long window_ = -1;
+  std::string said_;
+};
+
+/// A value in a prefixed unit: "1.742 mm"; "–" for none.
+std::string value_text(double value, const std::string& unit);
+
+}  // namespace strake::watch
