@@ -201,9 +201,20 @@ int main(int argc, char** argv) {
   command->callback([&] { action = [&] { return strake::write_report(report_options); }; });
 
   strake::WatchOptions watch;
-  command = app.add_subcommand("watch", "state, curves and fields of a run, live or afterwards");
+  command = app.add_subcommand(
+      "watch", "state, curves and fields of a run, live or afterwards, on the terminal or as a page");
   command->add_option("RUN", watch.run, "run folder, default the newest under runs");
   command->add_option("--runs", watch.runs, "where the newest is looked for, default runs")->type_name("DIR");
+  auto* web = command->add_flag("--web", watch.web, "as a page for a browser on this machine");
+  command->add_option("--port", watch.port, "of the page, default a free one")
+      ->check(CLI::Range(1, 65535))
+      ->needs(web)
+      ->type_name("N");
+  command
+      ->add_option("--bind", watch.bind,
+                   "address that the page is served on, default 127.0.0.1: this machine alone")
+      ->needs(web)
+      ->type_name("ADDR");
   command->callback([&] { action = [&] { return strake::watch_run(watch, stop); }; });
 
   strake::StudyOptions study;

@@ -247,13 +247,14 @@ Answers::Answer Answers::frame(const Query& query) {
 Answers::Answer Answers::point(const Query& query) {
   const std::string side = one_of(query, "side", {"fluid", "structure"});
   const auto number = static_cast<int>(std::min<std::int64_t>(integer(query, "number", 0), 1'000'000'000));
-  const std::int64_t index = integer(query, "index", 0);
+  const bool by_id = query.contains("id");
+  const std::int64_t wanted = integer(query, by_id ? "id" : "index", 0);
   std::shared_ptr<const Frame> frame;
   {
     const std::lock_guard alone(shelf_mutex_);
     frame = shelf_.read(side, number);
   }
-  return json_answer(point_values(*frame, index));
+  return json_answer(point_values(*frame, by_id ? place_of(*frame, wanted) : wanted));
 }
 
 Answers::Answer Answers::log(const Query& query) {

@@ -18,8 +18,8 @@ namespace strake::watch {
 ///   api/table     name=history|iterations|timing, from=ROW: columns from that row on (ArrayMessage, f64)
 ///   api/frames    side=fluid|structure, from=PLACE: numbers and times
 ///   api/frame     side, number, field: ArrayMessage of field_view.hpp
-///   api/point     side, number, index: every value of one point
-///   api/log       name=coupler|fluid|structure, from=BYTE (-1: the last part)
+///   api/point     side, number, index or id: every value of one point; a particle keeps its id, not its
+///   index api/log       name=coupler|fluid|structure, from=BYTE (-1: the last part)
 class Answers {
  public:
   explicit Answers(const std::filesystem::path& run_folder);

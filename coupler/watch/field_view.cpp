@@ -188,4 +188,11 @@ nlohmann::ordered_json point_values(const Frame& frame, Index index) {
   return values;
 }
 
+Index place_of(const Frame& frame, std::int64_t id) {
+  if (const Frame::Array* ids = find(frame, "id"))
+    for (Index i = 0; i < ids->value.cols(); ++i)
+      if (ids->value(0, i) == static_cast<double>(id)) return i;
+  throw Error(ExitCode::case_file, fmt::format("point with id {}", id), "is not in this frame");
+}
+
 }  // namespace strake::watch
