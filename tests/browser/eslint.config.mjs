@@ -8,17 +8,12 @@ const root = fileURLToPath(new URL('../..', import.meta.url));
 export default defineConfig(
   { ignores: ['**/vendor/**', '**/bundle/**', '**/node_modules/**', '**/output/**', 'build*/**'] },
   js.configs.recommended,
-  ...tseslint.configs.strictTypeChecked,
+  { rules: { 'no-undef': 'off', eqeqeq: 'error' } },  // the type checker knows names better
   {
-    languageOptions: {
-      parserOptions: {
-        project: [`${root}coupler/watch/page/tsconfig.json`, `${root}tests/browser/tsconfig.json`],
-      },
-    },
+    files: ['coupler/watch/page/source/*.ts'],
+    extends: [tseslint.configs.strictTypeChecked],
+    languageOptions: { parserOptions: { project: `${root}coupler/watch/page/tsconfig.json` } },
     rules: {
-      'no-undef': 'off',  // the type checker knows better
-      eqeqeq: 'error',
-      'no-console': 'off',
       // Numbers in texts are what this page is about; indices are checked by noUncheckedIndexedAccess.
       '@typescript-eslint/restrict-template-expressions': ['error', { allowNumber: true }],
       '@typescript-eslint/no-non-null-assertion': 'off',

@@ -447,8 +447,10 @@ export class Fields {
   private async follow(): Promise<void> {
     const card = el('picked');
     const picked = this.picked, shown = picked === null ? null : this.shown[picked.side];
-    show(card, picked !== null);
-    if (picked === null || shown === null) return;
+    if (picked === null || shown === null) {
+      show(card, false);
+      return;
+    }
     const which = picked.id === null ? `index=${picked.index}` : `id=${picked.id}`;
     let point: PointValues;
     try {
@@ -479,6 +481,7 @@ export class Fields {
       return make('tr', '', name, make('td', v.name === 'kind' ? (['water', 'wall'][v.value[0] ?? 0] ?? String(v.value[0]))
         : shownValues.map((x) => quantity(x, v.unit, 5)).join(', ')));
     }));
+    show(card, true);
   }
 
   // ------------------------------------------------------------ the reader's hands

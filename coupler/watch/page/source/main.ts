@@ -16,6 +16,7 @@ let timer = 0;
 
 function pause(yes: boolean): void {
   paused = yes;
+  window.clearTimeout(timer);
   el('pause').setAttribute('aria-pressed', String(yes));
   say(el('pause'), yes ? 'Go on' : 'Pause');
   if (!yes) ask(0);
