@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
 # Installs, builds and runs every test: tests/run.sh [--sanitize [thread]] [options of ctest, such as -L unit or -R name]
+# --browser: the page of `strake watch --web` in Chromium, its types, its lint, and whether its bundle is what its sources
+#   build (tests/browser); pictures of it are left in build/browser.
 # --sanitize: a build of its own with the address and undefined-behaviour sanitizers; unit and method tests.
 # --sanitize thread: the same with the thread sanitizer; the tests of proto/ and coupler/, and those of messages and processes.
 #   GCC's own OpenMP library does not tell the sanitizer where threads wait for one another, and every loop would look
@@ -31,8 +33,23 @@ elif [ "${1:-}" = "--sanitize" ]; then
   export ASAN_OPTIONS=detect_leaks=1:halt_on_error=1 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
   chosen=(-L 'unit|method')
 fi
+if [ "${1:-}" = "--browser" ]; then
+  # shellcheck disable=SC2086
+  strake_install $strake_packages_build $strake_packages_test $strake_packages_browser
+  command -v node >/dev/null && command -v npm >/dev/null || strake_install nodejs npm
+  strake_make programs
+  export STRAKE_BIN="$strake_build/bin" STRAKE_BROWSER_OUTPUT="$strake_build/browser"
+  export OMPI_MCA_ess_singleton_isolated=1 npm_config_omit_lockfile_registry_resolved=true
+  cd tests/browser
+  npm ci --ignore-scripts --no-audit --no-fund
+  npm run types
+  npm run lint
+  npm run check-bundle
+  exec node --test-reporter=spec page.test.mjs
+fi
 # shellcheck disable=SC2086
 strake_install $strake_packages_build $strake_packages_test
 strake_make "${targets[@]}"
 export OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 OMPI_MCA_ess_singleton_isolated=1
+echo "strake: not run here: the page of strake watch in a browser (tests/run.sh --browser)"
 ctest --test-dir "$strake_build" --output-on-failure --no-tests=error --parallel 2 "${chosen[@]}" "$@"

@@ -60,8 +60,14 @@ export class Curves {
         chart.plot.setData(this.data(chart.group), false);
         this.syncing = false;
         this.setScale(chart.plot);
+        this.sayLast(chart.plot);
       }
     }
+  }
+
+  /** Without a pointer on the curves, the legend tells the latest values. */
+  private sayLast(plot: uPlot): void {
+    if ((plot.cursor.left ?? -1) < 0) plot.setLegend({ idx: this.table.rows - 1 }, false);
   }
 
   /** Marks the time of the frame that is shown. */
@@ -111,7 +117,10 @@ export class Curves {
     this.destroy();
     if (this.table.rows === 0) return;
     for (const group of this.groups.filter((g) => this.chosen?.includes(g.key) ?? false)) this.charts.push(this.chart(group));
-    for (const chart of this.charts) this.setScale(chart.plot);
+    for (const chart of this.charts) {
+      this.setScale(chart.plot);
+      this.sayLast(chart.plot);
+    }
   }
 
   private setScale(plot: uPlot): void {
@@ -171,6 +180,7 @@ export class Curves {
       legend: { live: true },
       cursor: { sync: { key: 'strake', setSeries: false }, drag: { x: true, y: false }, points: { size: 6 } },
       hooks: {
+        setCursor: [(u) => { this.sayLast(u); }],
         setScale: [(u, key) => {
           if (key !== 'x' || this.syncing) return;
           const { min, max } = u.scales['x'] ?? {};

@@ -193,6 +193,15 @@ export class Fields {
   fit(): void {
     const box = this.bounds();
     if (box === null) return;
+    if (this.flat) {  // as high as what is shown asks for
+      const across = box[1][0]! - box[0][0]!, over = box[1][1]! - box[0][1]!;
+      const high = across > 0 ? 1.06 * this.camera.width * over / across + 24 : this.camera.width;
+      const ideal = `${Math.round(high + axisBelow + axisAbove)}px`, stage = el('stage');
+      if (stage.style.getPropertyValue('--ideal') !== ideal) {
+        stage.style.setProperty('--ideal', ideal);
+        this.resize();
+      }
+    }
     const half = 0.5 * Math.max(this.facts.spacing, this.solidSpacing);
     this.camera.fit(box[0].map((v) => v - half), box[1].map((v) => v + half), this.flat ? 8 : 20);
     this.fitted = true;
