@@ -260,6 +260,18 @@ void WatchedRun::judge() {
     set(any ? State::running : State::starting, any ? "running" : "starting: no window is done yet");
 }
 
+/// Those that are known are asked for alone; all of the machine are looked through now and then.
+void WatchedRun::find_processes() {
+  constexpr std::chrono::seconds between{2};
+  constexpr std::size_t most = 3;  // coupler, fluid, structure
+  const bool there = refresh(glance_.processes);
+  if (there && glance_.processes.size() == most) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (there && searched_.time_since_epoch().count() != 0 && now - searched_ < between) return;
+  searched_ = now;
+  glance_.processes = processes_of(string_of(member(record_, "endpoints"), "coupling"));
+}
+
 const Glance& WatchedRun::look() {
   Glance& g = glance_;
   if (changed("run.json")) record_ = json::parse(text_of(folder_ / "run.json"), nullptr, false);
@@ -278,8 +290,10 @@ const Glance& WatchedRun::look() {
   const auto ended = clock_of(string_of(record_, "ended"));
   const double clock = now(), written = last_written();
   g.silence = written > 0 ? std::max(0.0, clock - written) : 0;
-  g.processes.clear();
-  if (!ended) g.processes = processes_of(string_of(member(record_, "endpoints"), "coupling"));
+  if (ended)
+    g.processes.clear();
+  else
+    find_processes();
   judge();
   const double until = ended           ? *ended
                        : open(g.state) ? clock

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -79,6 +80,7 @@ class WatchedRun {
   };
   static Stamp stamp_of(const std::filesystem::path&);
   bool changed(const std::string& file);
+  void find_processes();
   void read_case();
   bool under_way() const;
   double last_written() const;
@@ -91,6 +93,7 @@ class WatchedRun {
   std::map<std::string, std::string> keys_;
   std::vector<std::string> probes_;
   nlohmann::json record_, summary_;
+  std::chrono::steady_clock::time_point searched_{};  // for processes
   Glance glance_;
 };
 

@@ -42,10 +42,12 @@ struct Stat {
   std::string command;
   char state = '?';
   pid_t parent = 0;
+  long long started = 0;
   double cpu_seconds = 0, memory_bytes = 0;
 };
 
-/// /proc/PID/stat (proc(5)): pid (comm) state ppid … utime stime are fields 14 and 15, rss [pages] is 24.
+/// /proc/PID/stat (proc(5)): pid (comm) state ppid … utime stime are fields 14 and 15, starttime is 22,
+/// rss [pages] 24.
 std::optional<Stat> stat_of(const fs::path& process) {
   const std::string text = text_of(process / "stat");
   const auto open = text.find('('), close = text.rfind(')');
@@ -59,6 +61,7 @@ std::optional<Stat> stat_of(const fs::path& process) {
   stat.command = text.substr(open + 1, close - open - 1);
   stat.state = field[0][0];
   stat.parent = static_cast<pid_t>(number(4));
+  stat.started = static_cast<long long>(number(22));
   stat.cpu_seconds = (number(14) + number(15)) / static_cast<double>(::sysconf(_SC_CLK_TCK));
   stat.memory_bytes = number(24) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   return stat;
@@ -76,6 +79,7 @@ Process process_of(const std::string& name, pid_t pid, const Stat& stat) {
   return {.name = name,
           .pid = pid,
           .state = stat.state,
+          .started = stat.started,
           .cpu_seconds = stat.cpu_seconds,
           .memory_bytes = stat.memory_bytes};
 }
@@ -125,6 +129,15 @@ std::vector<Process> processes_of(const std::string& endpoint) {
         stat && stat->command == "strake")
       found.insert(found.begin(), process_of("coupler", parent, *stat));
   return found;
+}
+
+bool refresh(std::vector<Process>& processes) {
+  for (Process& process : processes) {
+    const auto stat = stat_of(fs::path("/proc") / std::to_string(process.pid));
+    if (!stat || stat->started != process.started) return false;
+    process = process_of(process.name, process.pid, *stat);
+  }
+  return true;
 }
 
 }  // namespace strake::watch
