@@ -53,7 +53,7 @@ CLI::App* add_run_options(CLI::App* command, strake::RunOptions& options) {
   command->add_flag("--strict", options.strict, "exit 1 when a compare block fails");
   command->add_flag("--profile", options.profile, "say at the end where the time went");
   command->add_flag("!--no-trace", options.trace, "write no trace.json");
-  auto* quiet = command->add_flag("--quiet", options.quiet, "print only failed comparisons");
+  auto* quiet = command->add_flag("--quiet", options.quiet, "print only warnings and verdicts");
   command->add_flag("--json", options.json, "one JSON object per line instead of the table")->excludes(quiet);
   return command;
 }

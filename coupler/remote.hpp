@@ -33,6 +33,15 @@ struct Deadlines {
   bool patient = false;  // --patient: no deadline but death
 };
 
+/// An answer that is awaited: whose, to what, and what that participant last said that it does.
+struct Awaited {
+  std::string name;   // "structure"
+  std::string asked;  // "Advance"; empty: its first word
+  std::string doing;  // "CalculiX computes all 300 windows"; empty: it has not said
+  double part = 0;    // of that, in [0, 1]
+  double waited = 0;  // [s]
+};
+
 /// All participants of a run: starts them, awaits them, hears them, ends them. Whatever one of them does, a
 /// wait for any of them ends with an Error that names the one at fault: participant_lost (died, froze, never
 /// spoke, broke the protocol), the code of its own Fault, solver_fault (not finite), interrupted or
@@ -48,6 +57,7 @@ class Roster {
     std::function<void(const std::string&)> say;  // one line (no newline) for console and log; may be empty
     const StopRequest* stop = nullptr;
     std::function<void(const Exchange&)> on_exchange = {};  // each question that is answered; may be empty
+    std::function<void(const Awaited&)> on_wait = {};  // about 20 times a second while one is not; may be empty
     std::string token = {};                                 // hexadecimal; empty: a new one
   };
   explicit Roster(Options);

@@ -1,13 +1,13 @@
-// Who takes part in a run: the wait loop that hears all, and what is done when one of them falls silent.
+// Questions and answers: the wait loop that hears all participants of a run.
 
 #include "coupler/log_tail.hpp"
 #include "coupler/roster_state.hpp"
 #include "coupler/stop_request.hpp"
 
 #include <fmt/format.h>
-#include <sodium.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace strake {
@@ -16,31 +16,13 @@ namespace {
 using std::chrono::milliseconds;
 using Seconds = std::chrono::duration<double>;
 
-constexpr milliseconds beat{50};               // between two looks at the processes, while nothing arrives
-constexpr milliseconds last_words{100};        // a dead process's Fault may still be on its way
-constexpr milliseconds heartbeat_gap{800};     // silence before the link counts as cut
-constexpr milliseconds silence_to_tell{1000};  // silence before a line says so
-constexpr milliseconds to_come_back{500};      // for a new connection after one that the other end closed
+constexpr milliseconds beat{50};  // between two looks at the processes, while nothing arrives
+
+}  // namespace
 
 std::string in_seconds(Clock::duration d) {
   return fmt::format("{:.3g} s", Seconds(d).count());
 }
-
-std::string raw(const std::string& hexadecimal) {
-  std::string bytes(hexadecimal.size() / 2, '\0');
-  std::size_t length = 0;
-  if (sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), hexadecimal.data(),
-                     hexadecimal.size(), nullptr, &length, nullptr) != 0)
-    length = 0;
-  bytes.resize(length);
-  return bytes;
-}
-
-bool equal_secret(const std::string& a, const std::string& b) {
-  return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
-}  // namespace
 
 std::string with_place(std::string where, const std::string& name, const std::string& place) {
   if (where.starts_with(name)) where.erase(0, name.size());
@@ -62,6 +44,10 @@ std::string Roster::Member::process() const {
   return fmt::format("process {}", child->pid());
 }
 
+std::string Roster::Member::said() const {
+  return fmt::format("{} ({:.0f} %)", doing, 100 * part);
+}
+
 std::string Roster::Member::see_log() const {
   return log.empty() ? "see what it printed itself" : "see " + log.string();
 }
@@ -70,7 +56,7 @@ Roster::State::State(Options o)
     : options(std::move(o)),
       hub(options.endpoint, {options.keys, options.unencrypted}),
       token(options.token.empty() ? random_token() : options.token),
-      raw_token(raw(token)) {}
+      raw_token(bytes_of(token)) {}
 
 Roster::Member* Roster::State::find(const std::string& name) {
   for (const auto& m : members)
@@ -104,6 +90,7 @@ void Roster::State::await_word(Member& m) {
     looked = Clock::now();
     look_after_all();
     check_deadlines(m);
+    if (!m.reply) tell_wait(m, looked - m.asked_at);
     if (!m.reply) tell_waiting(m, looked - m.asked_at);
     if (m.asked != "Checkpoint" && m.asked != "Stop") check_stop(m);
   }
@@ -126,6 +113,7 @@ void Roster::State::await_hello(Member& m) {
     check_stop(m);
     if (m.greeted) continue;
     const auto waited = Clock::now() - m.expected_since;
+    tell_wait(m, waited);
     tell_waiting(m, waited);
     const auto limit =
         m.child || m.started_by_coupler != 0 ? options.deadlines.hello : options.deadlines.by_hand;
@@ -144,6 +132,11 @@ void Roster::State::await_hello(Member& m) {
   }
 }
 
+/// For whoever shows it in place.
+void Roster::State::tell_wait(const Member& m, Clock::duration waited) const {
+  if (options.on_wait) options.on_wait({m.name, m.asked, m.doing, m.part, Seconds(waited).count()});
+}
+
 /// One line after a while, then ever less often, so that nobody wonders for whom all are waiting.
 void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
   constexpr Seconds longest{60};
@@ -157,7 +150,7 @@ void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
     line += fmt::format(", started {} ago ({})", in_seconds(waited), alive);
   else
     line += fmt::format(": {} was asked {} ago ({}{})", m.asked, in_seconds(waited), alive,
-                        m.doing.empty() ? "" : ", last: " + m.doing);
+                        m.doing.empty() ? "" : ", last: " + m.said());
   say(line);
 }
 
@@ -169,7 +162,7 @@ void Roster::State::check_deadlines(const Member& m) const {
   throw Error(
       ExitCode::participant_lost, m.place(),
       fmt::format("has not answered {} for {} ({}{}{})", m.asked, in_seconds(waited), m.process(),
-                  m.child ? " is alive" : "", m.doing.empty() ? "" : ", last: " + m.doing),
+                  m.child ? " is alive" : "", m.doing.empty() ? "" : ", last: " + m.said()),
       fmt::format("{}, or --patient when debugging; the limit is coupling.answer_within", m.see_log()));
 }
 
@@ -231,8 +224,10 @@ void Roster::State::answered(Member& m, wire::Reply reply) {
   if (const auto* working = std::get_if<wire::Working>(&reply.what)) {
     if (m.leads && working->fraction < 0)
       say(harmless(working->what));
-    else
-      m.doing = fmt::format("{} ({:.0f} %)", working->what, 100 * working->fraction);
+    else {
+      m.doing = harmless(working->what);
+      m.part = std::isfinite(working->fraction) ? std::clamp(working->fraction, 0.0, 1.0) : 0;
+    }
     return;
   }
   if (const auto* fault = std::get_if<wire::Fault>(&reply.what)) {
@@ -277,162 +272,6 @@ void Roster::State::tell_exchange(const Member& m, const wire::Reply& reply) con
                        .heard = nanoseconds(m.last_heard),
                        .received = reply.times.received,
                        .answered = reply.times.answered});
-}
-
-void Roster::State::greet(const Hub::Message& message) {
-  wire::Reply reply;
-  try {
-    reply = wire::decode_reply(message.parts, "a stranger");
-  } catch (const Error& e) {
-    return refuse(message, nullptr, e.problem(), "");
-  }
-  const auto* hello = std::get_if<wire::Hello>(&reply.what);
-  // One whose connection was cut may answer before it notices: its Hello follows, and the answer once more.
-  const auto answers = [&](const auto& m) {
-    return m->greeted && !m->asked.empty() && m->sequence == reply.sequence;
-  };
-  if (!hello && std::any_of(members.begin(), members.end(), answers)) return;
-  if (!hello) return refuse(message, nullptr, fmt::format("spoke {} before Hello", wire::name_of(reply)), "");
-  if (!equal_secret(hello->token, raw_token))
-    return refuse(message, nullptr, fmt::format("\"{}\" does not know the token of this run", hello->name),
-                  "STRAKE_TOKEN must hold the token that the coupler printed");
-  Member* m = find(hello->name);
-  if (!m) {
-    std::string names;
-    for (const auto& known : members) names += (names.empty() ? "" : ", ") + known->name;
-    return refuse(message, nullptr,
-                  fmt::format("\"{}\" has no part in this run, expected: {}", hello->name, names), "--name");
-  }
-  if (!message.key.empty() && message.key != hello->name)
-    return refuse(message, m, fmt::format("\"{}\" comes with the key of \"{}\"", hello->name, message.key),
-                  "STRAKE_KEY must name the key file of this participant");
-  if (hello->protocol != wire::protocol)
-    return refuse(
-        message, m,
-        fmt::format("{} speaks protocol {}, the coupler {}", m->name, hello->protocol, wire::protocol),
-        "use programs of one version");
-  const std::string hash(options.case_hash.begin(), options.case_hash.end());
-  if (hello->case_hash != hash)
-    return refuse(message, m,
-                  fmt::format("{} has read another case than the coupler (their hashes differ)", m->name),
-                  "give it the same --case and --set; a file of the case may have changed in between");
-  if (m->greeted && reply.sequence == 0 && hub.connected(m->peer))
-    return refuse(message, m, fmt::format("{} already takes part", m->name), "--name");
-  if (m->greeted) return welcome_back(*m, message, reply.sequence);
-  m->greeted = true;
-  take_connection(*m, message.peer);
-  m->last_heard = Clock::now();
-  m->refusal.clear();
-}
-
-/// Of a process that is not ours, only the connection tells whether it lives.
-void Roster::State::take_connection(Member& m, const std::string& peer) {
-  m.peer = peer;
-  hub.admit(peer);
-  if (!m.child) hub.keep_witness(peer);
-}
-
-/// A participant that was frozen (or a coupler that was) has a new connection. What the old one lost is sent
-/// again.
-void Roster::State::welcome_back(Member& m, const Hub::Message& message, std::uint64_t last_received) {
-  const auto silence = m.silent_since ? Clock::now() - *m.silent_since : Clock::duration(0);
-  say(fmt::format("{}: is back after {}", m.place(), in_seconds(silence)));
-  take_connection(m, message.peer);
-  m.silent_since.reset();
-  m.silence_told = false;
-  m.last_heard = Clock::now();
-  m.may_repeat = last_received;
-  if (!m.asked.empty() && !m.reply && last_received < m.sequence) hub.send(m.peer, m.request);
-}
-
-void Roster::State::refuse(const Hub::Message& message, Member* m, const std::string& problem,
-                           const std::string& fix) {
-  note_stranger("refused a participant: " + harmless(problem), 1);
-  if (m && !m->greeted) m->refusal = "was refused: " + problem;
-  hub.send(message.peer, wire::encode(wire::Request{0, wire::Refused{"coupler", harmless(problem), fix}}));
-}
-
-// ---- watching
-
-void Roster::State::look_after_all() {
-  for (const auto& m : members) look_after(*m);
-  look_after_strangers();
-}
-
-void Roster::State::note_stranger(const std::string& what, int times) {
-  for (const std::string& line : strangers.note(what, times, Clock::now())) say(line);
-}
-
-void Roster::State::look_after_strangers() {
-  for (const auto& [what, times] : hub.take_strangers())
-    note_stranger("refused a connection: " + what, times);
-  for (const std::string& line : strangers.due(Clock::now())) say(line);
-}
-
-void Roster::State::look_after(Member& m) {
-  if (m.child && !m.may_leave)
-    if (const auto exit = m.child->exit()) died(m, *exit);
-  if (!m.greeted) return;
-  if (hub.connected(m.peer)) {
-    m.silent_since.reset();
-    return;
-  }
-  // Heartbeats are answered by a thread of their own: no answer means frozen, or a dead machine.
-  const bool has_left = !m.child && hub.left(m.peer);
-  if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
-  const auto silence = Clock::now() - *m.silent_since;
-  // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
-  const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
-  if (has_left && silence > to_come_back && !perhaps_back) left(m);
-  const bool known = m.child || m.started_by_coupler != 0;
-  const std::string state = has_left                        ? "has closed its connection"
-                            : !known                        ? "is frozen or cannot be reached"
-                            : m.child && m.child->stopped() ? "is suspended (" + m.process() + ")"
-                                                            : "is frozen (" + m.process() + " lives)";
-  if (!m.silence_told && silence > silence_to_tell) {
-    m.silence_told = true;
-    say(fmt::format("{}: {}, no heartbeat for {}; waiting {}", m.place(), state, in_seconds(silence),
-                    options.deadlines.patient
-                        ? "until it is back"
-                        : fmt::format("{:g} s", options.deadlines.frozen_after.count())));
-  }
-  if (options.deadlines.patient || silence < options.deadlines.frozen_after) return;
-  if (perhaps_back && !m.asked.empty()) return;  // coupling.answer_within ends it
-  m.broken = true;
-  throw Error(
-      ExitCode::participant_lost, m.place(),
-      fmt::format("{}: no heartbeat for {}{}", state, in_seconds(silence),
-                  m.asked.empty() ? "" : ", " + m.asked + " was awaited"),
-      fmt::format("{}, or --patient when debugging; the limit is coupling.frozen_after", m.see_log()));
-}
-
-/// One that was started by hand: whether it ended or was killed, only its own shell knows.
-void Roster::State::left(Member& m) {
-  m.broken = true;
-  throw Error(ExitCode::participant_lost, m.place(),
-              fmt::format("has ended ({}): its connection was closed at the other end{}", m.process(),
-                          m.asked.empty() ? " between two requests" : " while " + m.asked + " was awaited"),
-              m.see_log());
-}
-
-void Roster::State::died(Member& m, const Exit& exit) {
-  m.broken = true;
-  const auto end = Clock::now() + last_words;
-  while (Clock::now() < end)
-    receive(end - Clock::now());  // its Fault, if it sent one, says more: it is thrown
-  const std::string what = !m.refusal.empty() ? "\n" + m.refusal
-                           : m.follows        ? ""
-                           : !m.greeted       ? " before it said Hello"
-                           : m.asked.empty()  ? " between two requests"
-                                              : fmt::format(" while {} was awaited", m.asked);
-  // Before Hello a program can only speak by its exit code.
-  ExitCode code = ExitCode::participant_lost;
-  for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
-    if (!m.greeted && !m.follows && m.refusal.empty() && exit.signal == 0 &&
-        exit.code == static_cast<int>(own))
-      code = own;
-  throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
-              m.see_log());
 }
 
 }  // namespace strake

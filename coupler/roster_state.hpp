@@ -13,10 +13,15 @@
 #include <string>
 #include <vector>
 
-/// What Roster and RemoteParticipant share, for remote.cpp and roster.cpp alone.
+/// What Roster and RemoteParticipant share, for remote.cpp and roster*.cpp alone.
 namespace strake {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds silence_to_tell{1000};  // until a line says that somebody is silent
+
+std::string in_seconds(Clock::duration);           // "1.25 s"
+std::string bytes_of(const std::string& hexadecimal);  // empty if it is not
 
 /// One participant as the coupler knows it.
 struct Roster::Member {
@@ -45,6 +50,7 @@ struct Roster::Member {
   std::optional<std::uint64_t> may_repeat;  // an answer that a new connection may bring twice
   Clock::time_point asked_at, last_heard;
   std::string doing;  // its last Working
+  double part = 0;    // of that, in [0, 1]
   bool leads = false;
   std::deque<Advanced> reports;  // of its windows, not yet looked at
 
@@ -65,6 +71,8 @@ struct Roster::Member {
   /// "process 41273", for messages.
   std::string process() const;
   std::string see_log() const;
+  /// "CalculiX computes all 300 windows (34 %)".
+  std::string said() const;
 };
 
 struct Roster::State {
@@ -98,6 +106,7 @@ struct Roster::State {
   void receive(Clock::duration limit);
   void look_after_all();
   void tell_waiting(Member&, Clock::duration waited) const;
+  void tell_wait(const Member&, Clock::duration waited) const;
   void check_deadlines(const Member&) const;
   void check_stop(const Member&);
   void check_stop_between(const Member&) const;  // before a request that begins something new

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
@@ -15,10 +14,13 @@
 #include "coupler/run_clocks.hpp"
 #include "coupler/run_files.hpp"
 #include "coupler/run_folder.hpp"
+#include "coupler/run_header.hpp"
+#include "coupler/run_log.hpp"
 #include "coupler/session.hpp"
 #include "coupler/stop_request.hpp"
 #include "coupler/summary.hpp"
 #include "coupler/verdicts.hpp"
+#include "coupler/way_on.hpp"
 #include "proto/result_file.hpp"
 
 namespace strake {
@@ -37,30 +39,17 @@ std::unique_ptr<Reporter> reporter_of(const RunOptions& options) {
   return table_reporter(stdout, style_of(stdout));
 }
 
-std::shared_ptr<spdlog::logger> open_log(const std::filesystem::path& path) {
-  try {
-    auto log = std::make_shared<spdlog::logger>(
-        "coupler", std::make_shared<spdlog::sinks::basic_file_sink_st>(path.string()));
-    log->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
-    log->flush_on(spdlog::level::info);
-    log->set_error_handler([](const std::string&) {});  // a full disk is reported by the files that matter
-    return log;
-  } catch (const spdlog::spdlog_ex& error) {
-    throw Error(ExitCode::cannot_write, path.string(), error.what(),
-                "free space, or choose another folder with --runs DIR");
-  }
-}
-
 /// One run, from its folder to its last file.
 class Run {
  public:
-  Run(const CaseView& view, RunFolder folder, const RunOptions& options, const StopRequest& stop)
+  Run(const CaseView& view, RunFolder folder, const RunOptions& options, const StopRequest& stop,
+      Reporter& reporter)
       : case_(view),
         folder_(std::move(folder)),
         lock_(folder_.path),
         options_(options),
         stop_(stop),
-        reporter_(reporter_of(options)),
+        reporter_(reporter),
         record_(folder_.path, options.command_line),
         summary_(folder_.case_name, folder_.tag),
         verdicts_(view),
@@ -75,7 +64,12 @@ class Run {
       session_->roster().finish();
       conclude(ExitCode::done);
     } catch (const Error& error) {
-      const Error told = with_way_on(error);
+      // Not for what stops a run before it begins.
+      const std::filesystem::path last = started_ ? checkpoints_.latest() : std::filesystem::path();
+      const Error told =
+          started_ && !saved_on_request_
+              ? with_way_on(error, last.empty() ? last : std::filesystem::path(in_folder(last)), saved_, summary_)
+              : error;
       fail(told);
       throw told;
     } catch (const std::exception& error) {
@@ -95,10 +89,10 @@ class Run {
     std::filesystem::path checkpoint;
     if (resume) {
       check_same_case(case_, folder_.path);
-      checkpoint = checkpoints_.choose([this](const std::string& line) { note(line); });
+      checkpoint = checkpoints_.choose([this](const std::string& line) { warn(line); });
       remove_unfinished(folder_.path);
     }
-    log_ = open_log(folder_.path / "coupler.log");
+    log_ = open_run_log(folder_.path / "coupler.log");
     write_text(folder_.path / "case.toml", case_.resolved);
     record_.set("case", std::filesystem::absolute(case_.file.path()).string());
     record_.set("tag", folder_.tag);
@@ -120,9 +114,10 @@ class Run {
             .patient = options_.patient,
             .by_hand = options_.by_hand,
             .invite = [this](const std::string& side, const std::string& command) { invite(side, command); },
-            .say = [this](const std::string& line) { note(line); },
+            .say = [this](const std::string& line) { warn(line); },
             .stop = &stop_,
-            .on_exchange = clocks_.observer()});
+            .on_exchange = clocks_.observer(),
+            .on_wait = [this](const Awaited& whom) { wait(whom); }});
     record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
     plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
     if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
@@ -147,22 +142,12 @@ class Run {
     summary_.describe(session_->columns());
     summary_.coupler_seconds["setup"] = seconds_since(start_);
 
-    RunHeader header{.title = case_.common.title,
-                     .folder = folder_.path,
-                     .blocks = session_->understood(),
-                     .warnings = session_->warnings(),
-                     .coupled = case_.coupled(),
-                     .dimension = session_->dimension(),
-                     .columns = session_->columns(),
-                     .probes = case_.common.probes};
-    if (resume)
-      header.blocks.push_back(
-          {"resumed",
-           {fmt::format("after window {} (t = {:.6g} s)", plan_.start.windows, plan_.start.time)}});
+    const RunHeader header =
+        header_of(case_, *session_, plan_, folder_.path, files_->table().columns, resume);
     for (const auto& [name, lines] : header.blocks)
       for (const std::string& line : lines) log_->info("{}: {}", name, line);
     for (const std::string& warning : header.warnings) log_->warn(warning);
-    reporter_->start(header);
+    reporter_.start(header);
   }
 
   void windows() {
@@ -181,9 +166,12 @@ class Run {
       summary_.coupler_seconds["windows"] += wall;
       summary_.add(window);
       files_->append(window, session_->values(window.report), wall);
-      RunRow row{.window = &window, .force = Eigen::Vector3d::Zero(), .elapsed = elapsed()};
+      RunRow row{.window = &window,
+                 .force = Eigen::Vector3d::Zero(),
+                 .elapsed = elapsed(),
+                 .history = &files_->table()};
       if (window.report.force.cols() > 0) row.force = window.report.force.rowwise().sum();
-      reporter_->window(row);
+      reporter_.window(row);
       for (const std::string& line : failure.look(window.report.structure)) note(line);
       if (window.taken_back > 0)
         log_->warn("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s", window.number,
@@ -232,25 +220,6 @@ class Run {
                             in_folder(checkpoints_.latest())));
   }
 
-  /// The error with the place to go on from, where there is one. Not for what stops a run before it begins.
-  Error with_way_on(const Error& error) const {
-    if (!started_ || saved_on_request_) return error;
-    const std::filesystem::path last = checkpoints_.latest();
-    const long lost = summary_.windows() - saved_.windows;
-    const std::string windows = fmt::format("{} finished window{}, {:.6g} s of simulated time", lost,
-                                            lost == 1 ? "" : "s", summary_.end_time() - saved_.time);
-    const std::string way_on =
-        last.empty()
-            ? fmt::format(
-                  "nothing to go on from: the first checkpoint was still to come (run.checkpoint)\n"
-                  "lost: {}",
-                  windows)
-            : fmt::format("--resume goes on with window {} (t = {:.6g} s), from {}\ncomputed again: {}",
-                          saved_.windows + 1, saved_.time, in_folder(last), windows);
-    return Error(error.code(), error.where(), error.problem(),
-                 error.fix().empty() ? way_on : error.fix() + "\n" + way_on);
-  }
-
   /// A checkpoint, as the user would type it.
   std::string in_folder(const std::filesystem::path& checkpoint) const {
     return (folder_.path / "checkpoint" / checkpoint.filename()).string();
@@ -267,7 +236,7 @@ class Run {
 
   void tell_verdicts() {
     for (const Verdict& verdict : verdicts_.settle(data(false))) {
-      reporter_->verdict(verdict);
+      reporter_.verdict(verdict);
       log_->info(verdict.line());
     }
   }
@@ -307,7 +276,7 @@ class Run {
       end.stopped = "interrupted";
     else if (code != ExitCode::done)
       end.stopped = "stopped";
-    if (started_) reporter_->end(end);
+    if (started_) reporter_.end(end);
   }
 
   void fail(const Error& error) noexcept {
@@ -321,6 +290,7 @@ class Run {
     session_.reset();
     attempt([&] {
       if (log_) log_->error(to_text(error));
+      reporter_.error(error);
     });
     // A case that was refused while its participants were set up leaves no folder: the corrected one may
     // take its name.
@@ -346,12 +316,22 @@ class Run {
     record_.keep_private();
     record_.write();
     log_->info("waiting for {}, to be started by hand; its command line is in run.json", side);
-    reporter_->note(fmt::format("start {} by hand, here or elsewhere:\n    {}", side, command));
+    reporter_.warning(fmt::format("start {} by hand, here or elsewhere:\n    {}", side, command));
   }
 
   void note(const std::string& line) {
     if (log_) log_->info(line);
-    reporter_->note(line);
+    reporter_.note(line);
+  }
+
+  void warn(const std::string& line) {
+    if (log_) log_->warn(line);
+    reporter_.warning(line);
+  }
+
+  void wait(const Awaited& whom) {
+    if (const std::string line = wait_log_.line(whom); log_ && !line.empty()) log_->info(line);
+    reporter_.wait({.whom = whom, .elapsed = elapsed()});
   }
 
   std::string position() const {
@@ -364,13 +344,14 @@ class Run {
   const RunOptions& options_;
   const StopRequest& stop_;
   Clock::time_point start_ = Clock::now();
-  std::unique_ptr<Reporter> reporter_;
+  Reporter& reporter_;
   std::shared_ptr<spdlog::logger> log_;
   RunRecord record_;
   Summary summary_;
   nlohmann::ordered_json programs_;
   Verdicts verdicts_;
   RunClocks clocks_;
+  WaitLog wait_log_;
   std::unique_ptr<RunFiles> files_;
   std::unique_ptr<Session> session_;
   Checkpoints checkpoints_;
@@ -381,12 +362,7 @@ class Run {
   bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint
 };
 
-}  // namespace
-
-ExitCode run(const RunOptions& options, const StopRequest& stop) {
-  if (!options.folder.first_free_tag)
-    find_run_folder(options.case_file, options.folder);  // the quickest refusal first
-  const CaseView view = read_case(options.case_file, options.sets, &stop, options.by_hand);
+void check_by_hand(const RunOptions& options, const CaseView& view) {
   for (const std::string& side : options.by_hand)
     if (side == "fluid" ? !view.fluid : !view.structure)
       throw Error(ExitCode::command_line, "--attach", fmt::format("the case has no {}", side),
@@ -395,7 +371,25 @@ ExitCode run(const RunOptions& options, const StopRequest& stop) {
     throw Error(ExitCode::command_line, "--attach",
                 "needs the coupler in the middle, and this case has coupling.placement = \"fluid\"",
                 "--set coupling.placement=coupler");
-  return Run(view, create_run_folder(options.case_file, options.folder), options, stop).execute();
+}
+
+}  // namespace
+
+ExitCode run(const RunOptions& options, const StopRequest& stop) {
+  const std::unique_ptr<Reporter> reporter = reporter_of(options);
+  std::optional<CaseView> view;
+  std::optional<Run> run;
+  try {
+    if (!options.folder.first_free_tag)
+      find_run_folder(options.case_file, options.folder);  // the quickest refusal first
+    view = read_case(options.case_file, options.sets, &stop, options.by_hand);
+    check_by_hand(options, *view);
+    run.emplace(*view, create_run_folder(options.case_file, options.folder), options, stop, *reporter);
+  } catch (const Error& error) {
+    reporter->error(error);
+    throw;
+  }
+  return run->execute();
 }
 
 }  // namespace strake

@@ -56,7 +56,8 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
       .deadlines = deadlines_of(view.coupling, options.patient),
       .say = options.say,
       .stop = options.stop,
-      .on_exchange = options.on_exchange});
+      .on_exchange = options.on_exchange,
+      .on_wait = options.on_wait});
   if (view.structure) launch(*view.structure, is_led());
   if (view.fluid) launch(*view.fluid);
 

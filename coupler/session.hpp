@@ -32,6 +32,7 @@ class Session {
     std::function<void(const std::string&)> say;  // one line, while waiting
     const StopRequest* stop = nullptr;
     std::function<void(const Exchange&)> on_exchange = {};  // each question that is answered; may be empty
+    std::function<void(const Awaited&)> on_wait = {};       // while one is not; may be empty
   };
   /// Starts both programs, sets up the structure, then the fluid with the structure's mesh and initial
   /// motion, and builds the mapping. Throws Error; the processes are then ended and reaped.

@@ -56,7 +56,9 @@ Json bytes(const std::map<std::string, double>& monitor) {
 const char* const metrics[] = {"first_peak", "time_of_first_peak", "peak", "time_of_peak",
                                "impulse",    "mean_peak_50us",     "final"};
 
-Json json_of(const Verdict& verdict) {
+}  // namespace
+
+nlohmann::ordered_json json_of(const Verdict& verdict) {
   const bool judged = verdict.result != Verdict::Result::not_reached;  // not reached: pass is null
   return {{"probe", verdict.probe},
           {"metric", verdict.metric},
@@ -67,8 +69,6 @@ Json json_of(const Verdict& verdict) {
           {"kind", verdict.kind},
           {"source", verdict.source}};
 }
-
-}  // namespace
 
 Summary::Summary(std::string case_name, std::string tag)
     : case_(std::move(case_name)), tag_(std::move(tag)) {}

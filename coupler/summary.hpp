@@ -56,6 +56,9 @@ class Summary {
   std::map<std::string, double> fluid_, structure_;  // reserved monitors as last reported
 };
 
+/// As an entry of "compare" in summary.json.
+nlohmann::ordered_json json_of(const Verdict&);
+
 /// Peak memory of this process [bytes].
 double peak_memory();
 /// User and system time of this process [s].

@@ -48,18 +48,33 @@ std::string problem_in(const fs::path& log) {
   return joined({last.begin(), last.end()}, "\n");
 }
 
+/// Of a run without a window yet: what it waits for, as its log tells it (WaitLog), "CalculiX computes all
+/// 300 windows to 0.003 s, 34 % after 20 s".
+std::string before_first_window(const fs::path& folder) {
+  std::ifstream stream(folder / "coupler.log");
+  std::string last;
+  for (std::string line; std::getline(stream, line);)
+    if (!line.empty()) last = std::move(line);
+  const std::string level = " info ";
+  const auto text = last.find(level);
+  if (text == std::string::npos || last.find(" % after ") == std::string::npos) return "starting";
+  const std::string said = last.substr(text + level.size());
+  const auto name = said.find(": ");
+  return "(" + (name == std::string::npos ? said : said.substr(name + 2)) + ")";
+}
+
 /// How far a run has come, from the last whole row of its history: "34 %".
 std::string progress_of(const fs::path& folder, double end_time) {
   std::ifstream stream(folder / "history.csv", std::ios::binary | std::ios::ate);
   const std::streamoff size = stream ? static_cast<std::streamoff>(stream.tellg()) : 0;
-  if (size <= 0) return "starting";
+  if (size <= 0) return before_first_window(folder);
   const std::streamoff tail = std::min<std::streamoff>(size, 4096);
   std::string text(static_cast<std::size_t>(tail), '\0');
   stream.seekg(size - tail);
   stream.read(text.data(), tail);
   const auto end = text.rfind('\n');
   const auto begin = end == std::string::npos || end == 0 ? std::string::npos : text.rfind('\n', end - 1);
-  if (begin == std::string::npos) return "starting";
+  if (begin == std::string::npos) return before_first_window(folder);
   std::istringstream row(text.substr(begin + 1, end - begin - 1));
   std::string window, time;
   std::getline(row, window, ',');
@@ -67,7 +82,7 @@ std::string progress_of(const fs::path& folder, double end_time) {
   try {
     return fmt::format("{:.0f} %", 100 * std::stod(time) / end_time);
   } catch (const std::exception&) {
-    return "starting";  // the header alone
+    return before_first_window(folder);  // the header alone
   }
 }
 

@@ -1,0 +1,90 @@
+// What is done when a participant falls silent, leaves or dies.
+
+#include "coupler/log_tail.hpp"
+#include "coupler/roster_state.hpp"
+
+#include <fmt/format.h>
+
+namespace strake {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds last_words{100};        // a dead process's Fault may still be on its way
+constexpr milliseconds heartbeat_gap{800};     // silence before the link counts as cut
+constexpr milliseconds to_come_back{500};      // for a new connection after one that the other end closed
+
+}  // namespace
+
+void Roster::State::look_after_all() {
+  for (const auto& m : members) look_after(*m);
+  look_after_strangers();
+}
+
+void Roster::State::look_after(Member& m) {
+  if (m.child && !m.may_leave)
+    if (const auto exit = m.child->exit()) died(m, *exit);
+  if (!m.greeted) return;
+  if (hub.connected(m.peer)) {
+    m.silent_since.reset();
+    return;
+  }
+  // Heartbeats are answered by a thread of their own: no answer means frozen, or a dead machine.
+  const bool has_left = !m.child && hub.left(m.peer);
+  if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
+  const auto silence = Clock::now() - *m.silent_since;
+  // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
+  const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
+  if (has_left && silence > to_come_back && !perhaps_back) left(m);
+  const bool known = m.child || m.started_by_coupler != 0;
+  const std::string state = has_left                        ? "has closed its connection"
+                            : !known                        ? "is frozen or cannot be reached"
+                            : m.child && m.child->stopped() ? "is suspended (" + m.process() + ")"
+                                                            : "is frozen (" + m.process() + " lives)";
+  if (!m.silence_told && silence > silence_to_tell) {
+    m.silence_told = true;
+    say(fmt::format("{}: {}, no heartbeat for {}; waiting {}", m.place(), state, in_seconds(silence),
+                    options.deadlines.patient
+                        ? "until it is back"
+                        : fmt::format("{:g} s", options.deadlines.frozen_after.count())));
+  }
+  if (options.deadlines.patient || silence < options.deadlines.frozen_after) return;
+  if (perhaps_back && !m.asked.empty()) return;  // coupling.answer_within ends it
+  m.broken = true;
+  throw Error(
+      ExitCode::participant_lost, m.place(),
+      fmt::format("{}: no heartbeat for {}{}", state, in_seconds(silence),
+                  m.asked.empty() ? "" : ", " + m.asked + " was awaited"),
+      fmt::format("{}, or --patient when debugging; the limit is coupling.frozen_after", m.see_log()));
+}
+
+/// One that was started by hand: whether it ended or was killed, only its own shell knows.
+void Roster::State::left(Member& m) {
+  m.broken = true;
+  throw Error(ExitCode::participant_lost, m.place(),
+              fmt::format("has ended ({}): its connection was closed at the other end{}", m.process(),
+                          m.asked.empty() ? " between two requests" : " while " + m.asked + " was awaited"),
+              m.see_log());
+}
+
+void Roster::State::died(Member& m, const Exit& exit) {
+  m.broken = true;
+  const auto end = Clock::now() + last_words;
+  while (Clock::now() < end)
+    receive(end - Clock::now());  // its Fault, if it sent one, says more: it is thrown
+  const std::string what = !m.refusal.empty() ? "\n" + m.refusal
+                           : m.follows        ? ""
+                           : !m.greeted       ? " before it said Hello"
+                           : m.asked.empty()  ? " between two requests"
+                                              : fmt::format(" while {} was awaited", m.asked);
+  // Before Hello a program can only speak by its exit code.
+  ExitCode code = ExitCode::participant_lost;
+  for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
+    if (!m.greeted && !m.follows && m.refusal.empty() && exit.signal == 0 &&
+        exit.code == static_cast<int>(own))
+      code = own;
+  throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
+              m.see_log());
+}
+
+}  // namespace strake

@@ -1,0 +1,34 @@
+#include "coupler/run_log.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
+
+#include "proto/error.hpp"
+
+namespace strake {
+
+std::shared_ptr<spdlog::logger> open_run_log(const std::filesystem::path& path) {
+  try {
+    auto log = std::make_shared<spdlog::logger>(
+        "coupler", std::make_shared<spdlog::sinks::basic_file_sink_st>(path.string()));
+    log->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
+    log->flush_on(spdlog::level::info);
+    log->set_error_handler([](const std::string&) {});  // a full disk is reported by the files that matter
+    return log;
+  } catch (const spdlog::spdlog_ex& error) {
+    throw Error(ExitCode::cannot_write, path.string(), error.what(),
+                "free space, or choose another folder with --runs DIR");
+  }
+}
+
+std::string WaitLog::line(const Awaited& whom) {
+  constexpr double interval = 10;  // [s]
+  if (whom.waited < told_) told_ = 0;  // another answer
+  if (whom.doing.empty() || whom.waited < told_ + interval) return {};
+  told_ = whom.waited;
+  return fmt::format("{}: {}, {:.0f} % after {:.0f} s", whom.name, whom.doing, 100 * whom.part,
+                     whom.waited);
+}
+
+}  // namespace strake

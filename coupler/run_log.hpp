@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "coupler/remote.hpp"
+
+namespace spdlog {
+class logger;
+}
+
+namespace strake {
+
+/// coupler.log of a run. Throws Error(cannot_write).
+std::shared_ptr<spdlog::logger> open_run_log(const std::filesystem::path&);
+
+/// What a participant does that answers late, as lines for the log: the first after 10 s, then one every
+/// 10 s, so that whoever reads the log knows how far it is.
+class WaitLog {
+ public:
+  /// The line for now; empty while none is due.
+  std::string line(const Awaited&);
+
+ private:
+  double told_ = 0;  // [s] of waiting, at the last line
+};
+
+}  // namespace strake
