@@ -39,9 +39,6 @@ ExitCode check(const CheckOptions&, const StopRequest&);
 /// key: empty for all; a table ("fluid.scheme") lists its keys. markdown: the reference of proto/README.md.
 ExitCode explain(const std::string& key, bool markdown);
 
-/// The compare blocks of a run's own case.toml against its summary and history.
-ExitCode compare_run(const std::filesystem::path& run_folder);
-
 struct CompareOptions {
   std::vector<std::string> operands;  // run folders, CSV files, FILE:COLUMN; the first is the reference
   std::vector<std::string> probes;    // empty: what they share
@@ -50,8 +47,11 @@ struct CompareOptions {
   std::vector<std::string> shifts;    // of those after the first: a time in s, "contact", "peak"
   std::vector<std::string> within;    // "METRIC=PART": the verdict
   std::filesystem::path csv;          // overlay to write; empty: none
-  bool of_one_run() const;            // one run and nothing else: its case's references
+  std::filesystem::path plot;         // .png or .svg to draw; empty: none
+  bool of_one_run() const;            // one run, at most with probes and a plot: its case's references
 };
+/// The compare blocks of a run's own case.toml against its summary and history.
+ExitCode compare_run(const CompareOptions&);
 /// Two records or more against the first, metric by metric.
 ExitCode compare_several(const CompareOptions&);
 

@@ -80,15 +80,6 @@ std::optional<CurvePoint> largest(const Table& history, const std::string& probe
   return best;
 }
 
-/// The reference in seconds and in the probe's unit.
-Curve reference_curve(const CompareBlock& block) {
-  const Table table = read_table(block.file);
-  Curve curve{table.value[0], block.column.empty() ? table.value[1] : table.column(block.column)};
-  for (double& t : curve.time) t = block.axes.time_zero + block.axes.time * t;
-  for (double& q : curve.value) q = block.axes.value_zero + block.axes.value * q;
-  return curve;
-}
-
 /// Its own points within [from, to]: deviations are taken where the reference was measured.
 Curve points_within(const Curve& c, double from, double to) {
   Curve part;
@@ -193,6 +184,14 @@ std::string percent(double part) {
 }
 
 }  // namespace
+
+Curve reference_curve(const CompareBlock& block) {
+  const Table table = read_table(block.file);
+  Curve curve{table.value[0], block.column.empty() ? table.value[1] : table.column(block.column)};
+  for (double& t : curve.time) t = block.axes.time_zero + block.axes.time * t;
+  for (double& q : curve.value) q = block.axes.value_zero + block.axes.value * q;
+  return curve;
+}
 
 double Verdict::deviation() const {
   if (!value) return std::numeric_limits<double>::quiet_NaN();

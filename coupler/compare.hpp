@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coupler/compare_blocks.hpp"
+#include "coupler/curve.hpp"
 #include "proto/history.hpp"
 
 namespace strake {
@@ -31,6 +32,9 @@ struct Verdict {
   /// "pass  mid.y first_peak 0.00160, expected 0.001625: -1.5 % (within 15 %), theory: source".
   std::string line() const;
 };
+
+/// The reference curve of a block that names a file, in seconds and in the probe's unit.
+Curve reference_curve(const CompareBlock&);
 
 /// One verdict per metric of the block, in the block's order. `not_reached` while the data is not there.
 std::vector<Verdict> judge(const CompareBlock&, const RunData&);

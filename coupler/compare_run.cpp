@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include "coupler/case_view.hpp"
 #include "coupler/commands.hpp"
 #include "coupler/compare.hpp"
+#include "coupler/compare_plot.hpp"
 #include "coupler/console.hpp"
 
 namespace strake {
@@ -47,18 +49,26 @@ std::map<std::string, double> results_of(const nlohmann::json& summary, const nl
 }  // namespace
 
 /// The blocks of the run's own case.toml against its summary and history.
-ExitCode compare_run(const std::filesystem::path& folder) {
+ExitCode compare_run(const CompareOptions& options) {
+  const std::filesystem::path folder = options.operands.front();
+  if (!options.plot.empty()) require_picture(options.plot);
   const auto text = read_whole(folder / "case.toml");
   const nlohmann::json summary = read_json(folder / "summary.json");
   const nlohmann::json record = read_json(folder / "run.json");
   CaseFile file = CaseFile::load(folder / "case.toml");
-  const std::vector<CompareBlock> blocks = read_compare_blocks(file);
+  std::vector<CompareBlock> blocks = read_compare_blocks(file);
   const auto values = flatten_toml(text, (folder / "case.toml").string());
   const CaseLookup lookup = [&values](const std::string& key) -> std::optional<std::string> {
     const auto found = values.find(key);
     return found == values.end() ? std::nullopt : std::optional<std::string>(found->second);
   };
 
+  const std::size_t in_file = blocks.size();
+  std::erase_if(blocks, [&](const CompareBlock& block) {
+    const auto& asked = options.probes;
+    return !applies(block, lookup) ||
+           (!asked.empty() && std::find(asked.begin(), asked.end(), block.probe) == asked.end());
+  });
   const Table history = read_table(folder / "history.csv");
   RunData data{.monitor = results_of(summary, record), .history = &history, .time = 0, .finished = false};
   if (summary.contains("end_time") && summary["end_time"].is_number())
@@ -73,8 +83,12 @@ ExitCode compare_run(const std::filesystem::path& folder) {
     if (verdict.result == Verdict::Result::fail) code = ExitCode::outside_tolerance;
   }
   if (verdicts.empty())
-    fmt::print("{}: no [[compare]] block of its case applies to this run ({} in the file)\n", folder.string(),
-               blocks.size());
+    fmt::print("{}: no [[compare]] block of its case applies to this run{} ({} in the file)\n",
+               folder.string(), options.probes.empty() ? "" : " and that probe", in_file);
+  if (!options.plot.empty()) {
+    write_plots(options.plot, reference_plots(blocks, data, folder.string()));
+    fmt::print("plot  {}\n", options.plot.string());
+  }
   return code;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "coupler/commands.hpp"
+#include "coupler/compare_plot.hpp"
 #include "coupler/comparison.hpp"
 #include "coupler/console.hpp"
 #include "coupler/words.hpp"
@@ -146,11 +147,11 @@ bool judge(const std::vector<Limit>& limits, const std::string& quantity, const 
 }  // namespace
 
 bool CompareOptions::of_one_run() const {
-  return operands.size() == 1 && probes.empty() && !from && !to && shifts.empty() && within.empty() &&
-         csv.empty();
+  return operands.size() == 1 && !from && !to && shifts.empty() && within.empty() && csv.empty();
 }
 
 ExitCode compare_several(const CompareOptions& options) {
+  if (!options.plot.empty()) require_picture(options.plot);
   if (options.operands.size() < 2)
     throw Error(ExitCode::command_line, "strake compare", "these options are for two records or more",
                 "name another run or CSV file, or give the run alone to see its case's references");
@@ -208,6 +209,13 @@ ExitCode compare_several(const CompareOptions& options) {
   if (!options.csv.empty()) {
     write_overlay(options.csv, quantities, all, made);
     fmt::print("overlay  {}\n", options.csv.string());
+  }
+  if (!options.plot.empty()) {
+    std::vector<report::Plot> plots;
+    for (std::size_t q = 0; q < all.size(); ++q)
+      plots.push_back(overlay_plot(quantities[q], all[q], made[q]));
+    write_plots(options.plot, plots);
+    fmt::print("plot  {}\n", options.plot.string());
   }
   return within ? ExitCode::done : ExitCode::outside_tolerance;
 }

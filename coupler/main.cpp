@@ -156,9 +156,11 @@ int main(int argc, char** argv) {
       ->take_all()
       ->allow_extra_args(false);
   command->add_option("--csv", compared.csv, "write all records at common times")->type_name("FILE");
+  command->add_option("--plot", compared.plot, "draw the curves over one another as a .png or .svg")
+      ->type_name("FILE");
   command->callback([&] {
     action = [&] {
-      return compared.of_one_run() ? strake::compare_run(compared.operands.front())
+      return compared.of_one_run() ? strake::compare_run(compared)
                                    : strake::compare_several(compared);
     };
   });

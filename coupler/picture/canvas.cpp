@@ -100,6 +100,34 @@ void Canvas::line(const std::vector<Place>& points, double width, const Colour& 
   cairo_stroke(parts_->at());
 }
 
+void Canvas::curve(const std::vector<Place>& points, double width, const Colour& colour,
+                   const std::vector<double>& dashes) {
+  parts_->colour(colour);
+  cairo_set_line_width(parts_->at(), width);
+  cairo_set_line_cap(parts_->at(), CAIRO_LINE_CAP_BUTT);
+  cairo_set_line_join(parts_->at(), CAIRO_LINE_JOIN_ROUND);
+  cairo_set_dash(parts_->at(), dashes.data(), static_cast<int>(dashes.size()), 0);
+  parts_->walk(points);
+  cairo_stroke(parts_->at());
+  cairo_set_dash(parts_->at(), nullptr, 0, 0);
+}
+
+void Canvas::ring(double x, double y, double radius, double width, const Colour& colour) {
+  parts_->colour(colour);
+  cairo_new_sub_path(parts_->at());
+  cairo_arc(parts_->at(), x, y, radius, 0, 2 * std::numbers::pi);
+  cairo_set_line_width(parts_->at(), width);
+  cairo_stroke(parts_->at());
+}
+
+void Canvas::text_upwards(double x, double y, const std::string& what, double size) {
+  cairo_save(parts_->at());
+  cairo_translate(parts_->at(), x, y);
+  cairo_rotate(parts_->at(), -0.5 * std::numbers::pi);
+  text(0, 0, what, size, Align::centre);
+  cairo_restore(parts_->at());
+}
+
 void Canvas::text(double x, double y, const std::string& text, double size, Align align, bool bold) {
   parts_->colour({0.11, 0.13, 0.16});
   choose_font(parts_->at(), size, bold);

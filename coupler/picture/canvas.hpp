@@ -25,9 +25,14 @@ class Canvas {
   /// Edges in the colour of the inside, so that neighbours leave no gap.
   void polygon(const std::vector<Place>& corner, const Colour&);
   void line(const std::vector<Place>&, double width, const Colour&);
+  /// dashes: lengths drawn and left out in turn; empty: a whole line.
+  void curve(const std::vector<Place>&, double width, const Colour&, const std::vector<double>& dashes = {});
+  void ring(double x, double y, double radius, double width, const Colour&);
   enum class Align { left, centre, right };
   /// y is the base line.
   void text(double x, double y, const std::string&, double size, Align = Align::left, bool bold = false);
+  /// Centred at (x, y), read from below.
+  void text_upwards(double x, double y, const std::string&, double size);
   double text_width(const std::string&, double size, bool bold = false);
   /// What follows shows inside this rectangle only, until `unclip`.
   void clip(double x, double y, double width, double height);

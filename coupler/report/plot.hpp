@@ -15,7 +15,7 @@ struct Series {
   Curve curve = {};  // time: what runs along the x axis, not always a time
   int style = 0;
   std::optional<CurvePoint> marker = {};  // a ring: the first peak
-  bool dots = false;                      // a dot at each sample (convergence)
+  bool dots = false;                      // a dot at each sample (convergence, measured points)
 };
 
 /// A value that a curve should meet: a dashed line across the plot, or over the part of x that it is about.
@@ -23,6 +23,7 @@ struct ReferenceLine {
   std::string name = {};
   double value = 0;
   std::optional<std::pair<double, double>> over = {};
+  double within = 0;  // half the width of a band around it, the tolerance; 0: none
 };
 
 struct Plot {

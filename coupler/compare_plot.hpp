@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "coupler/compare.hpp"
+#include "coupler/comparison.hpp"
+#include "coupler/report/plot.hpp"
+
+namespace strake {
+
+/// Throws Error(command_line) unless it is a .png or an .svg.
+void require_picture(const std::filesystem::path&);
+/// The plots one below the other. Throws Error(command_line) where there is nothing to draw.
+void write_plots(const std::filesystem::path&, const std::vector<report::Plot>&);
+
+/// All records of one quantity over the span of their comparison, with the first peak of each.
+report::Plot overlay_plot(const std::string& quantity, const std::vector<Record>&, const Comparison&);
+
+/// A run against what its case expects of it: a plot for each probe of the blocks, with the values of peaks,
+/// means and final values as references, and the points of reference curves.
+std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>&, const RunData&,
+                                          const std::string& run_name);
+
+}  // namespace strake
