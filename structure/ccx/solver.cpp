@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "proto/error.hpp"
+#include "structure/material_law.hpp"
 #include "structure/surface.hpp"
 
 namespace strake::structure::ccx {
@@ -89,8 +90,9 @@ deck::Story CalculixSolver::story() const {
 }
 
 std::string CalculixSolver::headline() const {
-  return fmt::format("ccx (CalculiX {})   {} cells {}, {} unknowns", version_, model_.n_cells(),
-                     model_.degree == 2 ? "quadratic" : "linear", model_.dimension * model_.n_nodes());
+  return fmt::format("ccx (CalculiX {})   {} cells {}, {} unknowns   {}", version_, model_.n_cells(),
+                     model_.degree == 2 ? "quadratic" : "linear", model_.dimension * model_.n_nodes(),
+                     material_law(model_.parts));
 }
 
 Points CalculixSolver::at_points(const deck::Weights& weights, const Points& values) const {

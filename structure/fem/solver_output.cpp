@@ -6,26 +6,16 @@
 #include "proto/error.hpp"
 #include "structure/beam.hpp"
 #include "structure/fem/solver.hpp"
+#include "structure/material_law.hpp"
 
 // What a finite-element solver tells: checkpoints, frames, the lines of a run, what it made of the body.
 
 namespace strake::structure::fem {
 namespace {
 
-/// "linear elasticity", or the laws of the parts.
-std::string material_law(const Solid& solid) {
-  bool linear = false, quadratic = false, rubber = false;
-  for (const Part& part : solid.parts) {
-    linear = linear || part.material.model == MaterialModel::linear;
-    quadratic = quadratic || part.material.model == MaterialModel::saint_venant_kirchhoff;
-    rubber = rubber || part.material.model == MaterialModel::neo_hookean;
-  }
-  if (!quadratic && !rubber) return "linear elasticity";
-  std::string laws;
-  for (const auto& [there, name] :
-       {std::pair{linear, "linear"}, {quadratic, "Saint Venant-Kirchhoff"}, {rubber, "neo-Hookean"}})
-    if (there) laws += (laws.empty() ? "" : " and ") + std::string(name);
-  return laws + ", total Lagrangian";
+/// The laws of the parts, and the configuration that a body with large motions refers to.
+std::string law_and_frame(const Solid& solid) {
+  return material_law(solid.parts) + (all_linear(solid.parts) ? "" : ", total Lagrangian");
 }
 
 }  // namespace
@@ -168,7 +158,7 @@ std::vector<std::string> FemSolver<dim>::lines() const {
   std::vector<std::string> lines = {
       fmt::format("fem ({})   {} cells Q{}, {} unknowns   f1 dry {:.1f} Hz", library(), mesh().n_cells(),
                   mesh().degree, mesh().n_unknowns(), first_frequency_),
-      fmt::format("{}, {}", material_law(solid_),
+      fmt::format("{}, {}", law_and_frame(solid_),
                   scheme_.mid_point
                       ? std::string("Newmark 1/4-1/2 with the mean load of a window")
                       : fmt::format("generalised-alpha, rho_infinity {:g}", parameters_.fem.rho_infinity))};

@@ -1,6 +1,7 @@
 #include "proto/error.hpp"
 #include "structure/beam.hpp"
 #include "structure/material.hpp"
+#include "structure/material_law.hpp"
 #include "structure/particle/solver.hpp"
 
 #include <fmt/format.h>
@@ -154,7 +155,9 @@ std::vector<std::string> ParticleSolver<dim>::lines() const {
       fmt::format("particle ({})   {} layers, {} particles (+ {} in the clamps)   spacing {:.4g} mm",
                   model_name(parameters_.particle), lattice_.layers, inside, lattice_.size() - inside,
                   1e3 * lattice_.spacing),
-      fmt::format("mass {:.4g} {}", mass, dim == 2 ? "kg/m" : "kg") +
+      // The pair model has a law of its own.
+      (parameters_.particle.model == ParticleModel::pair ? "" : material_law(lattice_.parts) + "   ") +
+          fmt::format("mass {:.4g} {}", mass, dim == 2 ? "kg/m" : "kg") +
           (plate ? "   " + beam_line(parameters_.plate, parameters_.material) : std::string()),
       fmt::format("elastic limit {:.4g} s = {:.3f} spacing / c_P (c_P {:.0f} m/s), sub-step at most {:.4g} s",
                   elastic_limit_, elastic_limit_ * fastest / lattice_.spacing, fastest, largest_step_)};
