@@ -45,6 +45,13 @@ std::string unit_of(const Table& table, const std::string& name) {
   return {};
 }
 
+/// "deflection" of "mid.y", as the case asks for it; empty where it does not.
+std::string quantity_of(const std::string& column, const std::vector<ProbeKeys>& probes) {
+  for (const ProbeKeys& probe : probes)
+    if (column == probe.name || column.starts_with(probe.name + ".")) return probe.quantity;
+  return {};
+}
+
 bool holds(const Table& table, const std::string& name) {
   return std::any_of(table.columns.begin(), table.columns.end(),
                      [&](const Column& column) { return column.name == name; });
@@ -91,15 +98,19 @@ report::Plot overlay_plot(const std::string& quantity, const std::vector<Record>
 }
 
 std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>& blocks, const RunData& data,
-                                          const std::string& run_name) {
+                                          const std::string& run_name,
+                                          const std::vector<ProbeKeys>& probes) {
   std::vector<report::Plot> plots;
   for (const CompareBlock& block : blocks) {
     if (data.history == nullptr || !holds(*data.history, block.probe)) continue;
-    const auto same = [&](const report::Plot& plot) { return plot.y_name == block.probe; };
+    const std::string quantity = quantity_of(block.probe, probes);
+    const std::string title = quantity.empty() ? block.probe : quantity + " " + block.probe;
+    const auto same = [&](const report::Plot& plot) { return plot.title == title; };
     auto plot = std::find_if(plots.begin(), plots.end(), same);
     if (plot == plots.end()) {
       report::Plot fresh;
-      fresh.title = fresh.y_name = block.probe;
+      fresh.title = title;
+      fresh.y_name = quantity.empty() ? block.probe : quantity;
       fresh.x_name = "time";
       fresh.x_unit = "s";
       fresh.y_unit = unit_of(*data.history, block.probe);

@@ -7,6 +7,7 @@
 #include "coupler/compare.hpp"
 #include "coupler/comparison.hpp"
 #include "coupler/report/plot.hpp"
+#include "proto/case_keys.hpp"
 
 namespace strake {
 
@@ -19,8 +20,9 @@ void write_plots(const std::filesystem::path&, const std::vector<report::Plot>&)
 report::Plot overlay_plot(const std::string& quantity, const std::vector<Record>&, const Comparison&);
 
 /// A run against what its case expects of it: a plot for each probe of the blocks, with the values of peaks,
-/// means and final values as references, and the points of reference curves.
+/// means and final values as references, and the points of reference curves. Named after what the case calls
+/// them.
 std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>&, const RunData&,
-                                          const std::string& run_name);
+                                          const std::string& run_name, const std::vector<ProbeKeys>&);
 
 }  // namespace strake

@@ -86,7 +86,7 @@ ExitCode compare_run(const CompareOptions& options) {
     fmt::print("{}: no [[compare]] block of its case applies to this run{} ({} in the file)\n",
                folder.string(), options.probes.empty() ? "" : " and that probe", in_file);
   if (!options.plot.empty()) {
-    write_plots(options.plot, reference_plots(blocks, data, folder.string()));
+    write_plots(options.plot, reference_plots(blocks, data, folder.string(), read_common(file).probes));
     fmt::print("plot  {}\n", options.plot.string());
   }
   return code;

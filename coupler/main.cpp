@@ -64,8 +64,8 @@ void add_picture_options(CLI::App* command, strake::PictureOptions& options, con
       ->add_option("--field", options.field,
                    "pressure, speed, or another field of the frames, e.g. von_mises or damage")
       ->capture_default_str();
-  command->add_option("--size", options.size, "pixels, default 1120 wide and as high as it takes")
-      ->type_name("WxH");
+  command->add_option("--size", options.size, "pixels, WIDTH or WIDTHxHEIGHT; default 1120 wide and as high as it takes")
+      ->type_name("W[xH]");
   command->add_option("--view", options.view, "corners of what is drawn [m]; default all")
       ->type_name("x0,y0,x1,y1");
   command->add_option("--range", options.range, "of the field's colours, SI units")->type_name("LO,HI");

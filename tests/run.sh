@@ -6,6 +6,7 @@
 # --sanitize thread: the same with the thread sanitizer; the tests of proto/ and coupler/, and those of messages and processes.
 #   GCC's own OpenMP library does not tell the sanitizer where threads wait for one another, and every loop would look
 #   like a race. LLVM's takes its place there and does, by its tool archer.
+# --paraview: what runs write, opened in ParaView (installs it, 1 GB); pictures in build/paraview. A run of all does not do it.
 # The fuzz targets need clang, and are run by hand, as long as one likes:
 #   cmake -S . -B build-fuzz -G Ninja -DSTRAKE_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ && cmake --build build-fuzz
 #   mkdir -p build-fuzz/wire && build-fuzz/bin/wire_fuzz -malloc_limit_mb=64 build-fuzz/wire tests/fuzz/corpus/wire   (and case)
@@ -15,7 +16,12 @@ cd "$here/.."
 . cases/setup.sh
 chosen=()
 targets=(all)
-if [ "${1:-}" = "--sanitize" ] && [ "${2:-}" = "thread" ]; then
+if [ "${1:-}" = "--paraview" ]; then
+  # shellcheck disable=SC2086
+  strake_install $strake_packages_build $strake_packages_test $strake_packages_paraview
+  strake_make programs
+  exec /usr/bin/python3 tests/paraview/open_results.py "$PWD" "$strake_build/bin" "$strake_build/paraview"
+elif [ "${1:-}" = "--sanitize" ] && [ "${2:-}" = "thread" ]; then
   shift 2
   strake_build="$PWD/build-thread"
   # shellcheck disable=SC2086
@@ -51,5 +57,5 @@ fi
 strake_install $strake_packages_build $strake_packages_test
 strake_make "${targets[@]}"
 export OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 OMPI_MCA_ess_singleton_isolated=1
-echo "strake: not run here: the page of strake watch in a browser (tests/run.sh --browser)"
+echo "strake: not run here: the page of strake watch in a browser (tests/run.sh --browser), results in ParaView (tests/run.sh --paraview)"
 ctest --test-dir "$strake_build" --output-on-failure --no-tests=error --parallel 2 "${chosen[@]}" "$@"

@@ -65,9 +65,12 @@ Canvas::~Canvas() {
 }
 
 void Canvas::fill_rectangle(double x, double y, double width, double height, const Colour& colour) {
+  // Soft edges of squares that touch would let a grid of the background shine through.
+  cairo_set_antialias(parts_->at(), CAIRO_ANTIALIAS_NONE);
   parts_->colour(colour);
   cairo_rectangle(parts_->at(), x, y, width, height);
   cairo_fill(parts_->at());
+  cairo_set_antialias(parts_->at(), CAIRO_ANTIALIAS_DEFAULT);
 }
 
 void Canvas::dot(double x, double y, double radius, const Colour& colour) {
@@ -77,10 +80,7 @@ void Canvas::dot(double x, double y, double radius, const Colour& colour) {
 }
 
 void Canvas::square(double x, double y, double half, const Colour& colour) {
-  // Soft edges of squares that touch would let a grid of the background shine through.
-  cairo_set_antialias(parts_->at(), CAIRO_ANTIALIAS_NONE);
   fill_rectangle(x - half, y - half, 2 * half, 2 * half, colour);
-  cairo_set_antialias(parts_->at(), CAIRO_ANTIALIAS_DEFAULT);
 }
 
 void Canvas::polygon(const std::vector<Place>& corner, const Colour& colour) {

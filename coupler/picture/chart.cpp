@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "coupler/report/html.hpp"
@@ -58,7 +59,9 @@ std::vector<Entry> entries_of(const Plot& plot) {
   for (const Series& series : plot.series) entries.push_back({.text = series.name, .series = &series});
   for (const ReferenceLine& line : plot.references) {
     std::string text = line.name + ": " + report::quantity(line.value, plot.y_unit);
-    if (line.within > 0) text += " ± " + report::quantity(line.within, plot.y_unit);
+    if (line.within > 0)
+      text += " ± " + (line.value == 0 ? report::quantity(line.within, plot.y_unit)
+                                       : fmt::format("{:.3g} %", 100 * line.within / std::abs(line.value)));
     entries.push_back({.text = text, .reference = &line});
   }
   if (std::any_of(plot.series.begin(), plot.series.end(), [](const Series& s) { return s.marker.has_value(); }))
@@ -136,7 +139,7 @@ void draw_series(Canvas& canvas, const Series& series, const Axes& axes, bool lo
       continue;
     }
     line.push_back({axes.x(shown.time[k]), axes.y(shown.value[k])});
-    if (series.dots || report::lonely(shown))
+    if (series.dots || report::lonely(shown, k, logarithmic))
       canvas.ring(line.back().x, line.back().y, 4, line_width, look.colour);
   }
   put_down();
@@ -147,7 +150,7 @@ void draw_plot(Canvas& canvas, const Plot& plot, const std::vector<std::vector<E
   canvas.text(edge, y + 22, plot.title, large, Canvas::Align::left, true);
   draw_legend(canvas, legend, edge, y + title_height + 12);
   Box box = {.left = edge,
-             .right = options.width - edge,
+             .right = options.width - edge - 12,  // of the last number below
              .top = y + title_height + row * static_cast<double>(legend.size()) + 8,
              .bottom = y + options.height_of_plot - below};
   Axes axes = *axes_of(plot, box);

@@ -39,12 +39,14 @@ picture::DrawingOptions drawing_of(const PictureOptions& options) {
   picture::DrawingOptions drawing;
   drawing.field = options.field;
   if (!options.size.empty()) {
-    const auto size = numbers("--size", options.size, 2, 'x', "1280x720");
+    const bool both = options.size.find('x') != std::string::npos;
+    auto size = numbers("--size", options.size, both ? 2 : 1, 'x', "1280x720 or 1280");
+    if (!both) size.push_back(240);  // as high as it takes
     if (size[0] < 320 || size[1] < 240 || size[0] > 16384 || size[1] > 16384)
       throw Error(ExitCode::command_line, "--size " + options.size,
                   "a picture has from 320x240 to 16384x16384 pixels", "--size 1280x720");
     drawing.width = static_cast<int>(size[0]);
-    drawing.height = static_cast<int>(size[1]);
+    if (both) drawing.height = static_cast<int>(size[1]);
   }
   if (!options.view.empty()) {
     const auto v = numbers("--view", options.view, 4, ',', "-0.3,-0.2,0.3,0.1");
@@ -75,19 +77,22 @@ void settle(const PictureOptions& options, const picture::RunFrames& run,
   constexpr std::size_t looked_at = 24;
   picture::Range water, solid, x, y;
   double spacing = 0;
+  std::string water_name, solid_name;
   for (std::size_t k = 0; k < std::min(looked_at, frames.size()); ++k) {
     const std::size_t of = frames.size() <= looked_at ? k : k * (frames.size() - 1) / (looked_at - 1);
     const picture::Scene scene =
         picture::read_scene(run, {.time = frames[of].time, .field = options.field, .scale = options.scale});
+    water_name = scene.water_field.name;
+    solid_name = scene.solid_field.name;
     widen(water, scene.water_field.shown);
     widen(solid, scene.solid_field.shown);
     widen(x, scene.x);
     widen(y, scene.y);
     spacing = std::max(scene.spacing, scene.solid_spacing);
   }
-  const bool fluid = options.field != "von_mises" && options.field != "damage";
-  if (!drawing.range && !(fluid ? water : solid).empty()) drawing.range = fluid ? water : solid;
-  if (fluid && !solid.empty()) drawing.solid_range = solid;
+  // --range is of the named field; what the other side shows keeps its colours as well.
+  if (!water.empty() && !(drawing.range && water_name == options.field)) drawing.water_range = water;
+  if (!solid.empty() && !(drawing.range && solid_name == options.field)) drawing.solid_range = solid;
   if (drawing.view || x.empty()) return;
   const double room = std::max(0.02 * (x.hi - x.lo), 1.5 * spacing);
   drawing.view = picture::View{x.lo - room, y.lo - room, x.hi + room, y.hi + room};

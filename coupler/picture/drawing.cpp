@@ -62,7 +62,9 @@ Colour colour_of(double value, const Range& range, bool solid) {
 
 void draw_marks(Canvas& canvas, const Frame& f, const std::vector<Mark>& marks, double spacing,
                 const Range& range, bool solid) {
-  // Discs that touch; small ones are squares, which cost less and look the same.
+  // Large discs are particles, of which each is seen; smaller ones cover the square around each, so that the
+  // field has no gaps; the smallest are squares, which cost less and look the same.
+  constexpr double seen_alone = 6, covering = 1.42;  // [px], √2 of the radius
   const double radius = std::max(0.7, 0.5 * spacing * f.scale);
   for (const Mark& mark : marks) {
     const Place p = f(mark.at);
@@ -71,9 +73,9 @@ void draw_marks(Canvas& canvas, const Frame& f, const std::vector<Mark>& marks, 
       continue;
     const Colour colour = colour_of(mark.value, range, solid);
     if (radius < 3 || solid)
-      canvas.square(p.x, p.y, solid ? 1.02 * radius : 1.15 * radius, colour);
+      canvas.square(p.x, p.y, solid ? 1.02 * radius : covering * radius, colour);
     else
-      canvas.dot(p.x, p.y, 1.04 * radius, colour);
+      canvas.dot(p.x, p.y, (radius < seen_alone ? covering : 1.04) * radius, colour);
   }
 }
 
@@ -90,13 +92,21 @@ void draw_cells(Canvas& canvas, const Frame& f, const Scene& scene, const Range&
   }
 }
 
+/// About so many round numbers, but two at least: one tick tells no scale.
+std::vector<double> ticks(double lo, double hi, double wanted) {
+  std::vector<double> found;
+  for (int more = 0; found.size() < 2 && more < 4; ++more)
+    found = round_ticks(lo, hi, std::max(2, static_cast<int>(wanted)) + more);
+  return found;
+}
+
 void draw_axes(Canvas& canvas, const Frame& f) {
   canvas.line(
       {{f.x, f.y}, {f.x + f.width, f.y}, {f.x + f.width, f.y + f.height}, {f.x, f.y + f.height}, {f.x, f.y}},
       1, grey);
   const double distance = f.height < 120 ? 40 : 60;
-  const auto along = round_ticks(f.view.left, f.view.right, std::max(2, static_cast<int>(f.width / 90)));
-  const auto up = round_ticks(f.view.low, f.view.high, std::max(2, static_cast<int>(f.height / distance)));
+  const auto along = ticks(f.view.left, f.view.right, f.width / 90);
+  const auto up = ticks(f.view.low, f.view.high, f.height / distance);
   for (const double t : along) {
     const double x = f({t, 0}).x, y = f.y + f.height;
     canvas.line({{x, y}, {x, y + 5}}, 1, dark);
@@ -116,6 +126,7 @@ std::string words(const std::string& field, bool solid) {
   std::string name = field;
   if (field == "von_mises") name = "von Mises stress";
   std::replace(name.begin(), name.end(), '_', ' ');
+  if (field == "damage") return "damage of the structure (0 sound, 1 broken)";
   return name + (solid ? " of the structure" : " of the water");
 }
 
@@ -186,6 +197,7 @@ std::string draw(const Scene& scene, const DrawingOptions& options, Canvas::Kind
     if (scene.water_field.name == options.field) water = *options.range;
     if (scene.solid_field.name == options.field) solid = *options.range;
   }
+  if (options.water_range) water = *options.water_range;
   if (options.solid_range) solid = *options.solid_range;
 
   const double below = axis_height + (water_bar || solid_bar ? bar_height : 0);

@@ -18,7 +18,7 @@ struct DrawingOptions {
   double ratio = 1;              // pixels of a PNG per unit of width and height
   std::optional<View> view;      // all of water and structure
   std::optional<Range> range;    // of the named field; else the scene's own
-  std::optional<Range> solid_range;
+  std::optional<Range> water_range, solid_range;  // of whatever they show
   std::string field;  // whose colours `range` fixes
 };
 

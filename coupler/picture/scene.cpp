@@ -208,7 +208,8 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
     const Frame frame = read_frame(file->path);
     scene.time = frame.time;
     cut = middle_cut(keys, frame, scene.spacing);
-    take_water(frame, options.field, cut, scene);
+    const bool has = options.field == "speed" || find(frame.point_data, options.field) != nullptr;
+    take_water(frame, has ? options.field : "pressure", cut, scene);
     known = "speed, " + names(frame);
   }
   // The structure's frame of the fluid's time: both are written at the same windows.

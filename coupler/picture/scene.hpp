@@ -62,7 +62,8 @@ struct Scene {
 
 struct SceneOptions {
   double time = std::numeric_limits<double>::infinity();  // [s] the frame next to it
-  /// A scalar of the fluid's frames, "speed" (|velocity|), or one of the structure's ("von_mises", "damage").
+  /// A scalar of the fluid's frames, "speed" (|velocity|), or one of the structure's ("von_mises", "damage"). The
+  /// other side shows its pressure, or its von Mises stress.
   std::string field = "pressure";
   double scale = 1;  // of the structure's displacement beyond that of its driven supports
 };

@@ -107,11 +107,12 @@ std::string figure(const Plot& plot) {
     const Curve shown = thinned(inside(series.curve, x.lo, x.hi), x);
     svg += fmt::format("<path class=\"line s{}\" d=\"{}\"><title>{}</title></path>\n", series.style % styles,
                        path(shown, x, y, log), escape(series.name));
-    if (series.dots || lonely(shown))
-      for (std::size_t k = 0; k < shown.size(); ++k)
-        if (usable(shown.time[k], log) && usable(shown.value[k], log))
-          svg += fmt::format("<circle class=\"dot s{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/>\n",
-                             series.style % styles, x(shown.time[k]), y(shown.value[k]));
+    for (std::size_t k = 0; k < shown.size(); ++k) {
+      const bool there = usable(shown.time[k], log) && usable(shown.value[k], log);
+      if ((series.dots && there) || lonely(shown, k, log))
+        svg += fmt::format("<circle class=\"dot s{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/>\n",
+                           series.style % styles, x(shown.time[k]), y(shown.value[k]));
+    }
   }
   svg += "</svg>\n";
   for (const Series& series : plot.series)

@@ -128,8 +128,11 @@ Curve thinned(const Curve& curve, const Axis& x) {
   return thin;
 }
 
-bool lonely(const Curve& curve) {
-  return curve.size() == 1;
+bool lonely(const Curve& curve, std::size_t sample, bool logarithmic) {
+  const auto there = [&](std::size_t k) {
+    return k < curve.size() && usable(curve.time[k], logarithmic) && usable(curve.value[k], logarithmic);
+  };
+  return there(sample) && !there(sample + 1) && (sample == 0 || !there(sample - 1));
 }
 
 }  // namespace strake::report

@@ -40,7 +40,7 @@ bool usable(double value, bool logarithmic);
 Curve inside(const Curve&, double lo, double hi);
 /// Of many samples the first, last, least and largest of each pixel column: the drawn line is the same.
 Curve thinned(const Curve&, const Axis& x);
-/// No two samples, so that there is no line to be seen.
-bool lonely(const Curve&);
+/// A sample without a usable one beside it, which no line shows.
+bool lonely(const Curve&, std::size_t sample, bool logarithmic);
 
 }  // namespace strake::report

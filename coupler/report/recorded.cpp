@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "coupler/report/json_member.hpp"
 #include "proto/error.hpp"
 
 namespace strake::report {
@@ -36,22 +37,6 @@ Json object_of(const std::filesystem::path& path, std::vector<std::string>& prob
   if (json.is_object()) return json;
   problems.push_back(name + " is damaged: it is not a JSON object");
   return Json::object();
-}
-
-const Json& member(const Json& json, const std::string& key) {
-  static const Json null;
-  const auto found = json.is_object() ? json.find(key) : json.end();
-  return json.is_object() && found != json.end() ? *found : null;
-}
-
-std::string string_of(const Json& json, const std::string& key) {
-  const Json& value = member(json, key);
-  return value.is_string() ? value.get<std::string>() : std::string();
-}
-
-std::optional<double> number_of(const Json& json, const std::string& key) {
-  const Json& value = member(json, key);
-  return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
 }
 
 std::string without_quotes(std::string text) {

@@ -6,29 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "coupler/report/json_member.hpp"
 #include "proto/error.hpp"
 
 namespace strake::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-const Json& member(const Json& json, const std::string& key) {
-  static const Json null;
-  if (!json.is_object()) return null;
-  const auto found = json.find(key);
-  return found == json.end() ? null : *found;
-}
-
-std::string text(const Json& json, const std::string& key) {
-  const Json& value = member(json, key);
-  return value.is_string() ? value.get<std::string>() : std::string();
-}
-
-std::optional<double> number(const Json& json, const std::string& key) {
-  const Json& value = member(json, key);
-  return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
-}
 
 std::vector<std::string> texts(const Json& json, const std::string& key) {
   std::vector<std::string> values;
@@ -56,34 +40,34 @@ std::vector<Json> objects(const Json& json, const std::string& key) {
 }
 
 StudyData::Run run_of(const Json& json, const std::filesystem::path& folder) {
-  StudyData::Run run = {.name = text(json, "name"),
-                        .state = text(json, "state"),
+  StudyData::Run run = {.name = string_of(json, "name"),
+                        .state = string_of(json, "state"),
                         .labels = {},
                         .folder = {},
-                        .exit_code = number(json, "exit_code"),
-                        .seconds = number(json, "seconds"),
+                        .exit_code = number_of(json, "exit_code"),
+                        .seconds = number_of(json, "seconds"),
                         .values = {}};
-  if (const std::string own = text(json, "folder"); !own.empty()) run.folder = folder / own;
+  if (const std::string own = string_of(json, "folder"); !own.empty()) run.folder = folder / own;
   if (const Json& labels = member(json, "labels"); labels.is_object())
     for (const auto& [axis, label] : labels.items())
       run.labels[axis] = label.is_string() ? label.get<std::string>() : label.dump();
   if (const Json& values = member(json, "values"); values.is_object())
-    for (const auto& [name, value] : values.items()) run.values[name] = number(values, name);
+    for (const auto& [name, value] : values.items()) run.values[name] = number_of(values, name);
   return run;
 }
 
 StudyData::Check check_of(const Json& json) {
-  StudyData::Check check = {.title = text(json, "title"),
-                            .run = text(json, "run"),
-                            .against = text(json, "against"),
-                            .probe = text(json, "probe"),
-                            .metric = text(json, "metric"),
-                            .kind = text(json, "kind"),
-                            .source = text(json, "source"),
-                            .value = number(json, "value"),
-                            .reference = number(json, "reference"),
-                            .deviation = number(json, "deviation"),
-                            .tolerance = number(json, "tolerance"),
+  StudyData::Check check = {.title = string_of(json, "title"),
+                            .run = string_of(json, "run"),
+                            .against = string_of(json, "against"),
+                            .probe = string_of(json, "probe"),
+                            .metric = string_of(json, "metric"),
+                            .kind = string_of(json, "kind"),
+                            .source = string_of(json, "source"),
+                            .value = number_of(json, "value"),
+                            .reference = number_of(json, "reference"),
+                            .deviation = number_of(json, "deviation"),
+                            .tolerance = number_of(json, "tolerance"),
                             .pass = std::nullopt};
   if (const Json& pass = member(json, "pass"); pass.is_boolean()) check.pass = pass.get<bool>();
   return check;
@@ -101,45 +85,45 @@ StudyData read_study(const std::filesystem::path& folder) {
     throw Error(ExitCode::case_file, path.string(), stream ? "is not a JSON object" : "cannot be read",
                 "run the study again: strake study STUDY");
   StudyData study;
-  study.title = text(json, "title");
-  study.name = text(json, "study");
-  study.file = text(json, "file");
-  study.of_case = text(json, "case");
+  study.title = string_of(json, "title");
+  study.name = string_of(json, "study");
+  study.file = string_of(json, "file");
+  study.of_case = string_of(json, "case");
   study.commands = texts(json, "commands");
-  study.seconds = number(json, "seconds");
+  study.seconds = number_of(json, "seconds");
   for (const Json& axis : objects(json, "axes"))
-    study.axes.push_back({text(axis, "name"), texts(axis, "labels")});
+    study.axes.push_back({string_of(axis, "name"), texts(axis, "labels")});
   for (const Json& run : objects(json, "runs")) study.runs.push_back(run_of(run, folder));
   for (const Json& column : objects(json, "columns"))
-    study.columns.push_back({text(column, "probe"), text(column, "metric"), text(column, "unit")});
+    study.columns.push_back({string_of(column, "probe"), string_of(column, "metric"), string_of(column, "unit")});
   for (const Json& check : objects(json, "checks")) study.checks.push_back(check_of(check));
   for (const Json& item : objects(json, "references")) {
-    study.references.push_back({.title = text(item, "title"),
-                                .axis = text(item, "axis"),
-                                .probe = text(item, "probe"),
-                                .metric = text(item, "metric"),
-                                .kind = text(item, "kind"),
-                                .source = text(item, "source"),
+    study.references.push_back({.title = string_of(item, "title"),
+                                .axis = string_of(item, "axis"),
+                                .probe = string_of(item, "probe"),
+                                .metric = string_of(item, "metric"),
+                                .kind = string_of(item, "kind"),
+                                .source = string_of(item, "source"),
                                 .values = {}});
     if (const Json& values = member(item, "values"); values.is_object())
       for (const auto& [label, value] : values.items())
-        study.references.back().values[label] = number(values, label);
+        study.references.back().values[label] = number_of(values, label);
   }
   for (const Json& item : objects(json, "convergence"))
-    study.convergence.push_back({.title = text(item, "title"),
-                                 .axis = text(item, "axis"),
-                                 .probe = text(item, "probe"),
-                                 .metric = text(item, "metric"),
-                                 .unit = text(item, "unit"),
-                                 .remark = text(item, "remark"),
+    study.convergence.push_back({.title = string_of(item, "title"),
+                                 .axis = string_of(item, "axis"),
+                                 .probe = string_of(item, "probe"),
+                                 .metric = string_of(item, "metric"),
+                                 .unit = string_of(item, "unit"),
+                                 .remark = string_of(item, "remark"),
                                  .along = numbers(item, "along"),
                                  .values = numbers(item, "values"),
-                                 .order = number(item, "order"),
-                                 .extrapolated = number(item, "extrapolated"),
-                                 .gci = number(item, "gci")});
+                                 .order = number_of(item, "order"),
+                                 .extrapolated = number_of(item, "extrapolated"),
+                                 .gci = number_of(item, "gci")});
   for (const Json& claim : objects(json, "claims"))
-    study.claims.push_back({text(claim, "claim"), text(claim, "source"), text(claim, "measured"),
-                            text(claim, "verdict"), text(claim, "why")});
+    study.claims.push_back({string_of(claim, "claim"), string_of(claim, "source"), string_of(claim, "measured"),
+                            string_of(claim, "verdict"), string_of(claim, "why")});
   return study;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "coupler/picture/chart.hpp"
 #include "coupler/report/base64.hpp"
 #include "coupler/report/html.hpp"
 #include "coupler/report/outline.hpp"
@@ -96,6 +97,41 @@ TEST(Plot, ManySamplesAreThinnedAndThePeakStays) {
   EXPECT_LT(html.size(), 60'000U);
   plot.series[0].curve.value[31'415] = 0;
   EXPECT_NE(figure(plot), html);
+}
+
+TEST(Plot, ASampleWithoutOneBesideItIsADot) {
+  Plot plot{.title = "t", .x_name = "time", .x_unit = "s", .y_name = "q", .y_unit = "1"};
+  const double none = std::nan("");
+  plot.series = {{.name = "static", .curve = {{1}, {2}}}};
+  EXPECT_EQ(count(figure(plot), "<circle class=\"dot s0\""), 1U) << "a history of one row";
+  plot.series[0].curve = {{1, 2, 3, 4, 5}, {1, 2, none, 3, none}};
+  EXPECT_EQ(count(figure(plot), "<circle class=\"dot s0\""), 1U) << "the 4th, between two that are not known";
+  plot.series[0].curve = {{1, 2}, {1, 2}};
+  EXPECT_EQ(count(figure(plot), "<circle class=\"dot s0\""), 0U);
+}
+
+TEST(Chart, DrawsEveryPlotWithNamesUnitsReferencesAndLegend) {
+  Plot plot{.title = "mid.y", .x_name = "time", .x_unit = "s", .y_name = "mid.y", .y_unit = "m"};
+  plot.series = {{.name = "one", .curve = {{0, 1e-3, 2e-3}, {0, 2e-3, 1e-3}}, .marker = CurvePoint{1e-3, 2e-3}},
+                 {.name = "two", .curve = {{1e-3}, {1e-3}}, .style = 1, .dots = true}};
+  plot.references = {{.name = "first peak, theory", .value = 1.6e-3, .within = 1e-4}};
+  Plot empty = plot;
+  empty.window = {7, 9};
+  const picture::ChartOptions options = {.width = 600, .height_of_plot = 300};
+  const std::string png = picture::chart({plot, empty, plot}, options, picture::Canvas::Kind::png);
+  ASSERT_TRUE(png.starts_with("\x89PNG"));
+  const auto size_at = [&](std::size_t at) {
+    int value = 0;
+    for (std::size_t k = at; k < at + 4; ++k) value = 256 * value + static_cast<unsigned char>(png[k]);
+    return value;
+  };
+  EXPECT_EQ(size_at(16), 600);
+  EXPECT_EQ(size_at(20), 600) << "two plots, the empty one is left out";
+  EXPECT_EQ(picture::chart({empty}, options, picture::Canvas::Kind::png), "");
+  const std::string svg = picture::chart({plot}, options, picture::Canvas::Kind::svg);
+  EXPECT_NE(svg.find("stroke-dasharray"), std::string::npos) << "the reference";
+  plot.references.clear();
+  EXPECT_NE(picture::chart({plot}, options, picture::Canvas::Kind::svg), svg);
 }
 
 TEST(Outline, OfTwoSquaresSideBySideIsOneRectangle) {

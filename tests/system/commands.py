@@ -70,6 +70,16 @@ def run_and_judge(place):
     return run
 
 
+def compare_draws(place, run):
+    for words, name in (((run,), "one.svg"), ((run, run), "two.png")):
+        result = strake("compare", *words, "--probe", "p_mid", "--plot", name, cwd=place)
+        drawn = (place / name).read_bytes() if (place / name).exists() else b""
+        expect(drawn.startswith(b"\x89PNG") or b"<svg" in drawn[:200], f"compare --plot {name}: exit {result.returncode}\n{result.stderr}")
+        expect(f"plot  {name}" in result.stdout, f"compare --plot {name} says what it wrote")
+    wrong = strake("compare", run, "--plot", "one.jpg", cwd=place)
+    expect(wrong.returncode == 2 and ".svg" in wrong.stderr, f"compare --plot refuses other kinds\n{wrong.stderr}")
+
+
 def strict_fails(place):
     text = CASE.read_text().replace("value = { impulse = 1590.0 }", "value = { impulse = 159.0 }")
     case = place / "strict.toml"
@@ -155,6 +165,7 @@ with folder() as place:
     help_and_version(place)
     check_leaves_nothing(place)
     recorded = run_and_judge(place)
+    compare_draws(place, recorded)
     strict_fails(place)
     resume_is_exact(place, recorded)
     replay_repeats(place, recorded)
