@@ -119,6 +119,7 @@ std::vector<std::string> closing_lines(const RunEnd& end, const RunHeader& heade
   next.push_back("strake report " + folder);
   if (!end.fields.empty()) next.push_back("strake picture " + folder);
   if (!summary.verdicts.empty()) next.push_back("strake compare " + folder);
+  next.push_back("strake watch " + folder + " --web");
   for (std::size_t k = 0; k < next.size(); ++k)
     lines.push_back(fmt::format("  {:<8}{}", k == 0 ? "next" : "", next[k]));
   return lines;
