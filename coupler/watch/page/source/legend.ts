@@ -9,6 +9,9 @@ export function words(field: string): string {
 
 /** A bar of the palette's colours with the range that they stand for. */
 export function drawLegend(figure: HTMLElement, side: Side, field: FieldFacts | undefined, low: number, high: number, palette: number[]): void {
+  const told = field === undefined ? '' : [side, field.name, field.unit, low, high, String(field.all)].join();
+  if (figure.dataset['told'] === told) return;  // drawn as it is: a picture may be drawn many times a second
+  figure.dataset['told'] = told;
   const seen = field !== undefined && high > low;
   show(figure, seen);
   if (!seen) return;

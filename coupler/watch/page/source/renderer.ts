@@ -107,7 +107,7 @@ export class Renderer {
   lost = false;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    const gl = canvas.getContext('webgl2', { antialias: true, alpha: false, preserveDrawingBuffer: false });
+    const gl = canvas.getContext('webgl2', { antialias: false, alpha: false, preserveDrawingBuffer: false });
     if (gl === null) throw new Error('this browser offers no WebGL 2');
     this.gl = gl;
     this.points = this.program(pointVertex, pointFragment);
