@@ -70,7 +70,8 @@ struct Read {
     EXPECT_EQ(place["at"].get<std::size_t>() % 8, 0U);
     std::vector<T> values(place["count"].get<std::size_t>());
     EXPECT_LE(place["at"].get<std::size_t>() + values.size() * sizeof(T), bytes.size());
-    std::memcpy(values.data(), bytes.data() + place["at"].get<std::size_t>(), values.size() * sizeof(T));
+    if (!values.empty())
+      std::memcpy(values.data(), bytes.data() + place["at"].get<std::size_t>(), values.size() * sizeof(T));
     return values;
   }
   std::string bytes;
