@@ -48,6 +48,10 @@ TEST(Hub, LargeArraysArriveWholeOverTcpAndTheirOwnerIsReleased) {
   auto numbers = std::make_shared<std::vector<double>>(300'000, 1.5);
   const std::weak_ptr<void> watched = numbers;
   const std::string header = "header";
+  line.send({{std::as_bytes(std::span(header)), nullptr}});
+  const auto hello = hub.receive(std::chrono::seconds(5));
+  ASSERT_TRUE(hello);
+  hub.admit(hello->peer);  // who sends so much unasked is cut
   line.send({{std::as_bytes(std::span(header)), nullptr}, {std::as_bytes(std::span(*numbers)), numbers}});
   numbers.reset();
   const auto message = hub.receive(std::chrono::seconds(5));
