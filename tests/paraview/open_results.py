@@ -55,7 +55,11 @@ def close(one, other, scale):
     return abs(one - other) <= 1e-6 * scale + 1e-300  # ParaView's ranges of single steps are double; bounds are too
 
 
-def compare(what, seen, frames):
+# A symmetric tensor, xx xy xz yy yz zz in the file, is a whole one for the older reader: xx xy xz yx yy yz zx zy zz.
+WHOLE_TENSOR = [0, 1, 2, 1, 3, 4, 2, 4, 5]
+
+
+def compare(what, seen, frames, whole_tensors):
     times = list(frames)
     if not expect_equal(len(seen["times"]), len(times), f"{what}: number of time steps"):
         return
@@ -75,6 +79,8 @@ def compare(what, seen, frames):
             wrong.append(f"t = {time}: fields {sorted(step['arrays'])}, the file has {sorted(frame['arrays'])}")
             continue
         for name, values in frame["arrays"].items():
+            if whole_tensors and values.shape[1] == 6:
+                values = values[:, WHOLE_TENSOR]
             if len(step["arrays"][name]) != values.shape[1]:
                 wrong.append(f"t = {time}: {name} has {len(step['arrays'][name])} components, not {values.shape[1]}")
                 continue
@@ -155,7 +161,8 @@ with folder() as place:
         expect(result.returncode == 0 and lines, f"{run.name}: pvpython exits {result.returncode}\n{result.stderr[-2000:]}")
         for reader, by_file in json.loads(lines[-1]).items() if lines else ():
             for path, seen in by_file.items():
-                compare(f"{run.name}, {pathlib.Path(path).stem}, {reader}", seen, listed(run, pathlib.Path(path).stem))
+                compare(f"{run.name}, {pathlib.Path(path).stem}, {reader}", seen, listed(run, pathlib.Path(path).stem),
+                        reader == "XDMFReader")
     picture(place, made[0], "--time", "2.1e-3")
     picture(place, made[3], "--solid", "damage")
     picture(place, made[4])
