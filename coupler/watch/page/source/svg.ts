@@ -2,7 +2,7 @@ import type { Group } from './groups';
 import type { Table } from './table';
 import { heading, prefixFor, roundTicks, tickText } from './units';
 
-const width = 720, each = 260, left = 76, right = 18, top = 34, below = 40, mostPoints = 4000;
+const width = 720, each = 270, left = 76, right = 18, top = 46, below = 40, mostPoints = 4000;
 const dashes = ['', '9 3', '4 2', '10 3 2 3', '6 2 1 2', '14 3', '3 3', '8 2 3 2'];
 
 function escape(text: string): string {
@@ -49,7 +49,7 @@ export function chartsAsSvg(title: string, table: Table, groups: Group[], colour
     const px = (t: number): number => left + wide * (t - t0) / (t1 - t0 || 1), py = (v: number): number => y0 + top + height * (high - v) / (high - low);
     parts.push(`<text x="${left}" y="${y0 + 14}" font-weight="bold">${escape(heading(group.title, group.unit, prefix))}</text>`);
     group.columns.forEach((c, k) => {
-      const x = left + 200 + 130 * (k % 4), y = y0 + 14 + 14 * Math.floor(k / 4) - 2;
+      const x = left + 150 + 160 * (k % 3), y = y0 + 12 + 14 * Math.floor(k / 3);
       parts.push(`<path d="M${x} ${y - 3}h24" stroke="${colours[k % colours.length]!}" stroke-width="2" stroke-dasharray="${dashes[k % dashes.length]!}"/>`,
         `<text x="${x + 28}" y="${y + 1}">${escape(table.columns[c]?.name ?? '')}</text>`);
     });
