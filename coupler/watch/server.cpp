@@ -128,7 +128,7 @@ Server::Server(Answers& answers, Options options)
   httplib::Server& server = state_->server;
   server.new_task_queue = [] { return new httplib::ThreadPool(n_threads); };  // httplib owns it
   server.set_keep_alive_max_count(1'000'000);
-  server.set_keep_alive_timeout(5);
+  server.set_keep_alive_timeout(2);  // [s]; what a stop may have to wait for
   server.set_payload_max_length(0);  // questions have no body
   server.set_tcp_nodelay(true);
   // Its default also sets SO_REUSEPORT, with which two servers share one port unasked.
