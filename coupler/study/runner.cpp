@@ -37,11 +37,17 @@ std::string fingerprint(const Plan& plan, const PlannedRun& run) {
   return text;
 }
 
-/// The error in a run's log, without our indentation.
+/// The error in a run's log, without its verdicts and warnings.
 std::string problem_in(const fs::path& log) {
   std::ifstream stream(log);
   std::deque<std::string> last;
+  const auto is_news = [](const std::string& line) {  // what a quiet run prints besides
+    for (const char* word : {"pass  ", "FAIL  ", "not reached  ", "warning  "})
+      if (line.starts_with(word)) return true;
+    return false;
+  };
   for (std::string line; std::getline(stream, line);) {
+    if (is_news(line)) continue;
     last.push_back(line);
     if (last.size() > 6) last.pop_front();
   }
