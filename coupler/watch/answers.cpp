@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "coupler/picture/colour_map.hpp"
+#include "coupler/report/json_member.hpp"
 #include "coupler/watch/array_message.hpp"
 #include "coupler/watch/choice.hpp"
 #include "coupler/watch/field_view.hpp"
@@ -73,11 +74,6 @@ Json palette(Map map) {
   return all;
 }
 
-std::string string_of(const nlohmann::json& object, const char* key) {
-  if (!object.is_object() || !object.contains(key) || !object[key].is_string()) return {};
-  return object[key].get<std::string>();
-}
-
 Json optional_number(const std::optional<double>& value) {
   return value ? Json(*value) : Json();
 }
@@ -119,11 +115,11 @@ Answers::Answer Answers::answer(const std::string& path, const Query& query) {
 Answers::Answer Answers::run() {
   const std::lock_guard alone(run_mutex_);
   look();
-  const nlohmann::json& record = run_.record();
+  const Json& record = run_.record();
   Json sides = Json::object();
-  if (record.is_object() && record.contains("participants") && record["participants"].is_object())
-    for (const auto& [side, program] : record["participants"].items())
-      sides[side] = string_of(program, "solver");
+  if (const Json& participants = report::member(record, "participants"); participants.is_object())
+    for (const auto& [side, program] : participants.items())
+      sides[side] = report::string_of(program, "solver");
   const int dimension = static_cast<int>(run_.number("fluid.dimension").value_or(2));
   double solid_spacing = run_.number("structure.particle.spacing").value_or(0);
   const double spacing = run_.number("fluid.spacing").value_or(0);
@@ -135,8 +131,8 @@ Answers::Answer Answers::run() {
       {{"title", run_.title()},
        {"name", run_.name()},
        {"folder", std::filesystem::absolute(run_.folder()).lexically_normal().string()},
-       {"version", string_of(record, "strake")},
-       {"host", string_of(record, "host")},
+       {"version", report::string_of(record, "strake")},
+       {"host", report::string_of(record, "host")},
        {"known", !run_.keys().empty()},
        {"dimension", dimension},
        {"spacing", spacing},

@@ -15,13 +15,17 @@
 #include "coupler/case_view.hpp"
 #include "coupler/console.hpp"
 #include "coupler/host.hpp"
+#include "coupler/report/json_member.hpp"
 #include "proto/error.hpp"
 
 namespace strake::watch {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using json = nlohmann::ordered_json;
+using report::member;
+using report::number_of;
+using report::string_of;
 
 constexpr double long_silence = 10;  // [s] without a word until a run counts as silent
 constexpr double pace_over = 20;     // [s] of wall clock over which the pace is taken
@@ -37,23 +41,6 @@ std::string text_of(const fs::path& path) {
   std::ostringstream text;
   text << stream.rdbuf();
   return stream ? text.str() : std::string();
-}
-
-const json& member(const json& object, const char* key) {
-  static const json none;
-  if (!object.is_object()) return none;
-  const auto found = object.find(key);
-  return found == object.end() ? none : *found;
-}
-
-std::string string_of(const json& object, const char* key) {
-  const json& value = member(object, key);
-  return value.is_string() ? value.get<std::string>() : std::string();
-}
-
-std::optional<double> number_of(const json& object, const char* key) {
-  const json& value = member(object, key);
-  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
 /// "2025-11-21T02:04:42Z" → seconds since 1970.

@@ -67,8 +67,10 @@ class WatchedRun {
   /// Values of case.toml by key ("fluid.spacing"); empty while there is none.
   const std::map<std::string, std::string>& keys() const { return keys_; }
   std::optional<double> number(const std::string& key) const;
-  const nlohmann::json& record() const { return record_; }    // run.json; null while there is none
-  const nlohmann::json& summary() const { return summary_; }  // summary.json; null while there is none
+  const nlohmann::ordered_json& record() const { return record_; }  // run.json; null while there is none
+  const nlohmann::ordered_json& summary() const {
+    return summary_;
+  }  // summary.json; null while there is none
   /// Names of the case's probes, in its order.
   const std::vector<std::string>& probes() const { return probes_; }
 
@@ -92,7 +94,7 @@ class WatchedRun {
   std::map<std::string, Stamp> stamps_;
   std::map<std::string, std::string> keys_;
   std::vector<std::string> probes_;
-  nlohmann::json record_, summary_;
+  nlohmann::ordered_json record_, summary_;
   std::chrono::steady_clock::time_point searched_{};  // for processes
   Glance glance_;
 };
