@@ -18,6 +18,16 @@ Mapping mapping_of(const CouplingCase& view, const InterfaceMesh& structure, con
 
 }  // namespace
 
+std::string remedy_of(const CouplingCase& view) {
+  if (view.common.fluid_solver == "replay")
+    return "the load is recorded and stays as it is however short the window: record it anew with a shorter "
+           "coupling.surface.window, or compute the fluid";
+  if (view.common.interface == "surface" && !view.coupling.iterates())
+    return "raise coupling.surface.converged.max_iterations: one iteration per window is unstable where the "
+           "added mass is not small";
+  return {};
+}
+
 Deadlines deadlines_of(const CouplingKeys& keys, bool patient) {
   Deadlines deadlines;
   deadlines.hello = std::chrono::duration<double>(keys.start_within);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "coupler/coupling_keys.hpp"
 #include "coupler/remote.hpp"
@@ -18,6 +19,8 @@ struct CouplingCase {
 
 SchemeParameters scheme_of(const CouplingCase&, const Participant& structure);
 Transfer transfer_of(const CouplingCase&, const Participant& structure, const Participant& fluid);
+/// What beside the solvers' own words may help where no window is short enough; may be empty.
+std::string remedy_of(const CouplingCase&);
 Deadlines deadlines_of(const CouplingKeys&, bool patient);
 
 }  // namespace strake

@@ -56,7 +56,7 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
   now.from_fluid = fluid_.advance(window, for_fluid(window, now));
   if (now.from_fluid.retry_smaller_dt) {
     fluid_.rewind();
-    return Shorter{"the fluid", now.from_fluid.dt_limit};
+    return Shorter("the fluid", now.from_fluid);
   }
   take_wet(window, iteration, now);
 
@@ -72,7 +72,7 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
   now.from_structure = structure_.finish();
   if (now.from_structure.retry_smaller_dt) {
     take_back();
-    return Shorter{"the structure", now.from_structure.dt_limit};
+    return Shorter("the structure", now.from_structure);
   }
   take_dry(window, iteration, now);
   return std::nullopt;
@@ -84,9 +84,9 @@ std::optional<Scheme::Shorter> Scheme::evaluate_parallel(const Window& window, i
   now.from_fluid = fluid_.finish();
   now.from_structure = structure_.finish();
   std::optional<Shorter> shorter;
-  if (now.from_fluid.retry_smaller_dt) shorter = Shorter{"the fluid", now.from_fluid.dt_limit};
+  if (now.from_fluid.retry_smaller_dt) shorter.emplace("the fluid", now.from_fluid);
   if (now.from_structure.retry_smaller_dt && (!shorter || now.from_structure.dt_limit < shorter->limit))
-    shorter = Shorter{"the structure", now.from_structure.dt_limit};
+    shorter.emplace("the structure", now.from_structure);
   if (shorter) {
     take_back();
     return shorter;

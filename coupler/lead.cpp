@@ -85,7 +85,8 @@ class SchemeLeader final : public Leader {
              .window = case_.common.window,
              .output_every = case_.common.output_every,
              .start = {},
-             .control = case_.coupling.control};
+             .control = case_.coupling.control,
+             .remedy = remedy_of(case_)};
   }
 
   wire::Ready meet(const wire::Lead& lead) override {

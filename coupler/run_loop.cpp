@@ -75,13 +75,23 @@ Window RunLoop::next_window() const {
   return {.t = state_.time, .dt = dt};
 }
 
-void RunLoop::shorten(const Window& failed, const WindowReport& report) {
+void RunLoop::shorten(const Window& failed, const CommittedWindow& tried, double longest) {
+  const WindowReport& report = tried.report;
   const double least = smallest(plan_), wanted = std::min(0.5 * failed.dt, report.dt_limit);
-  if (!(wanted >= least))
+  if (!(wanted >= least)) {
+    const std::string all = tried.taken_back == 1
+                                ? fmt::format("a window of {:.3g} s was tried", longest)
+                                : fmt::format("{} windows were tried, of {:.3g} to {:.3g} s",
+                                              tried.taken_back, longest, failed.dt);
+    std::string fix =
+        report.fix.empty() ? "look at the last frames: the solution has probably blown up" : report.fix;
+    if (tried.taken_back == 1 && longest > plan_.window * (1 - slack))
+      fix += "\nlower coupling.surface.shorter.smallest: it allows no shorter window than the case's";
+    if (!plan_.remedy.empty()) fix += "\n" + plan_.remedy;
     throw Error(ExitCode::solver_fault,
                 fmt::format("window {} (t = {:.6g} s)", state_.windows + 1, state_.time),
-                fmt::format("{}; the smallest window is {:.3g} s", report.why, least),
-                "look at the last frames: the solution has probably blown up");
+                fmt::format("{}\n{}; the smallest is {:.3g} s", report.why, all, least), fix);
+  }
   state_.length = wanted;
   state_.settled = 0;
 }
@@ -97,6 +107,7 @@ CommittedWindow RunLoop::next() {
   assert(!finished_);
   CommittedWindow done;
   Window window = next_window();
+  const double longest = window.dt;
   for (;; window = next_window()) {
     if (!(window.dt > shortest * plan_.window))
       throw Error(ExitCode::solver_fault,
@@ -107,7 +118,7 @@ CommittedWindow RunLoop::next() {
     if (!done.report.retry) break;
     ++done.taken_back;
     done.why = done.report.why;
-    shorten(window, done.report);
+    shorten(window, done, longest);
   }
   const double line = next_end(), end = window.t + window.dt;
   state_.time = std::abs(end - line) < slack * window.dt ? line : end;

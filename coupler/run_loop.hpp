@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 #include "coupler/scheme.hpp"
 #include "proto/participant.hpp"
@@ -37,6 +38,7 @@ struct RunPlan {
       0;  // [s] field frames: the first commit at or past each multiple; 0: the last commit alone
   LoopState start = {};  // of a resumed run
   WindowControl control = {};
+  std::string remedy = {};  // a line of what else the case lets a user change where no window is short enough
 
   long n_windows() const;  // of the whole run, if no solver asks for shorter ones
 };
@@ -86,7 +88,7 @@ class RunLoop final : public WindowLoop {
   RunLoop(const RunPlan&, Advance, Commit);
   double next_end() const;
   Window next_window() const;
-  void shorten(const Window& failed, const WindowReport&);
+  void shorten(const Window& failed, const CommittedWindow& tried, double longest);
   void lengthen();
   bool output_due(double time);
   Advance advance_;

@@ -19,6 +19,12 @@ double dot(const MatrixXd& a, const MatrixXd& b) {
   return a.reshaped().dot(b.reshaped());
 }
 
+/// In one line: the console shows it with the window.
+std::string asks_for_shorter(const char* who, const Window& window, const std::string& why) {
+  return fmt::format("{} asks for a shorter window than {:.3g} s{}{}", who, window.dt,
+                     why.empty() ? "" : ": ", why);
+}
+
 }  // namespace
 
 Scheme::Scheme(Participant& fluid, Participant& structure, Transfer transfer, SchemeParameters parameters,
@@ -103,8 +109,8 @@ WindowReport Scheme::advance(const Window& window) {
   Iterate now = first_guess(window);
   for (int iteration = 1;; ++iteration) {
     if (const auto shorter = evaluate(window, iteration, now))
-      return retry(window, shorter->limit,
-                   fmt::format("{} asks for a shorter window than {:.3g} s", shorter->who, window.dt));
+      return retry(window, shorter->limit, asks_for_shorter(shorter->who, window, shorter->why),
+                   shorter->fix);
     report.log.push_back(measure(window, iteration, now, report.log.empty() ? nullptr : &report.log.front()));
     IterationReport& row = report.log.back();
     if (auto fields = blocks(now); iteration == 1 && fields.size() > 1)
@@ -121,7 +127,8 @@ WindowReport Scheme::advance(const Window& window) {
     if (convergence.then == Unconverged::halve) {
       take_back();
       return retry(window, 0.5 * window.dt,
-                   fmt::format("a window of {:.3g} s does not converge in {} iterations", window.dt, most));
+                   fmt::format("a window of {:.3g} s does not converge in {} iterations", window.dt, most),
+                   "raise coupling.surface.converged.max_iterations");
     }
     if (convergence.then == Unconverged::stop) stop_unconverged(report);
   }
@@ -197,9 +204,10 @@ void Scheme::take_back() {
   structure_.rewind();
 }
 
-WindowReport Scheme::retry(const Window& window, double limit, std::string why) const {
+WindowReport Scheme::retry(const Window& window, double limit, std::string why, std::string fix) const {
   WindowReport report;
   report.why = std::move(why);
+  report.fix = std::move(fix);
   report.window = window;
   report.number = state_.windows + 1;
   report.retry = true;
@@ -290,7 +298,8 @@ WindowReport advance_alone(Participant& participant, const Window& window) {
   if (advanced.retry_smaller_dt) {
     participant.rewind();
     report.retry = true;
-    report.why = fmt::format("the solver asks for a shorter window than {:.3g} s", window.dt);
+    report.why = asks_for_shorter("the solver", window, advanced.why);
+    report.fix = advanced.fix;
     report.dt_limit = advanced.dt_limit < window.dt ? advanced.dt_limit : 0.5 * window.dt;
     return report;
   }

@@ -68,6 +68,9 @@ class Scheme {
   struct Shorter {
     const char* who;
     double limit;  // [s]
+    std::string why, fix;
+    Shorter(const char* who, const Advanced& answer)
+        : who(who), limit(answer.dt_limit), why(answer.why), fix(answer.fix) {}
   };
   std::optional<Shorter> evaluate(const Window&, int iteration, Iterate&);
   std::optional<Shorter> evaluate_serial(const Window&, int iteration, Iterate&);
@@ -87,7 +90,7 @@ class Scheme {
   Eigen::VectorXd stack(const Sample& structure, const std::vector<Field>& load) const;
   void next_guess(const Window&, Iterate&);
   void take_back();
-  WindowReport retry(const Window&, double limit, std::string why) const;
+  WindowReport retry(const Window&, double limit, std::string why, std::string fix) const;
   [[noreturn]] void stop_unconverged(const WindowReport&) const;
   void close(WindowReport&, Iterate&);
   Participant& fluid_;

@@ -158,7 +158,8 @@ RunPlan Session::plan() const {
           .window = window_of(case_),
           .output_every = case_.common.output_every,
           .start = {},
-          .control = case_.coupling.control};
+          .control = case_.coupling.control,
+          .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string()};
 }
 
 std::unique_ptr<WindowLoop> Session::loop(const RunPlan& plan) {

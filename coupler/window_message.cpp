@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr std::string_view of_fluid = "fluid/", of_structure = "structure/", reason = "why/";
+constexpr std::string_view of_fluid = "fluid/", of_structure = "structure/";
 constexpr Index row_head = 9;  // numbers of an iteration before its fields
 
 /// Each number of a window under its name, in one place for both directions.
@@ -129,7 +129,7 @@ Advanced to_message(WindowMessage m) {
   for (const auto& [name, value] : report.fluid) message.monitor.emplace(std::string(of_fluid) + name, value);
   for (const auto& [name, value] : report.structure)
     message.monitor.emplace(std::string(of_structure) + name, value);
-  if (!m.window.why.empty()) message.monitor.emplace(std::string(reason) + m.window.why, 1);
+  message.why = m.window.why;
   message.output.push_back({"log", "1", false, log_of(report.log)});
   message.output.push_back({"exchanges", "ns", false, times_of(m.exchanges)});
   message.output.push_back({"displacement", "m", false, std::move(report.displacement)});
@@ -151,8 +151,8 @@ WindowMessage from_message(const Advanced& message, const std::vector<Column>& m
   for (const auto& [name, value] : message.monitor) {
     if (name.starts_with(of_fluid)) report.fluid.emplace(name.substr(of_fluid.size()), value);
     if (name.starts_with(of_structure)) report.structure.emplace(name.substr(of_structure.size()), value);
-    if (name.starts_with(reason)) m.window.why = name.substr(reason.size());
   }
+  m.window.why = message.why;
   const MatrixXd& log = field(message, "log");
   if (log.rows() != row_head && log.rows() != row_head + 2 * static_cast<Index>(measured.size()))
     missing("the numbers of its iterations");

@@ -30,7 +30,7 @@ struct WindowReport {
   /// A solver, or Unconverged::halve, wants a shorter window: both solvers have been taken back, call
   /// `advance` again with at most `dt_limit`. Everything below is empty then.
   bool retry = false;
-  std::string why;  // a retry: who wants it
+  std::string why, fix;  // a retry: who wants it and why, and what a user may change
   double dt_limit =
       std::numeric_limits<double>::infinity();  // [s] longest next window that both solvers accept
   double work_fluid = 0,

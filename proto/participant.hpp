@@ -44,7 +44,9 @@ struct Advanced {
   ///   "<probe>:<metric>" accumulated probe result (first_peak, time_of_first_peak, peak, time_of_peak, impulse,
   ///                      mean_peak_50us, final, contact); absent until it is known
   std::map<std::string, double> monitor;
+  /// The window cannot be taken as it is; once more, no longer than dt_limit. Nothing else is needed then.
   bool retry_smaller_dt = false;
+  std::string why, fix;  // of a retry, one line each: what failed, and what a user may change; may be empty
 };
 
 /// One solver as the scheme sees it. Legal calls per window: (advance rewind)* advance commit.

@@ -198,6 +198,8 @@ void write(const Advanced& from, pb::Reply& reply, Writer& writer) {
   to.set_dt_limit(from.dt_limit);
   to.mutable_monitor()->insert(from.monitor.begin(), from.monitor.end());
   to.set_retry_smaller_dt(from.retry_smaller_dt);
+  to.set_why(from.why);
+  to.set_fix(from.fix);
 }
 void write(const Done&, pb::Reply& reply, Writer&) {
   reply.mutable_done();
@@ -240,6 +242,10 @@ Advanced read(const pb::Advanced& from, Reader& reader) {
     to.monitor[name] = value;
   }
   to.retry_smaller_dt = from.retry_smaller_dt();
+  constexpr std::size_t longest_line = 1000;  // bytes
+  for (const std::string& text : {from.why(), from.fix()}) reader.rules().label(text, "line", longest_line);
+  to.why = from.why();
+  to.fix = from.fix();
   return to;
 }
 /// A fault of a peer never counts as success, whatever number it gives.

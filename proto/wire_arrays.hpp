@@ -50,8 +50,7 @@ struct Rules {
                   fmt::format("dt_limit is {} s in {}, expected > 0", dt_limit, message));
   }
   /// A name, which will stand in messages, logs and column heads; a stranger may have chosen it.
-  void label(const std::string& text, const char* what) const {
-    constexpr std::size_t longest = 200;  // bytes
+  void label(const std::string& text, const char* what, std::size_t longest = 200 /* bytes */) const {
     if (text.size() > longest)
       broken(fmt::format("gives a {} of {} bytes, expected at most {}", what, text.size(), longest));
     for (const unsigned char c : text)

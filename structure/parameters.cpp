@@ -6,6 +6,7 @@
 #include "structure/softening.hpp"
 #include "structure/solid_keys.hpp"
 #include "structure/surface.hpp"
+#include "structure/wet.hpp"
 
 #include <fmt/format.h>
 
@@ -374,6 +375,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   read_material(t.table("material"), p.material);
   read_solid(file, t, p);
   read_load(t.table("load"), p.load);
+  read_wet(t, file.only_declares(), p);
   CaseTable damping = t.table("damping", "Rayleigh");
   damping.number("mass", p.damping.mass, {.unit = "1/s", .min = 0, .help = "mass-proportional"});
   damping.number("stiffness", p.damping.stiffness, {.unit = "s", .min = 0, .help = "stiffness-proportional"});

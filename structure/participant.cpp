@@ -1,6 +1,7 @@
 #include "structure/participant.hpp"
 
 #include "structure/surface.hpp"
+#include "structure/wet.hpp"
 
 #include <fmt/format.h>
 
@@ -26,6 +27,15 @@ double total(const Energy& e) {
 Eigen::VectorXd wetted_sizes(const InterfaceMesh& mesh, const Parameters& p) {
   if (mesh.faces.cols() > 0) return point_sizes(mesh);
   return Eigen::VectorXd::Constant(mesh.position.cols(), p.fluid_spacing);
+}
+
+/// What the wet faces feel of a load.
+std::vector<Sample> wet_part(std::vector<Sample> samples, const Eigen::VectorXd& share) {
+  if (share.size() == 0) return samples;
+  for (Sample& sample : samples)
+    for (Field& field : sample.fields)
+      if (field.quantity == "force") field.value *= share.asDiagonal();
+  return samples;
 }
 
 double peak_memory() {
@@ -75,6 +85,8 @@ std::vector<std::string> describe(const Solver& solver, const Parameters& p, con
   if (p.analysis == Analysis::dynamic && std::isfinite(solver.stable_dt()))
     lines.push_back(fmt::format("{:.0f} sub-steps in a window of {:.4g} s",
                                 std::max(1.0, std::ceil(common.window / solver.stable_dt())), common.window));
+  if (common.fluid_solver != "none" && solver.interface().faces.cols() > 0)
+    lines.push_back(wet_surface(p, solver.interface()).line);
   return lines;
 }
 
@@ -97,6 +109,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   const bool enters = common.fluid_solver != "none" && contact_pressure_ > 0;
   state_.probes.assign(probe_columns_.size(), enters ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   state_.energy_scale = first_energy_;
+  if (solver_->interface().faces.cols() > 0) wet_ = wet_surface(p, solver_->interface()).share;
 
   description_.initial = motion();
   const bool history = common.interpolation != "mean" && setup.interface == "surface";
@@ -117,9 +130,23 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
 
 void StructureParticipant::start(const Window& window, const Input& input) {
   const auto begin = std::chrono::steady_clock::now();
+  try {
+    step(window, input);
+  } catch (const StepFailed& failed) {
+    rewind();
+    failed_.emplace();
+    failed_->retry_smaller_dt = true;
+    failed_->dt_limit = 0.5 * window.dt;
+    failed_->why = failed.problem();
+    failed_->fix = failed.fix();
+  }
+  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void StructureParticipant::step(const Window& window, const Input& input) {
   const int before = solver_->steps();
   if (analysis_ == Analysis::dynamic) {
-    const Load load(input.samples, interpolation_);
+    const Load load(wet_part(input.samples, wet_), interpolation_);
     look_for_contact(window, load);
     solver_->advance(window.t, window.dt, load);
   } else {
@@ -127,7 +154,6 @@ void StructureParticipant::start(const Window& window, const Input& input) {
   }
   steps_ += solver_->steps() - before;
   follow(window);
-  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 /// VALIDATION A, as the structure feels it: the first window in which the fluid's pressure anywhere exceeds
@@ -178,7 +204,7 @@ std::vector<double> StructureParticipant::measure(const ProbeKeys& probe) const 
   Eigen::Vector3d value =
       probe.quantity == "velocity" ? solver_->velocity_at(probe.at) : solver_->displacement_at(probe.at);
   if (probe.quantity == "deflection")
-    value -= solver_->support_displacement().value_or(support_velocity_ * state_.time);
+    value -= solver_->support_displacement(probe.at).value_or(support_velocity_ * state_.time);
   values.assign(value.data(), value.data() + dimension_);
   return values;
 }
@@ -191,6 +217,7 @@ std::vector<Field> StructureParticipant::motion() const {
 }
 
 Advanced StructureParticipant::finish() {
+  if (failed_) return *std::exchange(failed_, std::nullopt);
   Advanced result;
   result.output = motion();
   auto& monitor = result.monitor;

@@ -41,6 +41,7 @@ class StructureParticipant final : public Participant {
     double energy_scale = 0, drift = 0;  // [J] largest energy so far; 1: worst |ΔE − work| over it
   };
   void solve_once();
+  void step(const Window&, const Input&);
   void follow(const Window&);
   void look_for_contact(const Window&, const Load&);
   std::vector<double> measure(const ProbeKeys&) const;
@@ -56,12 +57,14 @@ class StructureParticipant final : public Participant {
   std::vector<ProbeKeys> probes_;  // those of the structure
   std::vector<Column> probe_columns_;
   Description description_;
+  Eigen::VectorXd wet_;  // n: share of each point that the water loads; empty: all of it
   std::optional<FrameSeries> frames_;
   double first_energy_;       // [J] at t = 0
   double seconds_ = 0;        // wall, in the solver
   long steps_ = 0;            // taken, those of rewound windows too
   long committed_steps_ = 0;  // steps_ at the last commit
   State state_, committed_;
+  std::optional<Advanced> failed_;  // instead of a result: a shorter window, please
 };
 
 }  // namespace strake::structure

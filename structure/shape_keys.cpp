@@ -140,15 +140,37 @@ void check_motion(CaseTable t, const CommonKeys& common, const Parameters& p) {
         fmt::format("add rows, or end_time = {:.6g}", p.motion->end()));
 }
 
-/// The frame that an elastic body's supports stand in: it needs supports, moves and does not turn.
+/// Supports that a table turns: the body has to bear large rotation, and is held by clamps alone.
+void check_turning(CaseTable t, const Parameters& p) {
+  const auto refuse = [&](const std::string& why, const std::string& fix) {
+    throw t.table("motion").error("file", "a table without angle or rate: " + why, fix);
+  };
+  if (p.kind == "ccx")
+    refuse("CalculiX takes supports that move and do not turn", "structure.solver = \"fem\" or \"particle\"");
+  if (!p.pivot) refuse("it is not said what the supports turn about", "structure.pivot = [0.0, 0.0, 0.0]");
+  if (p.free.any()) refuse("supports that turn are free in no direction", "leave structure.free out");
+  if (p.damping.mass > 0 || p.damping.stiffness > 0)
+    refuse("Rayleigh's damping would brake the turn itself", "leave structure.damping out");
+  if (p.kind == "particle" && p.particle.model == ParticleModel::pair)
+    refuse("the pair model's own turn is not held by supports",
+           "structure.particle.model = \"total_lagrangian\"");
+  const Solid solid = elastic_solid(p);
+  for (const Part& part : solid.parts)
+    if (part.material.model == MaterialModel::linear)
+      refuse("linear elasticity takes a turn for strain",
+             "structure.material.model = \"saint_venant_kirchhoff\"");
+  for (const SupportedFace& face : solid.supported)
+    if (face.support != Support::clamped && face.support != Support::free)
+      refuse("a face that is not clamped does not turn with its support", "clamp it");
+}
+
+/// The frame that an elastic body's supports stand in: it needs supports, and turns by a table alone.
 void check_frame(CaseTable t, const Parameters& p) {
   CaseTable free = t.table("free"), lumped = t.table("lumped");
-  const char* no_turn = "false: supports move and do not turn; a body without supports turns by itself";
+  const char* no_turn = "false: supports turn by a table alone; a body without supports turns by itself";
   if (p.free.angle) throw free.error("angle", no_turn, "leave it out, or structure.solver = \"rigid\"");
   if (p.free.rotation) throw free.error("rotation", no_turn, "leave it out, or structure.solver = \"rigid\"");
-  if (p.motion && p.motion->turns())
-    throw t.table("motion").error("file", "a table without angle or rate: supports move and do not turn",
-                                  "leave that column out, or structure.solver = \"rigid\"");
+  if (p.motion && p.motion->turns()) check_turning(t, p);
   const bool held = has_supports(elastic_solid(p));
   const char* floats = "nothing: the body has no supports, it floats and moves by its own inertia";
   const char* hold = "structure.plate.supports, or supports of its boxes or mesh";
@@ -168,7 +190,8 @@ bool says_something(std::string_view key, const Parameters& p) {
 void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
   for (const char* key :
        {"mass", "inertia", "inertia_axes", "centre_of_gravity", "angular_velocity", "pivot"})
-    if (t.has(key) && says_something(key, p) && p.kind != "rigid" && p.kind != "replay")
+    if (t.has(key) && says_something(key, p) && p.kind != "rigid" && p.kind != "replay" &&
+        !(key == std::string_view("pivot") && p.motion && p.motion->turns()))
       throw t.error(
           key, fmt::format("nothing: it belongs to rigid bodies, and structure.solver is \"{}\"", p.kind),
           fmt::format("leave {} out, or structure.solver = \"rigid\"", key));
@@ -308,14 +331,17 @@ void read_body(const CaseFile& file, CaseTable t, const CommonKeys& common, Para
 
   t.number("angular_velocity", p.angular_velocity,
            {.unit = "rad/s", .help = "of a rigid body about z, counter-clockwise; of a free one at t = 0"});
-  optional_vector("pivot", p.pivot, "m", "about which a rigid body turns; not given: its centre of gravity");
+  optional_vector("pivot", p.pivot, "m",
+                  "about which a rigid body turns; not given: its centre of gravity; or the supports of an "
+                  "elastic one, by "
+                  "the table");
   CaseTable motion =
       t.table("motion", "motion of a rigid body, or of an elastic body's supports, by a table");
   if (all || motion.has("file")) {
     std::filesystem::path path;
     motion.file("file", path,
                 {.help = "columns t [s] and x, y, z [m], angle [deg], or their rates vx, vy, vz [m/s], rate "
-                         "[deg/s]; counted from the place at t = 0; supports do not turn"});
+                         "[deg/s]; counted from the place at t = 0"});
     if (!path.empty()) p.motion = read_motion(path);
   }
   CaseTable free = t.table(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "proto/error.hpp"
 #include "proto/interface.hpp"
 #include "proto/interpolation.hpp"
 #include "structure/stress.hpp"
@@ -44,14 +45,21 @@ struct Properties {
   std::string step;                                  // stable step, as text: "1.2e-06 s", "any"
 };
 
+/// A step that the solver cannot take, while a shorter one may do. It stands somewhere inside the step then,
+/// until `restore`.
+class StepFailed : public Error {
+ public:
+  using Error::Error;
+};
+
 /// One structure method. All that changes in time sits in one struct that save/restore copy.
 class Solver {
  public:
   virtual ~Solver() = default;
   virtual const InterfaceMesh& interface() const = 0;
-  virtual void advance(double t, double dt, const Load&) = 0;
-  virtual Points displacement() const = 0;  // 3×n [m] on interface()
-  virtual Points velocity() const = 0;      // 3×n [m/s] on interface()
+  virtual void advance(double t, double dt, const Load&) = 0;  // may throw StepFailed
+  virtual Points displacement() const = 0;                     // 3×n [m] on interface()
+  virtual Points velocity() const = 0;                         // 3×n [m/s] on interface()
   /// True when the fluid must follow `velocity` as well (explicit particles, rho_inf < 1): sent beside
   /// displacement.
   virtual bool sends_velocity() const = 0;
@@ -71,9 +79,11 @@ class Solver {
   virtual void read(const Archive&) = 0;
   virtual Frame frame() const = 0;
   virtual std::vector<std::string> lines() const = 0;  // what it understood: headline first
-  /// How far the supports have moved [m]: what a deflection is counted from. Default: as structure.velocity
-  /// says.
-  virtual std::optional<Eigen::Vector3d> support_displacement() const { return std::nullopt; }
+  /// How far X has moved with the supports [m]: what a deflection is counted from. Default: as
+  /// structure.velocity says.
+  virtual std::optional<Eigen::Vector3d> support_displacement(const Eigen::Vector3d& /*X*/) const {
+    return std::nullopt;
+  }
   /// Named scalars of its own for history.csv, and their values now.
   virtual std::vector<Column> columns() const { return {}; }
   virtual std::map<std::string, double> monitor() const { return {}; }

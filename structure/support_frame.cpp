@@ -1,6 +1,7 @@
 #include "structure/support_frame.hpp"
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 
@@ -10,6 +11,7 @@ SupportFrame::SupportFrame(const Parameters& p)
     : free_{p.free.x, p.free.y, p.free.z},
       mass_(p.body.lumped_mass),
       velocity_(p.velocity),
+      pivot_(p.pivot.value_or(Eigen::Vector3d::Zero())),
       motion_(p.motion) {
   if (!has_supports(elastic_solid(p))) free_ = {};
 }
@@ -32,7 +34,19 @@ FrameState SupportFrame::prescribed(double time) const {
     state.velocity[axis] = now.velocity[axis];
     state.acceleration[axis] = now.acceleration[axis];
   }
+  state.angle = now.angle - first.angle;
+  state.angular_velocity = now.angular_velocity;
   return state;
+}
+
+Eigen::Vector3d SupportFrame::turned(const FrameState& state, const Eigen::Vector3d& X) const {
+  const Eigen::Vector3d arm = X - pivot_;
+  return Eigen::AngleAxisd(state.angle, Eigen::Vector3d::UnitZ()) * arm - arm;
+}
+
+Eigen::Vector3d SupportFrame::turning(const FrameState& state, const Eigen::Vector3d& X) const {
+  const Eigen::Vector3d arm = X - pivot_ + turned(state, X);
+  return state.angular_velocity * Eigen::Vector3d::UnitZ().cross(arm);
 }
 
 namespace {
@@ -78,7 +92,7 @@ std::string frame_line(const SupportFrame& frame, int dimension) {
   if (!free.empty())
     line += fmt::format("   free in {}, lumped mass {:.6g} {}", free, frame.mass(),
                         dimension == 2 ? "kg/m" : "kg");
-  if (frame.by_table()) line += "   driven by a table";
+  if (frame.by_table()) line += frame.turns() ? "   driven and turned by a table" : "   driven by a table";
   return line;
 }
 

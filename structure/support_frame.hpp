@@ -13,11 +13,13 @@
 
 namespace strake::structure {
 
-/// Where the frame is that a body's supports stand in, and how it moves; it does not turn.
+/// Where the frame is that a body's supports stand in, and how it moves: of its pivot, and its turn about the
+/// z axis through that, counter-clockwise.
 struct FrameState {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  // [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      // [m/s]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // [m/s²]
+  double angle = 0, angular_velocity = 0;                  // [rad], [rad/s]
 };
 
 /// What the supports of an elastic body stand in. Along each axis its motion is prescribed, by a constant
@@ -36,12 +38,17 @@ class SupportFrame {
   /// Along an axis in which no support holds the body there is nothing to move.
   void stays_out(Eigen::Index axis) { free_[static_cast<std::size_t>(axis)] = false; }
   bool by_table() const { return motion_.has_value(); }
+  bool turns() const { return motion_ && motion_->turns(); }
+  /// What the turn adds to the displacement and the velocity of a held place: (R − 1)(X − pivot), ω × R (X −
+  /// pivot).
+  Eigen::Vector3d turned(const FrameState&, const Eigen::Vector3d& X) const;
+  Eigen::Vector3d turning(const FrameState&, const Eigen::Vector3d& X) const;
   double mass() const { return mass_; }  // M [kg]
 
  private:
   std::array<bool, 3> free_;
   double mass_;
-  Eigen::Vector3d velocity_;
+  Eigen::Vector3d velocity_, pivot_;
   std::optional<MotionTable> motion_;
 };
 

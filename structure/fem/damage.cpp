@@ -54,6 +54,29 @@ double Damage<dim>::extent(int cell, const Eigen::Vector3d& n) const {
   return most - least;
 }
 
+// l_c = 1/(∇φ·n) in the middle of the cell, where φ is 1 in the corners that lie beyond it along the crack's
+// normal n, 0 in the others, and multilinear between them: ∂φ/∂ξ = Σ s/2^dim over the corners beyond, with s
+// their places in the reference cell, −1 or 1.
+template <int dim>
+double Damage<dim>::band(int cell, const Eigen::Vector3d& normal) const {
+  using Vector = Eigen::Matrix<double, dim, 1>;
+  const Vector n = normal.template head<dim>(), centre = middle(cell).template head<dim>();
+  const Eigen::Map<const Eigen::Matrix<double, dim, dim>> inverse(mesh_.centre_inverse.col(cell).data());
+  const int row = mesh_.degree + 1, corners = 1 << dim;
+  Vector slope = Vector::Zero();  // ∂φ/∂ξ
+  for (int c = 0; c < corners; ++c) {
+    int node = 0;  // of the corner in the cell
+    Vector place;
+    for (int k = dim - 1; k >= 0; --k) {
+      const int far = (c >> k) & 1;
+      node = node * row + far * mesh_.degree;
+      place(k) = 2 * far - 1;
+    }
+    if (n.dot(mesh_.node.col(mesh_.cell(node, cell)) - centre) > 0) slope += place / corners;
+  }
+  return 1 / n.dot(inverse.transpose() * slope);
+}
+
 template <int dim>
 Eigen::Vector3d Damage<dim>::middle(int cell) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -76,7 +99,7 @@ bool Damage<dim>::look(const Eigen::VectorXd& u, double time, State& state) cons
       // ψ grows with the square of the stress: where within the step the strength was reached.
       state.onset(c) = y * keys_.strength / stress;
       state.end(c) =
-          std::max(keys_.fracture_energy / (extent(c, principal_direction(mean.stress)) * state.onset(c)),
+          std::max(keys_.fracture_energy / (band(c, principal_direction(mean.stress)) * state.onset(c)),
                    state.onset(c) * (1 + 1e-9));
       state.peak(c) = std::min(y, state.end(c));
       if (!state.record.start.happened() || (state.record.start.time == time && stress > strongest))

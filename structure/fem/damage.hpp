@@ -13,8 +13,11 @@ namespace strake::structure::fem {
 
 /// Failure of finite elements (PHYSICS §9). A cell softens as a whole, from where the mean of its Cauchy
 /// stress reaches the strength, with Y the mean of its energy density (softening.hpp). The band of a crack is
-/// the cell's extent along the largest principal stress of that moment: across a square of side h,
-/// h(|n_x| + |n_y|), which is what a crack in stairs takes per length (Oliver 1989).
+/// the length over which it opens in the cell, along the normal n that the largest principal stress of that
+/// moment gives: 1/(∇φ·n) with φ = 1 in the corners beyond the cell's middle (Oliver 1989, recalled): across
+/// a square of side h h/max(|n_x|, |n_y|), across a column of leaning cells its width along n. A crack that
+/// follows the columns of a mesh takes G_c so; it follows them even where stresses would turn it, and two
+/// that miss each other take it twice.
 ///
 /// A cell that has lost all is eroded: `residual` of its stiffness stays, linear, so that nodes of its own
 /// keep to their neighbours, and all of its mass.
@@ -43,6 +46,7 @@ class Damage {
 
  private:
   double extent(int cell, const Eigen::Vector3d& direction) const;
+  double band(int cell, const Eigen::Vector3d& normal) const;  // [m]
   Eigen::Vector3d middle(int cell) const;
   void note_parting(double time, State&) const;
 

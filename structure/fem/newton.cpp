@@ -20,8 +20,9 @@ NewtonResult solve(const Equilibrium& equilibrium, Eigen::VectorXd start, double
   for (;; ++result.iterations) {
     result.residual = here.value.norm();
     result.wanted = std::max(tolerance * here.scale, here.floor);
-    result.converged = result.residual <= result.wanted;
-    if (result.converged || result.iterations == max_iterations) return result;
+    const bool finite = std::isfinite(result.residual);  // where forces overflow, so does what is wanted
+    result.converged = finite && result.residual <= result.wanted;
+    if (!finite || result.converged || result.iterations == max_iterations) return result;
 
     const Eigen::VectorXd step = equilibrium.correction(here.value);
     double part = 1;

@@ -43,7 +43,7 @@ class FemSolver final : public Solver {
   int steps() const override { return state_.steps; }
   Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const override;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const override;
-  std::optional<Eigen::Vector3d> support_displacement() const override { return state_.frame.displacement; }
+  std::optional<Eigen::Vector3d> support_displacement(const Eigen::Vector3d& X) const override;
   std::vector<Column> columns() const override;
   std::map<std::string, double> monitor() const override;
   /// Linear momentum of the body and a free frame [kg m/s].
@@ -101,10 +101,21 @@ class FemSolver final : public Solver {
   NewtonResult solve_softening(const State& old, const FrameState& told, const Eigen::VectorXd& force,
                                double dt, typename Damage<dim>::State& damage);
   void hold(Eigen::VectorXd& unknowns) const;  // zero in the held unknowns
+  Eigen::Vector3d place_of(int node) const;    // in the reference [m]
+  void turn_held(const FrameState&, Eigen::VectorXd& displacement) const;
+  double work_of_turn(const State& old, const State& next, const Eigen::VectorXd& force,
+                      const Eigen::VectorXd& inertia) const;
+  double round_off(const Eigen::VectorXd& u, double kappa) const;  // [N] of a step's forces at u
   LinearSolver linear_solver() const;
   std::string strain_line() const;
   std::vector<double> frequencies(int count, double tolerance) const;
   const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
+
+  // An iteration that solves for a correction leaves this much of it to the next one: Newton's method takes
+  // the residual anew each time.
+  static constexpr double enough_of_a_correction = 1e-6;
+  // Of the square of the first frequency, for the line that shows five figures of it.
+  static constexpr double enough_for_a_line = 1e-8;
 
   Parameters parameters_;
   TimeScheme scheme_;

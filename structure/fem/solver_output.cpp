@@ -63,6 +63,9 @@ void FemSolver<dim>::read(const Archive& archive) {
   state_.tangent_dt = scalars(2);
   const Eigen::Matrix<double, 3, 4> frame = vector("fem.frame", 12).reshaped(3, 4);
   state_.frame = {.displacement = frame.col(0), .velocity = frame.col(1), .acceleration = frame.col(2)};
+  const FrameState told = frame_.supports().prescribed(state_.time);
+  state_.frame.angle = told.angle;
+  state_.frame.angular_velocity = told.angular_velocity;
   state_.reaction = frame.col(3);
   state_.steps = static_cast<int>(archive.integer.at("fem.steps").at(0));
   if (failure_) {

@@ -43,7 +43,7 @@ class ParticleSolver final : public Solver {
   void read(const Archive&) override;
   Frame frame() const override;
   std::vector<std::string> lines() const override;
-  std::optional<Eigen::Vector3d> support_displacement() const override { return state_.frame.displacement; }
+  std::optional<Eigen::Vector3d> support_displacement(const Eigen::Vector3d& X) const override;
   std::vector<Column> columns() const override;
   std::map<std::string, double> monitor() const override;
   void solve_static() override;
@@ -77,10 +77,15 @@ class ParticleSolver final : public Solver {
     double external_work = 0;  // [J] ([J/m]) of loads, supports and damping
     int steps = 0;
   };
+  void take_window(double t, double dt, int n_steps, const Load&);
+  bool is_finite() const;
+  bool is_sound(const Energy& before) const;
   Eigen::MatrixXd cauchy_stress() const;  // 6×n [Pa], as Stress orders it
   void follow_interface(const Points& displacement_before, double dt);
   void sub_step(double dt, const Vectors<dim>& external, const Vector& gravity);
   Vector kick(double dt, const Vectors<dim>& external, const Vector& frame_velocity, bool first);
+  Vector held_place(const FrameState&, Eigen::Index particle) const;
+  Vector held_velocity(const FrameState&, Eigen::Index particle) const;
   Vector pull_on_frame(const Vectors<dim>& external, const Vector& gravity) const;
   double turn_half(double dt, bool first);
   void find_elastic_force();

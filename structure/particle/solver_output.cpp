@@ -66,6 +66,9 @@ void ParticleSolver<dim>::read(const Archive& archive) {
   state_.window = archive.real.at("particle.scalars")(2);
   const auto& frame = archive.real.at("particle.frame");
   state_.frame = {.displacement = frame.col(0), .velocity = frame.col(1), .acceleration = frame.col(2)};
+  const FrameState told = frame_.prescribed(state_.time);
+  state_.frame.angle = told.angle;
+  state_.frame.angular_velocity = told.angular_velocity;
   state_.reaction = frame.col(3);
   state_.interface_velocity = archive.real.at("particle.interface_velocity");
   state_.window_velocity = archive.real.at("particle.window_velocity");

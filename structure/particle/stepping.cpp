@@ -38,6 +38,8 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
                                    : (told.displacement[axis] - D[axis]) / h;
   const auto gap = constraints_.gap(state_.displacement, D);
   Vector impulse = constraints_.hold(state_.velocity, V, &gap, h);
+  state_.frame.angle = told.angle;
+  state_.frame.angular_velocity = told.angular_velocity;
   Vector way = h * V;
   for (int axis = 0; axis < dim; ++axis) {
     double& place = state_.frame.displacement[axis];
@@ -47,7 +49,7 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
   Vectors<dim> moved(dim, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     if (lattice_.fixed[static_cast<std::size_t>(i)])
-      moved.col(i) = state_.frame.displacement.template head<dim>() - state_.displacement.col(i);
+      moved.col(i) = held_place(state_.frame, i) - state_.displacement.col(i);
     else
       moved.col(i) = h * state_.velocity.col(i);
   }
@@ -59,12 +61,20 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
   find_elastic_force();
 
   // 2. Work of loads and supports, and their force on the fixed particles.
-  Vector inside = Vector::Zero(), loads = Vector::Zero();
+  Vector inside = Vector::Zero(), loads = Vector::Zero(), carried = Vector::Zero();
+  double turned = 0;  // [J] work of supports that turn
   const double c = parameters_.damping.mass;
   for (Eigen::Index i = 0; i < n; ++i) {
     if (lattice_.fixed[static_cast<std::size_t>(i)]) {
       inside += 0.5 * (before.col(i) + state_.elastic_force.col(i));
       loads += external.col(i);
+      if (frame_.turns()) {
+        const double m = lattice_.inside[static_cast<std::size_t>(i)] ? mass_[i] : 0;
+        const Vector before_v = held_velocity(old, i), after_v = held_velocity(told, i);
+        turned += 0.5 * m * (after_v.squaredNorm() - before_v.squaredNorm()) -
+                  0.5 * (before.col(i) + state_.elastic_force.col(i)).dot(moved.col(i));
+        carried += m * (after_v - before_v);
+      }
     } else {
       work += (external.col(i) - c * mass_[i] * (state_.velocity.col(i) - V)).dot(moved.col(i));
     }
@@ -78,14 +88,18 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
                                    : told.velocity[axis];
   impulse += constraints_.hold(state_.velocity, V, nullptr, h);
   for (Eigen::Index i = 0; i < n; ++i)
-    if (lattice_.fixed[static_cast<std::size_t>(i)]) state_.velocity.col(i) = V;
+    if (lattice_.fixed[static_cast<std::size_t>(i)])
+      state_.velocity.col(i) = frame_.turns() ? held_velocity(told, i) : V;
   state_.frame.velocity.template head<dim>() = V;
   state_.frame.acceleration.template head<dim>() = (V - V0) / h;
   if (model_->spins()) turn_half(h, false);
 
+  work += turned;
   for (int axis = 0; axis < dim; ++axis) {
     const double gained = V[axis] - V0[axis];
-    if (frame_.is_free(axis)) {
+    if (frame_.turns()) {
+      state_.reaction[axis] = carried[axis] / h - inside[axis] - loads[axis];
+    } else if (frame_.is_free(axis)) {
       const double weight = frame_.mass() * gravity[axis];
       work += (loads[axis] + weight + (first_drag[axis] + second_drag[axis]) / h) * way[axis];
       state_.reaction[axis] = weight - frame_.mass() * gained / h;
@@ -97,6 +111,25 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
   }
   state_.external_work += work;
   ++state_.steps;
+}
+
+/// Displacement and velocity of a fixed particle.
+template <int dim>
+typename ParticleSolver<dim>::Vector ParticleSolver<dim>::held_place(const FrameState& frame,
+                                                                     Eigen::Index i) const {
+  Vector u = frame.displacement.template head<dim>();
+  if (!frame_.turns()) return u;
+  Eigen::Vector3d X = Eigen::Vector3d::Zero();
+  X.head<dim>() = lattice_.position.col(i);
+  return u + frame_.turned(frame, X).template head<dim>();
+}
+
+template <int dim>
+typename ParticleSolver<dim>::Vector ParticleSolver<dim>::held_velocity(const FrameState& frame,
+                                                                        Eigen::Index i) const {
+  Eigen::Vector3d X = Eigen::Vector3d::Zero();
+  X.head<dim>() = lattice_.position.col(i);
+  return (frame.velocity + frame_.turning(frame, X)).template head<dim>();
 }
 
 /// Half a kick of the particles that are not fixed; the drag's impulse on the supports comes back.

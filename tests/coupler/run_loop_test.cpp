@@ -165,7 +165,8 @@ TEST(RunLoop, EndsWithTheReasonBelowTheSmallestWindow) {
   } catch (const Error& error) {
     EXPECT_EQ(error.where(), "window 5 (t = 0.4 s)");
     EXPECT_EQ(error.problem(),
-              "the solver asks for a shorter window than 0.05 s; the smallest window is 0.03 s");
+              "the solver asks for a shorter window than 0.05 s\n"
+              "2 windows were tried, of 0.1 to 0.05 s; the smallest is 0.03 s");
   }
 }
 

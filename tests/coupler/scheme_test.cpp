@@ -188,12 +188,16 @@ TEST(Scheme, TakesBothBackWhenASolverWantsAShorterWindow) {
     Advanced a = answer(w, input);
     a.retry_smaller_dt = w.dt > 0.004;
     a.dt_limit = 0.004;
+    a.why = "no equilibrium";
+    a.fix = "less load";
     return a;
   };
   Scheme scheme = rigid.scheme();
   const WindowReport refused = scheme.advance({0, dt});
   EXPECT_TRUE(refused.retry);
   EXPECT_EQ(refused.dt_limit, 0.004);
+  EXPECT_EQ(refused.why, "the structure asks for a shorter window than 0.01 s: no equilibrium");
+  EXPECT_EQ(refused.fix, "less load");
   EXPECT_EQ(rigid.fluid.calls + rigid.structure.calls, "ARAR");
   EXPECT_FALSE(scheme.advance({0, refused.dt_limit}).retry);
 }

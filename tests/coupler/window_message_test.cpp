@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "coupler/case_scheme.hpp"
 #include "proto/error.hpp"
 
 namespace strake {
@@ -147,6 +148,16 @@ TEST(WindowMessage, ThatIsIncompleteIsRefused) {
     thin.output[k].value = Eigen::MatrixXd::Zero(1, 2);
     EXPECT_THROW(from_message(thin, measured), Error) << whole.output[k].quantity;
   }
+}
+
+TEST(CaseScheme, KnowsWhatElseMayHelpWhereNoWindowIsShortEnough) {
+  CouplingCase view;
+  view.coupling.max_iterations = 20;
+  EXPECT_EQ(remedy_of(view), "");
+  view.coupling.max_iterations = 1;
+  EXPECT_NE(remedy_of(view).find("raise coupling.surface.converged.max_iterations"), std::string::npos);
+  view.common.fluid_solver = "replay";
+  EXPECT_NE(remedy_of(view).find("the load is recorded"), std::string::npos);
 }
 
 }  // namespace

@@ -116,6 +116,43 @@ TEST(FemStrip, ThePlateUnderAWaterColumnHasItsReferences) {
   EXPECT_NEAR(solver->displacement_at({0, 0.025, 0}).y() / -7.066e-5, 1, 0.004);
 }
 
+// δ = 2πζ/√(1 − ζ²), ζ = ½(a/ω + bω). The strip is let go from a static deflection, of which its first mode
+// is all but 3 %; the amplitude of a period is its correlation with that mode's frequency, in which the
+// others have next to no share.
+TEST(FemStrip, RayleighDampingTakesItsLogarithmicDecrement) {
+  const Parameters at_rest = parameters(strips[1], MaterialModel::linear);
+  Parameters bent = at_rest;
+  bent.load = {.kind = LoadKind::traction, .value = {0, -1e5, 0}, .face = "top", .at = {}, .ramp = 0};
+  FemSolver<2> shape(bent);
+  const double omega = 2 * std::numbers::pi * shape.frequencies(1).front();
+  shape.solve_static();
+  constexpr double ratio = 0.02;
+  constexpr int steps = 40, periods = 6;  // steps of a period
+  for (const bool by_mass : {true, false}) {
+    Parameters p = at_rest;
+    (by_mass ? p.damping.mass : p.damping.stiffness) = by_mass ? 2 * ratio * omega : 2 * ratio / omega;
+    FemSolver<2> solver(p);
+    solver.set_unknowns(shape.unknowns(), Eigen::VectorXd::Zero(shape.unknowns().size()));
+    const double damped = omega * std::sqrt(1 - ratio * ratio);
+    const double dt = 2 * std::numbers::pi / damped / steps;
+    std::vector<double> amplitude;
+    for (int period = 0; period < periods; ++period) {
+      double c = 0, s = 0;
+      for (int k = 0; k < steps; ++k) {
+        const double t = (period * steps + k) * dt;
+        solver.advance(t, dt, {});
+        const double y = solver.displacement_at({0.2, 0.01, 0}).y();
+        c += y * std::cos(damped * (t + dt));
+        s += y * std::sin(damped * (t + dt));
+      }
+      amplitude.push_back(std::hypot(c, s));
+    }
+    const double decrement = std::log(amplitude.front() / amplitude.back()) / (periods - 1);
+    RecordProperty(by_mass ? "decrement_mass" : "decrement_stiffness", std::to_string(decrement));
+    EXPECT_NEAR(decrement / (2 * std::numbers::pi * ratio / std::sqrt(1 - ratio * ratio)), 1, 0.01);
+  }
+}
+
 // VALIDATION B3: T = 0.2552 s by plane elasticity.
 TEST(FemStrip, TheSoftOscillatingPlateHasItsReferencePeriod) {
   Parameters p;

@@ -147,6 +147,10 @@ TEST(ParticleFrame, AnAccelerationOfTheSupportsBendsLikeWeight) {
   expect_acceleration_to_bend_like_weight<ParticleSolver<2>>(paper_plate(4));
 }
 
+TEST(ParticleFrame, AClampThatTurnsStretchesAStrip) {
+  expect_a_turning_clamp_to_stretch_the_strip<ParticleSolver<2>>(paper_plate(2), 1e-3, 0.05);
+}
+
 TEST(ParticleFrame, AFreeBodyFalls) {
   expect_a_free_body_to_fall<ParticleSolver<2>>(paper_plate(4));
 }

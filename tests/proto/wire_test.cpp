@@ -200,6 +200,8 @@ TEST(Wire, AnAdvancedKeepsFieldsLimitAndMonitors) {
   a.dt_limit = 2e-6;
   a.monitor = {{"cfl", 0.1}, {"check.voids", nan}};
   a.retry_smaller_dt = true;
+  a.why = "a cell is turned inside out";
+  a.fix = "a shorter window";
   const Advanced got = reply_round_trip(a);
   expect_equal(got.output, a.output);
   EXPECT_EQ(got.dt_limit, 2e-6);
@@ -207,6 +209,10 @@ TEST(Wire, AnAdvancedKeepsFieldsLimitAndMonitors) {
   EXPECT_TRUE(std::isnan(got.monitor.at("check.voids")))
       << "a monitor may be undefined; the summary writes null";
   EXPECT_TRUE(got.retry_smaller_dt);
+  EXPECT_EQ(got.why, a.why);
+  EXPECT_EQ(got.fix, a.fix);
+  a.why = "two\nlines";
+  EXPECT_THROW(reply_round_trip(a), Error) << "it stands in one line of a log";
 }
 
 TEST(Wire, TheSmallRepliesComeBack) {

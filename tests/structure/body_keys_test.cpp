@@ -133,7 +133,7 @@ TEST(BodyKeys, WrongMassesAndMotionsAreRefusedWithPlaceAndRemedy) {
   refuses(plate + "mass = 3\n", "rigid bodies", {}, "fem");
 }
 
-// What an elastic body's supports stand in moves by a table or freely, and does not turn.
+// What an elastic body's supports stand in moves by a table or freely, and turns by a table alone.
 TEST(BodyKeys, TheFrameOfAnElasticBodyIsDrivenOrFree) {
   const TemporaryFolder folder;
   const std::string name = (folder / "case.toml").string(),
@@ -147,7 +147,7 @@ TEST(BodyKeys, TheFrameOfAnElasticBodyIsDrivenOrFree) {
   EXPECT_NO_THROW(read_body(floating + "free = { y = true }\n", {}, "fem")) << "it floats as it is";
   refuses(held + "lumped = { mass = 3 }\n", "structure.free.y = true", {}, "fem");
   refuses(floating + "free = { y = true }\nlumped = { mass = 3 }\n", "no supports", {}, "fem");
-  refuses(held + "free = { angle = true }\n", "do not turn", {}, "fem");
+  refuses(held + "free = { angle = true }\n", "turn by a table alone", {}, "fem");
   refuses(held + "free = { y = true }\nanalysis = \"modal\"\n", "supports are at rest", {}, "fem");
   put(folder / "motion.csv", "t [s],vy [m/s]\n0,0\n0.25,-1\n0.5,-3\n");
   EXPECT_NEAR(read_body(held + table, {}, "fem", name).motion->at(0.5).velocity.y(), -3, 1e-15);
@@ -155,7 +155,14 @@ TEST(BodyKeys, TheFrameOfAnElasticBodyIsDrivenOrFree) {
   refuses(held + table + "free = { y = true }\n", "prescribes this motion", {}, "particle", name);
   refuses(held + table, "end_time = 0.5", {"end_time=0.6"}, "fem", name);
   put(folder / "motion.csv", "t [s],angle [deg]\n0,0\n0.5,1\n");
-  refuses(held + table, "do not turn", {}, "fem", name);
+  refuses(held + table, "what the supports turn about", {}, "fem", name);
+  const std::string turned = held + table + "pivot = [-0.2, 0.0]\n";
+  EXPECT_TRUE(read_body(turned, {}, "fem", name).motion->turns());
+  EXPECT_TRUE(read_body(turned, {}, "particle", name).pivot);
+  refuses(turned + "damping = { mass = 1 }\n", "brake the turn", {}, "fem", name);
+  refuses(turned + "material = { model = \"linear\" }\n", "takes a turn for strain", {}, "fem", name);
+  refuses(turned + "free = { x = true }\n", "free in no direction", {}, "fem", name);
+  refuses(turned, "move and do not turn", {}, "ccx", name);
 }
 
 TEST(BodyKeys, AnElasticBodyStartsWithTheVelocityOfAFile) {

@@ -14,9 +14,11 @@ namespace strake::structure {
 
 /// A bar 20 mm long and high (E 2 GPa, ρ 1000) of `layers` × `layers` cells between two blocks that are four
 /// hundred times as heavy and a hundred times as stiff, notched from above and below in its middle, down to a
-/// ligament of 10 mm. Its columns of cells lean by `lean` [rad] where the crack runs. All of it is turned by
+/// ligament of 10 mm. Its columns of cells lean by `lean` [rad] where the crack runs; the notches stand one above
+/// the other, or in one column of cells (`in_line`), which a crack then has before it. All of it is turned by
 /// `turn` [rad] about the origin, which is nothing to its cells, and turns a lattice of particles against it.
-inline Parameters notched_cells(FailureCriterion criterion, int layers, double lean = 0, double turn = 0) {
+inline Parameters notched_cells(FailureCriterion criterion, int layers, double lean = 0, double turn = 0,
+                                bool in_line = false) {
   Parameters p;
   p.kind = "fem";
   p.shape.kind = ShapeKind::solid;
@@ -45,7 +47,8 @@ inline Parameters notched_cells(FailureCriterion criterion, int layers, double l
       const Eigen::Vector3d middle =
           0.25 * (solid.node.col(a) + solid.node.col(a + 1) + solid.node.col(b) + solid.node.col(b + 1));
       const double off = middle.x() - 0.01 + 1e-6 * d;
-      if (off > -0.5 * d && off <= 0.5 * d && std::abs(middle.y() - 0.01) > 0.005) continue;
+      const bool notched = in_line ? i == layers + layers / 2 - 1 : off > -0.5 * d && off <= 0.5 * d;
+      if (notched && std::abs(middle.y() - 0.01) > 0.005) continue;
       solid.cell.col(cells++) << a, b, a + 1, b + 1;
       solid.part_of.push_back(i < layers || i >= 2 * layers ? 1 : 0);
     }

@@ -88,6 +88,10 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
   EXPECT_EQ(complaint("particle", {"structure.plate.supports.left=pinned"}), "");
   says(complaint("particle", {"structure.damping.stiffness=1e-5"}), "mass-proportional");
   says(complaint("rigid", {"coupling.interface=volume"}), "structure.solver = \"particle\"");
+  EXPECT_EQ(complaint("fem", {"structure.wet=[\"bottom\",\"left\"]"}), "");
+  says(complaint("fem", {"structure.wet=[\"botom\"]"}), "did you mean \"bottom\"?");
+  says(complaint("particle", {"structure.wet=[\"bottom\"]", "coupling.interface=volume"}),
+       "every particle of the body meets the water");
   says(complaint("rigid", {"structure.analysis=modal"}), "no modes");
   says(complaint("fem", {"structure.analysis=static", "structure.plate.supports.left=free",
                          "structure.plate.supports.right=free"}),

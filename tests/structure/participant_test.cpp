@@ -103,6 +103,40 @@ TEST(StructureParticipant, CheckpointGoesOnBitEqualAndFramesAreWritten) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(StructureParticipant, FeelsTheLoadOfItsWetFacesAlone) {
+  Parameters p = paper_plate(2);
+  StructureParticipant all = particles(p);
+  p.wet = {"bottom"};
+  StructureParticipant below = particles(p), idle = particles(p);
+  const auto row = [&](double y) {  // a force on the points at one height, but for the corners
+    Input input = push(below.mesh(), 0);
+    for (Eigen::Index i = 0; i < below.mesh().position.cols(); ++i)
+      if (std::abs(below.mesh().position(1, i) - y) < 1e-9 && std::abs(below.mesh().position(0, i)) < 0.199)
+        input.samples[0].fields[0].value(1, i) = 1e4;
+    return input;
+  };
+  const Window window{0, 1e-5};
+  EXPECT_EQ(below.advance(window, row(0)).output.at(0).value, all.advance(window, row(0)).output.at(0).value);
+  below.rewind();
+  all.rewind();
+  EXPECT_EQ(below.advance(window, row(0.02)).output.at(0).value, idle.advance(window, {}).output.at(0).value);
+  EXPECT_NE(all.advance(window, row(0.02)).output.at(0).value, idle.mesh().position);
+  const auto& lines = below.description().lines;
+  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+    return line.starts_with("wet: bottom, 0.4 m of 0.84 m");
+  }));
+  // A corner's load is half the bottom's.
+  Input corner = push(below.mesh(), 0), half = corner;
+  corner.samples[0].fields[0].value(1, 0) = 1e4;
+  half.samples[0].fields[0].value(1, 0) = 5e3;
+  below.rewind();
+  all.rewind();
+  EXPECT_NEAR(
+      (below.advance(window, corner).output.at(0).value - all.advance(window, half).output.at(0).value)
+          .norm(),
+      0, 1e-20);
+}
+
 TEST(StructureParticipant, StaticsAndModesAreSolvedInTheFirstWindow) {
   Parameters p = paper_plate(2);
   p.load.kind = LoadKind::traction;

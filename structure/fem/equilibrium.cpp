@@ -1,0 +1,101 @@
+// What finite elements solve without time: equilibrium under the case's own load, and natural frequencies.
+
+#include "structure/fem/solver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "proto/error.hpp"
+#include "structure/fem/held.hpp"
+#include "structure/fem/modal.hpp"
+#include "structure/material.hpp"
+
+namespace strake::structure::fem {
+namespace {
+
+constexpr double exact = 1e-12;
+
+double fastest_wave(const Solid& solid) {
+  double fastest = 0;
+  for (const Part& part : solid.parts) fastest = std::max(fastest, wave_speed(part.material));
+  return fastest;
+}
+
+}  // namespace
+
+template <int dim>
+void FemSolver<dim>::solve_static() {
+  require_held(mesh());
+  constexpr double end_of_ramps = std::numeric_limits<double>::infinity();
+  constexpr double smallest_part = 1.0 / 64;  // of the load
+  const Eigen::VectorXd full = own_load(end_of_ramps);
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh().n_unknowns());
+  LinearSolver factors = linear_solver();
+  double done = 0, part = 1;
+  while (done < 1) {
+    const double share = std::min(1.0, done + part);
+    const Eigen::VectorXd force = share * full;
+    Equilibrium equilibrium;
+    equilibrium.residual = [&](const Eigen::VectorXd& x) {
+      const Eigen::VectorXd inside = internal_force(x, x, 0);
+      Equilibrium::Residual r{.value = force - inside};
+      hold(r.value);
+      r.scale = force.norm();
+      r.floor = round_off(x, 0);
+      return r;
+    };
+    equilibrium.correction = [&](const Eigen::VectorXd& r) {
+      return factors.solve(r, enough_of_a_correction);
+    };
+    equilibrium.refresh = [&](const Eigen::VectorXd& x) {
+      return factors.factorise(assembly_.tangent(x), mesh().fixed);
+    };
+    const bool regular = equilibrium.refresh(u);
+    const NewtonResult result = regular ? solve(equilibrium, u, parameters_.fem.tolerance) : NewtonResult{};
+    if (regular && result.converged && assembly_.smallest_jacobian(result.x) > 0) {
+      u = result.x;
+      done = share;
+      continue;
+    }
+    part /= 2;
+    if (part < smallest_part)
+      throw Error(ExitCode::solver_fault, "structure (fem), static",
+                  fmt::format("no equilibrium found beyond {:.0f} % of the load", 100 * done),
+                  "lower structure.load.value, or hold both ends: structure.plate.supports");
+  }
+  state_.displacement = u;
+  state_.velocity.setZero();
+  state_.acceleration.setZero();
+  state_.time = 0;
+  saved_ = state_;
+}
+
+template <int dim>
+std::vector<double> FemSolver<dim>::frequencies(int count) {
+  return frequencies(count, exact);
+}
+
+template <int dim>
+std::vector<double> FemSolver<dim>::frequencies(int count, double tolerance) const {
+  // Motions that the supports leave free have no frequency.
+  const int rigid = rigid_motions_left(mesh());
+  const Eigen::Vector3d size = solid_.node.rowwise().maxCoeff() - solid_.node.rowwise().minCoeff();
+  if (method_ != LinearMethod::direct) tolerance = std::max(tolerance, enough_for_a_line);
+  std::vector<double> f =
+      natural_frequencies(stiffness_, mass_, mesh().fixed, count + rigid,
+                          size.maxCoeff() / fastest_wave(solid_), linear_solver(), tolerance);
+  f.erase(f.begin(), f.begin() + std::min<std::ptrdiff_t>(rigid, static_cast<std::ptrdiff_t>(f.size())));
+  return f;
+}
+
+template void FemSolver<2>::solve_static();
+template std::vector<double> FemSolver<2>::frequencies(int);
+template std::vector<double> FemSolver<2>::frequencies(int, double) const;
+template void FemSolver<3>::solve_static();
+template std::vector<double> FemSolver<3>::frequencies(int);
+template std::vector<double> FemSolver<3>::frequencies(int, double) const;
+
+}  // namespace strake::structure::fem
