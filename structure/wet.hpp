@@ -1,6 +1,5 @@
 #pragma once
 
-#include "proto/case_file.hpp"
 #include "structure/parameters.hpp"
 
 #include <Eigen/Core>
