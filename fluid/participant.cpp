@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
@@ -19,9 +21,20 @@ namespace {
 /// A stable step so many times below that of the water at rest means that the flow has blown up.
 constexpr double most_refinement = 1000;
 
-double largest_speed(const Setup& setup) {
+/// Largest speed of the body's points against the tank at t = 0: v_i − (v_T + ω_T × (x_i − pivot)).
+double largest_speed(const Setup& setup, const TankMotion& tank) {
   const Field* velocity = find(setup.partner_initial, "velocity");
-  return velocity && velocity->value.cols() > 0 ? velocity->value.colwise().norm().maxCoeff() : 0.0;
+  if (velocity == nullptr || velocity->value.cols() == 0) return 0;
+  const RigidMotion frame = tank.at(0);
+  const Eigen::Vector3d turn(0, 0, frame.angular_velocity);
+  double largest = 0;
+  for (Eigen::Index i = 0; i < velocity->value.cols(); ++i) {
+    const Eigen::Vector3d arm = setup.partner_mesh.position.col(i) - tank.pivot;
+    const Eigen::Vector3d walls = frame.velocity + turn.cross(arm), body = velocity->value.col(i);
+    const double speed = (body - walls).norm();
+    if (speed > 1e-9 * (body.norm() + walls.norm())) largest = std::max(largest, speed);  // else round-off
+  }
+  return largest;
 }
 
 double extent(const InterfaceMesh& mesh) {
@@ -52,7 +65,8 @@ template <int dim>
 FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const CommonKeys& common,
                                         const Setup& setup)
     : parameters_(parameters),
-      entry_speed_(largest_speed(setup)),
+      speed_(largest_speed(setup, parameters.motion)),
+      entry_speed_(parameters.submerged ? 0 : speed_),
       body_length_(extent(setup.partner_mesh)),
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup)),
       has_body_(simulation_.interface().position.cols() > 0),
@@ -66,7 +80,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
     probes.push_back(is_sensor(probe) && entry_speed_ > 0 ? ProbeRecord::waiting_for_contact()
                                                           : ProbeRecord{});
   check_sensors();
-  description_.lines = describe(parameters_, common, entry_speed_, body_length_);
+  description_.lines = describe(parameters_, common, speed_, body_length_);
   description_.columns = columns();
   if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
   force_ = Points::Zero(3, mesh().position.cols());

@@ -56,7 +56,9 @@ class FluidParticipant final : public Participant {
   Frame frame() const;
 
   Parameters parameters_;
-  double entry_speed_, body_length_;  // of the interface at t = 0: largest speed [m/s], extent in x [m]
+  double speed_;        // [m/s] largest of the interface against the tank at t = 0
+  double entry_speed_;  // [m/s] the same of a body that starts outside the water; 0: nothing enters
+  double body_length_;  // [m] extent of the interface in x
   Simulation<dim> simulation_;
   bool has_body_;
   double output_every_, end_time_;  // [s]

@@ -222,6 +222,34 @@ TEST(FluidParticipant,
   EXPECT_EQ(last.monitor.at("count.fluid"), 300);
 }
 
+// Where nothing enters there is no 2ρVa², however slowly the body creeps; and the tank carries its bodies along.
+TEST(FluidParticipant, a_body_that_starts_in_the_water_or_rides_with_the_tank_enters_nothing) {
+  const Eigen::Vector3d creep(1e-6, 0, 0);
+  strake::Setup setup = entering();
+  setup.partner_initial = {moving("displacement", {0, 0, 0}), moving("velocity", creep)};
+  const auto gap_and_headline = [&](const Parameters& parameters, const CommonKeys& common) {
+    FluidParticipant<2> participant(parameters, common, setup);
+    Advanced last;
+    for (int k = 0; k < 5; ++k) {
+      const Window w = nth(k);
+      last = participant.advance(w, {{{w.t + w.dt, {moving("displacement", creep * (w.t + w.dt))}}}});
+      participant.commit(false);
+    }
+    return std::pair(last.monitor.at("check.momentum_gap"), participant.description().lines.front());
+  };
+  const Case c({"fluid.submerged=true"}, "[0.0, -0.048]");
+  setup.partner_mesh.position.row(1).array() -= 0.05;  // its lower face 48 mm below the surface
+  EXPECT_LT(gap_and_headline(c.parameters, c.common).first, 0.1);
+
+  setup.partner_mesh = plate();
+  Case rides;
+  rides.parameters.motion.table =
+      MotionTable({0, 1}, {MotionColumn::rate}, {std::vector<double>{creep.x(), creep.x()}});
+  const auto [gap, headline] = gap_and_headline(rides.parameters, rides.common);
+  EXPECT_LT(gap, 0.1);
+  EXPECT_EQ(headline.find("Re "), std::string::npos) << headline;
+}
+
 TEST(FluidParticipant, impulse_counts_from_the_first_step_above_the_stagnation_pressure) {
   const Case c;
   FluidParticipant<2> participant(c.parameters, c.common, entering());
