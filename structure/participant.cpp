@@ -185,10 +185,8 @@ void StructureParticipant::follow(const Window& window) {
   if (analysis_ != Analysis::dynamic || !solver_->follows_work()) return;
   const Energy energy = solver_->energy();
   state_.energy_scale = std::max({state_.energy_scale, total(energy), std::abs(energy.external)});
-  if (state_.energy_scale > 0)
-    state_.drift =
-        std::max(state_.drift, std::abs(total(energy) + energy.released - first_energy_ - energy.external) /
-                                   state_.energy_scale);
+  state_.energy_gap = std::max(state_.energy_gap,
+                               std::abs(total(energy) + energy.released - first_energy_ - energy.external));
 }
 
 /// In the order of columns_of.
@@ -235,7 +233,8 @@ Advanced StructureParticipant::finish() {
     monitor[frequency_name(i) + ":final"] = state_.frequencies[i];
   }
   if (analysis_ == Analysis::dynamic && solver_->follows_work())
-    monitor["check.structure_energy_drift"] = state_.drift;
+    monitor["check.structure_energy_drift"] =
+        state_.energy_scale > 0 ? state_.energy_gap / state_.energy_scale : 0.0;
   monitor["count.steps"] = static_cast<double>(steps_);
   monitor["count.steps_committed"] = solver_->steps();
   monitor["seconds.step"] = seconds_;
@@ -262,7 +261,7 @@ void StructureParticipant::checkpoint(const std::filesystem::path& folder) {
   Archive archive;
   solver_->write(archive);
   archive.real["participant"] =
-      Eigen::Vector4d(committed_.time, committed_.energy_scale, committed_.drift, first_energy_);
+      Eigen::Vector4d(committed_.time, committed_.energy_scale, committed_.energy_gap, first_energy_);
   archive.real["frequencies"] = Eigen::Map<const Eigen::VectorXd>(
       committed_.frequencies.data(), static_cast<Eigen::Index>(committed_.frequencies.size()));
   archive.integer["participant.solved"] = {committed_.solved ? 1 : 0};
@@ -281,7 +280,7 @@ void StructureParticipant::resume(const std::filesystem::path& folder) {
   const auto& own = archive.real.at("participant");
   state_.time = own(0);
   state_.energy_scale = own(1);
-  state_.drift = own(2);
+  state_.energy_gap = own(2);
   first_energy_ = own(3);
   const auto& frequencies = archive.real.at("frequencies");
   state_.frequencies.assign(frequencies.data(), frequencies.data() + frequencies.size());

@@ -38,7 +38,7 @@ class StructureParticipant final : public Participant {
     bool solved = false;                 // statics and modes are solved once
     std::vector<double> frequencies;     // [Hz]
     std::vector<ProbeRecord> probes;     // one per column of a probe
-    double energy_scale = 0, drift = 0;  // [J] largest energy so far; 1: worst |ΔE − work| over it
+    double energy_scale = 0, energy_gap = 0;  // [J] largest energy so far; largest |ΔE − work| so far
   };
   void solve_once();
   void step(const Window&, const Input&);
