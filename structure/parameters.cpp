@@ -67,8 +67,9 @@ void read_fem(CaseTable t, FemKeys& fem) {
   t.choice(
       "linear_solver", fem.linear_solver,
       {{"auto", LinearMethod::automatic}, {"direct", LinearMethod::direct}, {"cg-amg", LinearMethod::cg_amg}},
-      {.help = "direct: LU factors (UMFPACK); cg-amg: conjugate gradients with algebraic multigrid "
-               "(Trilinos ML); auto: cg-amg in three dimensions from 60000 unknowns on"});
+      {.help = "direct: Cholesky factors in three dimensions (CHOLMOD), LU factors else (UMFPACK); cg-amg: "
+               "conjugate gradients with algebraic multigrid (Trilinos ML); auto: direct, but in three "
+               "dimensions from 250000 unknowns on cg-amg first, and direct where it fails"});
 }
 
 void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {

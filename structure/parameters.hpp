@@ -38,7 +38,7 @@ struct CaseLoad {
 
 /// Strains of a finite element: of its displacement alone, or with others beside them that cure locking.
 enum class StrainField { automatic, compatible, enhanced };
-/// LU factors (UMFPACK), or conjugate gradients with algebraic multigrid (Trilinos ML).
+/// Factors (CHOLMOD, UMFPACK), or conjugate gradients with algebraic multigrid (Trilinos ML).
 enum class LinearMethod { automatic, direct, cg_amg };
 struct FemKeys {
   int degree = 2;
@@ -133,8 +133,8 @@ struct Parameters {
   Shape shape;                  // plate: `plate` below
   Plate plate;
   std::vector<std::string> wet;  // faces that the water loads; empty: all
-  Solid solid;        // of elastic bodies whatever their shape, and of a rigid one made of boxes
-  Material material;  // of parts that have none of their own
+  Solid solid;                   // of elastic bodies whatever their shape, and of a rigid one made of boxes
+  Material material;             // of parts that have none of their own
   BodyMass body;
   FreeMotion free;
   InitialVelocity initial;

@@ -25,9 +25,6 @@ namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-// For the clamped plate of VALIDATION B some 60; a body that needs more than this is not worth the wait.
-constexpr int most_iterations = 2000;
-
 /// ML speaks MPI, with itself alone, from its first use to the end of the process.
 class Session {
  public:
@@ -58,7 +55,8 @@ Epetra_Vector view(const Epetra_Map& map, const Eigen::VectorXd& x) {
 /// spaces.
 class ConjugateGradients final : public LinearSolver::Method {
  public:
-  explicit ConjugateGradients(NodalUnknowns unknowns) : unknowns_(std::move(unknowns)) {
+  ConjugateGradients(NodalUnknowns unknowns, int most_iterations)
+      : unknowns_(std::move(unknowns)), most_iterations_(most_iterations) {
     static const Session session;
   }
 
@@ -131,7 +129,7 @@ class ConjugateGradients final : public LinearSolver::Method {
         throw failed("the matrix is not positive definite: the body buckles, or a cell is turned inside out");
       x += rz / curvature * p;
       r -= rz / curvature * Ap;
-      if (++iterations_ == most_iterations)
+      if (++iterations_ == most_iterations_)
         throw failed(
             fmt::format("the residual is {:.2e} of the right side's norm after {} iterations, wanted {:.0e}",
                         r.norm() / b.norm(), iterations_, tolerance));
@@ -152,6 +150,7 @@ class ConjugateGradients final : public LinearSolver::Method {
   }
 
   NodalUnknowns unknowns_;  // multigrid refers to it
+  int most_iterations_;
   std::unique_ptr<Epetra_Map> map_;
   std::unique_ptr<Epetra_CrsMatrix> matrix_;
   std::unique_ptr<ML_Epetra::MultiLevelPreconditioner> multigrid_;
@@ -160,16 +159,25 @@ class ConjugateGradients final : public LinearSolver::Method {
 
 }  // namespace
 
-std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns& unknowns) {
-  return std::make_unique<ConjugateGradients>(unknowns);
+std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns& unknowns,
+                                                          int most_iterations) {
+  return std::make_unique<ConjugateGradients>(unknowns, most_iterations);
+}
+
+bool has_conjugate_gradients() {
+  return true;
 }
 
 #else
 
-std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns&) {
+std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns&, int) {
   throw Error(ExitCode::case_file, "structure.fem.linear_solver",
               "cg-amg needs Trilinos ML, and this program was built without",
               "structure.fem.linear_solver = \"direct\", or build with libtrilinos-ml-dev");
+}
+
+bool has_conjugate_gradients() {
+  return false;
 }
 
 #endif

@@ -65,6 +65,12 @@ FemSolver<dim>::FemSolver(const Parameters& p)
   }
 
   first_frequency_ = frequencies(1, enough_for_a_line).front();
+  // The stiffness alone is harder to solve for than a step's matrix, to which inertia adds.
+  if (given_up_->times > 0) {
+    method_ = LinearMethod::direct;
+    factors_ = linear_solver();
+    fresh_factors_ = linear_solver();
+  }
   if (p.failure.criterion != FailureCriterion::none) failure_.emplace(p.failure, mesh(), assembly_);
   start();
 }
@@ -158,8 +164,9 @@ double FemSolver<dim>::round_off(const Eigen::VectorXd& u, double kappa) const {
 
 template <int dim>
 LinearSolver FemSolver<dim>::linear_solver() const {
-  if (method_ == LinearMethod::direct) return LinearSolver(method_);
-  return LinearSolver(method_, {.per_node = dim, .rigid_motions = rigid_motions(mesh())});
+  NodalUnknowns unknowns{.per_node = dim, .rigid_motions = {}};
+  if (method_ != LinearMethod::direct) unknowns.rigid_motions = rigid_motions(mesh());
+  return LinearSolver(method_, unknowns, given_up_);
 }
 
 template <int dim>

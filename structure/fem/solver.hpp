@@ -108,6 +108,7 @@ class FemSolver final : public Solver {
   double round_off(const Eigen::VectorXd& u, double kappa) const;  // [N] of a step's forces at u
   LinearSolver linear_solver() const;
   std::string strain_line() const;
+  std::string linear_systems_line() const;
   std::vector<double> frequencies(int count, double tolerance) const;
   const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
 
@@ -125,7 +126,8 @@ class FemSolver final : public Solver {
   Assembly<dim> assembly_;
   std::optional<Damage<dim>> failure_;  // its damage is in the state, and from there in the assembly
   Recovery<dim> recovery_;
-  LinearMethod method_;        // direct or cg_amg
+  LinearMethod method_;  // automatic: conjugate gradients with factors behind them
+  std::shared_ptr<GivenUp> given_up_ = std::make_shared<GivenUp>();
   Matrix mass_, stiffness_;    // stiffness at u = 0
   Eigen::VectorXd node_mass_;  // [kg] row sums
   double largest_stiffness_ = 0;

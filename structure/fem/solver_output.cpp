@@ -157,6 +157,18 @@ std::string FemSolver<dim>::strain_line() const {
 }
 
 template <int dim>
+std::string FemSolver<dim>::linear_systems_line() const {
+  const std::string by_factors = dim == 3
+                                     ? "Cholesky factors (CHOLMOD), LU factors (UMFPACK) where there are none"
+                                     : "LU factors (UMFPACK)";
+  if (method_ != LinearMethod::direct)
+    return std::string("linear systems: conjugate gradients with algebraic multigrid (Trilinos ML)") +
+           (method_ == LinearMethod::automatic ? ", factors where they fail" : "");
+  if (given_up_->times == 0) return "linear systems: " + by_factors;
+  return "linear systems: " + by_factors + "; conjugate gradients with multigrid failed: " + given_up_->why;
+}
+
+template <int dim>
 std::vector<std::string> FemSolver<dim>::lines() const {
   std::vector<std::string> lines = {
       fmt::format("fem ({})   {} cells Q{}, {} unknowns   f1 dry {:.1f} Hz", library(), mesh().n_cells(),
@@ -167,9 +179,7 @@ std::vector<std::string> FemSolver<dim>::lines() const {
                       : fmt::format("generalised-alpha, rho_infinity {:g}", parameters_.fem.rho_infinity))};
   if (std::string line = frame_line(frame_.supports(), dim); !line.empty()) lines.push_back(std::move(line));
   if (std::string line = strain_line(); !line.empty()) lines.push_back(std::move(line));
-  lines.push_back(method_ == LinearMethod::direct
-                      ? "linear systems: LU factors (UMFPACK)"
-                      : "linear systems: conjugate gradients with algebraic multigrid (Trilinos ML)");
+  lines.push_back(linear_systems_line());
   if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
     lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));
   if (failure_)
@@ -190,6 +200,7 @@ template <int dim>
 std::map<std::string, double> FemSolver<dim>::monitor() const {
   std::map<std::string, double> monitor =
       frame_monitor(frame_.supports(), dim, state_.frame, state_.reaction);
+  if (given_up_->times > 0) monitor["count.factors_for_iterations"] = given_up_->times;
   if (!failure_) return monitor;
   const auto& damage = state_.damage;
   monitor["failure.energy"] = damage.released;

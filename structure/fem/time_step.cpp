@@ -42,6 +42,7 @@ Matrix FemSolver<dim>::effective(const Matrix& tangent, double dt) const {
 
 template <int dim>
 void FemSolver<dim>::use_tangent(const State& state) {
+  factors_.retry();
   if (factors_dt_ == state.tangent_dt && factors_at_.size() > 0 && factors_at_ == state.tangent_at) return;
   const Matrix tangent = linear_ && assembly_.intact() ? stiffness_ : assembly_.tangent(state.tangent_at);
   ++factorisations_;
@@ -127,8 +128,10 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   equilibrium.refresh = [&](const Eigen::VectorXd& u1) {
     factors = &fresh_factors_;
     ++factorisations_;
-    // Conjugate gradients need a symmetric matrix: that of a state, not of a step.
-    const Matrix tangent = method_ == LinearMethod::direct
+    // Conjugate gradients need a symmetric matrix, that of a state, not of a step; Cholesky factors too, and
+    // in large bodies LU factors are dear.
+    const bool large = dim == 3 && mesh().n_unknowns() >= many_unknowns;
+    const Matrix tangent = method_ == LinearMethod::direct && !large
                                ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
                                : assembly_.tangent(u1);
     if (!fresh_factors_.factorise(effective(tangent, dt), mesh().fixed)) return false;
