@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
-#include <iterator>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace strake {
@@ -13,9 +15,34 @@ namespace {
 
 constexpr std::int64_t most_held = 1 << 16;              // [bytes]
 constexpr std::int64_t longest_held = 50 * 1000 * 1000;  // [ns]
-constexpr const char* closing = "\n]\n";
+constexpr std::int64_t page = 4096;                      // [bytes] or a part of one, where they are larger
+constexpr std::int64_t first_size = 16 * page;           // [bytes]
+constexpr std::string_view closing = "\n]\n";
 constexpr int coupler = 1;  // the rows of a trace: process and thread numbers
 constexpr int windows_row = 1, first_await_row = 2;
+
+/// All of the text, or false.
+bool write_at(int file, std::string_view text, std::int64_t at) {
+  while (!text.empty()) {
+    const ssize_t done = ::pwrite(file, text.data(), text.size(), at);
+    if (done <= 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(done));
+    at += done;
+  }
+  return true;
+}
+
+/// The first `size` bytes of a file.
+bool copy(int from, int to, std::int64_t size) {
+  std::array<char, 1 << 16> some{};
+  for (std::int64_t at = 0; at < size;) {
+    const auto wanted = std::min<std::int64_t>(size - at, static_cast<std::int64_t>(some.size()));
+    const ssize_t got = ::pread(from, some.data(), static_cast<std::size_t>(wanted), at);
+    if (got <= 0 || !write_at(to, {some.data(), static_cast<std::size_t>(got)}, at)) return false;
+    at += got;
+  }
+  return true;
+}
 
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -25,16 +52,41 @@ std::string quoted(const std::string& text) {
 
 Trace::Trace(const std::filesystem::path& path) : Trace(path, Limits()) {}
 
-Trace::Trace(const std::filesystem::path& path, const Limits& limits) : limits_(limits), zero_(now()) {
-  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  held_ = "[";
+Trace::Trace(const std::filesystem::path& path, const Limits& limits)
+    : limits_(limits), path_(path), zero_(now()) {
+  replace(first_size);
   name_row(coupler, windows_row, "coupler", "windows and files");
   flush();
 }
 
 Trace::~Trace() {
   flush();
-  if (file_ >= 0) ::close(file_);
+  if (file_ < 0) return;
+  replace(written_ + static_cast<std::int64_t>(closing.size()));
+  ::close(file_);
+}
+
+/// Puts a file of that size in the place of the present one, with its events, blanks and the closing bracket.
+/// Where that fails, what stands there is left alone.
+bool Trace::replace(std::int64_t size) {
+  const std::string aside = path_.string() + ".part";
+  const int fresh = ::open(aside.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (fresh < 0) return false;
+  const bool first = file_ < 0;
+  const std::int64_t kept = first ? 1 : written_;
+  std::string rest(static_cast<std::size_t>(size - kept) - closing.size(), ' ');
+  rest += closing;
+  if (!(first ? write_at(fresh, "[", 0) : copy(file_, fresh, kept)) || !write_at(fresh, rest, kept) ||
+      std::rename(aside.c_str(), path_.c_str()) != 0) {
+    ::close(fresh);
+    ::unlink(aside.c_str());
+    return false;
+  }
+  if (!first) ::close(file_);
+  file_ = fresh;
+  size_ = size;
+  written_ = kept;
+  return true;
 }
 
 std::int64_t Trace::now() {
@@ -56,10 +108,8 @@ Trace::Side& Trace::side(const std::string& name) {
 void Trace::name_row(int process, int thread, const std::string& process_name,
                      const std::string& thread_name) {
   const std::string row = fmt::format(R"("ph":"M","pid":{},"tid":{},"args":)", process, thread);
-  begin_event();
-  held_ += fmt::format(R"({{"name":"process_name",{}{{"name":{}}}}})", row, quoted(process_name));
-  begin_event();
-  held_ += fmt::format(R"({{"name":"thread_name",{}{{"name":{}}}}})", row, quoted(thread_name));
+  add_event(fmt::format(R"({{"name":"process_name",{}{{"name":{}}}}})", row, quoted(process_name)));
+  add_event(fmt::format(R"({{"name":"thread_name",{}{{"name":{}}}}})", row, quoted(thread_name)));
 }
 
 void Trace::add(const Exchange& exchange) {
@@ -100,35 +150,40 @@ void Trace::end_window(long number, double time, int iterations, bool converged,
 
 void Trace::slice(int process, int thread, const std::string& name, std::int64_t begin, std::int64_t end,
                   const std::string& arguments) {
-  begin_event();
   const std::int64_t at = begin - zero_, lasts = end - begin;  // nanoseconds, written as microseconds
-  fmt::format_to(std::back_inserter(held_),
-                 R"({{"name":"{}","ph":"X","pid":{},"tid":{},"ts":{}.{:03},"dur":{}.{:03},"args":{{{}}}}})",
-                 name, process, thread, at / 1000, at % 1000, lasts / 1000, lasts % 1000, arguments);
+  add_event(
+      fmt::format(R"({{"name":"{}","ph":"X","pid":{},"tid":{},"ts":{}.{:03},"dur":{}.{:03},"args":{{{}}}}})",
+                  name, process, thread, at / 1000, at % 1000, lasts / 1000, lasts % 1000, arguments));
 }
 
-/// One event per line.
-void Trace::begin_event() {
+/// One event per line, each within one page.
+void Trace::add_event(const std::string& event) {
   if (static_cast<std::int64_t>(held_.size()) > most_held) flush();
-  held_ += held_.size() > 1 || written_ > 1 ? ",\n" : "\n";
+  std::int64_t at = written_ + static_cast<std::int64_t>(held_.size());
+  const std::string text = (at > 1 ? ",\n" : "\n") + event;
+  const auto length = static_cast<std::int64_t>(text.size());
+  if (length > page) return;
+  if (at % page + length > page) held_.append(static_cast<std::size_t>(page - at % page), ' ');
+  held_ += text;
 }
 
 void Trace::flush() {
   flushed_ = now();
   if (held_.empty()) return;
-  if (file_ < 0) return held_.clear();
-  const std::string text = held_ + closing;
-  const ssize_t done = ::pwrite(file_, text.data(), text.size(), written_);
-  if (done != static_cast<ssize_t>(text.size())) {  // a full disk: what stands there is closed and left alone
-    [[maybe_unused]] const ssize_t ignored =
-        ::pwrite(file_, closing, std::char_traits<char>::length(closing), written_);
-    [[maybe_unused]] const int cut = ::ftruncate(file_, written_ + 3);
-    ::close(file_);
-    file_ = -1;
-    return held_.clear();
+  const std::int64_t end = written_ + static_cast<std::int64_t>(held_.size());
+  std::int64_t size = size_;
+  while (size < end + static_cast<std::int64_t>(closing.size())) size = std::max(2 * size, first_size);
+  bool good = file_ >= 0 && (size == size_ || replace(size));
+  for (std::string_view rest = held_; good && !rest.empty();) {
+    const auto piece = rest.substr(0, static_cast<std::size_t>(page - written_ % page));
+    good = write_at(file_, piece, written_);
+    if (good) written_ += static_cast<std::int64_t>(piece.size());
+    rest.remove_prefix(piece.size());
   }
-  written_ += static_cast<std::int64_t>(held_.size());
   held_.clear();
+  if (good || file_ < 0) return;
+  ::close(file_);  // a full disk: what stands there is left alone
+  file_ = -1;
 }
 
 }  // namespace strake
