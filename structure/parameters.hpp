@@ -147,6 +147,7 @@ struct Parameters {
   FemKeys fem;
   ParticleKeys particle;
   FailureKeys failure;
+  bool stays_intact = false;  // the case has a criterion that this kind of structure does not know
   CalculixKeys ccx;
   std::filesystem::path replay_run;                   // structure.replay.run
   std::filesystem::path load_run;                     // fluid.replay.run: whose recorded load comes

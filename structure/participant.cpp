@@ -87,6 +87,8 @@ std::vector<std::string> describe(const Solver& solver, const Parameters& p, con
                                 std::max(1.0, std::ceil(common.window / solver.stable_dt())), common.window));
   if (common.fluid_solver != "none" && solver.interface().faces.cols() > 0)
     lines.push_back(wet_surface(p, solver.interface()).line);
+  if (p.stays_intact)
+    lines.push_back(fmt::format("failure: stays intact, {} structures know no [structure.failure]", p.kind));
   return lines;
 }
 

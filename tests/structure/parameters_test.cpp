@@ -69,6 +69,18 @@ TEST(StructureKeys, EveryKindKnowsEveryTable) {
               "");
 }
 
+TEST(StructureKeys, ASolverThatKnowsNoFailureTakesTheBodyForIntact) {
+  const std::vector<std::string> failing = {"structure.failure.criterion=max_principal",
+                                            "structure.failure.strength=5e8",
+                                            "structure.failure.fracture_energy=1e4"};
+  for (const char* kind : {"rigid", "ccx"}) {
+    const Parameters p = read_plate_case(kind, failing);
+    EXPECT_EQ(p.failure.criterion, FailureCriterion::none) << kind;
+    EXPECT_TRUE(p.stays_intact) << kind;
+  }
+  EXPECT_FALSE(read_plate_case("fem", failing).stays_intact);
+}
+
 TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
   const auto says = [](const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
@@ -163,7 +175,6 @@ TEST(StructureKeys, FailureNeedsWhatItsCriterionIsMadeOf) {
   says({of + "criterion=max_principal", of + "strength=5e8", "structure.particle.model=pair",
         "structure.particle.rotation=dynamic"},
        "total_lagrangian");
-  says({of + "criterion=bond_strain", of + "critical_strain=0.01"}, "do not fail", "rigid");
   says({of + "criterion=bond_strain", of + "critical_strain=0.01"}, "have no bonds", "fem");
   says({of + "criterion=max_principal", of + "strength=5e8"}, "fracture_energy", "fem");
   says({of + "criterion=max_principal", of + "strength=5e8", of + "fracture_energy=1e4"}, "", "fem");
