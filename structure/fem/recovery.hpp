@@ -21,6 +21,14 @@ class Recovery {
   /// components × (m · n_quadrature) → components × size().
   Eigen::MatrixXd on_nodes(const Eigen::MatrixXd& at_quadrature) const;
 
+  /// The same shapes, of a density: a node gets the mean over the volume nearest to it, so that what is
+  /// nowhere negative at the points of quadrature is nowhere negative in the nodes, and its integral over the
+  /// pieces of the cells that a frame shows, linear in each direction between nodes, is the sum over the
+  /// points (of bodies whose cells are boxes; else nearly).
+  Eigen::MatrixXd means_on_nodes(const Eigen::MatrixXd& at_quadrature) const;
+  /// Volume of each pair's share [m^dim].
+  Eigen::VectorXd shares_of_volume() const;
+
   /// What the points of quadrature of one cell have in a value.
   struct Share {
     int cell = 0;
@@ -32,6 +40,7 @@ class Recovery {
  private:
   const Mesh<dim>& mesh_;
   Eigen::MatrixXd to_nodes_;  // nodes per cell × n_quadrature, within a cell
+  Eigen::MatrixXd nearest_;  // the same: part of a point's volume that is nearest to a node; columns sum to 1
   std::vector<int> node_;
   Eigen::MatrixXi cell_;
   std::vector<std::vector<int>> around_;  // of each pair, the cells

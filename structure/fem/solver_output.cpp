@@ -119,12 +119,12 @@ Frame FemSolver<dim>::frame() const {
   Eigen::MatrixXd state(Assembly<dim>::n_state, mesh().n_cells() * points);
   for (int c = 0; c < mesh().n_cells(); ++c)
     state.middleCols(c * points, points) = assembly_.cell_state(state_.displacement, c);
-  const Eigen::MatrixXd recovered = recovery_.on_nodes(state);
+  const Eigen::MatrixXd recovered = recovery_.on_nodes(state.topRows<6>());
   frame.point_data = {{"displacement", "m", displacement},
                       {"velocity", "m/s", on_points(state_.velocity, state_.frame.velocity)},
-                      {"stress", "Pa", recovered.topRows<6>()},
-                      {"von_mises", "Pa", von_mises_of(recovered.topRows<6>())},
-                      {"strain_energy", "J/m^3", recovered.row(6)}};
+                      {"stress", "Pa", recovered},
+                      {"von_mises", "Pa", von_mises_of(recovered)},
+                      {"strain_energy", "J/m^3", recovery_.means_on_nodes(state.row(6))}};
   if (failure_) {
     const Eigen::RowVectorXd damage = failure_->in_nodes(state_.damage);
     frame.point_data.push_back({"damage", "1", damage(Eigen::all, node)});
