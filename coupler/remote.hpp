@@ -55,10 +55,13 @@ class Roster {
     std::array<std::uint8_t, 32> case_hash{};  // CaseFile::hash()
     Deadlines deadlines;
     std::function<void(const std::string&)> say;  // one line (no newline) for console and log; may be empty
+    /// The same for a wait that is only that, until half of what it may last is over; empty: `say`.
+    std::function<void(const std::string&)> note = {};
     const StopRequest* stop = nullptr;
     std::function<void(const Exchange&)> on_exchange = {};  // each question that is answered; may be empty
-    std::function<void(const Awaited&)> on_wait = {};  // about 20 times a second while one is not; may be empty
-    std::string token = {};                                 // hexadecimal; empty: a new one
+    std::function<void(const Awaited&)> on_wait =
+        {};                  // about 20 times a second while one is not; may be empty
+    std::string token = {};  // hexadecimal; empty: a new one
   };
   explicit Roster(Options);
   ~Roster();  // end()

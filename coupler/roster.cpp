@@ -144,14 +144,21 @@ void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
   m.tell_after += std::min(m.tell_after, longest);
   const std::string alive = m.child ? m.process() + " is alive" : m.process();
   std::string line = "waiting for " + m.place();
-  if (m.asked.empty() && !m.child && m.started_by_coupler == 0)
+  const bool by_hand = m.asked.empty() && !m.child && m.started_by_coupler == 0;
+  if (by_hand)
     line += fmt::format(", to be started by hand, for {}", in_seconds(waited));
   else if (m.asked.empty())
     line += fmt::format(", started {} ago ({})", in_seconds(waited), alive);
   else
     line += fmt::format(": {} was asked {} ago ({}{})", m.asked, in_seconds(waited), alive,
                         m.doing.empty() ? "" : ", last: " + m.said());
-  say(line);
+  // Who is to be started by hand needs somebody's hand; a computation needs time, until its deadline nears.
+  const Seconds silent = m.asked.empty() ? waited : Clock::now() - m.last_heard;
+  const Seconds limit = m.asked.empty() ? options.deadlines.hello : options.deadlines.answer_within;
+  if (options.note && !by_hand && silent < limit / 2)
+    options.note(line);
+  else
+    say(line);
 }
 
 void Roster::State::check_deadlines(const Member& m) const {

@@ -115,6 +115,7 @@ class Run {
             .by_hand = options_.by_hand,
             .invite = [this](const std::string& side, const std::string& command) { invite(side, command); },
             .say = [this](const std::string& line) { warn(line); },
+            .note = [this](const std::string& line) { note(line); },
             .stop = &stop_,
             .on_exchange = clocks_.observer(),
             .on_wait = [this](const Awaited& whom) { wait(whom); }});

@@ -55,6 +55,7 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
       .case_hash = view.file.hash(),
       .deadlines = deadlines_of(view.coupling, options.patient),
       .say = options.say,
+      .note = options.note,
       .stop = options.stop,
       .on_exchange = options.on_exchange,
       .on_wait = options.on_wait});

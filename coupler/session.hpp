@@ -29,7 +29,8 @@ class Session {
     std::vector<std::string> by_hand = {};  // sides that are not started but waited for
     /// Side and command line of each of those; called before the wait.
     std::function<void(const std::string&, const std::string&)> invite = {};
-    std::function<void(const std::string&)> say;  // one line, while waiting
+    std::function<void(const std::string&)> say;        // one line, while waiting
+    std::function<void(const std::string&)> note = {};  // of a wait like any other; empty: say
     const StopRequest* stop = nullptr;
     std::function<void(const Exchange&)> on_exchange = {};  // each question that is answered; may be empty
     std::function<void(const Awaited&)> on_wait = {};       // while one is not; may be empty

@@ -9,7 +9,9 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
 #include <signal.h>
+#include <algorithm>
 
 #include <atomic>
 #include <functional>
@@ -142,6 +144,24 @@ class Remote : public testing::Test {
   std::unique_ptr<Roster> roster_;
   std::atomic<bool> over_{false};
 };
+
+TEST_F(Remote, AWaitIsNoWarningUntilHalfOfWhatItMayLast) {
+  std::string noted;
+  options_.note = [&](const std::string& line) { noted += line + "\n"; };
+  options_.deadlines.tell = milliseconds(100);
+  options_.deadlines.answer_within = std::chrono::seconds(1);
+  play(
+      [&](Script& s) {
+        s.join(roster().token());
+        s.hear<wire::Advance>();
+      },
+      [&] {
+        EXPECT_THROW(roster().connect("fluid", {}).advance({0.5, 0.25}, {}), Error);
+      });
+  EXPECT_EQ(std::count(noted.begin(), noted.end(), '\n'), 3) << noted;  // after 0.1, 0.2 and 0.4 s
+  EXPECT_EQ(std::count(said_.begin(), said_.end(), '\n'), 1) << said_;  // after 0.8 s
+  EXPECT_NE(said_.find("was asked 0.8"), std::string::npos) << said_;
+}
 
 TEST_F(Remote, CommitAndRewindRideOnTheNextRequest) {
   using wire::Before;
