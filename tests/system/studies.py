@@ -1,5 +1,6 @@
 """A study from its file to its table: what is run, skipped, gone on with and refused; records held against each other."""
 import json
+import os
 import signal
 
 from processes import *  # noqa: F403: the test's own vocabulary
@@ -54,6 +55,8 @@ def runs_all_then_nothing(place):
     wanted = (check["value"] - check["reference"]) / abs(check["reference"])
     expect(abs(check["deviation"] - wanted) < 1e-12 and check["pass"] == (abs(wanted) <= 0.05), "its deviation follows from its values")
     expect(table["convergence"][0]["order"] and 1 < table["convergence"][0]["order"] < 3, f"order {table['convergence'][0]['order']}")
+    cores, first = os.cpu_count(), json.loads((place / "runs" / "strip" / "cantilever-fem-r0" / "run.json").read_text())
+    expect(first["threads"] == max(1, cores // min(cores, 4)), f"runs at once share the cores: {first['threads']} threads of {cores} cores")
     lines = (place / "runs" / "strip" / "study.csv").read_text().splitlines()
     expect(lines[1] == "run,solver,cells,state,seconds [s],tip.y:final [m]" and len(lines) == 6, "study.csv has a row for each run")
     before = (place / "runs" / "strip" / "cantilever-fem-r0" / "run.json").read_bytes()
