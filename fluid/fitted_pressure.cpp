@@ -46,6 +46,7 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
   system.value = shares_entries(far) ? far.entry() : entry_;
   system.diagonal.resize(water);
   system.right.resize(water);
+  const double* const there = age_ > 0 ? pressure_then_.data() : state.pressure.data();  // as the volumes
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     const Inflow in = inflow(boundary, state, far, dt, i);
@@ -59,7 +60,7 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
     const double yields = sound * in.yields + sheet;
     double deviation = volume_[i] / lattice_.volume - 1;
     if (surface_share_[i] > 0) deviation = std::max(deviation, 0.0);
-    if (std::isfinite(c)) deviation -= sound * state.pressure[i] / (rho * c * c);
+    if (std::isfinite(c)) deviation -= sound * there[i] / (rho * c * c);
     yielding_[i] = local + yields;
     meant_[i] = local * state.pressure[i] + drift * deviation;
     if (yields > 0) meant_[i] += yields * still_pressure(boundary, state.position.col(i));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "fluid/boundary.hpp"
+#include "fluid/hold.hpp"
 #include "fluid/interface_load.hpp"
 #include "fluid/kernel.hpp"
 #include "fluid/neighbours.hpp"
@@ -46,8 +47,12 @@ class FittedScheme {
   /// Sums over the neighbours at the present places; wet rows; State::surface of the water. far: rows of at
   /// least the Laplacian's radius; near: of at least 2 l0.
   void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near);
-  /// ∇u* of the water, and the filter: u* += Δt Σ ν_ij (what ∇u* does not explain of u_j − u_i).
-  void filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt);
+  /// ∇u* of the water, and the filter: u* += Δt Σ ν_ij (what ∇u* does not explain of u_j − u_i), the sum of
+  /// the hold's first step.
+  void filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt, const Hold&);
+  void filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near, double dt) {
+    filter(boundary, state, near, dt, Hold::of_one(dt));
+  }
   void assemble(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
                 double dt, PressureSystem&);
   /// Harmonic pressure has no maximum at a free surface: next to it, away from walls, it is at most that of
@@ -81,6 +86,7 @@ class FittedScheme {
   struct Motion {
     Column<dim> place, velocity, gradient[dim];  // columns of ∇u* [1/s]
   };
+  void carry(Motion&, double time) const;
   Tensor<dim> velocity_gradient(std::int64_t i) const {
     Tensor<dim> gradient;
     for (int b = 0; b < dim; ++b)
@@ -154,7 +160,7 @@ class FittedScheme {
   template <bool seams>
   void find_velocity_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   template <bool seams>
-  void find_filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt);
+  void find_filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt, const Hold&);
   template <bool seams>
   void find_pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
   /// Of an inverse of Σ w r⊗r/r² that can be inverted again: a millionth of the lattice's.
@@ -198,6 +204,9 @@ class FittedScheme {
   Eigen::VectorXd surface_share_;           // 0 inside … 1 in the rows next to the free surface
   Eigen::VectorXd cover_;                   // of the rows: part of the face that water covers, 0 … 1
   Eigen::VectorXd limited_;
+  Eigen::VectorXd pressure_then_;              // of the hold's beginning [Pa]
+  Vectors<dim> filtered_;                      // what the filter gave to the water there [m/s²]
+  double age_ = 0;                             // of the places [s]
   double undone_ = 0;                          // 1 − part_of_step
   Vector<dim> pull_ = Vector<dim>::Zero();     // velocity that gravity_ gives in the step [m/s]
   double speed_ = 0;                           // `fastest` of the step

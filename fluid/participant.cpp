@@ -171,7 +171,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     } else if (motion) {
       moves = motion->step(t0, t1);
     }
-    const StepReport report = simulation_.step(dt, moves);
+    const StepReport report = simulation_.step(dt, moves, t1 < end ? end - t1 : 0);
     ++steps_;
     force_ += dt / window.dt * simulation_.interface_force();
     if (sends_history_) history_.push_back({t1, {{"force", "N", true, simulation_.interface_force()}}});

@@ -33,17 +33,20 @@ template <int dim>
 Simulation<dim>::~Simulation() = default;
 
 template <int dim>
-StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion) {
+StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion, double rest) {
   Work& w = *work_;
-  w.sort_along_cells();
+  w.hold_places(dt, rest, rest > 0 && w.hold.is_over() ? stable_dt() : 0);
+  const bool at_new_places = w.hold.begins();
+  if (at_new_places) w.sort_along_cells();
   w.begin(dt, motion);
-  w.find_neighbours();         // cell list → CSR
-  w.predict();                 // u* = u + dt (ν ∇²u + ∇·τ + g)
-  w.measure_number_density();  // n, free surface
-  w.solve_pressure();          // ∇²p − p/(c dt)² = ρ/dt ∇·u* + …
-  w.correct();                 // u = u* − dt/ρ ∇p; stress → force on the interface
-  w.shift();                   // keep the distribution regular, part what came too close
-  w.finish();                  // momentum account
+  if (at_new_places) w.find_neighbours();         // cell list → CSR
+  if (at_new_places) w.find_stresses();           // ν ∇²u + ∇·τ
+  w.predict();                                    // u* = u + dt (ν ∇²u + ∇·τ + g)
+  if (at_new_places) w.measure_number_density();  // n, free surface
+  w.solve_pressure();                             // ∇²p − p/(c dt)² = ρ/dt ∇·u* + …
+  w.correct();                                    // u = u* − dt/ρ ∇p; stress → force on the interface
+  w.shift();                                      // keep the distribution regular, part what came too close
+  w.finish();                                     // momentum account
   return w.report;
 }
 
@@ -91,6 +94,7 @@ void Simulation<dim>::set_state(const State<dim>& state) {
   work_->state = state;
   work_->boundary.adopt(work_->state);
   work_->search.invalidate();
+  work_->hold.forget();
 }
 
 template <int dim>

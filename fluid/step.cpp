@@ -130,9 +130,9 @@ void Simulation<dim>::Work::find_neighbours() {
   search_neighbours();
 }
 
-/// u* = u + Δt (ν∇²u + ∇·τ + g); r* = r + Δt u* where the scheme works at r* (PHYSICS (26)–(28)).
+/// ν∇²u + ∇·τ.
 template <int dim>
-void Simulation<dim>::Work::predict() {
+void Simulation<dim>::Work::find_stresses() {
   const StageClock clock(seconds, "predictor");
   const std::int64_t water = boundary.water();
   // Air between a dry face and the water carries no stress.
@@ -153,8 +153,15 @@ void Simulation<dim>::Work::predict() {
   viscous.compute(p,
                   {state.position, state.velocity, near_gradient(), *far, walls, wet, state.surface,
                    search.periodic(), wall_distance},
-                  dt, state.sps_k);
+                  hold.length(), state.sps_k);
   if (fitted) viscous.exchange(fitted->tensors(), fitted->memory(), poisson.memory());
+}
+
+/// u* = u + Δt (ν∇²u + ∇·τ + g); r* = r + Δt u* where the scheme works at r* (PHYSICS (26)–(28)).
+template <int dim>
+void Simulation<dim>::Work::predict() {
+  const StageClock clock(seconds, "predictor");
+  const std::int64_t water = boundary.water();
   std::int64_t pulled = 0;
 #pragma omp parallel for schedule(static) reduction(+ : pulled)
   for (std::int64_t i = 0; i < water; ++i) {
@@ -240,7 +247,7 @@ void Simulation<dim>::Work::classify_rows() {
 template <int dim>
 void Simulation<dim>::Work::assemble() {
   if (fitted) {
-    fitted->filter(boundary, state, near_gradient(), dt);
+    fitted->filter(boundary, state, near_gradient(), dt, hold);
     return fitted->assemble(boundary, state, *far, gravity - boundary.tank().acceleration(), dt, system);
   }
   divergence =
@@ -316,47 +323,22 @@ void Simulation<dim>::Work::correct() {
     state.position.leftCols(water) += dt * state.velocity.leftCols(water);
   if (!at_star() && !boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
   if (!at_star()) boundary.move_tank(state, state.time + dt, true);
-}
-
-template <int dim>
-void Simulation<dim>::Work::correct_fitted() {
-  {
-    const StageClock clock(seconds, "corrector");
-    fitted->pressure_gradient(boundary, state, near_gradient(), dt);
-  }
-  load_interface();
-  const StageClock clock(seconds, "corrector");
-  const std::int64_t water = boundary.water();
-  const double factor = dt / p.density;
-  double largest = 0;
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.parked(state, i)) continue;
-    state.velocity.col(i) -= factor * fitted->pressure_gradient().col(i);
-  }
-  fitted->measure_residual(boundary, state, *far, near_gradient(), dt);
-#pragma omp parallel for schedule(static) reduction(max : largest)
-  for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.parked(state, i)) continue;
-    state.position.col(i) += dt * state.velocity.col(i);
-    if (!state.surface[static_cast<std::size_t>(i)])
-      largest = std::max(largest, std::abs(fitted->divergence(i)));
-  }
-  report.divergence_max = largest;
-  boundary.move(state, motion->displacement, motion->velocity, true);
-  boundary.move_tank(state, state.time + dt, true);
+  hold.ends(0, 0, p.spacing);
 }
 
 template <int dim>
 void Simulation<dim>::Work::shift() {
   const StageClock clock(seconds, "shift");
   check_finite();
+  collisions = {};
+  if (!hold.is_over()) return;
   if (fitted)
-    fitted->shift(boundary, state, dt);
+    fitted->shift(boundary, state, hold.age());
   else
     shift_particles<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.shifting,
                          std::sqrt(p.gravity.norm() * p.spacing), dt, p.spacing);
-  collisions = separate_particles<dim>(state, boundary, near_density(), p.scheme, dt, p.spacing, mass);
+  collisions =
+      separate_particles<dim>(state, boundary, near_density(), p.scheme, hold.age(), p.spacing, mass);
   park_lost();
   boundary.tank().wrap(state);
 }

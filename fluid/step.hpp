@@ -3,6 +3,7 @@
 #include "fluid/boundary.hpp"
 #include "fluid/collision.hpp"
 #include "fluid/fitted_scheme.hpp"
+#include "fluid/hold.hpp"
 #include "fluid/kernel.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/poisson_solver.hpp"
@@ -43,9 +44,11 @@ template <int dim>
 struct Simulation<dim>::Work {
   Work(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
 
+  void hold_places(double dt, double rest, double stable);
   void sort_along_cells();
   void begin(double dt, const InterfaceMotion&);
   void find_neighbours();
+  void find_stresses();
   void predict();
   void measure_number_density();
   void solve_pressure();
@@ -59,6 +62,7 @@ struct Simulation<dim>::Work {
   bool laid_bare(std::int64_t i, const Neighbours& near) const;
   void assemble();
   void correct_fitted();
+  double farthest_of_bodies() const;
   void check_finite() const;
   void park_lost();
   std::string where() const;  // "fluid, step 12 (t = 0.0042 s)"
@@ -81,6 +85,7 @@ struct Simulation<dim>::Work {
 
   // Scratch of one step.
   double dt = 0;
+  Hold hold;
   const InterfaceMotion* motion = nullptr;
   const Neighbours* far = nullptr;
   Vector<dim> gravity;

@@ -70,10 +70,10 @@ struct PlateEntry {
     velocity.row(1).setConstant(-speed);
     return velocity;
   }
-  StepReport step(double dt) {
+  StepReport step(double dt, double rest = 0) {
     time += dt;
     motion.displacement.row(1).setConstant(-speed * time);
-    return simulation.step(dt, motion);
+    return simulation.step(dt, motion, rest);
   }
   double centre_pressure() const { return simulation.sensor_pressure({0, gap, 0}, 2 * 0.01); }
 };
