@@ -102,8 +102,10 @@ void expect_equal_bits(const Advanced& a, const Advanced& b, int k) {
 
 constexpr int contact_window = 50;  // the gap of 2 mm is closed after 1 ms
 
-TEST(FluidParticipant, rewind_then_advance_again_is_bit_equal) {
-  const Case c;
+// Steps so short that those of a window share their places.
+const std::vector<std::string> five_steps{"fluid.scheme.time_step=4e-6"};
+
+void rewind_then_advance_again(const Case& c) {
   FluidParticipant<2> straight(c.parameters, c.common, entering()),
       iterated(c.parameters, c.common, entering());
   for (int k = 0; k < contact_window + 20; ++k) {
@@ -118,6 +120,14 @@ TEST(FluidParticipant, rewind_then_advance_again_is_bit_equal) {
     expect_equal_bits(iterated.advance(nth(k), at_speed(nth(k))), expected, k);
     iterated.commit(false);
   }
+}
+
+TEST(FluidParticipant, rewind_then_advance_again_is_bit_equal) {
+  rewind_then_advance_again(Case());
+}
+
+TEST(FluidParticipant, rewind_is_bit_equal_where_the_steps_of_a_window_share_their_places) {
+  rewind_then_advance_again(Case(five_steps));
 }
 
 TEST(FluidParticipant, sends_the_force_of_each_step_where_the_structure_takes_a_history) {
@@ -168,8 +178,7 @@ TEST(FluidParticipant, the_result_does_not_depend_on_the_number_of_threads) {
   }
 }
 
-TEST(FluidParticipant, a_checkpoint_continues_bit_equal) {
-  const Case c;
+void resume_from_checkpoint(const Case& c) {
   const TemporaryFolder folder;
   FluidParticipant<2> first(c.parameters, c.common, entering()), second(c.parameters, c.common, entering());
   for (int k = 0; k < contact_window + 5; ++k) {
@@ -184,6 +193,21 @@ TEST(FluidParticipant, a_checkpoint_continues_bit_equal) {
     expect_equal_bits(second.advance(nth(k), at_speed(nth(k))), expected, k);
     second.commit(false);
   }
+}
+
+TEST(FluidParticipant, a_checkpoint_continues_bit_equal_where_the_steps_of_a_window_share_their_places) {
+  resume_from_checkpoint(Case(five_steps));
+}
+
+TEST(FluidParticipant, a_checkpoint_continues_bit_equal) {
+  resume_from_checkpoint(Case());
+}
+
+TEST(FluidParticipant, a_checkpoint_of_another_case_is_refused) {
+  const Case c;
+  const TemporaryFolder folder;
+  FluidParticipant<2> first(c.parameters, c.common, entering());
+  first.checkpoint(folder.path());
   const Case other({"fluid.water=[[-0.15,-0.1],[0.15,-0.02]]"});
   FluidParticipant<2> third(other.parameters, other.common, entering());
   EXPECT_THROW(third.resume(folder.path()), Error);
@@ -222,7 +246,8 @@ TEST(FluidParticipant,
   EXPECT_EQ(last.monitor.at("count.fluid"), 300);
 }
 
-// Where nothing enters there is no 2ρVa², however slowly the body creeps; and the tank carries its bodies along.
+// Where nothing enters there is no 2ρVa², however slowly the body creeps; and the tank carries its bodies
+// along.
 TEST(FluidParticipant, a_body_that_starts_in_the_water_or_rides_with_the_tank_enters_nothing) {
   const Eigen::Vector3d creep(1e-6, 0, 0);
   strake::Setup setup = entering();
