@@ -26,7 +26,7 @@ class Hold {
  public:
   /// So far water and bodies may have come, or would come in one step more [l0]. Measured: the paper's rigid
   /// plate at 1500 m/s comes by 0.03 in a window, its pressure differs by 0.1 % of ρcV then; a vortex 5 l0
-  /// wide keeps its energy over a turn and a half within 0.2 % at 0.05, and 2 % too much of it at 0.1.
+  /// wide keeps its energy over a turn within 0.2 % at 0.05, and 2 % too much of it at 0.1.
   static constexpr double longest_way = 0.05;
 
   /// A step by itself.
