@@ -221,8 +221,9 @@ void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, Sche
   t.number("filter", s.filter,
            {.min = 0,
             .max = 10,
-            .help = "of least-squares: viscosity over l0 times the velocity that its gradient does not "
-                    "explain; 0: off"});
+            .paper = 0.0,
+            .help = "damps what the velocity gradient does not explain: viscosity over l0 times that "
+                    "velocity (least-squares) or sqrt(p/rho) (pairwise); 0: off"});
   read_turbulence(t.table("turbulence", "sub-particle-scale stresses"), s);
 }
 

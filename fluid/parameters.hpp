@@ -46,7 +46,7 @@ struct Scheme {
   Preconditioner preconditioner = Preconditioner::automatic;
   double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
   int pressure_max_iterations = 5000;
-  double filter = 4.0;    // of least-squares: viscosity filter · l0 · |what ∇u does not explain|
+  double filter = 4.0;    // of what ∇u does not explain, δ: viscosity filter · l0 · |δ|; pairwise · √(P/ρ)
   double shifting = 5.0;  // A of PHYSICS §10.4; 0: off
   Turbulence turbulence = Turbulence::statics;
   SpsForm sps = SpsForm::joint;

@@ -126,9 +126,9 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
   }
   if (!outline.empty()) return area > 0 ? load / area : 0.0;
   if (w.boundary.volume()) {  // no faces: the mean over the structure's particles
-    for (Eigen::Index k = 0; k < w.boundary.mesh().position.cols(); ++k) {
+    for (Eigen::Index k = 0; k < w.carried.size(); ++k) {
       if (!covers(w.boundary.mesh().position.col(k))) continue;
-      load += w.state.pressure[w.boundary.first_of_bodies() + k];
+      load += w.carried[k];
       area += 1;
     }
     return area > 0 ? load / area : 0.0;

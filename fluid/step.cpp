@@ -2,6 +2,7 @@
 
 #include "fluid/correction.hpp"
 #include "fluid/interface_load.hpp"
+#include "fluid/lattice_filter.hpp"
 #include "fluid/number_density.hpp"
 #include "fluid/operators.hpp"
 #include "fluid/reorder.hpp"
@@ -162,6 +163,7 @@ template <int dim>
 void Simulation<dim>::Work::predict() {
   const StageClock clock(seconds, "predictor");
   const std::int64_t water = boundary.water();
+  if (p.scheme.gradient == Gradient::pairwise) filter_velocity();
   std::int64_t pulled = 0;
 #pragma omp parallel for schedule(static) reduction(+ : pulled)
   for (std::int64_t i = 0; i < water; ++i) {
@@ -174,6 +176,16 @@ void Simulation<dim>::Work::predict() {
   state.position.leftCols(water) += dt * state.velocity.leftCols(water);
   if (!boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
   boundary.move_tank(state, state.time + dt, true);
+}
+
+template <int dim>
+void Simulation<dim>::Work::filter_velocity() {
+  const Vectors<dim> change =
+      filter_lattice<dim>({state.position, state.velocity, state.pressure, near_gradient(), gradient_lattice,
+                           boundary.water(), p.scheme.filter, p.density, p.spacing, dt});
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < change.cols(); ++i)
+    if (!boundary.parked(state, i)) state.velocity.col(i) += change.col(i);
 }
 
 template <int dim>

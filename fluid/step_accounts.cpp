@@ -32,6 +32,10 @@ void Simulation<dim>::Work::load_interface() {
     forces = row_forces<dim>(state, boundary, near_gradient(), terms);
   }
   on_points = gather_on_points<dim>(forces, boundary);
+  if (boundary.volume())
+    carried = p.scheme.gradient == Gradient::pairwise
+                  ? carried_pressure<dim>(state, boundary, near_gradient(), gradient_lattice)
+                  : Eigen::VectorXd(state.pressure.tail(state.pressure.size() - boundary.first_of_bodies()));
   floor = Vector<dim>::Zero();
   on_walls.setZero(dim, boundary.first_of_bodies());
   for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
