@@ -202,7 +202,9 @@ void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, Sche
   if (s.gradient == Gradient::least_squares && common.interface == "volume")
     throw t.error("gradient", "pairwise, corrected or min-pressure with coupling.interface = \"volume\"",
                   "gradient = \"pairwise\"");
+  const double filter = s.filter;
   s = with_gradient(s, s.gradient);
+  if (common.interface == "volume" && s.gradient == Gradient::pairwise) s.filter = filter;
   t.number("cfl", s.cfl,
            {.min = 0, .max = 1, .exclusive = true, .help = "largest speed times time step over spacing"});
   read_source(t.table("source", "what the pressure equation corrects"), s);
@@ -223,7 +225,8 @@ void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, Sche
             .max = 10,
             .paper = 0.0,
             .help = "damps what the velocity gradient does not explain: viscosity over l0 times that "
-                    "velocity (least-squares) or sqrt(p/rho) (pairwise); 0: off"});
+                    "velocity (least-squares) or sqrt(p/rho) (pairwise, of itself in volume coupling "
+                    "alone); 0: off"});
   read_turbulence(t.table("turbulence", "sub-particle-scale stresses"), s);
 }
 

@@ -46,7 +46,7 @@ struct Scheme {
   Preconditioner preconditioner = Preconditioner::automatic;
   double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
   int pressure_max_iterations = 5000;
-  double filter = 4.0;    // of what ∇u does not explain, δ: viscosity filter · l0 · |δ|; pairwise · √(P/ρ)
+  double filter = 4.0;  // of what ∇u does not explain, δ: viscosity filter · l0 · |δ|; pairwise · √(P/ρ)
   double shifting = 5.0;  // A of PHYSICS §10.4; 0: off
   Turbulence turbulence = Turbulence::statics;
   SpsForm sps = SpsForm::joint;
@@ -54,12 +54,13 @@ struct Scheme {
   bool wall_damping = false;
 };
 
-/// The scheme with that pressure gradient and the keys that go with it: shifting belongs to least-squares
-/// alone.
+/// The scheme with that pressure gradient and the keys that go with it: shifting and filter belong to
+/// least-squares; volume coupling, which is pairwise, takes the filter too.
 inline Scheme with_gradient(Scheme scheme, Gradient gradient) {
   scheme.gradient = gradient;
   if (gradient != Gradient::least_squares) {
     scheme.shifting = 0;
+    scheme.filter = 0;
     scheme.cfl = 0.2;
     scheme.collision_distance = 0.85;
   }

@@ -57,6 +57,9 @@ TEST(FluidKeys, volume_coupling_takes_the_symmetric_gradient_and_refuses_least_s
   const auto p = read_with({"coupling.interface=volume", "structure.solver=particle"});
   EXPECT_EQ(p.scheme.gradient, Gradient::pairwise);
   EXPECT_EQ(p.scheme.shifting, 0);
+  EXPECT_EQ(p.scheme.filter, 4);
+  EXPECT_EQ(read_with({"fluid.scheme.gradient=pairwise"}).scheme.filter, 0);
+  EXPECT_EQ(read_with({"fluid.scheme.gradient=pairwise", "fluid.scheme.filter=2"}).scheme.filter, 2);
   expect_in(error_of({"coupling.interface=volume", "structure.solver=particle",
                       "fluid.scheme.gradient=least-squares"}),
             "pairwise");
