@@ -17,12 +17,12 @@ namespace {
 
 /// Adds b − c to a, field by field.
 void shift(std::vector<Field>& a, const std::vector<Field>& b, const std::vector<Field>& c) {
-  for (std::size_t k = 0; k < a.size(); ++k) a[k].value += b[k].value - c[k].value;
+  for (std::size_t k = 0; k < a.size(); ++k) a[k].value.edit() += b[k].value - c[k].value;
 }
 
 }  // namespace
 
-MatrixXd followed_velocity(const Sample& committed, const MatrixXd& displacement, double dt) {
+MatrixXd followed_velocity(const Sample& committed, const Values& displacement, double dt) {
   return 2 / dt * (displacement - committed.fields[0].value) - committed.fields[1].value;
 }
 
@@ -60,14 +60,7 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
   }
   take_wet(window, iteration, now);
 
-  if (now.history.empty()) {  // one sample, which is lent and not copied
-    Input input;
-    input.samples.push_back({window.t + window.dt, std::move(now.load)});
-    structure_.start(window, input);
-    now.load = std::move(input.samples.front().fields);
-  } else {
-    structure_.start_with(window, for_structure(window, now));
-  }
+  structure_.start_with(window, for_structure(window, now));
   sum_up(now);  // while the structure computes
   now.from_structure = structure_.finish();
   if (now.from_structure.retry_smaller_dt) {
@@ -166,7 +159,7 @@ void Scheme::take_dry(const Window& window, int iteration, Iterate& now) {
   now.answer.fields =
       take_fields(std::move(now.from_structure.output), of_structure_, structure_.mesh(), place);
   if (!moves_) return;
-  MatrixXd& velocity = now.answer.fields[1].value;
+  Values& velocity = now.answer.fields[1].value;
   pending_.sends_velocity = velocity.size() > 0;
   if (pending_.sends_velocity) return;
   if (parameters_.volume)
@@ -223,9 +216,10 @@ void Scheme::next_guess(const Window& window, Iterate& now) {
   const VectorXd x = accelerator_->next(stack(now.guess, now.load_guess), stack(now.answer, now.load));
   Eigen::Index at = 0;
   const auto take = [&](Field& field) {
-    MatrixXd& value = field.value;
+    MatrixXd value(field.value.rows(), field.value.cols());
     value.reshaped() = x.segment(at, value.size());
     at += value.size();
+    field.value = std::move(value);
   };
   for (std::size_t k = 0; k < now.guess.fields.size(); ++k) {
     Field& field = now.guess.fields[k];
@@ -235,7 +229,7 @@ void Scheme::next_guess(const Window& window, Iterate& now) {
       continue;
     }
     take(field);
-    if (velocity) field.value /= pending_.velocity_scale;
+    if (velocity) field.value.edit() /= pending_.velocity_scale;
   }
   for (Field& field : now.load_guess) take(field);
 }

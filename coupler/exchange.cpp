@@ -34,11 +34,6 @@ void check_announced(const std::vector<Field>& fields, const Participant& partic
   }
 }
 
-/// 0·x is not zero for what is not finite, and the sum of a matrix is quicker than a look at each value.
-bool finite(const MatrixXd& value) {
-  return (value.array() * 0).sum() == 0;
-}
-
 }  // namespace
 
 std::vector<Field> fields_of_structure(const Participant& structure) {
@@ -46,7 +41,7 @@ std::vector<Field> fields_of_structure(const Participant& structure) {
   check_announced(initial, structure, "structure");
   const Field *u = find(initial, "displacement"), *v = find(initial, "velocity");
   if (!initial.empty() && !u && !v) return initial;
-  const MatrixXd none = MatrixXd::Zero(3, structure.mesh().position.cols());
+  const Values none = MatrixXd::Zero(3, structure.mesh().position.cols());
   std::vector<Field> fields = {{"displacement", "m", false, u ? u->value : none},
                                {"velocity", "m/s", false, v ? v->value : none}};
   for (const Field& field : initial)
@@ -84,7 +79,7 @@ std::vector<Field> take_fields(std::vector<Field>&& answer, const std::vector<Fi
       taken.push_back({expected.quantity, expected.unit, expected.conservative, {}});
       continue;
     }
-    const MatrixXd& value = found->value;
+    Values& value = found->value;
     if (value.rows() != expected.value.rows() || value.cols() != mesh.position.cols())
       throw Error(ExitCode::solver_fault, place.text(),
                   fmt::format("sent a {} of {}×{}, its mesh needs {}×{}", expected.quantity, value.rows(),
@@ -93,7 +88,7 @@ std::vector<Field> take_fields(std::vector<Field>&& answer, const std::vector<Fi
       throw Error(
           ExitCode::solver_fault, place.text(),
           fmt::format("sent {} in {}, announced in {}", expected.quantity, found->unit, expected.unit));
-    if (!finite(value)) {
+    if (!value.known_finite() && !all_finite(value)) {
       Index i = 0;
       while (i + 1 < value.cols() && value.col(i).allFinite()) ++i;
       const auto X = mesh.position.col(i);
@@ -102,6 +97,7 @@ std::vector<Field> take_fields(std::vector<Field>&& answer, const std::vector<Fi
                               expected.quantity, i, X.x(), X.y(), X.z()),
                   "see its log; a smaller coupling window or solver step may help");
     }
+    value.mark_finite();
     found->conservative = expected.conservative;
     taken.push_back(std::move(*found));
   }

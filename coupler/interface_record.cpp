@@ -244,8 +244,8 @@ std::filesystem::path InterfaceRecorder::file(std::size_t block) const {
   return block_path(folder_, block);
 }
 
-void InterfaceRecorder::append(const Window& window, const Points& displacement, const Points& velocity,
-                               const Points& force, const std::vector<Field>& from_structure,
+void InterfaceRecorder::append(const Window& window, const Values& displacement, const Values& velocity,
+                               const Values& force, const std::vector<Field>& from_structure,
                                const std::vector<Field>& from_fluid) {
   record_.windows.push_back(window);
   if (displacement.size() > 0) {

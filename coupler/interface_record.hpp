@@ -47,7 +47,7 @@ class InterfaceRecorder {
   InterfaceRecorder(std::filesystem::path run_folder, InterfaceMesh mesh, const std::vector<Field>& initial,
                     int windows_per_file = 100);
   /// displacement, force: empty, in all windows, where these do not cross the interface.
-  void append(const Window&, const Points& displacement, const Points& velocity, const Points& force,
+  void append(const Window&, const Values& displacement, const Values& velocity, const Values& force,
               const std::vector<Field>& from_structure = {}, const std::vector<Field>& from_fluid = {});
   void flush();
   /// Drops what lies after `time` (resume) and goes on from there. Throws Error(case_file) when the record

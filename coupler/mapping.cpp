@@ -77,83 +77,9 @@ namespace {
 
 using namespace mapping_parts;
 
-// Fewer entries than this are multiplied sooner than a thread wakes and, afterwards, waits awake for more to
-// do: that time is lost to the solvers on a machine that they share.
-constexpr Index entries_for_threads = 2'000'000;
-
-/// mapped_i = Σ_j W_ij value_j, with the number of components known to the compiler where it is.
-template <int components>
-void gather(const Mapping::Matrix& weights, const double* value, double* mapped, Index n_components) {
-  const Index c = components > 0 ? components : n_components;
-  const auto* begin = weights.outerIndexPtr();
-  const auto* column = weights.innerIndexPtr();
-  const double* weight = weights.valuePtr();
-  const Index rows = weights.rows();
-#pragma omp parallel for schedule(static) if (weights.nonZeros() >= entries_for_threads)
-  for (Index i = 0; i < rows; ++i) {
-    double* sum = mapped + i * c;
-    if constexpr (components == 3) {
-      double x = 0, y = 0, z = 0;
-      for (Index k = begin[i]; k < begin[i + 1]; ++k) {
-        const double* v = value + 3 * static_cast<Index>(column[k]);
-        x += weight[k] * v[0];
-        y += weight[k] * v[1];
-        z += weight[k] * v[2];
-      }
-      sum[0] = x;
-      sum[1] = y;
-      sum[2] = z;
-    } else {
-      std::fill(sum, sum + c, 0.0);
-      for (Index k = begin[i]; k < begin[i + 1]; ++k)
-        for (Index d = 0; d < c; ++d) sum[d] += weight[k] * value[c * column[k] + d];
-    }
-  }
-}
-
-Field apply(const Mapping::Matrix& weights, const Field& field) {
-  assert(field.value.cols() == weights.cols());
-  Field mapped = {field.quantity, field.unit, field.conservative, {}};
-  mapped.value.resize(field.value.rows(), weights.rows());
-  const Index components = field.value.rows();
-  if (components == 3)
-    gather<3>(weights, field.value.data(), mapped.value.data(), components);
-  else if (components == 1)
-    gather<1>(weights, field.value.data(), mapped.value.data(), components);
-  else
-    gather<0>(weights, field.value.data(), mapped.value.data(), components);
-  return mapped;
-}
-
-std::shared_ptr<const Mapping::Matrix> share(Mapping::Matrix&& matrix) {
-  const auto shared = std::make_shared<Mapping::Matrix>();
-  shared->swap(matrix);
-  shared->makeCompressed();
-  return shared;
-}
-
-/// Rows in ascending order of columns, with no copy of the matrix in between.
-Mapping::Matrix transposed(const Mapping::Matrix& matrix) {
-  Mapping::Matrix transpose(matrix.cols(), matrix.rows());
-  transpose.resizeNonZeros(matrix.nonZeros());
-  int* begin = transpose.outerIndexPtr();  // begin[j + 1] first counts, then runs through row j
-  for (Index k = 0; k < matrix.nonZeros(); ++k) ++begin[matrix.innerIndexPtr()[k] + 1];
-  int next = 0;
-  for (Index j = 0; j < transpose.rows(); ++j) next += std::exchange(begin[j + 1], next);
-  for (Index i = 0; i < matrix.rows(); ++i)
-    for (Mapping::Matrix::InnerIterator w(matrix, i); w; ++w) {
-      const int place = begin[w.col() + 1]++;
-      transpose.innerIndexPtr()[place] = static_cast<int>(i);
-      transpose.valuePtr()[place] = w.value();
-    }
-  return transpose;
-}
-
-Index empty_rows(const Mapping::Matrix& matrix) {
-  Index empty = 0;
-  for (Index i = 0; i < matrix.rows(); ++i)
-    if (matrix.outerIndexPtr()[i] == matrix.outerIndexPtr()[i + 1]) ++empty;
-  return empty;
+/// As `from`, on other points.
+Field carried(const Field& from, Values value) {
+  return {from.quantity, from.unit, from.conservative, std::move(value)};
 }
 
 Mapping plain_mapping(const MappingParameters& p, const InterfaceMesh& structure,
@@ -221,55 +147,56 @@ std::vector<std::string> quality_lines(const MappingQuality& quality, const Poin
 }
 
 Mapping::Mapping(Matrix&& weights, MappingQuality quality)
-    : weights_(share(std::move(weights))), transpose_(share(transposed(*weights_))), quality_(quality) {
-  quality_.n_fluid = weights_->rows();
-  quality_.n_structure = weights_->cols();
+    : weights_(std::move(weights)), transpose_(weights_.transposed()), quality_(quality) {
+  const Matrix& matrix = weights_.matrix();
+  quality_.n_fluid = matrix.rows();
+  quality_.n_structure = matrix.cols();
   quality_.row_sum_error = 0;
-  for (Index i = 0; i < weights_->rows(); ++i) {
+  for (Index i = 0; i < matrix.rows(); ++i) {
     double sum = 0;
-    for (Matrix::InnerIterator w(*weights_, i); w; ++w) sum += w.value();
+    for (Matrix::InnerIterator w(matrix, i); w; ++w) sum += w.value();
     quality_.row_sum_error = std::max(quality_.row_sum_error, std::abs(sum - 1));
   }
   quality_.row_size =
-      static_cast<double>(weights_->nonZeros()) / std::max(1.0, static_cast<double>(weights_->rows()));
-  quality_.without_load = empty_rows(*transpose_);
+      static_cast<double>(matrix.nonZeros()) / std::max(1.0, static_cast<double>(matrix.rows()));
+  quality_.without_load = transpose_.empty_rows();
 }
 
 // u_f = W u_s
 Field Mapping::consistent(const Field& on_structure) const {
-  return apply(*weights_, on_structure);
+  return carried(on_structure, weights_ * on_structure.value);
 }
 
 // f_s = Wᵀ f_f, hence f_s·u_s = f_f·W u_s = f_f·u_f
 Field Mapping::conservative(const Field& on_fluid) const {
-  return apply(*transpose_, on_fluid);
+  return carried(on_fluid, transpose_ * on_fluid.value);
 }
 
 Field Mapping::force(const Field& on_fluid) const {
   if (!force_weights_) return conservative(on_fluid);
-  Field on_structure = apply(*force_weights_, on_fluid);
-  if (scaled_) match_sums(on_structure.value, on_fluid.value.rowwise().sum());
+  Field on_structure = carried(on_fluid, force_weights_ * on_fluid.value);
+  if (scaled_) match_sums(on_structure.value.edit(), on_fluid.value.rowwise().sum());
   return on_structure;
 }
 
 Field Mapping::per_area(const Field& on_structure) const {
   Field on_fluid = consistent(on_structure);
   if (area_of_fluid_.size() > 0)
-    match_integral(on_fluid.value, area_of_fluid_, on_structure.value * area_of_structure_);
+    match_integral(on_fluid.value.edit(), area_of_fluid_, on_structure.value * area_of_structure_);
   return on_fluid;
 }
 
 void Mapping::set_areas(Eigen::VectorXd of_structure, Eigen::VectorXd of_fluid) {
-  assert(of_structure.size() == weights_->cols() && of_fluid.size() == weights_->rows());
+  assert(of_structure.size() == this->weights().cols() && of_fluid.size() == this->weights().rows());
   area_of_structure_ = std::move(of_structure);
   area_of_fluid_ = std::move(of_fluid);
 }
 
 void Mapping::set_force(Matrix&& weights, bool scaled) {
-  assert(weights.rows() == weights_->cols() && weights.cols() == weights_->rows());
-  force_weights_ = share(std::move(weights));
+  assert(weights.rows() == this->weights().cols() && weights.cols() == this->weights().rows());
+  force_weights_ = SparseOperator(std::move(weights));
   scaled_ = scaled;
-  quality_.without_load = empty_rows(*force_weights_);
+  quality_.without_load = force_weights_.empty_rows();
 }
 
 Mapping nearest_neighbour(const InterfaceMesh& structure, const InterfaceMesh& fluid, double limit) {

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <limits>
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "coupler/sparse_operator.hpp"
 #include "proto/interface.hpp"
 
 namespace strake {
@@ -52,7 +51,7 @@ std::vector<std::string> quality_lines(const MappingQuality&, const Points& mapp
 /// Rows sum to 1: constants are reproduced, and Σ f_s = Σ f_f. The matrices never change: copies share them.
 class Mapping {
  public:
-  using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  using Matrix = SparseOperator::Matrix;
 
   /// n_fluid × n_structure; swapped out of `weights`: Eigen 3.4 moves no sparse matrix.
   explicit Mapping(Matrix&& weights, MappingQuality quality = {});
@@ -62,7 +61,7 @@ class Mapping {
   Field force(const Field& on_fluid) const;
   /// As `consistent`, for what is per area (pressure): the integral is kept where `set_areas` was called.
   Field per_area(const Field& on_structure) const;
-  const Matrix& weights() const { return *weights_; }
+  const Matrix& weights() const { return weights_.matrix(); }
   const MappingQuality& quality() const { return quality_; }
 
   /// The force goes with a matrix of its own from now on (n_structure × n_fluid). `scaled`: each component is
@@ -72,7 +71,7 @@ class Mapping {
   void set_areas(Eigen::VectorXd of_structure, Eigen::VectorXd of_fluid);
 
  private:
-  std::shared_ptr<const Matrix> weights_, transpose_, force_weights_;  // the last one may be empty
+  SparseOperator weights_, transpose_, force_weights_;  // the last one may be none
   Eigen::VectorXd area_of_structure_, area_of_fluid_;
   MappingQuality quality_;
   bool scaled_ = false;

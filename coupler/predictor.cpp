@@ -12,7 +12,7 @@ namespace {
 Eigen::MatrixXd extrapolate(const Samples& history, std::size_t n, std::size_t f, double time) {
   const std::size_t first = history.size() - n;
   // Differences to the newest value: a travel much larger than its changes loses no digits.
-  const Eigen::MatrixXd& newest = history.back().fields[f].value;
+  const Values& newest = history.back().fields[f].value;
   Eigen::MatrixXd value = newest;
   for (std::size_t k = first; k + 1 < history.size(); ++k) {
     double weight = 1;
@@ -44,7 +44,7 @@ Sample predict(Predictor kind, const Samples& history, double time) {
   for (std::size_t f = 0; f < last.fields.size(); ++f) {
     const Field& field = last.fields[f];
     guess.fields.push_back({field.quantity, field.unit, field.conservative, {}});
-    Eigen::MatrixXd& value = guess.fields.back().value;
+    Values& value = guess.fields.back().value;
     if (n == 1 && wanted > 1 && v && &field == u)
       value = field.value + (time - last.time) * v->value;
     else if (n == 1 || (u && &field == v))

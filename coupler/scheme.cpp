@@ -15,7 +15,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-double dot(const MatrixXd& a, const MatrixXd& b) {
+template <class A, class B>
+double dot(const A& a, const B& b) {
   return a.reshaped().dot(b.reshaped());
 }
 
@@ -238,7 +239,7 @@ void Scheme::close(WindowReport& report, Iterate& now) {
   report.structure = std::move(now.from_structure.monitor);
   const Field *force = find(now.load, "force"), *wet = find(now.wet, "force");
   if (moves_ && force) {
-    const MatrixXd& displacement = now.answer.fields[0].value;
+    const Values& displacement = now.answer.fields[0].value;
     const Field increment = {"displacement", "m", false,
                              displacement - state_.structure.back().fields[0].value};
     report.work_fluid = dot(wet->value, transfer_.onto_fluid(increment).value);
@@ -247,7 +248,7 @@ void Scheme::close(WindowReport& report, Iterate& now) {
       report.work_unconverged = dot(force->value, displacement - guess_of(now).fields[0].value);
     // In a parallel scheme the structure moved under another load than the fluid's.
     if (const Field* given = find(now.load_guess, "force"))
-      report.work_unconverged += dot(given->value - force->value, increment.value);
+      report.work_unconverged += dot(MatrixXd(given->value - force->value), increment.value);
     report.displacement = displacement;
     if (pending_.sends_velocity) report.velocity = now.answer.fields[1].value;
     report.force = force->value;

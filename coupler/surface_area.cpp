@@ -69,7 +69,7 @@ Eigen::VectorXd nearest_areas(const Points& points, const InterfaceMesh& surface
 // v'_i = v_i + |v_i| (S − Σ A v)/Σ A|v|. Where v has one sign this is v S/Σ A v, the scaled-consistent
 // mapping as it is usually written; where its parts cancel it stays bounded, and what is zero (dry) stays
 // zero.
-void match_integral(Eigen::MatrixXd& value, const Eigen::VectorXd& area, const Eigen::VectorXd& wanted) {
+void match_integral(Eigen::Ref<Eigen::MatrixXd> value, const Eigen::VectorXd& area, const Eigen::VectorXd& wanted) {
   assert(value.cols() == area.size() && value.rows() == wanted.size());
   const Eigen::VectorXd sum = value * area, absolute = value.cwiseAbs() * area;
   for (Index d = 0; d < value.rows(); ++d) {
@@ -78,7 +78,7 @@ void match_integral(Eigen::MatrixXd& value, const Eigen::VectorXd& area, const E
   }
 }
 
-void match_sums(Eigen::MatrixXd& value, const Eigen::VectorXd& wanted) {
+void match_sums(Eigen::Ref<Eigen::MatrixXd> value, const Eigen::VectorXd& wanted) {
   match_integral(value, Eigen::VectorXd::Ones(value.cols()), wanted);
 }
 

@@ -15,10 +15,10 @@ Eigen::VectorXd point_areas(const InterfaceMesh&);
 Eigen::VectorXd nearest_areas(const Points&, const InterfaceMesh& surface, int fineness = 8);
 
 /// Changes each component (row) of `value` until its sum is the wanted one.
-void match_sums(Eigen::MatrixXd& value, const Eigen::VectorXd& wanted);
+void match_sums(Eigen::Ref<Eigen::MatrixXd> value, const Eigen::VectorXd& wanted);
 
 /// A field per area (pressure, traction) that was mapped from one mesh to another: changed until
 /// Σ_i A_i v_i = wanted, the integral over the mesh it came from.
-void match_integral(Eigen::MatrixXd& value, const Eigen::VectorXd& area, const Eigen::VectorXd& wanted);
+void match_integral(Eigen::Ref<Eigen::MatrixXd> value, const Eigen::VectorXd& area, const Eigen::VectorXd& wanted);
 
 }  // namespace strake

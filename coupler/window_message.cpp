@@ -113,7 +113,7 @@ std::vector<Exchange> exchanges_of(const MatrixXd& times, long window) {
               "use programs of one version");
 }
 
-const MatrixXd& field(const Advanced& message, const std::string& name) {
+const Values& field(const Advanced& message, const std::string& name) {
   const Field* found = find(message.output, name);
   if (found == nullptr) missing(name);
   return found->value;
@@ -163,7 +163,7 @@ WindowMessage from_message(const Advanced& message, const std::vector<Column>& m
   for (const auto& [name, points] : {std::pair{"displacement", &report.displacement},
                                      {"velocity", &report.velocity},
                                      {"force", &report.force}}) {
-    const MatrixXd& value = field(message, name);
+    const Values& value = field(message, name);
     if (value.rows() != 3) missing(name);
     *points = value;
   }

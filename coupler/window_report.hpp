@@ -37,9 +37,9 @@ struct WindowReport {
          work_structure = 0;    // [J] f·Δu of the committed increment on each side of the mapping
   double work_unconverged = 0;  // [J] f·(hx − x): what the accepted residual gave to the structure
   double work_gap() const;      // |W_f − W_s| / max(|W_f|, |W_s|); 0 when both are
-  Points displacement, velocity,
-      force;  // 3×n on the structure's mesh; velocity empty where the structure sends none, and all of them
-              // where other fields are exchanged
+  /// 3×n on the structure's mesh; velocity 3×0 where the structure sends none, and all of them where other
+  /// fields are exchanged.
+  Values displacement = Points(), velocity = Points(), force = Points();
   std::vector<Field> from_structure, from_fluid;   // all else that is exchanged, on the structure's mesh
   std::map<std::string, double> fluid, structure;  // Advanced::monitor of each
   /// Both monitors in one, without the reserved prefixes (seconds., count., check., memory.).

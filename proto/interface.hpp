@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "proto/values.hpp"
+
 namespace strake {
 
 /// 3×n, one column per point. Two-dimensional cases keep z = 0 and speak per metre of depth.
@@ -27,7 +29,7 @@ struct Field {
   std::string quantity;       // "displacement", "velocity", "force", "traction", "pressure", "area", …
   std::string unit;           // "m", "m/s", "N", …
   bool conservative = false;  // true: mapped with the transpose, so that sums are kept (forces)
-  Eigen::MatrixXd value;      // components×n
+  Values value;               // components×n
 };
 
 /// The field of that quantity, or nullptr.

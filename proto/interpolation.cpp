@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::MatrixXd;
 
-const MatrixXd& value_of(const Sample& sample, const std::string& quantity) {
-  static const MatrixXd none;
+const Values& value_of(const Sample& sample, const std::string& quantity) {
+  static const Values none;
   const Field* field = find(sample.fields, quantity);
   return field ? field->value : none;
 }
@@ -28,7 +28,7 @@ MatrixXd spline_at(const std::vector<Sample>& samples, std::size_t after, const 
   for (const Sample& sample : samples) times.push_back(sample.time);
   const std::size_t a = after - 1, b = after;
   const double h = times[b] - times[a], s = (time - times[a]) / h, r = 1 - s;
-  const MatrixXd& last = value_of(samples[b], quantity);
+  const Values& last = value_of(samples[b], quantity);
   MatrixXd value = last;  // differences to it: a value much larger than its changes loses no digits
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (k == b) continue;
@@ -68,10 +68,10 @@ MatrixXd value_at(const std::vector<Sample>& samples, const std::string& quantit
   if (after == samples.end()) return value_of(samples.back(), quantity);
   if (kind == Interpolation::b_spline && samples.size() > 2 && after != samples.begin())
     return spline_at(samples, static_cast<std::size_t>(after - samples.begin()), quantity, time);
-  const MatrixXd& b = value_of(*after, quantity);
+  const Values& b = value_of(*after, quantity);
   if (after == samples.begin() || kind == Interpolation::constant) return b;
   const Sample& before = *(after - 1);
-  const MatrixXd& a = value_of(before, quantity);
+  const Values& a = value_of(before, quantity);
   const double s = (time - before.time) / (after->time - before.time);
   MatrixXd value = (1 - s) * a + s * b;
   // Newton's form: + (t − t_a)(t − t_b) f[t_a, t_b, t_c], c the sample before a, or else the one after b.

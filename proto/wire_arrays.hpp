@@ -5,12 +5,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -30,8 +29,7 @@ struct Rules {
   }
   template <class Matrix>
   void finite(const Matrix& value, const std::string& name, const std::string& unit) const {
-    // 0·x is zero for what is finite alone, and a sum is many times quicker than a look at each value.
-    if (value.size() == 0 || (value.array() * 0).sum() == 0) return;
+    if (all_finite(value)) return;
     for (Eigen::Index j = 0; j < value.cols(); ++j)
       for (Eigen::Index i = 0; i < value.rows(); ++i)
         if (!std::isfinite(value(i, j)))
@@ -56,13 +54,13 @@ struct Rules {
     for (const unsigned char c : text)
       if (c < 0x20 || c == 0x7f) broken(fmt::format("gives a {} that holds the character {:#04x}", what, c));
   }
-  void field(const Field& f, bool known_to_be_finite = false) const {
+  void field(const Field& f) const {
     label(f.quantity, "quantity");
     label(f.unit, "unit");
     if (f.quantity.empty()) broken("holds a field without a quantity");
     if (f.unit.empty()) broken(fmt::format("gives no unit for {} (\"1\" for a pure number)", f.quantity));
     if (f.value.rows() == 0) broken(fmt::format("gives no components for {}", f.quantity));
-    if (!known_to_be_finite) finite(f.value, f.quantity, f.unit);
+    if (!f.value.known_finite()) finite(f.value, f.quantity, f.unit);
   }
   void mesh(const InterfaceMesh& m) const {
     label(m.name, "mesh name");
@@ -163,8 +161,9 @@ class Reader {
       Field f{header.quantity(), header.unit(), header.conservative(), {}};
       rules_.label(f.quantity, "quantity");
       if (header.components() == 0) rules_.broken(fmt::format("gives no components for {}", f.quantity));
-      const bool finite = array(f.value, header.components(), header.n_points(), f.quantity);
-      rules_.field(f, finite);
+      f.value = values(header.components(), header.n_points(), f.quantity);
+      rules_.field(f);
+      f.value.mark_finite();
       to.push_back(std::move(f));
     }
     return to;
@@ -176,37 +175,39 @@ class Reader {
   }
 
  private:
-  /// Whether all of it is known to be finite.
-  template <class Matrix>
-  bool array(Matrix& to, std::uint64_t rows, std::uint64_t columns, const std::string& name) {
-    using Number = typename Matrix::Scalar;
+  /// The next part, which holds that many numbers.
+  template <class Number>
+  const Part& part(std::uint64_t rows, std::uint64_t columns, const std::string& name) {
     if (next_ == parts_.size())
       rules_.broken(fmt::format("has {} parts; the one for {} is missing", parts_.size(), name));
-    const std::span<const std::byte> bytes = parts_[next_++].bytes;
+    const Part& part = parts_[next_++];
+    const std::size_t size = part.bytes.size();
     const std::uint64_t column_bytes = rows * sizeof(Number);  // rows is 32 bits wide: no overflow
-    if (bytes.size() % column_bytes != 0 || bytes.size() / column_bytes != columns)
-      rules_.broken(fmt::format("has {} bytes for {}, expected {} x {} numbers of {} bytes", bytes.size(),
-                                name, rows, columns, sizeof(Number)));
+    if (size % column_bytes != 0 || size / column_bytes != columns)
+      rules_.broken(fmt::format("has {} bytes for {}, expected {} x {} numbers of {} bytes", size, name, rows,
+                                columns, sizeof(Number)));
+    return part;
+  }
+  template <class Matrix>
+  void array(Matrix& to, std::uint64_t rows, std::uint64_t columns, const std::string& name) {
+    const auto bytes = part<typename Matrix::Scalar>(rows, columns, name).bytes;
     if constexpr (Matrix::ColsAtCompileTime == 1)
       to.resize(static_cast<Eigen::Index>(columns));
     else
       to.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
-    if constexpr (std::is_same_v<Number, double>) return copy(bytes, to.data());
     if (!bytes.empty()) std::memcpy(to.data(), bytes.data(), bytes.size());
-    return false;
   }
-  /// Whether all numbers are finite: that is seen at little cost while they pass by.
-  static bool copy(std::span<const std::byte> bytes, double* to) {
-    constexpr std::size_t in_cache = 16384;  // [bytes]
-    double sum = 0;
-    for (std::size_t at = 0; at < bytes.size(); at += in_cache) {
-      const std::size_t length = std::min(in_cache, bytes.size() - at);
-      std::memcpy(to, bytes.data() + at, length);
-      const auto n = static_cast<Eigen::Index>(length / sizeof(double));
-      sum += (Eigen::Map<const Eigen::ArrayXd>(to, n) * 0).sum();
-      to += n;
-    }
-    return sum == 0;
+  /// Many numbers stay where they came; few are copied, out of what may be a part of a larger message.
+  Values values(std::uint64_t rows, std::uint64_t columns, const std::string& name) {
+    constexpr std::size_t many = 32768;  // [bytes]
+    const Part& from = part<double>(rows, columns, name);
+    const auto r = static_cast<Eigen::Index>(rows), c = static_cast<Eigen::Index>(columns);
+    const bool aligned = reinterpret_cast<std::uintptr_t>(from.bytes.data()) % alignof(double) == 0;
+    if (from.owner && aligned && from.bytes.size() >= many)
+      return Values::lent(reinterpret_cast<const double*>(from.bytes.data()), r, c, from.owner);
+    Eigen::MatrixXd copy(r, c);
+    if (!from.bytes.empty()) std::memcpy(copy.data(), from.bytes.data(), from.bytes.size());
+    return copy;
   }
 
   Rules rules_;

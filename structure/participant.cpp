@@ -34,7 +34,7 @@ std::vector<Sample> wet_part(std::vector<Sample> samples, const Eigen::VectorXd&
   if (share.size() == 0) return samples;
   for (Sample& sample : samples)
     for (Field& field : sample.fields)
-      if (field.quantity == "force") field.value *= share.asDiagonal();
+      if (field.quantity == "force") field.value = field.value * share.asDiagonal();
   return samples;
 }
 

@@ -62,7 +62,8 @@ class Copier final : public Participant {
   void start(const Window&, const Input&) override {}
   Advanced finish() override {
     Advanced advanced;
-    advanced.output.push_back(answer_);
+    advanced.output.push_back(
+        {answer_.quantity, answer_.unit, answer_.conservative, Eigen::MatrixXd(answer_.value)});
     return advanced;
   }
   void rewind() override {}

@@ -168,7 +168,7 @@ TEST(Mapping, LoadsEveryStructurePointByTheForcePerArea) {
   const Eigen::VectorXd area = point_areas(fluid), on = point_areas(structure);
   const double pressure = 2e5;
   Field f = {"force", "N", true, MatrixXd::Zero(3, area.size())};
-  f.value.row(1) = pressure * area.transpose();
+  f.value.edit().row(1) = pressure * area.transpose();
   for (const char* kind : {"nearest-neighbour", "nearest-projection", "radial-basis"}) {
     EXPECT_GT(make_mapping({.kind = "nearest-neighbour"}, structure, fluid).quality().without_load, 15);
     const Mapping mapping = make_mapping({.kind = kind, .constraint = "consistent"}, structure, fluid);

@@ -19,11 +19,11 @@ Sample polynomial(double t, double c1, double c2, bool with_velocity = false) {
   return motion;
 }
 
-const MatrixXd& displacement(const Sample& sample) {
+const Values& displacement(const Sample& sample) {
   return sample.fields.at(0).value;
 }
 
-const MatrixXd& velocity(const Sample& sample) {
+const Values& velocity(const Sample& sample) {
   return sample.fields.at(1).value;
 }
 

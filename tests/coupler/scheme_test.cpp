@@ -207,7 +207,7 @@ TEST(Scheme, NamesTheParticipantWindowAndPointOfAValueThatIsNotFinite) {
   const auto answer = rigid.structure.answer;
   rigid.structure.answer = [&](const Window& w, const Input& input) {
     Advanced a = answer(w, input);
-    a.output.front().value(1, 2) = NAN;
+    a.output.front().value.edit()(1, 2) = NAN;
     return a;
   };
   Scheme scheme = rigid.scheme();

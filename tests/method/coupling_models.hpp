@@ -46,7 +46,7 @@ inline InterfaceMesh line_of_points(const std::string& name, Eigen::Index n) {
 
 inline Field y_field(const std::string& quantity, const std::string& unit, const Eigen::VectorXd& y) {
   Field field = {quantity, unit, quantity == "force", Eigen::MatrixXd::Zero(3, y.size())};
-  field.value.row(1) = y;
+  field.value.edit().row(1) = y;
   return field;
 }
 

@@ -247,7 +247,7 @@ TEST(Wire, ArraysLeaveWithoutACopy) {
 TEST(Wire, ArraysAreTheRawLittleEndianNumbersColumnByColumn) {
   Advanced a;
   a.output = {{"force", "N", true, Eigen::MatrixXd::Zero(3, 2)}};
-  a.output[0].value << 1, 4, 2, 5, 3, 6;
+  a.output[0].value.edit() << 1, 4, 2, 5, 3, 6;
   const Parts parts = encode(Reply{1, a}, "fluid");
   const double expected[] = {1, 2, 3, 4, 5, 6};
   ASSERT_EQ(parts.at(1).bytes.size(), sizeof expected);
@@ -258,7 +258,7 @@ TEST(Wire, ValuesThatAreNotFiniteAreRefusedOnBothSides) {
   for (double bad : {nan, inf, -inf}) {
     Advanced a;
     a.output = {field("force", "N", 3, 4)};
-    a.output[0].value(2, 1) = bad;
+    a.output[0].value.edit()(2, 1) = bad;
     try {
       encode(Reply{1, a}, "fluid");
       FAIL() << "sent";

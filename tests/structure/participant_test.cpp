@@ -112,7 +112,7 @@ TEST(StructureParticipant, FeelsTheLoadOfItsWetFacesAlone) {
     Input input = push(below.mesh(), 0);
     for (Eigen::Index i = 0; i < below.mesh().position.cols(); ++i)
       if (std::abs(below.mesh().position(1, i) - y) < 1e-9 && std::abs(below.mesh().position(0, i)) < 0.199)
-        input.samples[0].fields[0].value(1, i) = 1e4;
+        input.samples[0].fields[0].value.edit()(1, i) = 1e4;
     return input;
   };
   const Window window{0, 1e-5};
@@ -127,8 +127,8 @@ TEST(StructureParticipant, FeelsTheLoadOfItsWetFacesAlone) {
   }));
   // A corner's load is half the bottom's.
   Input corner = push(below.mesh(), 0), half = corner;
-  corner.samples[0].fields[0].value(1, 0) = 1e4;
-  half.samples[0].fields[0].value(1, 0) = 5e3;
+  corner.samples[0].fields[0].value.edit()(1, 0) = 1e4;
+  half.samples[0].fields[0].value.edit()(1, 0) = 5e3;
   below.rewind();
   all.rewind();
   EXPECT_NEAR(

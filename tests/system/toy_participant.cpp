@@ -77,7 +77,7 @@ class Toy final : public Participant {
     a.output = output();
     a.monitor["iteration"] = iteration_;
     if (committed_ + 1 == wish_.at && wish_.fault == "nan")
-      a.output[0].value(1, 2) = std::numeric_limits<double>::quiet_NaN();
+      a.output[0].value.edit()(1, 2) = std::numeric_limits<double>::quiet_NaN();
     if (committed_ + 1 == wish_.at && wish_.fault == "size") a.output[0].value = Points::Zero(3, 2);
     return a;
   }

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <new>
+#include <utility>
+
+namespace strake {
+
+/// The numbers of a field: components×n float64, column by column. To read, it is a constant Eigen matrix,
+/// without the alignment of one. Copies share the numbers, which do not change while more than one has them;
+/// they may lie in the message that brought them. Threads may use copies of their own at the same time.
+class Values : public Eigen::Map<const Eigen::MatrixXd> {
+ public:
+  Values() : Map(nullptr, 0, 0) {}
+  Values(Eigen::MatrixXd matrix) : Values(std::make_shared<Eigen::MatrixXd>(std::move(matrix))) {}
+  template <class Derived>
+  Values(const Eigen::EigenBase<Derived>& expression) : Values(Eigen::MatrixXd(expression)) {}
+  /// Numbers at a multiple of 8 bytes, which `owner` keeps alive and nobody changes.
+  static Values lent(const double* numbers, Eigen::Index rows, Eigen::Index columns,
+                     std::shared_ptr<const void> owner) {
+    Values values;
+    values.point_to(numbers, rows, columns);
+    values.owner_ = std::move(owner);
+    values.lent_ = true;
+    return values;
+  }
+  Values(const Values&) = default;
+  Values(Values&& other) noexcept : Values() { *this = std::move(other); }
+  Values& operator=(const Values& other) {
+    Values copy(other);
+    return *this = std::move(copy);
+  }
+  Values& operator=(Values&& other) noexcept {
+    point_to(other.data(), other.rows(), other.cols());
+    owner_ = std::move(other.owner_);
+    lent_ = std::exchange(other.lent_, false);
+    finite_ = std::exchange(other.finite_, false);
+    if (&other != this) other.point_to(nullptr, 0, 0);
+    return *this;
+  }
+  ~Values() = default;
+
+  /// To write: numbers of its own from here on, copied where others have them too. Until the next copy is
+  /// made of it.
+  Eigen::Map<Eigen::MatrixXd> edit() {
+    if (lent_ || owner_.use_count() > 1) *this = Values(Eigen::MatrixXd(*this));
+    finite_ = false;
+    return {const_cast<double*>(data()), rows(), cols()};
+  }
+
+  /// Whether somebody has looked at them all and found them finite: that need not be done twice.
+  bool known_finite() const { return finite_; }
+  void mark_finite() { finite_ = true; }
+
+ private:
+  explicit Values(std::shared_ptr<Eigen::MatrixXd> own) : Map(own->data(), own->rows(), own->cols()) {
+    owner_ = std::move(own);
+  }
+  /// As Eigen's reference has a map look elsewhere.
+  void point_to(const double* numbers, Eigen::Index rows, Eigen::Index columns) {
+    new (static_cast<Map*>(this)) Map(numbers, rows, columns);
+  }
+
+  std::shared_ptr<const void> owner_;
+  bool lent_ = false, finite_ = false;
+};
+
+/// 0·x is zero for what is finite alone, and a sum is many times quicker than a look at each value.
+template <class Derived>
+bool all_finite(const Eigen::DenseBase<Derived>& value) {
+  return value.size() == 0 || (value.derived().array() * 0).sum() == 0;
+}
+
+}  // namespace strake
