@@ -1,5 +1,6 @@
 #include "coupler/remote.hpp"
 
+#include "coupler/freed_memory.hpp"
 #include "coupler/roster_state.hpp"
 
 #include <fmt/format.h>
@@ -34,7 +35,9 @@ void check_fields(const std::vector<Field>& fields, const InterfaceMesh& mesh, c
 
 // ---- Roster
 
-Roster::Roster(Options options) : state_(std::make_unique<State>(std::move(options))) {}
+Roster::Roster(Options options) : state_(std::make_unique<State>(std::move(options))) {
+  keep_freed_memory();
+}
 
 Roster::~Roster() {
   end();

@@ -1,5 +1,6 @@
 #include "coupler/serve.hpp"
 
+#include "coupler/freed_memory.hpp"
 #include "coupler/host.hpp"
 #include "coupler/keys.hpp"
 #include "coupler/link.hpp"
@@ -305,6 +306,7 @@ void Server::working(double fraction, const std::string& what) {
 int serve(const ServeOptions& options, const ParticipantFactory& factory) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written, and ends with the process
   prepare_last_moments(options.name, options.endpoint);
+  keep_freed_memory();
   spdlog::flush_on(spdlog::level::info);
   spdlog::info("{} {} as {}, process {}, coupler at {}", options.solver, options.version, options.name,
                getpid(), options.endpoint);
