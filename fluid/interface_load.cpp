@@ -66,21 +66,19 @@ RowForces<dim> row_forces(const State<dim>& state, const Boundary<dim>& boundary
 }
 
 template <int dim>
-Eigen::VectorXd carried_pressure(const State<dim>& state, const Boundary<dim>& boundary,
-                                 const Neighbours& near, const LatticeConstants& lattice) {
+Eigen::Matrix2Xd carried_pressure(const State<dim>& state, const Boundary<dim>& boundary,
+                                  const Neighbours& near, const LatticeConstants& lattice) {
   const std::int64_t first = boundary.first_of_bodies(), count = state.position.cols() - first;
-  Eigen::VectorXd carried = Eigen::VectorXd::Zero(count);
+  Eigen::Matrix2Xd carried = Eigen::Matrix2Xd::Zero(2, count);
   for (std::int64_t k = 0; k < count; ++k) {
     const auto columns = near.row(first + k);
     const auto inverses = near.inverses(first + k);
-    double sum = 0, weights = 0;
     for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
       const double w = lattice.radius * inverses[e] - 1;
       if (w <= 0) continue;
-      sum += 0.5 * (state.pressure[first + k] + state.pressure[columns[e]]) * w;
-      weights += w;
+      carried(0, k) += 0.5 * (state.pressure[first + k] + state.pressure[columns[e]]) * w;
+      carried(1, k) += w;
     }
-    if (weights > 0) carried[k] = sum / weights;
   }
   return carried;
 }
@@ -106,8 +104,8 @@ Vector<dim> momentum_gap(const State<dim>& state, double particle_mass) {
 #define STRAKE_INSTANTIATE(dim)                                                                       \
   template RowForces<dim> row_forces<dim>(const State<dim>&, const Boundary<dim>&, const Neighbours&, \
                                           const LoadTerms<dim>&);                                     \
-  template Eigen::VectorXd carried_pressure<dim>(const State<dim>&, const Boundary<dim>&,             \
-                                                 const Neighbours&, const LatticeConstants&);         \
+  template Eigen::Matrix2Xd carried_pressure<dim>(const State<dim>&, const Boundary<dim>&,            \
+                                                  const Neighbours&, const LatticeConstants&);        \
   template Vectors<dim> gather_on_points<dim>(const RowForces<dim>&, const Boundary<dim>&);           \
   template Vector<dim> momentum_gap<dim>(const State<dim>&, double);
 STRAKE_INSTANTIATE(2)

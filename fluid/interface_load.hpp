@@ -37,12 +37,12 @@ template <int dim>
 RowForces<dim> row_forces(const State<dim>& state, const Boundary<dim>&, const Neighbours& near,
                           const LoadTerms<dim>&);
 
-/// What the pairs of water and a structure's particle carry in volume coupling, Σ ½ (P_i + P_j) w/Σ w over the
-/// water in reach [Pa], one number per particle; 0 where there is none. The force of `pairwise` knows P_i + P_j
-/// alone: how much of it is P_i drifts.
+/// What the pairs of water and each structure's particle carry in volume coupling: Σ ½ (P_i + P_j) w over the
+/// water in reach [Pa] and Σ w, 2×particles. The force of `pairwise` knows P_i + P_j alone: how much of it is
+/// P_i drifts.
 template <int dim>
-Eigen::VectorXd carried_pressure(const State<dim>& state, const Boundary<dim>&, const Neighbours& near,
-                                 const LatticeConstants& lattice);
+Eigen::Matrix2Xd carried_pressure(const State<dim>& state, const Boundary<dim>&, const Neighbours& near,
+                                  const LatticeConstants& lattice);
 
 /// Sum of row forces on each of the boundary's `points` [N].
 template <int dim>

@@ -126,10 +126,10 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
   }
   if (!outline.empty()) return area > 0 ? load / area : 0.0;
   if (w.boundary.volume()) {  // no faces: the mean over the structure's particles
-    for (Eigen::Index k = 0; k < w.carried.size(); ++k) {
+    for (Eigen::Index k = 0; k < w.carried.cols(); ++k) {
       if (!covers(w.boundary.mesh().position.col(k))) continue;
-      load += w.carried[k];
-      area += 1;
+      load += w.carried(0, k);
+      area += w.carried(1, k);
     }
     return area > 0 ? load / area : 0.0;
   }

@@ -81,7 +81,7 @@ struct Simulation<dim>::Work {
   StepReport report;
   Vectors<dim> on_points;                   // on the boundary's points [N]
   Points force;                             // the same on the interface's [N]
-  Eigen::VectorXd carried;                  // by the structure's particles [Pa], volume coupling
+  Eigen::Matrix2Xd carried;                 // see carried_pressure; volume coupling
   Vectors<dim> on_walls;                    // on each wall particle with the dummies behind it [N]
   Vector<dim> floor = Vector<dim>::Zero();  // on the tank floor [N]
 

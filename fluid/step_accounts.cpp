@@ -32,10 +32,15 @@ void Simulation<dim>::Work::load_interface() {
     forces = row_forces<dim>(state, boundary, near_gradient(), terms);
   }
   on_points = gather_on_points<dim>(forces, boundary);
-  if (boundary.volume())
-    carried = p.scheme.gradient == Gradient::pairwise
-                  ? carried_pressure<dim>(state, boundary, near_gradient(), gradient_lattice)
-                  : Eigen::VectorXd(state.pressure.tail(state.pressure.size() - boundary.first_of_bodies()));
+  if (boundary.volume()) {
+    const auto solids = state.pressure.tail(state.pressure.size() - boundary.first_of_bodies());
+    if (p.scheme.gradient == Gradient::pairwise) {
+      carried = carried_pressure<dim>(state, boundary, near_gradient(), gradient_lattice);
+    } else {
+      carried.setOnes(2, solids.size());
+      carried.row(0) = solids.transpose();
+    }
+  }
   floor = Vector<dim>::Zero();
   on_walls.setZero(dim, boundary.first_of_bodies());
   for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
