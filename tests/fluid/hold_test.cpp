@@ -11,6 +11,7 @@
 #include "fluid/interface_load.hpp"
 #include "fluid/simulation.hpp"
 #include "tests/fluid/plate_case.hpp"
+#include "tests/fluid/vortex.hpp"
 
 namespace strake::fluid {
 namespace {
@@ -161,24 +162,17 @@ TEST(Hold, GoingBackToAWindowsBeginGivesTheSameBitsWithAnyNumberOfThreads) {
   EXPECT_TRUE(same_bits(first, other.simulation.state()));
 }
 
-// Water that turns about a point 0.15 m down, u = 3.14 m/s (1 − exp(−r²/a²)) a/r, a = 0.025 m: what its
-// places do to ∇·u in two steps of 0.02 l0 each. If a hold's first step met all of it particles would feel a
-// pressure that comes and goes with the holds.
+// What the places of water that turns do to ∇·u in two steps of 0.02 l0 each. If a hold's first step met all
+// of it particles would feel a pressure that comes and goes with the holds.
 TEST(Hold, TurningWaterFeelsNoPressureThatComesAndGoesWithTheHolds) {
   const auto turning = [](bool held) {
-    constexpr double radius = 0.025, dt = 1e-4;
+    constexpr double dt = 1e-4;
     constexpr int in_window = 5, steps = 400;
     Parameters p = tank_case(0.3, 0.3, spacing, 0.1);
     p.sound_speed = 30;
     Simulation<2> simulation(p, {}, {});
     State<2>& state = simulation.mutable_state();
-    const Vector<2> centre(0, -0.15);
-    const auto water = std::count(state.kind.begin(), state.kind.end(), Kind::fluid);
-    for (std::int64_t i = 0; i < water; ++i) {
-      const Vector<2> r = state.position.col(i) - centre;
-      const double q = r.norm() / radius, turns = 3.14 * (1 - std::exp(-q * q)) / (q * r.norm());
-      state.velocity.col(i) = turns * Vector<2>(-r[1], r[0]);
-    }
+    const std::int64_t water = set_turning(state);
     Eigen::VectorXd before = Eigen::VectorXd::Zero(water), last = before, now = before;
     double rough = 0, energy = 0;
     for (int k = 0; k < steps; ++k) {
