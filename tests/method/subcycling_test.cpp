@@ -109,7 +109,9 @@ double error_of(Interpolation interpolation, int windows, bool parallel) {
   SecondMass second(5, interpolation);
   SchemeParameters parameters;
   parameters.parallel = parallel;
-  parameters.convergence = {0, 1e-13, Measure::increment, 1, 60, Unconverged::stop};
+  // So near to round-off that the compiler's choice of instructions decides whether a window gets there: one
+  // that stays at 2e-12 m is taken as it is.
+  parameters.convergence = {0, 1e-13, Measure::increment, 1, 60, Unconverged::accept};
   Scheme scheme(first, second, nearest_neighbour(second.mesh(), first.mesh()), parameters);
   for (int w = 0; w < windows; ++w) {
     scheme.advance({w * end_time / windows, end_time / windows});
