@@ -275,21 +275,15 @@ const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& bo
 /// pressure with them. At most 0.1 l0; next to the free surface only along it.
 ///
 /// δu = (1−σ) ∇u·δr, σ the surface's share: of a jet or a drop the neighbours on one side do not tell ∇u, and
-/// a velocity that grows with the shift it causes would run away. What a particle takes its neighbours give,
-/// each by its weight: where shifts go one way, as under a plate that sheds vortices, the water as a whole
-/// would gain or lose momentum.
+/// a velocity that grows with the shift it causes would run away.
 template <int dim>
-void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                              double dt) {
+void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, double dt) const {
   if (p_.scheme.shifting <= 0) return;
   constexpr double longest = 0.1;  // [l0]
   constexpr double soft = 0.02;    // αS that changes nothing
   const bool moves = boundary.tank().moves();
-  const std::int64_t water = boundary.water();
-  Vectors<dim>& taken = gradient_of_p_;  // δu over the weights of the neighbours [m/s]; ∇p has done its work
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
-    taken.col(i).setZero();
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (boundary.parked(state, i)) continue;
     const auto k = static_cast<std::size_t>(i);
     // Past the tank: the same for an observer who falls or drives along with it.
@@ -314,24 +308,7 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
     const double length = move.norm();
     if (length > longest * p_.spacing) move *= longest * p_.spacing / length;
     state.position.col(i) += move;
-    const auto columns = near.row(i);
-    const auto inverses = near.inverses(i);
-    double weights = 0;
-    for (std::size_t e = 0, inner = water_pairs(columns, water); e < inner; ++e)
-      weights += gradient_.radius * inverses[e] - 1;
-    if (!(weights > 0)) continue;
-    const Vector<dim> change = (1 - surface_share_[i]) * velocity_gradient(i) * move;
-    state.velocity.col(i) += change;
-    taken.col(i) = change / weights;
-  }
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
-    const auto columns = near.row(i);
-    const auto inverses = near.inverses(i);
-    Vector<dim> given = Vector<dim>::Zero();
-    for (std::size_t e = 0, inner = water_pairs(columns, water); e < inner; ++e)
-      given += (gradient_.radius * inverses[e] - 1) * taken.col(columns[e]);
-    state.velocity.col(i) -= given;
+    state.velocity.col(i).noalias() += (1 - surface_share_[i]) * velocity_gradient(i) * move;
   }
 }
 
@@ -344,7 +321,7 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
                                             const Vector<dim>&, double, PressureSystem&);                    \
   template const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>&, const State<dim>&, \
                                                                     const Neighbours&, double);              \
-  template void FittedScheme<dim>::shift(const Boundary<dim>&, State<dim>&, const Neighbours&, double);
+  template void FittedScheme<dim>::shift(const Boundary<dim>&, State<dim>&, double) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -69,9 +69,8 @@ class FittedScheme {
   /// −p n A of each first row; also State::pressure of the rows. p is the mean of what the water near by says
   /// of the face, p_i + h ∂p/∂n with its own ∇p, and the reaction to what the rows push it beyond that.
   RowForces<dim> row_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near) const;
-  /// Particles move towards even spacing, along the surface where they are near it, and take ∇u* with them;
-  /// momentum stays. The last of a step: `pressure_gradient()` is lost.
-  void shift(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt);
+  /// Particles move towards even spacing, along the surface where they are near it, and take ∇u* with them.
+  void shift(const Boundary<dim>&, State<dim>&, double dt) const;
 
   /// State::residual_divergence and State::residual_approach of the new velocity, before the particles move.
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,

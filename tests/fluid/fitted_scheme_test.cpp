@@ -111,31 +111,6 @@ TEST(FittedScheme, FaceOfTheFloorCarriesTheWholeDepth) {
   EXPECT_NEAR(floor / load, 1, 1e-9);
 }
 
-TEST(FittedScheme, ShiftsTakeTheVelocityOfTheirPlaceAndKeepTheMomentumOfTheWater) {
-  Column column(incompressible(0.01), 0.15);
-  State<2>& state = column.state;
-  for (std::int64_t i = 0; i < column.boundary.water(); ++i)
-    state.velocity.col(i) = Vector<2>(20 * state.position(1, i), 5 * state.position(0, i));
-  column.scheme.filter(column.boundary, state, column.near(), dt);
-  const Vectors<2> place = state.position, velocity = state.velocity;
-  column.scheme.shift(column.boundary, state, column.near(), dt);
-  const std::int64_t water = column.boundary.water();
-  const Vectors<2> moves = (state.position - place).leftCols(water);
-  const Vectors<2> changes = (state.velocity - velocity).leftCols(water);
-  EXPECT_GT(moves.colwise().norm().maxCoeff(), 1e-3 * column.p.spacing);
-  EXPECT_GT(changes.cwiseAbs().maxCoeff(), 1e-4 * velocity.cwiseAbs().maxCoeff());
-  EXPECT_LT(changes.rowwise().sum().norm(), 1e-13 * changes.cwiseAbs().sum());
-  // Every other particle still moves with the flow of its new place: what it gave was its neighbours' mean.
-  double taken = 0, meant = 0;
-  for (std::int64_t i = 0; i < water; ++i) {
-    if (state.position(1, i) > -5 * column.p.spacing) continue;
-    const Vector<2> flow(20 * moves(1, i), 5 * moves(0, i));
-    taken += changes.col(i).dot(flow);
-    meant += flow.squaredNorm();
-  }
-  EXPECT_NEAR(taken / meant, 1, 0.25);
-}
-
 TEST(FittedScheme, SurfaceParticlesAreThoseOfTheTopRow) {
   Column column(incompressible(0.01), 0.1);
   for (std::int64_t i = 0; i < column.boundary.water(); ++i)
