@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/sparse_row.hpp"
 #include "fluid/team.hpp"
 
 #include <Eigen/Cholesky>
@@ -22,12 +23,7 @@ struct SparseRows {
   }
   /// (this · x)_i
   float times(const float* x, std::int64_t i) const {
-    const std::int32_t* at = column.data();
-    const float* v = value.data();
-    float sum = 0;
-    for (std::int32_t e = start[static_cast<std::size_t>(i)]; e < start[static_cast<std::size_t>(i) + 1]; ++e)
-      sum += v[e] * x[at[e]];
-    return sum;
+    return row_sum(value.data(), column.data(), x, start.data()[i], start.data()[i + 1]);
   }
 };
 

@@ -1,13 +1,11 @@
 #include "fluid/conjugate_gradients.hpp"
 
-#include "fluid/pair_lanes.hpp"
+#include "fluid/sparse_row.hpp"
 
 #include <omp.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace strake::fluid {
 namespace {
@@ -42,28 +40,9 @@ double ordered_sum(const std::vector<double>& partial) {
   return sum;
 }
 
-/// x[j[0]], x[j[1]]; both indices in one load, the first of them low.
-static_assert(std::endian::native == std::endian::little);
-inline Lanes2 two_of(const double* x, const std::int32_t* j) {
-  std::uint64_t both;
-  std::memcpy(&both, j, sizeof both);
-  return Lanes2{x[both & 0xffffffffU], x[both >> 32]};
-}
-
 inline double times(const PressureSystem& system, const double* x, std::int64_t k) {
-  const std::int64_t begin = system.start.data()[k], end = system.stop.data()[k];
-  const std::int32_t* column = system.column.data();
-  const float* value = system.value.data();
-  Lanes2 even{}, odd{};
-  std::int64_t e = begin;
-  for (; e + 4 <= end; e += 4) {
-    even += Lanes2{value[e], value[e + 1]} * two_of(x, column + e);
-    odd += Lanes2{value[e + 2], value[e + 3]} * two_of(x, column + e + 2);
-  }
-  double rest = system.diagonal.data()[k] * x[k];
-  for (; e < end; ++e) rest += value[e] * x[column[e]];
-  even += odd;
-  return rest + (even[0] + even[1]);
+  return system.diagonal.data()[k] * x[k] +
+         row_sum(system.value.data(), system.column.data(), x, system.start.data()[k], system.stop.data()[k]);
 }
 
 }  // namespace

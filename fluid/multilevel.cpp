@@ -1,5 +1,7 @@
 #include "fluid/multilevel.hpp"
 
+#include "fluid/sparse_row.hpp"
+
 #include <omp.h>
 
 #include <cmath>
@@ -9,19 +11,7 @@ namespace {
 
 /// (A x)_k without the diagonal, in single precision.
 inline float row_times(const PressureSystem& system, const float* x, std::int64_t k) {
-  const float* value = system.value.data();
-  const std::int32_t* column = system.column.data();
-  const std::int64_t begin = system.start.data()[k], end = system.stop.data()[k];
-  float s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-  std::int64_t e = begin;
-  for (; e + 4 <= end; e += 4) {
-    s0 += value[e] * x[column[e]];
-    s1 += value[e + 1] * x[column[e + 1]];
-    s2 += value[e + 2] * x[column[e + 2]];
-    s3 += value[e + 3] * x[column[e + 3]];
-  }
-  for (; e < end; ++e) s0 += value[e] * x[column[e]];
-  return (s0 + s1) + (s2 + s3);
+  return row_sum(system.value.data(), system.column.data(), x, system.start.data()[k], system.stop.data()[k]);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
     float xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
     std::uint32_t touched = 0;
     std::int32_t own = 0, far = 0;
-#pragma omp simd reduction(+ : sum, xx, xy, yy, xz, yz, zz, own, far) reduction(| : touched)
+#pragma omp simd simdlen(8) reduction(+ : sum, xx, xy, yy, xz, yz, zz, own, far) reduction(| : touched)
     for (std::int64_t e = begin; e < end; ++e) {
       const std::int32_t j = column[e];
       const float w = -value[e];
