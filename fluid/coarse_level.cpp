@@ -14,6 +14,8 @@ constexpr std::int32_t direct_size = 160;
 constexpr std::int32_t rows_for_team = 6000, rows_for_making = 600;
 /// Sweeps on a last level that does not get smaller, one of scattered drops, where Jacobi is nearly exact.
 constexpr int last_sweeps = 4;
+/// Of the sweeps: of 0.9, 1.0 and 1.1 none took fewer iterations.
+constexpr double damping = 0.9;
 
 void transpose(const SparseRows& rows, std::int32_t columns, SparseRows& out) {
   out.start.assign(static_cast<std::size_t>(columns) + 1, 0);
@@ -72,7 +74,7 @@ void CoarseLevel<dim>::prepare() {
     double off = 0;
     for (std::int32_t e = matrix.start[i]; e < matrix.start[i + 1]; ++e)
       off += std::abs(static_cast<double>(matrix.value[static_cast<std::size_t>(e)]));
-    inverse[i] = static_cast<float>(damped_inverse(diagonal[i], off));
+    inverse[i] = static_cast<float>(damped_inverse(diagonal[i], off, damping));
   }
 }
 

@@ -56,10 +56,10 @@ class RowGatherer {
   std::vector<double> value_;
 };
 
-/// Inverse of the diagonal that damps Jacobi's sweep so far that it contracts for any symmetric positive
-/// definite A: λ(D⁻¹A) <= 1.8 < 2 by Gershgorin's circles.
-inline double damped_inverse(double diagonal, double off_diagonal_sum) {
-  const double d = std::max(diagonal / 0.9, (diagonal + off_diagonal_sum) / 1.8);
+/// Inverse of the diagonal that damps Jacobi's sweep by ω, so far that it contracts for any symmetric
+/// positive definite A: λ(D⁻¹A) <= 2 ω < 2 by Gershgorin's circles.
+inline double damped_inverse(double diagonal, double off_diagonal_sum, double damping) {
+  const double d = std::max(diagonal, 0.5 * (diagonal + off_diagonal_sum)) / damping;
   return d > 0 ? 1 / d : 0;
 }
 

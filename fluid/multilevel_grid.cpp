@@ -13,6 +13,10 @@ namespace {
 /// Neighbours further apart than so many cells see one another over the seam of a periodic direction.
 constexpr float seam = 1.5f;
 
+/// Of the particles' sweep: of 0.9 to 1.2 the fewest iterations, with 2.1 and 3.1 l0; more slows films of one
+/// row down.
+constexpr double damping = 0.95;
+
 constexpr float square(float x) {
   return x * x;
 }
@@ -70,7 +74,7 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
     }
     const double diagonal = system.diagonal[k];
     diagonal_[row] = static_cast<float>(diagonal);
-    inverse_[row] = static_cast<float>(damped_inverse(diagonal, -sum));
+    inverse_[row] = static_cast<float>(damped_inverse(diagonal, -sum, damping));
     excess_[row] = static_cast<float>(std::max(0.0, diagonal + sum));
     moment_[0][row] = 0.5f * xx;
     moment_[1][row] = 0.5f * xy;
