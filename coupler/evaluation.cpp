@@ -142,7 +142,7 @@ Samples Scheme::take_history(const Window& window, int iteration, Iterate& now) 
 }
 
 void Scheme::sum_up(Iterate& now) {
-  if (const Field* force = find(now.load, "force")) now.force = force->value.rowwise().sum();
+  if (const Field* force = find(now.load, "force")) now.force = force->value.sum_over_points();
 }
 
 void Scheme::take_wet(const Window& window, int iteration, Iterate& now) const {

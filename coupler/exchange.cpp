@@ -88,7 +88,7 @@ std::vector<Field> take_fields(std::vector<Field>&& answer, const std::vector<Fi
       throw Error(
           ExitCode::solver_fault, place.text(),
           fmt::format("sent {} in {}, announced in {}", expected.quantity, found->unit, expected.unit));
-    if (!value.known_finite() && !all_finite(value)) {
+    if (!value.look()) {
       Index i = 0;
       while (i + 1 < value.cols() && value.col(i).allFinite()) ++i;
       const auto X = mesh.position.col(i);
@@ -97,7 +97,6 @@ std::vector<Field> take_fields(std::vector<Field>&& answer, const std::vector<Fi
                               expected.quantity, i, X.x(), X.y(), X.z()),
                   "see its log; a smaller coupling window or solver step may help");
     }
-    value.mark_finite();
     found->conservative = expected.conservative;
     taken.push_back(std::move(*found));
   }

@@ -23,21 +23,26 @@ Eigen::MatrixXd extrapolate(const Samples& history, std::size_t n, std::size_t f
   return value;
 }
 
+std::size_t taken_by(Predictor kind) {
+  return static_cast<std::size_t>(kind) + 1;
+}
+
 }  // namespace
 
 Predictor predictor_kind(const std::string& name) {
   return static_cast<Predictor>(degree_of(name, "coupling.surface.predictor"));
 }
 
-void remember(Samples& history, Sample sample) {
-  constexpr std::size_t longest = 3;
-  if (history.size() == longest) history.erase(history.begin());
+void remember(Samples& history, Sample sample, Predictor kind) {
   history.push_back(std::move(sample));
+  const std::size_t most = taken_by(kind);
+  if (history.size() > most)
+    history.erase(history.begin(), history.end() - static_cast<std::ptrdiff_t>(most));
 }
 
 Sample predict(Predictor kind, const Samples& history, double time) {
   const Sample& last = history.back();
-  const auto wanted = static_cast<std::size_t>(kind) + 1;
+  const std::size_t wanted = taken_by(kind);
   const std::size_t n = std::min(wanted, history.size());
   const Field *u = find(last.fields, "displacement"), *v = find(last.fields, "velocity");
   Sample guess = {time, {}};

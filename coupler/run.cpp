@@ -168,10 +168,9 @@ class Run {
       summary_.add(window);
       files_->append(window, session_->values(window.report), wall);
       RunRow row{.window = &window,
-                 .force = Eigen::Vector3d::Zero(),
+                 .force = window.report.total_force(),
                  .elapsed = elapsed(),
                  .history = &files_->table()};
-      if (window.report.force.cols() > 0) row.force = window.report.force.rowwise().sum();
       reporter_.window(row);
       for (const std::string& line : failure.look(window.report.structure)) note(line);
       if (window.taken_back > 0)

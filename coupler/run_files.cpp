@@ -95,7 +95,7 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
   if (options_.coupled) {
     row.push_back(report.iterations);
     row.push_back(report.residual);
-    add_force(row, report.force.rowwise().sum(), options_.dimension);
+    add_force(row, report.total_force(), options_.dimension);
     row.push_back(report.work_gap());
   }
   row.insert(row.end(), values.begin(), values.end());

@@ -274,10 +274,11 @@ void Scheme::commit(bool write_output) {
   ++state_.windows;
   state_.velocity_scale = pending_.velocity_scale;
   state_.sends_velocity = pending_.sends_velocity;
-  remember(state_.structure, std::move(pending_.structure));
+  const Predictor kind = parameters_.volume ? Predictor::constant : parameters_.predictor;
+  remember(state_.structure, std::move(pending_.structure), kind);
   if (!parameters_.parallel)
     state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
-  remember(state_.fluid, std::move(pending_.fluid));
+  remember(state_.fluid, std::move(pending_.fluid), kind);
   constexpr std::size_t earlier = 3;  // with one more a cubic at the start of a window
   for (Sample& sample : pending_.history) state_.history.push_back(std::move(sample));
   if (state_.history.size() > earlier)

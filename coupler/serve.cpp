@@ -174,6 +174,7 @@ wire::Request Server::next_request() {
     sequence_ = request.sequence;
     received_ = received;
     reports_.clear();
+    last_reply_.clear();  // it was heard: the next one takes its memory
     return request;
   }
 }

@@ -78,6 +78,13 @@ bool is_selection(const Matrix& matrix) {
   return true;
 }
 
+bool is_identity(const Matrix& selection) {
+  if (selection.rows() != selection.cols()) return false;
+  for (Index i = 0; i < selection.rows(); ++i)
+    if (selection.innerIndexPtr()[i] != i) return false;
+  return true;
+}
+
 }  // namespace
 
 SparseOperator::SparseOperator(Matrix&& matrix) {
@@ -85,6 +92,7 @@ SparseOperator::SparseOperator(Matrix&& matrix) {
   shared->swap(matrix);
   shared->makeCompressed();
   selects_ = is_selection(*shared);
+  is_identity_ = selects_ && is_identity(*shared);
   matrix_ = shared;
 }
 
@@ -115,6 +123,7 @@ Index SparseOperator::empty_rows() const {
 
 Values SparseOperator::operator*(const Values& value) const {
   assert(value.cols() == matrix_->cols());
+  if (is_identity_) return value;
   const Index components = value.rows();
   MatrixXd mapped(components, matrix_->rows());
   bool finite = false;

@@ -21,12 +21,14 @@ class SparseOperator {
   Eigen::Index empty_rows() const;
 
   /// mapped_i = Σ_j W_ij value_j: components×columns of the matrix → components×rows of it. Does not depend
-  /// on the number of threads.
+  /// on the number of threads. The identity gives the same numbers, shared: there alone a −0 stays one, which
+  /// a sum makes 0.
   Values operator*(const Values&) const;
 
  private:
   std::shared_ptr<const Matrix> matrix_;
-  bool selects_ = false;  // each row is a single 1, as of nearest neighbours
+  bool selects_ = false;      // each row is a single 1, as of nearest neighbours
+  bool is_identity_ = false;  // row i selects column i: meshes that match, and all volume coupling
 };
 
 }  // namespace strake

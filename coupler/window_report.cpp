@@ -16,6 +16,10 @@ double WindowReport::work_gap() const {
   return larger == 0 ? 0 : std::abs(work_fluid - work_structure) / larger;
 }
 
+Eigen::Vector3d WindowReport::total_force() const {
+  return force.cols() == 0 || log.empty() ? Eigen::Vector3d(0, 0, 0) : log.back().force;
+}
+
 std::map<std::string, double> WindowReport::monitor() const {
   std::map<std::string, double> merged;
   for (const auto* side : {&fluid, &structure})

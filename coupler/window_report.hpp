@@ -45,6 +45,7 @@ struct WindowReport {
   /// Both monitors in one, without the reserved prefixes (seconds., count., check., memory.).
   std::map<std::string, double> monitor() const;
   std::vector<IterationReport> log;
+  Eigen::Vector3d total_force() const;  // [N] Σ force, as the last iteration has it; 0 without one
 };
 
 }  // namespace strake

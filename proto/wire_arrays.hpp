@@ -162,8 +162,8 @@ class Reader {
       rules_.label(f.quantity, "quantity");
       if (header.components() == 0) rules_.broken(fmt::format("gives no components for {}", f.quantity));
       f.value = values(header.components(), header.n_points(), f.quantity);
+      f.value.look();
       rules_.field(f);
-      f.value.mark_finite();
       to.push_back(std::move(f));
     }
     return to;

@@ -74,6 +74,8 @@ TEST(Convergence, MeasuresTheLoadAgainstWhatTheStructureWasGivenInAParallelSchem
   ASSERT_EQ(parallel.log.back().fields.size(), 2u);  // without being asked
   EXPECT_NEAR(parallel.force(1, 0), serial.force(1, 0), 1e-5 * std::abs(serial.force(1, 0)));
   EXPECT_EQ(serial.log.back().fields.size(), 1u);
+  for (const WindowReport& report : {parallel, serial})
+    EXPECT_EQ(report.total_force(), report.force.rowwise().sum());
 }
 
 TEST(Convergence, IteratesAtLeastAndAtMostAsOftenAsAsked) {

@@ -27,9 +27,10 @@ const Values& velocity(const Sample& sample) {
   return sample.fields.at(1).value;
 }
 
-Samples at(const std::vector<double>& times, double c1, double c2, bool with_velocity = false) {
+Samples at(const std::vector<double>& times, double c1, double c2, bool with_velocity = false,
+           Predictor kind = Predictor::quadratic) {
   Samples history;
-  for (const double t : times) remember(history, polynomial(t, c1, c2, with_velocity));
+  for (const double t : times) remember(history, polynomial(t, c1, c2, with_velocity), kind);
   return history;
 }
 
@@ -64,18 +65,26 @@ TEST(Predictor, GivesTheVelocityOfConstantAccelerationOverTheWindow) {
 TEST(Predictor, ExtrapolatesEachFieldByItself) {
   Samples history;
   for (const double t : {0.0, 0.1, 0.2})
-    remember(history, {t,
-                       {{"area", "m^2", false, MatrixXd::Constant(1, 2, 1 + t * t)},
-                        {"velocity", "m/s", false, MatrixXd::Constant(1, 2, 2 - t * t)}}});
+    remember(history,
+             {t,
+              {{"area", "m^2", false, MatrixXd::Constant(1, 2, 1 + t * t)},
+               {"velocity", "m/s", false, MatrixXd::Constant(1, 2, 2 - t * t)}}},
+             Predictor::quadratic);
   const Sample guess = predict(Predictor::quadratic, history, 0.3);
   EXPECT_NEAR(guess.fields[0].value(0, 1), 1.09, 1e-14);
   EXPECT_NEAR(guess.fields[1].value(0, 1), 1.91, 1e-14);  // no displacement that it would belong to
 }
 
-TEST(Predictor, RemembersThreeWindows) {
-  const Samples history = at({0, 1, 2, 3, 4}, 1, 0);
-  ASSERT_EQ(history.size(), 3u);
-  EXPECT_EQ(history.front().time, 2);
+TEST(Predictor, RemembersAsManyWindowsAsItTakes) {
+  const std::vector<double> times = {0, 1, 2, 3, 4};
+  for (const Predictor kind : {Predictor::constant, Predictor::linear, Predictor::quadratic}) {
+    const Samples few = at(times, 1, 2, true, kind), more = at(times, 1, 2, true);
+    ASSERT_EQ(few.size(), static_cast<std::size_t>(kind) + 1);
+    EXPECT_EQ(few.back().time, 4);
+    const Sample guess = predict(kind, few, 5), same = predict(kind, more, 5);
+    EXPECT_EQ(displacement(guess), displacement(same));
+    EXPECT_EQ(velocity(guess), velocity(same));
+  }
 }
 
 TEST(Predictor, IsKnownByName) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace strake {
@@ -40,6 +41,7 @@ TEST(SparseOperator, ASelectionIsTheSumBitByBit) {
   std::vector<int> ascending(n), shuffled, runs;
   std::iota(ascending.begin(), ascending.end(), 0);
   shuffled = runs = ascending;
+  std::swap(ascending.front(), ascending.back());  // else it is the identity
   std::mt19937 random(1);
   std::shuffle(shuffled.begin(), shuffled.end(), random);
   for (int i = 0; i < n; ++i)
@@ -55,9 +57,24 @@ TEST(SparseOperator, ASelectionIsTheSumBitByBit) {
     }
 }
 
+TEST(SparseOperator, TheIdentitySharesTheNumbers) {
+  std::vector<int> column(700);
+  std::iota(column.begin(), column.end(), 0);
+  Values value = MatrixXd::Random(3, 700);
+  const SparseOperator all(selection(column, 700));
+  EXPECT_EQ((all * value).data(), value.data());
+  EXPECT_EQ((all.transposed() * value).data(), value.data());
+  EXPECT_FALSE((all * value).known_finite());
+  EXPECT_TRUE(value.look());
+  EXPECT_TRUE((all * value).known_finite());
+  const SparseOperator part(selection(column, 701));
+  EXPECT_TRUE(same_bits(part * Values(MatrixXd::Ones(3, 701)), MatrixXd::Ones(3, 700)));
+}
+
 TEST(SparseOperator, ASelectionSeesWhatIsNotFinite) {
   std::vector<int> column(700);
   std::iota(column.begin(), column.end(), 0);
+  std::swap(column[600], column[601]);
   const SparseOperator all(selection(column, 700)), one(selection({3}, 700));
   for (const Index bad : {0, 3, 511, 512, 699}) {
     MatrixXd value = MatrixXd::Ones(3, 700);

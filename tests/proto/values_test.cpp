@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -84,6 +85,43 @@ TEST(Values, WhatIsChangedIsLookedAtAgain) {
   EXPECT_FALSE(a.known_finite());
   EXPECT_FALSE(all_finite(a));
   EXPECT_TRUE(all_finite(copy));
+}
+
+TEST(Values, ALookFindsWhatIsNotFiniteWhereverItStands) {
+  const double infinity = std::numeric_limits<double>::infinity(), none = std::nan("");
+  for (const Eigen::Index components : {1, 3})
+    for (const Eigen::Index n : {1, 100, 1000, 1003})
+      for (const Eigen::Index bad : {Eigen::Index{0}, n / 2, n - 1})
+        for (const double value : {infinity, -infinity, none}) {
+          MatrixXd m = MatrixXd::Random(components, n);
+          EXPECT_TRUE(Values(m).look());
+          m(components - 1, bad) = value;
+          Values v = m;
+          EXPECT_FALSE(v.look());
+          EXPECT_FALSE(v.known_finite());
+          m(0, n - 1 - bad) = -value;  // whose sum with the other is none
+          EXPECT_FALSE(Values(m).look());
+        }
+  Values large = MatrixXd::Constant(3, 1000, 1e308);
+  EXPECT_TRUE(large.look()) << "though the sum is not";
+  EXPECT_EQ(large.sum_over_points(), Eigen::Vector3d::Constant(infinity));
+}
+
+TEST(Values, TheSumOverThePointsIsThatOfTheNumbersAsTheyAre) {
+  for (const Eigen::Index n : {0, 1, 41, 512, 513, 1000, 1007}) {
+    const MatrixXd m = MatrixXd::Random(3, n);
+    Values v = m;
+    const Eigen::Vector3d sum = v.sum_over_points();
+    EXPECT_LE((sum - m.rowwise().sum()).cwiseAbs().maxCoeff(), 1e-15 * static_cast<double>(n));
+    EXPECT_TRUE(v.look());
+    EXPECT_EQ(v.sum_over_points(), sum) << "looked at or not";
+    const Values copy = v;
+    EXPECT_EQ(copy.sum_over_points(), sum);
+    if (n == 0) continue;
+    v.edit().col(n - 1).setConstant(7);
+    EXPECT_NEAR(v.sum_over_points().x(), sum.x() - m(0, n - 1) + 7, 1e-12);
+  }
+  EXPECT_FALSE(std::signbit(Values(MatrixXd::Constant(3, 2, -0.0)).sum_over_points().x()));
 }
 
 }  // namespace
