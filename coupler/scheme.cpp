@@ -59,10 +59,10 @@ Scheme::Scheme(Participant& fluid, Participant& structure, Transfer transfer, Sc
   parameters_.parallel = parameters_.parallel && !parameters_.volume;
   state_.sends_velocity = find(structure_.description().initial, "velocity") != nullptr;
   state_.structure = {{start_time, of_structure_}};
-  state_.fluid = {{start_time, {}}};
-  for (const Field& field : of_fluid_) state_.fluid.back().fields.push_back(transfer_.onto_structure(field));
-  if (structure_.description().history && !fluid_.description().initial.empty())
-    state_.history = state_.fluid;
+  Sample load = {start_time, {}};
+  for (const Field& field : of_fluid_) load.fields.push_back(transfer_.onto_structure(field));
+  if (structure_.description().history && !fluid_.description().initial.empty()) state_.history = {load};
+  if (looks_back_at_load()) state_.fluid = {std::move(load)};
 }
 
 void Scheme::set_state(CouplingState state) {
@@ -84,7 +84,9 @@ void Scheme::set_state(CouplingState state) {
     return fits;
   };
   const bool history = state.history.empty() || complete(state.history, of_fluid_);
-  if (!complete(state.structure, of_structure_) || !complete(state.fluid, of_fluid_) || !history)
+  if (!looks_back_at_load()) state.fluid.clear();
+  const bool load = !looks_back_at_load() || complete(state.fluid, of_fluid_);
+  if (!complete(state.structure, of_structure_) || !load || !history)
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5",
                 fmt::format("its interface does not have the structure's {} points and fields", n),
                 "resume with the case that the checkpoint was made with");
@@ -148,6 +150,10 @@ Limits Scheme::limits_of_load() const {
   if (must_settle && limits.relative == 0) limits.relative = c.relative;
   if (must_settle && limits.residual_relative == 0) limits.residual_relative = c.residual_relative;
   return limits;
+}
+
+bool Scheme::looks_back_at_load() const {
+  return parameters_.parallel || limits_of_load().any();
 }
 
 std::vector<Column> Scheme::measured() const {
@@ -261,7 +267,7 @@ void Scheme::close(WindowReport& report, Iterate& now) {
   for (const Field& field : now.load)
     if (!mechanical || field.quantity != "force") report.from_fluid.push_back(field);
   pending_.structure = std::move(now.answer);
-  pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
+  if (looks_back_at_load()) pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
   pending_.history = std::move(now.history);
   pending_.accelerator = accelerator_->state();
   open_ = true;
@@ -276,9 +282,11 @@ void Scheme::commit(bool write_output) {
   state_.sends_velocity = pending_.sends_velocity;
   const Predictor kind = parameters_.volume ? Predictor::constant : parameters_.predictor;
   remember(state_.structure, std::move(pending_.structure), kind);
-  if (!parameters_.parallel)
-    state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
-  remember(state_.fluid, std::move(pending_.fluid), kind);
+  if (looks_back_at_load()) {
+    if (!parameters_.parallel)
+      state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
+    remember(state_.fluid, std::move(pending_.fluid), kind);
+  }
   constexpr std::size_t earlier = 3;  // with one more a cubic at the start of a window
   for (Sample& sample : pending_.history) state_.history.push_back(std::move(sample));
   if (state_.history.size() > earlier)

@@ -28,7 +28,7 @@ struct CouplingState {
       0;  // [s] half the first window: velocities stand in the accelerated vector as lengths
   bool sends_velocity = false;  // the structure, with each window
   Samples structure;            // its fields at the ends of committed windows, last is now
-  Samples fluid;                // likewise the fluid's, on the structure's mesh
+  Samples fluid;    // likewise the fluid's, on the structure's mesh; none where no window looks back
   Samples history;  // the last three of the fluid's samples before now, where the structure takes histories
   AcceleratorState accelerator;
 
@@ -85,6 +85,8 @@ class Scheme {
   bool holds_last() const;
   const Sample& guess_of(const Iterate&) const;  // x
   Limits limits_of_load() const;
+  /// Whether a window asks what the load was in the one before: else nobody keeps it.
+  bool looks_back_at_load() const;
   IterationReport measure(const Window&, int iteration, const Iterate&, const IterationReport* first) const;
   std::vector<AcceleratorBlock> blocks(const Iterate&) const;
   Eigen::VectorXd stack(const Sample& structure, const std::vector<Field>& load) const;

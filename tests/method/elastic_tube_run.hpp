@@ -35,7 +35,7 @@ inline TubeRun run_tube(Participant& fluid, Participant& wall, const Accelerator
     for (int k = 0; k < 3; ++k)
       if (w + 1 == seen[k]) {
         run.area[k] = find(scheme.state().structure.back().fields, "area")->value(0, 50);
-        run.pressure[k] = find(scheme.state().fluid.back().fields, "pressure")->value(0, 50);
+        run.pressure[k] = find(report.from_fluid, "pressure")->value(0, 50);
       }
   }
   return run;
