@@ -5,6 +5,8 @@
 //   coupling_exchange --hub POINTS WINDOWS        one row's coupler:  p50 [us], peak memory [MB]
 //   coupling_exchange --floor POINTS WINDOWS      one row's floor:    p50 [us]
 //   coupling_exchange --in-fluid POINTS WINDOWS, --in-fluid-floor POINTS WINDOWS
+//   coupling_exchange --renumbered [POINTS]...    the fluid's points counted from the middle on: else the
+//     meshes match point by point, and the mapping copies nothing; goes before the other words as well
 
 #include "coupler/launch.hpp"
 #include "coupler/mapping.hpp"
@@ -31,6 +33,8 @@ namespace {
 using namespace strake;
 using Clock = std::chrono::steady_clock;
 
+bool renumbered = false;
+
 /// n points of a wavy surface of unit size, its lattice shifted by `shift` spacings.
 Points wavy_surface(Eigen::Index n, double shift) {
   const auto side = static_cast<Eigen::Index>(std::ceil(std::sqrt(static_cast<double>(n))));
@@ -51,6 +55,10 @@ class Copier final : public Participant {
     const bool fluid = side == "fluid";
     mesh_.name = side;
     mesh_.position = wavy_surface(n, fluid ? 0.3 : 0);
+    if (fluid && renumbered) {
+      const Points in_turn = mesh_.position;
+      mesh_.position << in_turn.rightCols(n - n / 2), in_turn.leftCols(n / 2);
+    }
     // One vector each way, as in preCICE's figures: a structure's displacement would have its velocity beside
     // it.
     answer_ = {fluid ? "force" : "deflection", fluid ? "N" : "m", fluid, Points::Constant(3, n, 1e-3)};
@@ -103,7 +111,11 @@ int hub(const std::string& points, int windows, bool in_fluid) {
   Roster roster({});
   for (const char* side : {"structure", "fluid"})
     if (!in_fluid || side != std::string("fluid"))
-      roster.launch(side, {self(), {"--solver", side, "--points", points}, {}, 1, {}});
+      roster.launch(side, {self(),
+                           {"--solver", side, "--points", points, "--renumbered", renumbered ? "1" : "0"},
+                           {},
+                           1,
+                           {}});
   RemoteParticipant& structure = roster.connect("structure", {});
   Copier own("fluid", in_fluid ? std::stol(points) : 1);
   Participant& fluid = in_fluid ? static_cast<Participant&>(own) : roster.connect("fluid", {});
@@ -191,7 +203,9 @@ int floor_hub(const std::string& points, int windows, bool in_fluid) {
 }
 
 std::vector<double> numbers(const std::string& mode, const std::string& points, int windows) {
-  const Captured out = capture(self(), {mode, points, std::to_string(windows)}, std::chrono::minutes(5));
+  std::vector<std::string> words = {mode, points, std::to_string(windows)};
+  if (renumbered) words.insert(words.begin(), "--renumbered");
+  const Captured out = capture(self(), words, std::chrono::minutes(5));
   std::vector<double> values;
   const char* at = out.out.c_str();
   for (char* end = nullptr;; at = end) {
@@ -245,6 +259,7 @@ int solver(int argc, char** argv) {
     if (key == "--connect") options.endpoint = value;
     if (key == "--name") options.name = value;
     if (key == "--points") points = std::stol(value);
+    if (key == "--renumbered") renumbered = value == "1";
   }
   options.token = std::getenv("STRAKE_TOKEN");
   return serve(options, [&](const Setup&) { return std::make_unique<Copier>(options.name, points); });
@@ -253,7 +268,11 @@ int solver(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words[0] == "--renumbered") {
+    renumbered = true;
+    words.erase(words.begin());
+  }
   const std::string mode = words.empty() ? "" : words[0];
   try {
     if (mode == "--connect") return solver(argc, argv);
