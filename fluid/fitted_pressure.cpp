@@ -9,6 +9,19 @@
 #include <numeric>
 
 namespace strake::fluid {
+namespace {
+
+/// Of a shift from x what does not go through the face of a body or of a wall.
+template <int dim>
+Vector<dim> before_faces(const Boundary<dim>& boundary, const Vector<dim>& x, Vector<dim> move) {
+  const auto along = [&](const Vector<dim>& normal) { move -= std::min(0.0, move.dot(normal)) * normal; };
+  const BodySurface<dim>& body = boundary.outline();
+  if (!body.empty() && body.inside(x + move)) along(body.normal(body.nearest(x + move).point));
+  if (const auto foot = boundary.tank().behind(x + move)) along(foot->normal);
+  return move;
+}
+
+}  // namespace
 
 /// Row i, times −s/ρ … as PressureSystem, s = n0 λ/(2d):
 ///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²Δt²)
@@ -272,12 +285,13 @@ const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& bo
 /// δr = −(I + αS)⁻¹ α l0² ∇C, α = A |u| Δt/l0, ∇C = (d/n0) Σ w r/r² (PHYSICS §10.4), S how stiffly l0² ∇C
 /// answers to the particle's place (3 on a square lattice, 10 across a string of crowded particles): with α
 /// alone particles would be thrown past their places and back at every other step wherever S α > 1, and the
-/// pressure with them. At most 0.1 l0; next to the free surface only along it.
+/// pressure with them. At most 0.1 l0; next to the free surface only along it, and through no face.
 ///
 /// δu = (1−σ) ∇u·δr, σ the surface's share: of a jet or a drop the neighbours on one side do not tell ∇u, and
 /// a velocity that grows with the shift it causes would run away.
 template <int dim>
-void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, double dt) const {
+void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                              double dt) const {
   if (p_.scheme.shifting <= 0) return;
   constexpr double longest = 0.1;  // [l0]
   constexpr double soft = 0.02;    // αS that changes nothing
@@ -307,6 +321,9 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
     move -= surface_share_[i] * inward.dot(move) * inward;
     const double length = move.norm();
     if (length > longest * p_.spacing) move *= longest * p_.spacing / length;
+    const auto columns = near.row(i);
+    if (!columns.empty() && columns.back() >= boundary.water())
+      move = before_faces<dim>(boundary, state.position.col(i), move);
     state.position.col(i) += move;
     state.velocity.col(i).noalias() += (1 - surface_share_[i]) * velocity_gradient(i) * move;
   }
@@ -321,7 +338,7 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
                                             const Vector<dim>&, double, PressureSystem&);                    \
   template const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>&, const State<dim>&, \
                                                                     const Neighbours&, double);              \
-  template void FittedScheme<dim>::shift(const Boundary<dim>&, State<dim>&, double) const;
+  template void FittedScheme<dim>::shift(const Boundary<dim>&, State<dim>&, const Neighbours&, double) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

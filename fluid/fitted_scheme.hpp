@@ -70,7 +70,8 @@ class FittedScheme {
   /// of the face, p_i + h ∂p/∂n with its own ∇p, and the reaction to what the rows push it beyond that.
   RowForces<dim> row_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near) const;
   /// Particles move towards even spacing, along the surface where they are near it, and take ∇u* with them.
-  void shift(const Boundary<dim>&, State<dim>&, double dt) const;
+  /// near: of the places that they come from.
+  void shift(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt) const;
 
   /// State::residual_divergence and State::residual_approach of the new velocity, before the particles move.
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,

@@ -345,7 +345,7 @@ void Simulation<dim>::Work::shift() {
   collisions = {};
   if (!hold.is_over()) return;
   if (fitted)
-    fitted->shift(boundary, state, hold.age());
+    fitted->shift(boundary, state, near_gradient(), hold.age());
   else
     shift_particles<dim>(state, boundary, near_gradient(), gradient_lattice, p.scheme.shifting,
                          std::sqrt(p.gravity.norm() * p.spacing), dt, p.spacing);

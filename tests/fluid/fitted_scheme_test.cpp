@@ -143,6 +143,27 @@ TEST(FittedScheme, FilterLeavesALinearVelocityAloneAndKeepsMomentum) {
   EXPECT_LT(rough.velocity.leftCols(water).squaredNorm(), 0.99 * start.leftCols(water).squaredNorm());
 }
 
+// Beside a face shifts go one way: a particle that another one presses on stays before it.
+TEST(FittedScheme, ShiftsGoThroughNoWall) {
+  Column column(incompressible(0.01), 0);
+  const double l0 = column.p.spacing, floor = column.p.tank.min.y();
+  std::int64_t low = 0, upper = 0;
+  const auto middle_column = [&](std::int64_t i) {
+    return std::abs(column.state.position(0, i) - 0.5 * l0) < 0.1 * l0;
+  };
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i) {
+    column.state.velocity.col(i) << 20, 0;
+    if (middle_column(i) && std::abs(column.state.position(1, i) - floor - 0.5 * l0) < 0.1 * l0) low = i;
+    if (middle_column(i) && std::abs(column.state.position(1, i) - floor - 1.5 * l0) < 0.1 * l0) upper = i;
+  }
+  column.state.position(1, low) = floor + 0.02 * l0;
+  column.state.position(1, upper) = floor + 0.35 * l0;
+  column.measure();
+  column.scheme.filter(column.boundary, column.state, column.near(), dt);
+  column.scheme.shift(column.boundary, column.state, column.near(), dt);
+  EXPECT_GE(column.state.position(1, low), floor);
+}
+
 TEST(FittedScheme, WallIsNotSeenBeforeWaterTouchesIt) {
   PlateEntry dry(PlateEntry::parameters(0.02), 1.0, 0.1 * 0.02);
   dry.step(1e-5);
