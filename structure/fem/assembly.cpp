@@ -7,29 +7,15 @@
 #include <cmath>
 #include <utility>
 
+#include "structure/fem/energy_balance.hpp"
 #include "structure/fem/enhanced.hpp"
 
 namespace strake::structure::fem {
 namespace {
 
-template <int dim, int n>
-using Strains = std::array<Tensor<dim>, static_cast<std::size_t>(n)>;
-
-/// Adds to the stresses of a cell between two strains what makes their work the change of its energy:
-///   S += (Σ w (ψ1 − ψ0 − S:ΔE) / Σ w ΔE:ΔE) ΔE
-template <int dim, int n>
-void balance_work(Strains<dim, n>& S, const Material& m, const Strains<dim, n>& change,
-                  const Strains<dim, n>& E0, const Strains<dim, n>& E1, const double* weight) {
-  // ψ carries a round-off of ε |E| μ, so that the quotient is noise where ΔE is small; the addition is of
-  // third order and nothing there.
-  constexpr double noise = 1e-10;  // ΔE:ΔE
-  double missing = 0, size = 0;
-  for (std::size_t q = 0; q < S.size(); ++q) {
-    missing += weight[q] * (energy_of_strain<dim>(m, E1[q]) - energy_of_strain<dim>(m, E0[q]) -
-                            S[q].cwiseProduct(change[q]).sum());
-    size += weight[q] * (change[q].squaredNorm() + noise);
-  }
-  for (std::size_t q = 0; q < S.size(); ++q) S[q] += missing / size * change[q];
+/// Where the mid-point's stress itself does not work the change of energy.
+bool balances_energy(const Material& m, double alpha) {
+  return m.model == MaterialModel::neo_hookean && alpha == 0.5;
 }
 
 /// −Lᵅ H⁻¹ L1ᵀ: what the added strains take from a cell's stiffness, with L(k; a) = Σ w F (∂S/∂E:G_k) g_a.
@@ -135,7 +121,7 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
         E[at] = alpha * E0[at] + (1 - alpha) * E1[at];
         change[at] = E1[at] - E0[at];
       }
-      const bool balances = m.model == MaterialModel::neo_hookean && alpha == 0.5;
+      const bool balances = balances_energy(m, alpha);
       if (is_enhanced(c)) {
         const EnhancedStrain<dim, n> enhanced(mesh_, c);
         enhanced.add_to(E, m);
@@ -143,7 +129,10 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
         if (balances) enhanced.add_to(E1, m);
       }
       for (std::size_t q = 0; q < S.size(); ++q) S[q] = second_piola_kirchhoff<dim>(m, E[q]);
-      if (balances) balance_work<dim, n>(S, m, change, E0, E1, weight);
+      if (balances) {
+        const EnergyBalance<dim, n> balance(S, m, change, E0, E1, weight);
+        for (std::size_t q = 0; q < S.size(); ++q) S[q] += balance.part * change[q];
+      }
       typename CellView<dim, n>::Values sum = CellView<dim, n>::Values::Zero();
       for (int q = 0; q < n; ++q) {
         const auto at = static_cast<std::size_t>(q);
@@ -179,7 +168,7 @@ Matrix Assembly<dim>::scatter(const Visit& cell_matrix) const {
 // With g_a = ∇N_a and F_i the row i of F, the derivative of F_α S_α g_a by component j of node b is
 //   δ_ij g_a·S_α g_b + λ (F_αi·g_a)(F_1j·g_b) + μ [(F_αi·F_1j)(g_a·g_b) + (F_αi·g_b)(F_1j·g_a)].
 // Neo-Hookean: ∂S/∂E = λ B⊗B + 2(μ − λ ln J) B⊙B with B = C_α⁻¹ stands in place of λ 1⊗1 + 2μ 1⊙1, which puts
-// B between each F and g; Gonzalez' addition, of second order in the step, is left out of it.
+// B between each F and g, and what balances its energy adds its own; with added strains that is left out.
 template <int dim>
 Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const {
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
@@ -190,7 +179,7 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
       const Material& m = of(c);
       const bool large = is_large(m);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
-      Strains<dim, n> E, F_of_alpha, F_of_1;
+      Strains<dim, n> E, E0, E1, F_of_alpha, F_of_1;
       for (int q = 0; q < n; ++q) {
         const auto at = static_cast<std::size_t>(q), g = static_cast<std::size_t>(c) * n + at;
         const Tensor<dim> H0 = values0 * view.gradient(static_cast<int>(g)),
@@ -198,13 +187,18 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
         F_of_alpha[at] = F_of_1[at] = Tensor<dim>::Identity();
         if (large) F_of_alpha[at] += alpha * H0 + (1 - alpha) * H1;
         if (large) F_of_1[at] += H1;
-        E[at] = alpha * strain_of<dim>(H0, large) + (1 - alpha) * strain_of<dim>(H1, large);
+        E0[at] = strain_of<dim>(H0, large);
+        E1[at] = strain_of<dim>(H1, large);
+        E[at] = alpha * E0[at] + (1 - alpha) * E1[at];
       }
       local.setZero();
       if (is_enhanced(c)) {
         const EnhancedStrain<dim, n> enhanced(mesh_, c);
         enhanced.add_to(E, m);
         soften<dim, n>(local, enhanced, view, c, m, E, F_of_alpha, F_of_1);
+      } else if (balances_energy(m, alpha)) {
+        add_balance_tangent<dim, n>(local, view, c, m, E0, E1, F_of_alpha, F_of_1);
+        local *= share(c);
       }
       for (int q = 0; q < n; ++q) {
         const auto at = static_cast<std::size_t>(q);
