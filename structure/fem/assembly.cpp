@@ -130,7 +130,8 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
       }
       for (std::size_t q = 0; q < S.size(); ++q) S[q] = second_piola_kirchhoff<dim>(m, E[q]);
       if (balances) {
-        const EnergyBalance<dim, n> balance(S, m, change, E0, E1, weight);
+        const auto balance = is_enhanced(c) ? EnergyBalance<dim, n>(S, m, change, E0, E1, weight)
+                                            : EnergyBalance<dim, n>(E0, E1, m, weight);
         for (std::size_t q = 0; q < S.size(); ++q) S[q] += balance.part * change[q];
       }
       typename CellView<dim, n>::Values sum = CellView<dim, n>::Values::Zero();

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
+#include <algorithm>
 #include <array>
+#include <limits>
 
 #include "structure/fem/cell.hpp"
 #include "structure/fem/enhanced.hpp"
@@ -16,12 +19,37 @@ namespace strake::structure::fem {
 template <int dim, int n>
 using Strains = std::array<Tensor<dim>, static_cast<std::size_t>(n)>;  // of a cell's points
 
+/// ψ1 − ψ0 − S((E0 + E1)/2):ΔE of neo-Hookean [Pa], of third order in ΔE. With C1 = C0 + 2ΔE and B the
+/// inverse of their mean,
+///   (λ (ln J0 + ln J1)/2 − μ) ln(J1/J0) − (λ ln J − μ) B:ΔE,  ln(J1/J0) = ½ ln det(1 + 2 C0⁻¹ΔE):
+/// round-off is that of ΔE, where ψ1 − ψ0 has that of E.
+template <int dim>
+double energy_beyond_midpoint(const Material& m, const Tensor<dim>& E0, const Tensor<dim>& E1) {
+  const Tensor<dim> one = Tensor<dim>::Identity(), change = E1 - E0;
+  const double log_ratio = log_jacobian<dim>(Tensor<dim>(2 * E0 + one).inverse() * change);
+  const double along = Tensor<dim>(E0 + E1 + one).inverse().cwiseProduct(change).sum();
+  const double lambda = m.lame_lambda(), mu = m.lame_mu();
+  const double mean = log_jacobian<dim>(E0) + 0.5 * log_ratio, middle = log_jacobian<dim>(0.5 * (E0 + E1));
+  return (lambda * mean - mu) * log_ratio - (lambda * middle - mu) * along;
+}
+
 /// S + m/s ΔE in place of S between two strains, with
 ///   m = Σ w (ψ1 − ψ0 − S:ΔE),  s = Σ w ΔE:ΔE.
 template <int dim, int n>
 struct EnergyBalance {
   double size = 0, part = 0;  // s, m/s
 
+  EnergyBalance(const Strains<dim, n>& E0, const Strains<dim, n>& E1, const Material& m,
+                const double* weight) {
+    double missing = 0;
+    for (std::size_t q = 0; q < E0.size(); ++q) {
+      missing += weight[q] * energy_beyond_midpoint<dim>(m, E0[q], E1[q]);
+      size += weight[q] * (E1[q] - E0[q]).squaredNorm();
+    }
+    size = std::max(size, std::numeric_limits<double>::min());
+    part = missing / size;
+  }
+  /// With added strains, S being that of their sum with the mean of E0 and E1, and these with their own.
   EnergyBalance(const Strains<dim, n>& S, const Material& m, const Strains<dim, n>& change,
                 const Strains<dim, n>& E0, const Strains<dim, n>& E1, const double* weight) {
     // ψ carries a round-off of ε |E| μ, so that the quotient is noise where ΔE is small; the addition is of
@@ -52,7 +80,7 @@ void add_balance_tangent(Local& local, const CellView<dim, n>& view, int cell, c
     change[q] = E1[q] - E0[q];
     S[q] = second_piola_kirchhoff<dim>(m, E[q]);
   }
-  const EnergyBalance<dim, n> balance(S, m, change, E0, E1, weight);
+  const EnergyBalance<dim, n> balance(E0, E1, m, weight);
   Values A = Values::Zero(), R = Values::Zero();
   for (int q = 0; q < n; ++q) {
     const auto at = static_cast<std::size_t>(q);
