@@ -28,7 +28,7 @@ struct Scheme {
   double radius_density = 2.1, radius_gradient = 2.1, radius_divergence = 2.1,
          radius_laplacian = 3.1;  // [l0]
   double time_step = 2e-6;        // [s] largest
-  double cfl = 0.4;               // max |u| dt / l0
+  double cfl = 0.6;               // max |u| dt / l0
   double acoustic_cfl = 0;        // c dt / l0; 0: sound sets no limit
   Source source = Source::mixed;
   DensityAt density_at = DensityAt::old;
