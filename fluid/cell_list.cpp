@@ -38,15 +38,14 @@ struct Screen {
 };
 
 /// Bits of sixteen partners, and above them those of the partners at the border.
-std::int32_t joined(std::uint32_t near, std::uint32_t border) {
-  return static_cast<std::int32_t>(border << 16 | near);
+std::uint32_t joined(std::uint32_t near, std::uint32_t border) {
+  return border << 16 | near;
 }
 
-/// Compares member k with the whole list, sixteen partners at a time. Returns the number near.
+/// Compares member k with the whole list, sixteen partners at a time.
 template <int dim>
-std::int64_t screen_row(const std::array<std::vector<float>, dim>& x, const Screen<dim>& screen, size_t k,
-                        size_t length, const Limits& limits, std::int32_t* bits) {
-  std::int64_t count = 0;
+void screen_row(const std::array<std::vector<float>, dim>& x, const Screen<dim>& screen, size_t k,
+                size_t length, const Limits& limits, std::uint32_t* bits) {
   for (size_t b = 0; b < length; b += lanes::wide, ++bits) {
 #ifdef STRAKE_AVX512
     __m512 sum = _mm512_setzero_ps();
@@ -79,19 +78,16 @@ std::int64_t screen_row(const std::array<std::vector<float>, dim>& x, const Scre
     std::uint32_t near = close;
     if (k - b < lanes::wide) near &= ~(1U << (k - b));  // itself
     *bits = joined(near, near & ~sure);
-    count += std::popcount(near);
   }
-  return count;
 }
 
 /// Every partner of a particle so far outside the grid that single precision says nothing about it.
-std::int64_t take_all(size_t k, size_t length, std::int32_t* bits) {
+void take_all(size_t k, size_t length, std::uint32_t* bits) {
   for (size_t b = 0; b < length; b += lanes::wide, ++bits) {
     std::uint32_t near = lanes::first_bits(static_cast<std::int64_t>(std::min<size_t>(16, length - b)));
     if (k - b < lanes::wide) near &= ~(1U << (k - b));
     *bits = joined(near, near);
   }
-  return static_cast<std::int64_t>(length) - 1;
 }
 
 }  // namespace
@@ -199,45 +195,43 @@ void CellList<dim>::around(const Place& p, Body&& body) const {
 
 /// Each thread owns a range of cells, counts their members, and appends to their lists.
 template <int dim>
-void CellList<dim>::fill_lists(const Vectors<dim>& position, std::vector<std::int32_t>& lists) {
+void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
   const auto n = static_cast<std::int64_t>(position.cols());
   const std::int64_t cells = std::int64_t{count_[0]} * count_[1] * count_[2];
-  cell_.resize(static_cast<size_t>(n));
+  std::vector<std::int32_t>& cell = out.cell;
+  std::vector<std::int64_t>& start = out.list_start;
+  cell.resize(static_cast<size_t>(n));
   members_.assign(static_cast<size_t>(cells), 0);
   next_.assign(static_cast<size_t>(cells), -1);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i)
-    cell_[static_cast<size_t>(i)] = number(place(position.data() + dim * i));
-  for (const std::int32_t c : cell_) ++members_[static_cast<size_t>(c)];
+    cell[static_cast<size_t>(i)] = number(place(position.data() + dim * i));
+  for (const std::int32_t c : cell) ++members_[static_cast<size_t>(c)];
   occupied_.clear();
   for (std::int64_t c = 0; c < cells; ++c)
     if (members_[static_cast<size_t>(c)]) occupied_.push_back(static_cast<std::int32_t>(c));
   const auto occupied = static_cast<std::int64_t>(occupied_.size());
-  list_start_.resize(occupied_.size() + 1);
-  bits_start_.resize(occupied_.size() + 1);
-  list_start_[0] = 0;
+  start.resize(occupied_.size() + 1);
+  start[0] = 0;
 #pragma omp parallel for schedule(static)
   for (std::int64_t o = 0; o < occupied; ++o) {
     std::int64_t length = 0;
-    const std::int32_t c = occupied_[static_cast<size_t>(o)];
-    around(place_of(c), [&](std::int32_t b) { length += members_[static_cast<size_t>(b)]; });
-    list_start_[static_cast<size_t>(o) + 1] = length;
-    bits_start_[static_cast<size_t>(o) + 1] =
-        members_[static_cast<size_t>(c)] * ((length + lanes::wide - 1) / lanes::wide);
+    around(place_of(occupied_[static_cast<size_t>(o)]),
+           [&](std::int32_t b) { length += members_[static_cast<size_t>(b)]; });
+    start[static_cast<size_t>(o) + 1] = length;
   }
   for (size_t o = 0; o < occupied_.size(); ++o) {
-    list_start_[o + 1] += list_start_[o];
-    next_[static_cast<size_t>(occupied_[o])] = list_start_[o];
+    start[o + 1] += start[o];
+    next_[static_cast<size_t>(occupied_[o])] = start[o];
+    members_[static_cast<size_t>(occupied_[o])] = static_cast<std::int32_t>(o);
   }
-  bits_start_[0] = list_start_.back();  // behind the lists
-  for (size_t o = 0; o < occupied_.size(); ++o) bits_start_[o + 1] += bits_start_[o];
-  make_room(lists, static_cast<size_t>(bits_start_.back()));
+  make_room(out.lists, static_cast<size_t>(start.back()));
 #pragma omp parallel
   {
     // As many list entries for each thread.
     const auto share = [&](std::int64_t part) {
-      const std::int64_t entry = list_start_.back() * part / omp_get_num_threads();
-      const auto o = std::lower_bound(list_start_.begin(), list_start_.end(), entry) - list_start_.begin();
+      const std::int64_t entry = start.back() * part / omp_get_num_threads();
+      const auto o = std::lower_bound(start.begin(), start.end(), entry) - start.begin();
       return o < occupied ? std::int64_t{occupied_[static_cast<size_t>(o)]} : cells;
     };
     const std::int64_t first = share(omp_get_thread_num()), last = share(omp_get_thread_num() + 1);
@@ -245,7 +239,7 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position, std::vector<std::in
     size_t n_lists = 0;
     std::int32_t of = -1;
     for (std::int64_t i = 0; i < n; ++i) {
-      const std::int32_t c = cell_[static_cast<size_t>(i)];
+      const std::int32_t c = cell[static_cast<size_t>(i)];
       if (c != of) {  // mostly the one before
         of = c;
         n_lists = 0;
@@ -255,19 +249,27 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position, std::vector<std::in
         });
       }
       for (size_t l = 0; l < n_lists; ++l)
-        lists[static_cast<size_t>((*ends[l])++)] = static_cast<std::int32_t>(i);
+        out.lists[static_cast<size_t>((*ends[l])++)] = static_cast<std::int32_t>(i);
     }
   }
+  out.bits_start.resize(static_cast<size_t>(n));
+  std::int64_t words = 0;
+  for (std::int64_t i = 0; i < n; ++i) {
+    std::int32_t& c = cell[static_cast<size_t>(i)];
+    c = members_[static_cast<size_t>(c)];
+    out.bits_start[static_cast<size_t>(i)] = static_cast<std::uint32_t>(words);
+    words +=
+        (start[static_cast<size_t>(c) + 1] - start[static_cast<size_t>(c)] + lanes::wide - 1) / lanes::wide;
+  }
+  make_room(out.bits, static_cast<size_t>(words));
 }
 
 template <int dim>
 void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double radius,
-                         double skin, const Periodic<dim>& periodic, Candidates& out,
-                         std::vector<std::int32_t>& lists) {
-  const auto n = static_cast<std::int64_t>(position.cols());
+                         double skin, const Periodic<dim>& periodic, Candidates& out) {
   const double reach = (radius + skin) * (1 + screening);
   lay_grid(position, reach, periodic);
-  fill_lists(position, lists);
+  fill_lists(position, out);
   const double low = skin + screening * radius, inside = std::max(0.0, radius - skin - screening * radius);
   Limits limits{static_cast<float>(reach * reach), static_cast<float>(low * low),
                 static_cast<float>(inside * inside)};
@@ -279,19 +281,16 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
   }
   const auto occupied = static_cast<std::int64_t>(occupied_.size());
   const bool seams = periodic.any();
-  out.start.resize(static_cast<size_t>(n) + 1);
-  out.start[0] = 0;
 #pragma omp parallel
   {
     Screen<dim> screen;
 #pragma omp for schedule(dynamic, 16)
     for (std::int64_t o = 0; o < occupied; ++o) {
-      const std::int32_t cell = occupied_[static_cast<size_t>(o)];
-      const std::int32_t* list = lists.data() + list_start_[static_cast<size_t>(o)];
-      const auto length =
-          static_cast<size_t>(list_start_[static_cast<size_t>(o) + 1] - list_start_[static_cast<size_t>(o)]);
+      const std::int32_t* list = out.lists.data() + out.list_start[static_cast<size_t>(o)];
+      const auto length = static_cast<size_t>(out.list_start[static_cast<size_t>(o) + 1] -
+                                              out.list_start[static_cast<size_t>(o)]);
       const size_t blocks = (length + lanes::wide - 1) / lanes::wide;
-      const Vector<dim> middle = centre(place_of(cell));
+      const Vector<dim> middle = centre(place_of(occupied_[static_cast<size_t>(o)]));
       bool fillers = false;
       screen.member.clear();
       for (auto& x : screen.all)
@@ -303,7 +302,7 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
           if (seams) x = periodic.nearest(x, d);
           screen.all[static_cast<size_t>(d)][k] = static_cast<float>(x);
         }
-        if (cell_[static_cast<size_t>(j)] == cell) screen.member.push_back(static_cast<std::int32_t>(k));
+        if (out.cell[static_cast<size_t>(j)] == o) screen.member.push_back(static_cast<std::int32_t>(k));
         fillers = fillers || (!tag.empty() && (tag[static_cast<size_t>(j)] & 1));
       }
       for (auto& x : screen.all)
@@ -314,50 +313,18 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
         for (size_t k = 0; k < length; ++k)
           if (tag[static_cast<size_t>(list[k])] & 1) screen.without_fillers[0][k] = nowhere;
       }
-      std::int64_t bits = bits_start_[static_cast<size_t>(o)];
       for (const std::int32_t m : screen.member) {
         const auto k = static_cast<size_t>(m);
         const std::int32_t i = list[k];
         bool far = false;
         for (size_t d = 0; d < dim; ++d) far = far || std::abs(screen.all[d][k]) > 2 * size_[d];
         const bool filler = fillers && (tag[static_cast<size_t>(i)] & 1);
-        std::int32_t* const row = lists.data() + bits;
-        out.start[static_cast<size_t>(i) + 1] =
-            far ? take_all(k, length, row)
-                : screen_row<dim>(filler ? screen.without_fillers : screen.all, screen, k, length, limits,
-                                  row);
-        bits += static_cast<std::int64_t>(blocks);
+        std::uint32_t* const bits = out.bits.data() + out.first_bits(i);
+        if (far)
+          take_all(k, length, bits);
+        else
+          screen_row<dim>(filler ? screen.without_fillers : screen.all, screen, k, length, limits, bits);
       }
-    }
-  }
-  for (size_t i = 1; i < out.start.size(); ++i) out.start[i] += out.start[i - 1];
-  make_room(out.column, static_cast<size_t>(out.start.back()));
-  make_room(out.border, out.word(n) + 1);
-#pragma omp parallel for schedule(dynamic, 16)
-  for (std::int64_t o = 0; o < occupied; ++o) {
-    const std::int32_t cell = occupied_[static_cast<size_t>(o)];
-    const auto first = list_start_[static_cast<size_t>(o)], last = list_start_[static_cast<size_t>(o) + 1];
-    auto bits = static_cast<size_t>(bits_start_[static_cast<size_t>(o)]);
-    for (auto m = first; m < last; ++m) {
-      const std::int32_t i = lists[static_cast<size_t>(m)];
-      if (cell_[static_cast<size_t>(i)] != cell) continue;
-      std::int32_t* column = out.column.data() + out.start[static_cast<size_t>(i)];
-      std::uint64_t* word = out.border.data() + out.word(i);
-      std::uint64_t collected = 0;
-      int filled = 0;
-      for (auto b = first; b < last; b += lanes::wide, ++bits) {
-        const auto both = static_cast<std::uint32_t>(lists[bits]), near = both & 0xffffU;
-        const int count = lanes::pack(lists.data() + b, near, column);
-        column += count;
-        const std::uint64_t border = lanes::extract(both >> 16, near);
-        collected |= border << filled;
-        filled += count;
-        if (filled < 64) continue;
-        *word++ = collected;
-        filled -= 64;
-        collected = filled ? border >> (count - filled) : 0;
-      }
-      if (filled) *word = collected;
     }
   }
 }

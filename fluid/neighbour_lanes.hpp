@@ -28,32 +28,18 @@ inline constexpr int wide = 2 * width;  // of floats and indices
 inline std::uint32_t first_bits(std::int64_t n) {
   return n >= 32 ? ~0U : (1U << n) - 1U;
 }
-inline std::uint64_t first_bits64(std::int64_t n) {
-  return n >= 64 ? ~0ULL : (1ULL << n) - 1ULL;
-}
 
-/// The bits of `value` moved to the places of the set bits of `places`, in order, and back.
-inline std::uint64_t deposit(std::uint64_t value, std::uint64_t places) {
+/// The bits of `value` moved to the places of the set bits of `places`, in order.
+inline std::uint32_t deposit(std::uint32_t value, std::uint32_t places) {
 #ifdef STRAKE_AVX512
-  return _pdep_u64(value, places);
+  return _pdep_u32(value, places);
 #else
-  std::uint64_t out = 0;
+  std::uint32_t out = 0;
   for (; places; places &= places - 1, value >>= 1)
     if (value & 1) out |= places & (~places + 1);
   return out;
 #endif
 }
-inline std::uint32_t extract(std::uint32_t value, std::uint32_t places) {
-#ifdef STRAKE_AVX512
-  return _pext_u32(value, places);
-#else
-  std::uint32_t out = 0, next = 1;
-  for (; places; places &= places - 1, next <<= 1)
-    if (value & places & (~places + 1)) out |= next;
-  return out;
-#endif
-}
-
 /// Packs the indices of the set bits of `bits` (sixteen at most) to `to`; returns their number.
 inline int pack(const std::int32_t* from, std::uint32_t bits, std::int32_t* to) {
   const int count = std::popcount(bits);

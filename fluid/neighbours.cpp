@@ -7,6 +7,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "fluid/neighbour_lanes.hpp"
@@ -28,6 +29,9 @@ constexpr double thinnest = 0.1;
 /// another processor has written last cost more than even shares save.
 constexpr std::int64_t block = 64;
 
+/// Of the candidates' bits those that say that a partner is near.
+constexpr std::uint32_t near_bits = 0xffff;
+
 template <class T>
 size_t bytes_of(const std::vector<T>& v) {
   return v.capacity() * sizeof(T);
@@ -41,13 +45,13 @@ template <int dim>
               "lower fluid.scheme.time_step or fluid.scheme.cfl; look at the last frames for where it began");
 }
 
-/// Without the pairs that `keep` refuses, of the candidates of row i that are kept so far.
-std::uint64_t asked_for(std::uint64_t kept, std::int32_t i, const std::int32_t* column,
+/// Without the pairs that `keep` refuses, of sixteen partners of particle i those that are kept so far.
+std::uint32_t asked_for(std::uint32_t kept, std::int32_t i, const std::int32_t* partner,
                         std::span<const std::uint8_t> tag, const KeepPair& keep) {
-  for (std::uint64_t rest = kept; rest; rest &= rest - 1) {
+  for (std::uint32_t rest = kept; rest; rest &= rest - 1) {
     const int k = std::countr_zero(rest);
-    if ((tag[static_cast<size_t>(i)] | tag[static_cast<size_t>(column[k])]) & asked && !keep(i, column[k]))
-      kept &= ~(1ULL << k);
+    if ((tag[static_cast<size_t>(i)] | tag[static_cast<size_t>(partner[k])]) & asked && !keep(i, partner[k]))
+      kept &= ~(1U << k);
   }
   return kept;
 }
@@ -124,8 +128,8 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
     const double step = way / static_cast<double>(updates_);
     built_skin_ = 4 * step < skin_ ? std::clamp(4 * std::sqrt(step * skin_), thinnest * skin_, skin_) : 0;
   }
-  cells_.find(position, tag, radius_, built_skin_, periodic_, candidates_, exact_.column_);
-  make_room(kept_, candidates_.border.size());
+  cells_.find(position, tag, radius_, built_skin_, periodic_, candidates_);
+  make_room(kept_, candidates_.bits.size());
   built_at_ = position;
   built_filler_.resize(tag.size());
   std::transform(tag.begin(), tag.end(), built_filler_.begin(), [](std::uint8_t t) { return t & filler; });
@@ -141,9 +145,11 @@ void NeighbourSearch<dim>::mark_asked(std::span<const std::uint8_t> tag) {
   for (size_t i = 0; i < tag.size(); ++i) {
     if (!(tag[i] & asked)) continue;
     meets_asked_[i] = 1;
-    const auto first = candidates_.start[i], last = candidates_.start[i + 1];
-    for (auto c = first; c < last; ++c)
-      meets_asked_[static_cast<size_t>(candidates_.column[static_cast<size_t>(c)])] = 1;
+    const auto list = candidates_.list(static_cast<std::int64_t>(i));
+    size_t word = candidates_.first_bits(static_cast<std::int64_t>(i));
+    for (size_t b = 0; b < list.size(); b += lanes::wide, ++word)
+      for (std::uint32_t near = candidates_.bits[word] & near_bits; near; near &= near - 1)
+        meets_asked_[static_cast<size_t>(list[b + static_cast<size_t>(std::countr_zero(near))])] = 1;
   }
 }
 
@@ -157,38 +163,45 @@ void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t>
 #pragma omp parallel
   {
     std::vector<std::int32_t> looks;
+    std::vector<std::uint8_t> found;  // bits of a row's looks
+    std::array<const std::int32_t*, block> look_end{};
 #pragma omp for schedule(static)
     for (std::int64_t first = 0; first < n; first += block) {
       const std::int64_t last = std::min(n, first + block);
-      looks.resize(static_cast<size_t>(candidates_.start[static_cast<size_t>(last)] -
-                                       candidates_.start[static_cast<size_t>(first)]));
-      std::int32_t* look = looks.data();
+      size_t most = 0;
+      for (std::int64_t i = first; i < last; ++i) most += candidates_.list(i).size();
+      if (looks.size() < most) looks.resize(most);
+      if (found.size() < most / 8 + 8) found.resize(most / 8 + 8);
+      std::int32_t* end = looks.data();
       for (std::int64_t i = first; i < last; ++i) {
-        const std::int32_t* column = candidates_.columns(i);
-        std::int64_t left = candidates_.length(i);
-        for (size_t word = candidates_.word(i); left > 0; ++word, column += 64, left -= 64)
-          for (std::uint64_t border = candidates_.border[word], q = 0; border;
-               border >>= lanes::wide, q += lanes::wide)
-            look += lanes::pack(column + q, static_cast<std::uint32_t>(border & 0xffffU), look);
+        const auto list = candidates_.list(i);
+        size_t word = candidates_.first_bits(i);
+        for (size_t b = 0; b < list.size(); b += lanes::wide, ++word)
+          end += lanes::pack(list.data() + b, candidates_.bits[word] >> lanes::wide, end);
+        look_end[static_cast<size_t>(i - first)] = end;
       }
-      look = looks.data();
+      const std::int32_t* look = looks.data();
       for (std::int64_t i = first; i < last; ++i) {
-        const std::int32_t* column = candidates_.columns(i);
-        std::int64_t left = candidates_.length(i), count = 0;
+        const std::int32_t* const stop = look_end[static_cast<size_t>(i - first)];
+        for (std::uint8_t* eight = found.data(); look < stop; ++eight) {
+          const auto count = static_cast<int>(std::min<std::ptrdiff_t>(lanes::width, stop - look));
+          *eight = static_cast<std::uint8_t>(lanes::between<dim, seams>(x, static_cast<std::int32_t>(i), look,
+                                                                        count, periodic_, nearest, squared));
+          look += count;
+        }
+        const auto list = candidates_.list(i);
+        size_t word = candidates_.first_bits(i), looked = 0;
+        std::int64_t count = 0;
         const bool ask = keep && meets_asked_[static_cast<size_t>(i)];
-        for (size_t word = candidates_.word(i); left > 0; ++word, column += 64, left -= 64) {
-          const std::uint64_t border = candidates_.border[word];
-          const int n_look = std::popcount(border);
-          std::uint64_t found = 0;
-          for (int q = 0; q < n_look; q += lanes::width)
-            found |= std::uint64_t{lanes::between<dim, seams>(x, static_cast<std::int32_t>(i), look + q,
-                                                              std::min(lanes::width, n_look - q), periodic_,
-                                                              nearest, squared)}
-                     << q;
-          look += n_look;
-          std::uint64_t kept = (lanes::first_bits64(left) & ~border) | lanes::deposit(found, border);
-          if (ask) kept = asked_for(kept, static_cast<std::int32_t>(i), column, tag, *keep);
-          kept_[word] = kept;
+        for (size_t b = 0; b < list.size(); b += lanes::wide, ++word) {
+          const std::uint32_t bits = candidates_.bits[word], border = bits >> lanes::wide;
+          std::uint32_t kept = bits & near_bits;
+          std::uint32_t next;  // at least sixteen bits behind those of the looks before
+          std::memcpy(&next, found.data() + looked / 8, sizeof next);
+          kept = (kept & ~border) | lanes::deposit(next >> looked % 8, border);
+          looked += static_cast<size_t>(std::popcount(border));
+          if (ask) kept = asked_for(kept, static_cast<std::int32_t>(i), list.data() + b, tag, *keep);
+          kept_[word] = static_cast<std::uint16_t>(kept);
           count += std::popcount(kept);
         }
         exact_.start_[static_cast<size_t>(i) + 1] = count;
@@ -208,11 +221,10 @@ void NeighbourSearch<dim>::fill(const double* x) {
     const std::int64_t last = std::min(n, first + block);
     std::int32_t* out = exact_.column_.data() + exact_.start_[static_cast<size_t>(first)];
     for (std::int64_t i = first; i < last; ++i) {
-      const std::int32_t* column = candidates_.columns(i);
-      std::int64_t left = candidates_.length(i);
-      for (size_t word = candidates_.word(i); left > 0; ++word, column += 64, left -= 64)
-        for (std::uint64_t kept = kept_[word], q = 0; kept; kept >>= lanes::wide, q += lanes::wide)
-          out += lanes::pack(column + q, static_cast<std::uint32_t>(kept & 0xffffU), out);
+      const auto list = candidates_.list(i);
+      size_t word = candidates_.first_bits(i);
+      for (size_t b = 0; b < list.size(); b += lanes::wide, ++word)
+        out += lanes::pack(list.data() + b, kept_[word], out);
     }
     for (std::int64_t i = first; i < last; ++i) {
       const auto begin = exact_.start_[static_cast<size_t>(i)],

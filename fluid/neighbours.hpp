@@ -149,7 +149,7 @@ class NeighbourSearch {
   std::vector<std::uint8_t> built_filler_;
   CellList<dim> cells_;
   Candidates candidates_;
-  std::vector<std::uint64_t> kept_;        // bits of the candidates that are in the exact rows
+  std::vector<std::uint16_t> kept_;        // of the candidates' bits those that are in the exact rows
   std::vector<std::uint8_t> meets_asked_;  // particles with an asked one among their candidates
   Neighbours exact_;
   std::list<Part> parts_;  // stay where they are: references to their rows are handed out
