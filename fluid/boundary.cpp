@@ -49,13 +49,11 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
       add_rows(partner, tank);
   }
   const auto n = tank.position.cols();
-  density_.setConstant(n, p.density);
-  point_of_.resize(static_cast<std::size_t>(n), -1);
-  buried_.resize(static_cast<std::size_t>(n), 0);
+  point_of_.resize(static_cast<std::size_t>(n - bodies_), -1);
+  buried_.resize(static_cast<std::size_t>(n - bodies_), 0);
   if (volume_) {
-    const double volume = std::pow(p.spacing, dim);
-    for (std::int64_t i = bodies_; i < n; ++i)
-      density_[i] = partner.mass.size() ? partner.mass[i - bodies_] / volume : p.density;
+    density_.setConstant(n - bodies_, p.density);
+    if (partner.mass.size()) density_ = partner.mass / std::pow(p.spacing, dim);
   }
   find_masters(tank);
   check_overlap(tank);
@@ -283,7 +281,7 @@ void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
                                  const Points& acceleration) const {
   const auto n = state.position.cols();
   for (std::int64_t i = water_; i < n; ++i) {
-    const std::int32_t w = master_[static_cast<std::size_t>(i)];
+    const std::int32_t w = master_of(i);
     if (w < 0) continue;
     if (state.surface[static_cast<std::size_t>(w)]) {
       state.pressure[i] = 0;

@@ -47,16 +47,22 @@ class Boundary {
   /// What is given on the points of `mesh`, at one of those places.
   Vector<dim> at_point(const Points& on_mesh, int point) const;
   bool volume() const { return volume_; }
-  std::int64_t water() const { return water_; }                // particles [0, water) are water
-  std::int64_t first_of_bodies() const { return bodies_; }     // [water, first_of_bodies) are the tank
-  const Eigen::VectorXd& density() const { return density_; }  // ρ_i [kg/m³]
+  std::int64_t water() const { return water_; }                      // particles [0, water) are water
+  std::int64_t first_of_bodies() const { return bodies_; }           // [water, first_of_bodies) are the tank
+  const Eigen::VectorXd& solid_density() const { return density_; }  // of the last particles, [bodies, end)
 
   /// Place on the body, one of `points`, that particle i belongs to; −1: none.
-  int point_of(std::int64_t i) const { return point_of_[static_cast<std::size_t>(i)]; }
+  int point_of(std::int64_t i) const {
+    return i < bodies_ ? -1 : point_of_[static_cast<std::size_t>(i - bodies_)];
+  }
   /// First row whose pressure dummy i extends; −1: i is no dummy.
-  std::int32_t master_of(std::int64_t i) const { return master_[static_cast<std::size_t>(i)]; }
+  std::int32_t master_of(std::int64_t i) const {
+    return i < water_ ? -1 : master_[static_cast<std::size_t>(i - water_)];
+  }
   /// A structure particle whose own neighbourhood is complete: it never meets water, so it has no unknown.
-  bool buried(std::int64_t i) const { return buried_[static_cast<std::size_t>(i)] != 0; }
+  bool buried(std::int64_t i) const {
+    return i >= bodies_ && buried_[static_cast<std::size_t>(i - bodies_)] != 0;
+  }
 
   /// Puts the bodies at that motion of the interface points. positions = false: velocities alone, at the old
   /// places.
@@ -135,10 +141,12 @@ class Boundary {
   std::int64_t water_, bodies_;
   int rows_ = 0;  // behind a face
   std::vector<BeyondCorner> beyond_;
-  Eigen::VectorXd density_;
-  std::vector<int> point_of_;
-  std::vector<std::int32_t> master_;  // of a dummy: the row whose pressure it extends; −1
-  std::vector<std::uint8_t> buried_, tag_;
+  Eigen::VectorXd density_;    // of the structure's particles in volume coupling [kg/m³]
+  std::vector<int> point_of_;  // of the bodies' particles
+  std::vector<std::int32_t>
+      master_;  // of all that is no water; of a dummy: the row whose pressure it extends
+  std::vector<std::uint8_t> buried_;  // of the bodies' particles
+  std::vector<std::uint8_t> tag_;
   std::vector<int> triangle_near_;  // in space: of what is no body, nearest within reach; −1: none
   Eigen::VectorXd flat_water_;      // Σ_water w of each interface point under a flat surface at l0
 };

@@ -43,7 +43,6 @@ void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
     append(state, static_cast<std::int64_t>(rows));
     state.kind.insert(state.kind.end(), m, Kind::interface);
     state.kind.insert(state.kind.end(), rows - m, Kind::dummy_interface);
-    point_of_.assign(static_cast<std::size_t>(bodies_), -1);
     for (const Hull::Row& row : outline_.rows()) point_of_.push_back(row.point);
     const Points zero = Points::Zero(3, mesh_.position.cols());
     move(state, zero, zero, true);
@@ -60,7 +59,6 @@ void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
     append(state, m + static_cast<std::int64_t>(fillers));
     state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::interface);
     state.kind.insert(state.kind.end(), fillers, Kind::dummy_interface);
-    point_of_.assign(static_cast<std::size_t>(bodies_), -1);
     for (int row = 0; row < rows_; ++row)
       for (int k = 0; k < m; ++k) point_of_.push_back(k);
     for (const BeyondCorner& filler : beyond_) point_of_.push_back(filler.point);
@@ -112,7 +110,6 @@ void Boundary<dim>::add_solids(const InterfaceMesh& partner, const Points& initi
   const auto m = partner.position.cols();
   append(state, m);
   state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::solid);
-  point_of_.assign(static_cast<std::size_t>(bodies_), -1);
   for (Eigen::Index k = 0; k < m; ++k) point_of_.push_back(static_cast<int>(k));
   state.position.rightCols(m) = partner.position.template topRows<dim>();
   if (initial_velocity.cols() == m) state.velocity.rightCols(m) = initial_velocity.template topRows<dim>();
@@ -121,7 +118,6 @@ void Boundary<dim>::add_solids(const InterfaceMesh& partner, const Points& initi
   const Vectors<dim> reference = state.position.rightCols(m);
   const Neighbours& rows = search.update(reference);
   const LatticeConstants lattice = lattice_constants<dim>(counting_radius_ / spacing_, spacing_);
-  buried_.assign(static_cast<std::size_t>(bodies_), 0);
   for (std::int64_t k = 0; k < m; ++k) {
     double n = 0;
     for (const double distance : rows.distances(k)) n += weight(distance, lattice.radius);
@@ -132,11 +128,12 @@ void Boundary<dim>::add_solids(const InterfaceMesh& partner, const Points& initi
 template <int dim>
 void Boundary<dim>::find_masters(const State<dim>& state) {
   const auto n = state.position.cols();
-  master_.assign(static_cast<std::size_t>(n), -1);
+  master_.resize(static_cast<std::size_t>(n - water_));
   for (std::int64_t i = water_; i < n; ++i)
-    master_[static_cast<std::size_t>(i)] = state.kind[static_cast<std::size_t>(i)] == Kind::dummy_interface
-                                               ? static_cast<std::int32_t>(bodies_ + point_of(i))
-                                               : tank_.master_of(i);
+    master_[static_cast<std::size_t>(i - water_)] =
+        state.kind[static_cast<std::size_t>(i)] == Kind::dummy_interface
+            ? static_cast<std::int32_t>(bodies_ + point_of(i))
+            : tank_.master_of(i);
 }
 
 template <int dim>

@@ -179,7 +179,7 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
       double share = 1.0;
       if (other_is_water) share = 0.5;
       if (other_is_solid) {
-        const double heavy = boundary.density()[pair.j] * volume;
+        const double heavy = boundary.solid_density()[pair.j - boundary.first_of_bodies()] * volume;
         share = heavy / (heavy + particle_mass);
       }
       Vector<dim> change;  // of v_i

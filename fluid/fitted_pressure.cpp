@@ -72,21 +72,23 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
     }
     const double yields = sound * in.yields + sheet;
     double deviation = volume_[i] / lattice_.volume - 1;
-    if (surface_share_[i] > 0) deviation = std::max(deviation, 0.0);
+    const double share = surface_share_[i];
+    if (share > 0) deviation = std::max(deviation, 0.0);
     if (std::isfinite(c)) deviation -= sound * there[i] / (rho * c * c);
-    yielding_[i] = local + yields;
+    const double yielding = local + yields;
+    yielding_[i] = static_cast<float>(yielding);
     meant_[i] = local * state.pressure[i] + drift * deviation;
     if (yields > 0) meant_[i] += yields * still_pressure(boundary, state.position.col(i));
-    system.diagonal[i] = diagonal_[i] + surface_factor_[i] + yielding_[i];
-    soft_[i] = 1 - local / system.diagonal[i];
-    eased_[i] = 0.5 * (1 + surface_share_[i]) * kept * part * soft_[i];
+    system.diagonal[i] = diagonal_[i] + surface_factor_[i] + yielding;
+    const double soft = 1 - local / system.diagonal[i], eased = 0.5 * (1 + share) * kept * part * soft;
+    soft_[i] = static_cast<float>(soft);
+    eased_[i] = static_cast<float>(eased);
     if (undone_ > 0)
-      meant_[i] += undone_ * soft_[i] *
+      meant_[i] += undone_ * soft *
                    (rho / dt * (scale * divergence(i) - in.flux + pull_.dot(in.held)) +
-                    yielding_[i] * state.pressure[i] - meant_[i]);
-    system.right[i] =
-        rho / dt * (in.flux - scale * (divergence(i) - eased_[i] * state.residual_divergence[i])) -
-        (1 - surface_share_[i]) * rho * gravity.dot(moment_.col(i)) + meant_[i];
+                    yielding * state.pressure[i] - meant_[i]);
+    system.right[i] = rho / dt * (in.flux - scale * (divergence(i) - eased * state.residual_divergence[i])) -
+                      (1 - share) * rho * gravity.dot(moment_.col(i).template cast<double>()) + meant_[i];
     // Nothing near and no compressibility: nothing holds a pressure.
     if (system.diagonal[i] <= 0 || boundary.parked(state, i)) {
       system.diagonal[i] = 1;
@@ -196,14 +198,14 @@ void FittedScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<di
     state.residual_divergence[i] = cut == Cut::released ? std::min(0.0, left) : left;
     if (cut != Cut::none) continue;
     state.residual_approach.col(i) = left_approach(boundary, state, near, i);
-    if (undone_ > 0) state.residual_approach.col(i) -= undone_approach_.col(i);
+    if (undone_ > 0) state.residual_approach.col(i) -= undone_approach_.col(i).template cast<double>();
   }
 }
 
 template <int dim>
 void FittedScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
   const std::int64_t water = boundary.water();
-  limited_ = state.pressure.head(water);
+  // Those that are cut read those that are not.
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (surface_share_[i] < 1 || !(state.pressure[i] > 0)) continue;
@@ -216,11 +218,10 @@ void FittedScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state, 
         inside = std::max(inside, state.pressure[j]);
     }
     if (!walled && inside < state.pressure[i]) {
-      limited_[i] = inside;
+      state.pressure[i] = inside;
       cut_[static_cast<std::size_t>(i)] = Cut::limited;
     }
   }
-  state.pressure.head(water) = limited_;
 }
 
 /// ∇p_i = A_i⁻¹ (Σ_water w (p_j − p_i) r/r² + Σ_rows w q P r/r² + (c/d) p_i n), q = `rise`: A_i from the same
@@ -252,7 +253,7 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
       const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
       rises += r * (w * (pressure[j] - here));
     }
-    Vector<dim> sum = surface_pull_[i] * here * inward_.col(i);
+    Vector<dim> sum = surface_pull_[i] * here * inward_.col(i).template cast<double>();
     sum += Eigen::Map<const Vector<dim>>(reinterpret_cast<const double*>(&rises));
     Faces faces;
     for (std::size_t e = inner; e < columns.size(); ++e) {
@@ -266,8 +267,9 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
     }
     gradient_of_p_.col(i).noalias() = all_[static_cast<std::size_t>(i)] * (sum + faces.rises);
     if (undone_ > 0)
-      undone_approach_.col(i) = undone_ * soft_[i] * (left_approach(boundary, state, near, i) - pull_);
-    if (inner < columns.size()) reaction_.col(i) = reaction(i, faces);
+      undone_approach_.col(i) =
+          (undone_ * soft_[i] * (left_approach(boundary, state, near, i) - pull_)).template cast<float>();
+    if (inner < columns.size()) reaction_.col(i) = reaction(i, faces).template cast<float>();
   }
 }
 
@@ -306,26 +308,27 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
     const double alpha = std::min(1.0, p_.scheme.shifting * past.norm() * dt / p_.spacing);
     if (!(alpha > 0)) continue;
     const double reach = alpha * p_.spacing * p_.spacing * dim / gradient_.n0;
-    Vector<dim> move = -reach * crowding_.col(i);
-    if (alpha * stiffness_[i] > soft) {
+    Vector<dim> move = -reach * crowding_.col(i).template cast<double>();
+    const double stiffness = stiffness_[i], share = surface_share_[i];
+    if (alpha * stiffness > soft) {
       // S is as uneven as the neighbours are, Σ w r⊗r/r².
       Tensor<dim> answer = Tensor<dim>::Identity();
       if (water_[k].determinant() > least_determinant()) {
         answer = water_[k].inverse();
         answer *= dim / answer.trace();
       }
-      answer = Tensor<dim>::Identity() + alpha * stiffness_[i] * answer;
+      answer = Tensor<dim>::Identity() + alpha * stiffness * answer;
       move = (answer.inverse() * move).eval();
     }
-    const Vector<dim> inward = inward_.col(i);
-    move -= surface_share_[i] * inward.dot(move) * inward;
+    const Vector<dim> inward = inward_.col(i).template cast<double>();
+    move -= share * inward.dot(move) * inward;
     const double length = move.norm();
     if (length > longest * p_.spacing) move *= longest * p_.spacing / length;
     const auto columns = near.row(i);
     if (!columns.empty() && columns.back() >= boundary.water())
       move = before_faces<dim>(boundary, state.position.col(i), move);
     state.position.col(i) += move;
-    state.velocity.col(i).noalias() += (1 - surface_share_[i]) * velocity_gradient(i) * move;
+    state.velocity.col(i).noalias() += (1 - share) * velocity_gradient(i) * move;
   }
 }
 

@@ -100,11 +100,12 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
   motion_ = motions_.of<Motion>(count);
   std::fill(motion_.begin(), motion_.end(), Motion{});
   water_stop_.resize(count);
-  for (Vectors<dim>* v : {&moment_, &inward_, &crowding_, &reaction_, &gradient_of_p_})
-    v->setZero(dim, water);
-  for (Eigen::VectorXd* v : {&stiffness_, &eased_, &soft_, &meant_, &yielding_, &diagonal_, &volume_,
-                             &surface_factor_, &surface_pull_, &surface_share_})
+  for (SingleVectors* v : {&moment_, &inward_, &crowding_, &reaction_}) v->setZero(dim, water);
+  for (Eigen::VectorXf* v : {&stiffness_, &eased_, &soft_, &yielding_, &volume_, &surface_factor_,
+                             &surface_pull_, &surface_share_})
     v->setZero(water);
+  for (Eigen::VectorXd* v : {&meant_, &diagonal_}) v->setZero(water);
+  gradient_of_p_.setZero(dim, water);
   mean_approach_.setZero(dim, state.position.cols() - water);
   cover_.setZero(state.position.cols() - water);
 }
@@ -223,11 +224,11 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
     beside_wall = true;
   }
   inverse_where_seen<dim>(b, water_[k]);
-  moment_.col(i) = walled;
-  crowding_.col(i) = crowding;
-  stiffness_[i] = stiffness * p_.spacing * p_.spacing / gradient_.n0;
+  moment_.col(i) = walled.template cast<float>();
+  crowding_.col(i) = crowding.template cast<float>();
+  stiffness_[i] = static_cast<float>(stiffness * p_.spacing * p_.spacing / gradient_.n0);
   diagonal_[i] = diagonal;
-  volume_[i] = volume;
+  volume_[i] = static_cast<float>(volume);
 
   double factor = 0, depth = largest_depth * p_.spacing, share = 0, pull = 0;
   Vector<dim> inward = Vector<dim>::Zero();
@@ -272,10 +273,10 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   } else {
     for (int c = 0; c < dim * dim; ++c) all_[k].data()[c] = water_[k].data()[c];
   }
-  inward_.col(i) = inward;
-  surface_factor_[i] = factor;
-  surface_share_[i] = share;
-  surface_pull_[i] = pull;
+  inward_.col(i) = inward.template cast<float>();
+  surface_factor_[i] = static_cast<float>(factor);
+  surface_share_[i] = static_cast<float>(share);
+  surface_pull_[i] = static_cast<float>(pull);
   state.surface[k] = factor > 0 && share >= 1 && depth < shown_depth * p_.spacing ? 1 : 0;
 }
 

@@ -179,40 +179,42 @@ class FittedScheme {
   WallContact<dim> walls_;
   SoundLayer sound_;
   bool full_;  // a closed tank without a gap or a body: no surface anywhere, whatever disorder shows
+  using SingleVectors = Eigen::Matrix<float, dim, Eigen::Dynamic>;
   std::vector<Tensor<dim>> water_;        // [Σ_water w r⊗r/r²]⁻¹
   std::vector<Tensor<dim>> all_;          // the same with P r of wet rows and the free surface's part
   std::vector<float> entry_;              // −w_L of each pair, where far has not got it
   std::vector<std::int64_t> water_stop_;  // end of the water in each row of far
   SharedMemory motions_;
-  std::span<Motion> motion_;   // of the last `filter`, before it, or of `measure_residual`
-  Vectors<dim> moment_;        // Σ w_L r over water, P r over wet rows [m]
-  Vectors<dim> inward_;        // unit vector away from the free surface
-  Vectors<dim> crowding_;      // Σ w r/r² [1/m]
-  Vectors<dim> reaction_;      // of the faces [N], see `reaction`
-  Eigen::VectorXd stiffness_;  // of l0² ∇C against the particle's place
-  Eigen::VectorXd eased_;      // part of its residual that the step leaves as it is
-  Eigen::VectorXd soft_;       // part of the equation's diagonal that no compressibility makes
-  Eigen::VectorXd yielding_;   // of p_i in the equation, but for ∇²p and the surface
+  std::span<Motion> motion_;  // of the last `filter`, before it, or of `measure_residual`
+  // What enters as one factor or one term is as exact as the matrix, single precision.
+  SingleVectors moment_;       // Σ w_L r over water, P r over wet rows [m]
+  SingleVectors inward_;       // unit vector away from the free surface
+  SingleVectors crowding_;     // Σ w r/r² [1/m]
+  SingleVectors reaction_;     // of the faces [N], see `reaction`
+  Eigen::VectorXf stiffness_;  // of l0² ∇C against the particle's place
+  Eigen::VectorXf eased_;      // part of its residual that the step leaves as it is
+  Eigen::VectorXf soft_;       // part of the equation's diagonal that no compressibility makes
+  Eigen::VectorXf yielding_;   // of p_i in the equation, but for ∇²p and the surface
   Eigen::VectorXd meant_;      // of the right side, but for ∇·u* and g
   enum class Cut : std::uint8_t { none, limited, released };
   std::vector<Cut> cut_;                    // pressures that `limit` or `release_tension` has cut
   std::vector<std::uint8_t> sees_surface_;  // of `release_tension`: free surface within the far rows
   bool tension_ = true;                     // no `release_tension` in this step
-  Eigen::VectorXd diagonal_;                // Σ w_L over water
-  Eigen::VectorXd volume_;                  // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
-  Eigen::VectorXd surface_factor_;          // κ
-  Eigen::VectorXd surface_pull_;            // weight/d of the surface in ∇p
-  Eigen::VectorXd surface_share_;           // 0 inside … 1 in the rows next to the free surface
+  Eigen::VectorXd diagonal_;                // Σ w_L over water, the row's sum to the last bit
+  Eigen::VectorXf volume_;                  // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
+  Eigen::VectorXf surface_factor_;          // κ
+  Eigen::VectorXf surface_pull_;            // weight/d of the surface in ∇p
+  Eigen::VectorXf surface_share_;           // 0 inside … 1 in the rows next to the free surface
   Eigen::VectorXd cover_;                   // of the rows: part of the face that water covers, 0 … 1
-  Eigen::VectorXd limited_;
-  Eigen::VectorXd pressure_then_;              // of the hold's beginning [Pa]
-  Vectors<dim> filtered_;                      // what the filter gave to the water there [m/s²]
-  double age_ = 0;                             // of the places [s]
-  double undone_ = 0;                          // 1 − part_of_step
-  Vector<dim> pull_ = Vector<dim>::Zero();     // velocity that gravity_ gives in the step [m/s]
-  double speed_ = 0;                           // `fastest` of the step
+  Eigen::VectorXd pressure_then_;           // of the hold's beginning [Pa]
+  Vectors<dim> filtered_;                   // what the filter gave to the water there [m/s²]
+  double age_ = 0;                          // of the places [s]
+  double undone_ = 0;                       // 1 − part_of_step
+  Vector<dim> pull_ = Vector<dim>::Zero();  // velocity that gravity_ gives in the step [m/s]
+  double speed_ = 0;                        // `fastest` of the step
   Vector<dim> gravity_ = Vector<dim>::Zero();  // of the step, less the tank's acceleration [m/s²]
-  Vectors<dim> gradient_of_p_, mean_approach_, undone_approach_;
+  Vectors<dim> gradient_of_p_, mean_approach_;
+  SingleVectors undone_approach_;
 };
 
 }  // namespace strake::fluid

@@ -17,7 +17,6 @@ void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim
   const std::int64_t water = boundary.water();
   const double most = std::min(largest_tension, p_.density * speed_ * speed_);
   tension_ = false;
-  limited_ = state.pressure.head(water);
   // Rows are symmetric: what sees the free surface is in the surface's rows. All who write there write the
   // same.
   sees_surface_.assign(static_cast<std::size_t>(water), 0);
@@ -33,8 +32,9 @@ void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim
   for (std::int64_t i = 0; i < water; ++i) {
     if (state.pressure[i] > 0) continue;
     if (!sees_surface_[static_cast<std::size_t>(i)] && !(surface_share_[i] > 0)) {
-      limited_[i] = std::max(state.pressure[i], -most);
-      if (limited_[i] > state.pressure[i]) cut_[static_cast<std::size_t>(i)] = Cut::released;
+      if (!(state.pressure[i] < -most)) continue;
+      state.pressure[i] = -most;
+      cut_[static_cast<std::size_t>(i)] = Cut::released;
       continue;
     }
     const auto columns = far.row(i);
@@ -44,10 +44,10 @@ void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim
       if (surface_share_[columns[e]] >= 1)
         nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)));
     const double held = std::clamp((nearest / p_.spacing - parts_to) / (holds_from - parts_to), 0.0, 1.0);
-    limited_[i] = std::max(held * state.pressure[i], -most);
-    if (held < 1 || limited_[i] > state.pressure[i]) cut_[static_cast<std::size_t>(i)] = Cut::released;
+    const double limited = std::max(held * state.pressure[i], -most);
+    if (held < 1 || limited > state.pressure[i]) cut_[static_cast<std::size_t>(i)] = Cut::released;
+    state.pressure[i] = limited;
   }
-  state.pressure.head(water) = limited_;
 }
 
 template void FittedScheme<2>::release_tension(const Boundary<2>&, State<2>&, const Neighbours&);

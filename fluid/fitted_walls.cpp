@@ -204,7 +204,7 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
       const double on_face = state.pressure[i] + up * normal.dot(gradient_of_p_.col(i));
       sum += w * (tension_ ? on_face : std::max(std::min(0.0, state.pressure[i]), on_face));
       least = std::min(least, state.pressure[i]);
-      reactions += w * normal.dot(reaction_.col(i));
+      reactions += w * normal.dot(reaction_.col(i).template cast<double>());
       weights += w;
     }
     if (weights <= 0 || !(area.norm() > 0)) continue;

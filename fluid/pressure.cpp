@@ -60,8 +60,9 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
   const double gamma = drift_factor(scheme, terms.dt);
   const double radius = laplacian.radius, inverse_radius = 1.0 / radius;
   const double c_dt = terms.sound_speed * terms.dt;
-  const double* density = terms.density.data();
   const double rho = terms.reference_density;
+  const std::int64_t solids = n - terms.solid_density.size();
+  const auto density = [&](std::int64_t i) { return i < solids ? rho : terms.solid_density[i - solids]; };
 
 #pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < unknowns; ++k) {
@@ -76,7 +77,7 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
       const Row role = terms.row[static_cast<std::size_t>(j)];
       if (role == Row::none || inverses[e] <= inverse_radius) continue;
       const double between =
-          density[i] == rho || density[j] == rho ? 1.0 : 2.0 * rho / (density[i] + density[j]);
+          density(i) == rho || density(j) == rho ? 1.0 : 2.0 * rho / (density(i) + density(j));
       const auto w = static_cast<float>((radius * inverses[e] - 1.0) * between);
       diagonal += w;
       if (role == Row::zero) continue;

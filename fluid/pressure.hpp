@@ -49,13 +49,13 @@ struct PressureSystem {
 /// What the equation is made of, one entry per particle.
 struct PressureTerms {
   std::span<const Row> row;
-  const Eigen::VectorXd& divergence;    // ∇·u* [1/s]
-  const Eigen::VectorXd& deviation;     // (n − n0)/n0, already clipped where the surface is near
-  const Eigen::VectorXd& old_pressure;  // pⁿ [Pa]
-  const Eigen::VectorXd& density;       // ρ_i [kg/m³]
-  double reference_density = 1000;      // ρ of the water
-  double sound_speed = 1500;            // c [m/s]; infinity: incompressible
-  double dt = 0;                        // Δt [s]
+  const Eigen::VectorXd& divergence;     // ∇·u* [1/s]
+  const Eigen::VectorXd& deviation;      // (n − n0)/n0, already clipped where the surface is near
+  const Eigen::VectorXd& old_pressure;   // pⁿ [Pa]
+  const Eigen::VectorXd& solid_density;  // ρ_i of the last particles, the structure's [kg/m³]
+  double reference_density = 1000;       // ρ of the water
+  double sound_speed = 1500;             // c [m/s]; infinity: incompressible
+  double dt = 0;                         // Δt [s]
 };
 
 /// γ of PHYSICS eq. 25 for one step: Δt/τ where a time constant is given.

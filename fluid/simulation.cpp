@@ -142,7 +142,7 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
     Eigen::Vector3d middle = at;  // the sensor moves with the tank
     middle.template head<dim>() = w.boundary.tank().face_of(i);
     if (!covers(middle)) continue;
-    load -= w.on_walls.col(i).dot(normal);
+    load -= w.on_walls.col(i - w.boundary.water()).dot(normal);
     area += face.norm();
   }
   return area > 0 ? load / area : 0.0;

@@ -265,7 +265,7 @@ void Simulation<dim>::Work::assemble() {
   divergence =
       fluid::divergence<dim>(state.position, state.velocity, search.within(divergence_lattice.radius),
                              divergence_lattice, Masks{solved, {}});
-  const PressureTerms terms{row,       divergence,    deviation, state.pressure, boundary.density(),
+  const PressureTerms terms{row,       divergence,    deviation, state.pressure, boundary.solid_density(),
                             p.density, p.sound_speed, dt};
   assemble_pressure<dim>(*far, terms, p.scheme, laplacian_lattice, system);
 }

@@ -82,7 +82,7 @@ struct Simulation<dim>::Work {
   Vectors<dim> on_points;                   // on the boundary's points [N]
   Points force;                             // the same on the interface's [N]
   Eigen::Matrix2Xd carried;                 // see carried_pressure; volume coupling
-  Vectors<dim> on_walls;                    // on each wall particle with the dummies behind it [N]
+  Vectors<dim> on_walls;                    // on each row of the tank with the dummies behind it [N]
   Vector<dim> floor = Vector<dim>::Zero();  // on the tank floor [N]
 
   // Scratch of one step.

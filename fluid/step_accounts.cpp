@@ -42,11 +42,12 @@ void Simulation<dim>::Work::load_interface() {
     }
   }
   floor = Vector<dim>::Zero();
-  on_walls.setZero(dim, boundary.first_of_bodies());
-  for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
+  const std::int64_t first = boundary.water();
+  on_walls.setZero(dim, boundary.first_of_bodies() - first);
+  for (std::int64_t i = first; i < boundary.first_of_bodies(); ++i) {
     state.impulse_on_walls += dt * forces.col(i);
     const std::int32_t master = boundary.master_of(i);
-    on_walls.col(master < 0 ? i : master) += forces.col(i);
+    on_walls.col((master < 0 ? i : master) - first) += forces.col(i);
     if (boundary.tank().is_floor(i)) floor += forces.col(i);
   }
   for (Eigen::Index k = 0; k < on_points.cols(); ++k) state.impulse_on_bodies += dt * on_points.col(k);

@@ -86,8 +86,6 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
   const auto n = flow.position.cols();
   assert(k.size() == n && flow.walls.first + flow.walls.size() == n);
   acceleration.setZero(dim, n);
-  production.setZero(n);
-  eddy_viscosity.setZero(n);
   if (scheme.turbulence == Turbulence::none) {
     k.setZero();
     if (parameters.kinematic_viscosity == 0) return;
@@ -100,6 +98,8 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
     stress_scale_ = dim / lattice.n0;
     laplacian_scale_ = 2 * dim / (lattice.n0 * lattice.lambda0);
     kind_ = scheme.turbulence;
+    if (kind_ == Turbulence::k)
+      for (Eigen::VectorXd* field : {&production_, &eddy_viscosity_}) field->setZero(n);
     gather_gradient(flow, k);
     if (kind_ == Turbulence::k) transport(flow, lattice, dt, k);
     gather_force(consistent(scheme), flow);
@@ -181,24 +181,23 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
     } else {
       g.setZero();
     }
-    production[i] = pr;
+    if (kind_ == Turbulence::k) production_[i] = pr;
     if (kind_ == Turbulence::statics) k[i] = model_.equilibrium(pr);
-    close(i, g, k[i], flow);
+    close(i, g, k[i], pr, flow);
   }
 }
 
 // ν_t by the model from its energy, τ = (ν + ν_t)(G + Gᵀ) − (2/3) k I.
 template <int dim>
-void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energy,
+void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energy, double production,
                               const ViscousFlow<dim>& flow) {
   double eddy = 0;
   if (kind_ != Turbulence::none) {
     if (neighbours_[static_cast<size_t>(i)] >= fewest_neighbours) eddy = model_.eddy_viscosity(energy);
-    if (model_.wall_damping)
-      eddy *= model_.damping(flow.wall_distance[static_cast<size_t>(i)], production[i]);
+    if (model_.wall_damping) eddy *= model_.damping(flow.wall_distance[static_cast<size_t>(i)], production);
   }
   const double viscosity = model_.kinematic_viscosity + eddy;
-  eddy_viscosity[i] = eddy;
+  if (kind_ == Turbulence::k) eddy_viscosity_[i] = eddy;
   viscosity_[static_cast<size_t>(i)] = viscosity;
   Stress stress{};
   for (int a = 0; a < dim; ++a)
@@ -213,13 +212,13 @@ void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energ
 template <int dim>
 void ViscousStage<dim>::transport(const ViscousFlow<dim>& flow, const LatticeConstants& lattice, double dt,
                                   Eigen::VectorXd& k) {
-  advance_k<dim>(flow, model_, lattice, production, eddy_viscosity, dt, k, scratch_);
+  advance_k<dim>(flow, model_, lattice, production_, eddy_viscosity_, dt, k, scratch_);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < flow.walls.first; ++i) {
     Tensor<dim> g;
     for (int a = 0; a < dim; ++a)
       for (int b = 0; b < dim; ++b) g(a, b) = stress_[static_cast<size_t>(i)].g(a, b);
-    close(i, g, k[i], flow);
+    close(i, g, k[i], production_[i], flow);
   }
 }
 
@@ -381,8 +380,6 @@ void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow
                    sps_acceleration<dim>(flow.position, gradient, fields, flow.near, lattice, masks);
   }
   k = fields.k;
-  production = fields.production;
-  eddy_viscosity = fields.eddy_viscosity;
 }
 
 template class ViscousStage<2>;

@@ -48,9 +48,10 @@ class ViscousStage {
     samples_.swap(other);
   }
 
-  Vectors<dim> acceleration;       // [m/s²]
-  Eigen::VectorXd production;      // Pr = 2 S:S [1/s²]
-  Eigen::VectorXd eddy_viscosity;  // ν_t [m²/s]
+  /// ν + ν_t of the water, of the last `compute` with `joint` [m²/s].
+  std::span<const double> viscosity() const { return viscosity_; }
+
+  Vectors<dim> acceleration;  // [m/s²]
 
  private:
   /// What a neighbour must know: place and velocity, and the rows of τ, then those of G.
@@ -63,7 +64,8 @@ class ViscousStage {
     double g(int a, int b) const { return part[((dim + a) * width + b) / 8][((dim + a) * width + b) % 8]; }
   };
   void gather_gradient(const ViscousFlow<dim>&, Eigen::VectorXd& k);
-  void close(std::int64_t i, const Tensor<dim>& gradient, double energy, const ViscousFlow<dim>&);
+  void close(std::int64_t i, const Tensor<dim>& gradient, double energy, double production,
+             const ViscousFlow<dim>&);
   void transport(const ViscousFlow<dim>&, const LatticeConstants&, double dt, Eigen::VectorXd& k);
   void gather_force(bool corrected, const ViscousFlow<dim>&);
   template <bool corrected>
@@ -82,10 +84,10 @@ class ViscousStage {
   std::span<Sample> sample_;  // of the last `compute`, as `stress_`
   std::span<Stress> stress_;
   std::vector<Tensor<dim>> correction_;
-  std::vector<double> viscosity_;         // ν + ν_t of the water [m²/s]
   std::vector<std::int32_t> neighbours_;  // of the water; −1: too few or too flat for a gradient
   std::vector<std::uint8_t> seen_;
-  Eigen::VectorXd scratch_;
+  std::vector<double> viscosity_;
+  Eigen::VectorXd production_, eddy_viscosity_, scratch_;  // of the k model: Pr = 2 S:S [1/s²], ν_t [m²/s]
 };
 
 }  // namespace strake::fluid
