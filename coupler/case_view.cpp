@@ -106,16 +106,10 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
 }
 
 /// What no single key can tell.
-void check_across(CaseFile& file, const CommonKeys& common, const CouplingKeys& coupling) {
+void check_across(CaseFile& file, const CommonKeys& common) {
   if (common.fluid_solver == "none" && common.structure_solver == "none")
     throw file.root().table("fluid").error("solver", "a fluid, or a structure with structure.solver",
                                            "leave out one of the two \"none\"");
-  if (coupling.placement == "fluid" && (common.fluid_solver != "mps" || common.structure_solver == "none"))
-    throw file.root()
-        .table("coupling")
-        .error("placement",
-               "\"coupler\": the fluid that leads must be fluid.solver = \"mps\", with a structure",
-               "coupling.placement = \"coupler\"");
   if (common.fluid_solver == "none" || common.structure_solver == "none") return;
   if (common.interface == "volume" && common.structure_solver != "particle" &&
       common.structure_solver.find('/') == std::string::npos)
@@ -184,7 +178,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   file.root().table("fluid").accept_all();  // its program judges it
   file.root().table("structure").accept_all();
   file.refuse_unknown();
-  check_across(file, common, coupling);
+  check_across(file, common);
 
   CaseView view{.file = file,
                 .common = common,

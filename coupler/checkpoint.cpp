@@ -9,7 +9,6 @@
 #include <system_error>
 #include <vector>
 
-#include "coupler/lead.hpp"
 #include "coupler/seal.hpp"
 #include "proto/error.hpp"
 #include "proto/result_file.hpp"
@@ -67,12 +66,7 @@ void Checkpoints::write(Session& session, const WindowLoop& loop, const Summary&
 
   for (RemoteParticipant* participant : session.remotes()) participant->checkpoint(target);
   Archive archive;
-  if (session.is_led()) {
-    archive = read_archive(target / led_file);
-    fs::remove(target / led_file, error);
-  } else if (session.scheme() != nullptr) {
-    session.scheme()->state().save(archive);
-  }
+  if (session.scheme() != nullptr) session.scheme()->state().save(archive);
   loop.state().save(archive);
   summary.save(archive);
   write_archive(target / "coupler.h5", archive);

@@ -152,9 +152,9 @@ CouplingKeys read_coupling(CaseFile& file) {
       "solid_velocity", keys.solid_velocity, {"replace", "add"},
       {.help = "what the elastic update does to the velocity that the pressure gave a solid particle"});
 
-  coupling.choice("placement", keys.placement, {"coupler", "fluid"},
-                  {.help = "the process that runs the scheme: the fluid's saves two of four messages per "
-                           "exchange, and all stays on one machine"});
+  std::string placement = "coupler";
+  coupling.choice("placement", placement, {"coupler"},
+                  {.help = "the process that runs the scheme; \"fluid\" was removed in version 0.2"});
 
   coupling.number("frozen_after", keys.frozen_after,
                   {.unit = "s",
@@ -173,9 +173,6 @@ CouplingKeys read_coupling(CaseFile& file) {
                    .exclusive = true,
                    .help = "patience with a participant that is started by hand (--attach)"});
   read_network(coupling, keys);
-  if (keys.placement == "fluid" && (keys.endpoint != "ipc" || !keys.keys.empty()))
-    throw coupling.error("placement", "\"coupler\": with \"fluid\" all stays on one machine",
-                         "leave out coupling.endpoint and coupling.keys, or coupling.placement");
 
   CaseTable run = file.root().table("run", "how the programs run");
   run.number("checkpoint", keys.checkpoint,

@@ -34,7 +34,6 @@ struct CouplingKeys {
   WindowControl control;
   // [coupling.volume]
   std::string solid_velocity = "replace";  // replace | add; read by the fluid
-  std::string placement = "coupler";       // coupler | fluid: the process that runs the scheme
   // waiting
   double frozen_after = 10;      // [s] disconnected but alive
   double answer_within = 600;    // [s] of silence while busy

@@ -1,5 +1,6 @@
 #include "coupler/participant_main.hpp"
 
+#include "coupler/participant_watch.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -45,21 +46,11 @@ int serve_case(const ParticipantOptions& options, const Program& program) {
     require(!value.empty(), name);
   CaseFile file = CaseFile::load(options.case_file, options.sets);
   const char* token = std::getenv("STRAKE_TOKEN");
-  bool declared = false;
-  const auto declare = [&] {  // late, so that the coupler hears of an error
-    if (std::exchange(declared, true)) return;
-    program.declare(file);
-    file.refuse_unknown(program.prefix);
-  };
-  ServeOptions serving{options.endpoint, options.name,    token ? token : "",
+  const ServeOptions serving{options.endpoint, options.name,    token ? token : "",
                        program.solver,   program.version, file.hash()};
-  if (program.lead)
-    serving.leader = [&] {
-      declare();
-      return program.lead(options);
-    };
   return serve(serving, [&](const Setup& setup) {
-    declare();
+    program.declare(file);  // late, so that the coupler hears of an error
+    file.refuse_unknown(program.prefix);
     return program.build(file, options, setup);
   });
 }
@@ -153,6 +144,7 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
 }
 
 int participant_main(int argc, char** argv, const Program& program) {
+  end_with_starter();
   try {
     return run_mode(parse_participant_options(argc, argv), program);
   } catch (const Error& e) {

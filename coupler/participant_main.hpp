@@ -43,8 +43,6 @@ struct Program {
   std::function<std::unique_ptr<Participant>(CaseFile&, const ParticipantOptions&, const Setup&)> build;
   /// Optional, for --properties: one line of a table that compares discretisations; for --picture: an SVG.
   std::function<std::string(CaseFile&)> properties = {}, picture = {};
-  /// Optional: the coupling, for a program that can lead it. `declare` has run on the same file.
-  std::function<std::unique_ptr<Leader>(const ParticipantOptions&)> lead = {};
   /// Optional, for --export FILE: writes what it would compute with, for other programs.
   std::function<void(CaseFile&, const std::filesystem::path&)> export_model = nullptr;
 };

@@ -50,7 +50,7 @@ const std::string& Roster::token() const {
   return state_->token;
 }
 
-void Roster::attach(const std::string& name, int process, const std::filesystem::path& log) {
+void Roster::attach(const std::string& name) {
   assert(!state_->find(name) && "a name is taken once");
   const auto& keys = state_->options.keys;
   if (keys && !keys->admitted.contains(name))
@@ -61,8 +61,6 @@ void Roster::attach(const std::string& name, int process, const std::filesystem:
   m->name = name;
   m->expected_since = Clock::now();
   m->tell_after = state_->options.deadlines.tell;
-  m->started_by_coupler = process;
-  m->log = log;
   state_->members.push_back(std::move(m));
 }
 
@@ -88,25 +86,13 @@ std::string Roster::command(const std::string& name, const Launch& launch) const
 }
 
 void Roster::launch(const std::string& name, Launch launch) {
-  state_->launch(*this, name, std::move(launch), endpoint());
-}
-
-int Roster::launch_to_follow(const std::string& name, Launch launch, const std::string& endpoint) {
-  state_->launch(*this, name, std::move(launch), endpoint);
-  Member& m = *state_->members.back();
-  m.follows = true;
-  return m.child->pid();
-}
-
-void Roster::State::launch(Roster& roster, const std::string& name, Launch launch,
-                           const std::string& endpoint) {
-  launch.arguments = arguments(endpoint, name, launch);
-  launch.environment["STRAKE_TOKEN"] = token;
+  launch.arguments = state_->arguments(endpoint(), name, launch);
+  launch.environment["STRAKE_TOKEN"] = state_->token;
   launch.environment["STRAKE_COUPLER"] = std::to_string(getpid());
-  const auto& keys = options.keys;
+  const auto& keys = state_->options.keys;
   launch.environment["STRAKE_KEY"] = keys ? key_file(keys->folder, name).string() : "";
-  roster.attach(name);
-  Member& m = *members.back();
+  attach(name);
+  Member& m = *state_->members.back();
   m.log = launch.log;
   m.child.emplace(launch);
 }
@@ -124,26 +110,7 @@ RemoteParticipant& Roster::connect(const std::string& name, const Setup& setup) 
   return *m->remote;
 }
 
-std::pair<InterfaceMesh, Description> Roster::lead(const std::string& leader, const std::string& partner,
-                                                   const std::string& endpoint, const Setup& setup) {
-  Member& m = *state_->find(leader);
-  const Member& follower = *state_->find(partner);
-  state_->await_hello(m);
-  m.leads = true;
-  wire::Lead lead{.endpoint = endpoint,
-                  .partner = partner,
-                  .process = static_cast<std::uint64_t>(follower.child->pid()),
-                  .patient = state_->options.deadlines.patient,
-                  .token = state_->token,
-                  .setup = setup,
-                  .log = follower.log.string()};
-  state_->ask(m, {0, std::move(lead)});
-  auto ready = state_->await_as<wire::Ready>(m);
-  return {std::move(ready.mesh), std::move(ready.description)};
-}
-
 void Roster::finish() {
-  for (const auto& m : state_->members) m->may_leave = m->follows;
   for (const auto& m : state_->members) {
     if (!m->greeted) continue;
     state_->ask(*m, {0, wire::Stop{m->before == wire::Before::commit, m->write_output}});
@@ -152,8 +119,6 @@ void Roster::finish() {
     m->greeted = false;  // from here on it may leave
     state_->await_end(*m);
   }
-  for (const auto& m : state_->members)
-    if (m->follows) state_->await_end(*m);
   end();
 }
 
@@ -171,19 +136,10 @@ void Roster::State::await_end(Member& member) const {
   m->child.reset();
 }
 
-void Roster::note_window(std::uint64_t committed, const Window& window) {
-  for (const auto& m : state_->members) {
-    m->committed = committed;
-    m->window = window;
-  }
-}
-
 bool Roster::come_to_rest() noexcept {
   try {
     for (const auto& m : state_->members) {
-      if (m->follows) continue;
       if (!m->greeted || m->broken) return false;
-      if (m->asked == "Windows") return false;  // its reports are not all heard
       if (!m->asked.empty()) state_->await(*m);
       if (m->iteration > 0 && m->before == wire::Before::nothing) m->before = wire::Before::rewind;
       m->iteration = 0;
@@ -202,13 +158,11 @@ void Roster::end() noexcept {
     const auto idle = [&](const Member& m) {
       return m.greeted && m.asked.empty() && !m.broken && s.hub.connected(m.peer);
     };
-    bool led_to_its_end = false;
-    for (const auto& m : s.members) led_to_its_end = led_to_its_end || (m->leads && idle(*m));
     for (const auto& m : s.members) {
       if (idle(*m)) {
         s.ask(*m, {0, wire::Stop{m->before == wire::Before::commit, m->write_output}});
         if (!m->child) ++awaited;
-      } else if (m->child && !(m->follows && led_to_its_end)) {
+      } else if (m->child) {
         m->child->signal(SIGTERM);
       }
     }
@@ -247,23 +201,6 @@ const Description& RemoteParticipant::description() const {
 
 void RemoteParticipant::count_windows_from(std::uint64_t committed) {
   member_->committed = committed;
-}
-
-void RemoteParticipant::ask_windows(std::uint64_t count) {
-  roster_->check_stop_between(*member_);
-  roster_->ask(*member_, {0, wire::Windows{count}});
-}
-
-std::optional<Advanced> RemoteParticipant::next_report() {
-  Roster::Member& m = *member_;
-  if (m.reports.empty()) roster_->await_word(m);
-  if (m.reports.empty()) {
-    roster_->await_as<wire::Done>(m);
-    return {};
-  }
-  Advanced report = std::move(m.reports.front());
-  m.reports.pop_front();
-  return report;
 }
 
 void RemoteParticipant::start(const Window& window, const Input& input) {

@@ -72,21 +72,12 @@ class Roster {
   /// Starts the program with "--connect … --name `name` --case-hash …" put before launch.arguments, and the
   /// token.
   void launch(const std::string& name, Launch launch);
-  /// Starts a participant that connects to another's endpoint and follows it (coupling.placement = "fluid"):
-  /// here its process alone is watched. Returns its number.
-  int launch_to_follow(const std::string& name, Launch launch, const std::string& endpoint);
-  /// Expects a participant started by hand (--attach), or by the coupler that this participant leads for:
-  /// `process` is its number then.
-  void attach(const std::string& name, int process = 0, const std::filesystem::path& log = {});
+  /// Expects a participant started by hand (--attach).
+  void attach(const std::string& name);
   /// The line for a shell that starts that participant, here or on another machine; it holds the token.
   std::string command(const std::string& name, const Launch&) const;
   /// Awaits its Hello, sends Setup, awaits Ready. Launch all, then connect the structure first.
   RemoteParticipant& connect(const std::string& name, const Setup&);
-  /// Makes `leader` the coupler of another. Returns what that one is.
-  std::pair<InterfaceMesh, Description> lead(const std::string& leader, const std::string& partner,
-                                             const std::string& endpoint, const Setup&);
-  /// A window that a leader committed, so that messages name the right one.
-  void note_window(std::uint64_t committed, const Window&);
   /// Regular end: Stop (with the last commit) to each in turn, Done, exit 0, reaped. Error if one of them
   /// fails.
   void finish();
@@ -125,10 +116,6 @@ class RemoteParticipant final : public Participant {
 
   /// Windows committed before this run (resume), so that messages name the right window.
   void count_windows_from(std::uint64_t committed);
-
-  /// Of one that leads: asks for so many windows, and hears the reports one by one; nothing after the last.
-  void ask_windows(std::uint64_t count);
-  std::optional<Advanced> next_report();
 
  private:
   friend class Roster;

@@ -39,7 +39,6 @@ std::string Roster::Member::place() const {
 }
 
 std::string Roster::Member::process() const {
-  if (started_by_coupler != 0) return fmt::format("process {}", started_by_coupler);
   if (!child) return "started by hand";
   return fmt::format("process {}", child->pid());
 }
@@ -82,9 +81,9 @@ void Roster::State::ask(Member& m, wire::Request request) {
   hub.send(m.peer, m.request);
 }
 
-void Roster::State::await_word(Member& m) {
+wire::Reply Roster::State::await(Member& m) {
   Clock::time_point looked = Clock::now();
-  while (!m.reply && m.reports.empty()) {
+  while (!m.reply) {
     receive(beat);
     if (Clock::now() - looked < beat) continue;
     looked = Clock::now();
@@ -93,13 +92,6 @@ void Roster::State::await_word(Member& m) {
     if (!m.reply) tell_wait(m, looked - m.asked_at);
     if (!m.reply) tell_waiting(m, looked - m.asked_at);
     if (m.asked != "Checkpoint" && m.asked != "Stop") check_stop(m);
-  }
-}
-
-wire::Reply Roster::State::await(Member& m) {
-  while (!m.reply) {
-    m.reports.clear();
-    await_word(m);
   }
   m.asked.clear();
   m.request.clear();
@@ -115,12 +107,11 @@ void Roster::State::await_hello(Member& m) {
     const auto waited = Clock::now() - m.expected_since;
     tell_wait(m, waited);
     tell_waiting(m, waited);
-    const auto limit =
-        m.child || m.started_by_coupler != 0 ? options.deadlines.hello : options.deadlines.by_hand;
+    const auto limit = m.child ? options.deadlines.hello : options.deadlines.by_hand;
     if (options.deadlines.patient || waited < limit) continue;
     m.broken = true;
     const std::string refused = m.refusal.empty() ? "" : "\n" + m.refusal;
-    if (!m.child && m.started_by_coupler == 0)
+    if (!m.child)
       throw Error(ExitCode::participant_lost, m.name,
                   fmt::format("has not been started by hand within {}{}", in_seconds(waited), refused),
                   "its command line was printed and stands in run.json; the limit is "
@@ -144,7 +135,7 @@ void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
   m.tell_after += std::min(m.tell_after, longest);
   const std::string alive = m.child ? m.process() + " is alive" : m.process();
   std::string line = "waiting for " + m.place();
-  const bool by_hand = m.asked.empty() && !m.child && m.started_by_coupler == 0;
+  const bool by_hand = m.asked.empty() && !m.child;
   if (by_hand)
     line += fmt::format(", to be started by hand, for {}", in_seconds(waited));
   else if (m.asked.empty())
@@ -163,9 +154,7 @@ void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
 
 void Roster::State::check_deadlines(const Member& m) const {
   const auto waited = Clock::now() - m.last_heard;
-  // One that leads awaits another in its turn.
-  const auto limit = (m.leads ? 2 : 1) * options.deadlines.answer_within;
-  if (options.deadlines.patient || m.reply || waited < limit) return;
+  if (options.deadlines.patient || m.reply || waited < options.deadlines.answer_within) return;
   throw Error(
       ExitCode::participant_lost, m.place(),
       fmt::format("has not answered {} for {} ({}{}{})", m.asked, in_seconds(waited), m.process(),
@@ -176,7 +165,7 @@ void Roster::State::check_deadlines(const Member& m) const {
 void Roster::State::check_stop(const Member& m) {
   const StopRequest* stop = options.stop;
   if (!stop || !stop->requested()) return;
-  if ((m.asked == "Advance" || m.asked == "Windows") && stop->elapsed() < options.deadlines.grace) {
+  if (m.asked == "Advance" && stop->elapsed() < options.deadlines.grace) {
     if (!grace_told && stop->elapsed() > silence_to_tell) {
       grace_told = true;
       say(fmt::format(
@@ -229,25 +218,15 @@ void Roster::State::hear(Hub::Message message) {
 void Roster::State::answered(Member& m, wire::Reply reply) {
   m.last_heard = Clock::now();
   if (const auto* working = std::get_if<wire::Working>(&reply.what)) {
-    if (m.leads && working->fraction < 0)
-      say(harmless(working->what));
-    else {
-      m.doing = harmless(working->what);
-      m.part = std::isfinite(working->fraction) ? std::clamp(working->fraction, 0.0, 1.0) : 0;
-    }
+    m.doing = harmless(working->what);
+    m.part = std::isfinite(working->fraction) ? std::clamp(working->fraction, 0.0, 1.0) : 0;
     return;
   }
   if (const auto* fault = std::get_if<wire::Fault>(&reply.what)) {
     std::string where = fault->where;
-    // A solver does not know the window, unless it leads; a fault in a file or an option has its own place.
-    if (m.leads) throw Error(fault->code, where, fault->problem, fault->fix);
+    // A solver does not know the window; a fault in a file or an option has its own place.
     if (fault->code == ExitCode::solver_fault || where.empty()) where = with_place(where, m.name, m.place());
     throw Error(fault->code, where, fault->problem, fault->fix);
-  }
-  if (auto* report = std::get_if<Advanced>(&reply.what);
-      report != nullptr && m.leads && m.asked == "Windows") {
-    m.reports.push_back(std::move(*report));
-    return;
   }
   if (m.may_repeat == reply.sequence && reply.sequence != (m.asked.empty() ? 0 : m.sequence)) {
     m.may_repeat.reset();
@@ -266,7 +245,7 @@ void Roster::State::answered(Member& m, wire::Reply reply) {
 }
 
 void Roster::State::tell_exchange(const Member& m, const wire::Reply& reply) const {
-  if (!options.on_exchange || m.asked == "Windows") return;
+  if (!options.on_exchange) return;
   const auto nanoseconds = [](Clock::time_point t) {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(t.time_since_epoch()).count();
   };

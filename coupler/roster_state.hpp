@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,10 +25,7 @@ std::string bytes_of(const std::string& hexadecimal);  // empty if it is not
 /// One participant as the coupler knows it.
 struct Roster::Member {
   std::string name;
-  std::optional<Child> child;  // none: started by hand, or by another
-  int started_by_coupler = 0;  // its process, where that is another than this one
-  bool follows = false;        // another participant's questions; here its process alone is watched
-  bool may_leave = false;      // the end of its process is no fault
+  std::optional<Child> child;  // none: started by hand
   std::filesystem::path log;
   Clock::time_point expected_since;
   std::chrono::duration<double> tell_after{0};  // of waiting, until a line says so (again)
@@ -51,8 +47,6 @@ struct Roster::Member {
   Clock::time_point asked_at, last_heard;
   std::string doing;  // its last Working
   double part = 0;    // of that, in [0, 1]
-  bool leads = false;
-  std::deque<Advanced> reports;  // of its windows, not yet looked at
 
   // the window
   std::uint64_t committed = 0;
@@ -88,7 +82,6 @@ struct Roster::State {
   bool grace_told = false;
 
   Member* find(const std::string& name);
-  void launch(Roster&, const std::string& name, Launch, const std::string& endpoint);
   void await_end(Member&) const;
   void say(const std::string& line) const;
   std::vector<std::string> arguments(const std::string& endpoint, const std::string& name,
@@ -97,8 +90,6 @@ struct Roster::State {
   void ask(Member&, wire::Request);
   /// The answer to the request under way. Sees to all other participants meanwhile.
   wire::Reply await(Member&);
-  /// Until the answer is there, or a report.
-  void await_word(Member&);
   template <class Expected>
   Expected await_as(Member&);
   void await_hello(Member&);
@@ -122,7 +113,7 @@ struct Roster::State {
   void look_after(Member&);
   void look_after_strangers();
   void note_stranger(const std::string& what, int times);
-  [[noreturn]] void died(Member&, const Exit&);
+  void died(Member&, const Exit&);
   [[noreturn]] void left(Member&);
   void take_connection(Member&, const std::string& peer);
 };

@@ -22,8 +22,8 @@ void Roster::State::look_after_all() {
 }
 
 void Roster::State::look_after(Member& m) {
-  if (m.child && !m.may_leave)
-    if (const auto exit = m.child->exit()) died(m, *exit);
+  if (m.child)
+    if (const auto exit = m.child->exit()) return died(m, *exit);
   if (!m.greeted) return;
   if (hub.connected(m.peer)) {
     m.silent_since.reset();
@@ -36,9 +36,8 @@ void Roster::State::look_after(Member& m) {
   // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
   const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
   if (has_left && silence > to_come_back && !perhaps_back) left(m);
-  const bool known = m.child || m.started_by_coupler != 0;
   const std::string state = has_left                        ? "has closed its connection"
-                            : !known                        ? "is frozen or cannot be reached"
+                            : !m.child                      ? "is frozen or cannot be reached"
                             : m.child && m.child->stopped() ? "is suspended (" + m.process() + ")"
                                                             : "is frozen (" + m.process() + " lives)";
   if (!m.silence_told && silence > silence_to_tell) {
@@ -68,19 +67,20 @@ void Roster::State::left(Member& m) {
 }
 
 void Roster::State::died(Member& m, const Exit& exit) {
-  m.broken = true;
   const auto end = Clock::now() + last_words;
-  while (Clock::now() < end)
+  const auto has_stopped = [&] { return m.asked == "Stop" && m.reply; };
+  while (Clock::now() < end && !has_stopped())
     receive(end - Clock::now());  // its Fault, if it sent one, says more: it is thrown
+  if (has_stopped()) return;  // a regular end: its last answer lay behind another word of it
+  m.broken = true;
   const std::string what = !m.refusal.empty() ? "\n" + m.refusal
-                           : m.follows        ? ""
                            : !m.greeted       ? " before it said Hello"
                            : m.asked.empty()  ? " between two requests"
                                               : fmt::format(" while {} was awaited", m.asked);
   // Before Hello a program can only speak by its exit code.
   ExitCode code = ExitCode::participant_lost;
   for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
-    if (!m.greeted && !m.follows && m.refusal.empty() && exit.signal == 0 &&
+    if (!m.greeted && m.refusal.empty() && exit.signal == 0 &&
         exit.code == static_cast<int>(own))
       code = own;
   throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),

@@ -367,10 +367,6 @@ void check_by_hand(const RunOptions& options, const CaseView& view) {
     if (side == "fluid" ? !view.fluid : !view.structure)
       throw Error(ExitCode::command_line, "--attach", fmt::format("the case has no {}", side),
                   "--attach names sides that have a solver");
-  if (!options.by_hand.empty() && view.coupling.placement == "fluid")
-    throw Error(ExitCode::command_line, "--attach",
-                "needs the coupler in the middle, and this case has coupling.placement = \"fluid\"",
-                "--set coupling.placement=coupler");
 }
 
 }  // namespace

@@ -108,8 +108,6 @@ class Server {
   wire::Reply reply(const wire::Checkpoint&);
   wire::Reply reply(const wire::Stop&);
   wire::Reply reply(const wire::Refused&);
-  wire::Reply reply(const wire::Lead&);
-  wire::Reply reply(const wire::Windows&);
   void settle(wire::Before, bool write_output);
   Participant& participant(const char* message);
 
@@ -122,8 +120,6 @@ class Server {
   std::uint64_t sequence_ = 0;  // of the last request
   std::int64_t received_ = 0;   // [ns] when it came
   wire::Parts last_reply_;
-  std::vector<wire::Parts> reports_;  // of the windows of the last request
-  std::unique_ptr<Leader> leader_;
   bool stopped_ = false, refused_ = false;
   Clock::time_point last_working_;
 };
@@ -142,7 +138,6 @@ void Server::say_hello() {
 void Server::renew() {
   if (!watch_.take_renewed()) return;
   say_hello();
-  for (const wire::Parts& report : reports_) line_.send(report);  // the coupler knows which are new
   if (!last_reply_.empty()) line_.send(last_reply_);
 }
 
@@ -173,7 +168,6 @@ wire::Request Server::next_request() {
                   fmt::format("the coupler sent request {} after {}", request.sequence, sequence_));
     sequence_ = request.sequence;
     received_ = received;
-    reports_.clear();
     last_reply_.clear();  // it was heard: the next one takes its memory
     return request;
   }
@@ -216,11 +210,7 @@ wire::Reply Server::reply(const wire::Advance& advance) {
 wire::Reply Server::reply(const wire::Checkpoint& checkpoint) {
   Participant& p = participant("Checkpoint");
   settle(checkpoint.before, checkpoint.write_output);
-  if (leader_ && checkpoint.resume)
-    leader_->resume(p, checkpoint.folder);
-  else if (leader_)
-    leader_->checkpoint(p, checkpoint.folder);
-  else if (checkpoint.resume)
+  if (checkpoint.resume)
     p.resume(checkpoint.folder);
   else
     p.checkpoint(checkpoint.folder);
@@ -229,32 +219,9 @@ wire::Reply Server::reply(const wire::Checkpoint& checkpoint) {
 
 wire::Reply Server::reply(const wire::Stop& stop) {
   if (participant_ && stop.commit) participant_->commit(stop.write_output);
-  if (leader_) leader_->finish();
   if (participant_) participant_->flush();
   participant_.reset();  // Done means that everything is written
   stopped_ = true;
-  return {0, wire::Done{}};
-}
-
-wire::Reply Server::reply(const wire::Lead& lead) {
-  if (!options_.leader || leader_)
-    throw Error(ExitCode::participant_lost, options_.name,
-                leader_ ? "the coupler sent Lead twice" : "cannot lead: it does not run the coupling",
-                "coupling.placement = \"coupler\"");
-  leader_ = options_.leader();
-  return {0, leader_->meet(lead)};
-}
-
-wire::Reply Server::reply(const wire::Windows& windows) {
-  Participant& own = participant("Windows");
-  if (!leader_)
-    throw Error(ExitCode::participant_lost, options_.name, "the coupler sent Windows before Lead");
-  last_reply_.clear();
-  leader_->run(own, windows.count, [this](Advanced report) {
-    renew();
-    reports_.push_back(wire::encode(wire::Reply{sequence_, std::move(report)}, options_.name));
-    line_.send(reports_.back());
-  });
   return {0, wire::Done{}};
 }
 
@@ -296,7 +263,7 @@ int Server::run() {
 
 void Server::working(double fraction, const std::string& what) {
   const auto now = Clock::now();
-  if (fraction >= 0 && now - last_working_ < std::chrono::seconds(1)) return;
+  if (now - last_working_ < std::chrono::seconds(1)) return;
   last_working_ = now;
   if (watch_.take_renewed()) say_hello();
   line_.send(wire::encode(wire::Reply{sequence_, wire::Working{fraction, what}}, options_.name));
@@ -320,12 +287,7 @@ int serve(const ServeOptions& options, const ParticipantFactory& factory) {
 }
 
 void working(double fraction, const std::string& what) {
-  if (serving) serving->working(std::max(fraction, 0.0), what);
-}
-
-void tell_coupler(const std::string& line) {
-  constexpr double no_work = -1;
-  if (serving) serving->working(no_work, line);
+  if (serving) serving->working(fraction, what);
 }
 
 }  // namespace strake

@@ -18,11 +18,6 @@ CouplingCase coupling_case(const CaseView& view) {
   return {view.common, view.coupling, view.number("fluid.spacing")};
 }
 
-/// Beside the coupler's own socket: where the fluid hears the structure.
-std::string leaders_endpoint(const std::string& endpoint) {
-  return endpoint.substr(0, endpoint.rfind('/')) + "/fluid";
-}
-
 std::string accelerator_title(const std::string& kind) {
   if (kind == "iqn-ils") return "IQN-ILS";
   if (kind == "iqn-imvj") return "IQN-IMVJ";
@@ -59,18 +54,15 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
       .stop = options.stop,
       .on_exchange = options.on_exchange,
       .on_wait = options.on_wait});
-  if (view.structure) launch(*view.structure, is_led());
+  if (view.structure) launch(*view.structure);
   if (view.fluid) launch(*view.fluid);
 
   Setup setup{.run_folder = options.run_folder,
               .interface = view.coupled() ? view.common.interface : "none",
               .partner_mesh = {},
               .partner_initial = {}};
-  if (is_led())
-    structure_ = &follow(setup);
-  else if (view.structure)
+  if (view.structure) {
     structure_ = &set_up(*view.structure, setup);
-  if (structure_ != nullptr) {
     setup.partner_mesh = structure_->mesh();
     setup.partner_initial = structure_->description().initial;
     setup.history = structure_->description().history && view.common.interface == "surface";
@@ -83,7 +75,7 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
                                      scheme_of(coupling, *structure_));
 }
 
-void Session::launch(const SideView& side, bool follows) {
+void Session::launch(const SideView& side) {
   Launch launch;
   launch.program = side.program;
   launch.arguments = {"--case", case_.file.path().string()};
@@ -97,10 +89,6 @@ void Session::launch(const SideView& side, bool follows) {
     launch.keep_log = true;
   }
   launch.threads = case_.common.threads;
-  if (follows) {
-    roster_->launch_to_follow(side.side, std::move(launch), leaders_endpoint(roster_->endpoint()));
-    return;
-  }
   const auto& by_hand = options_.by_hand;
   if (std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end())
     return roster_->launch(side.side, std::move(launch));
@@ -109,30 +97,17 @@ void Session::launch(const SideView& side, bool follows) {
   if (options_.invite) options_.invite(side.side, roster_->command(side.side, launch));
 }
 
-bool Session::is_led() const {
-  return case_.coupled() && case_.coupling.placement == "fluid";
-}
-
 std::vector<RemoteParticipant*> Session::remotes() const {
   std::vector<RemoteParticipant*> asked;
-  for (RemoteParticipant* participant : {fluid_, remote_structure_})
+  for (RemoteParticipant* participant : {fluid_, structure_})
     if (participant != nullptr) asked.push_back(participant);
   return asked;
 }
 
 RemoteParticipant& Session::set_up(const SideView& side, const Setup& setup) {
   RemoteParticipant& participant = roster_->connect(side.side, setup);
-  (side.side == "fluid" ? fluid_ : remote_structure_) = &participant;
   add_columns(side.side, participant.description());
   return participant;
-}
-
-Participant& Session::follow(const Setup& setup) {
-  auto [mesh, description] =
-      roster_->lead("fluid", "structure", leaders_endpoint(roster_->endpoint()), setup);
-  follower_ = std::make_unique<Follower>(std::move(mesh), std::move(description));
-  add_columns("structure", follower_->description());
-  return *follower_;
 }
 
 void Session::add_columns(const std::string& side, const Description& description) {
@@ -164,12 +139,6 @@ RunPlan Session::plan() const {
 }
 
 std::unique_ptr<WindowLoop> Session::loop(const RunPlan& plan) {
-  if (is_led())
-    return std::make_unique<LedLoop>(*roster_, *fluid_,
-                                     LedLoop::Options{.plan = plan,
-                                                      .measured = scheme_->measured(),
-                                                      .checkpoint_windows = case_.coupling.checkpoint_windows,
-                                                      .on_exchange = options_.on_exchange});
   if (scheme_) return std::make_unique<RunLoop>(*scheme_, plan);
   if (fluid_ != nullptr) return std::make_unique<RunLoop>(*fluid_, RunLoop::Side::fluid, plan);
   return std::make_unique<RunLoop>(*structure_, RunLoop::Side::structure, plan);
@@ -193,7 +162,6 @@ std::vector<std::string> Session::coupling_lines() const {
         fmt::format("surface, {}, {}{}   {}", case_.coupling.mapping.kind,
                     case_.coupling.iterates() ? accelerator_title(case_.coupling.accelerator) : "explicit",
                     case_.coupling.parallel ? ", both at once" : "", windows));
-  if (is_led()) lines.back() += "   in the fluid's process";
   const MappingQuality& quality = scheme_->mapping().quality();
   std::string second = fmt::format("{} wet points on {} structure points, at most {:.1e} m apart",
                                    quality.n_fluid, quality.n_structure, quality.largest_distance);

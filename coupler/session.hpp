@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "coupler/case_view.hpp"
-#include "coupler/lead.hpp"
+#include "coupler/case_scheme.hpp"
 #include "coupler/remote.hpp"
 #include "coupler/run_loop.hpp"
 #include "coupler/scheme.hpp"
@@ -44,10 +44,8 @@ class Session {
   RunPlan plan() const;                       // of the whole case
   Scheme* scheme() { return scheme_.get(); }  // nullptr with one participant
   RemoteParticipant* fluid() { return fluid_; }
-  Participant* structure() { return structure_; }
-  /// Those that this process asks: of a coupling in the fluid's process, the fluid alone.
+  RemoteParticipant* structure() { return structure_; }
   std::vector<RemoteParticipant*> remotes() const;
-  bool is_led() const;  // coupling.placement = "fluid"
   Roster& roster() { return *roster_; }
 
   /// What the participants report per window; of two columns with one name the second carries its side's
@@ -64,18 +62,15 @@ class Session {
 
  private:
   RemoteParticipant& set_up(const SideView&, const Setup&);
-  Participant& follow(const Setup&);
   void add_columns(const std::string& side, const Description&);
-  void launch(const SideView&, bool follows = false);
+  void launch(const SideView&);
   std::vector<std::string> coupling_lines() const;
 
   const CaseView& case_;
   Options options_;
   std::unique_ptr<Roster> roster_;
   RemoteParticipant* fluid_ = nullptr;
-  RemoteParticipant* remote_structure_ = nullptr;
-  std::unique_ptr<Follower> follower_;
-  Participant* structure_ = nullptr;  // either
+  RemoteParticipant* structure_ = nullptr;
   std::unique_ptr<Scheme> scheme_;
   struct Source {
     bool fluid = false;

@@ -1,6 +1,5 @@
 #include <memory>
 
-#include "coupler/lead.hpp"
 #include "coupler/participant_main.hpp"
 #include "fluid/participant.hpp"
 
@@ -25,11 +24,6 @@ int main(int argc, char** argv) {
     if (parameters.dimension == 3)
       return std::make_unique<fluid::FluidParticipant<3>>(parameters, common, setup);
     return std::make_unique<fluid::FluidParticipant<2>>(parameters, common, setup);
-  };
-  program.lead = [&](const ParticipantOptions& options) {
-    CaseFile file = CaseFile::load(options.case_file, options.sets);
-    const CommonKeys shared = read_common(file);
-    return make_leader({shared, read_coupling(file), parameters.spacing}, file.hash());
   };
   return participant_main(argc, argv, program);
 }

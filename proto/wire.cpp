@@ -120,20 +120,6 @@ void write(const Refused& from, pb::Request& request, Writer&) {
   to.set_fix(from.fix);
 }
 
-void write(const Lead& from, pb::Request& request, Writer& writer) {
-  pb::Lead& to = *request.mutable_lead();
-  to.set_endpoint(from.endpoint);
-  to.set_partner(from.partner);
-  to.set_process(from.process);
-  to.set_patient(from.patient);
-  to.set_token(from.token);
-  write(from.setup, *to.mutable_setup(), writer);
-  to.set_log(from.log);
-}
-void write(const Windows& from, pb::Request& request, Writer&) {
-  request.mutable_windows()->set_count(from.count);
-}
-
 Setup read(const pb::Setup& from, Reader& reader) {
   Setup to;
   to.run_folder = from.run_folder();
@@ -153,16 +139,6 @@ Advance read(const pb::Advance& from, Reader& reader) {
   to.write_output = from.write_output();
   to.input.samples = read_samples(from.samples(), reader);
   return to;
-}
-
-Lead read(const pb::Lead& from, Reader& reader) {
-  return {.endpoint = from.endpoint(),
-          .partner = from.partner(),
-          .process = from.process(),
-          .patient = from.patient(),
-          .token = from.token(),
-          .setup = read(from.setup(), reader),
-          .log = from.log()};
 }
 
 // ---- replies
@@ -318,12 +294,6 @@ Request decode_request(const Parts& parts, const std::string& who) {
       to.what = Refused{r.where(), r.problem(), r.fix()};
       break;
     }
-    case pb::Request::kLead:
-      to.what = read(header.lead(), reader);
-      break;
-    case pb::Request::kWindows:
-      to.what = Windows{header.windows().count()};
-      break;
     case pb::Request::WHAT_NOT_SET:
       rules.broken("asks for nothing that this side knows");
   }
@@ -373,8 +343,7 @@ Reply decode_reply(const Parts& parts, const std::string& who) {
 const char* name_of(const Request& request) {
   return std::visit(Overloaded{[](const Setup&) { return "Setup"; }, [](const Advance&) { return "Advance"; },
                                [](const Checkpoint&) { return "Checkpoint"; },
-                               [](const Stop&) { return "Stop"; }, [](const Refused&) { return "Refused"; },
-                               [](const Lead&) { return "Lead"; }, [](const Windows&) { return "Windows"; }},
+                               [](const Stop&) { return "Stop"; }, [](const Refused&) { return "Refused"; }},
                     request.what);
 }
 const char* name_of(const Reply& reply) {

@@ -52,20 +52,6 @@ struct Checkpoint {
 struct Stop {
   bool commit = false, write_output = false;
 };
-/// Runs the coupling itself: is the coupler of `partner`, which is the process with that number and connects
-/// to `endpoint`, and sends it `setup`. Answered by the partner's Ready.
-struct Lead {
-  std::string endpoint, partner;
-  std::uint64_t process = 0;
-  bool patient = false;
-  std::string token;  // hexadecimal
-  Setup setup;
-  std::string log;  // of the partner, for messages
-};
-/// The next so many windows, or those up to the end: an Advanced for each as its report, then Done.
-struct Windows {
-  std::uint64_t count = 0;
-};
 struct Working {
   double fraction = 0;
   std::string what;
@@ -78,7 +64,7 @@ struct Done {};
 
 struct Request {
   std::uint64_t sequence = 0;
-  std::variant<Setup, Advance, Checkpoint, Stop, Refused, Lead, Windows> what;
+  std::variant<Setup, Advance, Checkpoint, Stop, Refused> what;
 };
 /// When a participant received the question and when its answer goes, on its own steady clock. 0: not told.
 struct Times {

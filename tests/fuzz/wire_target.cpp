@@ -105,8 +105,6 @@ std::vector<std::string> seeds() {
   request(advance);
   request(wire::Checkpoint{"/runs/plate/checkpoint/000042", true, wire::Before::rewind, false});
   request(wire::Stop{true, true});
-  request(wire::Lead{"ipc:///tmp/s/fluid", "structure", 7, false, "00ff", {}, "structure.log"});
-  request(wire::Windows{3});
   request(wire::Refused{"coupler", "another case", "give it the same --case"});
   reply(wire::Hello{1, "fluid", std::string(16, 't'), "mps", "0.1", std::string(32, 'h')});
   Description description;

@@ -155,28 +155,6 @@ TEST(Wire, TheSmallRequestsComeBack) {
   EXPECT_TRUE(s.commit);
   EXPECT_FALSE(s.write_output);
   EXPECT_EQ(request_round_trip(Refused{"coupler", "no", "yes"}).problem, "no");
-  EXPECT_EQ(request_round_trip(Windows{123456}).count, 123456u);
-}
-
-TEST(Wire, ALeadKeepsWhoIsLedAndItsSetup) {
-  const InterfaceMesh mesh = square();
-  const Lead lead = {
-      .endpoint = "ipc:///tmp/strake-abc/fluid",
-      .partner = "structure",
-      .process = 4711,
-      .patient = true,
-      .token = "00ff",
-      .setup = {.run_folder = "runs/x", .interface = "surface", .partner_mesh = mesh, .partner_initial = {}},
-      .log = "runs/x/structure.log"};
-  const Lead got = request_round_trip(lead);
-  EXPECT_EQ(got.endpoint, lead.endpoint);
-  EXPECT_EQ(got.partner, "structure");
-  EXPECT_EQ(got.process, 4711u);
-  EXPECT_TRUE(got.patient);
-  EXPECT_EQ(got.token, "00ff");
-  EXPECT_EQ(got.setup.run_folder, "runs/x");
-  expect_equal(got.setup.partner_mesh, mesh);
-  EXPECT_EQ(got.log, lead.log);
 }
 
 TEST(Wire, AReadyKeepsMeshAndDescription) {
