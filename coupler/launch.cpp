@@ -41,6 +41,24 @@ std::set<pid_t>& owned() {
 
 constexpr milliseconds beat{5};  // between two looks at a process that is about to end
 
+/// The variable that every program started here has in its environment, and so has what it starts in turn.
+constexpr const char* started_by = "STRAKE_STARTED_BY";
+
+/// Its value: 128 random bits of this process. It tells our descendants from all other children: a shell that
+/// became this process by `exec` leaves its background jobs to us, and they are not ours to end.
+const std::string& own_mark() {
+  static const std::string mark = std::string(started_by) + "=" + random_token();
+  return mark;
+}
+
+/// Whether that process was started by this one, or by a program that this one started.
+bool is_descendant(pid_t pid) {
+  std::ifstream environment(fmt::format("/proc/{}/environ", pid));
+  for (std::string setting; std::getline(environment, setting, '\0');)
+    if (setting == own_mark()) return true;
+  return false;
+}
+
 /// A file descriptor that closes itself.
 class Descriptor {
  public:
@@ -99,8 +117,10 @@ class Spawn {
     std::vector<std::string> settings;
     for (char** entry = environ; *entry; ++entry) {
       const std::string setting = *entry;
-      if (!environment.contains(setting.substr(0, setting.find('=')))) settings.push_back(setting);
+      const std::string name = setting.substr(0, setting.find('='));
+      if (name != started_by && !environment.contains(name)) settings.push_back(setting);
     }
+    settings.push_back(own_mark());
     for (const auto& [name, value] : environment) settings.push_back(name + "=" + value);
     pid_t pid = -1;
     const int failure = posix_spawn(&pid, program.c_str(), &files_, &attributes_, pointers(words).data(),
@@ -289,7 +309,7 @@ void end_orphans() {
   for (int round = 0; round < 3; ++round) {  // an orphan may leave orphans
     bool any = false;
     for (pid_t pid : children()) {
-      if (owned().contains(pid)) continue;
+      if (owned().contains(pid) || reap(pid) || !is_descendant(pid)) continue;
       any = true;
       kill(pid, SIGKILL);
       const auto end = steady_clock::now() + milliseconds(500);
@@ -310,7 +330,9 @@ Captured capture(const std::filesystem::path& program, const std::vector<std::st
   Spawn spawn;
   spawn.copy(theirs[0].get(), 1);
   spawn.copy(theirs[1].get(), 2);
-  const pid_t pid = spawn.run(program, arguments, solver_environment(1));
+  std::map<std::string, std::string> environment = solver_environment(1);
+  environment["STRAKE_COUPLER"] = std::to_string(getpid());  // it ends with this process
+  const pid_t pid = spawn.run(program, arguments, environment);
   owned().insert(pid);
   for (Descriptor& d : theirs) d.close();
 

@@ -66,7 +66,8 @@ class Child {
   std::optional<Exit> exit_;
 };
 
-/// Ends and reaps what the children left behind (orphans come to a sub-reaper); Child objects are left alone.
+/// Ends and reaps what the children left behind (orphans come to a sub-reaper). Child objects are left alone,
+/// and so is every process that no program of ours started.
 void end_orphans();
 
 struct Captured {

@@ -11,6 +11,8 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 namespace strake {
@@ -26,8 +28,23 @@ struct LastMoments {
   std::array<char, 128> socket{},
       folder{};       // of an ipc endpoint: the dead coupler cannot remove them any more
   pid_t coupler = 0;  // our parent, 0 if the coupler did not start us
+  pid_t named = 0;    // what STRAKE_COUPLER says: the same, or the coupler above a script that started us
 };
 LastMoments last_moments;
+
+/// The coupler's process as STRAKE_COUPLER names it; 0 for a participant that is started by hand.
+pid_t named_coupler() {
+  const char* text = std::getenv("STRAKE_COUPLER");
+  return text ? static_cast<pid_t>(std::atol(text)) : 0;
+}
+
+/// Whether a process runs. One that has ended and was not reaped yet does not.
+bool runs(pid_t pid) {
+  std::ifstream stat(fmt::format("/proc/{}/stat", pid));
+  const std::string text{std::istreambuf_iterator<char>(stat), {}};
+  const std::size_t name_end = text.rfind(')');  // pid (name) state …
+  return name_end != std::string::npos && name_end + 2 < text.size() && text[name_end + 2] != 'Z';
+}
 
 template <std::size_t n>
 void set_text(std::array<char, n>& to, const std::string& from) {
@@ -67,6 +84,13 @@ void on_death_of_parent(int) {
 
 }  // namespace
 
+void end_with_starter() {
+  const pid_t starter = named_coupler();
+  if (starter == 0) return;
+  if (starter == getppid()) prctl(PR_SET_PDEATHSIG, SIGTERM, 0, 0, 0);
+  if (!runs(starter) && getppid() != starter) _exit(static_cast<int>(ExitCode::participant_lost));
+}
+
 void take_signals() {
   struct sigaction action {};
   action.sa_handler = on_sigterm;
@@ -80,8 +104,7 @@ void take_signals() {
 }
 
 void prepare_last_moments(const std::string& name, const std::string& endpoint) {
-  const char* coupler = std::getenv("STRAKE_COUPLER");
-  const pid_t parent = coupler ? static_cast<pid_t>(std::atol(coupler)) : 0;
+  const pid_t parent = last_moments.named = named_coupler();
   const bool launched = parent != 0 && parent == getppid();
   const std::string whose = parent != 0 ? fmt::format("the coupler (process {})", parent) : "the coupler";
   set_text(last_moments.gone, fmt::format("{}: {} is gone, so this process ends (exit 5)\n", name, whose));
@@ -128,7 +151,7 @@ void Watch::judge(LinkEvent event, int in_a_row) const {
 
 void Watch::run(Line& line) {
   constexpr milliseconds beat{100};
-  constexpr std::chrono::seconds to_thaw{10}, to_be_there{30};
+  constexpr std::chrono::seconds to_thaw{10}, to_be_there{30}, to_find_named{1};
   // On one machine a living coupler's kernel accepts at once, even if it is frozen; a network may be cut.
   const milliseconds to_reconnect{leaves_machine(endpoint_) ? 10'000 : 500};
   const auto start = Clock::now();
@@ -153,6 +176,9 @@ void Watch::run(Line& line) {
       }
     }
     if (parent_is_gone()) end_without_coupler();
+    if (!was_ready && last_moments.named != 0 && Clock::now() - start > to_find_named &&
+        !runs(last_moments.named))
+      end_without_coupler();  // it died while this program was loaded
     if (!was_ready && Clock::now() - start > to_be_there)
       give_up(ExitCode::participant_lost,
               fmt::format("no coupler answers there for {} s", to_be_there.count()),

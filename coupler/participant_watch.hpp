@@ -12,6 +12,10 @@
 /// How a participant notices that it works for nobody, for serve.cpp alone.
 namespace strake {
 
+/// From here on the death of the process that started this program ends it. For the first moments of a
+/// program and for its modes (--check); `prepare_last_moments` then says it with a line in the log.
+void end_with_starter();
+
 /// From here on SIGTERM, and the death of a coupler that started this process, end it with a line in the log.
 void prepare_last_moments(const std::string& name, const std::string& endpoint);
 

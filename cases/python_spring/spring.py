@@ -1,8 +1,8 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -B
 """A rigid floor on a spring, m y'' + k y = F, as a participant of a run. proto/README.md explains every step."""
-import os, sys, tomllib
-import numpy as np, zmq
-import coupling_pb2 as pb  # made of proto/coupling.proto by the build; strake puts its folder on PYTHONPATH
+import sys, tomllib
+import numpy as np
+from connection import Connection, pb
 
 pairs = list(zip(sys.argv[1::2], sys.argv[2::2]))  # --connect ENDPOINT --name structure --case-hash HEX --case FILE …
 option = dict(pairs)
@@ -25,20 +25,12 @@ def advance(dt, force):  # the trapezoidal rule, with the mean force over the wi
     end = ((1 - a) * v + dt * (force - k * y) / m) / (1 + a)
     return np.array((y + dt * (v + end) / 2, end))
 
-socket = zmq.Context().socket(zmq.DEALER)
-socket.connect(option["--connect"])
-hello = pb.Hello(protocol=1, name=option["--name"], solver="spring", version="1", case_hash=bytes.fromhex(
-    option["--case-hash"]), token=bytes.fromhex(os.environ["STRAKE_TOKEN"]))
-socket.send(pb.Reply(hello=hello).SerializeToString())
-parent, what = os.getppid(), ""
+coupler = Connection(option["--connect"], option["--name"], option["--case-hash"], solver="spring", version="1")
+what = ""
 while what != "stop":
-    while not socket.poll(500):  # ms
-        if os.getppid() != parent:
-            sys.exit("spring: the coupler is gone")
-    header, *arrays = socket.recv_multipart()
-    request = pb.Request.FromString(header)
+    request, arrays = coupler.ask()
     what, frames = request.WhichOneof("what"), ()
-    ask, reply = getattr(request, what), pb.Reply(sequence=request.sequence, done=pb.Done())
+    ask, reply = getattr(request, what), pb.Reply(done=pb.Done())
     if getattr(ask, "before", 0) == pb.Advance.COMMIT or getattr(ask, "commit", False):
         committed = trial  # REWIND needs nothing: every window starts from `committed`
     if what == "setup":
@@ -55,6 +47,4 @@ while what != "stop":
         committed = trial = np.load(ask.folder + "/structure.npy")
     elif what == "checkpoint":
         np.save(ask.folder + "/structure.npy", committed)
-    elif what == "refused":
-        sys.exit("spring: " + ask.problem)
-    socket.send_multipart([reply.SerializeToString(), *(array.tobytes() for array in frames)])
+    coupler.reply(reply, frames)

@@ -84,6 +84,28 @@ TEST_F(Launching, WhatAProgramLeavesBehindIsEnded) {
   EXPECT_NE(kill(orphan, 0), 0);
 }
 
+// `bash -c 'sleep 3333 & exec strake run …'`: the sleep is a child of the program that takes the shell's place.
+TEST_F(Launching, WhatNoProgramOfOursStartedIsLeftAlone) {
+  Child child(shell("true"));  // from here on this process is the parent of orphans
+  ASSERT_TRUE(child.wait(std::chrono::seconds(5)));
+  const std::string file = (folder_ / "orphan").string(), script = "setsid sleep 30 & echo $! >" + file + "; exec sleep 30";
+  const pid_t stranger = fork();
+  if (stranger == 0) {
+    execl("/bin/sh", "sh", "-c", script.c_str(), nullptr);
+    _exit(127);
+  }
+  while (!fs::exists(file) || content(file).find('\n') == std::string::npos) usleep(1000);
+  const pid_t orphan = static_cast<pid_t>(std::stol(content(file)));
+  end_orphans();
+  EXPECT_EQ(waitpid(stranger, nullptr, WNOHANG), 0) << "it was ended or reaped";
+  kill(stranger, SIGKILL);
+  EXPECT_EQ(waitpid(stranger, nullptr, 0), stranger);
+  end_orphans();  // what the stranger had started came to this process
+  EXPECT_EQ(waitpid(orphan, nullptr, WNOHANG), 0) << "it was ended or reaped";
+  kill(orphan, SIGKILL);
+  EXPECT_EQ(waitpid(orphan, nullptr, 0), orphan);
+}
+
 TEST_F(Launching, CaptureReturnsBothStreamsAndTheCode) {
   const Captured c = capture("/bin/sh", {"-c", "echo out; echo err >&2; exit 3"});
   EXPECT_EQ(c.out, "out\n");

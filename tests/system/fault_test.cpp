@@ -59,6 +59,21 @@ TEST_F(Faults, ACheckpointHoldsTheLastCommitAndResumesInANewProcess) {
   roster_.reset();
 }
 
+TEST_F(Faults, AnAnswerToStopThatLiesBehindAnotherWordIsStillARegularEnd) {
+  bool waited = false;
+  options_.on_wait = [&](const Awaited& whom) {
+    if (waited || whom.doing != "writing") return;
+    waited = true;  // the coupler is busy while the participant says its last words and ends
+    std::this_thread::sleep_for(milliseconds(500));
+  };
+  launch("structure", "talkative");
+  roster().connect("structure", {});
+  EXPECT_NO_THROW(roster().finish());
+  EXPECT_TRUE(waited);
+  EXPECT_EQ(said_, "");
+  roster_.reset();
+}
+
 TEST_F(Faults, AKilledParticipantIsNamedInsideItsStepWithWindowAndTime) {
   launch("structure", "sleep", 2);
   launch("fluid", "");

@@ -3,6 +3,7 @@ Both are the floor on a spring of cases/python_spring, run by the installed prog
 import csv
 import json
 import shutil
+import time
 import tomllib
 
 from processes import *  # noqa: F403: the test's own vocabulary
@@ -88,6 +89,45 @@ def coupler_dies(place, words):
     expect(wait_until(lambda: not any(alive(pid) for pid in solvers.values()), 5), "kill: no solver outlives the coupler")
 
 
+def begin(place, words, tag, *more):
+    process = subprocess.Popen([*map(str, words), "--tag", tag, *more], cwd=place, env=ENV, stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True)
+    return process, place / "runs" / f"python_spring-{tag}"
+
+
+def solver_is_suspended(place, words, whole):
+    """Longer than the heartbeats allow: the coupler cuts the connection, and the solver makes a new one."""
+    process, run = begin(place, words, "nap")
+    expect(wait_until(lambda: rows(run) >= 20, 60), "suspended: the run is under way")
+    solver = children(process.pid)["python3"]
+    os.kill(solver, signal.SIGSTOP)
+    time.sleep(1.5)
+    os.kill(solver, signal.SIGCONT)
+    output = process.communicate(timeout=60)[0]
+    expect(process.returncode == 0, f"suspended: the run goes on, exit {process.returncode}" + (output if process.returncode else ""))
+    for name in ("history.csv", "iterations.csv"):
+        expect((run / name).read_bytes() == (whole / name).read_bytes(), f"suspended: {name} is the same to the byte")
+
+
+def solver_started_by_hand_ends_with_the_coupler(place, words):
+    process, run = begin(place, words, "hand", "--attach", "structure")
+    record = run / "run.json"
+    expect(wait_until(lambda: record.exists() and "start_by_hand" in record.read_text(), 30), "by hand: its command line is told")
+    line = json.loads(record.read_text())["participants"]["structure"]["start_by_hand"]
+    solver = subprocess.Popen(["bash", "-c", f"exec env {line}"], cwd=place, env=ENV, stderr=subprocess.PIPE, text=True)
+    expect(wait_until(lambda: rows(run) >= 5, 60), "by hand: the run is under way")
+    process.kill()
+    process.communicate()
+    killed = time.monotonic()
+    try:
+        errors = solver.communicate(timeout=20)[1]
+    except subprocess.TimeoutExpired:
+        solver.kill()
+        errors = solver.communicate()[1]
+    took = time.monotonic() - killed
+    expect(took < 5 and solver.returncode == 5, f"by hand: it ends {took:.1f} s after the coupler, exit {solver.returncode}: {errors}")
+
+
 with folder() as place:
     place = pathlib.Path(place)
     prefix = place / "prefix"
@@ -95,4 +135,6 @@ with folder() as place:
     words, whole = run_both(place, prefix, solver)
     resume_python(place, words, whole)
     coupler_dies(place, words)
+    solver_is_suspended(place, words, whole)
+    solver_started_by_hand_ends_with_the_coupler(place, words)
 finish()

@@ -66,6 +66,39 @@ def kill(name):
     return strike
 
 
+def marked(mark, word=""):
+    """Processes with that mark in their environment: what was started here, whoever its parent is now."""
+    found = {}
+    for entry in pathlib.Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and f"STRAKE_TEST={mark}".encode() in (entry / "environ").read_bytes().split(b"\0"):
+                words = (entry / "cmdline").read_bytes().decode().split("\0")
+                if not word or word in words:
+                    found[int(entry.name)] = words[0]
+        except OSError:
+            continue
+    return found
+
+
+def kill_while_they_load(word):
+    """The coupler dies just after it has started a program, which is still being loaded: the program ends as well."""
+    with folder() as place:
+        mark = f"{os.getpid()}{word}"
+        process = subprocess.Popen([str(BIN / "strake"), "run", str(CASE)], cwd=place, env=dict(ENV, STRAKE_TEST=mark),
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        expect(wait_until(lambda: marked(mark, word), 30, step=0), f"kill -9 coupler: a program starts with {word}")
+        process.kill()
+        process.wait()
+        struck = time.monotonic()
+        ended = wait_until(lambda: not marked(mark), 3)
+        left = marked(mark)
+        expect(ended, f"kill -9 coupler while {word} is loaded: nothing runs {time.monotonic() - struck:.2f} s later {left}")
+        for pid in left:
+            os.kill(pid, signal.SIGKILL)
+
+
+for mode in ("--check", "--connect"):
+    kill_while_they_load(mode)
 run_and_strike("kill -9 fluid", kill("strake-fluid"), 5, "fluid")
 run_and_strike("kill -9 structure", kill("strake-structure-rigid"), 5, "structure")
 run_and_strike("kill -9 coupler", lambda process, pids: process.kill(), None, "coupler")

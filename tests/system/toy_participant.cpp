@@ -133,6 +133,13 @@ int speak_wrongly(const ServeOptions& options, const Wish& wish) {
       toy.checkpoint(checkpoint->folder);
       say(n, wire::Done{});
     }
+    if (std::holds_alternative<wire::Stop>(request.what)) {  // two words while it ends, then the answer
+      say(n, wire::Working{0.5, "writing"});
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      say(n, wire::Working{1, "writing"});
+      say(n, wire::Done{});
+      return 0;
+    }
     const auto* advance = std::get_if<wire::Advance>(&request.what);
     if (!advance) continue;
     if (advance->before == wire::Before::commit) toy.commit(advance->write_output);
@@ -158,7 +165,7 @@ int speak_wrongly(const ServeOptions& options, const Wish& wish) {
 }
 
 bool keeps_no_rules(const std::string& fault) {
-  for (const char* rude : {"token", "protocol", "twice", "stale", "kind", "garbage", "short", "raw-nan"})
+  for (const char* rude : {"token", "protocol", "twice", "stale", "kind", "garbage", "short", "raw-nan", "talkative"})
     if (fault == rude) return true;
   return false;
 }
