@@ -15,12 +15,10 @@
 #include "coupler/watch/answers.hpp"
 #include "proto/error.hpp"
 
-#include <httplib.h>  // last: it brings resolv.h, whose macro _res is a name of Eigen's
+#include "coupler/watch/visitors.hpp"  // last: it brings resolv.h, whose macro _res is a name of Eigen's
 
 namespace strake::watch {
 namespace {
-
-constexpr std::size_t n_threads = 12;  // a browser keeps six connections; two pages at once
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -118,17 +116,15 @@ struct Server::State {
 
   Answers& answers;
   Options options;
-  httplib::Server server;
+  PatientServer server;
   int port = 0;
   std::thread thread;
 };
 
 Server::Server(Answers& answers, Options options)
     : state_(std::make_unique<State>(answers, std::move(options))) {
-  httplib::Server& server = state_->server;
-  server.new_task_queue = [] { return new httplib::ThreadPool(n_threads); };  // httplib owns it
+  PatientServer& server = state_->server;
   server.set_keep_alive_max_count(1'000'000);
-  server.set_keep_alive_timeout(2);  // [s]; what a stop may have to wait for
   server.set_payload_max_length(0);  // questions have no body
   server.set_tcp_nodelay(true);
   // Its default also sets SO_REUSEPORT, with which two servers share one port unasked.
@@ -153,6 +149,7 @@ Server::Server(Answers& answers, Options options)
             ? "is no address of this machine"
             : fmt::format("cannot be had on {}: another program listens there, or it is not allowed", o.bind),
         o.port == 0 ? "--bind 127.0.0.1" : "leave out --port, and a free one is taken");
+  server.widen_queue();
 }
 
 Server::~Server() {

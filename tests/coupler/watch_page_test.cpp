@@ -5,7 +5,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstring>
+#include <thread>
+#include <vector>
 
 #include "coupler/watch/answers.hpp"
 #include "coupler/watch/array_message.hpp"
@@ -351,6 +355,54 @@ TEST_F(Served, OutlivesRequestsThatAreNone) {
         std::string("\x00\xff\x16\x03\x01", 5)})
     EXPECT_EQ(raw(server.port(), request).find("HTTP/1.1 200"), std::string::npos);
   EXPECT_EQ(client().Get("/0123456789abcdef/api/news")->status, 200);
+}
+
+/// Connections that begin a request and do not end it; with `trickle` each sends a byte now and then.
+class HalfRequests {
+ public:
+  HalfRequests(int port, int number, bool trickle) {
+    for (int i = 0; i < number; ++i) {
+      const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+      sockaddr_in address{};
+      address.sin_family = AF_INET;
+      address.sin_port = htons(static_cast<std::uint16_t>(port));
+      inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
+      EXPECT_EQ(connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+      const std::string half = "GET /api/news HTTP/1.1\r\nHost: ";
+      EXPECT_EQ(write(socket, half.data(), half.size()), static_cast<ssize_t>(half.size()));
+      sockets_.push_back(socket);
+    }
+    if (trickle) thread_ = std::thread([this] { drip(); });
+  }
+  ~HalfRequests() {
+    over_ = true;
+    if (thread_.joinable()) thread_.join();
+    for (const int socket : sockets_) close(socket);
+  }
+
+ private:
+  void drip() {
+    while (!over_) {
+      for (const int socket : sockets_) send(socket, "x", 1, MSG_NOSIGNAL | MSG_DONTWAIT);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+  std::vector<int> sockets_;
+  std::atomic<bool> over_{false};
+  std::thread thread_;
+};
+
+TEST_F(Served, AnswersWithinASecondWhile200HalfRequestsStand) {
+  for (const bool trickle : {false, true}) {
+    const HalfRequests crowd(server.port(), 200, trickle);
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < 3; ++i) {
+      const auto answer = client().Get("/0123456789abcdef/api/news");
+      ASSERT_TRUE(answer) << trickle;
+      EXPECT_EQ(answer->status, 200);
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1)) << trickle;
+  }
 }
 
 TEST_F(Served, SaysThatAPortIsTaken) {
