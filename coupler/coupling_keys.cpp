@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "coupler/link.hpp"
+#include "coupler/endpoint.hpp"
 #include "proto/error.hpp"
 
 namespace strake {
@@ -130,8 +130,12 @@ void read_network(CaseTable& coupling, CouplingKeys& keys) {
   coupling.choice("unencrypted", unencrypted, {"no", consent},
                   {.help = "without keys, an endpoint that other machines reach needs these plain words"});
   keys.unencrypted = unencrypted == consent;
-  if (keys.endpoint != "ipc" && !keys.endpoint.starts_with("ipc://") && !keys.endpoint.starts_with("tcp://"))
-    throw coupling.error("endpoint", "\"ipc\", ipc://PATH or tcp://ADDRESS:PORT");
+  const std::string problem = keys.endpoint == "ipc" ? "" : problem_of_endpoint(keys.endpoint);
+  if (!problem.empty()) {
+    const Error e = coupling.error("endpoint", "\"ipc\", ipc://PATH or tcp://ADDRESS:PORT");
+    const bool known = keys.endpoint.starts_with("ipc://") || keys.endpoint.starts_with("tcp://");
+    throw Error(e.code(), e.where(), known ? problem : e.problem(), e.fix());
+  }
   if (keys.endpoint != "ipc" && leaves_machine(keys.endpoint) && keys.keys.empty() && !keys.unencrypted)
     throw coupling.error(
         "endpoint", "keys for an endpoint that other machines can reach",

@@ -1,21 +1,18 @@
 #include "coupler/link.hpp"
 
+#include "coupler/crowd_gate.hpp"
 #include "coupler/doorkeeper.hpp"
+#include "coupler/endpoint.hpp"
 #include "coupler/host.hpp"
+#include "coupler/unix_door.hpp"
 #include "coupler/witness.hpp"
 #include "coupler/zmq_parts.hpp"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
-#include <unistd.h>
 #include <zmq.hpp>
 
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
 #include <set>
 #include <utility>
 #include <vector>
@@ -26,41 +23,11 @@ namespace {
 using namespace zmq_parts;
 using std::chrono::milliseconds;
 
-constexpr int last_words = 500;         // [ms] a participant's Fault or Done may take to leave
-constexpr int to_greet = 3000;          // [ms] a connection that has not greeted by then is cut
-constexpr std::uint64_t introduction = 1 << 20;  // [bytes] more than any Hello has, with all around it
-constexpr std::size_t unix_path = 107;  // bytes of a Unix socket's address
+constexpr int last_words = 500;  // [ms] a participant's Fault or Done may take to leave
+constexpr int to_greet = 3000;   // [ms] a connection that has not greeted by then is cut
 
-/// A folder that only this user may enter, removed at the end.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-    for (const std::string& base : {std::string(runtime ? runtime : ""), std::string("/tmp")}) {
-      std::string pattern = base + "/strake-XXXXXX";
-      if (base.empty() || pattern.size() + 4 > unix_path) continue;
-      if (mkdtemp(pattern.data())) {
-        path_ = pattern;
-        return;
-      }
-    }
-    throw Error(ExitCode::cannot_write, "/tmp",
-                fmt::format("no folder for the socket: {}", std::strerror(errno)),
-                "set XDG_RUNTIME_DIR to a folder of yours");
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
 
- private:
-  std::filesystem::path path_;
-};
-
-/// A crowd at the port must not use up the files that the run itself opens.
+/// Where others may come, the run needs descriptors for its own files and for those who wait outside.
 void raise_file_limit() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
@@ -68,23 +35,7 @@ void raise_file_limit() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// "tcp://0.0.0.0:5555" → "tcp://HOST:5555"; any other endpoint as it is.
-std::string with_host(const std::string& endpoint, const std::string& host) {
-  for (const char* wildcard : {"tcp://0.0.0.0:", "tcp://[::]:"})
-    if (endpoint.starts_with(wildcard)) return "tcp://" + host + endpoint.substr(endpoint.rfind(':'));
-  return endpoint;
-}
-
 }  // namespace
-
-bool leaves_machine(const std::string& endpoint) {
-  if (endpoint.starts_with("ipc://")) return false;
-  const std::size_t begin = endpoint.find("://"), end = endpoint.rfind(':');
-  if (begin == std::string::npos || end <= begin) return true;
-  const std::string host = endpoint.substr(begin + 3, end - begin - 3);
-  const bool numbers = host.find_first_not_of("0123456789.") == std::string::npos;
-  return !(host == "localhost" || host == "[::1]" || (numbers && host.starts_with("127.")));
-}
 
 KeyPair new_key_pair() {
   std::array<char, 41> of_all{}, of_one{};
@@ -100,67 +51,59 @@ bool belong_together(const KeyPair& pair) {
 
 struct Hub::Sockets {
   std::unique_ptr<PrivateFolder> folder;  // first: it goes last
+  std::unique_ptr<UnixDoor> door;
   zmq::context_t context{1};
   zmq::socket_t router{context, zmq::socket_type::router};
   Monitor monitor{context, router, "hub",
-                  ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                  ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                       ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL};
+  CrowdGate gate;
   std::unique_ptr<Doorkeeper> doorkeeper;  // last: it goes first, and takes the context along
   std::string endpoint;
   struct Connection {
     std::string address;
     std::string peer;  // routing id; empty while it has said nothing
     std::unique_ptr<Witness> witness;
-    bool admitted = false, cut = false;
   };
   std::map<int, Connection> open;  // by descriptor
   std::set<std::string> left;      // peers that had a witness and closed their connection
   std::string failed;              // why the connection that is about to be closed never stood
   std::map<std::string, int> strangers;
 
+  void bind(const std::string& wanted);
   void look();
-  void cut_the_talkative();
-  void stranger(const std::string& text);
+  void stranger(const std::string& text, int times = 1);
   void heard(const std::string& peer, int socket);
   Connection* find(const std::string& peer, int* socket = nullptr);
   std::string reason(const Monitor::Event&) const;
 };
 
-void Hub::Sockets::stranger(const std::string& text) {
+void Hub::Sockets::stranger(const std::string& text, int times) {
   constexpr std::size_t enough = 100;
-  ++strangers[strangers.size() < enough ? text : "others were refused too"];
-}
-
-/// ZeroMQ hands a message over when it is whole. The parts of one that never ends would pile up in memory, and
-/// no limit of its own counts them; the kernel counts bytes.
-void Hub::Sockets::cut_the_talkative() {
-  for (auto& [socket, connection] : open) {
-    if (connection.admitted || connection.cut || bytes_received(socket) <= introduction) continue;
-    connection.cut = true;
-    shutdown(socket, SHUT_RDWR);
-    stranger(connection.address + " sent more than a megabyte and did not say who it is");
-  }
+  strangers[strangers.size() < enough ? text : "others were refused too"] += times;
 }
 
 /// What happened to the connections since the last look.
 void Hub::Sockets::look() {
   while (const auto event = monitor.next(milliseconds(0))) switch (event->kind) {
       case ZMQ_EVENT_ACCEPTED:
-        open[event->value] = {peer_address(event->value), {}, nullptr, false, false};
+        open[event->value] = {peer_address(event->value), {}, nullptr};
         break;
       case ZMQ_EVENT_DISCONNECTED: {
         const Connection& c = open[event->value];
-        if (c.peer.empty() && failed.empty() && !c.cut) failed = " left or was cut before its first word";
+        if (c.peer.empty() && failed.empty()) failed = " left or was cut before its first word";
         if (!failed.empty()) stranger(c.address + failed);
         if (c.witness && c.witness->closed_by_peer()) left.insert(c.peer);
         failed.clear();
         open.erase(event->value);
         break;
       }
+      case ZMQ_EVENT_LISTENING:
+        break;
       default:  // followed by the end of the same connection
         failed = reason(*event);
     }
-  cut_the_talkative();
+  for (const auto& [what, times] : gate.take_refused()) stranger(what, times);
   if (doorkeeper)
     for (const std::string& address : doorkeeper->take_refused())
       stranger(address + " holds no key of this run");
@@ -193,6 +136,25 @@ std::string Hub::Sockets::reason(const Monitor::Event& event) const {
   return " did not greet as ZeroMQ does";
 }
 
+/// A Unix socket is bound here, since ZeroMQ removes what stands at its path.
+void Hub::Sockets::bind(const std::string& wanted) {
+  if (const std::string path = path_of(wanted); !path.empty()) {
+    door = std::make_unique<UnixDoor>(path);
+    router.set(zmq::sockopt::use_fd, door->descriptor());
+  }
+  try {
+    router.bind(wanted);
+  } catch (const zmq::error_t& e) {
+    throw Error(ExitCode::command_line, wanted, fmt::format("cannot be bound: {}", e.what()),
+                "ipc://PATH, tcp://127.0.0.1:PORT, or tcp://ADDRESS:PORT with an address of this machine");
+  }
+  if (door) door->hand_over();
+  constexpr milliseconds at_once{1000};
+  if (const auto event = monitor.next(at_once); event && event->kind == ZMQ_EVENT_LISTENING)
+    gate.guard(event->value);
+  endpoint = router.get(zmq::sockopt::last_endpoint);
+}
+
 Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_unique<Sockets>()) {
   Sockets& s = *sockets_;
   std::string wanted = endpoint;
@@ -200,10 +162,12 @@ Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_
     s.folder = std::make_unique<PrivateFolder>();
     wanted = "ipc://" + (s.folder->path() / "hub").string();
   }
+  if (const std::string problem = problem_of_endpoint(wanted); !problem.empty())
+    throw Error(ExitCode::command_line, wanted, problem, "ipc://PATH or tcp://ADDRESS:PORT");
   if (leaves_machine(wanted) && !admission.keys && !admission.unencrypted)
     throw Error(ExitCode::command_line, wanted, "can be reached from other machines, and nothing protects it",
                 "ipc://PATH or tcp://127.0.0.1:*, or keys (strake keys)");
-  if (wanted.starts_with("tcp://")) raise_file_limit();
+  if (!s.folder) raise_file_limit();
   set_common(s.router);
   s.router.set(zmq::sockopt::linger, 0);
   s.router.set(zmq::sockopt::handshake_ivl, to_greet);
@@ -213,24 +177,17 @@ Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_
     s.router.set(zmq::sockopt::curve_server, true);
     s.router.set(zmq::sockopt::curve_secretkey, admission.keys->own.secret_key);
   }
-  try {
-    s.router.bind(wanted);
-  } catch (const zmq::error_t& e) {
-    throw Error(ExitCode::command_line, wanted, fmt::format("cannot be bound: {}", e.what()),
-                "ipc://PATH, tcp://127.0.0.1:PORT, or tcp://ADDRESS:PORT with an address of this machine");
-  }
-  s.endpoint = s.router.get(zmq::sockopt::last_endpoint);
+  s.bind(wanted);
 }
 
-Hub::~Hub() {
-  const std::string path = endpoint().starts_with("ipc://") ? endpoint().substr(6) : "";
-  sockets_.reset();
-  std::error_code ignored;
-  if (!path.empty()) std::filesystem::remove(path, ignored);
-}
+Hub::~Hub() = default;
 
 std::string Hub::endpoint() const {
   return with_host(sockets_->endpoint, "127.0.0.1");
+}
+
+std::string Hub::private_folder() const {
+  return sockets_->folder ? sockets_->folder->path().string() : "";
 }
 
 std::string Hub::endpoint_elsewhere() const {
@@ -263,7 +220,8 @@ bool Hub::connected(const std::string& peer) {
 
 void Hub::admit(const std::string& peer) {
   sockets_->look();
-  if (auto* connection = sockets_->find(peer)) connection->admitted = true;
+  int socket = -1;
+  if (sockets_->find(peer, &socket)) sockets_->gate.admit(socket);
 }
 
 void Hub::keep_witness(const std::string& peer) {

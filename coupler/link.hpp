@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/endpoint.hpp"
 #include "coupler/keys.hpp"
 #include "proto/wire.hpp"
 
@@ -11,9 +12,6 @@
 
 /// The transport. ZeroMQ stays inside link.cpp.
 namespace strake {
-
-/// Whether other machines can reach the endpoint: neither ipc nor loopback.
-bool leaves_machine(const std::string& endpoint);
 
 /// A new pair of CURVE keys.
 KeyPair new_key_pair();
@@ -29,11 +27,12 @@ struct Admission {
 class Hub {
  public:
   /// Empty: ipc:// in a private folder (0700) under $XDG_RUNTIME_DIR or /tmp, removed by the destructor.
-  /// "tcp://127.0.0.1:*" takes a free port. Error(command_line) if the endpoint cannot be bound, or if other
-  /// machines can reach it and nothing protects it.
+  /// "tcp://127.0.0.1:*" takes a free port. Error(command_line) if the endpoint cannot be bound, if something
+  /// else stands at its path, or if other machines can reach it and nothing protects it.
   explicit Hub(const std::string& endpoint = {}, Admission = {});
   ~Hub();
   std::string endpoint() const;            // where participants of this machine connect
+  std::string private_folder() const;      // where its socket stands; empty: at an endpoint of the user's
   std::string endpoint_elsewhere() const;  // the same for other machines: the host's name for a wildcard
 
   struct Message {

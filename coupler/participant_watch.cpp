@@ -109,10 +109,13 @@ void prepare_last_moments(const std::string& name, const std::string& endpoint) 
   const std::string whose = parent != 0 ? fmt::format("the coupler (process {})", parent) : "the coupler";
   set_text(last_moments.gone, fmt::format("{}: {} is gone, so this process ends (exit 5)\n", name, whose));
   set_text(last_moments.terminated, fmt::format("{}: ended by SIGTERM\n", name));
-  const std::string path = endpoint.starts_with("ipc://") ? endpoint.substr(6) : "";
-  const std::string folder = path.substr(0, path.rfind('/'));
-  if (folder.find("/strake-") != std::string::npos && path.size() < last_moments.socket.size()) {
-    set_text(last_moments.socket, path);  // the coupler's own folder, not an endpoint of the user's
+  // Only what the coupler made for itself goes with it: an endpoint of the user's stands in a folder of the
+  // user's.
+  const char* own = std::getenv("STRAKE_COUPLER_FOLDER");
+  const std::string folder = own ? own : "", path = path_of(endpoint);
+  if (launched && !folder.empty() && path.starts_with(folder + "/") &&
+      path.size() < last_moments.socket.size()) {
+    set_text(last_moments.socket, path);
     set_text(last_moments.folder, folder);
   }
   if (launched) last_moments.coupler = parent;

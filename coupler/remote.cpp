@@ -89,6 +89,7 @@ void Roster::launch(const std::string& name, Launch launch) {
   launch.arguments = state_->arguments(endpoint(), name, launch);
   launch.environment["STRAKE_TOKEN"] = state_->token;
   launch.environment["STRAKE_COUPLER"] = std::to_string(getpid());
+  launch.environment["STRAKE_COUPLER_FOLDER"] = state_->hub.private_folder();
   const auto& keys = state_->options.keys;
   launch.environment["STRAKE_KEY"] = keys ? key_file(keys->folder, name).string() : "";
   attach(name);

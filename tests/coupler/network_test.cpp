@@ -240,7 +240,7 @@ TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCut) {
     sent += n > 0 ? static_cast<std::size_t>(n) : 0;
     hub.receive(milliseconds(1));
     for (const auto& [what, times] : hub.take_strangers())
-      told = told || what == "127.0.0.1 sent more than a megabyte and did not say who it is";
+      told = told || what == "127.0.0.1 sent more than 64 kB and did not say who it is";
   }
   EXPECT_TRUE(told);
   for (int i = 0; i < 1000 && hub.somebody_is_new(); ++i) std::this_thread::sleep_for(milliseconds(5));

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace strake {
+
+class DoorLock;
+
+/// A folder that only this user may enter, removed at the end.
+class PrivateFolder {
+ public:
+  PrivateFolder();
+  ~PrivateFolder();
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A Unix socket that listens at a path, or at @NAME, which has no file. ZeroMQ's own bind removes whatever
+/// stands at the path; this one removes only the socket that a dead run of Strake has left. Such a socket is
+/// known by the file PATH.lock beside it: a run that lives holds it locked, and it names the socket.
+class UnixDoor {
+ public:
+  /// Throws Error(command_line) where something else stands at the path, or no socket can be made there.
+  explicit UnixDoor(const std::string& path);
+  ~UnixDoor();  // its lock removes the socket, where it is still the one that was bound here
+  UnixDoor(const UnixDoor&) = delete;
+  UnixDoor& operator=(const UnixDoor&) = delete;
+
+  int descriptor() const { return listening_; }
+  /// From here on the descriptor is ZeroMQ's, which closes it.
+  void hand_over() { listening_ = -1; }
+
+ private:
+  void make_way();
+  void bind_and_listen();
+
+  std::string path_;
+  int listening_ = -1;
+  std::unique_ptr<DoorLock> lock_;  // none for @NAME
+};
+
+}  // namespace strake
