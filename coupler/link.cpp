@@ -67,6 +67,7 @@ struct Hub::Sockets {
   };
   std::map<int, Connection> open;  // by descriptor
   std::set<std::string> left;      // peers that had a witness and closed their connection
+  std::set<std::string> cut_short;  // peers that had a witness, and whose connection ended while they sent
   std::string failed;              // why the connection that is about to be closed never stood
   std::map<std::string, int> strangers;
 
@@ -90,10 +91,12 @@ void Hub::Sockets::look() {
         open[event->value] = {peer_address(event->value), {}, nullptr};
         break;
       case ZMQ_EVENT_DISCONNECTED: {
+        constexpr int much = 1 << 16;  // [bytes] heartbeats have less
         const Connection& c = open[event->value];
         if (c.peer.empty() && failed.empty()) failed = " left or was cut before its first word";
         if (!failed.empty()) stranger(c.address + failed);
         if (c.witness && c.witness->closed_by_peer()) left.insert(c.peer);
+        if (c.witness && c.witness->unread() > much) cut_short.insert(c.peer);
         failed.clear();
         open.erase(event->value);
         break;
@@ -139,7 +142,7 @@ std::string Hub::Sockets::reason(const Monitor::Event& event) const {
 /// A Unix socket is bound here, since ZeroMQ removes what stands at its path.
 void Hub::Sockets::bind(const std::string& wanted) {
   if (const std::string path = path_of(wanted); !path.empty()) {
-    door = std::make_unique<UnixDoor>(path);
+    door = std::make_unique<UnixDoor>(path, folder != nullptr);
     router.set(zmq::sockopt::use_fd, door->descriptor());
   }
   try {
@@ -210,6 +213,7 @@ std::optional<Hub::Message> Hub::receive(milliseconds limit) {
 }
 
 void Hub::send(const std::string& peer, const wire::Parts& parts) {
+  refuse_too_large(parts, "one field for it");
   if (send_part(sockets_->router, {peer.data(), peer.size()}, true)) send_parts(sockets_->router, parts);
 }
 
@@ -236,6 +240,11 @@ void Hub::keep_witness(const std::string& peer) {
 bool Hub::left(const std::string& peer) {
   sockets_->look();
   return sockets_->left.contains(peer);
+}
+
+bool Hub::cut_short(const std::string& peer) {
+  sockets_->look();
+  return sockets_->cut_short.contains(peer);
 }
 
 bool Hub::somebody_is_new() {
@@ -278,14 +287,7 @@ Line::Line(const std::string& endpoint, const std::optional<ParticipantKeys>& ke
 Line::~Line() = default;
 
 void Line::send(const wire::Parts& parts) {
-  constexpr double megabyte = 1 << 20;
-  for (const wire::Part& part : parts)
-    if (static_cast<std::int64_t>(part.bytes.size()) > largest_part)
-      throw Error(ExitCode::case_file, "",
-                  fmt::format("one field of its interface has {:.0f} MB, a message carries at most {:.0f} MB",
-                              static_cast<double>(part.bytes.size()) / megabyte,
-                              static_cast<double>(largest_part) / megabyte),
-                  "a coarser interface mesh");
+  refuse_too_large(parts, "one field of its interface");
   send_parts(sockets_->dealer, parts);
 }
 

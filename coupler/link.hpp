@@ -30,6 +30,7 @@ class Hub {
   /// "tcp://127.0.0.1:*" takes a free port. Error(command_line) if the endpoint cannot be bound, if something
   /// else stands at its path, or if other machines can reach it and nothing protects it.
   explicit Hub(const std::string& endpoint = {}, Admission = {});
+  static constexpr int most_megabytes = 256;  // of one part of a message
   ~Hub();
   std::string endpoint() const;            // where participants of this machine connect
   std::string private_folder() const;      // where its socket stands; empty: at an endpoint of the user's
@@ -42,7 +43,8 @@ class Hub {
   };
   /// The next message; nothing after `limit` or when a signal arrived.
   std::optional<Message> receive(std::chrono::milliseconds limit);
-  /// Never waits and never fails: what is sent to a peer that is gone is dropped.
+  /// Never waits: what is sent to a peer that is gone is dropped. Error(case_file) for a part that is larger
+  /// than the other end would take.
   void send(const std::string& peer, const wire::Parts&);
   /// Whether the connection of that peer stands. Heartbeats end it 0.8 s after the peer fell silent.
   bool connected(const std::string& peer);
@@ -52,6 +54,9 @@ class Hub {
   void keep_witness(const std::string& peer);
   /// Whether its connection has ended because it was closed at the other end, as the end of a process does.
   bool left(const std::string& peer);
+  /// Whether ZeroMQ has closed its connection in the middle of what it sent. It does so with a part that is too
+  /// large, and says nothing; a coupler that was frozen finds the same after its heartbeats have run out.
+  bool cut_short(const std::string& peer);
   /// Whether a connection stands on which nothing has been said yet.
   bool somebody_is_new();
   /// Connections that never became one of ours since the last call: "127.0.0.1 holds no key of this run" →

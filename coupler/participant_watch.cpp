@@ -134,13 +134,15 @@ void Watch::give_up(ExitCode code, const std::string& problem, const std::string
   _exit(static_cast<int>(code));
 }
 
-void Watch::judge(LinkEvent event, int in_a_row) const {
+void Watch::judge(LinkEvent event, int in_a_row, std::chrono::steady_clock::duration since_first) const {
   constexpr int enough = 5;  // a greeting may fail once when a coupler ends or a network is cut
+  constexpr std::chrono::seconds crowded{5};  // a coupler with a crowd at its port turns some away for a while
   const std::string file = keys_ ? keys_->file.string() : "";
   if (event == LinkEvent::key_refused)
     give_up(ExitCode::command_line, "the coupler does not admit the key " + file,
             "give this machine the key file that `strake keys` made with the coupler's");
-  if (event != LinkEvent::other_greeting && (event != LinkEvent::no_greeting || in_a_row < enough)) return;
+  const bool never = event == LinkEvent::no_greeting && in_a_row >= enough && since_first >= crowded;
+  if (event != LinkEvent::other_greeting && !never) return;
   // Which end notices first that keys stand on one side only is a matter of luck.
   if (keys_)
     give_up(ExitCode::command_line,
@@ -160,12 +162,14 @@ void Watch::run(Line& line) {
   const auto start = Clock::now();
   bool was_ready = false, accepted = false, told = false;
   int failed = 0;  // greetings in a row
+  Clock::time_point first_failed;
   std::optional<Clock::time_point> lost;
   while (!stop_) {
     if (const auto event = line.next_event(beat)) {
       if (*event == LinkEvent::connected) accepted = true;
       failed = *event == LinkEvent::ready ? 0 : failed + (*event == LinkEvent::no_greeting ? 1 : 0);
-      if (!was_ready) judge(*event, failed);
+      if (failed == 1 && *event == LinkEvent::no_greeting) first_failed = Clock::now();
+      if (!was_ready) judge(*event, failed, Clock::now() - first_failed);
       if (*event == LinkEvent::ready) {
         if (lost) spdlog::info("the coupler is back");
         if (was_ready) renewed_ = true;

@@ -5,6 +5,7 @@
 #include "proto/error.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <thread>
@@ -45,7 +46,7 @@ class Watch {
  private:
   void run(Line& line);
   /// Ends the process where the coupler will never hear it.
-  void judge(LinkEvent, int in_a_row) const;
+  void judge(LinkEvent, int in_a_row, std::chrono::steady_clock::duration since_first) const;
   [[noreturn]] void give_up(ExitCode, const std::string& problem, const std::string& fix) const;
 
   std::string endpoint_;

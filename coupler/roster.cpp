@@ -78,7 +78,12 @@ void Roster::State::ask(Member& m, wire::Request request) {
   m.asked_at = m.last_heard = Clock::now();
   m.tell_after = options.deadlines.tell;
   m.doing.clear();
-  hub.send(m.peer, m.request);
+  try {
+    hub.send(m.peer, m.request);
+  } catch (const Error& e) {
+    m.asked.clear();  // it was not
+    throw Error(e.code(), m.place(), e.problem(), e.fix());
+  }
 }
 
 wire::Reply Roster::State::await(Member& m) {
@@ -190,6 +195,7 @@ void Roster::State::check_stop_between(const Member& m) const {
 
 void Roster::State::receive(Clock::duration limit) {
   if (auto message = hub.receive(std::chrono::duration_cast<milliseconds>(limit))) hear(std::move(*message));
+  if (!returning.empty()) look_after_returning();
 }
 
 /// Where a participant stands is put into words only when something is wrong.
@@ -212,11 +218,18 @@ void Roster::State::hear(Hub::Message message) {
     }
     return;
   }
+  constexpr std::size_t enough = 100;  // of messages from one that waits to be let in again
+  for (Returning& r : returning)
+    if (r.hello.peer == message.peer) {
+      if (r.rest.size() < enough) r.rest.push_back(std::move(message));
+      return;
+    }
   greet(message);
 }
 
 void Roster::State::answered(Member& m, wire::Reply reply) {
   m.last_heard = Clock::now();
+  m.cut_short = 0;
   if (const auto* working = std::get_if<wire::Working>(&reply.what)) {
     m.doing = harmless(working->what);
     m.part = std::isfinite(working->fraction) ? std::clamp(working->fraction, 0.0, 1.0) : 0;

@@ -65,6 +65,7 @@ void Roster::State::greet(const Hub::Message& message) {
                   "give it the same --case and --set; a file of the case may have changed in between");
   if (m->greeted && reply.sequence == 0 && hub.connected(m->peer))
     return refuse(message, m, fmt::format("{} already takes part", m->name), "--name");
+  if (m->greeted && hub.connected(m->peer)) return put_aside(*m, message, reply.sequence);
   if (m->greeted) return welcome_back(*m, message, reply.sequence);
   m->greeted = true;
   take_connection(*m, message.peer);
@@ -72,11 +73,38 @@ void Roster::State::greet(const Hub::Message& message) {
   m->refusal.clear();
 }
 
-/// Of a process that is not ours, only the connection tells whether it lives.
+/// Nobody takes the place of one whose connection stands. One that was frozen may be back before its old
+/// connection has ended: its word waits until then.
+void Roster::State::put_aside(Member& m, const Hub::Message& message, std::uint64_t last_received) {
+  hub.admit(message.peer);  // it knows the token: what it says next is heard
+  returning.push_back({&m, message, last_received, Clock::now(), {}});
+}
+
+void Roster::State::look_after_returning() {
+  constexpr std::chrono::milliseconds to_let_go{1200};  // heartbeats end the old connection earlier
+  for (std::size_t i = 0; i < returning.size();) {
+    const bool stands = hub.connected(returning[i].member->peer);
+    if (stands && Clock::now() - returning[i].since < to_let_go) {
+      ++i;
+      continue;
+    }
+    Returning r = std::move(returning[i]);
+    returning.erase(returning.begin() + static_cast<std::ptrdiff_t>(i));
+    if (stands) {
+      refuse(r.hello, r.member, fmt::format("{} already takes part", r.member->name), "--name");
+      continue;
+    }
+    if (!hub.connected(r.hello.peer)) continue;
+    welcome_back(*r.member, r.hello, r.last_received);
+    for (Hub::Message& message : r.rest) hear(std::move(message));
+  }
+}
+
+/// Of a process that is not ours, only the connection tells whether it lives. Of any, how its connection ends.
 void Roster::State::take_connection(Member& m, const std::string& peer) {
   m.peer = peer;
   hub.admit(peer);
-  if (!m.child) hub.keep_witness(peer);
+  hub.keep_witness(peer);
 }
 
 /// A participant that was frozen (or a coupler that was) has a new connection. What the old one lost is sent

@@ -37,6 +37,7 @@ struct Roster::Member {
   std::string peer;
   std::optional<Clock::time_point> silent_since;
   bool silence_told = false;
+  int cut_short = 0;  // connections in a row that ended in the middle of what it sent
 
   // the request under way
   std::uint64_t sequence = 0;
@@ -78,6 +79,15 @@ struct Roster::State {
   std::string raw_token;  // its bytes
   std::vector<std::unique_ptr<Member>> members;
   StrangerLog strangers;
+  /// A participant that says it is back while its old connection stands, with what it has said since.
+  struct Returning {
+    Member* member = nullptr;
+    Hub::Message hello;
+    std::uint64_t last_received = 0;
+    Clock::time_point since;
+    std::vector<Hub::Message> rest;
+  };
+  std::vector<Returning> returning;
   bool ended = false;
   bool grace_told = false;
 
@@ -107,6 +117,8 @@ struct Roster::State {
   static wire::Reply decode(const Member&, const wire::Parts&);
   void greet(const Hub::Message&);
   void welcome_back(Member&, const Hub::Message&, std::uint64_t last_received);
+  void put_aside(Member&, const Hub::Message&, std::uint64_t last_received);
+  void look_after_returning();
   void refuse(const Hub::Message&, Member*, const std::string& problem, const std::string& fix);
   void answered(Member&, wire::Reply);
   void tell_exchange(const Member&, const wire::Reply&) const;
@@ -115,6 +127,7 @@ struct Roster::State {
   void note_stranger(const std::string& what, int times);
   void died(Member&, const Exit&);
   [[noreturn]] void left(Member&);
+  void check_cut_short(Member&, Clock::duration silence) const;
   void take_connection(Member&, const std::string& peer);
 };
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace strake {
 namespace {
 
@@ -31,8 +33,10 @@ void Roster::State::look_after(Member& m) {
   }
   // Heartbeats are answered by a thread of their own: no answer means frozen, or a dead machine.
   const bool has_left = !m.child && hub.left(m.peer);
+  if (!m.silent_since && hub.cut_short(m.peer)) ++m.cut_short;
   if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
   const auto silence = Clock::now() - *m.silent_since;
+  check_cut_short(m, silence);
   // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
   const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
   if (has_left && silence > to_come_back && !perhaps_back) left(m);
@@ -55,6 +59,19 @@ void Roster::State::look_after(Member& m) {
       fmt::format("{}: no heartbeat for {}{}", state, in_seconds(silence),
                   m.asked.empty() ? "" : ", " + m.asked + " was awaited"),
       fmt::format("{}, or --patient when debugging; the limit is coupling.frozen_after", m.see_log()));
+}
+
+/// ZeroMQ cuts the connection of whoever sends a part that is too large. A participant of Strake never does; it
+/// may be cut once after the coupler was frozen, and is then back at once.
+void Roster::State::check_cut_short(Member& m, Clock::duration silence) const {
+  const std::chrono::duration<double> patience(2);
+  if (m.cut_short == 0) return;
+  if (m.cut_short < 2 && silence < std::min(patience, options.deadlines.frozen_after)) return;
+  m.broken = true;
+  throw Error(ExitCode::participant_lost, m.place(),
+              fmt::format("its connection was cut while it sent {}: a part of a message may have at most {} MB",
+                          m.asked.empty() ? "something" : "its answer to " + m.asked, Hub::most_megabytes),
+              "a coarser interface mesh; " + m.see_log());
 }
 
 /// One that was started by hand: whether it ended or was killed, only its own shell knows.

@@ -77,8 +77,8 @@ PrivateFolder::~PrivateFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-UnixDoor::UnixDoor(const std::string& path) : path_(path) {
-  if (path.front() != '@') {
+UnixDoor::UnixDoor(const std::string& path, bool in_private) : path_(path) {
+  if (path.front() != '@' && !in_private) {
     lock_ = std::make_unique<DoorLock>(path);
     make_way();
   }

@@ -26,8 +26,9 @@ class PrivateFolder {
 /// known by the file PATH.lock beside it: a run that lives holds it locked, and it names the socket.
 class UnixDoor {
  public:
+  /// `in_private`: the folder is the caller's alone and new, so that nothing is to be known about the path.
   /// Throws Error(command_line) where something else stands at the path, or no socket can be made there.
-  explicit UnixDoor(const std::string& path);
+  explicit UnixDoor(const std::string& path, bool in_private = false);
   ~UnixDoor();  // its lock removes the socket, where it is still the one that was bound here
   UnixDoor(const UnixDoor&) = delete;
   UnixDoor& operator=(const UnixDoor&) = delete;
@@ -42,7 +43,7 @@ class UnixDoor {
 
   std::string path_;
   int listening_ = -1;
-  std::unique_ptr<DoorLock> lock_;  // none for @NAME
+  std::unique_ptr<DoorLock> lock_;  // none for @NAME and in a private folder
 };
 
 }  // namespace strake

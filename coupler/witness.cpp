@@ -1,8 +1,10 @@
 #include "coupler/witness.hpp"
 
 #include <fcntl.h>
+#include <linux/sockios.h>
 #include <linux/tcp.h>
 #include <netinet/in.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -21,6 +23,11 @@ bool Witness::closed_by_peer() const {
   char byte = 0;
   const ssize_t n = recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
   return n == 0 || (n < 0 && (errno == ECONNRESET || errno == EPIPE));
+}
+
+int Witness::unread() const {
+  int bytes = 0;
+  return ioctl(socket_, SIOCINQ, &bytes) == 0 ? bytes : 0;
 }
 
 std::uint64_t bytes_received(int socket) {

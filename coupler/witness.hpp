@@ -16,6 +16,8 @@ class Witness {
 
   /// Whether the other end has closed the connection, or its process has ended, which closes it too.
   bool closed_by_peer() const;
+  /// Bytes that have come and that nobody has read.
+  int unread() const;
 
  private:
   int socket_;

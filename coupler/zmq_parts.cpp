@@ -1,5 +1,9 @@
 #include "coupler/zmq_parts.hpp"
 
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -44,6 +48,17 @@ bool receive_part(zmq::socket_t& socket, zmq::message_t& into) {
 }
 
 }  // namespace
+
+void refuse_too_large(const wire::Parts& parts, const std::string& what) {
+  constexpr double megabyte = 1 << 20;
+  for (const wire::Part& part : parts)
+    if (static_cast<std::int64_t>(part.bytes.size()) > largest_part)
+      throw Error(ExitCode::case_file, "",
+                  fmt::format("{} has {:.0f} MB, a message carries at most {:.0f} MB", what,
+                              static_cast<double>(part.bytes.size()) / megabyte,
+                              static_cast<double>(largest_part) / megabyte),
+                  "a coarser interface mesh");
+}
 
 void set_common(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::heartbeat_ivl, heartbeat_every);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/link.hpp"
 #include "proto/wire.hpp"
 
 #include <chrono>
@@ -14,7 +15,10 @@ namespace strake::zmq_parts {
 
 // ZeroMQ makes room for a part as soon as its size is announced, by whoever has greeted as ZeroMQ does, and
 // fixes the limit when it binds: before any mesh is known. Room for 3 components on 1.1e7 points.
-inline constexpr std::int64_t largest_part = std::int64_t{1} << 28;  // [bytes]
+inline constexpr std::int64_t largest_part = std::int64_t{Hub::most_megabytes} << 20;  // [bytes]
+
+/// Error(case_file) for a part that no message carries; it starts with `what` it is: "one field of …".
+void refuse_too_large(const wire::Parts&, const std::string& what);
 
 /// Heartbeats, and the largest part that is taken.
 void set_common(zmq::socket_t&);

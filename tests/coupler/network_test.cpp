@@ -201,6 +201,7 @@ TEST_F(Network, AFieldThatNoMessageCarriesIsRefusedWhereItComesFrom) {
   const std::byte one{};
   const std::span<const std::byte> large(&one, (std::size_t{1} << 28) + 1);  // only its size is looked at
   EXPECT_THROW(line.send({{large, nullptr}}), Error);
+  EXPECT_THROW(hub.send("nobody", {{large, nullptr}}), Error);
 }
 
 TEST_F(Network, AConnectionThatSaysNothingIsCut) {

@@ -11,11 +11,16 @@
 #include <gtest/gtest.h>
 
 #include <signal.h>
+#include <sys/mman.h>
+#include <zmq.hpp>
+
 #include <algorithm>
 
 #include <atomic>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <span>
 #include <thread>
 #include <vector>
@@ -48,17 +53,19 @@ Advanced force(double value) {
 /// The other end, one message at a time.
 class Script {
  public:
-  Script(const std::string& endpoint, std::string name) : name_(std::move(name)), line_(endpoint) {}
+  Script(const std::string& endpoint, std::string name)
+      : name_(std::move(name)), line_(std::make_unique<Line>(endpoint)) {}
+  void leave() { line_.reset(); }
 
   void hello(const std::string& token, const std::string& hash = std::string(32, '\0'),
              std::uint32_t protocol = wire::protocol) {
-    line_.send(
+    line_->send(
         wire::encode(wire::Reply{0, wire::Hello{protocol, name_, raw(token), "script", "1", hash}}, name_));
   }
   /// The next request, decoded as T.
   template <class T>
   T hear() {
-    const auto parts = line_.receive(std::chrono::seconds(5));
+    const auto parts = line_->receive(std::chrono::seconds(5));
     if (!parts) throw std::runtime_error("nothing was asked");
     wire::Request request = wire::decode_request(*parts);
     sequence_ = request.sequence;
@@ -70,9 +77,9 @@ class Script {
   }
   template <class T>
   void say(std::uint64_t sequence, T what) {
-    line_.send(wire::encode(wire::Reply{sequence, std::move(what)}, name_));
+    line_->send(wire::encode(wire::Reply{sequence, std::move(what)}, name_));
   }
-  void send(const wire::Parts& parts) { line_.send(parts); }
+  void send(const wire::Parts& parts) { line_->send(parts); }
   std::uint64_t sequence() const { return sequence_; }
   void join(const std::string& token) {
     hello(token);
@@ -82,7 +89,7 @@ class Script {
 
  private:
   std::string name_;
-  Line line_;
+  std::unique_ptr<Line> line_;
   std::uint64_t sequence_ = 0;
 };
 
@@ -272,6 +279,8 @@ TEST_F(Remote, AnAnswerAheadOfTheHelloOfANewConnectionIsNotHeldAgainstIt) {
         again.say(s.sequence(), wire::Hello{wire::protocol, "fluid", raw(roster().token()), "script", "1",
                                             std::string(32, '\0')});
         again.say(s.sequence(), force(1));
+        std::this_thread::sleep_for(milliseconds(100));  // meanwhile the old connection stands
+        s.leave();
         again.hear<wire::Stop>();
         again.say(wire::Done{});
         while (!over_) std::this_thread::sleep_for(milliseconds(1));
@@ -282,6 +291,90 @@ TEST_F(Remote, AnAnswerAheadOfTheHelloOfANewConnectionIsNotHeldAgainstIt) {
       });
   EXPECT_EQ(said_.find("refused"), std::string::npos) << said_;
   EXPECT_NE(said_.find("is back"), std::string::npos) << said_;
+}
+
+TEST_F(Remote, NobodyTakesThePlaceOfOneWhoseConnectionStands) {
+  play(
+      [&](Script& s) {
+        s.join(roster().token());
+        s.hear<wire::Advance>();
+        Script other(roster().endpoint(), "fluid");
+        other.say(s.sequence(), wire::Hello{wire::protocol, "fluid", raw(roster().token()), "script", "1",
+                                            std::string(32, '\0')});
+        other.say(s.sequence(), force(13));
+        std::this_thread::sleep_for(milliseconds(100));  // it has been heard
+        s.say(force(1));
+        s.hear<wire::Advance>();
+        const std::string problem = other.hear<wire::Refused>().problem;
+        EXPECT_EQ(problem, "fluid already takes part");
+        s.say(force(2));
+      },
+      [&] {
+        RemoteParticipant& fluid = roster().connect("fluid", {});
+        EXPECT_EQ(fluid.advance({0, 0.1}, {}).output.at(0).value(0, 0), 1);
+        fluid.commit(false);
+        EXPECT_EQ(fluid.advance({0.1, 0.1}, {}).output.at(0).value(0, 0), 2);
+      });
+  EXPECT_EQ(said_.find("is back"), std::string::npos) << said_;
+}
+
+/// A participant of the user's own, with ZeroMQ and nothing else: one part of its answer is too large.
+void answer_too_large(const std::string& endpoint, const std::string& token) {
+  zmq::context_t context{1};
+  zmq::socket_t socket{context, zmq::socket_type::dealer};
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::rcvtimeo, 3000);
+  socket.connect(endpoint);
+  const auto say = [&](wire::Reply reply) {
+    const wire::Parts parts = wire::encode(std::move(reply), "fluid");
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      socket.send(zmq::const_buffer(parts[i].bytes.data(), parts[i].bytes.size()),
+                  i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  };
+  const auto hear = [&] {
+    zmq::message_t part;
+    do EXPECT_TRUE(socket.recv(part));
+    while (part.more());
+  };
+  say({0, wire::Hello{wire::protocol, "fluid", raw(token), "own", "1", std::string(32, '\0')}});
+  hear();
+  say({1, wire::Ready{three_points(), {}}});
+  hear();
+  const std::size_t bytes = (std::size_t{1} << 28) + 1;
+  void* zeros = mmap(nullptr, bytes, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  ASSERT_NE(zeros, MAP_FAILED);
+  socket.send(zmq::message_t(zeros, bytes, [](void*, void*) {}), zmq::send_flags::none);
+  socket.set(zmq::sockopt::rcvtimeo, 700);
+  zmq::message_t part;
+  EXPECT_FALSE(socket.recv(part)) << "nobody answers";
+  context.shutdown();
+  socket.close();
+  context.close();
+  munmap(zeros, bytes);
+}
+
+TEST_F(Remote, APartThatIsTooLargeIsNamedLongBeforeTheLimitOfAnAnswer) {
+  options_.deadlines.answer_within = std::chrono::seconds(60);
+  options_.deadlines.frozen_after = std::chrono::seconds(1);
+  std::thread other([&, endpoint = roster().endpoint(), token = roster().token()] {
+    answer_too_large(endpoint, token);
+  });
+  std::optional<Error> error;
+  const auto start = steady_clock::now();
+  try {
+    roster().connect("fluid", {}).advance({0.5, 0.25}, {});
+  } catch (const Error& e) {
+    error = e;
+  }
+  const auto waited = steady_clock::now() - start;
+  roster_.reset();
+  other.join();
+  ASSERT_TRUE(error);
+  EXPECT_LT(waited, std::chrono::seconds(3));
+  EXPECT_EQ(error->code(), ExitCode::participant_lost);
+  EXPECT_EQ(error->where(), "fluid, window 1 (t = 0.5 s), iteration 1");
+  EXPECT_EQ(error->problem(),
+            "its connection was cut while it sent its answer to Advance: a part of a message may have at most 256 MB");
 }
 
 TEST_F(Remote, AStaleAnswerIsNamed) {
