@@ -7,6 +7,8 @@
 namespace strake {
 
 inline constexpr std::size_t unix_path = 107;  // bytes of a Unix socket's address
+// Connections that wait to be accepted. Where the queue is full, tcp tries again only after a second.
+inline constexpr int accept_queue = 1000;
 
 /// What is wrong with an endpoint, in words that follow it; empty where nothing is.
 std::string problem_of_endpoint(const std::string& endpoint);

@@ -174,6 +174,7 @@ Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_
   set_common(s.router);
   s.router.set(zmq::sockopt::linger, 0);
   s.router.set(zmq::sockopt::handshake_ivl, to_greet);
+  s.router.set(zmq::sockopt::backlog, accept_queue);
   if (admission.keys) {
     s.doorkeeper = std::make_unique<Doorkeeper>(s.context, admission.keys->admitted);
     s.router.set(zmq::sockopt::zap_domain, "strake");

@@ -18,8 +18,6 @@
 namespace strake {
 namespace {
 
-constexpr int backlog = 100;  // connections that wait for their turn, as ZeroMQ has it
-
 sockaddr_un address_of(const std::string& path, socklen_t& size) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -111,7 +109,7 @@ void UnixDoor::bind_and_listen() {
   const sockaddr_un address = address_of(path_, size);
   listening_ = unix_socket();
   if (listening_ >= 0 && bind(listening_, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
-      listen(listening_, backlog) == 0)
+      listen(listening_, accept_queue) == 0)
     return;
   const int reason = errno;
   if (listening_ >= 0) close(listening_);

@@ -10,6 +10,7 @@ import re
 import resource
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -49,6 +50,9 @@ def greeting(connection):
 def endless(connection):
     """Parts of one byte, more to follow: a message that never becomes whole."""
     connection.sendall(GREETING + READY)
+    heard = 0
+    while heard < len(GREETING) + 2:  # the coupler's own greeting and READY: it has taken ours
+        heard += len(connection.recv(256)) or 256
     connection.sendall(b"\x01\x01a" * 400_000)
 
 
@@ -79,7 +83,9 @@ class Crowd:
             path = self.endpoint[len("ipc://"):]
             address = "\0" + path[1:] if path.startswith("@") else path
             connection = socket.socket(socket.AF_UNIX)
-        connection.settimeout(0.3)
+        # Python's own timeout would give up where the queue is full; the kernel's waits for a place in it.
+        for limit in (socket.SO_SNDTIMEO, socket.SO_RCVTIMEO):
+            connection.setsockopt(socket.SOL_SOCKET, limit, struct.pack("ll", 0, 300_000))
         try:
             connection.connect(address)
             self.opened += 1

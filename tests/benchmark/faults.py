@@ -134,11 +134,12 @@ def damaged_checkpoint(folder):
 
 
 def stale_socket(place, sets):
-    path = place.sockets / "hub"
-    with socket.socket(socket.AF_UNIX) as old:
-        old.bind(str(path))  # closed, and not removed
-    run = Run(place, sets=[*sets, f"coupling.endpoint=ipc://{path}"])
-    return run, time.monotonic()
+    """A killed run leaves its socket at an endpoint of the user's; the next run there replaces that one alone."""
+    path, there = place.sockets / "hub", []
+    kill = killed_then_resumed(lambda folder: there.append(path.is_socket()))
+    run, struck = kill(place, [*sets, f"coupling.endpoint=ipc://{path}"])
+    run.wrong += [] if there == [True] else ["the killed run left no socket"]
+    return run, struck
 
 
 # ---- a full disk: a small tmpfs in a name space of this process, or a limit on the size of files

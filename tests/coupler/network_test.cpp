@@ -11,9 +11,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -221,15 +224,20 @@ std::string greeting_of_a_dealer() {
   return words + '\x04' + static_cast<char>(ready.size()) + ready;
 }
 
-TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCut) {
-  Hub hub("tcp://127.0.0.1:*");
-  const int endless = knock(hub.endpoint(), greeting_of_a_dealer());
-  std::array<char, 128> answer{};  // the hub's own greeting and READY: it has taken ours
+/// The hub's own greeting and READY: it has taken ours.
+void await_greeting(int socket) {
+  std::array<char, 128> answer{};
   for (std::size_t heard = 0; heard < 64 + 2;) {
-    const ssize_t n = recv(endless, answer.data(), answer.size(), 0);
+    const ssize_t n = recv(socket, answer.data(), answer.size(), 0);
     ASSERT_GT(n, 0);
     heard += static_cast<std::size_t>(n);
   }
+}
+
+TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCut) {
+  Hub hub("tcp://127.0.0.1:*");
+  const int endless = knock(hub.endpoint(), greeting_of_a_dealer());
+  await_greeting(endless);
   std::string frames;  // of one byte each, more to follow
   for (int i = 0; i < 20000; ++i) frames += std::string("\x01\x01") + "a";
   constexpr std::size_t far_too_much = std::size_t{1} << 27;
@@ -289,6 +297,59 @@ TEST_F(Network, ACrowdAtThePortDisturbsNobody) {
     std::this_thread::sleep_for(milliseconds(2));
   }
   EXPECT_EQ(told, crowd);
+}
+
+/// Whether the other end has closed it, or sent something.
+bool has_ended(int socket) {
+  char bytes[256];
+  ssize_t n = 0;
+  do n = recv(socket, bytes, sizeof bytes, MSG_DONTWAIT);
+  while (n > 0);
+  return n == 0 || errno != EAGAIN;
+}
+
+TEST_F(Network, OfACrowdThatSaysNothingFewStandAndAParticipantStillComesIn) {
+  Hub hub("tcp://127.0.0.1:*");
+  constexpr int crowd = 300, places = 64;
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < crowd; ++i) knock(hub.endpoint());
+  Line line(hub.endpoint());
+  line.send(one_word());
+  EXPECT_TRUE(hub.receive(std::chrono::seconds(2)));
+  std::this_thread::sleep_for(milliseconds(50));
+  const auto ended = std::count_if(sockets_.begin(), sockets_.end(), has_ended);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, milliseconds(2900)) << "the time to greet is not over";
+  EXPECT_GE(ended, crowd - places);
+  EXPECT_LT(ended, crowd) << "few are let in";
+}
+
+TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCutOnAUnixSocketToo) {
+  Hub hub;
+  const int endless = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockets_.push_back(endless);
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  const std::string path = hub.endpoint().substr(6);
+  std::copy(path.begin(), path.end(), to.sun_path);
+  ASSERT_EQ(connect(endless, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+  const std::string words = greeting_of_a_dealer();
+  ASSERT_EQ(send(endless, words.data(), words.size(), MSG_NOSIGNAL), static_cast<ssize_t>(words.size()));
+  await_greeting(endless);
+  std::string frames;  // of one byte each, more to follow
+  for (int i = 0; i < 20000; ++i) frames += std::string("\x01\x01") + "a";
+  constexpr std::size_t far_too_much = std::size_t{1} << 27;
+  std::size_t sent = 0;
+  while (sent < far_too_much) {
+    const std::size_t begin = sent % frames.size();  // a part of them may have gone
+    const ssize_t n = send(endless, frames.data() + begin, frames.size() - begin, MSG_NOSIGNAL);
+    if (n <= 0) break;
+    sent += static_cast<std::size_t>(n);
+  }
+  EXPECT_LT(sent, far_too_much);
+  int told = 0;
+  for (const auto& [what, times] : hub.take_strangers())
+    told += what == "a program of this machine sent without a pause and did not say who it is" ? times : 0;
+  EXPECT_EQ(told, 1);
 }
 
 TEST_F(Network, WhatOtherMachinesReachNeedsKeysOrPlainWords) {
