@@ -26,10 +26,11 @@ constexpr std::uint64_t introduction = 1 << 16;  // [bytes] more than any Hello 
 constexpr std::size_t least_places = 4, most_places = 64;
 constexpr milliseconds to_speak{30};       // [ms] a connection that has sent nothing may be replaced then
 constexpr milliseconds to_introduce{200};  // [ms] any other
-constexpr milliseconds between_looks{5};
-// Of bytes on a Unix socket the kernel keeps no count. Whoever still has some unread at so many looks, all
-// connections together, has sent for 40 ms without a pause.
-constexpr int most_sending = 8;
+constexpr milliseconds between_looks{2};
+// Of bytes on a Unix socket the kernel keeps no count, only of those unread. Whoever sends on at so many
+// looks, all connections together, has done so for 16 ms without a pause.
+constexpr int most_sending = 8, greeting = 2;  // [looks]; those of anybody who introduces himself
+constexpr int little = 4096;                   // [bytes]
 
 /// The gates of this process, for accept4.
 struct Registry {
@@ -121,7 +122,7 @@ bool CrowdGate::lets_in(int socket) {
     note(peer_address(socket) + " was turned away: too many have not said who they are");
     return false;
   }
-  waiting_.push_back({socket, file_of(socket), Clock::now(), 0, false});
+  waiting_.push_back({socket, file_of(socket), Clock::now()});
   if (waiting_.size() == 1) changed_.notify_one();
   return true;
 }
@@ -138,8 +139,8 @@ bool CrowdGate::make_room() {
     if (!oldest) oldest = &w;  // they stand in the order in which they came
   }
   if (standing < most_) return true;
-  const bool silent = now - oldest->since >= to_speak && !is_local(oldest->socket) &&
-                      bytes_received(oldest->socket) == 0;
+  const bool silent =
+      now - oldest->since >= to_speak && !is_local(oldest->socket) && bytes_received(oldest->socket) == 0;
   if (!silent && now - oldest->since < to_introduce) return false;
   cut(*oldest, "");
   return true;
@@ -156,18 +157,21 @@ void CrowdGate::forget_closed() {
   std::erase_if(waiting_, [](const Waiting& w) { return file_of(w.socket) != w.file; });
 }
 
-/// ZeroMQ hands a message over when it is whole. The parts of one that never ends would pile up in memory, and
-/// no limit of its own counts them.
+/// ZeroMQ hands a message over when it is whole. The parts of one that never ends would pile up in memory,
+/// and no limit of its own counts them.
 void CrowdGate::cut_the_talkative() {
   int sending = 0;
   Waiting* most = nullptr;
   for (Waiting& w : waiting_) {
     if (w.cut) continue;
     int unread = 0;
-    if (is_local(w.socket) && ioctl(w.socket, SIOCINQ, &unread) == 0 && unread > 0) ++w.sending;
+    if (is_local(w.socket) && ioctl(w.socket, SIOCINQ, &unread) == 0 && unread > 0 &&
+        (unread > little || unread != w.unread))  // a few bytes may wait for ZeroMQ's thread
+      ++w.sending;
+    w.unread = unread;
     if (bytes_received(w.socket) > introduction) cut(w, " sent more than 64 kB and did not say who it is");
     if (w.cut) continue;
-    sending += w.sending;
+    sending += std::max(0, w.sending - greeting);
     if (!most || w.sending > most->sending) most = &w;
   }
   if (sending > most_sending) cut(*most, " sent without a pause and did not say who it is");
@@ -201,7 +205,8 @@ namespace {
 /// What accept4 does where ZeroMQ listens.
 int accept_at_gate(CrowdGate& gate, int listening, sockaddr* address, socklen_t* size, int flags) {
   const int socket = system_accept(listening, address, size, flags);
-  if (socket < 0 && (errno == EMFILE || errno == ENFILE)) {  // ZeroMQ would abort, or try again without a pause
+  if (socket < 0 &&
+      (errno == EMFILE || errno == ENFILE)) {  // ZeroMQ would abort, or try again without a pause
     gate.turn_away_one(listening);
     errno = ECONNABORTED;
     return -1;

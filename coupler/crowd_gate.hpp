@@ -45,7 +45,8 @@ class CrowdGate {
     int socket = -1;
     ino_t file = 0;  // of that socket: the number may be another's by now
     Clock::time_point since;
-    int sending = 0;  // how often it was seen with something still unread
+    int unread = 0;   // bytes at the last look
+    int sending = 0;  // how often it was seen to send on
     bool cut = false;
   };
   void run();

@@ -57,7 +57,8 @@ DoorLock::~DoorLock() {
   const auto entry = at_path();
   const bool ours = bound_ && entry && names(*entry);
   if (ours) remove_socket();
-  struct stat held {}, found {};
+  struct stat held {
+  }, found{};
   const bool stands = fstat(file_, &held) == 0 &&
                       fstatat(folder_, lock_.c_str(), &found, AT_SYMLINK_NOFOLLOW) == 0 &&
                       same_file(held, found);
@@ -90,8 +91,8 @@ bool DoorLock::make() {
     unlinkat(folder_, own.c_str(), 0);
     throw;
   }
-  made_ = flock(file_, LOCK_EX | LOCK_NB) == 0 &&
-          linkat(folder_, own.c_str(), folder_, lock_.c_str(), 0) == 0;
+  made_ =
+      flock(file_, LOCK_EX | LOCK_NB) == 0 && linkat(folder_, own.c_str(), folder_, lock_.c_str(), 0) == 0;
   const int reason = errno;
   unlinkat(folder_, own.c_str(), 0);
   if (made_) return true;
@@ -106,7 +107,8 @@ bool DoorLock::make() {
 bool DoorLock::open_existing() {
   file_ = openat(folder_, lock_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0 && errno == ENOENT) return false;
-  struct stat held {}, found {};
+  struct stat held {
+  }, found{};
   const bool known = file_ >= 0 && fstat(file_, &held) == 0 && S_ISREG(held.st_mode) &&
                      held.st_uid == geteuid() && read().starts_with(signature);
   if (!known)
@@ -155,7 +157,8 @@ void DoorLock::write(const std::string& text) const {
   const bool written = ftruncate(file_, 0) == 0 &&
                        pwrite(file_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
   if (!written)
-    throw Error(ExitCode::cannot_write, path_ + ".lock", fmt::format("cannot be written: {}", std::strerror(errno)));
+    throw Error(ExitCode::cannot_write, path_ + ".lock",
+                fmt::format("cannot be written: {}", std::strerror(errno)));
 }
 
 }  // namespace strake

@@ -26,7 +26,6 @@ using std::chrono::milliseconds;
 constexpr int last_words = 500;  // [ms] a participant's Fault or Done may take to leave
 constexpr int to_greet = 3000;   // [ms] a connection that has not greeted by then is cut
 
-
 /// Where others may come, the run needs descriptors for its own files and for those who wait outside.
 void raise_file_limit() {
   rlimit limit{};
@@ -55,8 +54,8 @@ struct Hub::Sockets {
   zmq::context_t context{1};
   zmq::socket_t router{context, zmq::socket_type::router};
   Monitor monitor{context, router, "hub",
-                  ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                      ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL};
+                  ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED |
+                      ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL};
   CrowdGate gate;
   std::unique_ptr<Doorkeeper> doorkeeper;  // last: it goes first, and takes the context along
   std::string endpoint;
@@ -65,10 +64,10 @@ struct Hub::Sockets {
     std::string peer;  // routing id; empty while it has said nothing
     std::unique_ptr<Witness> witness;
   };
-  std::map<int, Connection> open;  // by descriptor
-  std::set<std::string> left;      // peers that had a witness and closed their connection
+  std::map<int, Connection> open;   // by descriptor
+  std::set<std::string> left;       // peers that had a witness and closed their connection
   std::set<std::string> cut_short;  // peers that had a witness, and whose connection ended while they sent
-  std::string failed;              // why the connection that is about to be closed never stood
+  std::string failed;               // why the connection that is about to be closed never stood
   std::map<std::string, int> strangers;
 
   void bind(const std::string& wanted);

@@ -54,8 +54,8 @@ class Hub {
   void keep_witness(const std::string& peer);
   /// Whether its connection has ended because it was closed at the other end, as the end of a process does.
   bool left(const std::string& peer);
-  /// Whether ZeroMQ has closed its connection in the middle of what it sent. It does so with a part that is too
-  /// large, and says nothing; a coupler that was frozen finds the same after its heartbeats have run out.
+  /// Whether ZeroMQ has closed its connection in the middle of what it sent. It does so with a part that is
+  /// too large, and says nothing; a coupler that was frozen finds the same after its heartbeats have run out.
   bool cut_short(const std::string& peer);
   /// Whether a connection stands on which nothing has been said yet.
   bool somebody_is_new();

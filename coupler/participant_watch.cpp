@@ -136,7 +136,8 @@ void Watch::give_up(ExitCode code, const std::string& problem, const std::string
 
 void Watch::judge(LinkEvent event, int in_a_row, std::chrono::steady_clock::duration since_first) const {
   constexpr int enough = 5;  // a greeting may fail once when a coupler ends or a network is cut
-  constexpr std::chrono::seconds crowded{5};  // a coupler with a crowd at its port turns some away for a while
+  constexpr std::chrono::seconds crowded{
+      5};  // a coupler with a crowd at its port turns some away for a while
   const std::string file = keys_ ? keys_->file.string() : "";
   if (event == LinkEvent::key_refused)
     give_up(ExitCode::command_line, "the coupler does not admit the key " + file,
@@ -161,12 +162,14 @@ void Watch::run(Line& line) {
   const milliseconds to_reconnect{leaves_machine(endpoint_) ? 10'000 : 500};
   const auto start = Clock::now();
   bool was_ready = false, accepted = false, told = false;
+  Clock::time_point last_accepted;
   int failed = 0;  // greetings in a row
   Clock::time_point first_failed;
   std::optional<Clock::time_point> lost;
   while (!stop_) {
     if (const auto event = line.next_event(beat)) {
       if (*event == LinkEvent::connected) accepted = true;
+      if (accepted) last_accepted = Clock::now();
       failed = *event == LinkEvent::ready ? 0 : failed + (*event == LinkEvent::no_greeting ? 1 : 0);
       if (failed == 1 && *event == LinkEvent::no_greeting) first_failed = Clock::now();
       if (!was_ready) judge(*event, failed, Clock::now() - first_failed);
@@ -192,8 +195,10 @@ void Watch::run(Line& line) {
               "the endpoint stands on the coupler's console and in its run.json");
     if (!lost) continue;
     const auto silence = Clock::now() - *lost;
+    // One with a crowd at its port accepts, and may close the connection again.
+    const bool lives = accepted || Clock::now() - last_accepted < to_reconnect;
     if (last_moments.coupler == 0 &&
-        silence > (accepted ? Clock::duration(to_thaw) : Clock::duration(to_reconnect)))
+        silence > (lives ? Clock::duration(to_thaw) : Clock::duration(to_reconnect)))
       end_without_coupler();
     if (!told && silence > to_reconnect) {
       told = true;

@@ -100,7 +100,8 @@ void Roster::State::look_after_returning() {
   }
 }
 
-/// Of a process that is not ours, only the connection tells whether it lives. Of any, how its connection ends.
+/// Of a process that is not ours, only the connection tells whether it lives. Of any, how its connection
+/// ends.
 void Roster::State::take_connection(Member& m, const std::string& peer) {
   m.peer = peer;
   hub.admit(peer);

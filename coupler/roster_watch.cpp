@@ -12,9 +12,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds last_words{100};        // a dead process's Fault may still be on its way
-constexpr milliseconds heartbeat_gap{800};     // silence before the link counts as cut
-constexpr milliseconds to_come_back{500};      // for a new connection after one that the other end closed
+constexpr milliseconds last_words{100};     // a dead process's Fault may still be on its way
+constexpr milliseconds heartbeat_gap{800};  // silence before the link counts as cut
+constexpr milliseconds to_come_back{500};   // for a new connection after one that the other end closed
 
 }  // namespace
 
@@ -61,17 +61,18 @@ void Roster::State::look_after(Member& m) {
       fmt::format("{}, or --patient when debugging; the limit is coupling.frozen_after", m.see_log()));
 }
 
-/// ZeroMQ cuts the connection of whoever sends a part that is too large. A participant of Strake never does; it
-/// may be cut once after the coupler was frozen, and is then back at once.
+/// ZeroMQ cuts the connection of whoever sends a part that is too large. A participant of Strake never does;
+/// it may be cut once after the coupler was frozen, and is then back at once.
 void Roster::State::check_cut_short(Member& m, Clock::duration silence) const {
   const std::chrono::duration<double> patience(2);
   if (m.cut_short == 0) return;
   if (m.cut_short < 2 && silence < std::min(patience, options.deadlines.frozen_after)) return;
   m.broken = true;
-  throw Error(ExitCode::participant_lost, m.place(),
-              fmt::format("its connection was cut while it sent {}: a part of a message may have at most {} MB",
-                          m.asked.empty() ? "something" : "its answer to " + m.asked, Hub::most_megabytes),
-              "a coarser interface mesh; " + m.see_log());
+  throw Error(
+      ExitCode::participant_lost, m.place(),
+      fmt::format("its connection was cut while it sent {}: a part of a message may have at most {} MB",
+                  m.asked.empty() ? "something" : "its answer to " + m.asked, Hub::most_megabytes),
+      "a coarser interface mesh; " + m.see_log());
 }
 
 /// One that was started by hand: whether it ended or was killed, only its own shell knows.

@@ -17,9 +17,9 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t most_threads = 128;
-constexpr std::size_t longest_head = 16384;   // [bytes] of a request
-constexpr milliseconds to_ask{2000};          // for the head of a request, from the last answer
-constexpr int to_move = 5000;                 // [ms] a read or a write may wait
+constexpr std::size_t longest_head = 16384;  // [bytes] of a request
+constexpr milliseconds to_ask{2000};         // for the head of a request, from the last answer
+constexpr int to_move = 5000;                // [ms] a read or a write may wait
 
 /// A quarter of the descriptors at most: the page is made of files.
 std::size_t most_visitors() {

@@ -8,8 +8,9 @@ namespace strake {
 namespace {
 
 TEST(Endpoint, AnAddressThatCanBeBoundHasNoProblem) {
-  for (const char* good : {"ipc:///tmp/a", "ipc://a", "ipc://@name", "tcp://127.0.0.1:5555", "tcp://127.0.0.1:*",
-                           "tcp://*:5555", "tcp://[::1]:1", "tcp://[fe80::1%eth0]:65535", "tcp://eth0:5555"})
+  for (const char* good :
+       {"ipc:///tmp/a", "ipc://a", "ipc://@name", "tcp://127.0.0.1:5555", "tcp://127.0.0.1:*", "tcp://*:5555",
+        "tcp://[::1]:1", "tcp://[fe80::1%eth0]:65535", "tcp://eth0:5555"})
     EXPECT_EQ(problem_of_endpoint(good), "") << good;
   EXPECT_EQ(problem_of_endpoint("ipc://" + std::string(unix_path, 'a')), "");
 }
@@ -19,7 +20,8 @@ TEST(Endpoint, WhatIsWrongIsSaidInWords) {
     EXPECT_NE(problem_of_endpoint(endpoint).find(words), std::string::npos)
         << endpoint << ": " << problem_of_endpoint(endpoint);
   };
-  for (const char* none : {"", "nonsense", "udp://127.0.0.1:1", "inproc://a", "TCP://127.0.0.1:1", "tcp:/1:2"})
+  for (const char* none :
+       {"", "nonsense", "udp://127.0.0.1:1", "inproc://a", "TCP://127.0.0.1:1", "tcp:/1:2"})
     expect_words(none, "is neither ipc://PATH nor tcp://ADDRESS:PORT");
   for (const char* port : {"99999", "65536", "0", "-1", "", "5555x", " 5555", "1e3", "100000000000000000000"})
     expect_words(std::string("tcp://127.0.0.1:") + port, std::string("has the port \"") + port + "\"");

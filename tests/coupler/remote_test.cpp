@@ -356,9 +356,8 @@ void answer_too_large(const std::string& endpoint, const std::string& token) {
 TEST_F(Remote, APartThatIsTooLargeIsNamedLongBeforeTheLimitOfAnAnswer) {
   options_.deadlines.answer_within = std::chrono::seconds(60);
   options_.deadlines.frozen_after = std::chrono::seconds(1);
-  std::thread other([&, endpoint = roster().endpoint(), token = roster().token()] {
-    answer_too_large(endpoint, token);
-  });
+  std::thread other(
+      [&, endpoint = roster().endpoint(), token = roster().token()] { answer_too_large(endpoint, token); });
   std::optional<Error> error;
   const auto start = steady_clock::now();
   try {
@@ -374,7 +373,8 @@ TEST_F(Remote, APartThatIsTooLargeIsNamedLongBeforeTheLimitOfAnAnswer) {
   EXPECT_EQ(error->code(), ExitCode::participant_lost);
   EXPECT_EQ(error->where(), "fluid, window 1 (t = 0.5 s), iteration 1");
   EXPECT_EQ(error->problem(),
-            "its connection was cut while it sent its answer to Advance: a part of a message may have at most 256 MB");
+            "its connection was cut while it sent its answer to Advance: a part of a message may have at "
+            "most 256 MB");
 }
 
 TEST_F(Remote, AStaleAnswerIsNamed) {

@@ -164,7 +164,8 @@ TEST_F(Door, AFolderThatIsMissingIsNamed) {
     const UnixDoor door((place_ / "none" / "p").string());
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.problem(), "the folder " + (place_ / "none").string() + "/ cannot be entered: No such file or directory");
+    EXPECT_EQ(e.problem(),
+              "the folder " + (place_ / "none").string() + "/ cannot be entered: No such file or directory");
   }
 }
 
