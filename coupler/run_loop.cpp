@@ -23,15 +23,14 @@ double smallest(const RunPlan& plan) {
 }  // namespace
 
 long RunPlan::n_windows() const {
-  return std::max(1L, static_cast<long>(std::ceil(end / window - slack)));
+  constexpr double most = 1e18;  // a whole number holds as many; nobody waits for the last of them
+  return static_cast<long>(std::clamp(std::ceil(end / window - slack), 1.0, most));
 }
 
 RunLoop::RunLoop(const RunPlan& plan, Advance advance, Commit commit)
     : advance_(std::move(advance)), commit_(std::move(commit)), plan_(plan), state_(plan.start) {
   assert(plan.window > 0 && plan.end > 0);
-  if (plan_.output_every > 0)
-    frames_due_ =
-        static_cast<long>(std::floor((state_.time + slack * plan_.window) / plan_.output_every)) + 1;
+  frames_passed_ = frames_up_to(state_.time);
   finished_ = state_.time >= plan_.end - slack * plan_.window;
 }
 
@@ -56,12 +55,16 @@ double RunLoop::next_end() const {
   return line > plan_.end - slack * plan_.window ? plan_.end : line;
 }
 
+/// Multiples of the frames' interval up to a time. Computed, not counted: a tiny interval has very many.
+double RunLoop::frames_up_to(double time) const {
+  if (plan_.output_every <= 0) return 0;
+  const double tolerance = slack * plan_.window;  // shorter than every window: each has a multiple of it
+  return std::floor((time + tolerance) / std::max(plan_.output_every, tolerance));
+}
+
 bool RunLoop::output_due(double time) {
-  if (plan_.output_every <= 0) return false;
-  const double tolerance = slack * plan_.window;
-  if (time + tolerance < static_cast<double>(frames_due_) * plan_.output_every) return false;
-  while (static_cast<double>(frames_due_) * plan_.output_every <= time + tolerance) ++frames_due_;
-  return true;
+  const double passed = frames_up_to(time);
+  return passed > std::exchange(frames_passed_, passed);
 }
 
 /// From now to the next grid line, in equal parts as long as `length` and the solvers allow.

@@ -90,12 +90,13 @@ class RunLoop final : public WindowLoop {
   Window next_window() const;
   void shorten(const Window& failed, const CommittedWindow& tried, double longest);
   void lengthen();
+  double frames_up_to(double time) const;
   bool output_due(double time);
   Advance advance_;
   Commit commit_;
   RunPlan plan_;
   LoopState state_;
-  long frames_due_ = 1;  // the next multiple of output_every
+  double frames_passed_ = 0;  // multiples of output_every so far
   bool finished_ = false;
 };
 

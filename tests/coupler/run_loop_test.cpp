@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "proto/error.hpp"
@@ -72,6 +73,27 @@ TEST(RunLoop, WritesOneFramePerCommitWhenWindowsAreLongerThanTheInterval) {
   const auto windows = run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = 0.1});
   ASSERT_EQ(windows.size(), 4u);
   EXPECT_EQ(listener.outputs, (std::vector<bool>{true, true, true, true}));
+}
+
+TEST(RunLoop, WritesOneFramePerCommitHoweverShortTheInterval) {
+  for (const double every : {1e-9, 1e-30, 1e-300, std::numeric_limits<double>::denorm_min()}) {
+    Listener listener;
+    run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = every});
+    EXPECT_EQ(listener.outputs, (std::vector<bool>{true, true, true, true})) << every;
+  }
+}
+
+TEST(RunLoop, WritesTheLastFrameAloneWhenTheIntervalIsLongerThanTheRun) {
+  for (const double every : {1e30, std::numeric_limits<double>::max()}) {
+    Listener listener;
+    run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = every});
+    EXPECT_EQ(listener.outputs, (std::vector<bool>{false, false, false, true})) << every;
+  }
+}
+
+TEST(RunLoop, CountsTheWindowsOfARunThatNobodyCanAwait) {
+  EXPECT_EQ((RunPlan{.end = 1e300, .window = 1e-300}).n_windows(), 1'000'000'000'000'000'000);
+  EXPECT_EQ((RunPlan{.end = 1e-300, .window = 1}).n_windows(), 1);
 }
 
 TEST(RunLoop, ShortensOnlyTheLastWindow) {
