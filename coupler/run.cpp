@@ -92,8 +92,6 @@ class Run {
       checkpoint = checkpoints_.choose([this](const std::string& line) { warn(line); });
       remove_unfinished(folder_.path);
     }
-    log_ = open_run_log(folder_.path / "coupler.log");
-    write_text(folder_.path / "case.toml", case_.resolved);
     record_.set("case", std::filesystem::absolute(case_.file.path()).string());
     record_.set("tag", folder_.tag);
     record_.set("set", case_.sets);
@@ -101,7 +99,9 @@ class Run {
     for (const auto& side : {case_.fluid, case_.structure})
       if (side) programs_[side->side] = {{"solver", side->solver}, {"program", side->program.string()}};
     record_.set("participants", programs_);
-    record_.write();
+    record_.write();  // the first file: by it the folder is known as a run's
+    log_ = open_run_log(folder_.path / "coupler.log");
+    write_text(folder_.path / "case.toml", case_.resolved);
 
     const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
     clocks_.open();

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <ctime>
+#include <fstream>
 #include <optional>
 #include <system_error>
 
@@ -28,8 +29,39 @@ Error cannot_create(const fs::path& path, const std::string& reason) {
                "choose a folder that you may write to with --runs DIR");
 }
 
+/// What stands at a place, the place itself where that is a link. Throws Error(command_line) where the system
+/// cannot tell.
+fs::file_type what_stands_at(const fs::path& path) {
+  std::error_code error;
+  const fs::file_type type = fs::symlink_status(path, error).type();
+  if (type != fs::file_type::none) return type;
+  throw Error(ExitCode::command_line, path.string(), "cannot be looked at: " + error.message(),
+              error == std::errc::filename_too_long ? "choose a shorter --tag NAME"
+                                                    : "choose another folder with --runs DIR");
+}
+
+bool is_empty_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_empty(path, error) && !error;
+}
+
+/// Whether a folder holds what RunRecord writes. A case.toml says nothing: a user's own folder may hold one.
 bool is_a_run(const fs::path& path) {
-  return fs::exists(path / "run.json") || fs::exists(path / "case.toml") || fs::is_empty(path);
+  std::ifstream stream(path / "run.json");
+  const nlohmann::json record = nlohmann::json::parse(stream, nullptr, false);
+  return record.is_object() && record.contains("strake") && record.contains("command");
+}
+
+/// Throws Error(command_line) unless --force may take the place of what stands there.
+void check_replaceable(const fs::path& path) {
+  const fs::file_type type = what_stands_at(path);
+  const bool folder = type == fs::file_type::directory;
+  if (folder && (is_empty_folder(path) || is_a_run(path))) return;
+  throw Error(ExitCode::command_line, path.string(),
+              type == fs::file_type::symlink ? "is a link, which --force does not follow"
+              : folder                       ? "holds no run.json of a run, so --force leaves it alone"
+                                             : "is not the folder of a run, so --force leaves it alone",
+              "name the new run with --tag NAME, or remove it yourself");
 }
 
 RunFolder named(const fs::path& case_file, const RunFolderOptions& options, const std::string& tag) {
@@ -68,9 +100,10 @@ class OnlyMine {
 RunFolder find_run_folder(const fs::path& case_file, const RunFolderOptions& options) {
   check_tag(options.tag);
   RunFolder folder = named(case_file, options, options.tag);
+  const auto taken = [&] { return what_stands_at(folder.path) != fs::file_type::not_found; };
   if (options.first_free_tag)
-    for (int n = 2; fs::exists(folder.path); ++n) folder = named(case_file, options, nth_tag(options.tag, n));
-  if (!fs::exists(folder.path)) {
+    for (int n = 2; taken(); ++n) folder = named(case_file, options, nth_tag(options.tag, n));
+  if (!taken()) {
     if (options.resume)
       throw Error(ExitCode::command_line, folder.path.string(), "there is no run to resume",
                   "leave out --resume");
@@ -80,10 +113,7 @@ RunFolder find_run_folder(const fs::path& case_file, const RunFolderOptions& opt
   if (!options.force)
     throw Error(ExitCode::command_line, folder.path.string(), "this run folder exists",
                 "name the new run with --tag NAME, or replace the old one with --force");
-  if (!fs::is_directory(folder.path) || !is_a_run(folder.path))
-    throw Error(ExitCode::command_line, folder.path.string(),
-                "is not the folder of a run, so --force leaves it alone",
-                "name the new run with --tag NAME, or remove it yourself");
+  check_replaceable(folder.path);
   return folder;
 }
 
@@ -94,8 +124,10 @@ RunFolder create_run_folder(const fs::path& case_file, const RunFolderOptions& o
   while (true) {
     RunFolder folder = find_run_folder(case_file, options);
     if (options.resume) return folder;
-    if (options.force && fs::exists(folder.path)) {
+    if (options.force && what_stands_at(folder.path) != fs::file_type::not_found) {
       const FolderLock nobody_else(folder.path);
+      if (is_empty_folder(folder.path)) return folder;
+      check_replaceable(folder.path);  // it may have changed since it was found
       fs::remove_all(folder.path, error);
     }
     if (error) throw cannot_create(folder.path, error.message());

@@ -13,7 +13,7 @@ namespace strake {
 struct RunFolderOptions {
   std::filesystem::path runs = "runs";
   std::string tag;
-  bool force = false;           // an earlier run there is removed
+  bool force = false;           // an earlier run there is removed; nothing else ever is
   bool resume = false;          // an earlier run there is continued
   bool first_free_tag = false;  // <case>, <case>-2, <case>-3, … : the first that does not exist
 };
@@ -26,7 +26,8 @@ struct RunFolder {
 /// The folder these options mean; throws Error(command_line) where `create_run_folder` would. Creates
 /// nothing.
 RunFolder find_run_folder(const std::filesystem::path& case_file, const RunFolderOptions&);
-/// Creates it (removing an earlier run under --force). Throws Error(command_line | cannot_write).
+/// Creates it (removing an earlier run under --force, or taking an empty folder as it is). Throws
+/// Error(command_line | cannot_write).
 RunFolder create_run_folder(const std::filesystem::path& case_file, const RunFolderOptions&);
 
 /// What a killed run was writing.

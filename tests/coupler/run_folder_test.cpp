@@ -1,6 +1,7 @@
 #include "coupler/run_folder.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 
@@ -15,6 +16,11 @@ class RunFolderTest : public testing::Test {
     RunFolderOptions made;
     made.runs = place_.path() / "runs";
     made.tag = tag;
+    return made;
+  }
+  RunFolderOptions forced() const {
+    RunFolderOptions made = options();
+    made.force = true;
     return made;
   }
   ExitCode refusal(const RunFolderOptions& asked) const {
@@ -51,16 +57,65 @@ TEST_F(RunFolderTest, TakesTheFirstFreeNumberWhenAsked) {
   EXPECT_EQ(create_run_folder(case_file, free).tag, "fine-2");
 }
 
-TEST_F(RunFolderTest, IsReplacedByForceOnlyWhenItHoldsARun) {
+TEST_F(RunFolderTest, IsReplacedByForceWhenItHoldsARun) {
   const fs::path folder = create_run_folder(case_file, options()).path;
-  std::ofstream(folder / "run.json") << "{}";
-  RunFolderOptions force = options();
-  force.force = true;
-  EXPECT_EQ(refusal(force), ExitCode::done);
-  EXPECT_FALSE(fs::exists(folder / "run.json"));
+  RunRecord(folder, {"strake", "run", "cases/plate_entry.toml"}).write();
+  EXPECT_EQ(refusal(forced()), ExitCode::done);
+  EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST_F(RunFolderTest, IsLeftAloneByForceWhenItsRecordIsNotThatOfARun) {
+  const fs::path folder = create_run_folder(case_file, options()).path;
+  std::ofstream(folder / "case.toml") << "title = 'a folder of the user'";
   std::ofstream(folder / "thesis.tex") << "years of work";
-  EXPECT_EQ(refusal(force), ExitCode::command_line);
+  for (const char* record : {"", "{", "[]", "{}", "{\"strake\": \"1.0\"}", "{\"command\": []}"}) {
+    std::ofstream(folder / "run.json") << record;
+    EXPECT_EQ(refusal(forced()), ExitCode::command_line) << record;
+    EXPECT_TRUE(fs::exists(folder / "thesis.tex")) << record;
+  }
+  fs::remove(folder / "run.json");
+  EXPECT_EQ(refusal(forced()), ExitCode::command_line);
   EXPECT_TRUE(fs::exists(folder / "thesis.tex"));
+}
+
+TEST_F(RunFolderTest, TakesAnEmptyFolderAsItIsUnderForce) {
+  const fs::path folder = create_run_folder(case_file, options()).path;
+  struct stat before {}, after {};
+  ASSERT_EQ(::stat(folder.c_str(), &before), 0);
+  EXPECT_EQ(refusal(forced()), ExitCode::done);
+  ASSERT_EQ(::stat(folder.c_str(), &after), 0);
+  EXPECT_EQ(before.st_ctim.tv_nsec, after.st_ctim.tv_nsec);  // not even made anew
+}
+
+TEST_F(RunFolderTest, IsNotFollowedByForceWhenItIsALink) {
+  const fs::path elsewhere = place_.path() / "elsewhere";
+  fs::create_directories(elsewhere);
+  fs::create_directories(place_.path() / "runs");
+  RunRecord(elsewhere, {"strake"}).write();
+  fs::create_directory_symlink(elsewhere, place_.path() / "runs/plate_entry");
+  EXPECT_EQ(refusal(forced()), ExitCode::command_line);
+  EXPECT_TRUE(fs::exists(elsewhere / "run.json"));
+  EXPECT_TRUE(fs::is_symlink(place_.path() / "runs/plate_entry"));
+}
+
+TEST_F(RunFolderTest, RefusesAFileUnderForce) {
+  fs::create_directories(place_.path() / "runs");
+  std::ofstream(place_.path() / "runs/plate_entry") << "a file";
+  EXPECT_EQ(refusal(forced()), ExitCode::command_line);
+  EXPECT_TRUE(fs::exists(place_.path() / "runs/plate_entry"));
+}
+
+TEST_F(RunFolderTest, RefusesANameThatTheDiskCannotHold) {
+  EXPECT_EQ(refusal(options(std::string(300, 'x'))), ExitCode::command_line);
+}
+
+TEST_F(RunFolderTest, RefusesLinksThatLeadInACircle) {
+  fs::create_symlink(place_.path() / "b", place_.path() / "a");
+  fs::create_symlink(place_.path() / "a", place_.path() / "b");
+  RunFolderOptions circle = options();
+  circle.runs = place_.path() / "a";
+  EXPECT_EQ(refusal(circle), ExitCode::cannot_write);
+  EXPECT_THROW(find_run_folder(case_file, circle), Error);
 }
 
 TEST_F(RunFolderTest, CannotBeMadeBelowAFile) {
