@@ -12,6 +12,7 @@
 #include "coupler/seal.hpp"
 #include "proto/error.hpp"
 #include "proto/result_file.hpp"
+#include "proto/whole_file.hpp"
 
 namespace strake {
 
@@ -26,6 +27,10 @@ constexpr std::size_t kept = 2;  // the one before the last stays until the next
               "free space, or choose another folder with --runs DIR");
 }
 
+bool is_number(const std::string& name) {
+  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
+}
+
 /// Names are numbers of at least six digits: a longer one is a larger one.
 bool earlier(const fs::path& a, const fs::path& b) {
   const std::string one = a.filename().string(), other = b.filename().string();
@@ -36,7 +41,8 @@ std::vector<fs::path> checkpoints_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder, none))
-    if (entry.is_directory() && !entry.is_symlink()) found.push_back(entry.path());
+    if (is_number(entry.path().filename().string()) && entry.is_directory(none) && !entry.is_symlink(none))
+      found.push_back(entry.path());
   std::sort(found.begin(), found.end(), earlier);
   return found;
 }
@@ -58,7 +64,7 @@ Checkpoints::Checkpoints(const fs::path& run_folder) : folder_(run_folder / "che
 void Checkpoints::write(Session& session, const WindowLoop& loop, const Summary& summary) {
   const std::string name = fmt::format("{:06}", loop.number());
   const fs::path target = folder_ / name;
-  if (latest() == target && damage(target).empty()) return;  // nothing has happened since
+  if (damage(target).empty()) return name_latest(name);  // nothing has happened since
   std::error_code error;
   fs::remove_all(target, error);  // an unfinished one
   fs::create_directories(target, error);
@@ -70,14 +76,28 @@ void Checkpoints::write(Session& session, const WindowLoop& loop, const Summary&
   loop.state().save(archive);
   summary.save(archive);
   write_archive(target / "coupler.h5", archive);
-  seal(target);
+  complete(name);
+  forget_old();
+}
 
+void Checkpoints::complete(const std::string& number) const {
+  seal(folder_ / number);
+  sync_to_disk(folder_.parent_path());  // where the name of folder_ stands
+  name_latest(number);
+}
+
+/// Before the link is there, all that it leads to is on the disk; then the link is.
+void Checkpoints::name_latest(const std::string& number) const {
   const fs::path link = folder_ / "latest", fresh = folder_ / "latest.new";
+  std::error_code error;
+  if (latest() == folder_ / number) return;
+  sync_to_disk(folder_);
+  if (fs::is_directory(fs::symlink_status(link, error))) fs::remove_all(link, error);
   fs::remove(fresh, error);
-  fs::create_directory_symlink(name, fresh, error);
+  fs::create_directory_symlink(number, fresh, error);
   if (!error) fs::rename(fresh, link, error);
   if (error) cannot_write(link, error);
-  forget_old();
+  sync_to_disk(folder_);
 }
 
 void Checkpoints::forget_old() const {
@@ -94,7 +114,7 @@ void Checkpoints::forget(const fs::path& later_than) const {
 
 long Checkpoints::window_of(const fs::path& checkpoint) {
   const std::string name = checkpoint.filename().string();
-  if (name.empty() || name.find_first_not_of("0123456789") != std::string::npos)
+  if (!is_number(name))
     throw Error(ExitCode::case_file, checkpoint.string(), "does not bear the number of a window",
                 "remove the folder, or run the case again with --force");
   return std::stol(name);

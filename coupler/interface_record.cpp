@@ -7,6 +7,7 @@
 
 #include "proto/error.hpp"
 #include "proto/result_file.hpp"
+#include "proto/whole_file.hpp"
 
 namespace strake {
 namespace {
@@ -276,18 +277,26 @@ void InterfaceRecorder::keep(std::size_t n) {
 }
 
 void InterfaceRecorder::write_block(std::size_t block) {
-  write_archive(file(block), to_archive(record_), units_of(record_));
+  // The part of a block that `flush` wrote gives way only to bytes that are on the disk as well.
+  std::error_code ignored;
+  const bool replaces = std::filesystem::exists(file(block), ignored);
+  write_archive(file(block), to_archive(record_), units_of(record_), replaces);
 }
 
 void InterfaceRecorder::flush() {
   if (!record_.windows.empty()) write_block(block_);
+  for (; on_disk_ < block_; ++on_disk_) sync_to_disk(file(on_disk_));
+  if (!record_.windows.empty()) sync_to_disk(file(block_));
+  sync_to_disk(folder_ / "interface");
 }
 
 void InterfaceRecorder::resume(double time) {
   std::size_t files = 0;
-  while (std::filesystem::exists(file(files))) ++files;
+  std::error_code ignored;
+  while (std::filesystem::exists(file(files), ignored)) ++files;
   double end = 0;
-  for (block_ = 0; block_ < files; ++block_) {
+  const auto reaches = [&] { return end >= time * (1 - slack); };
+  for (block_ = 0; block_ < files && !reaches(); ++block_) {
     InterfaceRecord kept = read_block(file(block_));
     const auto beyond = std::find_if(kept.windows.begin(), kept.windows.end(),
                                      [time](const Window& w) { return w.t + w.dt > time + slack * w.dt; });
@@ -302,13 +311,13 @@ void InterfaceRecorder::resume(double time) {
     keep(n);
     break;
   }
-  if (end < time * (1 - slack))
+  if (!reaches())
     throw Error(ExitCode::case_file, (folder_ / "interface").string(),
                 fmt::format("ends at {:.6g} s, the checkpoint was taken at {:.6g} s", end, time),
                 "run it again with --force, or under another --tag");
   flush();
   for (std::size_t b = record_.windows.empty() ? block_ : block_ + 1; b < files; ++b)
-    std::filesystem::remove(file(b));
+    std::filesystem::remove(file(b), ignored);
 }
 
 InterfaceRecord read_interface_record(const std::filesystem::path& run_folder) {

@@ -39,8 +39,8 @@ struct InterfaceRecord {
 };
 
 /// Writes interface/000001.h5 … of a run folder, a fixed number of windows per file. Each file appears whole
-/// or not at all; `flush` writes the last, partial one (end of the run, interruption) and may be followed by
-/// more windows.
+/// or not at all; `flush` writes the last, partial one (end of the run, interruption), waits until all are on
+/// the disk, and may be followed by more windows.
 class InterfaceRecorder {
  public:
   /// initial: displacement [m] and velocity [m/s] at the start, where known.
@@ -61,6 +61,7 @@ class InterfaceRecorder {
   std::filesystem::path file(std::size_t block) const;
   InterfaceRecord record_;  // the windows of the current block alone; what was not sent stays empty
   std::size_t per_file_, block_ = 0;
+  std::size_t on_disk_ = 0;  // blocks for whose bytes `flush` has waited
 };
 
 /// Reads a whole run back. Throws Error(case_file) when there is no record, or its parts do not fit together,

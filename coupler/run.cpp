@@ -133,7 +133,8 @@ class Run {
                             .mesh = {},
                             .initial = {},
                             .measured = {},
-                            .resumed = resume ? std::optional(plan_.start) : std::nullopt};
+                            .resumed = resume ? std::optional(plan_.start) : std::nullopt,
+                            .say = [this](const std::string& line) { warn(line); }};
     if (case_.coupled()) {
       files.mesh = session_->structure()->mesh();
       files.initial = session_->structure()->description().initial;

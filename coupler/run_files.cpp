@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "proto/error.hpp"
+#include "proto/whole_file.hpp"
 
 namespace strake {
 
@@ -124,6 +125,25 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
   append_timing(window, wall);
 }
 
+/// timing.csv says only what a clock said: one that cannot be gone on with is set aside, and the run goes on.
+std::unique_ptr<History> RunFiles::open_timing(const std::vector<Column>& columns) const {
+  const std::filesystem::path path = options_.folder / "timing.csv";
+  try {
+    return open(path, columns, options_.resumed, nullptr);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::case_file) throw;
+    std::filesystem::path aside;
+    std::error_code none;
+    for (int n = 1; aside.empty() || std::filesystem::exists(aside, none); ++n)
+      aside = options_.folder / fmt::format("timing-{}.csv", n);
+    std::filesystem::rename(path, aside, none);
+    if (options_.say)
+      options_.say(fmt::format("{}: {}; it begins anew{}", error.where(), error.problem(),
+                               none ? "" : ", what it held is in " + aside.filename().string()));
+    return std::make_unique<History>(path, columns);
+  }
+}
+
 void RunFiles::append_timing(const CommittedWindow& window, double wall) {
   const WindowReport& report = window.report;
   if (!timing_) {
@@ -134,7 +154,7 @@ void RunFiles::append_timing(const CommittedWindow& window, double wall) {
           stages_.emplace_back(fluid, name);
           columns.push_back({(fluid ? "fluid." : "structure.") + name.substr(name.find('.') + 1), "s"});
         }
-    timing_ = open(options_.folder / "timing.csv", columns, options_.resumed, nullptr);
+    timing_ = open_timing(columns);
   }
   std::vector<double> row = {static_cast<double>(window.number), window.time, wall};
   for (const auto& [fluid, name] : stages_) {
@@ -146,7 +166,10 @@ void RunFiles::append_timing(const CommittedWindow& window, double wall) {
 }
 
 void RunFiles::flush() {
+  for (History* table : {history_.get(), iterations_.get()})
+    if (table) table->sync();
   if (interface_) interface_->flush();
+  sync_to_disk(options_.folder);
 }
 
 }  // namespace strake

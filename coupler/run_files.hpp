@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,18 +26,21 @@ class RunFiles {
     std::vector<Field> initial;      // its motion at t = 0
     std::vector<Column> measured;    // fields with a residual, Scheme::measured
     std::optional<LoopState> resumed;  // rows after it are dropped
+    std::function<void(const std::string&)> say;  // hears what a user should know of; may be empty
   };
   explicit RunFiles(Options);
 
   /// values: of Options::columns. wall: seconds this window took.
   void append(const CommittedWindow&, const std::vector<double>& values, double wall);
-  /// Writes what is still held back. Files stay usable.
+  /// Writes what is still held back, and waits until all that a resume goes on from is on the disk. Files stay
+  /// usable.
   void flush();
   /// history.csv so far.
   const Table& table() const { return table_; }
 
  private:
   void append_timing(const CommittedWindow&, double wall);
+  std::unique_ptr<History> open_timing(const std::vector<Column>&) const;
   Options options_;
   Table table_;
   std::unique_ptr<History> history_, iterations_, timing_;

@@ -12,6 +12,7 @@
 
 #include "proto/error.hpp"
 #include "proto/result_file.hpp"
+#include "proto/whole_file.hpp"
 
 namespace strake {
 
@@ -54,6 +55,7 @@ void seal(const fs::path& folder) {
   std::sort(files.begin(), files.end());
   std::string text;
   for (const fs::path& file : files) {
+    sync_to_disk(file);
     const Sum sum = sum_of(file);
     if (error || sum.digest.empty())
       throw Error(ExitCode::cannot_write, file.string(), "cannot be read back", "look at the disk");
@@ -72,7 +74,8 @@ std::string damage(const fs::path& folder) {
     std::string name;
     if (!(words >> expected.digest >> expected.size) || !std::getline(words >> std::ws, name))
       return fmt::format("{} is damaged", seal_name);
-    if (!fs::exists(folder / name)) return name + " is missing";
+    std::error_code none;
+    if (!fs::exists(folder / name, none)) return name + " is missing";
     const Sum found = sum_of(folder / name);
     if (found.size != expected.size)
       return fmt::format("{} holds {} bytes, not {}", name, found.size, expected.size);

@@ -117,13 +117,16 @@ void Writer::attribute(const std::string& object, const std::string& name, const
   put_attribute(file_.get(), object, name, type.get(), type.get(), value.c_str());
 }
 
-void Writer::save(const std::filesystem::path& path) {
+void Writer::save(const std::filesystem::path& path, bool lasting) {
   done(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
   const ssize_t size = H5Fget_file_image(file_.get(), nullptr, 0);
   if (size < 0) done(-1);
   std::string bytes(static_cast<std::size_t>(size), '\0');
   if (H5Fget_file_image(file_.get(), bytes.data(), bytes.size()) != size) done(-1);
-  write_whole(path, bytes);
+  if (lasting)
+    write_lasting(path, bytes);
+  else
+    write_whole(path, bytes);
 }
 
 Reader::Reader(const std::filesystem::path& path, const std::string& format) : path_(path) {

@@ -68,7 +68,7 @@ class Writer {
   void attribute(const std::string& object, const std::string& name, double value);
   void attribute(const std::string& object, const std::string& name, const std::string& value);
   /// Writes the file whole; throws Error(cannot_write).
-  void save(const std::filesystem::path&);
+  void save(const std::filesystem::path&, bool lasting = false);  // lasting: on the disk when it returns
 
  private:
   void put(const std::string& path, hid_t file_type, hid_t memory_type, const void* data, Eigen::Index rows,

@@ -131,6 +131,10 @@ void History::write(const std::string& text) {
   throw cannot_write(path_, failed);
 }
 
+void History::sync() {
+  if (file_) sync_to_disk(::fileno(file_), path_);  // of one that failed the error was thrown
+}
+
 const std::vector<double>& Table::column(const std::string& name) const {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < columns.size(); ++i) {

@@ -24,6 +24,8 @@ class History {
   History& operator=(const History&) = delete;
   void append(const std::vector<double>& row);  // one value per column; NaN is written as an empty cell
   const std::vector<Column>& columns() const { return columns_; }
+  /// Waits until the rows so far are on the disk.
+  void sync();
 
  private:
   void write(const std::string& text);

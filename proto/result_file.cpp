@@ -103,7 +103,8 @@ std::string attributes(const std::vector<std::pair<std::string, int>>& arrays, c
 
 }  // namespace
 
-void write_archive(const std::filesystem::path& path, const Archive& archive, const ArchiveUnits& unit) {
+void write_archive(const std::filesystem::path& path, const Archive& archive, const ArchiveUnits& unit,
+                   bool lasting) {
   hdf5::Writer file;
   file.attribute("/", "format", archive_format);
   file.group("/real");
@@ -115,7 +116,7 @@ void write_archive(const std::filesystem::path& path, const Archive& archive, co
   }
   file.group("/integer");
   for (const auto& [name, value] : archive.integer) file.dataset("/integer/" + hdf5::link_name(name), value);
-  file.save(path);
+  file.save(path, lasting);
 }
 
 Archive read_archive(const std::filesystem::path& path) {
@@ -147,7 +148,7 @@ void FrameSeries::write(const Frame& frame) {
   const bool vertices = frame.cells.size() == 0;
   Entry entry;
   entry.time = frame.time;
-  entry.file = fmt::format("frames/{}-{:06}.h5", name_, count());
+  entry.file = fmt::format("frames/{}-{:06}.h5", name_, next_);
   entry.n_points = frame.position.cols();
   entry.n_cells = vertices ? entry.n_points : frame.cells.cols();
   entry.nodes_per_cell = vertices ? 1 : static_cast<int>(frame.cells.rows());
@@ -166,11 +167,13 @@ void FrameSeries::write(const Frame& frame) {
   put_arrays(file, "/cell", frame.cell_data, entry.n_cells, entry.cell_data);
   file.save(run_folder_ / entry.file);
   entries_.push_back(entry);
+  ++next_;
   write_xdmf();
 }
 
 void FrameSeries::truncate(double time) {
   entries_.clear();
+  next_ = 0;
   std::vector<std::filesystem::path> files;
   for (const auto& item : std::filesystem::directory_iterator(run_folder_ / "frames"))
     if (item.path().filename().string().starts_with(name_ + "-")) files.push_back(item.path());
@@ -178,29 +181,39 @@ void FrameSeries::truncate(double time) {
   for (const std::filesystem::path& path : files) {
     const std::string number = path.stem().string().substr(name_.size() + 1);
     const bool is_frame =
-        path.extension() == ".h5" && number.find_first_not_of("0123456789") == std::string::npos;
+        path.extension() == ".h5" && number.size() == 6 && number.find_first_not_of("0123456789") == std::string::npos;
     if (!is_frame) continue;
-    const hdf5::Reader file(path, frame_format);
-    Entry entry;
-    entry.time = file.number("time");
-    if (entry.time > time || number != fmt::format("{:06}", count())) {
+    // One that a power cut damaged is no loss to what goes on from here: it is not listed.
+    const std::optional<Entry> entry = entry_of(path);
+    if (!entry) continue;
+    if (entry->time > time) {
       std::filesystem::remove(path);
       continue;
     }
-    entry.file = "frames/" + path.filename().string();
-    entry.n_points = file.shape("/position")[0];
-    const auto cells = file.shape("/cells");
-    entry.n_cells = cells[0];
-    entry.nodes_per_cell = static_cast<int>(cells[1]);
-    for (const std::string& link : file.names("/point"))
-      entry.point_data.emplace_back(hdf5::from_link_name(link),
-                                    static_cast<int>(file.shape("/point/" + link)[1]));
-    for (const std::string& link : file.names("/cell"))
-      entry.cell_data.emplace_back(hdf5::from_link_name(link),
-                                   static_cast<int>(file.shape("/cell/" + link)[1]));
-    entries_.push_back(entry);
+    entries_.push_back(*entry);
+    next_ = std::stoi(number) + 1;
   }
   write_xdmf();
+}
+
+std::optional<FrameSeries::Entry> FrameSeries::entry_of(const std::filesystem::path& path) try {
+  const hdf5::Reader file(path, frame_format);
+  Entry entry;
+  entry.time = file.number("time");
+  entry.file = "frames/" + path.filename().string();
+  entry.n_points = file.shape("/position")[0];
+  const auto cells = file.shape("/cells");
+  entry.n_cells = cells[0];
+  entry.nodes_per_cell = static_cast<int>(cells[1]);
+  for (const std::string& link : file.names("/point"))
+    entry.point_data.emplace_back(hdf5::from_link_name(link),
+                                  static_cast<int>(file.shape("/point/" + link)[1]));
+  for (const std::string& link : file.names("/cell"))
+    entry.cell_data.emplace_back(hdf5::from_link_name(link),
+                                 static_cast<int>(file.shape("/cell/" + link)[1]));
+  return entry;
+} catch (const Error&) {
+  return std::nullopt;
 }
 
 void FrameSeries::write_xdmf() const {
@@ -227,11 +240,11 @@ void FrameSeries::write_xdmf() const {
     text += "      </Grid>\n";
   }
   text += "    </Grid>\n  </Domain>\n</Xdmf>\n";
-  write_text(run_folder_ / (name_ + ".xdmf"), text);
+  write_whole(run_folder_ / (name_ + ".xdmf"), text);
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
-  write_whole(path, text);
+  write_lasting(path, text);
 }
 
 }  // namespace strake

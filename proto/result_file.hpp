@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,9 +12,11 @@ namespace strake {
 
 /// Writes an archive as one HDF5 file: aside, closed, renamed. Real arrays become double datasets
 /// (rows×columns), integer arrays int64 datasets. Equal content is equal bytes. Throws Error(cannot_write).
-/// unit: of real arrays by name, for whom it is of use; becomes the dataset's attribute.
+/// unit: of real arrays by name, for whom it is of use; becomes the dataset's attribute. lasting: on the disk
+/// when it returns.
 using ArchiveUnits = std::map<std::string, std::string>;
-void write_archive(const std::filesystem::path&, const Archive&, const ArchiveUnits& unit = {});
+void write_archive(const std::filesystem::path&, const Archive&, const ArchiveUnits& unit = {},
+                   bool lasting = false);
 /// Throws Error(case_file) with the path and what was expected when the file is missing or not ours.
 Archive read_archive(const std::filesystem::path&);
 ArchiveUnits read_archive_units(const std::filesystem::path&);
@@ -36,14 +39,16 @@ class FrameSeries {
     std::vector<std::pair<std::string, int>> point_data, cell_data;  // name, components
     std::string file;
   };
+  static std::optional<Entry> entry_of(const std::filesystem::path&);  // nothing where the file is damaged
   void write_xdmf() const;
   std::filesystem::path run_folder_;
   std::string name_;
   int dimension_ = 2;
   std::vector<Entry> entries_;
+  int next_ = 0;  // number of the next file
 };
 
-/// Writes text whole or not at all (aside, flushed, renamed). Throws Error(cannot_write).
+/// Writes text whole or not at all, and on the disk when it returns. Throws Error(cannot_write).
 void write_text(const std::filesystem::path&, const std::string&);
 
 }  // namespace strake

@@ -7,6 +7,19 @@
 
 namespace strake {
 
+namespace {
+
+/// 0 or the system's error number. Some file systems cannot wait for a folder, or for anything: no fault of the
+/// write.
+int synced(int file) {
+  int result = 0;
+  do result = fsync(file);
+  while (result != 0 && errno == EINTR);
+  return result == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS ? 0 : errno;
+}
+
+}  // namespace
+
 Error cannot_write(const std::filesystem::path& path, int error_number) {
   std::string fix = "free space there or choose another folder with --runs";
   if (error_number == ENOENT || error_number == ENOTDIR)
@@ -17,7 +30,9 @@ Error cannot_write(const std::filesystem::path& path, int error_number) {
           "cannot be written: " + std::generic_category().message(error_number), fix};
 }
 
-void write_whole(const std::filesystem::path& path, std::string_view bytes) {
+namespace {
+
+void write_aside(const std::filesystem::path& path, std::string_view bytes, bool lasting) {
   std::filesystem::path part = path;
   part += ".part";
   const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
@@ -30,12 +45,36 @@ void write_whole(const std::filesystem::path& path, std::string_view bytes) {
     else if (errno != EINTR)
       failed = errno;
   }
+  if (failed == 0 && lasting) failed = synced(file);
   if (close(file) != 0 && failed == 0) failed = errno;
   if (failed == 0 && rename(part.c_str(), path.c_str()) != 0) failed = errno;
   if (failed != 0) {
     unlink(part.c_str());
     throw cannot_write(path, failed);
   }
+}
+
+}  // namespace
+
+void write_whole(const std::filesystem::path& path, std::string_view bytes) {
+  write_aside(path, bytes, false);
+}
+
+void write_lasting(const std::filesystem::path& path, std::string_view bytes) {
+  write_aside(path, bytes, true);
+  sync_to_disk(path.has_parent_path() ? path.parent_path() : ".");
+}
+
+void sync_to_disk(int file, const std::filesystem::path& path) {
+  if (const int failed = synced(file); failed != 0) throw cannot_write(path, failed);
+}
+
+void sync_to_disk(const std::filesystem::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) throw cannot_write(path, errno);
+  const int failed = synced(file);
+  close(file);
+  if (failed != 0) throw cannot_write(path, failed);
 }
 
 }  // namespace strake

@@ -34,7 +34,7 @@ class CheckpointTest : public testing::Test {
     archive.real["x"] = Eigen::MatrixXd::Constant(3, 100, 1.5);
     for (const char* file : {"fluid.h5", "coupler.h5"}) write_archive(folder(name) / file, archive);
     seal(folder(name));
-    fs::remove(folder("latest"));
+    fs::remove_all(folder("latest"));
     if (latest) fs::create_directory_symlink(name, folder("latest"));
   }
   void cut(const std::string& name, const std::string& file) const {
@@ -115,6 +115,35 @@ TEST_F(CheckpointTest, WithoutTheLinkTheLargestThatIsWholeIsTaken) {
   expect_text();
 }
 
+/// A run that was copied with its links followed: `latest` is a folder like its neighbours.
+TEST_F(CheckpointTest, WhereTheLinkHasBecomeAFolderTheLargestThatIsWholeIsTaken) {
+  checkpoint("000010");
+  checkpoint("000020", false);
+  fs::copy(folder("000010"), folder("latest"));
+  EXPECT_EQ(chosen(), "000020");
+  cut("000020", "fluid.h5");
+  EXPECT_EQ(chosen(), "000010");
+}
+
+TEST_F(CheckpointTest, WhereTheLinkHasBecomeAFolderTheNextOneIsALinkAgain) {
+  checkpoint("000010");
+  checkpoint("000020", false);
+  fs::copy(folder("000010"), folder("latest"));
+  Checkpoints(place_.path()).complete("000020");
+  EXPECT_EQ(fs::read_symlink(folder("latest")), "000020");
+  EXPECT_EQ(damage(folder("000010")), "");
+  EXPECT_EQ(chosen(), "000020");
+}
+
+TEST_F(CheckpointTest, TheLatestIsNeverWrittenThrough) {
+  const TemporaryFolder elsewhere;
+  checkpoint("000010", false);
+  fs::create_directory_symlink(elsewhere.path(), folder("latest"));
+  Checkpoints(place_.path()).complete("000010");
+  EXPECT_EQ(fs::read_symlink(folder("latest")), "000010");
+  EXPECT_TRUE(fs::is_empty(elsewhere.path()));
+}
+
 TEST_F(CheckpointTest, NoneAtAllIsRefused) {
   expect_refusal(ExitCode::command_line, [&] { chosen(); });
 }
@@ -130,7 +159,7 @@ TEST_F(CheckpointTest, NoneThatIsWholeIsRefusedWithTheReasonOfEach) {
 /// history.csv, iterations.csv and interface/ of three windows.
 class RunFilesTest : public CheckpointTest {
  protected:
-  RunFiles files(std::optional<LoopState> resumed = std::nullopt) const {
+  RunFiles files(std::optional<LoopState> resumed = std::nullopt) {
     return RunFiles({.folder = place_.path(),
                      .coupled = true,
                      .dimension = 2,
@@ -138,7 +167,8 @@ class RunFilesTest : public CheckpointTest {
                      .mesh = {"structure", 2, Points::Zero(3, 2), {}, {}},
                      .initial = {},
                      .measured = {},
-                     .resumed = resumed});
+                     .resumed = resumed,
+                     .say = [this](const std::string& line) { said_ += line + "\n"; }});
   }
   static CommittedWindow window(long number) {
     CommittedWindow made;
@@ -156,7 +186,7 @@ class RunFilesTest : public CheckpointTest {
     state.windows = windows;
     return state;
   }
-  void record(long first, long last, std::optional<LoopState> resumed = std::nullopt) const {
+  void record(long first, long last, std::optional<LoopState> resumed = std::nullopt) {
     RunFiles written = files(resumed);
     for (long n = first; n <= last; ++n) written.append(window(n), {}, 0.5);
     written.flush();
@@ -182,6 +212,29 @@ TEST_F(RunFilesTest, OfAKilledRunLoseTheRowThatWasCutShort) {
   std::ofstream(place_.path() / "history.csv", std::ios::app) << "6,0.";
   record(4, 5, after(3));
   EXPECT_EQ(bytes(), whole);
+}
+
+TEST_F(RunFilesTest, GoOnThoughTheTimesOfTheClockAreDamaged) {
+  record(1, 5);
+  const std::string history = content(place_.path() / "history.csv");
+  std::ofstream(place_.path() / "timing.csv") << "window [1],time [s],wall [s]\n1,0.1,not a number\n";
+  record(4, 5, after(3));
+  EXPECT_EQ(content(place_.path() / "history.csv"), history);
+  EXPECT_EQ(content(place_.path() / "timing.csv"), "window [1],time [s],wall [s]\n4,0.4,0.5\n5,0.5,0.5\n");
+  EXPECT_NE(content(place_.path() / "timing-1.csv").find("not a number"), std::string::npos);
+  fs::remove(place_.path() / "timing.csv");
+  record(5, 5, after(4));
+  EXPECT_EQ(content(place_.path() / "timing.csv"), "window [1],time [s],wall [s]\n5,0.5,0.5\n");
+  expect_text();
+}
+
+TEST_F(RunFilesTest, GoOnThoughABlockAfterTheCheckpointIsDamaged) {
+  record(1, 100);
+  const std::string whole = content(place_.path() / "interface/000001.h5");
+  std::ofstream(place_.path() / "interface/000002.h5") << "cut by the power";
+  record(101, 102, after(100));
+  EXPECT_EQ(content(place_.path() / "interface/000001.h5"), whole);
+  EXPECT_EQ(read_interface_record(place_.path()).windows.size(), 102u);
 }
 
 TEST_F(RunFilesTest, ThatEndBeforeTheCheckpointAreRefused) {

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <limits>
 
+#include "proto/frame_file.hpp"
 #include "proto/hdf5_file.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
@@ -207,6 +208,21 @@ TEST(FrameSeries, TruncatedAtATimeGoesOnAsIfNothingHadCome) {
     const std::string name = "frames/fluid-00000" + std::to_string(i) + ".h5";
     EXPECT_TRUE(content(cut / name) == content(whole / name)) << name;
   }
+}
+
+TEST(FrameSeries, GoesOnBesideAFrameThatAPowerCutDamaged) {
+  const TemporaryFolder folder;
+  FrameSeries first(folder.path(), "fluid", 2);
+  for (int i = 0; i < 4; ++i) first.write(some_frame(0.1 * i));
+  put(folder / "frames/fluid-000001.h5", "");
+  put(folder / "frames/fluid-000003.h5", "");
+  FrameSeries second(folder.path(), "fluid", 2);
+  second.truncate(0.25);
+  EXPECT_EQ(second.count(), 2);  // those at 0 and 0.2 s
+  second.write(some_frame(0.3));
+  EXPECT_EQ(list_frames(folder.path(), "fluid").size(), 3u);
+  EXPECT_EQ(time_of_frame(folder / "frames/fluid-000003.h5"), 0.3);
+  EXPECT_EQ(content(folder / "frames/fluid-000001.h5"), "");
 }
 
 TEST(WriteText, ReplacesAFileWhole) {
