@@ -9,6 +9,7 @@
 
 #include "coupler/launch.hpp"
 #include "coupler/stop_request.hpp"
+#include "proto/case_depth.hpp"
 #include "proto/error.hpp"
 
 namespace strake {
@@ -128,6 +129,7 @@ std::string program_name(const std::string& side, const std::string& solver) {
 }
 
 std::map<std::string, std::string> flatten_toml(const std::string& text, const std::string& name) {
+  require_shallow(text, name);
   try {
     std::map<std::string, std::string> value;
     flatten(toml::parse(text, name), {}, value);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "proto/visible.hpp"
+
 namespace strake {
 namespace {
 
@@ -43,9 +45,7 @@ std::vector<std::string> StrangerLog::due(Clock::time_point now) {
 
 std::string harmless(const std::string& text) {
   constexpr std::size_t longest = 200;
-  std::string plain = text.substr(0, longest);
-  for (char& c : plain)
-    if (c < ' ' || c > '~') c = '?';
+  const std::string plain = visible(std::string_view(text).substr(0, longest), "");
   return text.size() > longest ? plain + "..." : plain;
 }
 

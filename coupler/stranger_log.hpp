@@ -26,7 +26,8 @@ class StrangerLog {
   std::map<std::string, Kind> kinds_;
 };
 
-/// Text of a stranger as it may stand in a log: one line, plain characters, no longer than 200.
+/// Text of a stranger as it may stand in a log: one line, no control characters (`visible`), of its first 200
+/// bytes.
 std::string harmless(const std::string&);
 
 }  // namespace strake

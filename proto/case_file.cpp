@@ -8,6 +8,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "proto/case_depth.hpp"
 #include "proto/case_document.hpp"
 
 namespace strake {
@@ -133,6 +134,7 @@ void CaseFile::Document::read_text() {
     while (line.ends_with('\r')) line.pop_back();
     lines.push_back(line);
   }
+  require_shallow(bytes, name);
   try {
     root = toml::parse(bytes);
   } catch (const toml::parse_error& error) {
@@ -163,7 +165,12 @@ void CaseFile::Document::apply(const std::string& argument) {
   if (equals == std::string::npos || steps.empty() || steps.back().is_index)
     throw Error(ExitCode::command_line, where, "expected KEY=VALUE",
                 "for instance --set fluid.spacing=0.005");
+  if (steps.size() > deepest_key)
+    throw Error(ExitCode::case_file, "--set " + steps.front().key + "...",
+                fmt::format("the key has {} parts, expected at most {}", steps.size(), deepest_key),
+                "strake explain lists the keys; none has more than five");
   const std::string value = trimmed(argument.substr(equals + 1));
+  if (value.starts_with('[') || value.starts_with('{')) require_shallow("value = " + value, "--set " + path);
 
   toml::table* table = table_for(root, steps, where);
   toml::table parsed;

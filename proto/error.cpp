@@ -4,6 +4,8 @@
 #include <sstream>
 #include <utility>
 
+#include "proto/visible.hpp"
+
 namespace strake {
 namespace {
 
@@ -22,7 +24,7 @@ std::string text_of(const std::string& where, const std::string& problem, const 
     text += head + line + "\n";
     head = "       ";
   }
-  return text;
+  return visible(text);
 }
 
 /// Edit distance in which an insertion, a deletion, a replacement and a swap of neighbours cost one each.
