@@ -114,7 +114,7 @@ void Session::add_columns(const std::string& side, const Description& descriptio
   for (Column column : description.columns) {
     sources_.push_back({.fluid = side == "fluid", .name = column.name});
     const auto same = [&](const Column& other) { return other.name == column.name; };
-    if (std::any_of(columns_.begin(), columns_.end(), same)) column.name = side + "." + column.name;
+    while (std::any_of(columns_.begin(), columns_.end(), same)) column.name = side + "." + column.name;
     columns_.push_back(column);
   }
 }
@@ -130,10 +130,14 @@ std::vector<double> Session::values(const WindowReport& report) const {
 }
 
 RunPlan Session::plan() const {
+  LoopState start;
+  for (const Participant* side :
+       {static_cast<const Participant*>(fluid_), static_cast<const Participant*>(structure_)})
+    if (side != nullptr) start.limit = std::min(start.limit, side->description().dt_limit);
   return {.end = case_.common.end_time,
           .window = window_of(case_),
           .output_every = case_.common.output_every,
-          .start = {},
+          .start = start,
           .control = case_.coupling.control,
           .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string()};
 }

@@ -160,6 +160,7 @@ void write(const Ready& from, pb::Reply& reply, Writer& writer) {
   writer.fields(d.initial, *to.mutable_initial());
   to.set_dt_limit(d.dt_limit);
   to.set_history(d.history);
+  writer.rules().columns(d.columns);
   for (const Column& c : d.columns) {
     to.add_columns()->set_name(c.name);
     to.mutable_columns()->rbegin()->set_unit(c.unit);
@@ -200,10 +201,8 @@ Ready read(const pb::Ready& from, Reader& reader) {
   to.description.initial = reader.fields(from.initial());
   to.description.dt_limit = from.dt_limit();
   to.description.history = from.history();
-  for (const pb::Column& c : from.columns()) {
-    for (const std::string& text : {c.name(), c.unit()}) reader.rules().label(text, "column");
-    to.description.columns.push_back({c.name(), c.unit()});
-  }
+  for (const pb::Column& c : from.columns()) to.description.columns.push_back({c.name(), c.unit()});
+  reader.rules().columns(to.description.columns);
   to.description.lines.assign(from.lines().begin(), from.lines().end());
   return to;
 }
@@ -229,7 +228,7 @@ Fault read(const pb::Fault& from) {
   ExitCode code = ExitCode::solver_fault;
   for (ExitCode known :
        {ExitCode::command_line, ExitCode::case_file, ExitCode::participant_lost, ExitCode::cannot_write,
-        ExitCode::our_bug, ExitCode::interrupted, ExitCode::terminated})
+        ExitCode::our_bug, ExitCode::hung_up, ExitCode::interrupted, ExitCode::terminated})
     if (from.exit_code() == static_cast<std::uint32_t>(known)) code = known;
   return {from.where(), from.problem(), from.fix(), code};
 }

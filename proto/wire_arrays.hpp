@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,16 @@ struct Rules {
       broken(fmt::format("gives a {} of {} bytes, expected at most {}", what, text.size(), longest));
     for (const unsigned char c : text)
       if (c < 0x20 || c == 0x7f) broken(fmt::format("gives a {} that holds the character {:#04x}", what, c));
+  }
+  /// The columns of history.csv are told apart by their names.
+  void columns(const std::vector<Column>& all) const {
+    std::set<std::string> names;
+    for (const Column& column : all) {
+      label(column.name, "column");
+      label(column.unit, "column");
+      if (!names.insert(column.name).second)
+        broken(fmt::format("gives the column {} twice, expected names that differ", column.name));
+    }
   }
   void field(const Field& f) const {
     label(f.quantity, "quantity");

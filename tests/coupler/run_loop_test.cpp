@@ -113,6 +113,16 @@ TEST(RunLoop, KeepsToTheLimitThatASolverNames) {
   EXPECT_EQ(windows.back().time, 1.0);
 }
 
+TEST(RunLoop, KeepsToTheLimitOfTheFirstWindow) {
+  Listener listener;
+  RunPlan plan = {.end = 1.0, .window = 0.25, .output_every = 0};
+  plan.start.limit = 0.1;
+  run_to_end(listener, plan);
+  EXPECT_NEAR(listener.asked[0].dt, 0.25 / 3, 1e-15);
+  EXPECT_EQ(listener.asked[1].t, listener.asked[0].dt);
+  EXPECT_NEAR(listener.asked[1].dt, 0.25 * 2 / 3, 1e-15);  // its Advanced names no limit
+}
+
 TEST(RunLoop, GoesOnWhereAnEarlierRunEnded) {
   Listener listener;
   RunLoop loop(listener, RunLoop::Side::structure,

@@ -172,6 +172,12 @@ TEST(Wire, AReadyKeepsMeshAndDescription) {
   EXPECT_EQ(got.description.lines, ready.description.lines);
 }
 
+TEST(Wire, AReadyThatNamesAColumnTwiceIsRefused) {
+  Ready ready{square(), {}};
+  ready.description.columns = {{"cfl", "1"}, {"energy", "J"}, {"cfl", "1"}};
+  EXPECT_THROW(encode(Reply{1, ready}, "structure"), Error);
+}
+
 TEST(Wire, AnAdvancedKeepsFieldsLimitAndMonitors) {
   Advanced a;
   a.output = {field("force", "N", 3, 4)};
