@@ -16,7 +16,8 @@ namespace {
 using std::chrono::milliseconds;
 using Seconds = std::chrono::duration<double>;
 
-constexpr milliseconds beat{50};  // between two looks at the processes, while nothing arrives
+constexpr milliseconds beat{50};           // between two looks at the processes, while nothing arrives
+constexpr milliseconds stop_to_tell{500};  // until a line says for what an end that was asked for waits
 
 }  // namespace
 
@@ -96,7 +97,7 @@ wire::Reply Roster::State::await(Member& m) {
     check_deadlines(m);
     if (!m.reply) tell_wait(m, looked - m.asked_at);
     if (!m.reply) tell_waiting(m, looked - m.asked_at);
-    if (m.asked != "Checkpoint" && m.asked != "Stop") check_stop(m);
+    check_stop(m);
   }
   m.asked.clear();
   m.request.clear();
@@ -170,12 +171,14 @@ void Roster::State::check_deadlines(const Member& m) const {
 void Roster::State::check_stop(const Member& m) {
   const StopRequest* stop = options.stop;
   if (!stop || !stop->requested()) return;
-  if (m.asked == "Advance" && stop->elapsed() < options.deadlines.grace) {
-    if (!grace_told && stop->elapsed() > silence_to_tell) {
+  const bool saves = m.asked == "Checkpoint" || m.asked == "Stop";  // its answer is what the user waits for
+  if (saves || (m.asked == "Advance" && stop->elapsed() < options.deadlines.grace)) {
+    if (!grace_told && stop->elapsed() > stop_to_tell) {
       grace_told = true;
+      const auto limit = saves ? options.deadlines.answer_within : options.deadlines.grace;
       say(fmt::format(
           "{}: {}, waiting {:g} s at most for the answer to {}, to save the state; once more ends at once",
-          m.place(), stop->in_words(), options.deadlines.grace.count(), m.asked));
+          m.place(), stop->in_words(), limit.count(), m.asked));
     }
     return;
   }

@@ -16,6 +16,7 @@ enum class ExitCode : int {
   participant_lost = 5,   // a participant crashed, froze or vanished; a solver whose coupler is gone
   cannot_write = 6,
   our_bug = 70,
+  hung_up = 129,      // SIGHUP: the terminal is gone
   interrupted = 130,  // SIGINT
   terminated = 143,   // SIGTERM
 };

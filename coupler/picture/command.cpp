@@ -73,12 +73,12 @@ void widen(picture::Range& range, const picture::Range& other) {
 
 /// Colours and view of a whole film: what a few of its frames, the first and last among them, span together.
 void settle(const PictureOptions& options, const picture::RunFrames& run,
-            const std::vector<FrameFile>& frames, picture::DrawingOptions& drawing) {
+            const std::vector<FrameFile>& frames, picture::DrawingOptions& drawing, const StopRequest& stop) {
   constexpr std::size_t looked_at = 24;
   picture::Range water, solid, x, y;
   double spacing = 0;
   std::string water_name, solid_name;
-  for (std::size_t k = 0; k < std::min(looked_at, frames.size()); ++k) {
+  for (std::size_t k = 0; k < std::min(looked_at, frames.size()) && !stop.requested(); ++k) {
     const std::size_t of = frames.size() <= looked_at ? k : k * (frames.size() - 1) / (looked_at - 1);
     const picture::Scene scene =
         picture::read_scene(run, {.time = frames[of].time, .field = options.field, .scale = options.scale});
@@ -135,7 +135,9 @@ ExitCode make_film(const FilmOptions& options, const StopRequest& stop) {
                             (run.fluid.empty() ? run.structure : run.fluid).front().time,
                             (run.fluid.empty() ? run.structure : run.fluid).back().time));
   picture::Encoder encoder(wanted.out, options.frames_per_second);
-  settle(wanted, run, frames, drawing);
+  settle(wanted, run, frames, drawing, stop);
+
+  if (stop.requested()) return stop.code();
 
   const bool live = style_of(stdout).terminal;
   for (std::size_t k = 0; k < frames.size(); ++k) {

@@ -205,6 +205,7 @@ std::string Recorded::state() const {
       return "failed: a program was lost";
     case 6:
       return "failed: could not write";
+    case 129:
     case 130:
     case 143:
       return "stopped before its end";
@@ -219,8 +220,9 @@ Recorded read_run(const std::filesystem::path& folder) {
   run.name = std::filesystem::absolute(folder).lexically_normal().filename().string();
   if (run.name.empty())  // "runs/plate_entry/"
     run.name = std::filesystem::absolute(folder).lexically_normal().parent_path().filename().string();
-  const bool any =
-      std::filesystem::exists(folder / "run.json") || std::filesystem::exists(folder / "case.toml");
+  std::error_code none;
+  const bool any = std::filesystem::exists(folder / "run.json", none) ||
+                   std::filesystem::exists(folder / "case.toml", none);
   if (!any)
     throw Error(ExitCode::case_file, folder.string(), "is not the folder of a run: it has no run.json",
                 "name a folder that `strake run` has made, e.g. runs/plate_entry");

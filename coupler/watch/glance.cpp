@@ -214,10 +214,14 @@ void WatchedRun::judge() {
       case 1:
         set(State::finished, "finished, outside tolerance");
         break;
+      case 129:
       case 130:
       case 143:
         set(State::stopped, fmt::format("stopped before its end by {}, after {}",
-                                        *g.exit_code == 130 ? "Ctrl-C" : "SIGTERM", at));
+                                        *g.exit_code == 130   ? "Ctrl-C"
+                                        : *g.exit_code == 129 ? "SIGHUP"
+                                                              : "SIGTERM",
+                                        at));
         break;
       default:
         set(State::failed, fmt::format("failed after {}, exit code {}", at, *g.exit_code));
