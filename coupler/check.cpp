@@ -11,6 +11,7 @@
 #include "coupler/session.hpp"
 #include "coupler/stop_request.hpp"
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 #include "proto/whole_file.hpp"
 
 namespace strake {
@@ -33,7 +34,8 @@ void print_properties(const CaseView& view, const StopRequest& stop) {
     }
   if (!rows.empty())
     fmt::print("\nthe body, by discretisation\n{:<10} {:>12}   {} {:>14}   {:<28} {}\n{}", "solver",
-               "mass [kg]", "centre [m]", "inertia [kg m2]", "f1, f2, f3 dry [Hz]", "stable step", rows);
+               "mass [kg]", "centre [m]", "inertia [kg m2]", "f1, f2, f3 dry [Hz]", "stable step",
+               visible(rows));
 }
 
 /// One drawing per discretisation, one above the other.
@@ -71,12 +73,12 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
   const Session session(view, {.run_folder = {},
                                .log_folder = folder.path(),
                                .patient = options.patient,
-                               .say = [](const std::string& line) { fmt::print(stderr, "{}\n", line); },
+                               .say = [](const std::string& line) { put(stderr, visible(line) + "\n"); },
                                .stop = &stop});
-  fmt::print("{}\n", view.common.title.empty() ? options.case_file.string() : view.common.title);
+  fmt::print("{}\n", visible(view.common.title.empty() ? options.case_file.string() : view.common.title));
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session.mapping_lines()));
-  for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", warning);
+  for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
 
   const bool ours = view.structure && view.structure->solver.find('/') == std::string::npos;
   if (ours && view.structure->solver != "replay") print_properties(view, stop);
@@ -86,7 +88,7 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
                   "the case has no structure of ours to draw", "leave --picture out");
     write_picture(view, options.picture, stop);
   }
-  fmt::print("\nevery value and where it came from\n{}", view.resolved);
+  fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));
   fmt::print("\n{}: nothing to refuse\n  next    strake run {}\n", options.case_file.string(),
              options.case_file.string());
   return ExitCode::done;

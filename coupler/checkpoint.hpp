@@ -13,8 +13,8 @@ namespace strake {
 
 /// checkpoint/000420/{fluid,structure,coupler}.h5 of a run with their `checksums`, and the link `latest`,
 /// which is renamed into place last: a checkpoint that `latest` names is whole, also after a power cut. Two
-/// are kept, so that there is another when a disk damages one. In a copied run `latest` may be a folder: a copy
-/// of one that stands beside it, which is never read and gives way to the next link.
+/// are kept, so that there is another when a disk damages one. In a copied run `latest` may be a folder: a
+/// copy of one that stands beside it, which is never read and gives way to the next link.
 class Checkpoints {
  public:
   explicit Checkpoints(const std::filesystem::path& run_folder);  // absolute

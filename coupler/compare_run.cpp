@@ -11,6 +11,7 @@
 #include "coupler/compare.hpp"
 #include "coupler/compare_plot.hpp"
 #include "coupler/console.hpp"
+#include "proto/visible.hpp"
 
 namespace strake {
 
@@ -84,7 +85,7 @@ ExitCode compare_run(const CompareOptions& options) {
   }
   if (verdicts.empty())
     fmt::print("{}: no [[compare]] block of its case applies to this run{} ({} in the file)\n",
-               folder.string(), options.probes.empty() ? "" : " and that probe", in_file);
+               visible(folder.string()), options.probes.empty() ? "" : " and that probe", in_file);
   if (!options.plot.empty()) {
     write_plots(options.plot, reference_plots(blocks, data, folder.string(), read_common(file).probes));
     fmt::print("plot  {}\n", options.plot.string());

@@ -11,6 +11,7 @@
 #include "coupler/console.hpp"
 #include "coupler/words.hpp"
 #include "proto/result_file.hpp"
+#include "proto/visible.hpp"
 
 namespace strake {
 namespace {
@@ -69,8 +70,9 @@ std::string percent(double part) {
 }
 
 void print_table(const std::string& quantity, const std::vector<Record>& records, const Comparison& c) {
-  fmt::print("{} [{}]   {:.6g} to {:.6g} s, times of peaks from {}\n", quantity, records.front().unit, c.from,
-             c.to, c.after_contact ? "contact" : "the beginning of that span");
+  fmt::print("{} [{}]   {:.6g} to {:.6g} s, times of peaks from {}\n", visible(quantity),
+             visible(records.front().unit), c.from, c.to,
+             c.after_contact ? "contact" : "the beginning of that span");
   fmt::print("  {:<18} {:>8}", "", "");
   for (std::size_t r = 0; r < records.size(); ++r) {
     const std::string place = fmt::format("({})", r + 1);
@@ -78,7 +80,7 @@ void print_table(const std::string& quantity, const std::vector<Record>& records
   }
   fmt::print("\n");
   for (const MetricRow& row : c.rows) {
-    fmt::print("  {:<18} {:>8}", row.name, "[" + row.unit + "]");
+    fmt::print("  {:<18} {:>8}", row.name, "[" + visible(row.unit) + "]");
     const bool difference = row.name == "l2" || row.name == "dtw";
     for (std::size_t r = 0; r < records.size(); ++r) {
       if (r == 0) {
@@ -138,8 +140,9 @@ bool judge(const std::vector<Limit>& limits, const std::string& quantity, const 
         const auto& off = row.deviation[r];
         const bool pass = off && std::abs(*off) <= limit.part;
         all = all && pass;
-        fmt::print("{}  {} {} of ({}) {}: {} (within {:.3g} %)\n", mark(pass, style), quantity, row.name,
-                   r + 1, records[r].name, off ? percent(*off) : "cannot be told", 100 * limit.part);
+        fmt::print("{}  {} {} of ({}) {}: {} (within {:.3g} %)\n", mark(pass, style), visible(quantity),
+                   row.name, r + 1, visible(records[r].name), off ? percent(*off) : "cannot be told",
+                   100 * limit.part);
       }
   return all;
 }
@@ -167,7 +170,8 @@ ExitCode compare_several(const CompareOptions& options) {
   const Style style = style_of(stdout);
 
   for (std::size_t r = 0; r < sources.size(); ++r)
-    fmt::print("({}) {}{}\n", r + 1, sources[r].name(), r == 0 ? "   what the others are held against" : "");
+    fmt::print("({}) {}{}\n", r + 1, visible(sources[r].name()),
+               r == 0 ? "   what the others are held against" : "");
   const std::vector<std::string> quantities = choose(sources, options.probes);
   std::vector<std::vector<Record>> all;
   std::vector<Comparison> made;

@@ -5,11 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
 
 #include "coupler/profile.hpp"
+#include "proto/visible.hpp"
 
 // What every way of telling a run shares, and the quiet one.
 
@@ -27,24 +29,26 @@ class QuietReporter final : public Reporter {
   void verdict(const Verdict&) override {}  // all at the end, also those that were not reached
   void note(const std::string&) override {}
   void warning(const std::string& line) override {
-    fmt::print(stream_, "{}  {}\n", painted(style_, "33", "warning"), line);
-    std::fflush(stream_);
+    put(stream_, fmt::format("{}  {}\n", painted(style_, "33", "warning"), visible(line)));
   }
   void end(const RunEnd& end) override {
     const Summary& summary = *end.summary;
     if (summary.unconverged() > 0)
       warning(fmt::format("{} of {} windows accepted unconverged", grouped(summary.unconverged()),
                           grouped(summary.windows())));
-    for (const Verdict& verdict : summary.verdicts) fmt::print(stream_, "{}\n", verdict_text(verdict, style_));
+    std::string text;
+    for (const Verdict& verdict : summary.verdicts) text += verdict_text(verdict, style_) + "\n";
     if (end.profile != nullptr)
-      for (const std::string& text : end.profile->lines()) fmt::print(stream_, "{}\n", text);
-    std::fflush(stream_);
+      for (const std::string& line : end.profile->lines()) text += visible(line) + "\n";
+    put(stream_, text);
   }
 
  private:
   std::FILE* stream_;
   Style style_;
 };
+
+int failure = 0;  // errno of the first write that failed
 
 /// What the environment says of the characters: the first of these that is set decides (POSIX).
 bool is_utf8() {
@@ -69,6 +73,15 @@ Style style_of(std::FILE* stream) {
   style.unicode = is_utf8();
   if (style.terminal) style.width = width_of(stream, style);
   return style;
+}
+
+void put(std::FILE* stream, const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stream) == text.size() && std::fflush(stream) == 0) return;
+  if (stream == stdout && failure == 0) failure = errno;
+}
+
+int console_failure() {
+  return failure;
 }
 
 int width_of(std::FILE* stream, const Style& style) {
@@ -110,7 +123,7 @@ std::vector<Column> telling_columns(const RunHeader& header, std::size_t most) {
 std::string block_text(const std::string& name, const std::vector<std::string>& lines) {
   std::string text;
   for (std::size_t i = 0; i < lines.size(); ++i)
-    text += fmt::format("  {:<11}{}\n", i == 0 ? name : "", lines[i]);
+    text += fmt::format("  {:<11}{}\n", i == 0 ? name : "", visible(lines[i]));
   return text;
 }
 
@@ -119,7 +132,7 @@ std::string painted(const Style& style, const char* code, const std::string& tex
 }
 
 std::string verdict_text(const Verdict& verdict, const Style& style) {
-  std::string line = verdict.line();
+  const std::string line = visible(verdict.line());
   if (verdict.result == Verdict::Result::not_reached) return line;
   const auto end = line.find(' ');
   const char* code = verdict.result == Verdict::Result::pass ? "32" : "31";

@@ -84,6 +84,12 @@ struct Style {
 /// Of a stream, as NO_COLOR and the terminal have it.
 Style style_of(std::FILE*);
 
+/// Writes a text to a console, at once. What cannot be written is left out: what is told is worth less than
+/// what is done.
+void put(std::FILE*, const std::string&);
+/// errno of the first text that `put` could not write to the standard output; 0: all were.
+int console_failure();
+
 /// Characters in a row of the stream's terminal at this moment; where it cannot tell, the style's, else 80.
 int width_of(std::FILE*, const Style&);
 
@@ -105,7 +111,8 @@ std::vector<std::string> closing_lines(const RunEnd&, const RunHeader&, const St
 /// In that colour (SGR code) where the style has colours.
 std::string painted(const Style&, const char* code, const std::string&);
 
-/// The lines of one header block, the name in front of the first: "  fluid      headline".
+/// The lines of one header block, the name in front of the first: "  fluid      headline". Lines come from
+/// participants: they are made visible.
 std::string block_text(const std::string& name, const std::vector<std::string>& lines);
 std::string verdict_text(const Verdict&, const Style&);
 /// 3000 → "3 000".

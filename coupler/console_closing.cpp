@@ -8,6 +8,7 @@
 #include "coupler/console.hpp"
 #include "coupler/picture/ticks.hpp"
 #include "coupler/profile.hpp"
+#include "proto/visible.hpp"
 
 // The last lines of a run: what came out, where it is, and what to do with it.
 
@@ -73,7 +74,7 @@ void add_found(const Json& probes, const RunHeader& header, const Style& style,
   for (const Column& column : telling_columns(header, most_probes))
     if (probes.contains(column.name))
       if (std::string text = found_text(probes[column.name], style); !text.empty())
-        found.emplace_back(column.name, std::move(text));
+        found.emplace_back(visible(column.name), visible(text));
   std::size_t width = 0;
   for (const auto& [name, text] : found) width = std::max(width, name.size());
   for (std::size_t k = 0; k < found.size(); ++k)
@@ -86,7 +87,7 @@ void add_found(const Json& probes, const RunHeader& header, const Style& style,
 std::vector<std::string> closing_lines(const RunEnd& end, const RunHeader& header, const Style& style) {
   const Summary& summary = *end.summary;
   const Json json = summary.json();
-  const std::string folder = end.folder.string();
+  const std::string folder = visible(end.folder.string());
   std::vector<std::string> lines;
   std::string first =
       fmt::format("\n{}  {} to t = {:.6g} s", end.stopped.empty() ? "done" : end.stopped,
@@ -104,16 +105,16 @@ std::vector<std::string> closing_lines(const RunEnd& end, const RunHeader& heade
   if (const std::string checks = checks_text(json["checks"]); !checks.empty())
     lines.push_back("  checks" + checks);
   if (end.profile != nullptr)
-    for (const std::string& text : end.profile->lines()) lines.push_back("  " + text);
+    for (const std::string& text : end.profile->lines()) lines.push_back("  " + visible(text));
 
-  lines.push_back("  curves  " + (end.folder / "history.csv").string());
-  lines.push_back("  summary " + (end.folder / "summary.json").string());
+  lines.push_back("  curves  " + folder + "/history.csv");
+  lines.push_back("  summary " + folder + "/summary.json");
   if (!end.fields.empty()) {
-    std::string fields = (end.folder / end.fields.front()).string();
+    std::string fields = folder + "/" + end.fields.front();
     for (std::size_t i = 1; i < end.fields.size(); ++i) fields += "  " + end.fields[i];
     lines.push_back(fmt::format("  fields  {}   (open in ParaView)", fields));
   }
-  if (!end.stopped.empty()) lines.push_back("  logs    " + (end.folder / "*.log").string());
+  if (!end.stopped.empty()) lines.push_back("  logs    " + folder + "/*.log");
   std::vector<std::string> next;
   if (end.stopped == "interrupted") next.push_back("the same command with --resume");
   next.push_back("strake report " + folder);

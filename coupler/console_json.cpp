@@ -92,8 +92,8 @@ class JsonReporter final : public Reporter {
 
  private:
   void put(const Json& line) {
-    std::fputs((line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n").c_str(), stream_);
-    std::fflush(stream_);
+    // In ASCII, so that no control character of a text reaches a terminal.
+    strake::put(stream_, line.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n");
   }
   std::FILE* stream_;
   double last_wait_ = -wait_interval;  // [s]

@@ -5,6 +5,7 @@
 
 #include "coupler/console.hpp"
 #include "coupler/progress_bar.hpp"
+#include "proto/visible.hpp"
 
 // The table that a person reads, and the bar below it.
 
@@ -53,7 +54,8 @@ std::pair<double, std::string> shown_unit(const std::string& unit) {
 
 TableColumn participant_column(const Column& column) {
   const auto [factor, unit] = shown_unit(column.unit);
-  const std::string title = unit.empty() ? column.name : fmt::format("{} [{}]", column.name, unit);
+  const std::string title =
+      visible(unit.empty() ? column.name : fmt::format("{} [{}]", column.name, unit), "");
   return {title, std::max(10, static_cast<int>(title.size())),
           [name = column.name, scale = factor](const RunRow& row) {
             return digits(scale * monitor_of(row, name));
@@ -111,7 +113,7 @@ std::string waiting_text(const Awaited& whom) {
     text += whom.asked.empty() ? "starting" : "computing (" + whom.asked + ")";
   else
     text += fmt::format("{} ({:.0f} %)", whom.doing, 100 * whom.part);
-  return text + ", " + duration_text(whom.waited);
+  return visible(text, "") + ", " + duration_text(whom.waited);
 }
 
 class TableReporter final : public Reporter {
@@ -123,7 +125,7 @@ class TableReporter final : public Reporter {
     take_bar_away();
     header_ = header;
     const std::string title = header.title.empty() ? header.folder.filename().string() : header.title;
-    put(fmt::format("{:<44}{}", title, header.folder.string()));
+    put(visible(fmt::format("{:<44}{}", title, header.folder.string())));
     for (const auto& [name, lines] : header.blocks) {
       std::string text = block_text(name, lines);
       text.pop_back();
@@ -161,9 +163,9 @@ class TableReporter final : public Reporter {
     progress_.probes.clear();
     for (const Column& column : shown_) {
       const auto [factor, unit] = shown_unit(column.unit);
-      progress_.probes.push_back(fmt::format("{} {}{}", column.name,
-                                             digits(factor * monitor_of(row, column.name)),
-                                             unit.empty() ? "" : " " + unit));
+      progress_.probes.push_back(
+          visible(fmt::format("{} {}{}", column.name, digits(factor * monitor_of(row, column.name)),
+                              unit.empty() ? "" : " " + unit)));
     }
     draw(row.elapsed);
   }
@@ -176,9 +178,9 @@ class TableReporter final : public Reporter {
   }
 
   void verdict(const Verdict& verdict) override { put(verdict_text(verdict, style_)); }
-  void note(const std::string& line) override { put("  " + line); }
+  void note(const std::string& line) override { put("  " + visible(line)); }
   void warning(const std::string& line) override {
-    put("  " + painted(style_, "33", "warning") + "    " + line);
+    put("  " + painted(style_, "33", "warning") + "    " + visible(line));
   }
 
   void end(const RunEnd& end) override {
@@ -202,8 +204,7 @@ class TableReporter final : public Reporter {
       pending_ += line + "\n";
       return;
     }
-    std::fputs((line + "\n").c_str(), stream_);
-    std::fflush(stream_);
+    strake::put(stream_, line + "\n");
   }
   void draw(double elapsed) {
     last_drawn_ = elapsed;

@@ -38,7 +38,8 @@ void require_same_points(const Points& recorded, const Points& wanted, const std
 
 std::optional<structure::deck::LoadHistory> load_of(const std::filesystem::path& run,
                                                     const structure::deck::Model& model) {
-  if (!std::filesystem::exists(run / "interface")) {
+  std::error_code none;
+  if (!std::filesystem::exists(run / "interface", none)) {
     if (model.analysis != structure::Analysis::dynamic) return std::nullopt;
     throw Error(ExitCode::case_file, run.string(), "has no interface/, so no recorded load",
                 "name the folder of a coupled run, or one with structure.analysis = \"static\" or \"modal\"");
@@ -54,7 +55,8 @@ std::optional<structure::deck::LoadHistory> load_of(const std::filesystem::path&
 ExitCode export_run(const ExportOptions& options, const StopRequest& stop) {
   const std::filesystem::path& run = options.recorded;
   const std::filesystem::path case_file = run / "case.toml";
-  if (!std::filesystem::exists(case_file))
+  std::error_code error;
+  if (!std::filesystem::exists(case_file, error))
     throw Error(ExitCode::case_file, run.string(), "holds no case.toml",
                 "name the folder of a run, e.g. runs/plate_entry");
   const structure::deck::Model model = model_of(case_file, options.sets, stop);
@@ -62,13 +64,12 @@ ExitCode export_run(const ExportOptions& options, const StopRequest& stop) {
 
   CaseFile file = CaseFile::load(case_file);
   const std::string title = read_common(file).title,
-                    name = std::filesystem::weakly_canonical(run).filename().string();
+                    name = std::filesystem::weakly_canonical(run, error).filename().string();
   const structure::deck::Story story{
       .title = title.empty() ? name : title,
       .origin = fmt::format("{}, strake {} ({})", name, strake_version(), strake_commit())};
   const bool calculix = options.to == "ccx";
   const std::filesystem::path folder = options.folder.empty() ? run / "export" : options.folder;
-  std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw Error(ExitCode::cannot_write, folder.string(), error.message());
   const std::filesystem::path deck = folder / (calculix ? "ccx.inp" : "ansys.inp");

@@ -321,11 +321,12 @@ void InterfaceRecorder::resume(double time) {
 }
 
 InterfaceRecord read_interface_record(const std::filesystem::path& run_folder) {
-  if (!std::filesystem::exists(block_path(run_folder, 0)))
+  std::error_code none;
+  if (!std::filesystem::exists(block_path(run_folder, 0), none))
     throw Error(ExitCode::case_file, (run_folder / "interface").string(), "holds no interface record",
                 "name the folder of a coupled run, e.g. runs/plate_entry");
   InterfaceRecord record;
-  for (std::size_t b = 0; std::filesystem::exists(block_path(run_folder, b)); ++b) {
+  for (std::size_t b = 0; std::filesystem::exists(block_path(run_folder, b), none); ++b) {
     const std::filesystem::path path = block_path(run_folder, b);
     const InterfaceRecord block = read_block(path);
     if (b == 0) {

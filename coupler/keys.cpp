@@ -111,7 +111,7 @@ void make_keys(const fs::path& folder, const std::vector<std::string>& participa
   fs::create_directories(fs::absolute(folder).parent_path(), error);
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) cannot_write(folder);
   require_private(folder, ExitCode::command_line, true);
-  for (const auto& entry : fs::directory_iterator(folder))
+  for (const auto& entry : fs::directory_iterator(folder, error))
     if (entry.path().extension() == ".key")
       throw Error(ExitCode::command_line, folder.string(),
                   "holds keys already, and programs may be using them",

@@ -219,16 +219,18 @@ std::string random_token() {
 
 std::filesystem::path find_program(const std::string& name, const std::filesystem::path& case_folder) {
   namespace fs = std::filesystem;
-  const auto runnable = [](const fs::path& p) {
-    return fs::is_regular_file(p) && access(p.c_str(), X_OK) == 0;
+  std::error_code none;
+  const auto runnable = [&](const fs::path& p) {
+    return fs::is_regular_file(p, none) && access(p.c_str(), X_OK) == 0;
   };
   if (name.find('/') != std::string::npos) {
     const fs::path file = fs::absolute(case_folder / name).lexically_normal();
     if (runnable(file)) return file;
     throw Error(
         ExitCode::case_file, name,
-        fmt::format("{} {}", file.string(), fs::exists(file) ? "cannot be executed" : "does not exist"),
-        fs::exists(file) ? fmt::format("chmod +x {}", file.string()) : "a path is relative to the case file");
+        fmt::format("{} {}", file.string(), fs::exists(file, none) ? "cannot be executed" : "does not exist"),
+        fs::exists(file, none) ? fmt::format("chmod +x {}", file.string())
+                               : "a path is relative to the case file");
   }
   const fs::path beside = folder_of_this_program() / name;
   if (runnable(beside)) return beside;

@@ -2,12 +2,18 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <fcntl.h>
+
+#include <cerrno>
 #include <clocale>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
+#include <system_error>
 
 #include "coupler/commands.hpp"
+#include "coupler/console.hpp"
 #include "coupler/picture/command.hpp"
 #include "coupler/report/command.hpp"
 #include "coupler/stop_request.hpp"
@@ -16,8 +22,10 @@
 
 namespace {
 
+using strake::console_failure;
 using strake::Error;
 using strake::ExitCode;
+using strake::put;
 
 void add_sets(CLI::App& command, std::vector<std::string>& sets) {
   command.add_option("--set", sets, "change one key of the case: --set structure.solver=rigid")
@@ -81,23 +89,42 @@ ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
   const std::string name = command == &app ? "strake" : "strake " + command->get_name();
   std::string problem = error.what();
   if (problem.ends_with('\n')) problem.pop_back();
-  fmt::print(stderr, "{}", to_text(Error(ExitCode::command_line, name, problem, name + " --help")));
+  put(stderr, to_text(Error(ExitCode::command_line, name, problem, name + " --help")));
   return ExitCode::command_line;
 }
 
 int report(const Error& error) {
   std::fflush(stdout);
-  fmt::print(stderr, "{}", to_text(error));
+  put(stderr, to_text(error));
   return static_cast<int>(error.code());
+}
+
+/// The three streams are open: a file of a run must not take the place of one that was closed. What is
+/// written to a closed one fails, as it should.
+void hold_streams() {
+  for (const int stream : {0, 1, 2})
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 1 ? O_RDONLY : O_RDWR);
+}
+
+/// What a command printed is out, or why not. failure: errno of a write that failed before; 0: none.
+int end_of_output(int code, int failure) {
+  const bool out = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (failure == 0) failure = console_failure() != 0 ? console_failure() : errno;
+  if (out || code != 0 || failure == EPIPE) return code;  // whoever closed the pipe has what he wanted
+  return report(Error(ExitCode::cannot_write, "standard output",
+                      "cannot be written: " + std::generic_category().message(failure),
+                      "free space there, or write to another place; files of a run are not touched by this"));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");  // numbers are read and written with a point
+  hold_streams();
   const strake::StopRequest stop;
-  std::signal(SIGXFSZ,
-              SIG_IGN);  // a limit on the size of files is an error of the write, told like a full disk
+  // A limit on the size of files, and a pipe that was closed, are errors of the write, told like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
   std::function<ExitCode()> action;
 
   CLI::App app{"Strake: fluid and structure solvers for slamming and water entry, coupled."};
@@ -259,9 +286,16 @@ int main(int argc, char** argv) {
   }
 
   try {
-    return static_cast<int>(action());
+    return end_of_output(static_cast<int>(action()), 0);
   } catch (const Error& error) {
     return report(error);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(Error(ExitCode::cannot_write, error.path1().string(), error.code().message(),
+                        "check the path, and what this user may do there"));
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) == 0) return report(Error(ExitCode::our_bug, "strake", error.what()));
+    const bool pipe = error.code().value() == EPIPE;
+    return pipe ? 128 + SIGPIPE : end_of_output(0, error.code().value());
   } catch (const std::exception& error) {
     return report(
         Error(ExitCode::our_bug, "strake", fmt::format("{}\nthis is a bug in Strake", error.what())));

@@ -148,10 +148,12 @@ int participant_main(int argc, char** argv, const Program& program) {
   try {
     return run_mode(parse_participant_options(argc, argv), program);
   } catch (const Error& e) {
-    fmt::print(stderr, "{}", to_text(e));
+    std::fputs(to_text(e).c_str(), stderr);
     return static_cast<int>(e.code());
   } catch (const std::exception& e) {
-    fmt::print(stderr, "{}: unexpected: {}\n  fix: please report it\n", program.program, e.what());
+    std::fputs(
+        fmt::format("{}: unexpected: {}\n  fix: please report it\n", program.program, e.what()).c_str(),
+        stderr);
     return static_cast<int>(ExitCode::our_bug);
   }
 }

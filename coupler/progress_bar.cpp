@@ -140,8 +140,7 @@ void LiveRows::show(const std::string& above, const std::vector<std::string>& ro
     text += row + "\n";
     drawn_.push_back(display_width(row));
   }
-  std::fputs(text.c_str(), stream_);
-  std::fflush(stream_);
+  put(stream_, text);
 }
 
 }  // namespace strake

@@ -17,7 +17,8 @@ std::string playing_side(const ReplayOptions& options) {
 }  // namespace
 
 ExitCode replay(const ReplayOptions& options, const StopRequest& stop) {
-  if (!std::filesystem::exists(options.recorded / "interface"))
+  std::error_code none;
+  if (!std::filesystem::exists(options.recorded / "interface", none))
     throw Error(ExitCode::case_file, options.recorded.string(), "has no interface/ to play back",
                 "name the folder of a coupled run");
   const std::string side = playing_side(options);

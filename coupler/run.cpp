@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -22,6 +23,7 @@
 #include "coupler/verdicts.hpp"
 #include "coupler/way_on.hpp"
 #include "proto/result_file.hpp"
+#include "proto/visible.hpp"
 
 namespace strake {
 
@@ -58,6 +60,7 @@ class Run {
         checkpoints_(std::filesystem::absolute(folder_.path)) {}
 
   ExitCode execute() {
+    stop_.end_in_order();
     try {
       prepare();
       windows();
@@ -70,6 +73,11 @@ class Run {
           started_ && !saved_on_request_
               ? with_way_on(error, last.empty() ? last : std::filesystem::path(in_folder(last)), saved_, summary_)
               : error;
+      fail(told);
+      throw told;
+    } catch (const std::filesystem::filesystem_error& error) {
+      const Error told(ExitCode::cannot_write, error.path1().string(), error.code().message(),
+                       "check the folder of the run, and what this user may do there");
       fail(told);
       throw told;
     } catch (const std::exception& error) {
@@ -191,6 +199,7 @@ class Run {
       }
       summary_.coupler_seconds["files"] += seconds_since(begin) - wall;
       clocks_.end_window(window, trace_begin, trace_end);
+      look_after_console();
     }
   }
 
@@ -255,7 +264,8 @@ class Run {
     summary_.coupler_seconds["cpu"] = cpu_seconds();
     summary_.coupler_memory = peak_memory();
     summary_.verdicts = verdicts_.all(data(code == ExitCode::done));
-    write_text(folder_.path / "summary.json", summary_.json().dump(2) + "\n");
+    write_text(folder_.path / "summary.json",
+               summary_.json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     nlohmann::ordered_json contact = nlohmann::ordered_json::object();  // [s] where `compare` counts from
     const std::string metric = ":contact";
     for (const auto& [name, time] : summary_.probe_results())
@@ -272,8 +282,9 @@ class Run {
                .stopped = {},
                .profile = clocks_.profile()};
     for (const char* fields : {"fluid.xdmf", "structure.xdmf"})
-      if (std::filesystem::exists(folder_.path / fields)) end.fields.emplace_back(fields);
-    if (code == ExitCode::interrupted || code == ExitCode::terminated)
+      if (std::error_code none; std::filesystem::exists(folder_.path / fields, none))
+        end.fields.emplace_back(fields);
+    if (code == ExitCode::interrupted || code == ExitCode::terminated || code == ExitCode::hung_up)
       end.stopped = "interrupted";
     else if (code != ExitCode::done)
       end.stopped = "stopped";
@@ -330,6 +341,17 @@ class Run {
     reporter_.warning(line);
   }
 
+  /// Where the console has gone (a pipe that was closed, a full disk) the run goes on, and its log says so.
+  void look_after_console() {
+    if (console_lost_ || console_failure() == 0) return;
+    console_lost_ = true;
+    const std::string why = std::generic_category().message(console_failure());
+    log_->warn("the console cannot be written ({}); the run goes on without it", why);
+    if (console_failure() != EPIPE)
+      put(stderr, fmt::format("strake: the console cannot be written ({}); the run goes on, see {}\n", why,
+                              visible((folder_.path / "coupler.log").string())));
+  }
+
   void wait(const Awaited& whom) {
     if (const std::string line = wait_log_.line(whom); log_ && !line.empty()) log_->info(line);
     reporter_.wait({.whom = whom, .elapsed = elapsed()});
@@ -360,6 +382,7 @@ class Run {
   LoopState saved_;                // of the latest checkpoint
   double wall_before_ = 0;         // [s] of the run that this one resumes
   bool started_ = false;           // the first window has begun
+  bool console_lost_ = false;
   bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint
 };
 

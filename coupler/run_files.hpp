@@ -32,8 +32,8 @@ class RunFiles {
 
   /// values: of Options::columns. wall: seconds this window took.
   void append(const CommittedWindow&, const std::vector<double>& values, double wall);
-  /// Writes what is still held back, and waits until all that a resume goes on from is on the disk. Files stay
-  /// usable.
+  /// Writes what is still held back, and waits until all that a resume goes on from is on the disk. Files
+  /// stay usable.
   void flush();
   /// history.csv so far.
   const Table& table() const { return table_; }

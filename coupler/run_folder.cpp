@@ -17,6 +17,7 @@
 #include "coupler/commit.hpp"
 #include "coupler/host.hpp"
 #include "proto/result_file.hpp"
+#include "proto/visible.hpp"
 
 namespace strake {
 
@@ -36,8 +37,7 @@ fs::file_type what_stands_at(const fs::path& path) {
   const fs::file_type type = fs::symlink_status(path, error).type();
   if (type != fs::file_type::none) return type;
   throw Error(ExitCode::command_line, path.string(), "cannot be looked at: " + error.message(),
-              error == std::errc::filename_too_long ? "choose a shorter --tag NAME"
-                                                    : "choose another folder with --runs DIR");
+              "choose another name with --tag NAME, or another folder with --runs DIR");
 }
 
 bool is_empty_folder(const fs::path& path) {
@@ -79,6 +79,9 @@ std::string nth_tag(const std::string& tag, int n) {
 }
 
 void check_tag(const std::string& tag) {
+  if (visible(tag, "") != tag)
+    throw Error(ExitCode::command_line, "--tag " + tag, "expected a name of letters and digits",
+                "--tag fine");
   if (tag.find('/') != std::string::npos || tag == "." || tag == "..")
     throw Error(ExitCode::command_line, "--tag " + tag, "expected a name without '/'", "--tag fine");
 }

@@ -1,18 +1,38 @@
 #include "coupler/run_log.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 namespace strake {
+
+namespace {
+
+/// The text of a line of the log.
+class VisibleText final : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& line) override {
+    const std::string text = visible({message.payload.data(), message.payload.size()});
+    line.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<VisibleText>(); }
+};
+
+}  // namespace
 
 std::shared_ptr<spdlog::logger> open_run_log(const std::filesystem::path& path) {
   try {
     auto log = std::make_shared<spdlog::logger>(
         "coupler", std::make_shared<spdlog::sinks::basic_file_sink_st>(path.string()));
-    log->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
+    auto format = std::make_unique<spdlog::pattern_formatter>();
+    format->add_flag<VisibleText>('*').set_pattern("%Y-%m-%d %H:%M:%S.%e %l %*");
+    log->set_formatter(std::move(format));
     log->flush_on(spdlog::level::info);
     log->set_error_handler([](const std::string&) {});  // a full disk is reported by the files that matter
     return log;

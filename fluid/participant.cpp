@@ -227,7 +227,8 @@ template <int dim>
 bool FluidParticipant<dim>::frame_due(const Window& window) const {
   const double end = window.t + window.dt, slack = 1e-6 * window.dt;
   const double every = std::max(output_every_, slack);
-  return end >= end_time_ - slack || std::floor((end + slack) / every) > std::floor((window.t + slack) / every);
+  return end >= end_time_ - slack ||
+         std::floor((end + slack) / every) > std::floor((window.t + slack) / every);
 }
 
 /// Water that has not left the tank, by number, ascending.

@@ -180,8 +180,8 @@ void FrameSeries::truncate(double time) {
   std::sort(files.begin(), files.end());
   for (const std::filesystem::path& path : files) {
     const std::string number = path.stem().string().substr(name_.size() + 1);
-    const bool is_frame =
-        path.extension() == ".h5" && number.size() == 6 && number.find_first_not_of("0123456789") == std::string::npos;
+    const bool is_frame = path.extension() == ".h5" && number.size() == 6 &&
+                          number.find_first_not_of("0123456789") == std::string::npos;
     if (!is_frame) continue;
     // One that a power cut damaged is no loss to what goes on from here: it is not listed.
     const std::optional<Entry> entry = entry_of(path);

@@ -9,8 +9,8 @@ namespace strake {
 
 namespace {
 
-/// 0 or the system's error number. Some file systems cannot wait for a folder, or for anything: no fault of the
-/// write.
+/// 0 or the system's error number. Some file systems cannot wait for a folder, or for anything: no fault of
+/// the write.
 int synced(int file) {
   int result = 0;
   do result = fsync(file);

@@ -11,8 +11,8 @@ namespace strake {
 
 /// Writes `bytes` beside `path` (".part"), closes, renames. Throws Error(cannot_write).
 void write_whole(const std::filesystem::path& path, std::string_view bytes);
-/// The same, on the disk when it returns: the bytes before the name, so that a power cut leaves the old file or
-/// the new one.
+/// The same, on the disk when it returns: the bytes before the name, so that a power cut leaves the old file
+/// or the new one.
 void write_lasting(const std::filesystem::path& path, std::string_view bytes);
 /// Waits until the bytes of a file, or the names in a folder, are on the disk. Throws Error(cannot_write).
 void sync_to_disk(const std::filesystem::path&);

@@ -106,7 +106,8 @@ std::string page_of_study(const std::filesystem::path& folder, const std::vector
 
 ExitCode write_report(const ReportOptions& options) {
   const std::filesystem::path& first = options.what.front();
-  const bool study = std::filesystem::exists(first / "study.json");
+  std::error_code none;
+  const bool study = std::filesystem::exists(first / "study.json", none);
   if (study && options.what.size() > 1)
     throw Error(ExitCode::command_line, "strake report", "a study is reported alone",
                 "strake report " + first.string());

@@ -17,6 +17,7 @@
 #include "coupler/words.hpp"
 #include "proto/case_file.hpp"
 #include "proto/result_file.hpp"
+#include "proto/visible.hpp"
 
 namespace strake::study {
 namespace {
@@ -96,7 +97,8 @@ std::string progress_of(const fs::path& folder, double end_time) {
 class Ledger {
  public:
   explicit Ledger(const fs::path& folder) : path_(folder / "state.json") {
-    if (fs::exists(path_)) data_ = json_of(path_);
+    std::error_code none;
+    if (fs::exists(path_, none)) data_ = json_of(path_);
     if (!data_.is_object()) data_ = nlohmann::json::object();
   }
   /// The seconds that a run of these very inputs took, if it was finished.
@@ -113,11 +115,11 @@ class Ledger {
   }
   void set(const std::string& run, const std::string& print, const Outcome& outcome) {
     data_[run] = {{"inputs", print}, {"state", to_text(outcome.state)}, {"seconds", outcome.seconds}};
-    write_text(path_, data_.dump(2) + "\n");
+    write_text(path_, data_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
   void begin(const std::string& run, const std::string& print) {
     data_[run] = {{"inputs", print}, {"state", "begun"}};
-    write_text(path_, data_.dump(2) + "\n");
+    write_text(path_, data_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
 
  private:
@@ -138,6 +140,7 @@ class Performance {
       : plan_(plan), options_(options), stop_(stop), ledger_(options.folder) {}
 
   std::map<std::string, Outcome> execute() {
+    stop_.end_in_order();  // the runs under way would go on without this process
     for (const PlannedRun& run : plan_.runs) look_back(run);
     while (!(waiting_.empty() && running_.empty())) {
       if (stop_.requested()) {
@@ -246,8 +249,9 @@ class Performance {
 
   /// Ctrl-C: each run saves its state and ends by itself, as it would at its own console.
   void end_all() {
-    say(fmt::format("{}: {} run{} under way keep{} what they have", stop_.in_words(), running_.size(),
-                    running_.size() == 1 ? "" : "s", running_.size() == 1 ? "s" : ""));
+    say(fmt::format("{}: {} run{} under way keep{} what they have, within 30 s; once more ends at once",
+                    stop_.in_words(), running_.size(), running_.size() == 1 ? "" : "s",
+                    running_.size() == 1 ? "s" : ""));
     for (Running& now : running_) now.child.signal(SIGINT);
     for (Running& now : running_) now.child.wait(std::chrono::seconds(30));
     running_.clear();
@@ -272,9 +276,7 @@ class Performance {
   }
 
   void say(const std::string& text) {
-    if (!options_.console) return;
-    fmt::print(options_.console, "  {}\n", text);
-    std::fflush(options_.console);
+    if (options_.console) put(options_.console, fmt::format("  {}\n", visible(text)));
   }
 
   const Plan& plan_;

@@ -18,6 +18,7 @@
 #include "coupler/study/runner.hpp"
 #include "coupler/words.hpp"
 #include "proto/result_file.hpp"
+#include "proto/visible.hpp"
 
 namespace strake {
 namespace {
@@ -155,7 +156,7 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
       const std::string blank(width[c] - row[c].size(), ' ');
       line += c == 0 ? row[c] + blank : "  " + blank + row[c];
     }
-    fmt::print("{}\n", line);
+    fmt::print("{}\n", visible(line));
   }
 }
 
@@ -185,9 +186,14 @@ void print_checks(const std::vector<CheckResult>& checks) {
     const std::string off = c.reference && *c.reference == 0 && c.deviation
                                 ? fmt::format("{:.3g}", *c.deviation)
                                 : percent(c.deviation);
-    fmt::print("  {}  {} {} {}: {} ({})   {}\n", !c.pass ? "    " : *c.pass ? "pass" : "FAIL", c.run, c.probe,
-               c.metric, off,
-               c.tolerance ? fmt::format("within {:.3g} %", 100 * *c.tolerance) : "stated only", other);
+    fmt::print("{}",
+               visible(fmt::format(
+                   "  {}  {} {} {}: {} ({})   {}\n",
+                   !c.pass   ? "    "
+                   : *c.pass ? "pass"
+                             : "FAIL",
+                   c.run, c.probe, c.metric, off,
+                   c.tolerance ? fmt::format("within {:.3g} %", 100 * *c.tolerance) : "stated only", other)));
   }
 }
 
@@ -198,7 +204,7 @@ void print_orders(const std::vector<GridConvergence>& orders) {
     std::vector<std::string> values;
     for (std::size_t k = 0; k < c.value.size(); ++k)
       values.push_back(fmt::format("{:g}: {:.5g}", c.along[k], c.value[k]));
-    fmt::print("  {}\n    {}\n    {}", c.title, joined(values), c.remark);
+    fmt::print("  {}\n    {}\n    {}", visible(c.title), joined(values), visible(c.remark));
     if (c.order) fmt::print(", order {:.2f}, {:.5g} at zero", *c.order, *c.extrapolated);
     if (c.gci) fmt::print(", GCI {:.2g} %", 100 * *c.gci);
     fmt::print("\n");
@@ -208,9 +214,9 @@ void print_orders(const std::vector<GridConvergence>& orders) {
 void print_claims(const std::vector<ClaimResult>& claims) {
   if (!claims.empty()) fmt::print("\n");
   for (const ClaimResult& c : claims) {
-    fmt::print("  {:<16} {}  ({})\n", c.verdict, c.claim, c.source);
-    if (!c.measured.empty()) fmt::print("  {:<16}   {}\n", "", c.measured);
-    if (!c.why.empty()) fmt::print("  {:<16}   {}\n", "", c.why);
+    fmt::print("  {:<16} {}  ({})\n", c.verdict, visible(c.claim), visible(c.source));
+    if (!c.measured.empty()) fmt::print("  {:<16}   {}\n", "", visible(c.measured));
+    if (!c.why.empty()) fmt::print("  {:<16}   {}\n", "", visible(c.why));
   }
 }
 
@@ -228,10 +234,10 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
   const std::filesystem::path folder = options.runs / plan.file.stem();
   const int jobs = jobs_of(options, plan);
   if (!options.quiet)
-    fmt::print("{}   {} run{} of {}, {} at once   {}\n", plan.title, plan.runs.size(),
+    fmt::print("{}   {} run{} of {}, {} at once   {}\n", visible(plan.title), plan.runs.size(),
                plan.runs.size() == 1 ? "" : "s", plan.case_file.filename().string(), jobs, folder.string());
   if (options.list) {
-    for (const PlannedRun& run : plan.runs) fmt::print("  {}\n", command_of(plan, run, folder));
+    for (const PlannedRun& run : plan.runs) fmt::print("  {}\n", visible(command_of(plan, run, folder)));
     return ExitCode::done;
   }
   std::error_code error;
@@ -251,8 +257,9 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
   const auto orders = judge_convergence(results);
   const auto claims = judge_claims(results);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_text(folder / "study.json",
-             json_of(plan, results, folder, checks, orders, claims, seconds).dump(2) + "\n");
+  write_text(folder / "study.json", json_of(plan, results, folder, checks, orders, claims, seconds)
+                                            .dump(2, ' ', false, Json::error_handler_t::replace) +
+                                        "\n");
   write_text(folder / "study.csv", csv_of(plan, results));
   if (!options.quiet) {
     print_summary(plan, results);

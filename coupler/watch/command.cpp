@@ -73,10 +73,7 @@ class WholeScreen {
   }
 
  private:
-  static void put(const std::string& text) {
-    std::fputs(text.c_str(), stdout);
-    std::fflush(stdout);
-  }
+  static void put(const std::string& text) { strake::put(stdout, text); }
   termios before_{};
   bool keys_ = false;
 };

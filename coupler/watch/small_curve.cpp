@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "proto/visible.hpp"
+
 namespace strake::watch {
 namespace {
 
@@ -86,7 +88,8 @@ std::size_t shown_width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), begins_character));
 }
 
-std::string fitted(const std::string& text, std::size_t width) {
+std::string fitted(const std::string& given, std::size_t width) {
+  const std::string text = visible(given, "");
   const std::size_t has = shown_width(text);
   if (has <= width) return text + std::string(width - has, ' ');
   if (width == 0) return {};

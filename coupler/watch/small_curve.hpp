@@ -19,7 +19,7 @@ SmallCurve small_curve(const std::vector<double>& x, const std::vector<double>& 
 
 /// How many characters a terminal shows of an UTF-8 text (all of ours are one column wide).
 std::size_t shown_width(const std::string&);
-/// A text as wide as that: cut, with "…", or with blanks behind it.
+/// A text as wide as that: cut, with "…", or with blanks behind it; control characters are made visible.
 std::string fitted(const std::string&, std::size_t width);
 
 }  // namespace strake::watch

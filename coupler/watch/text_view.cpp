@@ -10,6 +10,7 @@
 #include "coupler/picture/ticks.hpp"
 #include "coupler/watch/choice.hpp"
 #include "coupler/watch/small_curve.hpp"
+#include "proto/visible.hpp"
 
 namespace strake::watch {
 namespace {
@@ -139,7 +140,7 @@ std::vector<std::string> screen_lines(const WatchedRun& run, const Screen& scree
   const auto width = static_cast<std::size_t>(std::clamp(screen.width, 40, 400));
   const auto height = static_cast<std::size_t>(std::max(screen.height, 8));
   std::vector<std::string> lines;
-  const std::string folder = run.folder().string(), title = run.title();
+  const std::string folder = visible(run.folder().string(), ""), title = visible(run.title(), "");
   const std::size_t room = width > shown_width(folder) + 2 ? width - shown_width(folder) - 2 : 0;
   lines.push_back(room > 12 ? painted(screen, "1", fitted(title, room)) + "  " + folder
                             : fitted(title, width));
@@ -195,8 +196,7 @@ std::vector<std::string> screen_lines(const WatchedRun& run, const Screen& scree
 }
 
 void PlainLines::put(const std::string& line) {
-  std::fputs((line + "\n").c_str(), stream_);
-  std::fflush(stream_);
+  strake::put(stream_, visible(line) + "\n");
 }
 
 void PlainLines::say_state(const WatchedRun& run) {

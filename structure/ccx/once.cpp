@@ -69,7 +69,8 @@ Once::Once(const Parameters& p, deck::Model model, const InterfaceRecord& record
     throw Error(ExitCode::case_file, p.load_run.string(), "has no window before end_time",
                 "name a longer run");
   constexpr double most = 1e9;  // more windows than any record has
-  wanted_.field_every = static_cast<int>(std::clamp(std::round(p.output_every / windows_.front().dt), 1.0, most));
+  wanted_.field_every =
+      static_cast<int>(std::clamp(std::round(p.output_every / windows_.front().dt), 1.0, most));
   state_.now = at_rest();
   saved_ = state_;
 }

@@ -77,6 +77,54 @@ TEST(ConsoleTable, LooksInAPipeAsTheDesignShowsIt) {
   EXPECT_EQ(stream.text(), golden("console_table.txt"));
 }
 
+/// Texts of a case and of participants that would clear the screen of a terminal.
+TEST(Console, ShowsControlCharactersOfAnyTextAsText) {
+  const std::string bad =
+      "\x1b[2J\x07\xc2\x9b"
+      "2J";
+  RunHeader header = plate_header();
+  header.title = header.folder = "t" + bad;
+  header.blocks = {{"fluid", {"l" + bad, "m" + bad}}};
+  header.warnings = {"w" + bad};
+  header.columns.push_back({"c" + bad, "u" + bad});
+  Verdict verdict = plate_verdict();
+  verdict.source = "s" + bad;
+  Summary summary("case", "tag");
+  summary.verdicts = {verdict};
+  for (const auto& make : {table_reporter, quiet_reporter}) {
+    TextStream stream;
+    auto reporter = make(stream.file(), Style{});
+    reporter->start(header);
+    reporter->note("n" + bad);
+    reporter->warning("a" + bad);
+    reporter->verdict(verdict);
+    const CommittedWindow window = plate_window(1, true);
+    reporter->window({.window = &window, .force = {0, 0, 0}, .elapsed = 0.1});
+    reporter->end(
+        {.summary = &summary, .folder = header.folder, .fields = {"fluid.xdmf"}, .stopped = "stopped"});
+    const std::string text = stream.text();
+    EXPECT_EQ(text.find_first_of("\x1b\x07\xc2"), std::string::npos) << text;
+    EXPECT_NE(text.find("a\\x1b[2J\\x07\\x9b2J"), std::string::npos) << text;
+  }
+  TextStream stream;
+  auto reporter = json_reporter(stream.file());
+  reporter->start(header);
+  reporter->warning("a" + bad);
+  EXPECT_EQ(stream.text().find_first_of("\x1b\x07\xc2"), std::string::npos) << stream.text();
+  EXPECT_NE(stream.text().find("a\\u001b[2J\\u0007\\u009b2J"), std::string::npos) << stream.text();
+}
+
+TEST(Console, GoesOnWhenNobodyReadsItsLines) {
+  std::FILE* full = std::fopen("/dev/full", "w");
+  ASSERT_NE(full, nullptr);
+  for (const auto& make : {table_reporter, quiet_reporter}) {
+    auto reporter = make(full, Style{});
+    reporter->start(plate_header());
+    EXPECT_NO_THROW(for (int k = 0; k < 1000; ++k) reporter->warning("a line that is not written"));
+  }
+  std::fclose(full);
+}
+
 TEST(ConsoleTable, PrintsInAPipeOneLinePerFieldFrameAndOneEveryTenSeconds) {
   TextStream stream;
   auto reporter = table_reporter(stream.file(), Style{});

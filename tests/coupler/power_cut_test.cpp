@@ -1,5 +1,5 @@
-// What is on the disk when: this program has an fsync, a rename and a symlink of its own, which write down what
-// is asked of the system and do it.
+// What is on the disk when: this program has an fsync, a rename and a symlink of its own, which write down
+// what is asked of the system and do it.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -30,9 +30,9 @@ std::string last_part(const std::string& path) {
 
 extern "C" int fsync(int file) {
   std::error_code ignored;
-  asked.push_back("fsync " + std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file), ignored)
-                                 .filename()
-                                 .string());
+  asked.push_back(
+      "fsync " +
+      std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file), ignored).filename().string());
   return static_cast<int>(::syscall(SYS_fsync, file));
 }
 
@@ -70,7 +70,8 @@ class PowerCut : public testing::Test {
 
 TEST_F(PowerCut, LeavesTheOldTextOrTheNewOne) {
   write_text(place_.path() / "summary.json", "{}");
-  EXPECT_EQ(asked, (std::vector<std::string>{"fsync summary.json.part", "rename summary.json", "fsync " + name()}));
+  EXPECT_EQ(asked,
+            (std::vector<std::string>{"fsync summary.json.part", "rename summary.json", "fsync " + name()}));
 }
 
 TEST_F(PowerCut, LeavesTheRecordOfARun) {
@@ -117,9 +118,9 @@ TEST_F(PowerCut, LeavesTheRowsThatACheckpointGoesOnFrom) {
   for (int number = 1; number <= 110; ++number) append(number);
   asked.clear();
   files.flush();
-  for (const std::string& file : {std::string("history.csv"), std::string("iterations.csv"),
-                                  std::string("000001.h5"), std::string("000002.h5"),
-                                  std::string("interface"), name()})
+  for (const std::string& file :
+       {std::string("history.csv"), std::string("iterations.csv"), std::string("000001.h5"),
+        std::string("000002.h5"), std::string("interface"), name()})
     EXPECT_GE(place_of("fsync " + file), 0);
   // The block that was written in part gives way to one that is on the disk.
   asked.clear();

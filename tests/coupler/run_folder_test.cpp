@@ -80,7 +80,8 @@ TEST_F(RunFolderTest, IsLeftAloneByForceWhenItsRecordIsNotThatOfARun) {
 
 TEST_F(RunFolderTest, TakesAnEmptyFolderAsItIsUnderForce) {
   const fs::path folder = create_run_folder(case_file, options()).path;
-  struct stat before {}, after {};
+  struct stat before {
+  }, after{};
   ASSERT_EQ(::stat(folder.c_str(), &before), 0);
   EXPECT_EQ(refusal(forced()), ExitCode::done);
   ASSERT_EQ(::stat(folder.c_str(), &after), 0);
