@@ -8,12 +8,12 @@
 #include <clocale>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <system_error>
 
 #include "coupler/commands.hpp"
 #include "coupler/console.hpp"
+#include "coupler/foreign_error.hpp"
 #include "coupler/picture/command.hpp"
 #include "coupler/report/command.hpp"
 #include "coupler/stop_request.hpp"
@@ -24,6 +24,7 @@ namespace {
 
 using strake::console_failure;
 using strake::Error;
+using strake::error_of;
 using strake::ExitCode;
 using strake::put;
 
@@ -289,15 +290,11 @@ int main(int argc, char** argv) {
     return end_of_output(static_cast<int>(action()), 0);
   } catch (const Error& error) {
     return report(error);
-  } catch (const std::filesystem::filesystem_error& error) {
-    return report(Error(ExitCode::cannot_write, error.path1().string(), error.code().message(),
-                        "check the path, and what this user may do there"));
   } catch (const std::system_error& error) {
-    if (std::ferror(stdout) == 0) return report(Error(ExitCode::our_bug, "strake", error.what()));
+    if (std::ferror(stdout) == 0) return report(error_of(error, "strake"));
     const bool pipe = error.code().value() == EPIPE;
     return pipe ? 128 + SIGPIPE : end_of_output(0, error.code().value());
   } catch (const std::exception& error) {
-    return report(
-        Error(ExitCode::our_bug, "strake", fmt::format("{}\nthis is a bug in Strake", error.what())));
+    return report(error_of(error, "strake"));
   }
 }

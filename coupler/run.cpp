@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "coupler/commands.hpp"
 #include "coupler/console.hpp"
 #include "coupler/failure_notes.hpp"
+#include "coupler/foreign_error.hpp"
 #include "coupler/run_clocks.hpp"
 #include "coupler/run_files.hpp"
 #include "coupler/run_folder.hpp"
@@ -23,7 +23,6 @@
 #include "coupler/verdicts.hpp"
 #include "coupler/way_on.hpp"
 #include "proto/result_file.hpp"
-#include "proto/visible.hpp"
 
 namespace strake {
 
@@ -75,16 +74,10 @@ class Run {
               : error;
       fail(told);
       throw told;
-    } catch (const std::filesystem::filesystem_error& error) {
-      const Error told(ExitCode::cannot_write, error.path1().string(), error.code().message(),
-                       "check the folder of the run, and what this user may do there");
+    } catch (const std::exception& error) {
+      const Error told = error_of(error, position());
       fail(told);
       throw told;
-    } catch (const std::exception& error) {
-      const Error bug(ExitCode::our_bug, position(),
-                      fmt::format("{}\nthis is a bug in Strake", error.what()));
-      fail(bug);
-      throw bug;
     }
     for (const Verdict& verdict : summary_.verdicts)
       if (options_.strict && verdict.result == Verdict::Result::fail) return ExitCode::outside_tolerance;
@@ -199,7 +192,7 @@ class Run {
       }
       summary_.coupler_seconds["files"] += seconds_since(begin) - wall;
       clocks_.end_window(window, trace_begin, trace_end);
-      look_after_console();
+      console_.look(*log_, folder_.path / "coupler.log");
     }
   }
 
@@ -341,17 +334,6 @@ class Run {
     reporter_.warning(line);
   }
 
-  /// Where the console has gone (a pipe that was closed, a full disk) the run goes on, and its log says so.
-  void look_after_console() {
-    if (console_lost_ || console_failure() == 0) return;
-    console_lost_ = true;
-    const std::string why = std::generic_category().message(console_failure());
-    log_->warn("the console cannot be written ({}); the run goes on without it", why);
-    if (console_failure() != EPIPE)
-      put(stderr, fmt::format("strake: the console cannot be written ({}); the run goes on, see {}\n", why,
-                              visible((folder_.path / "coupler.log").string())));
-  }
-
   void wait(const Awaited& whom) {
     if (const std::string line = wait_log_.line(whom); log_ && !line.empty()) log_->info(line);
     reporter_.wait({.whom = whom, .elapsed = elapsed()});
@@ -375,6 +357,7 @@ class Run {
   Verdicts verdicts_;
   RunClocks clocks_;
   WaitLog wait_log_;
+  ConsoleLoss console_;
   std::unique_ptr<RunFiles> files_;
   std::unique_ptr<Session> session_;
   Checkpoints checkpoints_;
@@ -382,7 +365,6 @@ class Run {
   LoopState saved_;                // of the latest checkpoint
   double wall_before_ = 0;         // [s] of the run that this one resumes
   bool started_ = false;           // the first window has begun
-  bool console_lost_ = false;
   bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint
 };
 

@@ -5,8 +5,12 @@
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
 #include <utility>
 
+#include "coupler/console.hpp"
 #include "proto/error.hpp"
 #include "proto/visible.hpp"
 
@@ -40,6 +44,17 @@ std::shared_ptr<spdlog::logger> open_run_log(const std::filesystem::path& path) 
     throw Error(ExitCode::cannot_write, path.string(), error.what(),
                 "free space, or choose another folder with --runs DIR");
   }
+}
+
+void ConsoleLoss::look(spdlog::logger& log, const std::filesystem::path& path) {
+  const int failure = console_failure();
+  if (told_ || failure == 0) return;
+  told_ = true;
+  const std::string why = std::generic_category().message(failure);
+  log.warn("the console cannot be written ({}); the run goes on without it", why);
+  if (failure != EPIPE)  // whoever closed a pipe knows of it
+    put(stderr, visible(fmt::format("strake: the console cannot be written ({}); the run goes on, see {}\n",
+                                    why, path.string())));
 }
 
 std::string WaitLog::line(const Awaited& whom) {
