@@ -48,7 +48,7 @@ std::string list(const std::vector<std::string>& names) {
 /// Refuses a reference that holds anything but finite numbers, with its line.
 void check_reference(const CompareBlock& block) {
   const std::filesystem::path& path = block.file;
-  const Table table = read_table(path);
+  const Table table = read_table(path, largest_table);
   if (table.columns.size() < 2)
     throw Error(ExitCode::case_file, path.string() + ":1",
                 "a reference curve has two columns, time and value");

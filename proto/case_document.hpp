@@ -80,7 +80,4 @@ struct CaseFile::Document {
   Error missing(const std::string& path, const std::string& expected, const std::string& sample) const;
 };
 
-/// A file's bytes. Throws Error(case_file) that names it.
-std::string read_bytes(const std::filesystem::path&, const std::string& where);
-
 }  // namespace strake

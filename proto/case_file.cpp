@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <sstream>
-#include <system_error>
 
 #include "proto/case_depth.hpp"
 #include "proto/case_document.hpp"
+#include "proto/whole_file.hpp"
 
 namespace strake {
 namespace {
@@ -18,16 +15,6 @@ std::string trimmed(std::string text) {
   text.erase(0, text.find_first_not_of(" \t\r"));
   text.erase(text.find_last_not_of(" \t\r") + 1);
   return text;
-}
-
-/// Why a file cannot be read, in words; empty if it can.
-std::string reason_unreadable(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) return "no such file";
-  if (error) return "cannot be read: " + error.message();
-  if (status.type() == std::filesystem::file_type::directory) return "is a folder, not a file";
-  return {};
 }
 
 struct SyntaxHelp {
@@ -113,20 +100,6 @@ toml::table* table_for(toml::table& root, const std::vector<PathStep>& steps, co
 
 }  // namespace
 
-std::string read_bytes(const std::filesystem::path& path, const std::string& where) {
-  if (const std::string reason = reason_unreadable(path); !reason.empty())
-    throw Error(ExitCode::case_file, where, reason,
-                "check the path; relative paths start at the current folder");
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream bytes;
-  if (in) bytes << in.rdbuf();
-  if (!in || in.bad())
-    throw Error(ExitCode::case_file, where, fmt::format("cannot be read: {}", std::strerror(errno)),
-                "check the file's permissions");
-  return bytes.str();
-}
-
 void CaseFile::Document::read_text() {
   std::istringstream in(bytes);
   for (std::string line; std::getline(in, line);) {
@@ -207,7 +180,7 @@ CaseFile CaseFile::load(const std::filesystem::path& file, const std::vector<std
   auto document = std::make_shared<Document>();
   document->file = file;
   document->name = file.string();
-  document->bytes = read_bytes(file, document->name);
+  document->bytes = read_whole(file, largest_case, document->name);
   document->read_text();
   for (const std::string& set : sets) document->apply(set);
   document->read_preset();

@@ -1,8 +1,10 @@
 #include <sodium.h>
+#include <algorithm>
 #include <fstream>
 #include <vector>
 
 #include "proto/case_document.hpp"
+#include "proto/whole_file.hpp"
 
 namespace strake {
 namespace {
@@ -46,16 +48,25 @@ void collect_texts(const toml::node& node, std::vector<std::string>& texts) {
     for (auto&& [key, value] : *table) collect_texts(value, texts);
 }
 
-void add_file(Digest& digest, const std::filesystem::path& path) {
+/// Adds a file's length and its bytes, as long as `left` of them are left; any text may name a file that no
+/// key reads.
+void add_file(Digest& digest, const std::filesystem::path& path, std::uintmax_t& left) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error) || error) return;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   std::ifstream in(path, std::ios::binary);
   if (error || !in) return;
   digest.length(size);
+  if (size > left) return;
+  left -= size;
   std::vector<char> block(1 << 16);
-  while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0)
+  std::uintmax_t rest = size;  // no more than that, where something is still writing to it
+  while (rest > 0) {
+    in.read(block.data(), static_cast<std::streamsize>(std::min<std::uintmax_t>(rest, block.size())));
+    if (in.gcount() <= 0) break;
     digest.bytes(block.data(), static_cast<std::size_t>(in.gcount()));
+    rest -= static_cast<std::uintmax_t>(in.gcount());
+  }
 }
 
 }  // namespace
@@ -66,8 +77,9 @@ std::array<std::uint8_t, 32> CaseFile::hash() const {
   for (const Document::Set& set : document_->sets) digest.part(set.argument);
   std::vector<std::string> texts;
   collect_texts(document_->root, texts);
+  std::uintmax_t left = largest_table;
   for (const std::string& text : texts)
-    if (!text.empty() && text.find('\0') == std::string::npos) add_file(digest, folder() / text);
+    if (!text.empty() && text.find('\0') == std::string::npos) add_file(digest, folder() / text, left);
   return digest.result();
 }
 

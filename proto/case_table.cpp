@@ -5,11 +5,14 @@
 #include <cmath>
 
 #include "proto/case_declare.hpp"
+#include "proto/magnitude.hpp"
 
 namespace strake {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+// In one list: each is held against all the others.
+constexpr std::size_t most_tables = 2000, most_points = 2000;
 
 std::string range_text(double min, double max, bool exclusive) {
   const bool below = std::isfinite(min), above = std::isfinite(max);
@@ -18,6 +21,19 @@ std::string range_text(double min, double max, bool exclusive) {
                      : fmt::format("{} to {}", to_toml(min), to_toml(max));
   if (below) return (exclusive ? "greater than " : "at least ") + to_toml(min);
   return above ? "at most " + to_toml(max) : "";
+}
+
+/// Bounds that a key declares, narrowed to what its unit allows. A number that must be greater than 0 begins
+/// at the smallest magnitude.
+NumberKey within_magnitude(NumberKey key) {
+  const Magnitude magnitude = magnitude_of(key.unit);
+  if (key.exclusive && key.min == 0 && magnitude.smallest < key.max) {
+    key.min = magnitude.smallest;
+    key.exclusive = false;
+  }
+  key.min = std::max(key.min, -magnitude.largest);
+  key.max = std::min(key.max, magnitude.largest);
+  return key;
 }
 
 std::string in_unit(const std::string& unit) {
@@ -57,7 +73,8 @@ std::optional<double> as_number(const toml::node& node, const CaseFile::Document
 }
 
 bool in_range(double value, const NumberKey& key, bool infinite) {
-  if (std::isnan(value) || (std::isinf(value) && !infinite)) return false;
+  if (std::isnan(value)) return false;
+  if (std::isinf(value)) return infinite && value > 0;
   return (key.exclusive ? value > key.min : value >= key.min) && value <= key.max;
 }
 
@@ -74,6 +91,9 @@ Eigen::Vector3d read_vector(const Declaration& d, const toml::node& node) {
   for (std::size_t i = 0; i < array->size(); ++i) {
     const std::optional<double> x = as_number(*array->get(i), nullptr);
     if (!x || !std::isfinite(*x)) throw d.wrong("a finite number" + in_unit(d.info.unit), {}, array->get(i));
+    if (const double most = magnitude_of(d.info.unit).largest; std::abs(*x) > most)
+      throw d.wrong(fmt::format("a number{}, {} to {}", in_unit(d.info.unit), to_toml(-most), to_toml(most)),
+                    {}, array->get(i));
     value[static_cast<Eigen::Index>(i)] = *x;
   }
   return value;
@@ -139,12 +159,15 @@ void CaseTable::number(const std::string& name, double& value, const NumberKey& 
   Declaration d(*document_, path_, name, {.type = "number", .unit = key.unit, .help = key.help});
   const bool infinite =
       key.max == infinity && (key.infinite || std::isinf(value) || (key.paper && std::isinf(*key.paper)));
-  d.info.range = range_text(key.min, key.max, key.exclusive);
+  const NumberKey wide = within_magnitude(key);
+  const std::string or_inf = infinite ? ", or inf" : "";
+  const std::string declared = range_text(key.min, key.max, key.exclusive);
+  const bool complete = std::isfinite(key.min) && std::isfinite(key.max);
+  d.info.range = complete ? declared : range_text(wide.min, wide.max, wide.exclusive) + or_inf;
   d.info.default_value = key.required ? "" : to_toml(value);
   d.default_passes = !key.required && in_range(value, key, infinite);
   if (key.paper) d.info.paper_value = to_toml(*key.paper);
-  d.expected = "a number" + in_unit(key.unit) + (d.info.range.empty() ? "" : ", " + d.info.range) +
-               (infinite ? ", or inf" : "");
+  d.expected = "a number" + in_unit(key.unit) + (declared.empty() ? "" : ", " + declared) + or_inf;
   if (d.given(key.required, "<number>")) {
     const std::optional<double> given = as_number(*d.node, d.set);
     std::string fix;
@@ -153,6 +176,9 @@ void CaseTable::number(const std::string& name, double& value, const NumberKey& 
         if (const std::string number = without_unit(text->get(), key.unit); !number.empty())
           fix = d.name() + " = " + number;
     if (!given || !in_range(*given, key, infinite)) throw d.wrong(d.expected, fix);
+    if (!in_range(*given, wide, infinite))
+      throw d.wrong("a number" + in_unit(key.unit) + ", " + range_text(wide.min, wide.max, wide.exclusive) +
+                    or_inf);
     value = *given;
   } else if (d.takes_paper(key.paper.has_value())) {
     value = *key.paper;
@@ -236,6 +262,9 @@ void CaseTable::points(const std::string& name, std::vector<Eigen::Vector3d>& va
   if (d.given(key.required, "[[x, y], [x, y], [x, y]]")) {
     const toml::array* array = d.node->as_array();
     if (!array || array->size() < key.at_least) throw d.wrong(d.expected);
+    if (array->size() > most_points)
+      throw d.wrong(fmt::format("at most {} points, this list has {}", most_points, array->size()),
+                    "leave out points on straight runs");
     value.clear();
     for (const toml::node& point : *array) value.push_back(read_vector(d, point));
   }
@@ -265,6 +294,9 @@ std::vector<CaseTable> CaseTable::tables(const std::string& name, const std::str
     const toml::array* array = d.node->as_array();
     const std::string fix = "[[" + path + "]] on a line of its own, one for each";
     if (!array) throw d.wrong("a list of tables", fix);
+    if (array->size() > most_tables)
+      throw d.wrong(fmt::format("at most {} tables, this list has {}", most_tables, array->size()),
+                    "divide the case");
     for (std::size_t i = 0; i < array->size(); ++i) {
       if (!array->get(i)->is_table()) throw d.wrong("a table", fix, array->get(i));
       elements.push_back({document_, fmt::format("{}[{}]", path, i)});

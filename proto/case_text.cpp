@@ -51,6 +51,8 @@ void read_path(Declaration& d, const std::filesystem::path& folder, std::filesys
                         ? fmt::format("a {}; this is a {}", noun, is_folder ? "folder" : "file")
                         : fmt::format("a {} that exists", noun),
                     fix);
+    if (kind == PathKind::file && type != std::filesystem::file_type::regular)
+      throw d.wrong("a file; this is a pipe, a device or a socket, which may never end", fix);
     if (access(path.c_str(), R_OK) != 0) throw d.wrong(fmt::format("a {} that may be read", noun), fix);
     value = path;
   }

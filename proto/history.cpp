@@ -6,12 +6,8 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
 #include <system_error>
-
-#include "proto/whole_file.hpp"
 
 namespace strake {
 namespace {
@@ -45,15 +41,11 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-std::string bytes_of(const std::filesystem::path& path) {
+std::string bytes_of(const std::filesystem::path& path, std::uintmax_t largest) {
   std::error_code error;
-  std::ifstream in(path, std::ios::binary);
-  if (!in || std::filesystem::is_directory(path, error))
-    throw Error(ExitCode::case_file, path.string(),
-                std::filesystem::exists(path, error) ? "cannot be read" : "no such file", "check the path");
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  return bytes.str();
+  if (std::filesystem::is_directory(path, error))
+    throw Error(ExitCode::case_file, path.string(), "cannot be read", "check the path");
+  return read_whole(path, largest, path.string());
 }
 
 Column column_of(const std::string& cell, const std::string& where) {
@@ -87,7 +79,7 @@ History::History(const std::filesystem::path& path, std::vector<Column> columns)
 
 History::History(const std::filesystem::path& path, std::vector<Column> columns, std::size_t rows)
     : path_(path), columns_(std::move(columns)) {
-  const std::string header = header_of(columns_, path_), bytes = bytes_of(path_);
+  const std::string header = header_of(columns_, path_), bytes = bytes_of(path_, any_size);
   if (!bytes.starts_with(header))
     throw Error(ExitCode::case_file, path_.string(), "its columns are not those of this run",
                 "resume with the case and the programs that began the run");
@@ -148,8 +140,8 @@ const std::vector<double>& Table::column(const std::string& name) const {
               near.empty() ? "its columns are " + list : "did you mean " + near + "?");
 }
 
-Table read_table(const std::filesystem::path& path) {
-  const std::string bytes = bytes_of(path);
+Table read_table(const std::filesystem::path& path, std::uintmax_t largest) {
+  const std::string bytes = bytes_of(path, largest);
   Table table;
   table.path = path;
   std::size_t begin = 0;

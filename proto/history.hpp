@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "proto/interface.hpp"
+#include "proto/whole_file.hpp"
 
 namespace strake {
 
@@ -44,7 +45,7 @@ struct Table {
   const std::vector<double>& column(const std::string& name) const;
 };
 /// Lines that begin with # are notes (origin, licence). Throws Error(case_file) with file:line for a bad
-/// header, a bad number or a row of wrong length.
-Table read_table(const std::filesystem::path&);
+/// header, a bad number or a row of wrong length. A table of a user's is read up to `largest_table`.
+Table read_table(const std::filesystem::path&, std::uintmax_t largest = any_size);
 
 }  // namespace strake

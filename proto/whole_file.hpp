@@ -1,6 +1,7 @@
 #pragma once
-// How a file appears whole or not at all, and how it outlasts a power cut.
+// How a file appears whole or not at all and outlasts a power cut, and how one is read that has an end.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -8,6 +9,18 @@
 #include "proto/error.hpp"
 
 namespace strake {
+
+/// Largest files that are read [bytes]. A file of a user's that is larger is not what its key asks for.
+inline constexpr std::uintmax_t largest_case = std::uintmax_t{16} << 20,
+                                largest_table = std::uintmax_t{1} << 30,
+                                largest_mesh = std::uintmax_t{1} << 29,
+                                any_size = ~std::uintmax_t{0};  // of a file that a run has written
+
+/// Refuses what is no regular file, since a pipe, a device or a socket may never end, and a file above
+/// `largest` bytes. `where` stands for the path in messages. Throws Error(case_file).
+void require_file(const std::filesystem::path&, std::uintmax_t largest, const std::string& where);
+/// Bytes of a file that passes `require_file`, as many as it had when it was opened. Throws Error(case_file).
+std::string read_whole(const std::filesystem::path&, std::uintmax_t largest, const std::string& where);
 
 /// Writes `bytes` beside `path` (".part"), closes, renames. Throws Error(cannot_write).
 void write_whole(const std::filesystem::path& path, std::string_view bytes);

@@ -97,7 +97,7 @@ TEST(CaseFile, DeclarationsNeedNoFile) {
   const KeyInfo& spacing = info(file, "fluid.spacing");
   EXPECT_EQ(spacing.type, "number");
   EXPECT_EQ(spacing.unit, "m");
-  EXPECT_EQ(spacing.range, "greater than 0");
+  EXPECT_EQ(spacing.range, "1e-9 to 1e6");
   EXPECT_EQ(spacing.default_value, "");
   EXPECT_EQ(info(file, "fluid.scheme.cfl").paper_value, "0.1");
   EXPECT_EQ(info(file, "output.probe[].name").type, "text");
