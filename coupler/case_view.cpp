@@ -106,6 +106,18 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
   return side;
 }
 
+/// A window has a row of the history and a number: more of them than that no disk and no integer holds.
+void check_windows(CaseFile& file, const CommonKeys& common) {
+  constexpr double most = 2e9;
+  const double windows = common.end_time / common.window;
+  if (windows <= most) return;
+  throw file.root().error(
+      "end_time",
+      fmt::format("at most {:g} windows of {:.6g} s, these would be {:.2g}", most, common.window, windows),
+      fmt::format("end_time = {:.2g} or less, or a longer coupling.{}.window", most * common.window,
+                  common.interface));
+}
+
 /// What no single key can tell.
 void check_across(CaseFile& file, const CommonKeys& common) {
   if (common.fluid_solver == "none" && common.structure_solver == "none")
@@ -180,6 +192,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   file.root().table("fluid").accept_all();  // its program judges it
   file.root().table("structure").accept_all();
   file.refuse_unknown();
+  check_windows(file, common);
   check_across(file, common);
 
   CaseView view{.file = file,

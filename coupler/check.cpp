@@ -11,6 +11,7 @@
 #include "coupler/session.hpp"
 #include "coupler/stop_request.hpp"
 #include "proto/error.hpp"
+#include "proto/size_limit.hpp"
 #include "proto/visible.hpp"
 #include "proto/whole_file.hpp"
 
@@ -38,6 +39,34 @@ void print_properties(const CaseView& view, const StopRequest& stop) {
                visible(rows));
 }
 
+/// Lines of a side's own check that begin so, without those words.
+std::vector<std::string> lines_with(const std::string& words, const SideView& side) {
+  std::vector<std::string> found;
+  for (const std::string& line : side.lines)
+    if (line.starts_with(words)) found.push_back(line.substr(words.size()));
+  return found;
+}
+
+/// The title, how large each side is, and what of them is not built.
+void print_head(const CaseView& view, const CheckOptions& options) {
+  std::vector<std::string> sizes, not_built;
+  for (const auto& side : {view.fluid, view.structure}) {
+    if (!side) continue;
+    for (const std::string& text : lines_with(size_words, *side)) sizes.push_back(side->side + ": " + text);
+    for (const std::string& text : lines_with(not_built_words, *side))
+      not_built.push_back(side->side + ": " + text);
+  }
+  fmt::print("{}\n", visible(view.common.title.empty() ? options.case_file.string() : view.common.title));
+  fmt::print("{}{}", block_text("size", sizes), block_text("not built", not_built));
+}
+
+/// Whether both sides are small enough for a check to set them up.
+bool can_be_built(const CaseView& view) {
+  for (const auto& side : {view.fluid, view.structure})
+    if (side && !lines_with(not_built_words, *side).empty()) return false;
+  return true;
+}
+
 /// One drawing per discretisation, one above the other.
 void write_picture(const CaseView& view, const std::filesystem::path& path, const StopRequest& stop) {
   std::string drawings;
@@ -63,25 +92,34 @@ void write_picture(const CaseView& view, const std::filesystem::path& path, cons
   fmt::print("\npicture    {}\n", path.string());
 }
 
-}  // namespace
-
-/// Everything that `run` would refuse, the set-up of both solvers included; no window is advanced, nothing
-/// stays.
-ExitCode check(const CheckOptions& options, const StopRequest& stop) {
-  const CaseView view = read_case(options.case_file, options.sets, &stop);
+/// What both sides say of the case when they are set up, as a run would do it.
+void print_understood(const CaseView& view, const CheckOptions& options, const StopRequest& stop) {
   const TemporaryFolder folder;
   const Session session(view, {.run_folder = {},
                                .log_folder = folder.path(),
                                .patient = options.patient,
                                .say = [](const std::string& line) { put(stderr, visible(line) + "\n"); },
                                .stop = &stop});
-  fmt::print("{}\n", visible(view.common.title.empty() ? options.case_file.string() : view.common.title));
+  print_head(view, options);
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session.mapping_lines()));
   for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
+}
+
+}  // namespace
+
+/// Everything that `run` would refuse, the set-up of both solvers included where it does not take long; no
+/// window is advanced, nothing stays.
+ExitCode check(const CheckOptions& options, const StopRequest& stop) {
+  const CaseView view = read_case(options.case_file, options.sets, &stop);
+  const bool built = can_be_built(view);
+  if (built)
+    print_understood(view, options, stop);
+  else
+    print_head(view, options);
 
   const bool ours = view.structure && view.structure->solver.find('/') == std::string::npos;
-  if (ours && view.structure->solver != "replay") print_properties(view, stop);
+  if (built && ours && view.structure->solver != "replay") print_properties(view, stop);
   if (!options.picture.empty()) {
     if (!view.structure || !ours)
       throw Error(ExitCode::command_line, "--picture " + options.picture.string(),
@@ -89,8 +127,8 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
     write_picture(view, options.picture, stop);
   }
   fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));
-  fmt::print("\n{}: nothing to refuse\n  next    strake run {}\n", options.case_file.string(),
-             options.case_file.string());
+  fmt::print("\n{}: nothing to refuse{}\n  next    strake run {}\n", options.case_file.string(),
+             built ? "" : " before it is built", options.case_file.string());
   return ExitCode::done;
 }
 

@@ -31,13 +31,42 @@ void require(bool condition, const std::string& option) {
                 "strake starts this program itself: strake run CASE; --help lists the modes");
 }
 
+/// Everything that this program declares, and whether the machine can hold it.
+void declare(CaseFile& file, const Program& program) {
+  program.declare(file);
+  file.refuse_unknown(program.prefix);
+  if (program.sizes) refuse_oversized(file, program.sizes());
+}
+
 /// The case, read by everything that this program declares.
 CaseFile load_declared(const ParticipantOptions& options, const Program& program) {
   require(!options.case_file.empty(), "--case");
   CaseFile file = CaseFile::load(options.case_file, options.sets);
-  program.declare(file);
-  file.refuse_unknown(program.prefix);
+  declare(file, program);
   return file;
+}
+
+/// Size and derived numbers of a case. One that takes long to build is not built: a check answers soon.
+void print_check(CaseFile& file, const Program& program) {
+  const SizeEstimates sizes = program.sizes ? program.sizes() : SizeEstimates{};
+  if (const std::string text = size_text(sizes); !text.empty()) fmt::print("{}{}\n", size_words, text);
+  if (is_large(sizes))
+    fmt::print("{}a case of this size takes long to build; run it to see more\n", not_built_words);
+  else if (program.check)
+    for (const std::string& line : program.check(file)) fmt::print("{}\n", line);
+}
+
+/// A line of the table of discretisations, or a drawing, of what is small enough to be built for it.
+std::string properties(CaseFile& file, const ParticipantOptions& options, const Program& program) {
+  const bool picture = options.mode == ParticipantOptions::Mode::picture;
+  const auto& make = picture ? program.picture : program.properties;
+  if (!make) return {};
+  const SizeEstimates sizes = program.sizes ? program.sizes() : SizeEstimates{};
+  if (!is_large(sizes, picture ? 1 : program.properties_cost)) return make(file);
+  if (picture)
+    throw Error(ExitCode::case_file, file.path().string(), "is too large to draw: " + size_text(sizes),
+                "draw it with coarser spacings");
+  return fmt::format("{:<10} not built: {}\n", program.solver, size_text(sizes));
 }
 
 int serve_case(const ParticipantOptions& options, const Program& program) {
@@ -49,8 +78,7 @@ int serve_case(const ParticipantOptions& options, const Program& program) {
   const ServeOptions serving{options.endpoint, options.name,    token ? token : "",
                        program.solver,   program.version, file.hash()};
   return serve(serving, [&](const Setup& setup) {
-    program.declare(file);  // late, so that the coupler hears of an error
-    file.refuse_unknown(program.prefix);
+    declare(file, program);  // late, so that the coupler hears of an error
     return program.build(file, options, setup);
   });
 }
@@ -82,15 +110,13 @@ int run_mode(const ParticipantOptions& options, const Program& program) {
     }
     case Mode::properties:
     case Mode::picture: {
-      const auto& make = options.mode == Mode::picture ? program.picture : program.properties;
       CaseFile file = load_declared(options, program);
-      if (make) fmt::print("{}", make(file));
+      fmt::print("{}", properties(file, options, program));
       break;
     }
     case Mode::check: {
       CaseFile file = load_declared(options, program);
-      if (!program.check) break;
-      for (const std::string& line : program.check(file)) fmt::print("{}\n", line);
+      print_check(file, program);
       break;
     }
   }

@@ -2,6 +2,7 @@
 
 #include "coupler/participant_main.hpp"
 #include "fluid/participant.hpp"
+#include "fluid/size.hpp"
 
 // strake-fluid: reads its keys, builds the particle method, serves the coupler.
 int main(int argc, char** argv) {
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
     common = read_common(file);
     parameters = fluid::read(file, common);
   };
+  program.sizes = [&] { return fluid::sizes(parameters); };
   program.check = [&](CaseFile&) { return fluid::describe(parameters, common); };
   program.build = [&](CaseFile&, const ParticipantOptions&,
                       const Setup& setup) -> std::unique_ptr<Participant> {

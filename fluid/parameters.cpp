@@ -15,6 +15,7 @@ namespace strake::fluid {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double most_steps = 1e7;  // in a window: none has taken a thousandth of that
 constexpr double arc_radius = 2.1;  // [l0] the arc test looks so far
 
 void read_water(CaseTable t, Parameters& p) {
@@ -259,6 +260,12 @@ void check_together(CaseFile& file, const CommonKeys& common, const Parameters& 
                        fmt::format("at most the exchange interval, coupling.{}.window = {:.6g} s",
                                    common.interface, common.window),
                        fmt::format("time_step = {:.6g}, or a longer window", common.window));
+  if (const double steps = common.window / p.scheme.time_step; steps > most_steps)
+    throw scheme.error(
+        "time_step",
+        fmt::format("at most {:g} steps in an exchange interval of {:.6g} s, these would be {:.2g}",
+                    most_steps, common.window, steps),
+        fmt::format("time_step = {:.2g} or more", common.window / most_steps));
   if ((p.absorbing_bottom || p.absorbing_sides) && p.scheme.gradient != Gradient::least_squares)
     throw scheme.error("gradient",
                        "least-squares with fluid.absorbing: the other schemes' walls do not yield",

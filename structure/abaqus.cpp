@@ -1,6 +1,7 @@
 #include "structure/mesh_text.hpp"
 
 #include "proto/error.hpp"
+#include "proto/whole_file.hpp"
 
 #include <fmt/format.h>
 
@@ -55,6 +56,7 @@ Shape shape_of(const std::string& type) {
 }  // namespace
 
 MeshText read_abaqus(const std::filesystem::path& path) {
+  require_file(path, largest_mesh, path.string());
   std::ifstream in(path);
   if (!in) throw Error(ExitCode::case_file, path.string(), "cannot be read", "give the path of a mesh file");
   MeshText mesh;

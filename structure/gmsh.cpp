@@ -1,6 +1,7 @@
 #include "structure/mesh_text.hpp"
 
 #include "proto/error.hpp"
+#include "proto/whole_file.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +15,9 @@ namespace {
 /// Lines of a file with their numbers, and errors that name them.
 class Lines {
  public:
-  explicit Lines(const std::filesystem::path& path) : path_(path), in_(path) {
+  explicit Lines(const std::filesystem::path& path) : path_(path) {
+    require_file(path, largest_mesh, path.string());
+    in_.open(path);
     if (!in_)
       throw Error(ExitCode::case_file, path.string(), "cannot be read", "give the path of a mesh file");
   }

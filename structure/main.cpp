@@ -23,6 +23,8 @@ int main(int argc, char** argv) {
     common = read_common(file);
     parameters = structure::read(file, solver.kind, common);
   };
+  program.sizes = [&] { return solver.sizes(parameters); };
+  program.properties_cost = solver.properties_cost;
   program.check = [&](CaseFile&) {
     return structure::describe(*solver.build(parameters), parameters, common);
   };

@@ -3,6 +3,7 @@
 #include "structure/particle/failure.hpp"
 #include "structure/particle/lattice.hpp"
 #include "structure/shape_keys.hpp"
+#include "structure/size.hpp"
 #include "structure/softening.hpp"
 #include "structure/solid_keys.hpp"
 #include "structure/surface.hpp"
@@ -252,12 +253,13 @@ void check_plate_lattice(CaseTable plate, const std::string& source, const Param
 }
 
 /// The lattice must fill the shape, or the comparison with other solvers would compare two bodies.
-void check_lattice(CaseTable structure, const CommonKeys& common, Parameters& p) {
+void check_lattice(const CaseFile& file, CaseTable structure, const CommonKeys& common, Parameters& p) {
   const bool volume = common.interface == "volume";
   if (volume) p.particle.spacing = p.fluid_spacing;
   const std::string source = volume ? "fluid.spacing" : "structure.particle.spacing";
   if (p.shape.kind == ShapeKind::plate) check_plate_lattice(structure.table("plate"), source, p);
   CaseTable t = structure.table("particle");
+  refuse_oversized(file, lattice_sizes(p));  // before a lattice is made to look for its faults
   if (const SolidFault fault = lattice_fault(elastic_solid(p), p.particle.spacing); !fault.problem.empty())
     throw t.error("spacing", "a lattice that fills the body: " + fault.problem, fault.fix);
   if (p.dimension == 3 && p.particle.model == ParticleModel::pair)
@@ -338,7 +340,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
                               ? "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }"
                               : "supports = { left = \"clamped\" } in a structure.box");
   if (p.load.kind == LoadKind::traction) check_face(structure.table("load"), p);
-  if (p.kind == "particle") check_lattice(structure, common, p);
+  if (p.kind == "particle") check_lattice(file, structure, common, p);
   if (p.kind == "ccx") check_ccx(structure, p);
   check_failure(structure.table("failure"), p);
   check_probes(file, common, p);

@@ -80,11 +80,27 @@ std::string frequency_name(std::size_t i) {
 
 }  // namespace
 
+namespace {
+
+/// Sub-steps of a window; refuses a body whose step is no number, or so short that no window would end.
+double steps_in_window(const Solver& solver, const CommonKeys& common) {
+  constexpr double most = 1e7;
+  const double steps = std::max(1.0, std::ceil(common.window / solver.stable_dt()));
+  if (steps <= most) return steps;
+  throw Error(
+      ExitCode::case_file, "structure.material",
+      fmt::format("sub-steps of {:.3g} s: at most {:g} of them in a window of {:.4g} s", solver.stable_dt(),
+                  most, common.window),
+      "look at structure.material.young and structure.material.density, or at the spacing of the body");
+}
+
+}  // namespace
+
 std::vector<std::string> describe(const Solver& solver, const Parameters& p, const CommonKeys& common) {
   std::vector<std::string> lines = solver.lines();
-  if (p.analysis == Analysis::dynamic && std::isfinite(solver.stable_dt()))
-    lines.push_back(fmt::format("{:.0f} sub-steps in a window of {:.4g} s",
-                                std::max(1.0, std::ceil(common.window / solver.stable_dt())), common.window));
+  if (p.analysis == Analysis::dynamic && !std::isinf(solver.stable_dt()))
+    lines.push_back(fmt::format("{:.0f} sub-steps in a window of {:.4g} s", steps_in_window(solver, common),
+                                common.window));
   if (common.fluid_solver != "none" && solver.interface().faces.cols() > 0)
     lines.push_back(wet_surface(p, solver.interface()).line);
   if (p.stays_intact)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "proto/case_keys.hpp"
+#include "proto/size_limit.hpp"
 #include "structure/deck/model.hpp"
 #include "structure/parameters.hpp"
 #include "structure/solver.hpp"
@@ -17,6 +18,9 @@ namespace strake::structure {
 struct SolverProgram {
   std::string kind;  // "fem" | "particle" | "ccx" | "rigid" | "replay"
   std::function<std::unique_ptr<Solver>(const Parameters&)> build;
+  /// What the body makes in this program, before it is built.
+  std::function<SizeEstimates(const Parameters&)> sizes;
+  double properties_cost = 1;  // of the natural frequencies, in times of the building
   /// Of a solver with a mesh that other programs can take.
   std::function<deck::Model(const Parameters&, const std::vector<ProbeKeys>&)> model = nullptr;
 };

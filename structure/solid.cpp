@@ -1,4 +1,5 @@
 #include "structure/solid.hpp"
+#include "structure/solid_grid.hpp"
 
 #include <fmt/format.h>
 #include <Eigen/Dense>
@@ -81,22 +82,40 @@ std::string text(const Solid& solid, const Vector3d& X) {
 
 }  // namespace
 
+namespace {
+
+/// The planes of all boxes along each axis; decimals of a case file that differ in their last digit are one
+/// plane.
+std::array<std::vector<double>, 3> planes_of(int dimension, const std::vector<SolidBox>& boxes) {
+  double size = 0;
+  for (const SolidBox& box : boxes) size = std::max(size, (box.max - box.min).head(dimension).maxCoeff());
+  const double near = 1e-9 * size;
+  std::array<std::vector<double>, 3> planes;
+  for (int axis = 0; axis < dimension; ++axis) {
+    std::vector<double> all;
+    for (const SolidBox& box : boxes) all.insert(all.end(), {box.min[axis], box.max[axis]});
+    planes[static_cast<std::size_t>(axis)] = distinct(all, near);
+  }
+  return planes;
+}
+
+}  // namespace
+
+double grid_count(int dimension, const std::vector<SolidBox>& boxes) {
+  double count = boxes.empty() ? 0 : 1;
+  for (const std::vector<double>& plane : planes_of(dimension, boxes))
+    if (!plane.empty()) count *= static_cast<double>(plane.size() - 1);
+  return count;
+}
+
 Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
   Solid solid;
   solid.dimension = dimension;
   for (const SolidBox& box : boxes) solid.parts.push_back({box.name, box.material, box.held});
   if (boxes.empty()) return solid;
 
-  // 1. The planes of all boxes; decimals of a case file that differ in their last digit are one plane.
-  double size = 0;
-  for (const SolidBox& box : boxes) size = std::max(size, (box.max - box.min).head(dimension).maxCoeff());
-  const double near = 1e-9 * size;
-  for (int axis = 0; axis < dimension; ++axis) {
-    std::vector<double> all;
-    for (const SolidBox& box : boxes) all.insert(all.end(), {box.min[axis], box.max[axis]});
-    solid.plane[static_cast<std::size_t>(axis)] = distinct(all, near);
-  }
-  if (dimension == 2) solid.plane[2] = {};
+  // 1. The planes.
+  solid.plane = planes_of(dimension, boxes);
   const auto count = [&](std::size_t axis) {
     return axis < static_cast<std::size_t>(dimension) ? static_cast<int>(solid.plane[axis].size()) : 1;
   };

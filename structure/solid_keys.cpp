@@ -1,6 +1,7 @@
 #include "structure/solid_keys.hpp"
 
 #include "structure/mesh_file.hpp"
+#include "structure/solid_grid.hpp"
 
 #include <fmt/format.h>
 
@@ -88,6 +89,23 @@ std::vector<SolidBox> read_copies(CaseTable t, const SolidBox& box) {
     all.push_back(one);
   }
   return all;
+}
+
+/// A body is cut along the planes of all its boxes, and each piece is looked for in all boxes.
+void check_grid(CaseTable structure, int dimension, const std::vector<SolidBox>& boxes) {
+  constexpr double most_boxes = 2000, most_pieces = 5e5, most_looks = 2e8;
+  const auto n = static_cast<double>(boxes.size());
+  if (n > most_boxes)
+    throw structure.error(
+        "box", fmt::format("at most {:g} boxes with all their copies, these are {}", most_boxes, n),
+        "fewer copies, or structure.mesh");
+  const double pieces = grid_count(dimension, boxes);
+  if (pieces > most_pieces || pieces * n > most_looks)
+    throw structure.error(
+        "box",
+        fmt::format("boxes whose planes cut the body into at most {:g} pieces, these cut it into {:g}",
+                    std::min(most_pieces, std::floor(most_looks / n)), pieces),
+        "let boxes end in the same planes, or give the body as structure.mesh");
 }
 
 /// Planes that all but coincide are a slip of the pen: they would make cells as thin as the slip.
@@ -206,6 +224,7 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
       velocity.push_back(initial);
     }
   }
+  check_grid(t, p.dimension, boxes);
   std::filesystem::path mesh;
   if (all || t.has("mesh"))
     t.file(

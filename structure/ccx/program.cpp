@@ -3,6 +3,7 @@
 #include "structure/ccx/by_window.hpp"
 #include "structure/ccx/once.hpp"
 #include "structure/fem/model.hpp"
+#include "structure/fem/size.hpp"
 
 namespace strake::structure {
 namespace {
@@ -19,7 +20,7 @@ std::unique_ptr<Solver> build(const Parameters& p) {
 }  // namespace
 
 SolverProgram this_program() {
-  return {"ccx", &build, &fem::model};
+  return {"ccx", &build, &fem::sizes, 1, &fem::model};
 }
 
 }  // namespace strake::structure

@@ -15,5 +15,7 @@ struct Grading {
 /// number of cells goes. Even in number and symmetric when both ends are graded, so that the middle is a
 /// vertex.
 std::vector<double> graded_cells(double length, const Grading&);
+/// How many those are, without making them: no integer, since there may be too many for one.
+double graded_count(double length, const Grading&);
 
 }  // namespace strake::structure::fem

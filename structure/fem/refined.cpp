@@ -50,36 +50,47 @@ bool held_at(const Solid& solid, Index axis, double plane, double near) {
   return false;
 }
 
-/// Cells along one axis: sizes [m] for each interval between two planes.
-std::vector<std::vector<double>> divided(const Solid& solid, Index axis, int refinement) {
+/// How an interval between two planes is divided: evenly into cells of a height, or graded.
+struct Division {
+  double length = 0, height = 0;  // [m] height 0: graded
+  Grading grading = {};
+
+  double count() const {
+    return height > 0 ? std::max(1.0, std::ceil(length / height - 1e-6)) : graded_count(length, grading);
+  }
+  std::vector<double> sizes() const {
+    if (height == 0) return graded_cells(length, grading);
+    return std::vector<double>(static_cast<std::size_t>(count()), length / count());
+  }
+};
+
+/// Along one axis, for each interval between two planes.
+std::vector<Division> divisions(const Solid& solid, Index axis, int refinement) {
   const Sizes& sizes = solid.dimension == 2 ? in_plane : in_space;
   const auto& plane = solid.plane[static_cast<std::size_t>(axis)];
   const Points extent = part_sizes(solid);
-  std::vector<std::vector<double>> all(plane.size() - 1);
+  std::vector<Division> all(plane.size() - 1);
   for (std::size_t i = 0; i + 1 < plane.size(); ++i) {
-    double height = 0;  // of a cell through a part that is thin here
+    Division& division = all[i];
     double least = std::numeric_limits<double>::infinity(), along = 0;
     for (Index c = 0; c < solid.cell.cols(); ++c) {
       if (interval_of(plane, middle_of_cell(solid, c)[axis]) != i) continue;
       const int part = solid.part_of[static_cast<std::size_t>(c)];
       const double thickness = extent.col(part).head(solid.dimension).minCoeff();
+      double& height = division.height;  // of a cell through a part that is thin here
       if (extent(axis, part) < thin * thickness)
         height = height == 0 ? std::ldexp(thickness, -refinement)
                              : std::min(height, std::ldexp(thickness, -refinement));
       least = std::min(least, thickness);
       along = std::max(along, extent(axis, part));
     }
-    const double length = plane[i + 1] - plane[i], near = 1e-9 * length;
-    if (height > 0) {
-      const auto n = static_cast<std::size_t>(std::max(1.0, std::ceil(length / height - 1e-6)));
-      all[i].assign(n, length / static_cast<double>(n));
-      continue;
-    }
-    Grading grading{.smallest = sizes.smallest * std::ldexp(least, -refinement), .growth = sizes.growth};
+    division.length = plane[i + 1] - plane[i];
+    const double near = 1e-9 * division.length;
+    Grading& grading = division.grading;
+    grading = {.smallest = sizes.smallest * std::ldexp(least, -refinement), .growth = sizes.growth};
     grading.largest = std::max(grading.smallest, std::min(sizes.largest * least, sizes.largest_part * along));
     grading.left = i > 0 || held_at(solid, axis, plane[i], near);
     grading.right = i + 2 < plane.size() || held_at(solid, axis, plane[i + 1], near);
-    all[i] = graded_cells(length, grading);
   }
   return all;
 }
@@ -95,13 +106,13 @@ Solid refined(const Solid& solid, int refinement) {
   std::array<std::vector<std::size_t>, 3> interval;
   for (Index axis = 0; axis < dim; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    const auto sizes = divided(solid, axis, refinement);
-    for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const auto parts = divisions(solid, axis, refinement);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
       double x = solid.plane[a][i];
-      for (std::size_t k = 0; k < sizes[i].size(); ++k) {
+      for (const double size : parts[i].sizes()) {
         line[a].push_back(x);
         interval[a].push_back(i);
-        x += sizes[i][k];
+        x += size;
       }
     }
     line[a].push_back(solid.plane[a].back());
@@ -149,6 +160,24 @@ Solid refined(const Solid& solid, int refinement) {
   fine.node.resize(3, static_cast<Index>(node.size()));
   for (std::size_t i = 0; i < node.size(); ++i) fine.node.col(static_cast<Index>(i)) = node[i];
   return fine;
+}
+
+double refined_count(const Solid& solid, int refinement) {
+  if (!solid.made_of_boxes()) return static_cast<double>(solid.cell.cols());
+  std::array<std::vector<Division>, 3> parts;
+  for (Index axis = 0; axis < solid.dimension; ++axis)
+    parts[static_cast<std::size_t>(axis)] = divisions(solid, axis, refinement);
+  double count = 0;
+  for (Index c = 0; c < solid.cell.cols(); ++c) {
+    const Eigen::Vector3d X = middle_of_cell(solid, c);
+    double cells = 1;
+    for (Index axis = 0; axis < solid.dimension; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      cells *= parts[a][interval_of(solid.plane[a], X[axis])].count();
+    }
+    count += cells;
+  }
+  return count;
 }
 
 }  // namespace strake::structure::fem

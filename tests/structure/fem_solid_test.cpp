@@ -37,6 +37,22 @@ TEST(FemSolid, CellsOfAUnionConformAndKeepMassAndParts) {
   EXPECT_EQ(junction, 5);
 }
 
+TEST(FemSolid, ItsCellsAreCountedBeforeTheyAreMade) {
+  const std::vector<std::vector<SolidBox>> bodies = {
+      {soft_box("floor", {0, 0, 0}, {1, 0.1, 1}), soft_box("rib", {0.4, 0.1, 0}, {0.5, 0.4, 1})},
+      {soft_box("beam", {0, 0, 0}, {3, 0.02, 0.5})}};
+  for (const auto& boxes : bodies)
+    for (const int dimension : {2, 3})
+      for (const int refinement : {0, 1, 3}) {
+        if (dimension == 3 && refinement == 3) continue;
+        Solid solid = solid_of_boxes(dimension, boxes);
+        for (const Support support : {Support::free, Support::clamped}) {
+          solid.supported = {{"left", support, facets_named(solid, "left")}};
+          EXPECT_EQ(refined_count(solid, refinement), refined(solid, refinement).cell.cols());
+        }
+      }
+}
+
 TEST(FemSolid, ADenserPartWeighsMore) {
   std::vector<SolidBox> boxes = {soft_box("a", {0, 0, 0}, {1, 0.1, 0}),
                                  soft_box("b", {1, 0, 0}, {2, 0.1, 0})};

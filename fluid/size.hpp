@@ -1,0 +1,11 @@
+#pragma once
+
+#include "fluid/parameters.hpp"
+#include "proto/size_limit.hpp"
+
+namespace strake::fluid {
+
+/// What the water and its tank make: particles of each kind, and the places of the tank's lattice.
+SizeEstimates sizes(const Parameters&);
+
+}  // namespace strake::fluid
