@@ -1,5 +1,6 @@
 #include "structure/size.hpp"
 
+#include "structure/mass.hpp"
 #include "structure/surface.hpp"
 
 #include <cmath>
@@ -37,6 +38,11 @@ Outer outer_of(const Parameters& p) {
   outer.surface =
       shape.kind == ShapeKind::sphere ? 4 * outer.section : outer.round * shape.depth + 2 * outer.section;
   return outer;
+}
+
+double volume_of(Solid solid) {
+  for (Part& part : solid.parts) part.material.density = 1;
+  return mass_of(solid).mass;
 }
 
 double ball(int dimension, double radius) {
@@ -83,27 +89,18 @@ SizeEstimates surface_sizes(const Parameters& p) {
 SizeEstimates lattice_sizes(const Parameters& p) {
   // Of a particle with its bonds, measured as peak memory and time of --check: the plate of
   // cases/plate_entry.toml with 20 000 particles in the plane and 26 000 in space, radius 2.1.
-  constexpr double bond_bytes = 50, own_bytes = 100, seconds = 3e-4;
+  constexpr double bond_bytes = 50, own_bytes = 100, seconds = 2.5e-4;
   const Solid solid = elastic_solid(p);
   const int dim = p.dimension;
   const double d = p.particle.spacing, cell = std::pow(d, dim);
   const double bonds = ball(dim, p.particle.radius);
   const Eigen::Vector3d extent = solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff();
   const double box = extent.head(dim).array().prod();
-  double volume = box;  // of a body from a mesh file at most
-  if (solid.made_of_boxes()) {
-    volume = 0;
-    for (Eigen::Index c = 0; c < solid.cell.cols(); ++c)
-      volume += (solid.node.col(solid.cell(solid.cell.rows() - 1, c)) - solid.node.col(solid.cell(0, c)))
-                    .head(dim)
-                    .array()
-                    .prod();
-  }
   const std::string key = p.interface == "volume" ? "fluid.spacing" : "structure.particle.spacing";
   std::vector<SizeEstimate::Key> keys = {{key, d, -static_cast<double>(dim)}};
   add(keys, lengths(p));
   SizeEstimates all = {{.what = "particles of the structure",
-                        .count = volume / cell,
+                        .count = volume_of(solid) / cell,
                         .bytes_each = own_bytes + bond_bytes * bonds,
                         .seconds_each = seconds,
                         .keys = keys},
