@@ -11,6 +11,7 @@
 #include "coupler/stop_request.hpp"
 #include "proto/case_depth.hpp"
 #include "proto/error.hpp"
+#include "proto/size_limit.hpp"
 
 namespace strake {
 
@@ -133,6 +134,17 @@ void check_across(CaseFile& file, const CommonKeys& common) {
 }
 
 }  // namespace
+
+std::vector<std::string> lines_with(const std::string& words, const SideView& side) {
+  std::vector<std::string> found;
+  for (const std::string& line : side.lines)
+    if (line.starts_with(words)) found.push_back(line.substr(words.size()));
+  return found;
+}
+
+bool is_large(const SideView& side) {
+  return !lines_with(not_built_words, side).empty();
+}
 
 std::string program_name(const std::string& side, const std::string& solver) {
   if (solver.find('/') != std::string::npos) return solver;

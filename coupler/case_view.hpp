@@ -24,6 +24,11 @@ struct SideView {
   std::string echo;                // its resolved tables, TOML; empty for a user's program
 };
 
+/// Lines of a side's own check that begin so, without those words.
+std::vector<std::string> lines_with(const std::string& words, const SideView&);
+/// Whether its own check says that it takes long to build.
+bool is_large(const SideView&);
+
 /// A case as all programs of the run read it.
 struct CaseView {
   CaseFile file;

@@ -39,14 +39,6 @@ void print_properties(const CaseView& view, const StopRequest& stop) {
                visible(rows));
 }
 
-/// Lines of a side's own check that begin so, without those words.
-std::vector<std::string> lines_with(const std::string& words, const SideView& side) {
-  std::vector<std::string> found;
-  for (const std::string& line : side.lines)
-    if (line.starts_with(words)) found.push_back(line.substr(words.size()));
-  return found;
-}
-
 /// The title, how large each side is, and what of them is not built.
 void print_head(const CaseView& view, const CheckOptions& options) {
   std::vector<std::string> sizes, not_built;
@@ -63,7 +55,7 @@ void print_head(const CaseView& view, const CheckOptions& options) {
 /// Whether both sides are small enough for a check to set them up.
 bool can_be_built(const CaseView& view) {
   for (const auto& side : {view.fluid, view.structure})
-    if (side && !lines_with(not_built_words, *side).empty()) return false;
+    if (side && is_large(*side)) return false;
   return true;
 }
 

@@ -23,6 +23,7 @@
 #include "coupler/verdicts.hpp"
 #include "coupler/way_on.hpp"
 #include "proto/result_file.hpp"
+#include "proto/size_limit.hpp"
 
 namespace strake {
 
@@ -105,6 +106,9 @@ class Run {
     write_text(folder_.path / "case.toml", case_.resolved);
 
     const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
+    for (const auto& side : {case_.fluid, case_.structure})
+      if (side && is_large(*side))
+        warn(side->side + ", long to set up: " + lines_with(size_words, *side).front());
     clocks_.open();
     session_ = std::make_unique<Session>(
         case_,
