@@ -38,18 +38,18 @@ struct Program {
   std::string prefix;  // its part of the case file: "fluid" or "structure"
   /// Reads (so declares) all of its keys, the common ones too, and refuses what does not go together.
   std::function<void(CaseFile&)> declare;
-  /// Optional: what the case will make, told from its keys; every mode refuses what this machine cannot hold.
-  /// `declare` has run on the same file.
-  std::function<SizeEstimates()> sizes = {};
   /// Optional, for --check: derived numbers, one line each; more refusals (a body outside the tank, …).
   std::function<std::vector<std::string>(CaseFile&)> check;
   /// Builds the participant. `declare` has run on the same file.
   std::function<std::unique_ptr<Participant>(CaseFile&, const ParticipantOptions&, const Setup&)> build;
   /// Optional, for --properties: one line of a table that compares discretisations; for --picture: an SVG.
   std::function<std::string(CaseFile&)> properties = {}, picture = {};
-  double properties_cost = 1;  // how many times as long as the building their numbers take
   /// Optional, for --export FILE: writes what it would compute with, for other programs.
   std::function<void(CaseFile&, const std::filesystem::path&)> export_model = nullptr;
+  /// Optional: what the case will make, told from its keys; every mode refuses what this machine cannot hold.
+  /// `declare` has run on the same file.
+  std::function<SizeEstimates()> sizes = {};
+  double properties_cost = 1;  // how many times as long as to build it the line of --properties takes
 };
 
 /// The whole of a solver's main: parses, does the mode or serves, prints errors, returns the exit code.

@@ -70,17 +70,16 @@ def expect_refused(what, words, cwd, told):
 with folder() as place:
     place = pathlib.Path(place)
     shutil.copytree(ROOT / "cases", place / "cases", ignore=shutil.ignore_patterns("pictures", "paraview"))
-    for case, sets, told in SIZES:
-        for command in ("check", "run"):
+    for number, (case, sets, told) in enumerate(SIZES):
+        for command in ("check", "run") if number < 4 else ("check",):
             words = [command, place / "cases" / f"{case}.toml"] + [w for s in sets for w in ("--set", s)]
             expect_refused(f"{command} {case} {' '.join(sets)}", words, place, told)
     expect(not (place / "runs").exists(), "no run folder is left")
 
     os.mkfifo(place / "pipe")
     for path in ("/dev/zero", place / "pipe"):
-        for command in ("check", "run", "study", "report"):
-            if command != "report":
-                expect_refused(f"{command} {path}", [command, path], place, ["is a pipe, a device or a socket"])
+        for command in ("check", "run", "study"):
+            expect_refused(f"{command} {path}", [command, path], place, ["is a pipe, a device or a socket"])
         for case, sets, key in FILES:
             words = ["check", place / "cases" / f"{case}.toml"]
             words += [w for s in sets for w in ("--set", s.replace("PATH", str(path)))]
