@@ -1,10 +1,10 @@
 #include "coupler/link.hpp"
 
-#include "coupler/crowd_gate.hpp"
+#include "coupler/connection_limit.hpp"
 #include "coupler/doorkeeper.hpp"
 #include "coupler/endpoint.hpp"
 #include "coupler/host.hpp"
-#include "coupler/unix_door.hpp"
+#include "coupler/unix_listener.hpp"
 #include "coupler/witness.hpp"
 #include "coupler/zmq_parts.hpp"
 
@@ -50,13 +50,13 @@ bool belong_together(const KeyPair& pair) {
 
 struct Hub::Sockets {
   std::unique_ptr<PrivateFolder> folder;  // first: it goes last
-  std::unique_ptr<UnixDoor> door;
+  std::unique_ptr<UnixListener> listener;
   zmq::context_t context{1};
   zmq::socket_t router{context, zmq::socket_type::router};
   Monitor monitor{context, router, "hub",
                   ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED |
                       ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL};
-  CrowdGate gate;
+  ConnectionLimit limit;
   std::unique_ptr<Doorkeeper> doorkeeper;  // last: it goes first, and takes the context along
   std::string endpoint;
   struct Connection {
@@ -105,7 +105,7 @@ void Hub::Sockets::look() {
       default:  // followed by the end of the same connection
         failed = reason(*event);
     }
-  for (const auto& [what, times] : gate.take_refused()) stranger(what, times);
+  for (const auto& [what, times] : limit.take_refused()) stranger(what, times);
   if (doorkeeper)
     for (const std::string& address : doorkeeper->take_refused())
       stranger(address + " holds no key of this run");
@@ -141,8 +141,8 @@ std::string Hub::Sockets::reason(const Monitor::Event& event) const {
 /// A Unix socket is bound here, since ZeroMQ removes what stands at its path.
 void Hub::Sockets::bind(const std::string& wanted) {
   if (const std::string path = path_of(wanted); !path.empty()) {
-    door = std::make_unique<UnixDoor>(path, folder != nullptr);
-    router.set(zmq::sockopt::use_fd, door->descriptor());
+    listener = std::make_unique<UnixListener>(path, folder != nullptr);
+    router.set(zmq::sockopt::use_fd, listener->descriptor());
   }
   try {
     router.bind(wanted);
@@ -150,10 +150,10 @@ void Hub::Sockets::bind(const std::string& wanted) {
     throw Error(ExitCode::command_line, wanted, fmt::format("cannot be bound: {}", e.what()),
                 "ipc://PATH, tcp://127.0.0.1:PORT, or tcp://ADDRESS:PORT with an address of this machine");
   }
-  if (door) door->hand_over();
+  if (listener) listener->hand_over();
   constexpr milliseconds at_once{1000};
   if (const auto event = monitor.next(at_once); event && event->kind == ZMQ_EVENT_LISTENING)
-    gate.guard(event->value);
+    limit.guard(event->value);
   endpoint = router.get(zmq::sockopt::last_endpoint);
 }
 
@@ -225,7 +225,7 @@ bool Hub::connected(const std::string& peer) {
 void Hub::admit(const std::string& peer) {
   sockets_->look();
   int socket = -1;
-  if (sockets_->find(peer, &socket)) sockets_->gate.admit(socket);
+  if (sockets_->find(peer, &socket)) sockets_->limit.admit(socket);
 }
 
 void Hub::keep_witness(const std::string& peer) {

@@ -160,11 +160,10 @@ class Run {
   void windows() {
     started_ = true;
     FailureNotes failure(case_.common.interface == "surface" && case_.coupled(), plan_.start.time);
-    const std::unique_ptr<WindowLoop> windows = session_->loop(plan_);
-    WindowLoop& loop = *windows;
+    RunLoop loop = session_->loop(plan_);
     auto saved = Clock::now();
     while (!loop.finished()) {
-      if (stop_.requested() && loop.at_rest()) interrupt(loop);
+      if (stop_.requested()) interrupt(loop);
       const auto begin = Clock::now();
       const std::int64_t trace_begin = Trace::now();
       const CommittedWindow window = next(loop);
@@ -190,7 +189,7 @@ class Run {
       const int every = case_.coupling.checkpoint_windows;
       const bool due = every > 0 && window.number % every == 0;
       const bool late = seconds_since(saved) > case_.coupling.checkpoint;
-      if (!window.last && loop.at_rest() && (due || late)) {
+      if (!window.last && (due || late)) {
         save(loop);
         saved = Clock::now();
       }
@@ -200,7 +199,7 @@ class Run {
     }
   }
 
-  CommittedWindow next(WindowLoop& loop) {
+  CommittedWindow next(RunLoop& loop) {
     try {
       return loop.next();
     } catch (const Error& error) {
@@ -211,7 +210,7 @@ class Run {
     }
   }
 
-  void save(const WindowLoop& loop) {
+  void save(const RunLoop& loop) {
     summary_.wall_seconds = elapsed();
     files_->flush();  // what a resume goes on from
     checkpoints_.write(*session_, loop, summary_);
@@ -219,7 +218,7 @@ class Run {
   }
 
   /// Ctrl-C between two windows: the participants are at rest, so that what is committed can be kept.
-  [[noreturn]] void interrupt(const WindowLoop& loop) {
+  [[noreturn]] void interrupt(const RunLoop& loop) {
     save(loop);
     saved_on_request_ = true;
     throw Error(stop_.code(), position(), stop_.in_words() + ", the state is saved",

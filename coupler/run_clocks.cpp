@@ -35,10 +35,6 @@ std::function<void(const Exchange&)> RunClocks::observer() {
 void RunClocks::end_window(const CommittedWindow& window, std::int64_t begin, std::int64_t end) {
   const std::int64_t files_end = Trace::now(), files = files_end - end;
   if (trace_) trace_->add("files", end, files_end);
-  if (window.end != 0) {  // another process ran it, some time ago
-    begin = window.begin;
-    end = window.end;
-  }
   if (trace_)
     trace_->end_window(window.number, window.time, window.report.iterations, window.report.converged, begin,
                        end);

@@ -50,37 +50,24 @@ struct CommittedWindow {
   WindowReport report;
   bool output = false;  // a field frame was written with it
   bool last = false;
-  int taken_back = 0;               // longer windows that were tried first
-  std::string why;                  // of the last of them
-  std::int64_t begin = 0, end = 0;  // [ns] steady clock of the process that ran it, where that is another
-};
-
-/// Where the windows of a run come from.
-class WindowLoop {
- public:
-  virtual ~WindowLoop() = default;
-  virtual bool finished() const = 0;
-  double time() const { return state().time; }
-  long number() const { return state().windows; }  // committed
-  virtual const LoopState& state() const = 0;
-  /// The next committed window.
-  virtual CommittedWindow next() = 0;
-  /// Whether the participants stand where the last window left them, so that their state can be saved.
-  virtual bool at_rest() const { return true; }
+  int taken_back = 0;  // longer windows that were tried first
+  std::string why;     // of the last of them
 };
 
 /// The time loop of a run: window after window through a scheme, or through one participant alone.
-class RunLoop final : public WindowLoop {
+class RunLoop {
  public:
   RunLoop(Scheme&, const RunPlan&);
   enum class Side { fluid, structure };
   RunLoop(Participant& alone, Side, const RunPlan&);
-  bool finished() const override { return finished_; }
-  const LoopState& state() const override { return state_; }
+  bool finished() const { return finished_; }
+  const LoopState& state() const { return state_; }
+  double time() const { return state_.time; }
+  long number() const { return state_.windows; }  // committed
   /// Advances and commits one window: up to the next multiple of the plan's, or an equal part of what is left
   /// to it. Throws what the participants throw, and Error(solver_fault) when windows shrink below the
   /// smallest.
-  CommittedWindow next() override;
+  CommittedWindow next();
 
  private:
   using Advance = std::function<WindowReport(const Window&)>;

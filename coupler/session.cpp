@@ -142,10 +142,10 @@ RunPlan Session::plan() const {
           .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string()};
 }
 
-std::unique_ptr<WindowLoop> Session::loop(const RunPlan& plan) {
-  if (scheme_) return std::make_unique<RunLoop>(*scheme_, plan);
-  if (fluid_ != nullptr) return std::make_unique<RunLoop>(*fluid_, RunLoop::Side::fluid, plan);
-  return std::make_unique<RunLoop>(*structure_, RunLoop::Side::structure, plan);
+RunLoop Session::loop(const RunPlan& plan) {
+  if (scheme_) return RunLoop(*scheme_, plan);
+  if (fluid_ != nullptr) return RunLoop(*fluid_, RunLoop::Side::fluid, plan);
+  return RunLoop(*structure_, RunLoop::Side::structure, plan);
 }
 
 int Session::dimension() const {

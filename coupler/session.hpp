@@ -40,7 +40,7 @@ class Session {
   Session(const CaseView&, const Options&);
 
   /// The time loop over these participants.
-  std::unique_ptr<WindowLoop> loop(const RunPlan&);
+  RunLoop loop(const RunPlan&);
   RunPlan plan() const;                       // of the whole case
   Scheme* scheme() { return scheme_.get(); }  // nullptr with one participant
   RemoteParticipant* fluid() { return fluid_; }

@@ -11,7 +11,7 @@ install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
 # A participant's own headers: Eigen and the standard library, nothing else.
 set(headers coupler/participant_main.hpp coupler/serve.hpp proto/case_file.hpp proto/case_keys.hpp proto/error.hpp
   proto/frame_writer.hpp proto/interface.hpp proto/interpolation.hpp proto/participant.hpp proto/probe.hpp proto/result_file.hpp
-  proto/values.hpp proto/vector_participant.hpp)
+  proto/size_limit.hpp proto/values.hpp proto/vector_participant.hpp)
 foreach(header ${headers})
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header}

@@ -1,6 +1,6 @@
-#include "coupler/unix_door.hpp"
+#include "coupler/unix_listener.hpp"
 
-#include "coupler/door_lock.hpp"
+#include "coupler/socket_lock.hpp"
 #include "coupler/endpoint.hpp"
 #include "proto/error.hpp"
 
@@ -75,20 +75,20 @@ PrivateFolder::~PrivateFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-UnixDoor::UnixDoor(const std::string& path, bool in_private) : path_(path) {
+UnixListener::UnixListener(const std::string& path, bool in_private) : path_(path) {
   if (path.front() != '@' && !in_private) {
-    lock_ = std::make_unique<DoorLock>(path);
+    lock_ = std::make_unique<SocketLock>(path);
     make_way();
   }
   bind_and_listen();
   if (lock_) lock_->name_socket();
 }
 
-UnixDoor::~UnixDoor() {
+UnixListener::~UnixListener() {
   if (listening_ >= 0) close(listening_);
 }
 
-void UnixDoor::make_way() {
+void UnixListener::make_way() {
   const auto entry = lock_->at_path();
   if (!entry) return;
   const auto refuse = [&](const std::string& what, const std::string& fix) {
@@ -104,7 +104,7 @@ void UnixDoor::make_way() {
   lock_->remove_socket();
 }
 
-void UnixDoor::bind_and_listen() {
+void UnixListener::bind_and_listen() {
   socklen_t size = 0;
   const sockaddr_un address = address_of(path_, size);
   listening_ = unix_socket();

@@ -1,4 +1,4 @@
-#include "coupler/crowd_gate.hpp"
+#include "coupler/connection_limit.hpp"
 
 #include "coupler/doorkeeper.hpp"
 #include "coupler/witness.hpp"
@@ -32,10 +32,10 @@ constexpr milliseconds between_looks{2};
 constexpr int most_sending = 8, greeting = 2;  // [looks]; those of anybody who introduces himself
 constexpr int little = 4096;                   // [bytes]
 
-/// The gates of this process, for accept4.
+/// The limits of this process, for accept4.
 struct Registry {
   std::mutex mutex;
-  std::vector<CrowdGate*> gates;
+  std::vector<ConnectionLimit*> limits;
 };
 Registry& registry() {
   static Registry all;
@@ -67,10 +67,10 @@ int system_accept(int listening, sockaddr* address, socklen_t* size, int flags) 
 
 }  // namespace
 
-CrowdGate::CrowdGate() : spare_(open("/dev/null", O_RDONLY | O_CLOEXEC)), most_(least_places) {
+ConnectionLimit::ConnectionLimit() : spare_(open("/dev/null", O_RDONLY | O_CLOEXEC)), most_(least_places) {
   {
     const std::lock_guard lock(registry().mutex);
-    registry().gates.push_back(this);
+    registry().limits.push_back(this);
   }
   sigset_t all, before;
   sigfillset(&all);
@@ -79,10 +79,10 @@ CrowdGate::CrowdGate() : spare_(open("/dev/null", O_RDONLY | O_CLOEXEC)), most_(
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
-CrowdGate::~CrowdGate() {
+ConnectionLimit::~ConnectionLimit() {
   {
     const std::lock_guard lock(registry().mutex);
-    std::erase(registry().gates, this);
+    std::erase(registry().limits, this);
   }
   {
     const std::lock_guard lock(mutex_);
@@ -93,29 +93,29 @@ CrowdGate::~CrowdGate() {
   if (spare_ >= 0) close(spare_);
 }
 
-void CrowdGate::guard(int listening) {
+void ConnectionLimit::guard(int listening) {
   const std::lock_guard lock(registry().mutex);
   const std::lock_guard own(mutex_);
   listening_ = listening;
   most_ = places();
 }
 
-void CrowdGate::admit(int socket) {
+void ConnectionLimit::admit(int socket) {
   const std::lock_guard lock(mutex_);
   std::erase_if(waiting_, [socket](const Waiting& w) { return w.socket == socket; });
 }
 
-std::map<std::string, int> CrowdGate::take_refused() {
+std::map<std::string, int> ConnectionLimit::take_refused() {
   const std::lock_guard lock(mutex_);
   return std::exchange(refused_, {});
 }
 
-void CrowdGate::note(const std::string& what) {
+void ConnectionLimit::note(const std::string& what) {
   constexpr std::size_t enough = 100;  // between two looks
   ++refused_[refused_.size() < enough || refused_.contains(what) ? what : "others were refused too"];
 }
 
-bool CrowdGate::lets_in(int socket) {
+bool ConnectionLimit::lets_in(int socket) {
   const std::lock_guard lock(mutex_);
   if (waiting_.size() >= most_) forget_closed();
   if (waiting_.size() >= most_ && !make_room()) {
@@ -128,7 +128,7 @@ bool CrowdGate::lets_in(int socket) {
 }
 
 /// Those that are cut keep their descriptors until ZeroMQ has seen it: never more of them than places.
-bool CrowdGate::make_room() {
+bool ConnectionLimit::make_room() {
   if (waiting_.size() >= 2 * most_) return false;
   const auto now = Clock::now();
   Waiting* oldest = nullptr;
@@ -146,20 +146,20 @@ bool CrowdGate::make_room() {
   return true;
 }
 
-void CrowdGate::cut(Waiting& w, const std::string& why) {
+void ConnectionLimit::cut(Waiting& w, const std::string& why) {
   w.cut = true;
   if (file_of(w.socket) != w.file) return;
   if (!why.empty()) note(peer_address(w.socket) + why);
   shutdown(w.socket, SHUT_RDWR);
 }
 
-void CrowdGate::forget_closed() {
+void ConnectionLimit::forget_closed() {
   std::erase_if(waiting_, [](const Waiting& w) { return file_of(w.socket) != w.file; });
 }
 
 /// ZeroMQ hands a message over when it is whole. The parts of one that never ends would pile up in memory,
 /// and no limit of its own counts them.
-void CrowdGate::cut_the_talkative() {
+void ConnectionLimit::cut_the_talkative() {
   int sending = 0;
   Waiting* most = nullptr;
   for (Waiting& w : waiting_) {
@@ -177,7 +177,7 @@ void CrowdGate::cut_the_talkative() {
   if (sending > most_sending) cut(*most, " sent without a pause and did not say who it is");
 }
 
-void CrowdGate::run() {
+void ConnectionLimit::run() {
   std::unique_lock lock(mutex_);
   while (!stop_) {
     if (waiting_.empty())
@@ -189,7 +189,7 @@ void CrowdGate::run() {
   }
 }
 
-void CrowdGate::turn_away_one(int listening) {
+void ConnectionLimit::turn_away_one(int listening) {
   const std::lock_guard lock(mutex_);
   if (spare_ >= 0) close(spare_);
   const int socket = system_accept(listening, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
@@ -203,15 +203,15 @@ void CrowdGate::turn_away_one(int listening) {
 namespace {
 
 /// What accept4 does where ZeroMQ listens.
-int accept_at_gate(CrowdGate& gate, int listening, sockaddr* address, socklen_t* size, int flags) {
+int accept_within(ConnectionLimit& limit, int listening, sockaddr* address, socklen_t* size, int flags) {
   const int socket = system_accept(listening, address, size, flags);
   if (socket < 0 &&
       (errno == EMFILE || errno == ENFILE)) {  // ZeroMQ would abort, or try again without a pause
-    gate.turn_away_one(listening);
+    limit.turn_away_one(listening);
     errno = ECONNABORTED;
     return -1;
   }
-  if (socket < 0 || gate.lets_in(socket)) return socket;
+  if (socket < 0 || limit.lets_in(socket)) return socket;
   close(socket);
   errno = ECONNABORTED;
   return -1;
@@ -227,10 +227,10 @@ extern "C" int accept4(int listening, sockaddr* address, socklen_t* size, int fl
   using namespace strake;
   {
     const std::lock_guard lock(registry().mutex);
-    const auto& gates = registry().gates;
-    const auto gate =
-        std::find_if(gates.begin(), gates.end(), [&](const CrowdGate* g) { return g->is_for(listening); });
-    if (gate != gates.end()) return accept_at_gate(**gate, listening, address, size, flags);
+    const auto& limits = registry().limits;
+    const auto limit =
+        std::find_if(limits.begin(), limits.end(), [&](const ConnectionLimit* g) { return g->is_for(listening); });
+    if (limit != limits.end()) return accept_within(**limit, listening, address, size, flags);
   }
   return system_accept(listening, address, size, flags);
 }

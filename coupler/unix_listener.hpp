@@ -6,7 +6,7 @@
 
 namespace strake {
 
-class DoorLock;
+class SocketLock;
 
 /// A folder that only this user may enter, removed at the end.
 class PrivateFolder {
@@ -24,14 +24,14 @@ class PrivateFolder {
 /// A Unix socket that listens at a path, or at @NAME, which has no file. ZeroMQ's own bind removes whatever
 /// stands at the path; this one removes only the socket that a dead run of Strake has left. Such a socket is
 /// known by the file PATH.lock beside it: a run that lives holds it locked, and it names the socket.
-class UnixDoor {
+class UnixListener {
  public:
   /// `in_private`: the folder is the caller's alone and new, so that nothing is to be known about the path.
   /// Throws Error(command_line) where something else stands at the path, or no socket can be made there.
-  explicit UnixDoor(const std::string& path, bool in_private = false);
-  ~UnixDoor();  // its lock removes the socket, where it is still the one that was bound here
-  UnixDoor(const UnixDoor&) = delete;
-  UnixDoor& operator=(const UnixDoor&) = delete;
+  explicit UnixListener(const std::string& path, bool in_private = false);
+  ~UnixListener();  // its lock removes the socket, where it is still the one that was bound here
+  UnixListener(const UnixListener&) = delete;
+  UnixListener& operator=(const UnixListener&) = delete;
 
   int descriptor() const { return listening_; }
   /// From here on the descriptor is ZeroMQ's, which closes it.
@@ -43,7 +43,7 @@ class UnixDoor {
 
   std::string path_;
   int listening_ = -1;
-  std::unique_ptr<DoorLock> lock_;  // none for @NAME and in a private folder
+  std::unique_ptr<SocketLock> lock_;  // none for @NAME and in a private folder
 };
 
 }  // namespace strake

@@ -1,6 +1,6 @@
 // What an ipc endpoint does with what stands at its path: nothing but the socket of a dead run is removed.
 
-#include "coupler/unix_door.hpp"
+#include "coupler/unix_listener.hpp"
 
 #include "coupler/link.hpp"
 #include "proto/error.hpp"
@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Door : public testing::Test {
+class Listener : public testing::Test {
  protected:
   std::string path() const { return (place_ / "p").string(); }
   std::string lock() const { return path() + ".lock"; }
@@ -51,8 +51,8 @@ class Door : public testing::Test {
     const pid_t child = fork();
     if (child == 0) {
       try {
-        auto* door = new UnixDoor(path());
-        _exit(door->descriptor() >= 0 ? 0 : 1);
+        auto* listener = new UnixListener(path());
+        _exit(listener->descriptor() >= 0 ? 0 : 1);
       } catch (const Error&) {
         _exit(1);
       }
@@ -64,7 +64,7 @@ class Door : public testing::Test {
   }
   std::string problem() const {
     try {
-      const UnixDoor door(path());
+      const UnixListener listener(path());
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::command_line);
       EXPECT_EQ(e.where(), "coupling.endpoint = \"ipc://" + path() + "\"");
@@ -85,7 +85,7 @@ class Door : public testing::Test {
 
 using Names = std::vector<std::string>;
 
-TEST_F(Door, AFileALinkAPipeAndAFolderStayAsTheyAre) {
+TEST_F(Listener, AFileALinkAPipeAndAFolderStayAsTheyAre) {
   const fs::path target = place_ / "target";
   write(target, "mine");
   const std::vector<std::pair<std::string, std::function<void()>>> kinds{
@@ -105,7 +105,7 @@ TEST_F(Door, AFileALinkAPipeAndAFolderStayAsTheyAre) {
   EXPECT_EQ(content(target), "mine");
 }
 
-TEST_F(Door, ASocketOfAnotherProgramStaysWhetherItLivesOrNot) {
+TEST_F(Listener, ASocketOfAnotherProgramStaysWhetherItLivesOrNot) {
   const int s = foreign_socket();
   EXPECT_EQ(problem(), "the path is taken: another program listens there");
   close(s);
@@ -113,7 +113,7 @@ TEST_F(Door, ASocketOfAnotherProgramStaysWhetherItLivesOrNot) {
   EXPECT_EQ(names(), Names{"p"});
 }
 
-TEST_F(Door, ASocketThatReplacedThatOfADeadRunStays) {
+TEST_F(Listener, ASocketThatReplacedThatOfADeadRunStays) {
   dead_run();
   fs::remove(path());
   close(foreign_socket());
@@ -121,13 +121,13 @@ TEST_F(Door, ASocketThatReplacedThatOfADeadRunStays) {
   EXPECT_TRUE(fs::is_socket(path()));
 }
 
-TEST_F(Door, TheSocketOfADeadRunIsReplacedAndNothingIsLeft) {
+TEST_F(Listener, TheSocketOfADeadRunIsReplacedAndNothingIsLeft) {
   dead_run();
-  { const UnixDoor door(path()); }
+  { const UnixListener listener(path()); }
   EXPECT_EQ(names(), Names{});
 }
 
-TEST_F(Door, ASecondRunOnOnePathIsRefusedAndTheFirstGoesOn) {
+TEST_F(Listener, ASecondRunOnOnePathIsRefusedAndTheFirstGoesOn) {
   Hub first("ipc://" + path());
   EXPECT_EQ(problem(), "the path is taken: another run uses it");
   Line line(first.endpoint());
@@ -136,7 +136,7 @@ TEST_F(Door, ASecondRunOnOnePathIsRefusedAndTheFirstGoesOn) {
   EXPECT_TRUE(first.receive(std::chrono::seconds(5)));
 }
 
-TEST_F(Door, AFileOfTheUserBesideItIsNoLock) {
+TEST_F(Listener, AFileOfTheUserBesideItIsNoLock) {
   for (const char* text : {"", "mine"}) {
     write(lock(), text);
     EXPECT_EQ(problem(), lock() + " stands beside it and is no lock of Strake");
@@ -149,9 +149,9 @@ TEST_F(Door, AFileOfTheUserBesideItIsNoLock) {
   EXPECT_EQ(content(place_ / "target"), "");
 }
 
-TEST_F(Door, WhatReplacedOurSocketStaysWhenTheRunEnds) {
+TEST_F(Listener, WhatReplacedOurSocketStaysWhenTheRunEnds) {
   {
-    const UnixDoor door(path());
+    const UnixListener listener(path());
     fs::remove(path());
     write(path(), "mine");
   }
@@ -159,9 +159,9 @@ TEST_F(Door, WhatReplacedOurSocketStaysWhenTheRunEnds) {
   EXPECT_EQ(names(), Names{"p"});
 }
 
-TEST_F(Door, AFolderThatIsMissingIsNamed) {
+TEST_F(Listener, AFolderThatIsMissingIsNamed) {
   try {
-    const UnixDoor door((place_ / "none" / "p").string());
+    const UnixListener listener((place_ / "none" / "p").string());
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.problem(),
@@ -169,11 +169,11 @@ TEST_F(Door, AFolderThatIsMissingIsNamed) {
   }
 }
 
-TEST_F(Door, ANameWithoutAFileIsTakenOnce) {
+TEST_F(Listener, ANameWithoutAFileIsTakenOnce) {
   const std::string name = "@strake-test-" + std::to_string(getpid());
-  const UnixDoor door(name);
+  const UnixListener listener(name);
   try {
-    const UnixDoor twin(name);
+    const UnixListener twin(name);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.problem(), "the path is taken: another program uses it");
@@ -193,7 +193,7 @@ int winners(const std::string& path) {
       [[maybe_unused]] ssize_t n = read(start[0], &byte, 1);  // the end of the pipe: for all at once
       bool won = true;
       try {
-        const UnixDoor door(path);
+        const UnixListener listener(path);
         alarm(10);
         std::this_thread::sleep_for(std::chrono::milliseconds(100));  // all others have tried
       } catch (const Error&) {
@@ -213,7 +213,7 @@ int winners(const std::string& path) {
   return won;
 }
 
-TEST_F(Door, OfRunsThatStartAtOnceOneGetsThePath) {
+TEST_F(Listener, OfRunsThatStartAtOnceOneGetsThePath) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(winners(path()), 1);
   EXPECT_EQ(names(), Names{});
   dead_run();

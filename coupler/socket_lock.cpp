@@ -1,4 +1,4 @@
-#include "coupler/door_lock.hpp"
+#include "coupler/socket_lock.hpp"
 
 #include "proto/error.hpp"
 
@@ -33,7 +33,7 @@ std::string endpoint_key(const std::string& path) {
   return "coupling.endpoint = \"ipc://" + path + "\"";
 }
 
-DoorLock::DoorLock(const std::string& path) : path_(path) {
+SocketLock::SocketLock(const std::string& path) : path_(path) {
   const std::size_t slash = path.rfind('/');
   const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
   socket_ = slash == std::string::npos ? path : path.substr(slash + 1);
@@ -53,7 +53,7 @@ DoorLock::DoorLock(const std::string& path) : path_(path) {
   named_ = read();
 }
 
-DoorLock::~DoorLock() {
+SocketLock::~SocketLock() {
   const auto entry = at_path();
   const bool ours = bound_ && entry && names(*entry);
   if (ours) remove_socket();
@@ -68,7 +68,7 @@ DoorLock::~DoorLock() {
 }
 
 /// The file may be removed by its last owner while it is opened here: then once more.
-void DoorLock::take() {
+void SocketLock::take() {
   constexpr int attempts = 100;
   for (int i = 0; i < attempts; ++i) {
     if (make()) return;
@@ -78,7 +78,7 @@ void DoorLock::take() {
 }
 
 /// The file comes into being with its words and its lock: nobody ever sees it without them.
-bool DoorLock::make() {
+bool SocketLock::make() {
   const std::string own = fmt::format(".{}-{}", lock_, getpid());
   file_ = openat(folder_, own.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mine);
   if (file_ < 0)
@@ -104,7 +104,7 @@ bool DoorLock::make() {
               "a path in a folder of yours, or \"ipc\"");
 }
 
-bool DoorLock::open_existing() {
+bool SocketLock::open_existing() {
   file_ = openat(folder_, lock_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0 && errno == ENOENT) return false;
   struct stat held {
@@ -125,21 +125,21 @@ bool DoorLock::open_existing() {
   return false;
 }
 
-std::optional<struct stat> DoorLock::at_path() const {
+std::optional<struct stat> SocketLock::at_path() const {
   struct stat entry {};
   if (fstatat(folder_, socket_.c_str(), &entry, AT_SYMLINK_NOFOLLOW) != 0) return {};
   return entry;
 }
 
-bool DoorLock::names(const struct stat& entry) const {
+bool SocketLock::names(const struct stat& entry) const {
   return S_ISSOCK(entry.st_mode) && entry.st_uid == geteuid() && named_ == identity(entry);
 }
 
-void DoorLock::remove_socket() const {
+void SocketLock::remove_socket() const {
   unlinkat(folder_, socket_.c_str(), 0);
 }
 
-void DoorLock::name_socket() {
+void SocketLock::name_socket() {
   const auto entry = at_path();
   if (!entry) return;
   named_ = identity(*entry);
@@ -147,13 +147,13 @@ void DoorLock::name_socket() {
   write(named_);
 }
 
-std::string DoorLock::read() const {
+std::string SocketLock::read() const {
   std::array<char, 256> text{};
   const ssize_t n = pread(file_, text.data(), text.size(), 0);
   return {text.data(), static_cast<std::size_t>(n > 0 ? n : 0)};
 }
 
-void DoorLock::write(const std::string& text) const {
+void SocketLock::write(const std::string& text) const {
   const bool written = ftruncate(file_, 0) == 0 &&
                        pwrite(file_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
   if (!written)

@@ -15,22 +15,22 @@ namespace strake {
 
 /// Limits the connections that have not yet said who they are. ZeroMQ accepts all that come, and has no limit
 /// of its own: a crowd would use up the descriptors of the whole process, and its memory. ZeroMQ's calls of
-/// accept4 therefore come to this program's own accept4, which asks the gate.
+/// accept4 therefore come to this program's own accept4, which asks this class.
 /// Where all places are taken, the one that had the longest time to introduce itself makes room for the next.
 /// A connection that sends far more than an introduction is cut.
-class CrowdGate {
+class ConnectionLimit {
  public:
   /// Whoever is accepted anywhere counts, until `guard` says where.
-  CrowdGate();
-  ~CrowdGate();
-  CrowdGate(const CrowdGate&) = delete;
-  CrowdGate& operator=(const CrowdGate&) = delete;
+  ConnectionLimit();
+  ~ConnectionLimit();
+  ConnectionLimit(const ConnectionLimit&) = delete;
+  ConnectionLimit& operator=(const ConnectionLimit&) = delete;
 
   /// The descriptor that listens.
   void guard(int listening);
   /// That connection takes part, and no longer counts.
   void admit(int socket);
-  /// Whom the gate turned away since the last call: "127.0.0.1 was turned away …" → how often.
+  /// Whom it turned away since the last call: "127.0.0.1 was turned away …" → how often.
   std::map<std::string, int> take_refused();
 
   bool is_for(int listening) const { return listening_ == listening || listening_ < 0; }

@@ -10,13 +10,13 @@ namespace strake {
 /// The file PATH.lock beside a socket at PATH, locked while its run lives (flock). It names the socket that
 /// the run has bound, so that the next run knows what a dead one has left. All goes by the folder as it was
 /// when it was opened, so that a link put in between leads nowhere else.
-class DoorLock {
+class SocketLock {
  public:
   /// Throws Error(command_line) where another run holds it, or a file of that name is not Strake's.
-  explicit DoorLock(const std::string& path);
-  ~DoorLock();  // removes the socket that it names, and itself
-  DoorLock(const DoorLock&) = delete;
-  DoorLock& operator=(const DoorLock&) = delete;
+  explicit SocketLock(const std::string& path);
+  ~SocketLock();  // removes the socket that it names, and itself
+  SocketLock(const SocketLock&) = delete;
+  SocketLock& operator=(const SocketLock&) = delete;
 
   /// What stands at the path itself; nothing where it is free.
   std::optional<struct stat> at_path() const;
