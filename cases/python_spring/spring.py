@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A rigid floor on a spring, m y'' + k y = F, as a participant of a run. proto/README.md explains every step."""
+"""A rigid floor on a spring, m y'' + k y = F, as a participant of a run. proto/WIRE.md explains every step."""
 import os, sys, tomllib
 import numpy as np, zmq
 import coupling_pb2 as pb  # made of proto/coupling.proto by the build; strake puts its folder on PYTHONPATH
