@@ -36,7 +36,7 @@ struct CheckOptions {
 };
 ExitCode check(const CheckOptions&, const StopRequest&);
 
-/// key: empty for all; a table ("fluid.scheme") lists its keys. markdown: the reference of proto/README.md.
+/// key: empty for all; a table ("fluid.scheme") lists its keys. markdown: the reference of proto/CASE_FILE.md.
 ExitCode explain(const std::string& key, bool markdown);
 
 struct CompareOptions {

@@ -13,7 +13,7 @@ namespace {
 
 using Metric = CompareBlock::Metric;
 
-// VALIDATION A: the impulse of a probe's own record runs over this time after contact.
+// cases/VALIDATION.md, "Definitions": the impulse of a probe's own record runs over this time after contact.
 constexpr double impulse_window = 3.0e-4;  // [s]
 // Two times are the same within this part of them.
 constexpr double slack = 1e-9;

@@ -97,7 +97,7 @@ int width_of(std::FILE*, const Style&);
 /// stands below the lines, drawn anew at most five times a second; in a pipe there is a line at least every
 /// 10 s.
 std::unique_ptr<Reporter> table_reporter(std::FILE*, const Style&);
-/// One JSON object per line, with its "kind" (proto/README.md).
+/// One JSON object per line, with its "kind" (proto/RESULTS.md).
 std::unique_ptr<Reporter> json_reporter(std::FILE*);
 /// Warnings and verdicts alone; with --profile its lines.
 std::unique_ptr<Reporter> quiet_reporter(std::FILE*, const Style&);

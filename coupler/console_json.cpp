@@ -6,7 +6,7 @@
 #include "coupler/console.hpp"
 #include "coupler/profile.hpp"
 
-// strake run --json: the lines are described in proto/README.md.
+// strake run --json: the lines are described in proto/RESULTS.md.
 
 namespace strake {
 

@@ -40,7 +40,7 @@ std::optional<CurvePoint> peak(const Curve& c) {
 }
 
 std::optional<CurvePoint> first_peak(const Curve& c, double contact) {
-  constexpr double of_record = 0.05, fallen = 0.8;  // VALIDATION A
+  constexpr double of_record = 0.05, fallen = 0.8;  // cases/VALIDATION.md, "Definitions"
   const auto largest = peak(c);
   if (!largest) return std::nullopt;
   CurvePoint running;

@@ -22,8 +22,8 @@ Curve resample(const Curve&, const std::vector<double>& times);
 Curve clip(const Curve&, double from, double to);
 /// Largest |q|, with its sign; the first of equals. None for an empty curve.
 std::optional<CurvePoint> peak(const Curve&);
-/// VALIDATION A: the running maximum M of |q| after `contact`, M >= 5 % of the record's maximum, that |q|
-/// falls below 0.8 M before exceeding M.
+/// cases/VALIDATION.md, "Definitions": the running maximum M of |q| after `contact`, M >= 5 % of the record's
+/// maximum, that |q| falls below 0.8 M before exceeding M.
 std::optional<CurvePoint> first_peak(const Curve&, double contact);
 double impulse(const Curve&, double from, double to);  // ∫ q dt, trapezoidal
 double mean(const Curve&, double from, double to);     // impulse / (to − from)

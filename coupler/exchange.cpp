@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 void check_announced(const std::vector<Field>& fields, const Participant& participant, const char* name) {
   const Index n = participant.mesh().position.cols();
   const auto refuse = [&](const std::string& problem) {
-    throw Error(ExitCode::solver_fault, name, problem, "see Ready in proto/README.md");
+    throw Error(ExitCode::solver_fault, name, problem, "see Ready in proto/WIRE.md");
   };
   for (const Field& field : fields) {
     if (field.value.cols() != n || field.value.rows() == 0)

@@ -155,7 +155,7 @@ int main(int argc, char** argv) {
   bool markdown = false;
   command = app.add_subcommand("explain", "what a key means: unit, range, default; a table lists its keys");
   command->add_option("KEY", key, "key or table, e.g. fluid.scheme.cfl");
-  command->add_flag("--markdown", markdown, "the reference of every key, as it stands in proto/README.md");
+  command->add_flag("--markdown", markdown, "the reference of every key, as it stands in proto/CASE_FILE.md");
   command->callback([&] { action = [&] { return strake::explain(key, markdown); }; });
 
   strake::CompareOptions compared;

@@ -58,7 +58,7 @@ Sample predict(Predictor kind, const Samples& history, double time) {
       value = extrapolate(history, n, f, time);
   }
   if (n > 1 && u && v) {
-    // As the fluid follows it (DESIGN 2).
+    // As the fluid follows it (cases/VALIDATION.md, "Piston and column").
     const auto index = [&](const Field* field) {
       return static_cast<std::size_t>(field - last.fields.data());
     };

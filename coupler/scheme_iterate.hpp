@@ -18,8 +18,8 @@ struct Scheme::Iterate {
 };
 
 /// v_(n+1) = 2 (u_(n+1) − u_n)/dt − v_n, the end velocity of an interface that moves with constant
-/// acceleration (DESIGN 2). From the structure's committed motion, so that what one window leaves unconverged
-/// does not add up in the next.
+/// acceleration (cases/VALIDATION.md, "Piston and column"). From the structure's committed motion, so that
+/// what one window leaves unconverged does not add up in the next.
 Eigen::MatrixXd followed_velocity(const Sample& committed, const Values& displacement, double dt);
 
 }  // namespace strake

@@ -101,8 +101,9 @@ void Summary::add(const CommittedWindow& window) {
   drop_peaks_before_contact();
 }
 
-/// A first peak is one after contact (VALIDATION A). The fluid alone knows contact: what a structure's probe
-/// met before it, or while the fluid still waits for it, is the ringing of a body in the air.
+/// A first peak is one after contact (cases/VALIDATION.md, "Definitions"). The fluid alone knows contact:
+/// what a structure's probe met before it, or while the fluid still waits for it, is the ringing of a body in
+/// the air.
 void Summary::drop_peaks_before_contact() {
   double contact = fluid_.contains("count.awaiting_contact") ? std::numeric_limits<double>::infinity() : 0;
   if (contact == 0)

@@ -11,7 +11,7 @@
 
 namespace strake {
 
-/// What a run found, for programs: summary.json. Keys are fixed (proto/README.md); what is not known is null.
+/// What a run found, for programs: summary.json. Keys are fixed (proto/RESULTS.md); what is not known is null.
 class Summary {
  public:
   Summary(std::string case_name, std::string tag);

@@ -7,7 +7,7 @@ namespace strake {
 namespace {
 
 /// Below this share of its reference a metric is still the tremble before the event that the block is about
-/// (the 5 % of VALIDATION A's first peak); it is judged at the end of the run.
+/// (the 5 % of the first peak in cases/VALIDATION.md, "Definitions"); it is judged at the end of the run.
 constexpr double too_early = 0.05;
 
 }  // namespace

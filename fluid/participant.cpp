@@ -75,7 +75,8 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
       initial_volume_(volume()),
       sends_history_(setup.history && has_body_) {
   auto& probes = simulation_.mutable_state().probes;
-  // A body that enters is measured from its contact, anything else from the first step (VALIDATION A).
+  // A body that enters is measured from its contact, anything else from the first step (cases/VALIDATION.md,
+  // "Definitions").
   for (const ProbeKeys& probe : parameters_.probes)
     probes.push_back(is_sensor(probe) && entry_speed_ > 0 ? ProbeRecord::waiting_for_contact()
                                                           : ProbeRecord{});
@@ -188,7 +189,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   reached.openings = std::max(reached.openings, voids.openings);
 }
 
-/// Contact is the first step in which any sensor exceeds ½ρV² (VALIDATION A).
+/// Contact is the first step in which any sensor exceeds ½ρV² (cases/VALIDATION.md, "Definitions").
 template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   State<dim>& state = simulation_.mutable_state();

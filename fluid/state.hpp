@@ -48,7 +48,7 @@ struct State {
   Vectors<dim> interface_velocity;      // dim×m [m/s]
 
   std::vector<ProbeRecord> probes;                      // accumulate at every step
-  double contact_time = -1;                             // [s] t_c of VALIDATION A; < 0: none yet
+  double contact_time = -1;                             // [s] t_c (proto/probe.hpp); < 0: none yet
   Vector<dim> impulse_on_bodies = Vector<dim>::Zero();  // [N s] momentum account, since t = 0
   Vector<dim> impulse_on_walls = Vector<dim>::Zero();
   Vector<dim> impulse_of_gravity = Vector<dim>::Zero();

@@ -7,10 +7,10 @@
 
 namespace strake::fluid {
 
-/// The motion of the interface points over a window (DESIGN §2). Between two known places x_n and x_{n+1} the
-/// points move with constant acceleration, v_{n+1} = 2 (x_{n+1} − x_n)/dt − v_n; where the partner sends a
-/// velocity too, on the cubic through both places and velocities. Of several samples each stretch is one such
-/// piece.
+/// The motion of the interface points over a window (cases/VALIDATION.md, "Piston and column"). Between two
+/// known places x_n and x_{n+1} the points move with constant acceleration, v_{n+1} = 2 (x_{n+1} − x_n)/dt −
+/// v_n; where the partner sends a velocity too, on the cubic through both places and velocities. Of several
+/// samples each stretch is one such piece.
 class WindowMotion {
  public:
   /// displacement, velocity: committed ones at window.t, 3×m [m], [m/s]. Throws Error(solver_fault) when a

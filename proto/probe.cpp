@@ -9,7 +9,7 @@
 namespace strake {
 namespace {
 
-// VALIDATION A
+// cases/VALIDATION.md, "Definitions"
 constexpr double impulse_time = 300e-6;    // [s] length of the impulse's window
 constexpr double mean_time = 50e-6;        // [s] length of the sliding mean
 constexpr double fall = 0.8;               // a peak is one once |q| is below this share of it

@@ -12,9 +12,9 @@ namespace strake {
 /// What one probe has seen so far: a copyable value that lives in the owner's State, fed at every solver
 /// step.
 ///
-/// VALIDATION A: *first peak* = the running maximum M of |q| after contact, M >= 5 % of the record's maximum,
-/// that |q| falls below 0.8 M before exceeding M. *impulse* = ∫ q dt over [t_c, t_c + 300 µs]. Values keep
-/// their sign.
+/// cases/VALIDATION.md, "Definitions": *first peak* = the running maximum M of |q| after contact, M >= 5 % of
+/// the record's maximum, that |q| falls below 0.8 M before exceeding M. *impulse* = ∫ q dt over [t_c, t_c +
+/// 300 µs]. Values keep their sign.
 ///
 /// A record that knows no contact (a probe on the structure) measures from its first step. One that waits for
 /// contact (a pressure sensor) has no first peak, impulse or 50-µs mean before it.

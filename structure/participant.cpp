@@ -174,8 +174,8 @@ void StructureParticipant::step(const Window& window, const Input& input) {
   follow(window);
 }
 
-/// VALIDATION A, as the structure feels it: the first window in which the fluid's pressure anywhere exceeds
-/// ½ρV².
+/// Contact (cases/VALIDATION.md, "Definitions") as the structure feels it: the first window in which the
+/// fluid's pressure anywhere exceeds ½ρV².
 void StructureParticipant::look_for_contact(const Window& window, const Load& load) {
   if (contact_pressure_ == 0 || state_.probes.empty() || state_.probes.front().in_contact()) return;
   const Points force = load.at(window.t + 0.5 * window.dt, point_size_.size());

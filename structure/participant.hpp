@@ -51,7 +51,7 @@ class StructureParticipant final : public Participant {
   Interpolation interpolation_ = Interpolation::linear;
   Analysis analysis_;
   Eigen::Vector3d support_velocity_;  // [m/s]
-  double contact_pressure_;     // [Pa] ½ρV²: from where on a probe's first peak counts (VALIDATION A)
+  double contact_pressure_;     // [Pa] ½ρV²: from where on a probe's first peak counts
   Eigen::VectorXd point_size_;  // n [m] length of the surface that a point's force comes from
   int dimension_;
   std::vector<ProbeKeys> probes_;  // those of the structure

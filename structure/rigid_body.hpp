@@ -34,7 +34,8 @@ Eigen::Vector3d moment_of(const Wrench&, const Eigen::Matrix3d& R);
 
 /// The equations of motion of a rigid body some of whose motions are prescribed.
 ///
-/// Trapezoidal rule with the window's mean force f (DESIGN §2): m (v' − v) = f Δt, d' = d + ½ (v + v') Δt.
+/// Trapezoidal rule with the window's mean force f (cases/VALIDATION.md, "Piston and column"):
+///   m (v' − v) = f Δt, d' = d + ½ (v + v') Δt.
 /// Rotation by the rule of Simo & Wong with Cayley's map: with the body's angular velocity Ω,
 ///   R' = R cay(w), w = ½ (Ω + Ω') Δt,    R'JΩ' − RJΩ = Δt Σ ½(R + R') r × f
 /// so that angular momentum changes by exactly the loads' impulse, and, since R'r − Rr = w × ½(R + R')r with

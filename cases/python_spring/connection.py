@@ -1,4 +1,4 @@
-"""The connection of a participant to its coupler: Hello, questions and answers (proto/README.md, "The wire").
+"""The connection of a participant to its coupler: Hello, questions and answers (proto/WIRE.md).
 
 It survives a suspended coupler or participant, and ends the process when the coupler has ended. Copy it beside your solver.
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -B
-"""A rigid floor on a spring, m y'' + k y = F, as a participant of a run. proto/README.md explains every step."""
+"""A rigid floor on a spring, m y'' + k y = F, as a participant of a run. proto/WIRE.md explains every step."""
 import sys, tomllib
 import numpy as np
 from connection import Connection, pb

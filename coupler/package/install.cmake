@@ -4,6 +4,7 @@ include(CMakePackageConfigHelpers)
 get_property(programs GLOBAL PROPERTY STRAKE_PROGRAMS)
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
 install(FILES ${PROJECT_SOURCE_DIR}/proto/coupling.proto ${PROJECT_SOURCE_DIR}/proto/README.md
+  ${PROJECT_SOURCE_DIR}/proto/WIRE.md ${PROJECT_SOURCE_DIR}/proto/CASE_FILE.md ${PROJECT_SOURCE_DIR}/proto/RESULTS.md
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/proto COMPONENT programs)
 install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs)

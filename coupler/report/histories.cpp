@@ -105,7 +105,7 @@ std::vector<ReferenceLine> lines_for(const std::vector<Recorded>& runs, const st
       if (impulse) {
         const auto contact = run.contact.find(probe);
         const double from = contact == run.contact.end() ? 0 : contact->second;
-        line.name = "impulse of the first 300 µs, " + judged.kind;  // VALIDATION A
+        line.name = "impulse of the first 300 µs, " + judged.kind;  // cases/VALIDATION.md, "Definitions"
         line.over = {from, from + 300e-6};
       }
       if (std::none_of(lines.begin(), lines.end(),

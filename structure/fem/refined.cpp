@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Cell sizes along a part, by dimension. In the plane chosen on the clamped strips of VALIDATION B1: finer
-/// changes f1 by less than 0.05 %. In space a cell costs more.
+/// Cell sizes along a part, by dimension. In the plane chosen on the clamped strips of cases/VALIDATION.md:
+/// finer changes f1 by less than 0.05 %. In space a cell costs more.
 struct Sizes {
   double smallest;      // [cell height] at a graded end
   double growth;        // per length

@@ -45,7 +45,7 @@ int main() {
   cook("Cook's panel, neo-Hookean, plane strain, mu = 80.194, kappa/mu = 5000, force 100",
        {.model = MaterialModel::neo_hookean, .density = 1, .young = 240.566, .poisson = 0.4999}, 100);
 
-  std::printf("\nstrip of VALIDATION B1 over its reference, cells through the thickness\n%-24s", "");
+  std::printf("\nclamped strip over its reference, cells through the thickness\n%-24s", "");
   for (const int r : {0, 1, 2, 3}) std::printf("%10d", 1 << r);
   for (const bool cantilever : {false, true})
     for (const auto& [name, kind] : kinds) {

@@ -10,10 +10,11 @@
 #include <numbers>
 
 // What finite elements cost: a step, and what it takes to make ready for steps; and the clamped square plate
-// of VALIDATION B against its references. Arguments: dimension; refinement; 1 factors, 2 conjugate gradients
-// with multigrid, 0 what `auto` chooses. Counters: unknowns; seconds to build the solver (mesh, matrices,
-// first frequency); milliseconds of a step, all its Newton corrections included, with the factors at hand;
-// MiB of heap that the solver holds, and peak MiB of the process (run one at a time: --benchmark_filter).
+// of cases/VALIDATION.md, "Finite elements: locking, and plates in space", against its references. Arguments:
+// dimension; refinement; 1 factors, 2 conjugate gradients with multigrid, 0 what `auto` chooses. Counters:
+// unknowns; seconds to build the solver (mesh, matrices, first frequency); milliseconds of a step, all its
+// Newton corrections included, with the factors at hand; MiB of heap that the solver holds, and peak MiB of
+// the process (run one at a time: --benchmark_filter).
 
 namespace {
 

@@ -31,8 +31,8 @@ std::int64_t water_of(const State<2>& state) {
   return std::count(state.kind.begin(), state.kind.end(), strake::fluid::Kind::fluid);
 }
 
-/// VALIDATION C3: period of a standing wave, depth 0.5 m, length 1 m; its height a makes it slower by
-/// (ka)²/8.
+/// cases/VALIDATION.md, "Standing wave": period of a standing wave, depth 0.5 m, length 1 m; its height a
+/// makes it slower by (ka)²/8.
 double wave_period_error(double spacing) {
   constexpr double depth = 0.5, amplitude = 0.01, k = 2 * pi;
   Parameters p = laminar(spacing, 1e-6);
@@ -79,8 +79,8 @@ void waves() {
   }
 }
 
-/// VALIDATION C3: four vortices at Re 100; rate of their energy's decay over 16π²ν, and the velocity's L2
-/// error.
+/// cases/VALIDATION.md, "Viscous flows": four vortices at Re 100; rate of their energy's decay over 16π²ν,
+/// and the velocity's L2 error.
 void vortices() {
   fmt::print("Taylor-Green vortices at Re 100 in a smooth box, t = 1\n  {:>10} {:>12} {:>12}\n", "across",
              "decay rate", "L2 of u");
@@ -114,7 +114,7 @@ void vortices() {
   }
 }
 
-/// VALIDATION C3: L2 error of the start-up between rough plates, times in h²/ν.
+/// cases/VALIDATION.md, "Viscous flows": L2 error of the start-up between rough plates, times in h²/ν.
 void channel() {
   fmt::print("channel between rough plates, 20 particles across\n  {:>10} {:>12}\n", "t nu/h^2", "L2 of u");
   Parameters p = laminar(1.0 / 20, 1);

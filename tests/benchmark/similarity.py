@@ -21,7 +21,7 @@ try:
 except ImportError:
     raise SystemExit("similarity.py: needs numpy\n  fix: install the package python3-numpy, and call the system's python3") from None
 
-# deadrise [deg]: largest Cp, its z/(V t), F/(rho V^3 t); Zhao & Faltinsen 1993 (quoted in VALIDATION C4)
+# deadrise [deg]: largest Cp, its z/(V t), F/(rho V^3 t); Zhao & Faltinsen 1993 (from memory)
 TABULATED = {4: (503.030, 0.5695, 1503.638), 7.5: (140.587, 0.5623, 399.816), 10: (77.847, 0.5556, 213.980),
              15: (33.271, 0.5361, 85.522), 20: (17.774, 0.5087, 42.485), 30: (6.927, 0.4243, 14.139), 40: (3.266, 0.2866, 5.477)}
 

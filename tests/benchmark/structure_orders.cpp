@@ -18,7 +18,8 @@ void print(const char* series, int size, double error) {
   std::fflush(stdout);
 }
 
-/// VALIDATION B1: the clamped strip's deflection against its reference in two dimensions.
+/// cases/VALIDATION.md, "Strips: deflection and frequencies": the clamped strip's deflection against its
+/// reference in two dimensions.
 double error_of_layers(int layers, double hourglass) {
   Parameters p = paper_plate(layers);
   p.particle.hourglass = hourglass;

@@ -3,7 +3,7 @@
 usage: tests/benchmark/wedges.py [BIN_DIR] [--deadrise DEG]… [--across N] [--step S] [--threads N] [--set KEY=VALUE]… [--keep DIR]
        (default: build/bin, 10 20 30 40 60 degrees, 100 spacings per half wetted width, steps of 0.06 l0/V)
 Prints for each angle, over the last 20 % of growth:
-  K        slope of F against t over rho V^3 (least squares), the figure of merit of VALIDATION C4
+  K        slope of F against t over rho V^3 (least squares), as in cases/VALIDATION.md, "Wedge entry: similarity flow"
   +-       its standard error from the scatter about that line, over the exact K: what one run can tell
   F/t      mean of F/(rho V^3 t), t from the moment the apex meets the still level
   rms      of F/(rho V^3 t) about its mean, over the mean
@@ -15,7 +15,7 @@ Prints for each angle, over the last 20 % of growth:
   gap      |momentum of water - impulses| over the vertical impulse on the body
 and writes to DIR the table (wedges.csv), the distribution of pressure (wedge-DEG.csv: z/Vt [1], Cp [1], Cp of theory at the same
 height [1]) and its picture over the similarity curve (wedge-DEG.svg), the force against time (wedge-DEG-force.csv).
-Reference: theory, exact similarity flow (similarity.py, which needs numpy: Dobrovol'skaya's problem; VALIDATION C4), for water without bounds; the
+Reference: theory, exact similarity flow (similarity.py, which needs numpy: Dobrovol'skaya's problem; cases/VALIDATION.md), for water without bounds; the
 tank is twelve half wetted widths long each side of the wedge and ten deep: half of that adds 4 % to the force at 40 degrees."""
 import math
 

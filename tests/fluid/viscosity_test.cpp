@@ -81,8 +81,8 @@ TEST(Viscosity, a_smooth_wall_mirrors_the_flow_and_feels_no_shear) {
 }
 
 // u = ½ y (1 − y) − Σ 4/m³ sin(m y) e^{−m² t}, m = (2n + 1)π: a unit force on water at rest, ν = 1
-// (VALIDATION C3). On places that do not move, to the steady state; the walls then carry the weight of the
-// water.
+// (cases/VALIDATION.md, "Viscous flows"). On places that do not move, to the steady state; the walls then
+// carry the weight of the water.
 TEST(Viscosity, a_row_of_drops_on_the_very_face_of_a_wall_is_not_thrown_off) {
   Channel channel(16, 0, true);
   for (std::int64_t i = 0; i < channel.water; ++i)

@@ -40,7 +40,7 @@ TEST(Locking, CooksPanelOfConstantVolumeDoesNotLock) {
   }
 }
 
-// VALIDATION B1.
+// cases/VALIDATION.md, "Strips: deflection and frequencies".
 TEST(Locking, AStripOfFourEnhancedCellsThroughItBendsAsTheReference) {
   EXPECT_NEAR(strip_deflection(q1_cured, 2, false) / 4.462e-5, 1, 0.01);
   EXPECT_NEAR(strip_deflection(q1_cured, 2, true) / 2.0822e-3, 1, 0.01);

@@ -22,8 +22,8 @@ struct Strip {
   double frequency;   // [Hz]
 };
 
-/// Steel, 0.02 m thick, plane strain. Two-dimensional references of VALIDATION B1 (quadratic elements,
-/// extrapolated).
+/// Steel, 0.02 m thick, plane strain. Two-dimensional references of cases/VALIDATION.md, "Strips: deflection
+/// and frequencies" (quadratic elements, extrapolated).
 const Strip strips[] = {
     {"clamped_clamped", 0.4, Support::clamped, Support::clamped, 4.462e-5, 687.8},
     {"clamped_free", 0.4, Support::clamped, Support::free, 2.0822e-3, 109.72},
@@ -82,8 +82,8 @@ TEST_P(LoadedStripOf, HasTheReferenceDeflectionWithinThreeTenthsOfAPercent) {
   EXPECT_NEAR(deflection / strip.deflection, 1, 0.003);
 }
 
-// VALIDATION B2. Timoshenko's beam stands in where there is no two-dimensional reference; it is 0.26 % off at
-// clamps.
+// cases/VALIDATION.md, "Strips: deflection and frequencies". Timoshenko's beam stands in where there is no
+// two-dimensional reference; it is 0.26 % off at clamps.
 TEST(FemStrip, HigherModesAreTimoshenkosAndRigidMotionsAreLeftOut) {
   for (const auto& [left, right] : {std::pair{Support::free, Support::free},
                                     {Support::pinned, Support::free},
@@ -98,7 +98,7 @@ TEST(FemStrip, HigherModesAreTimoshenkosAndRigidMotionsAreLeftOut) {
   }
 }
 
-// VALIDATION D1: the structure's side of the hydrostatic plate.
+// cases/VALIDATION.md, "Plate under a column of water": the structure's side of the hydrostatic plate.
 TEST(FemStrip, ThePlateUnderAWaterColumnHasItsReferences) {
   Parameters p;
   p.plate = {.length = 1,
@@ -153,7 +153,7 @@ TEST(FemStrip, RayleighDampingTakesItsLogarithmicDecrement) {
   }
 }
 
-// VALIDATION B3: T = 0.2552 s by plane elasticity.
+// cases/VALIDATION.md, "Oscillating plate": T = 0.2552 s by plane elasticity.
 TEST(FemStrip, TheSoftOscillatingPlateHasItsReferencePeriod) {
   Parameters p;
   p.plate = {.length = 0.2,
@@ -167,8 +167,8 @@ TEST(FemStrip, TheSoftOscillatingPlateHasItsReferencePeriod) {
   EXPECT_NEAR(0.2552 * make_solver(p)->frequencies(1).front(), 1, 0.004);
 }
 
-// VALIDATION B6: a plate at speed V whose ends are stopped. The references are of the beam, whose f1 is off
-// by 1.6 %.
+// cases/VALIDATION.md, "Elastic plate: first bending": a plate at speed V whose ends are stopped. The
+// references are of the beam, whose f1 is off by 1.6 %.
 TEST(FemStrip, AStoppedPlateBendsAsFarAsTheBeamInItsFirstPeak) {
   for (const auto& [support, reference, until] :
        {std::tuple{Support::clamped, 0.3049e-3, 7e-4}, {Support::pinned, 0.6571e-3, 1.4e-3}}) {
@@ -277,9 +277,9 @@ TEST(FemTime, ASpinningFreePlateKeepsEnergyAndAngularMomentum) {
   EXPECT_LT(momentum_drift, 1e-8 * momentum);
 }
 
-// The coupling of DESIGN §2 with the simplest fluid, a mass m on each interface point: it follows the
-// interface with v1 = 2(x1 − x0)/dt − v0 and returns the window mean −m (v1 − v0)/dt. Together that is the
-// trapezoidal rule: no energy is made or lost.
+// The coupling of cases/VALIDATION.md, "Piston and column", with the simplest fluid, a mass m on each
+// interface point: it follows the interface with v1 = 2(x1 − x0)/dt − v0 and returns the window mean −m (v1 −
+// v0)/dt. Together that is the trapezoidal rule: no energy is made or lost.
 TEST(FemTime, AnAddedMassOnTheInterfaceKeepsTheEnergyOfTheWhole) {
   Parameters p = parameters(strips[0]);
   p.fem.refinement = 1;

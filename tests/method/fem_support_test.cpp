@@ -74,9 +74,10 @@ TEST(FemFrame, CheckpointsAndRewindsAreBitEqual) {
   EXPECT_EQ(second.momentum(), first.momentum());
 }
 
-// VALIDATION B6, dry. The references are of Euler-Bernoulli's beam, from which shear takes 1.6 % of the
-// plate's stiffness and shifts the ripple of modes 3 and 5; a strip of a sixteenth of the thickness is that
-// beam, sixteen times as far and as long. Of pinned ends there are two peaks alike, at 0.691 and 0.931 ms.
+// cases/VALIDATION.md, "Elastic plate: first bending", dry. The references are of Euler-Bernoulli's beam,
+// from which shear takes 1.6 % of the plate's stiffness and shifts the ripple of modes 3 and 5; a strip of a
+// sixteenth of the thickness is that beam, sixteen times as far and as long. Of pinned ends there are two
+// peaks alike, at 0.691 and 0.931 ms.
 TEST(FemStart, AStoppedStripBendsAsFarAsTheBeamWithinOnePercent) {
   constexpr double slender = 16;
   for (const auto& [support, peak_at, time_at] :

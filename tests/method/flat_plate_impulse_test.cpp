@@ -25,7 +25,8 @@ struct OneStep {
   double centre, total;  // ∫p dt of the two middle rows over ρVa; Σ over the face over ½πρVa²
 };
 
-// VALIDATION C5: the plate's row touches the top row of the water, one step of the pressure equation.
+// cases/VALIDATION.md, "Impulse of one pressure solution": the plate's row touches the top row of the water,
+// one step of the pressure equation.
 OneStep one_step(double dt) {
   Parameters p = incompressible();
   p.gravity.setZero();
@@ -99,7 +100,7 @@ TEST(FlatPlate, ImpulseOfOneStepDoesNotDependOnTheTimeStep) {
 }
 
 // The edge's singularity costs an amount that shrinks with the spacing to 0.55 with each
-// halving: 1.081, 1.047, 1.027 of VALIDATION A's 1.0338 ρVa with 20, 10 and 5 mm.
+// halving: 1.081, 1.047, 1.027 of the 1.0338 ρVa with 20, 10 and 5 mm.
 TEST(FlatPlate, LeastSquaresImpulseOfOneStepGoesToThatOfPotentialFlow) {
   const auto centre = [](double spacing) {
     Parameters p = tank_case(2.0, 0.5, spacing, 0.5);
@@ -122,7 +123,7 @@ TEST(FlatPlate, IncompressibleImpulseIsThatOfPotentialFlowWhileThePeakGrowsAsThe
   p.scheme.pressure_tolerance = 1e-6;
   // With a step that carries the plate over 6 % of a spacing, rows meet at any distance: the symmetric
   // gradient turns that into an impulse of its own, the others do not.
-  const double potential = 1.0338 * p.density * 6.26 * PlateEntry::half_width;  // VALIDATION A
+  const double potential = 1.0338 * p.density * 6.26 * PlateEntry::half_width;
   const Impact coarse = impact(p, 0.0008, 1e-4, 3e-4);
   const Impact fine = impact(p, 0.0008, 1e-5, 3e-4);
   ASSERT_TRUE(coarse.at_300 && fine.at_300);

@@ -53,7 +53,8 @@ inline double cooks_rise(int n, const Material& material, Kind kind, double forc
   return solver.displacement_at({48, 52, 0}).y();
 }
 
-/// VALIDATION B1: mid deflection [m] of the clamped strip under 1e5 Pa, or that of the cantilever's tip.
+/// cases/VALIDATION.md, "Strips: deflection and frequencies": mid deflection [m] of the clamped strip under
+/// 1e5 Pa, or that of the cantilever's tip.
 inline double strip_deflection(Kind kind, int refinement, bool cantilever) {
   Parameters p;
   p.plate = {.length = 0.4,

@@ -1,5 +1,5 @@
-// Elastic particles in time, against beam and wave theory: VALIDATION B3, B5; and convergence with the
-// layers.
+// Elastic particles in time, against beam and wave theory: cases/VALIDATION.md, "Oscillating plate" and "Wave
+// in a bar"; and convergence with the layers.
 #include "structure/particle/solver.hpp"
 #include "tests/structure/notched_cells.hpp"
 #include "tests/structure/paper_plate.hpp"
@@ -22,9 +22,9 @@ double order(double coarse, double fine) {
   return std::log2(std::abs(coarse) / std::abs(fine));
 }
 
-// VALIDATION B1: clamped strip 0.4 × 0.02 m, 4.462e-5 m under 1e5 Pa and 687.8 Hz. With α = 0.1 the bonds'
-// own error shows (47, 40, 9.3, 2.3 % of the deflection); α = 1 stiffens by about as much as the lattice
-// softens.
+// cases/VALIDATION.md, "Strips: deflection and frequencies": clamped strip 0.4 × 0.02 m, 4.462e-5 m under 1e5
+// Pa and 687.8 Hz. With α = 0.1 the bonds' own error shows (47, 40, 9.3, 2.3 % of the deflection); α = 1
+// stiffens by about as much as the lattice softens.
 TEST(ParticleConvergence, ClampedStripConvergesWithItsLayers) {
   for (const double hourglass : {0.1, 1.0}) {
     std::vector<double> deflection, frequency;
@@ -56,8 +56,9 @@ TEST(ParticleConvergence, ClampedStripConvergesWithItsLayers) {
   }
 }
 
-// VALIDATION B3: 0.2 × 0.02 m held at x = 0, K = 3.25 MPa, G = 0.715 MPa, v_y = 0.01 c0 f(x)/f(L), f the
-// first mode of a cantilever. Period 0.2552 s of plane strain (thin theory 0.25413), no loss.
+// cases/VALIDATION.md, "Oscillating plate": 0.2 × 0.02 m held at x = 0, K = 3.25 MPa, G = 0.715 MPa, v_y =
+// 0.01 c0 f(x)/f(L), f the first mode of a cantilever. Period 0.2552 s of plane strain (thin theory 0.25413),
+// no loss.
 TEST(ParticleMotion, OscillatingPlateHasItsPeriodAndLosesNothing) {
   constexpr double length = 0.2, kL = 1.875104, k = kL / length, c0 = 57.009;
   Parameters p = paper_plate(4);
@@ -136,8 +137,9 @@ TEST(ParticleMotion, DampingByMassTakesItsLogarithmicDecrement) {
   EXPECT_NEAR(decrement / (2 * std::numbers::pi * ratio / std::sqrt(1 - ratio * ratio)), 1, 0.01);
 }
 
-// VALIDATION B5: a step of pressure on the end of a steel bar, ν = 0: the front runs with √(E/ρ), behind it
-// the steel moves with σ/(ρc), and the far end with twice that. Then 1e4 steps under that load.
+// cases/VALIDATION.md, "Wave in a bar": a step of pressure on the end of a steel bar, ν = 0: the front runs
+// with √(E/ρ), behind it the steel moves with σ/(ρc), and the far end with twice that. Then 1e4 steps under
+// that load.
 TEST(ParticleMotion, AStepOfPressureRunsThroughABarAndIsReflected) {
   constexpr double length = 0.4, stress = 1e6, dt = 1e-7;
   Parameters p = paper_plate(8);

@@ -10,7 +10,8 @@
 namespace strake::structure {
 namespace {
 
-// VALIDATION B1: 2-D plane-strain references of the 0.4 × 0.02 m steel strip, q = 1e5 Pa.
+// cases/VALIDATION.md, "Strips: deflection and frequencies": 2-D plane-strain references of the 0.4 × 0.02 m
+// steel strip, q = 1e5 Pa.
 constexpr double clamped_frequency = 687.8;      // [Hz]
 constexpr double clamped_deflection = 4.462e-5;  // [m] at mid-height
 constexpr double cantilever_frequency = 109.72;
@@ -126,8 +127,8 @@ TEST(ParticleStrip, VibrationInTimeHasTheFrequencyOfTheMode) {
   EXPECT_NEAR(1.5 / (crossings[3] - crossings[0]) / f1, 1, 0.01);  // third mode ripples the crossings by less
 }
 
-// VALIDATION B6, dry: uniform initial velocity V, ends held: first peak 0.3049 mm per m/s at 0.444 ms (beam
-// modes).
+// cases/VALIDATION.md, "Elastic plate: first bending", dry: uniform initial velocity V, ends held: first peak
+// 0.3049 mm per m/s at 0.444 ms (beam modes).
 TEST(ParticleStrip, HeldAgainstItsSpeedItBendsAsTheBeamDoes) {
   Parameters p = paper_plate(4);
   ParticleSolver<2> solver(p);

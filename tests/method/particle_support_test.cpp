@@ -63,7 +63,8 @@ TEST(ParticleMesh, APlateTurnedByThirtyDegreesKeepsItsFrequency) {
   EXPECT_NEAR(turned / straight, 1, 0.1);
 }
 
-// VALIDATION B1 and B2: pinned at mid-height 306.9 Hz by plane elasticity, and 2.181e-4 m under 1e5 Pa.
+// cases/VALIDATION.md, "Strips: deflection and frequencies": pinned at mid-height 306.9 Hz by plane
+// elasticity, and 2.181e-4 m under 1e5 Pa.
 TEST(ParticleSupports, APinnedStripHasItsFrequencyAndDeflection) {
   Parameters p = paper_plate(8);
   p.plate.left = p.plate.right = Support::pinned;
@@ -104,8 +105,9 @@ TEST(ParticleSupports, SymmetryAndRollersStandForTheWholeStrip) {
   EXPECT_NEAR(ParticleSolver<2>(p).frequencies(1).at(0) / pinned, 1, 0.005);
 }
 
-// VALIDATION B6, dry: a plate at 1 m/s whose ends are stopped, peak of the middle. Modes 1 and 3 of pinned
-// ends, whose frequencies are as 1 to 9, make two peaks alike, at 0.691 and 0.931 ms. Also energy.
+// cases/VALIDATION.md, "Elastic plate: first bending", dry: a plate at 1 m/s whose ends are stopped, peak of
+// the middle. Modes 1 and 3 of pinned ends, whose frequencies are as 1 to 9, make two peaks alike, at 0.691
+// and 0.931 ms. Also energy.
 TEST(ParticleSupports, AStoppedPlateBendsAsFarAsTheBeamInItsFirstPeak) {
   for (const auto& [support, peak_at, time_at] :
        {std::tuple{Support::clamped, 0.3049e-3, 0.444e-3}, {Support::pinned, 0.6571e-3, 0.931e-3}}) {

@@ -4,9 +4,9 @@
 
 #include "tests/method/coupling_models.hpp"
 
-/// VALIDATION D0: a piston of mass m on a spring k carries an incompressible column of length ℓ with an open
-/// end, all per unit area: (m + ρℓ) x'' + k x = 0. Both sides by the trapezoidal rule, the force is the
-/// window's mean. μ = ρℓ/m.
+/// cases/VALIDATION.md, "Piston and column": a piston of mass m on a spring k carries an incompressible
+/// column of length ℓ with an open end, all per unit area: (m + ρℓ) x'' + k x = 0. Both sides by the
+/// trapezoidal rule, the force is the window's mean. μ = ρℓ/m.
 namespace strake::models {
 
 constexpr double piston_stiffness = 1e6, piston_mass = 100, piston_start = 0.01;  // [N/m/m²], [kg/m²], [m]

@@ -15,7 +15,8 @@ using std::numbers::pi;
 
 constexpr double depth = 0.5, amplitude = 0.01, k = 2 * pi, g = 9.81;
 
-// VALIDATION C3: ω² = g k tanh(kH), 0.8018 s; a standing wave of height a is slower by (ka)²/8, here 0.05 %.
+// cases/VALIDATION.md, "Standing wave": ω² = g k tanh(kH), 0.8018 s; a standing wave of height a is slower by
+// (ka)²/8, here 0.05 %.
 double theory() {
   return 2 * pi / std::sqrt(g * k * std::tanh(k * depth)) * (1 + std::pow(k * amplitude, 2) / 8);
 }

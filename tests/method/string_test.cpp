@@ -79,8 +79,8 @@ double explicit_growth(double amplitude) {
   return largest / (30 * dt);
 }
 
-// Mean iterations per window. The string of DESIGN 1 is the same up to its unstated stiffness and added-mass
-// kernel; its figures for 8 reused windows are 2.5, 3.2 and 3.9, and a quarter more is allowed for that.
+// Mean iterations per window. A trial before this code needed 2.5, 3.2 and 3.9 with 8 reused windows. Its
+// stiffness and added-mass kernel are not recorded, so a quarter more is allowed.
 TEST(StringInFluid, NeedsFewIterationsWhenEarlierWindowsAreReused) {
   const double amplitude[] = {0.2, 2, 10}, design[] = {2.5, 3.2, 3.9};
   fmt::print("{:>9} {:>13} {:>8} {:>8} {:>17}\n", "amplitude", "constant 0.02", "aitken", "iqn-ils",

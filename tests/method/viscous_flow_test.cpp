@@ -33,9 +33,9 @@ std::int64_t water_of(const State<2>& state) {
   return std::count(state.kind.begin(), state.kind.end(), Kind::fluid);
 }
 
-// VALIDATION C3: u = ½ (F/ν) y (1 − y) less its start-up series, walls without slip, periodic along x. ν = 1,
-// F = 1: the flow is steady at t = 0.5, when the middle has gone a twentieth of its width; at t = 3 its rows have
-// passed one another by up to a third of it.
+// cases/VALIDATION.md, "Viscous flows": u = ½ (F/ν) y (1 − y) less its start-up series, walls without slip,
+// periodic along x. ν = 1, F = 1: the flow is steady at t = 0.5, when the middle has gone a twentieth of its
+// width; at t = 3 its rows have passed one another by up to a third of it.
 TEST(ViscousFlow, a_channel_between_rough_walls_follows_its_start_up_series_within_1_percent) {
   constexpr int across = 20;
   Parameters p = closed_box(across, 1);
@@ -64,10 +64,10 @@ TEST(ViscousFlow, a_channel_between_rough_walls_follows_its_start_up_series_with
   EXPECT_EQ(state.lost, 0);
 }
 
-// VALIDATION C3: four vortices at Re = 100 in a box with smooth walls; their energy falls as e^{−16π²νt}. The
-// gate of 3 % is for 100 particles across (tests/benchmark/fluid_accuracy.cpp: 1.5 %); half as many are
-// allowed twice as much. The vortices' strain breaks up the lattice the run starts from within a fifth of
-// their turn. No surface may open in the closed box and no particle leave it.
+// cases/VALIDATION.md, "Viscous flows": four vortices at Re = 100 in a box with smooth walls; their energy
+// falls as e^{−16π²νt}. The gate of 3 % is for 100 particles across (tests/benchmark/fluid_accuracy.cpp: 1.5
+// %); half as many are allowed twice as much. The vortices' strain breaks up the lattice the run starts from
+// within a fifth of their turn. No surface may open in the closed box and no particle leave it.
 TEST(ViscousFlow, taylor_green_vortices_keep_the_box_full_and_decay_without_gaining_energy) {
   Parameters p = closed_box(50, 0.01);
   Simulation<2> simulation(p, {}, {});

@@ -92,9 +92,10 @@ Entry enter(double deadrise, double spacing, double depth, double step) {
   return entry;
 }
 
-// VALIDATION C4, 30 degrees: F = 14.02 ρV³t. Thirty spacings per half wetted width at the end are few, and
-// the tank's walls add some per cent. Judged are the mean over the second half, the scatter about it (0.1 of
-// the force; bursts make it 0.3 and more), and that the water has got what the wedge has felt.
+// cases/VALIDATION.md, "Wedge entry: similarity flow", 30 degrees: F = 14.02 ρV³t. Thirty spacings per half
+// wetted width at the end are few, and the tank's walls add some per cent. Judged are the mean over the
+// second half, the scatter about it (0.1 of the force; bursts make it 0.3 and more), and that the water has
+// got what the wedge has felt.
 TEST(WedgeEntry, TheForceGrowsWithTimeAsTheSimilaritySolutionHasItWithoutBursts) {
   constexpr double exact = 14.024;
   const Entry entry = enter(std::numbers::pi / 6, 0.005, 0.06, 5e-5);

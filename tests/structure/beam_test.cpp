@@ -5,7 +5,7 @@
 namespace strake::structure {
 namespace {
 
-// VALIDATION B2, plane strain; printed there to 0.01 Hz.
+// cases/VALIDATION.md, "Strips: deflection and frequencies", plane strain; printed there to 0.01 Hz.
 struct Row {
   Support left, right;
   double f1, f2, f3, timoshenko;

@@ -151,7 +151,8 @@ TEST(FemStress, AProbeInANodeShowsWhatTheFrameShows) {
   }
 }
 
-// VALIDATION B1: 10 MPa at mid-span, ±, by the beam; the plane adds σ_zz = ν σ_xx.
+// cases/VALIDATION.md, "Strips: deflection and frequencies": 10 MPa at mid-span, ±, by the beam; the plane
+// adds σ_zz = ν σ_xx.
 TEST(FemStress, TheClampedStripHasItsBendingStressAtMidSpan) {
   for (const int degree : {1, 2}) {
     Parameters p = plate(Support::clamped, Support::clamped, MaterialModel::linear);

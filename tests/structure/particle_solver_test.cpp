@@ -55,7 +55,7 @@ TEST(ParticleSolver, EnergyOfAVibratingPlateDoesNotDriftOverTenThousandSteps) {
     worst = std::max(worst, std::abs(total(solver.energy()) - start - solver.energy().external) / start);
   }
   EXPECT_EQ(solver.steps(), 10000);
-  // VALIDATION B5: below 0.1 % per 1e4 undamped steps.
+  // cases/VALIDATION.md, "Wave in a bar": below 0.1 % per 1e4 undamped steps.
   EXPECT_LT(worst, 1e-3);
 }
 

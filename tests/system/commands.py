@@ -154,10 +154,10 @@ def full_disk(place):
 def reference_of_keys():
     result = strake("explain", "--markdown", cwd=ROOT)
     if result.stderr:
-        print("skip  proto/README.md: " + result.stderr.strip())
+        print("skip  proto/CASE_FILE.md: " + result.stderr.strip())
         return
-    page = (ROOT / "proto" / "README.md").read_text()
-    expect(result.stdout.strip() in page, "proto/README.md holds the reference that `strake explain --markdown` prints")
+    page = (ROOT / "proto" / "CASE_FILE.md").read_text()
+    expect(result.stdout.strip() in page, "proto/CASE_FILE.md holds the reference that `strake explain --markdown` prints")
 
 
 with folder() as place:

@@ -167,8 +167,8 @@ def json_for_programs(place):
     said = [json.loads(line) for line in result.stdout.splitlines()]
     kinds = [line["kind"] for line in said]
     expect(result.returncode == 0 and kinds[0] == "start" and kinds[-1] == "end", f"--json: exit {result.returncode}, {set(kinds)}")
-    reference = (ROOT / "proto" / "README.md").read_text()
-    expect(all(f"`{kind}`" in reference for kind in set(kinds)), "--json: proto/README.md names every kind")
+    reference = (ROOT / "proto" / "RESULTS.md").read_text()
+    expect(all(f"`{kind}`" in reference for kind in set(kinds)), "--json: proto/RESULTS.md names every kind")
     rows = list(csv.reader((run / "history.csv").open()))
     names = [name.rsplit(" [", 1)[0] for name in rows[0]]
     expect([f"{c['name']} [{c['unit']}]" for c in said[0]["columns"]] == rows[0], "--json: start names the columns of history.csv")

@@ -1,4 +1,5 @@
-// VALIDATION D0 as two processes over ipc, up to a column a hundred times as heavy as the piston.
+// cases/VALIDATION.md, "Piston and column" as two processes over ipc, up to a column a hundred times as heavy
+// as the piston.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

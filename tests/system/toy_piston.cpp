@@ -1,5 +1,5 @@
-// One side of VALIDATION D0 as a process of its own: toy_piston --connect … --name fluid|structure --mu
-// RATIO.
+// One side of cases/VALIDATION.md, "Piston and column" as a process of its own: toy_piston --connect … --name
+// fluid|structure --mu RATIO.
 
 #include <cstdlib>
 #include <memory>
