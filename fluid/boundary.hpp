@@ -27,10 +27,10 @@ using BodySurface = std::conditional_t<dim == 2, Outline, Hull>;
 /// A body's face owns rows of particles along its inward normal: the first, l0/2 behind the face, carries a
 /// pressure unknown, the deeper ones fill the support. Rows belong to one run of the outline and are seen
 /// only through it: a pair of water and row counts when its segment crosses that run. So a plate thinner than
-/// the support keeps the water above and below apart, and a corner is not counted twice (PHYSICS §10.3). Past
-/// a corner that is blunter than a right angle, or concave, both faces' rows go on into the part of the body
-/// that water sees through the one face and that lies behind the other. In space runs are the patches of a
-/// Hull, and corners its edges.
+/// the support keeps the water above and below apart, and a corner is not counted twice (fluid/THEORY.md,
+/// section 10). Past a corner that is blunter than a right angle, or concave, both faces' rows go on into the
+/// part of the body that water sees through the one face and that lies behind the other. In space runs are
+/// the patches of a Hull, and corners its edges.
 template <int dim>
 class Boundary {
  public:

@@ -22,10 +22,11 @@ struct CollisionAccount {
   std::int64_t pairs = 0;                      // pairs that came too close
 };
 
-/// Anti-penetration, PHYSICS §8, for pairs nearer than `collision_distance` that approach each other:
+/// Anti-penetration, fluid/THEORY.md (F54)–(F56), for pairs nearer than `collision_distance` that approach
+/// each other:
 ///   collision  v_i' = v_i − (1+b) q e/m_i, v_j' = v_j + (1+b) q e/m_j, q = m_i m_j/(m_i+m_j) (v_i−v_j)·e
-///   (46), (47) average    v_i' = v_i + s m_j/(m_i+m_j) (v_j−v_i), s = 2/(1 + pairs of i or j, the larger)
-///   (45), (47) r' = r + (v'−v) Δt (48)
+///   (F54); average    v_i' = v_i + s m_j/(m_i+m_j) (v_j−v_i), s = 2/(1 + pairs of i or j, the larger)
+///   (F55); r' = r + (v'−v) Δt (F56)
 /// Rows of tank and body are infinitely heavy, structure particles have their mass but keep the motion they
 /// were given; what they receive is in the account. Pairs are taken one after the other in the order of the
 /// particles: the result is the same for any number of threads, momentum is exact, and no collision makes

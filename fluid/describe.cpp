@@ -80,7 +80,7 @@ std::string absorbing_text(const Parameters& p) {
                                                                      : "bottom and sides");
 }
 
-/// The limits of the time step (PHYSICS §11).
+/// The limits of the time step (fluid/THEORY.md (F63)).
 std::string limits_text(const Parameters& p, double speed) {
   const double l0 = p.spacing;
   std::string text = "limits of the step";

@@ -284,10 +284,10 @@ const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& bo
   return gradient_of_p_;
 }
 
-/// δr = −(I + αS)⁻¹ α l0² ∇C, α = A |u| Δt/l0, ∇C = (d/n0) Σ w r/r² (PHYSICS §10.4), S how stiffly l0² ∇C
-/// answers to the particle's place (3 on a square lattice, 10 across a string of crowded particles): with α
-/// alone particles would be thrown past their places and back at every other step wherever S α > 1, and the
-/// pressure with them. At most 0.1 l0; next to the free surface only along it, and through no face.
+/// δr = −(I + αS)⁻¹ α l0² ∇C, α = A |u| Δt/l0, ∇C = (d/n0) Σ w r/r² (fluid/THEORY.md (F49)), S how stiffly
+/// l0² ∇C answers to the particle's place (3 on a square lattice, 10 across a string of crowded particles):
+/// with α alone particles would be thrown past their places and back at every other step wherever S α > 1,
+/// and the pressure with them. At most 0.1 l0; next to the free surface only along it, and through no face.
 ///
 /// δu = (1−σ) ∇u·δr, σ the surface's share: of a jet or a drop the neighbours on one side do not tell ∇u, and
 /// a velocity that grows with the shift it causes would run away.

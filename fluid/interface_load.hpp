@@ -29,7 +29,7 @@ struct LoadTerms {
   const Eigen::VectorXd* level = nullptr;  // `face_level` of the water that the gradient was made with
 };
 
-/// Pressure and viscous force on the rows of tank and bodies (PHYSICS §10.5).
+/// Pressure and viscous force on the rows of tank and bodies (fluid/THEORY.md (F58), (F59)).
 ///   pairwise  reaction of the pair forces that move the water: f_j = −V (d/n0) Σ_water (P_i+P_j) r_ji w/r²
 ///   else      f = −p n A on first rows, p at the face: P_w + ρ (g − a_w)·(r_face − r_w); dry rows: 0
 /// Viscous and SPS forces are pair reactions in all cases. state.pressure holds the dummies' values.

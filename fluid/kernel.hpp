@@ -2,12 +2,14 @@
 
 namespace strake::fluid {
 
-/// w(r) = r_e/r − 1 for 0 < r < r_e, else 0 (Koshizuka & Oka 1996; PHYSICS eq. 17). r, radius: same unit.
+/// w(r) = r_e/r − 1 for 0 < r < r_e, else 0 (Koshizuka & Oka 1996; fluid/THEORY.md (F13)). r, radius: same
+/// unit.
 inline double weight(double r, double radius) {
   return r < radius && r > 0 ? radius / r - 1.0 : 0.0;
 }
 
-/// Constants of one operator's radius on the full square or cubic lattice of spacing l0 (PHYSICS §2, table).
+/// Constants of one operator's radius on the full square or cubic lattice of spacing l0 (fluid/THEORY.md
+/// (F15)).
 struct LatticeConstants {
   double radius = 0;   // [m]
   double n0 = 0;       // Σ w

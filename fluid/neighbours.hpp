@@ -105,7 +105,7 @@ using KeepPair = std::function<bool(std::int32_t i, std::int32_t j)>;
 template <int dim>
 class NeighbourSearch {
  public:
-  /// radius: largest interaction radius [m]; skin: the thickest to use [m], 0.2 l0 (PHYSICS §16.5); it
+  /// radius: largest interaction radius [m]; skin: the thickest to use [m], 0.2 l0; it
   /// follows the motion and never shows. Throws Error(case_file) when a period is shorter than 2 (radius +
   /// skin), where a particle would meet two images of another. data: of the rows of `update`;
   /// those of `within` have inverses, single ones of entries.

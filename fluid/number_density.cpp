@@ -68,7 +68,7 @@ bool uncovered(const Vectors<dim>& position, const Neighbours& rows, Eigen::Inde
   return open >= Directions<dim>::open;
 }
 
-/// |F_i| = (d/n0) |Σ_j w (r_i − r_j)/r²| [1/m] (PHYSICS §4c).
+/// |F_i| = (d/n0) |Σ_j w (r_i − r_j)/r²| [1/m] (fluid/THEORY.md (F25)).
 template <int dim>
 double asymmetry(const Vectors<dim>& position, const Neighbours& rows, Eigen::Index i,
                  const LatticeConstants& lattice) {

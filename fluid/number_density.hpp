@@ -12,12 +12,12 @@
 
 namespace strake::fluid {
 
-/// n_i = Σ_j w(|r_ij|), no self term (PHYSICS eq. 18). radius: r_e [m].
+/// n_i = Σ_j w(|r_ij|), no self term (fluid/THEORY.md (F14)). radius: r_e [m].
 Eigen::VectorXd number_density(const Neighbours&, double radius);
 /// N_i: neighbours nearer than radius [m].
 std::vector<std::int32_t> neighbour_counts(const Neighbours&, double radius);
 
-/// What makes a particle part of the free surface (PHYSICS §4).
+/// What makes a particle part of the free surface (fluid/THEORY.md (F24), (F25)).
 struct SurfaceTest {
   double beta = 0.97;                              // n < beta n0 is needed, and with `none` enough
   SecondCriterion second = SecondCriterion::none;  // what must hold as well

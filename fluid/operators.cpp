@@ -10,7 +10,7 @@ namespace {
 
 using std::size_t;
 
-/// Where a moment matrix is worse than this a correction would amplify noise (PHYSICS §10.1).
+/// Where a moment matrix is worse than this a correction would amplify noise (fluid/THEORY.md (F21)).
 constexpr double smallest_determinant = 0.05, largest_condition = 20;
 
 inline bool takes_part(std::span<const std::uint8_t> mask, std::int64_t i) {

@@ -22,17 +22,18 @@ using Tensor = Eigen::Matrix<double, dim, dim>;
 /// In all of these `rows` may reach farther than `lattice.radius`; pairs beyond it do not count.
 /// r_ij = r_j − r_i, w = r_e/r − 1, d = dim, n0 and λ of `lattice`. Units: those of φ per m, or per m².
 
-/// (d/n0) Σ_j (φ_j − φ̂_i) r_ij w/r², φ̂_i the smallest φ of i and its neighbours that take part (PHYSICS eq.
-/// 19).
+/// (d/n0) Σ_j (φ_j − φ̂_i) r_ij w/r², φ̂_i the smallest φ of i and its neighbours that take part
+/// (fluid/THEORY.md (F16)).
 template <int dim>
 Vectors<dim> gradient_min_pressure(const Vectors<dim>& position, const Eigen::VectorXd& phi,
                                    const Neighbours& rows, const LatticeConstants& lattice,
                                    const Masks& = {});
-/// (d/n0) Σ_j (φ_j + φ_i) r_ij w/r²: antisymmetric in i and j, so momentum is exact (PHYSICS §10.1).
+/// (d/n0) Σ_j (φ_j + φ_i) r_ij w/r²: antisymmetric in i and j, so momentum is exact (fluid/THEORY.md (F19)).
 template <int dim>
 Vectors<dim> gradient_pairwise(const Vectors<dim>& position, const Eigen::VectorXd& phi,
                                const Neighbours& rows, const LatticeConstants& lattice, const Masks& = {});
-/// C_i (d/n0) Σ_j (φ_j − φ_i) r_ij w/r²: exact for linear φ where C is not the identity (PHYSICS §10.1).
+/// C_i (d/n0) Σ_j (φ_j − φ_i) r_ij w/r²: exact for linear φ where C is not the identity (fluid/THEORY.md
+/// (F20)).
 template <int dim>
 Vectors<dim> gradient_corrected(const Vectors<dim>& position, const Eigen::VectorXd& phi,
                                 const Neighbours& rows, const LatticeConstants& lattice,
@@ -43,7 +44,7 @@ template <int dim>
 std::vector<Tensor<dim>> gradient_correction(const Vectors<dim>& position, const Neighbours& rows,
                                              const LatticeConstants& lattice, const Masks& = {});
 
-/// (d/n0) Σ_j (u_j − u_i)·r_ij w/r² (PHYSICS eq. 20).
+/// (d/n0) Σ_j (u_j − u_i)·r_ij w/r² (fluid/THEORY.md (F17)).
 template <int dim>
 Eigen::VectorXd divergence(const Vectors<dim>& position, const Vectors<dim>& velocity, const Neighbours& rows,
                            const LatticeConstants& lattice, const Masks& = {});
@@ -53,7 +54,7 @@ std::vector<Tensor<dim>> velocity_gradient(const Vectors<dim>& position, const V
                                            const Neighbours& rows, const LatticeConstants& lattice,
                                            std::span<const Tensor<dim>> correction = {}, const Masks& = {});
 
-/// (2d/(n0 λ)) Σ_j (φ_j − φ_i) w (PHYSICS eq. 21).
+/// (2d/(n0 λ)) Σ_j (φ_j − φ_i) w (fluid/THEORY.md (F18)).
 template <int dim>
 Eigen::VectorXd laplacian(const Eigen::VectorXd& phi, const Neighbours& rows, const LatticeConstants& lattice,
                           const Masks& = {});
@@ -61,8 +62,8 @@ template <int dim>
 Vectors<dim> laplacian(const Vectors<dim>& u, const Neighbours& rows, const LatticeConstants& lattice,
                        const Masks& = {});
 
-/// Row-wise sums of the conservative stress form: (d/n0) Σ_j (τ_i + τ_j)·r_ij w/r² (PHYSICS §1).
-/// Antisymmetric.
+/// Row-wise sums of the conservative stress form: (d/n0) Σ_j (τ_i + τ_j)·r_ij w/r² (the first part of
+/// fluid/THEORY.md (F12)). Antisymmetric.
 template <int dim>
 Vectors<dim> stress_divergence(const Vectors<dim>& position, std::span<const Tensor<dim>> tau,
                                const Neighbours& rows, const LatticeConstants& lattice, const Masks& = {});

@@ -23,7 +23,8 @@ enum class Preconditioner { automatic, jacobi, multilevel, ic };
 enum class SolidVelocity { replace, add };
 enum class WallSlip { no_slip, free_slip };
 
-/// PHYSICS §2–5: the scheme. Defaults are preset "improved"; the paper's values stand in read().
+/// The scheme, fluid/THEORY.md (F13)–(F66). Defaults are preset "improved"; the paper's values stand in
+/// read().
 struct Scheme {
   double radius_density = 2.1, radius_gradient = 2.1, radius_divergence = 2.1,
          radius_laplacian = 3.1;  // [l0]
@@ -47,7 +48,7 @@ struct Scheme {
   double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
   int pressure_max_iterations = 5000;
   double filter = 4.0;  // of what ∇u does not explain, δ: viscosity filter · l0 · |δ|; pairwise · √(P/ρ)
-  double shifting = 5.0;  // A of PHYSICS §10.4; 0: off
+  double shifting = 5.0;  // A of fluid/THEORY.md (F49); 0: off
   Turbulence turbulence = Turbulence::statics;
   SpsForm sps = SpsForm::joint;
   double c_nu = 0.08, c_eps = 1.0;  // C_s = (c_nu³/c_eps)^¼

@@ -58,10 +58,10 @@ struct PressureTerms {
   double dt = 0;                         // Δt [s]
 };
 
-/// γ of PHYSICS eq. 25 for one step: Δt/τ where a time constant is given.
+/// γ of fluid/THEORY.md (F29) for one step: Δt/τ where a time constant is given.
 double drift_factor(const Scheme&, double dt);
 
-/// PHYSICS §3 (23)–(25), weakly compressible, one row per unknown i:
+/// fluid/THEORY.md (F26)–(F29), weakly compressible, one row per unknown i:
 ///   Σ_j β_ij w_ij (p_i − p_j) + s p_i/(c²Δt²) = −s ρ f_i ,   s = n0 λ/(2d)
 ///   density     f = −δ/Δt²                              (δ = (n − n0)/n0, n at r* or r^k)
 ///   divergence  f = ∇·u*/Δt − pⁿ/(ρc²Δt²)

@@ -60,10 +60,10 @@ const InterfaceMesh& Simulation<dim>::interface() const {
   return work_->boundary.mesh();
 }
 
-/// Convection, gravity and viscosity (PHYSICS §11), and the column's own weight: particles under a pressure
-/// ρgH push one another apart at the rate √(gH)/l0, whatever the gradient, so that a step is 0.25 of l0 over
-/// the speed 2√(gH). Measured on a still tank, H = 0.5 m, l0 = 0.01 m: 0.11 l0/√(gH) rests, 0.22 scatters.
-/// Sound sets no limit.
+/// Convection, gravity and viscosity (fluid/THEORY.md (F63)), and the column's own weight: particles under a
+/// pressure ρgH push one another apart at the rate √(gH)/l0, whatever the gradient, so that a step is 0.25 of
+/// l0 over the speed 2√(gH). Measured on a still tank, H = 0.5 m, l0 = 0.01 m: 0.11 l0/√(gH) rests, 0.22
+/// scatters. Sound sets no limit.
 template <int dim>
 double Simulation<dim>::stable_dt() const {
   const Work& w = *work_;

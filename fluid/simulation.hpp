@@ -46,7 +46,8 @@ class Simulation {
   /// rest: what is left of the window after this step [s]. Where there is more to come steps may share the
   /// places of the first of them (hold.hpp): those of `state` are then moved by the last one.
   StepReport step(double dt, const InterfaceMotion&, double rest = 0);
-  /// Mean force of the last step on the interface points, 3×m [N] (per metre of depth in 2-D), PHYSICS §10.5.
+  /// Mean force of the last step on the interface points, 3×m [N] (per metre of depth in 2-D),
+  /// fluid/THEORY.md (F51), (F58), (F59).
   const Points& interface_force() const;
   const InterfaceMesh& interface() const;
   double stable_dt() const;  // [s] at the present state

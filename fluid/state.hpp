@@ -52,7 +52,8 @@ struct State {
   Vector<dim> impulse_on_bodies = Vector<dim>::Zero();  // [N s] momentum account, since t = 0
   Vector<dim> impulse_on_walls = Vector<dim>::Zero();
   Vector<dim> impulse_of_gravity = Vector<dim>::Zero();
-  Vector<dim> impulse_of_collisions = Vector<dim>::Zero();  // ΣJ of the anti-penetration step (PHYSICS §8)
+  Vector<dim> impulse_of_collisions =
+      Vector<dim>::Zero();  // ΣJ of the anti-penetration step (fluid/THEORY.md (F54)–(F56))
   Vector<dim> initial_momentum = Vector<dim>::Zero();       // of the water at t = 0
   double inner_fraction_min = 1;  // smallest share of fluid particles not on the surface
   std::int64_t lost = 0;          // particles that left the domain

@@ -23,7 +23,7 @@ namespace strake::fluid {
 
 namespace {
 
-/// Verlet skin [l0] (PHYSICS §16.5).
+/// Verlet skin [l0].
 constexpr double skin = 0.2;
 
 /// The joint stress and the fitted scheme read the rows of the largest radius as the matrix of the pressure
@@ -158,7 +158,7 @@ void Simulation<dim>::Work::find_stresses() {
   if (fitted) viscous.exchange(fitted->tensors(), fitted->memory(), poisson.memory());
 }
 
-/// u* = u + Δt (ν∇²u + ∇·τ + g); r* = r + Δt u* where the scheme works at r* (PHYSICS (26)–(28)).
+/// u* = u + Δt (ν∇²u + ∇·τ + g); r* = r + Δt u* where the scheme works at r* (fluid/THEORY.md (F30)).
 template <int dim>
 void Simulation<dim>::Work::predict() {
   const StageClock clock(seconds, "predictor");
@@ -227,7 +227,7 @@ bool Simulation<dim>::Work::laid_bare(std::int64_t i, const Neighbours& near) co
 }
 
 /// Unknowns are particles with a pressure that are not surface; δ = (n − n0)/n0, where a negative value
-/// beside the surface is no expansion but missing neighbours, and would suck (PHYSICS §16.8, trap 1).
+/// beside the surface is no expansion but missing neighbours, and would suck (fluid/THEORY.md, section 5).
 template <int dim>
 void Simulation<dim>::Work::classify_rows() {
   const Neighbours& near = near_density();
@@ -306,7 +306,7 @@ void Simulation<dim>::Work::solve_pressure() {
   if (!fitted) boundary.fill_dummies(state, gravity, motion->acceleration);
 }
 
-/// u = u* − (Δt/ρ)∇p (29), (30); r = r* + Δt (u − u*) (31), or rⁿ + Δt u where the scheme works at rⁿ: both
+/// u = u* − (Δt/ρ)∇p (F31); r = r* + Δt (u − u*) (F32), or rⁿ + Δt u where the scheme works at rⁿ: both
 /// say r = rⁿ + Δt u, which adds no energy to the lattice's own oscillation; the mean of uⁿ and u would.
 template <int dim>
 void Simulation<dim>::Work::correct() {

@@ -106,7 +106,7 @@ SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<c
   return fields;
 }
 
-// F_sps = ∇·τ, τ_lm = 2 ν_t S_lm − (2/3) k δ_lm (6), (9).
+// F_sps = ∇·τ, τ_lm = 2 ν_t S_lm − (2/3) k δ_lm (F3).
 template <int dim>
 Vectors<dim> sps_acceleration(const Vectors<dim>& position, std::span<const Tensor<dim>> velocity_gradient,
                               const SpsFields& fields, const Neighbours& rows,
@@ -120,8 +120,8 @@ Vectors<dim> sps_acceleration(const Vectors<dim>& position, std::span<const Tens
   return stress_divergence<dim>(position, tau, rows, gradient_lattice, masks);
 }
 
-// ∇·(2(ν+ν_t) S) = Σ ν_ij … + (∇u)ᵀ·∇ν_t for ∇·u = 0; gradients of ν_t and k by differences, (19) with φ̂_i =
-// φ_i.
+// ∇·(2(ν+ν_t) S) = Σ ν_ij … + (∇u)ᵀ·∇ν_t for ∇·u = 0; gradients of ν_t and k by differences, (F16)
+// with φ̂_i = φ_i.
 template <int dim>
 Vectors<dim> sps_acceleration_laplacian(const Vectors<dim>& position, const Vectors<dim>& velocity,
                                         std::span<const Tensor<dim>> velocity_gradient,

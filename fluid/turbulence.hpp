@@ -11,15 +11,15 @@
 
 namespace strake::fluid {
 
-/// The sub-particle-scale model (PHYSICS §1): ν_t = C_ν Δ k^½, ε = C_ε k^{3/2}/Δ, Pr = 2 S:S.
+/// The sub-particle-scale model (fluid/THEORY.md (F4)–(F10)): ν_t = C_ν Δ k^½, ε = C_ε k^{3/2}/Δ, Pr = 2 S:S.
 struct SpsModel {
   double c_nu = 0.08, c_eps = 1.0;
   double filter = 0;               // Δ [m], the particle spacing
   double kinematic_viscosity = 0;  // ν [m²/s]
   bool wall_damping = false;       // van Driest
 
-  double cs() const;  // C_s = (C_ν³/C_ε)^¼ (8)
-  /// k [m²/s²] where production is dissipation, (12); ν_t is then (C_s Δ)² Pr^½ (10).
+  double cs() const;  // C_s = (C_ν³/C_ε)^¼ (F7)
+  /// k [m²/s²] where production is dissipation, (F6); ν_t is then (C_s Δ)² Pr^½ (F7).
   double equilibrium(double production) const { return c_nu / c_eps * filter * filter * production; }
   double eddy_viscosity(double k) const { return c_nu * filter * std::sqrt(k); }  // [m²/s]
   /// Factor of ν_t so far from a wall [m]: (1 − exp(−y⁺/26))², y⁺ = y u_τ/ν, with the friction velocity of
@@ -44,14 +44,15 @@ void advance_k(const ViscousFlow<dim>&, const SpsModel&, const LatticeConstants&
                const Eigen::VectorXd& production, const Eigen::VectorXd& eddy_viscosity, double dt,
                Eigen::VectorXd& k, Eigen::VectorXd& scratch);
 
-/// With fewer neighbours than this a particle is spray: it has no eddy viscosity (PHYSICS §1).
+/// With fewer neighbours than this a particle is spray: it has no eddy viscosity (fluid/THEORY.md, section
+/// 2).
 inline constexpr int fewest_neighbours = 4;
 
 /// What the static model knows of each particle.
 struct SpsFields {
-  Eigen::VectorXd production;      // Pr = 2 S_lm S_lm [1/s²] (11)
-  Eigen::VectorXd k;               // (C_ν/C_ε) Δ² Pr [m²/s²] (12)
-  Eigen::VectorXd eddy_viscosity;  // ν_t = (C_s Δ)² Pr^½ [m²/s] (10); 0 with fewer than 4 neighbours
+  Eigen::VectorXd production;      // Pr = 2 S_lm S_lm [1/s²] (F5)
+  Eigen::VectorXd k;               // (C_ν/C_ε) Δ² Pr [m²/s²] (F6)
+  Eigen::VectorXd eddy_viscosity;  // ν_t = (C_s Δ)² Pr^½ [m²/s] (F7); 0 with fewer than 4 neighbours
 };
 /// Pr = 2 S:S of one velocity gradient [1/s²].
 template <int dim>
@@ -63,7 +64,7 @@ template <int dim>
 SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<const std::int32_t> counts,
                      const SpsModel&, std::span<const double> wall_distance = {}, const Masks& = {});
 
-/// ⟨∇·τ⟩ [m/s²], τ = 2 ν_t S − (2/3) k I (9). `stress_pair`: the antisymmetric sum of operators.hpp, without
+/// ⟨∇·τ⟩ [m/s²], τ = 2 ν_t S − (2/3) k I (F3). `stress_pair`: the antisymmetric sum of operators.hpp, without
 /// ν∇²u.
 template <int dim>
 Vectors<dim> sps_acceleration(const Vectors<dim>& position, std::span<const Tensor<dim>> velocity_gradient,

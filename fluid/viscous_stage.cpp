@@ -345,7 +345,7 @@ void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow
                                  Eigen::VectorXd& k) {
   const Scheme& scheme = parameters.scheme;
   const double l0 = parameters.spacing, nu = parameters.kinematic_viscosity;
-  // Smooth walls: their terms are dropped (PHYSICS §1).
+  // Smooth walls: their terms are dropped (fluid/THEORY.md, section 2).
   seen_.assign(static_cast<size_t>(flow.position.cols()), 1);
   for (std::int64_t i = flow.walls.first; i < flow.position.cols(); ++i)
     if (flow.dry(i) || flow.walls.slip[static_cast<size_t>(i - flow.walls.first)])

@@ -14,9 +14,9 @@
 
 namespace strake::fluid {
 
-/// ν∇²u + ∇·τ of every particle [m/s²] (PHYSICS §1), and what it takes: owned by the caller, so that no step
-/// allocates. At a row it is the reaction of the water per mass of a water particle: times that mass the
-/// force on the row.
+/// ν∇²u + ∇·τ of every particle [m/s²] (fluid/THEORY.md (F2)), and what it takes: owned by the caller, so
+/// that no step allocates. At a row it is the reaction of the water per mass of a water particle: times that
+/// mass the force on the row.
 ///
 /// `joint` is one sum for ν and the model. With the corrected velocity gradient G = ∇u, the stress per
 /// density τ_i = (ν + ν_t)_i (G_i + G_iᵀ) − (2/3) k_i I and ν̄ = ν + (ν_t,i + ν_t,j)/2,

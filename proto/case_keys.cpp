@@ -1,6 +1,10 @@
 #include "proto/case_keys.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstddef>
+#include <string>
 
 namespace strake {
 namespace {
@@ -27,8 +31,14 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   if (!table.has("name")) return probe;  // a list of declarations holds no probe to check
 
   // The name becomes part of a column name "mid.y" and of a result "mid.y:first_peak".
-  if (probe.name.empty() || probe.name.find_first_of(",:[]\"'\\/ \t\r\n") != std::string::npos)
+  constexpr std::size_t longest_name = 100;
+  const bool printable = std::none_of(probe.name.begin(), probe.name.end(),
+                                      [](unsigned char c) { return c <= ' ' || c == 127; });
+  if (probe.name.empty() || !printable || probe.name.find_first_of(",:[]\"'\\/") != std::string::npos)
     throw table.error("name", "letters, digits, '_', '-' and '.'", "name = \"p_mid\"");
+  if (probe.name.size() > longest_name)
+    throw table.error("name", fmt::format("a name of at most {} letters, not {}", longest_name, probe.name.size()),
+                      "name = \"p_mid\"");
   for (const ProbeKeys& other : others)
     if (other.name == probe.name)
       throw table.error("name", "a name that no other probe has", "name = \"" + probe.name + "_2\"");

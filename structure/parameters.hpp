@@ -49,7 +49,7 @@ struct FemKeys {
   LinearMethod linear_solver = LinearMethod::automatic;
 };
 enum class ParticleModel { pair, total_lagrangian };
-/// Where a clamped end's first fixed column of particles stands (PHYSICS §6).
+/// Where a clamped end's first fixed column of particles stands (structure/THEORY.md, section 5.3).
 enum class ClampColumn { inside, outside };
 /// How a particle of the pair model turns: with its neighbourhood (R1), or as an unknown of its own (R2).
 enum class Rotation { kinematic, dynamic };
@@ -58,12 +58,12 @@ struct ParticleKeys {
   ParticleModel model = ParticleModel::total_lagrangian;  // in volume coupling the default is pair
   Rotation rotation = Rotation::kinematic;                // pair model
   double radius = 2.1;                                    // [spacing]
-  double hourglass = 1.0;                                 // alpha of PHYSICS §6
+  double hourglass = 1.0;                                 // alpha of structure/THEORY.md (S21)
   ClampColumn clamp =
-      ClampColumn::inside;  // pair model: outside, the set-up that its static table of PHYSICS §6 has
+      ClampColumn::inside;  // pair model: outside, as in structure/THEORY.md, sections 5.2 and 5.3
   double safety = 0.8;      // sub-step = safety × elastic limit
 };
-/// What breaks a body (PHYSICS §9): [structure.failure].
+/// What breaks a body (structure/THEORY.md, section 6): [structure.failure].
 enum class FailureCriterion { none, bond_strain, max_principal, von_mises };
 struct FailureKeys {
   FailureCriterion criterion = FailureCriterion::none;

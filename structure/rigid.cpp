@@ -24,7 +24,7 @@ Eigen::Vector3d turn_vector(const RigidState& state, int dimension) {
 }
 
 /// Added mass of a flat plate at the surface, as long and wide as the body seen from below: ½πρa² per length,
-/// a half the shorter side (PHYSICS §12.1). The yardstick for how hard the coupling must iterate.
+/// a half the shorter side (fluid/THEORY.md (F64)). The yardstick for how hard the coupling must iterate.
 double plate_added_mass(const Parameters& p) {
   const Eigen::Vector3d size = bounds(p).max - bounds(p).min;
   if (p.dimension == 2) return 0.5 * std::numbers::pi * p.fluid_density * 0.25 * size.x() * size.x();

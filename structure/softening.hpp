@@ -7,9 +7,9 @@
 
 namespace strake::structure {
 
-// What the softening of particles and of finite elements has in common (PHYSICS §9). With Y the energy per
-// volume that a piece of the body would hold undamaged and y = √Y, it softens from the y_0 at which its
-// stress reached the strength, for the largest y so far:
+// What the softening of particles and of finite elements has in common (structure/THEORY.md (S32)–(S34)).
+// With Y the energy per volume that a piece of the body would hold undamaged and y = √Y, it softens from the
+// y_0 at which its stress reached the strength, for the largest y so far:
 //   1 − D = y_0/y · (y_f − y)/(y_f − y_0)    between y_0 and y_f
 // under uniform loading a stress that falls along a line. ∫ Y dD = y_0 y_f whatever the state of stress, so
 // that y_f = G_c/(l_c y_0) dissipates G_c per area of a crack that smears over a band l_c.

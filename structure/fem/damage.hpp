@@ -11,13 +11,13 @@
 
 namespace strake::structure::fem {
 
-/// Failure of finite elements (PHYSICS §9). A cell softens as a whole, from where the mean of its Cauchy
-/// stress reaches the strength, with Y the mean of its energy density (softening.hpp). The band of a crack is
-/// the length over which it opens in the cell, along the normal n that the largest principal stress of that
-/// moment gives: 1/(∇φ·n) with φ = 1 in the corners beyond the cell's middle (Oliver 1989, recalled): across
-/// a square of side h h/max(|n_x|, |n_y|), across a column of leaning cells its width along n. A crack that
-/// follows the columns of a mesh takes G_c so; it follows them even where stresses would turn it, and two
-/// that miss each other take it twice.
+/// Failure of finite elements (structure/THEORY.md (S32)–(S35)). A cell softens as a whole, from where the
+/// mean of its Cauchy stress reaches the strength, with Y the mean of its energy density (softening.hpp). The
+/// band of a crack is the length over which it opens in the cell, along the normal n that the largest
+/// principal stress of that moment gives: 1/(∇φ·n) with φ = 1 in the corners beyond the cell's middle (Oliver
+/// 1989, recalled): across a square of side h h/max(|n_x|, |n_y|), across a column of leaning cells its width
+/// along n. A crack that follows the columns of a mesh takes G_c so; it follows them even where stresses
+/// would turn it, and two that miss each other take it twice.
 ///
 /// A cell that has lost all is eroded: `residual` of its stiffness stays, linear, so that nodes of its own
 /// keep to their neighbours, and all of its mass.

@@ -9,7 +9,8 @@
 
 namespace strake::structure {
 
-/// Failure of particles (PHYSICS §9): bonds that break for good, and particles that soften before.
+/// Failure of particles (structure/THEORY.md (S32)–(S37)): bonds that break for good, and particles that
+/// soften before.
 ///   bond_strain    a bond breaks when s = (|r| − |r⁰|)/|r⁰| exceeds s_c
 ///   max_principal, von_mises
 ///                  a particle softens from where that stress first reaches the strength (softening.hpp), Y
@@ -66,8 +67,8 @@ class Failure {
 /// apart along an axis until every bond between them has broken. Lengths in spacings, opening Δ:
 ///   U(Δ)/(μ l0) = (4/n0) Σ_alive Δx w⁰ Δ²/|r⁰|² + (λ/μ) Σ_rows tr²,   tr_q = (2Δ/n0) Σ_alive,Δx>q w⁰
 ///   Δx/|r⁰|²
-/// and a bond breaks at Δ = s_c |r⁰|²/Δx. PHYSICS §9 has the first sum with |u_ij| = s |r⁰| throughout, which
-/// leaves out that bonds across the opening shear (1.33 for 1.92 at r_e = 2.1), and no volumetric part.
+/// and a bond breaks at Δ = s_c |r⁰|²/Δx. With |u_ij| = s |r⁰| throughout the first sum
+/// would leave out that bonds across the opening shear (1.33 in place of 1.92 at r_e = 2.1).
 double crack_constant(double radius /* [spacing] */, double lambda_over_mu);
 
 /// Width over which a crack smears what it takes [spacing]. An opening δ between two rows gives the particles

@@ -51,8 +51,8 @@ Placement<dim> filled(const Solid& solid, double spacing) {
   return placement;
 }
 
-/// The clamp rule of PHYSICS §6 on one facet: along each line of cells that crosses it the last one inside,
-/// and `beyond` cells in front of that.
+/// The clamp rule of structure/THEORY.md, section 5.3, on one facet: along each line of cells that crosses it
+/// the last one inside, and `beyond` cells in front of that.
 template <int dim>
 void clamp_facet(const Solid& solid, int facet, double spacing, int beyond, bool hold_inside,
                  Placement<dim>& placement) {

@@ -23,8 +23,8 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// its neighbours', so that mass and moment of inertia are the body's. A clamped face goes on beyond the
 /// body, far enough to complete every bond of a free particle. With ClampColumn::inside the last particles
 /// inside are fixed too (their centres half a spacing from the face), so that the clamp stands where the face
-/// is (PHYSICS §6); with `outside` each clamp gives way by nearly a spacing. Particles outside are no part of
-/// the wet body.
+/// is (structure/THEORY.md, section 5.3); with `outside` each clamp gives way by nearly a spacing. Particles
+/// outside are no part of the wet body.
 template <int dim>
 struct Lattice {
   using Cell = Eigen::Matrix<int, dim, 1>;

@@ -8,10 +8,10 @@ namespace {
 constexpr int d = 2;  // space dimension of the factors 2d/n0 and d/n0
 
 struct Stretch {
-  Eigen::Vector2d u, e;  // u_ij [m] without rotation (37), direction e_ij of the present bond
+  Eigen::Vector2d u, e;  // u_ij [m] without rotation (S23), direction e_ij of the present bond
 };
 
-//   (37) u_ij = r_ij − R_ij r⁰_ij, R_ij by ½(θ_i + θ_j): the product of both particles' half turns.
+//   (S23) u_ij = r_ij − R_ij r⁰_ij, R_ij by ½(θ_i + θ_j): the product of both particles' half turns.
 Stretch stretch(const Eigen::Matrix2Xd& u, const Eigen::Matrix2Xd& half, const Eigen::Vector2d& r0,
                 Eigen::Index i, Eigen::Index j) {
   const Eigen::Vector2d r = r0 + u.col(j) - u.col(i);
@@ -73,7 +73,7 @@ Eigen::Matrix2Xd PairModel::turn_of_neighbours(const Eigen::Matrix2Xd& u) const 
   return half_turn;
 }
 
-//   (41) (ε_rr)_i = (d/n0) Σ_j (u^n_ij·e_ij)/|r⁰_ij| w⁰_ij
+//   (S25) (ε_rr)_i = (d/n0) Σ_j (u^n_ij·e_ij)/|r⁰_ij| w⁰_ij
 PairModel::Kinematics PairModel::kinematics(const Eigen::Matrix2Xd& u, Eigen::Matrix2Xd half_turn) const {
   const Eigen::Index n = bonds_.size();
   Kinematics k{std::move(half_turn), Eigen::VectorXd(n)};
@@ -90,9 +90,9 @@ PairModel::Kinematics PairModel::kinematics(const Eigen::Matrix2Xd& u, Eigen::Ma
   return k;
 }
 
-//   (39),(40) σ_ij + τ_ij = 2μ_s u_ij/|r⁰_ij|
-//   (42) f_i += V (2d/n0) Σ_j (σ_ij + τ_ij)/|r⁰_ij| w⁰_ij
-//   (41) p_i = −λ_s (ε_rr)_i     (43) f_i −= V (2d/n0) Σ_j ½(p_i + p_j) e_ij/|r⁰_ij| w⁰_ij
+//   (S24) σ_ij + τ_ij = 2μ_s u_ij/|r⁰_ij|
+//   (S26) f_i += V (2d/n0) Σ_j (σ_ij + τ_ij)/|r⁰_ij| w⁰_ij
+//   (S25) p_i = −λ_s (ε_rr)_i     (S26) f_i −= V (2d/n0) Σ_j ½(p_i + p_j) e_ij/|r⁰_ij| w⁰_ij
 //   R2   M_i = ½ Σ_j r_ij × F^τ_ij, and since σ_ij and the pressure pull along r_ij, r_ij × F_ij is the same
 Vectors<2> PairModel::force(const Eigen::Matrix2Xd& u, const Kinematics& k, Eigen::VectorXd* torque) const {
   const Eigen::Index n = bonds_.size();
@@ -131,7 +131,7 @@ Vectors<2> PairModel::force(const Vectors<2>& u, const Eigen::VectorXd& turn, Ei
   return force(u, kinematics(u, half_turns(turn)), &torque);
 }
 
-// The energy whose gradient (42),(43) are for small strains:
+// The energy whose gradient (S26) is for small strains:
 //   U = Σ_bonds (2dμ_s V/n0) w⁰ |u_ij|²/|r⁰_ij|² + Σ_bonds b (dμ_s V/(2n0)) w⁰ (θ_i − θ_j)² + Σ_i ½ λ_s V
 //   (ε_rr)_i²
 // R2 has b = 0. R1 has b = 1, because there θ is not an unknown of its own: with c = 2dμ_s V/n0 the linear

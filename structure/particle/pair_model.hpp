@@ -5,8 +5,8 @@
 
 namespace strake::structure {
 
-/// The paper's elastic particles, eqs (37)-(44) of PHYSICS §6: normal and shear springs along each bond and a
-/// pressure from the volumetric strain. Stresses are normalised by n0. Linear momentum is exact. Two
+/// The paper's elastic particles, structure/THEORY.md (S23)–(S28): normal and shear springs along each bond
+/// and a pressure from the volumetric strain. Stresses are normalised by n0. Linear momentum is exact. Two
 /// dimensions. Rotation θ_i:
 ///   kinematic (R1)  that of the neighbourhood, normalised by the particle's own n_i. For small strains the
 ///                   forces are the gradient of `energy`, so that energy and angular momentum are kept too;

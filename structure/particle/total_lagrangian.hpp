@@ -5,14 +5,14 @@
 
 namespace strake::structure {
 
-/// Corrected total-Lagrangian particles with hourglass energy (PHYSICS §6): the force is the exact negative
-/// gradient of
+/// Corrected total-Lagrangian particles with hourglass energy (structure/THEORY.md (S19)–(S22)): the force is
+/// the exact negative gradient of
 ///   U = Σ_i V ψ(F_i) + ½ Σ_i κ_i Σ_j w⁰_ij |e_ij|²,   e_ij = r_ij − F_i r⁰_ij,   κ_i = α E V
 ///   (dim/2) / Σ_k w⁰_ik |r⁰_ik|²
 /// (the sum grows with the number of dimensions: dim/2 keeps what a given α does to a bond of the plane), so
 /// that linear momentum, angular momentum and energy are kept, across parts of different materials too.
 /// A particle that softens keeps Bonds::hold of its whole energy. References: Suzuki & Koshizuka 2008
-/// (Hamiltonian MPS); the hourglass form is derived in PHYSICS §6.
+/// (Hamiltonian MPS); the hourglass form is derived in structure/THEORY.md, section 5.1.
 template <int dim>
 class TotalLagrangian final : public ElasticModel<dim> {
  public:

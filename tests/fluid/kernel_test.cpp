@@ -10,7 +10,7 @@ struct Row {
   int neighbours;
 };
 
-// The table of PHYSICS §2, printed there to six decimals.
+// The table of fluid/THEORY.md, section 3, printed there to six decimals.
 constexpr double half_digit = 0.5e-6;
 
 TEST(LatticeConstants, square_lattice_gives_the_table_to_all_its_digits) {

@@ -34,7 +34,7 @@ struct Block {
 };
 
 TEST(NumberDensity, inside_a_lattice_it_is_n0_and_in_a_flat_surface_row_the_share_of_the_table) {
-  // n/n0 of the surface row and of the row beneath it (PHYSICS §2), printed to three decimals.
+  // n/n0 of the surface row and of the row beneath it (computed on the lattice), printed to three decimals.
   const double table[][3] = {
       {1.8, 0.686, 1.000}, {2.1, 0.676, 0.992}, {3.1, 0.641, 0.918}, {4.1, 0.621, 0.863}};
   for (const auto& [radius, surface, second] : table) {

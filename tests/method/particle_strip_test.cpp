@@ -15,7 +15,7 @@ namespace {
 constexpr double clamped_frequency = 687.8;      // [Hz]
 constexpr double clamped_deflection = 4.462e-5;  // [m] at mid-height
 constexpr double cantilever_frequency = 109.72;
-constexpr double gate = 0.03;  // issue and PHYSICS §6: total Lagrangian, 4 and 8 layers
+constexpr double gate = 0.03;  // total Lagrangian, 4 and 8 layers
 
 Parameters loaded(Parameters p) {
   p.load.kind = LoadKind::traction;
@@ -44,7 +44,8 @@ TEST(ParticleStrip, CantileverFirstFrequencyIsWithinThreePercent) {
   EXPECT_NEAR(ParticleSolver<2>(p).frequencies(1).at(0), cantilever_frequency, gate * cantilever_frequency);
 }
 
-// PHYSICS §6, hourglass α = 1: f/f_beam 0.973 at 4 layers, 0.985 at 8, from below and converging.
+// structure/THEORY.md, section 5.1, hourglass α = 1: f/f_beam 0.973 at 4 layers, 0.985 at 8, from below and
+// converging.
 TEST(ParticleStrip, FreeStripConvergesToTheBeamFromBelow) {
   double previous = 0.96;
   for (const int layers : {4, 8, 16}) {
@@ -58,8 +59,9 @@ TEST(ParticleStrip, FreeStripConvergesToTheBeamFromBelow) {
   }
 }
 
-// PHYSICS §6, table: pair model, r_e 2.1, θ by n_i, stress by n0, clamps outside: 0.999, 1.097, 1.080
-// of 4.482e-5 m at 2, 4, 8 layers. Two layers are right by cancelling errors; the others show it.
+// structure/THEORY.md, section 5.2: pair model, r_e 2.1, θ by n_i, stress by n0, clamps outside:
+// 0.999, 1.097, 1.080 of 4.482e-5 m at 2, 4, 8 layers. Two layers are right by cancelling errors; the others
+// show it.
 TEST(ParticleStrip, PairModelHasTheStaticDeflectionsOfItsTable) {
   const double timoshenko = 4.33333e-5 + 1.4857e-6;
   for (const auto& [layers, ratio] : {std::pair{2, 0.999}, {4, 1.097}, {8, 1.080}}) {

@@ -1,4 +1,5 @@
 #include "proto/case_file.hpp"
+#include "proto/case_keys.hpp"
 #include "tests/proto/refusal.hpp"
 
 namespace strake {
@@ -58,6 +59,15 @@ TEST(KeyRange, AListThatIsComparedWithItselfHasAnEnd) {
   expect_refused([&] { file.root().points("corners", corners, {}); },
                  "at most 2000 points, this list has 2001");
   expect_refused([&] { file.root().tables("box"); }, "at most 2000 tables, this list has 2001");
+}
+
+TEST(KeyRange, AProbesNameIsShortAndPrintable) {
+  const auto read = [](const std::string& name) {
+    CaseFile file = CaseFile::parse("end_time = 1\n[[output.probe]]\nof = \"fluid\"\nat = [0, 0]\nname = \"" + name + "\"\n");
+    read_common(file);
+  };
+  expect_refused([&] { read(std::string(101, 'a')); }, "at most 100 letters, not 101");
+  expect_refused([&] { read("a\\u0007b"); }, "letters, digits");
 }
 
 TEST(KeyRange, TheReferenceShowsTheRange) {

@@ -59,7 +59,7 @@ double torque(const Eigen::Matrix2Xd& x, const Eigen::Matrix2Xd& f) {
 
 TEST(Bonds, FullLatticeHasTheNumberDensityOfTheTable) {
   const Block block(ParticleModel::pair);
-  EXPECT_NEAR(block.bonds.n0, 6.539697, 1e-6);  // PHYSICS §2, r_e = 2.1
+  EXPECT_NEAR(block.bonds.n0, 6.539697, 1e-6);  // fluid/THEORY.md (F15), r_e = 2.1
 }
 
 TEST(Bonds, DisplacementGradientIsExactForLinearFieldsEvenAtCorners) {
