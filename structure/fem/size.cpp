@@ -11,12 +11,15 @@ namespace {
 /// Bytes and seconds of an unknown, its cells, matrix and factors together, which grow faster than their
 /// number. Measured as peak memory and time of --check on the plate of cases/plate_entry.toml, 28 000 and 273
 /// 000 unknowns in the plane, 12 000 to 52 000 in space. From 250 000 on in space there are no factors.
-void set_costs(SizeEstimate& unknowns, int dim) {
+/// Conjugate gradients asked for in the plane: --check of a slender body (cases/rolling_tank.toml) takes 3.1 s
+/// for 2 368 unknowns, of the other cases a third of that each.
+void set_costs(SizeEstimate& unknowns, int dim, LinearMethod method) {
   constexpr double iterative = 250000;
   const double n = std::max(unknowns.count, 1.0);
   unknowns.bytes_each =
       dim == 2 ? 3000 * std::pow(n / 28000, 0.16) : 13000 * std::pow(std::min(n, iterative) / 12000, 0.3);
   unknowns.seconds_each = dim == 2 ? 1.5e-5 : 1.5e-4 * std::pow(n / 12000, 0.2);
+  if (dim == 2 && method == LinearMethod::cg_amg) unknowns.seconds_each = 1.3e-3;
 }
 
 }  // namespace
@@ -27,7 +30,7 @@ SizeEstimates sizes(const Parameters& p) {
   SizeEstimate elements{.what = "cells", .count = cells};
   SizeEstimate unknowns{.what = "unknowns",
                         .count = p.dimension * cells * std::pow(p.fem.degree, p.dimension)};
-  set_costs(unknowns, p.dimension);
+  set_costs(unknowns, p.dimension, p.fem.linear_solver);
   if (p.shape.kind == ShapeKind::plate)
     elements.keys = {{"structure.plate.length", p.plate.length, 1},
                      {"structure.plate.thickness", p.plate.thickness, p.dimension == 2 ? -1.0 : -2.0}};
