@@ -1,24 +1,23 @@
 // strake: the commands, their options, and the one place where errors are printed.
-#include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include "coupler/commands/commands.hpp"
+#include "coupler/commands/picture.hpp"
+#include "coupler/commands/report.hpp"
+#include "coupler/commands/watch.hpp"
+#include "coupler/console/console.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "coupler/run/foreign_error.hpp"
+#include "coupler/study/study.hpp"
 
-#include <fcntl.h>
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <cerrno>
 #include <clocale>
 #include <csignal>
 #include <cstdio>
+#include <fcntl.h>
 #include <functional>
 #include <system_error>
-
-#include "coupler/commands.hpp"
-#include "coupler/console.hpp"
-#include "coupler/foreign_error.hpp"
-#include "coupler/picture/command.hpp"
-#include "coupler/report/command.hpp"
-#include "coupler/stop_request.hpp"
-#include "coupler/study/study.hpp"
-#include "coupler/watch/command.hpp"
 
 namespace {
 
@@ -73,7 +72,9 @@ void add_picture_options(CLI::App* command, strake::PictureOptions& options, con
       ->add_option("--field", options.field,
                    "pressure, speed, or another field of the frames, e.g. von_mises or damage")
       ->capture_default_str();
-  command->add_option("--size", options.size, "pixels, WIDTH or WIDTHxHEIGHT; default 1120 wide and as high as it takes")
+  command
+      ->add_option("--size", options.size,
+                   "pixels, WIDTH or WIDTHxHEIGHT; default 1120 wide and as high as it takes")
       ->type_name("W[xH]");
   command->add_option("--view", options.view, "corners of what is drawn [m]; default all")
       ->type_name("x0,y0,x1,y1");
@@ -188,8 +189,7 @@ int main(int argc, char** argv) {
       ->type_name("FILE");
   command->callback([&] {
     action = [&] {
-      return compared.of_one_run() ? strake::compare_run(compared)
-                                   : strake::compare_several(compared);
+      return compared.of_one_run() ? strake::compare_run(compared) : strake::compare_several(compared);
     };
   });
 

@@ -1,8 +1,9 @@
-#include <memory>
-
-#include "coupler/participant_main.hpp"
+#include "coupler/participant/participant_main.hpp"
+#include "fluid/case/read_parameters.hpp"
 #include "fluid/participant.hpp"
 #include "fluid/size.hpp"
+
+#include <memory>
 
 // strake-fluid: reads its keys, builds the particle method, serves the coupler.
 int main(int argc, char** argv) {

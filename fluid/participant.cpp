@@ -1,19 +1,18 @@
 #include "fluid/participant.hpp"
 
-#include <fmt/format.h>
-#include <sys/resource.h>
+#include "fluid/diagnostics/energy_and_gauges.hpp"
+#include "fluid/diagnostics/voids.hpp"
+#include "fluid/diagnostics/volume.hpp"
+#include "fluid/geometry/tank_shape.hpp"
+#include "fluid/particles/state_archive.hpp"
+#include "proto/error.hpp"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "fluid/state_archive.hpp"
-#include "fluid/tank_shape.hpp"
-#include "fluid/voids.hpp"
-#include "fluid/water.hpp"
-#include "fluid/water_volume.hpp"
-#include "proto/error.hpp"
+#include <sys/resource.h>
 
 namespace strake::fluid {
 namespace {

@@ -1,17 +1,17 @@
 #pragma once
 
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/simulation/simulation.hpp"
+#include "fluid/window_motion.hpp"
+#include "proto/case/case_keys.hpp"
+#include "proto/files/frame_writer.hpp"
+#include "proto/participant.hpp"
+
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
-
-#include "fluid/parameters.hpp"
-#include "fluid/simulation.hpp"
-#include "fluid/window_motion.hpp"
-#include "proto/case_keys.hpp"
-#include "proto/frame_writer.hpp"
-#include "proto/participant.hpp"
 
 namespace strake::fluid {
 

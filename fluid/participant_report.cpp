@@ -1,7 +1,6 @@
+#include "fluid/diagnostics/energy_and_gauges.hpp"
+#include "fluid/mps/interface_load.hpp"
 #include "fluid/participant.hpp"
-
-#include "fluid/interface_load.hpp"
-#include "fluid/water.hpp"
 
 #include <algorithm>
 #include <cmath>

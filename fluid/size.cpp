@@ -1,9 +1,9 @@
 #include "fluid/size.hpp"
 
+#include "fluid/boundary/fill.hpp"
+
 #include <algorithm>
 #include <cmath>
-
-#include "fluid/fill.hpp"
 
 namespace strake::fluid {
 namespace {

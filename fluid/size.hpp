@@ -1,7 +1,7 @@
 #pragma once
 
-#include "fluid/parameters.hpp"
-#include "proto/size_limit.hpp"
+#include "fluid/parameters/parameters.hpp"
+#include "proto/case/size_limit.hpp"
 
 namespace strake::fluid {
 

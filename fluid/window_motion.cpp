@@ -1,8 +1,8 @@
 #include "fluid/window_motion.hpp"
 
-#include <fmt/format.h>
-
 #include "proto/error.hpp"
+
+#include <fmt/format.h>
 
 namespace strake::fluid {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <vector>
-
-#include "fluid/simulation.hpp"
+#include "fluid/simulation/simulation.hpp"
 #include "proto/interface.hpp"
+
+#include <vector>
 
 namespace strake::fluid {
 

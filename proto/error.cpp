@@ -1,10 +1,10 @@
 #include "proto/error.hpp"
 
+#include "proto/visible.hpp"
+
 #include <algorithm>
 #include <sstream>
 #include <utility>
-
-#include "proto/visible.hpp"
 
 namespace strake {
 namespace {

@@ -1,26 +1,28 @@
 #pragma once
 
+#include "proto/values.hpp"
+
 #include <Eigen/Core>
+
 #include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
-
-#include "proto/values.hpp"
 
 namespace strake {
 
 /// 3×n, one column per point. Two-dimensional cases keep z = 0 and speak per metre of depth.
 using Points = Eigen::Matrix3Xd;
 
-/// The wet surface (or, for volume coupling, all solid points) of one participant in its reference configuration.
+/// The wet surface (or, for volume coupling, all solid points) of one participant in its reference
+/// configuration.
 struct InterfaceMesh {
   std::string name;
   int dimension = 3;      // 2: faces are segments, per metre of depth; 3: triangles
   Points position;        // 3×n [m], reference configuration X
   Eigen::MatrixXi faces;  // dimension×m, point indices, normal into the fluid; none: volume coupling
-                          // 2-D: for a segment (a, b) the normal into the fluid is (t_y, -t_x), t = x_b - x_a,
-                          // that is, a closed body is walked counter-clockwise
+                          // 2-D: for a segment (a, b) the normal into the fluid is (t_y, -t_x), t = x_b -
+                          // x_a, that is, a closed body is walked counter-clockwise
   Eigen::VectorXd mass;   // n [kg], optional: inertia the fluid's pressure equation may use
 };
 
@@ -65,10 +67,10 @@ struct Frame {
     std::string name, unit;
     Eigen::MatrixXd value;  // components×n (points) or components×m (cells)
   };
-  double time = 0;           // [s]
-  Points position;           // 3×n [m], current
-  Eigen::MatrixXi cells;     // nodes per cell × m: 1 vertices, 2 segments, 4 quadrilaterals (dimension 2), 8 hexahedra;
-                             // none: every point is a vertex
+  double time = 0;        // [s]
+  Points position;        // 3×n [m], current
+  Eigen::MatrixXi cells;  // nodes per cell × m: 1 vertices, 2 segments, 4 quadrilaterals (dimension 2), 8
+                          // hexahedra; none: every point is a vertex
   std::vector<Array> point_data, cell_data;
 };
 

@@ -1,11 +1,11 @@
 #include "proto/interpolation.hpp"
 
+#include "proto/error.hpp"
+#include "proto/motion.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "proto/error.hpp"
-#include "proto/motion.hpp"
 
 namespace strake {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "proto/interface.hpp"
+
 #include <string>
 #include <vector>
-
-#include "proto/interface.hpp"
 
 namespace strake {
 

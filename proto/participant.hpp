@@ -1,13 +1,13 @@
 #pragma once
 
+#include "proto/interface.hpp"
+
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "proto/interface.hpp"
 
 namespace strake {
 
@@ -26,22 +26,25 @@ struct Description {
   /// components, conservative or not. None: displacement [m] of a structure, force [N] of a fluid. Beside a
   /// displacement stands the velocity [m/s] at t = 0, which need not be sent later.
   std::vector<Field> initial;
-  bool history = false;  // it takes the partner's fields over the window, as several samples, where there are such
+  bool history =
+      false;  // it takes the partner's fields over the window, as several samples, where there are such
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest first window
-  std::vector<Column> columns;     // monitors that become columns of history.csv, in this order
-  std::vector<std::string> lines;  // what it understood, for the console and `check`; first line is the headline
+  std::vector<Column> columns;  // monitors that become columns of history.csv, in this order
+  std::vector<std::string>
+      lines;  // what it understood, for the console and `check`; first line is the headline
 };
 
 struct Advanced {
   std::vector<Field> output;  // displacement, velocity: at t + dt; force: mean over the window; on mesh()
-  /// Where Setup::history asks for it: the same fields at times in (t, t + dt], ascending, the last at t + dt;
-  /// for a force the mean since the sample before.
+  /// Where Setup::history asks for it: the same fields at times in (t, t + dt], ascending, the last at t +
+  /// dt; for a force the mean since the sample before.
   std::vector<Sample> history;
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest next window this solver accepts
   /// Named scalars. Names in Description::columns go to history.csv. Reserved prefixes go elsewhere:
-  ///   "seconds.<stage>"  wall seconds so far (timing.csv, summary)      "count.<what>"  counts so far (summary)
-  ///   "check.<what>"     conservation checks so far (summary)           "memory.peak"   bytes
-  ///   "<probe>:<metric>" accumulated probe result (first_peak, time_of_first_peak, peak, time_of_peak, impulse,
+  ///   "seconds.<stage>"  wall seconds so far (timing.csv, summary)      "count.<what>"  counts so far
+  ///   (summary) "check.<what>"     conservation checks so far (summary)           "memory.peak"   bytes
+  ///   "<probe>:<metric>" accumulated probe result (first_peak, time_of_first_peak, peak, time_of_peak,
+  ///   impulse,
   ///                      mean_peak_50us, final, contact); absent until it is known
   std::map<std::string, double> monitor;
   /// The window cannot be taken as it is; once more, no longer than dt_limit. Nothing else is needed then.
@@ -68,9 +71,9 @@ class Participant {
     start_with(window, std::move(input));
     return finish();
   }
-  virtual void rewind() = 0;                                    // exactly back to the last commit
-  virtual void commit(bool write_output) = 0;                   // accept the window
-  virtual void checkpoint(const std::filesystem::path&) = 0;    // last committed state
+  virtual void rewind() = 0;                                  // exactly back to the last commit
+  virtual void commit(bool write_output) = 0;                 // accept the window
+  virtual void checkpoint(const std::filesystem::path&) = 0;  // last committed state
   virtual void resume(const std::filesystem::path&) = 0;
   /// Everything handed over for output is on disk when it returns. Throws Error(cannot_write).
   virtual void flush() {}

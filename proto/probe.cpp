@@ -1,10 +1,10 @@
 #include "proto/probe.hpp"
 
+#include "proto/error.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-
-#include "proto/error.hpp"
 
 namespace strake {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "proto/interface.hpp"
+
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "proto/interface.hpp"
 
 namespace strake {
 

@@ -1,9 +1,9 @@
-#include "coupler/participant_main.hpp"
-#include "proto/result_file.hpp"
+#include "coupler/participant/participant_main.hpp"
+#include "structure/case/read_parameters.hpp"
 #include "structure/participant.hpp"
-#include "structure/picture.hpp"
-#include "structure/program.hpp"
-#include "structure/properties.hpp"
+#include "structure/solver/program.hpp"
+#include "structure/solver/properties.hpp"
+#include "structure/solver/sketch.hpp"
 
 #include <memory>
 
@@ -37,9 +37,9 @@ int main(int argc, char** argv) {
     return std::make_unique<structure::StructureParticipant>(solver.build(parameters), parameters, common,
                                                              setup);
   };
-  if (solver.model)
-    program.export_model = [&](CaseFile&, const std::filesystem::path& file) {
-      write_archive(file, structure::deck::to_archive(solver.model(parameters, common.probes)));
+  if (solver.export_deck)
+    program.export_deck = [&](const DeckRequest& wanted) {
+      return solver.export_deck(parameters, common, wanted);
     };
   return participant_main(argc, argv, program);
 }

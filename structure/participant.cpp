@@ -1,15 +1,15 @@
 #include "structure/participant.hpp"
 
-#include "structure/surface.hpp"
-#include "structure/wet.hpp"
+#include "structure/body/loaded_faces.hpp"
+#include "structure/body/surface.hpp"
 
 #include <fmt/format.h>
 
-#include <sys/resource.h>
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <sys/resource.h>
 #include <utility>
 
 namespace strake::structure {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "proto/case_keys.hpp"
+#include "proto/case/case_keys.hpp"
+#include "proto/files/result_file.hpp"
 #include "proto/participant.hpp"
 #include "proto/probe.hpp"
-#include "proto/result_file.hpp"
-#include "structure/parameters.hpp"
-#include "structure/solver.hpp"
+#include "structure/body/parameters.hpp"
+#include "structure/solver/solver.hpp"
 
 #include <memory>
 #include <optional>
@@ -34,10 +34,10 @@ class StructureParticipant final : public Participant {
  private:
   /// What the participant itself remembers; the solver keeps its own.
   struct State {
-    double time = 0;                     // [s]
-    bool solved = false;                 // statics and modes are solved once
-    std::vector<double> frequencies;     // [Hz]
-    std::vector<ProbeRecord> probes;     // one per column of a probe
+    double time = 0;                          // [s]
+    bool solved = false;                      // statics and modes are solved once
+    std::vector<double> frequencies;          // [Hz]
+    std::vector<ProbeRecord> probes;          // one per column of a probe
     double energy_scale = 0, energy_gap = 0;  // [J] largest energy so far; largest |ΔE − work| so far
   };
   void solve_once();
@@ -51,8 +51,8 @@ class StructureParticipant final : public Participant {
   Interpolation interpolation_ = Interpolation::linear;
   Analysis analysis_;
   Eigen::Vector3d support_velocity_;  // [m/s]
-  double contact_pressure_;     // [Pa] ½ρV²: from where on a probe's first peak counts
-  Eigen::VectorXd point_size_;  // n [m] length of the surface that a point's force comes from
+  double contact_pressure_;           // [Pa] ½ρV²: from where on a probe's first peak counts
+  Eigen::VectorXd point_size_;        // n [m] length of the surface that a point's force comes from
   int dimension_;
   std::vector<ProbeKeys> probes_;  // those of the structure
   std::vector<Column> probe_columns_;

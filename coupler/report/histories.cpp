@@ -1,12 +1,12 @@
 // Histories of all runs in one plot per quantity, whole and around the first peak.
+#include "coupler/plot/html.hpp"
+#include "coupler/plot/plot.hpp"
+#include "coupler/report/sections.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "coupler/report/html.hpp"
-#include "coupler/report/plot.hpp"
-#include "coupler/report/sections.hpp"
 
 namespace strake::report {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <vector>
+#include "coupler/plot/scene.hpp"
 
-#include "coupler/picture/scene.hpp"
+#include <vector>
 
 namespace strake::report {
 

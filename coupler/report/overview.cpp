@@ -1,13 +1,13 @@
 // What was run and how: the runs themselves, their settings, and their commands.
+#include "coupler/plot/html.hpp"
+#include "coupler/report/sections.hpp"
+#include "coupler/report/sketch.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <exception>
 #include <set>
-
-#include "coupler/report/html.hpp"
-#include "coupler/report/sections.hpp"
-#include "coupler/report/sketch.hpp"
 
 namespace strake::report {
 namespace {

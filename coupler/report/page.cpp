@@ -1,10 +1,10 @@
 #include "coupler/report/page.hpp"
 
-#include <fmt/format.h>
-
-#include "coupler/report/html.hpp"
+#include "coupler/plot/html.hpp"
 #include "coupler/report/style.hpp"
-#include "coupler/run_folder.hpp"
+#include "coupler/run/run_folder.hpp"
+
+#include <fmt/format.h>
 
 namespace strake::report {
 namespace {

@@ -1,16 +1,16 @@
 // Pictures of the runs at chosen instants, each instant in the same colours for every run.
+#include "coupler/plot/drawing.hpp"
+#include "coupler/plot/html.hpp"
+#include "coupler/report/base64.hpp"
+#include "coupler/report/sections.hpp"
+#include "proto/error.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <map>
-
-#include "coupler/picture/drawing.hpp"
-#include "coupler/report/base64.hpp"
-#include "coupler/report/html.hpp"
-#include "coupler/report/sections.hpp"
-#include "proto/error.hpp"
 
 namespace strake::report {
 namespace {

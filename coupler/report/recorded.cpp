@@ -1,14 +1,14 @@
 #include "coupler/report/recorded.hpp"
 
+#include "coupler/report/json_member.hpp"
+#include "proto/error.hpp"
+
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
-
-#include "coupler/report/json_member.hpp"
-#include "proto/error.hpp"
 
 namespace strake::report {
 namespace {

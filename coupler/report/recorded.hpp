@@ -1,13 +1,13 @@
 #pragma once
 
+#include "proto/files/history.hpp"
+
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "proto/history.hpp"
 
 namespace strake::report {
 

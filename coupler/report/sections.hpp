@@ -1,9 +1,9 @@
 #pragma once
 
+#include "coupler/report/recorded.hpp"
+
 #include <string>
 #include <vector>
-
-#include "coupler/report/recorded.hpp"
 
 namespace strake::report {
 

@@ -1,14 +1,14 @@
 #include "coupler/report/sketch.hpp"
 
+#include "coupler/plot/html.hpp"
+#include "coupler/report/outline.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
-
-#include "coupler/report/html.hpp"
-#include "coupler/report/outline.hpp"
 
 namespace strake::report {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <string>
-
-#include "coupler/picture/scene.hpp"
+#include "coupler/plot/scene.hpp"
 #include "coupler/report/recorded.hpp"
+
+#include <string>
 
 namespace strake::report {
 

@@ -1,13 +1,14 @@
 #include "coupler/report/study_data.hpp"
 
+#include "coupler/report/json_member.hpp"
+#include "proto/error.hpp"
+
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
-
-#include "coupler/report/json_member.hpp"
-#include "proto/error.hpp"
 
 namespace strake::report {
 namespace {
@@ -95,7 +96,8 @@ StudyData read_study(const std::filesystem::path& folder) {
     study.axes.push_back({string_of(axis, "name"), texts(axis, "labels")});
   for (const Json& run : objects(json, "runs")) study.runs.push_back(run_of(run, folder));
   for (const Json& column : objects(json, "columns"))
-    study.columns.push_back({string_of(column, "probe"), string_of(column, "metric"), string_of(column, "unit")});
+    study.columns.push_back(
+        {string_of(column, "probe"), string_of(column, "metric"), string_of(column, "unit")});
   for (const Json& check : objects(json, "checks")) study.checks.push_back(check_of(check));
   for (const Json& item : objects(json, "references")) {
     study.references.push_back({.title = string_of(item, "title"),
@@ -122,8 +124,9 @@ StudyData read_study(const std::filesystem::path& folder) {
                                  .extrapolated = number_of(item, "extrapolated"),
                                  .gci = number_of(item, "gci")});
   for (const Json& claim : objects(json, "claims"))
-    study.claims.push_back({string_of(claim, "claim"), string_of(claim, "source"), string_of(claim, "measured"),
-                            string_of(claim, "verdict"), string_of(claim, "why")});
+    study.claims.push_back({string_of(claim, "claim"), string_of(claim, "source"),
+                            string_of(claim, "measured"), string_of(claim, "verdict"),
+                            string_of(claim, "why")});
   return study;
 }
 

@@ -1,14 +1,14 @@
 #include "coupler/report/study_sections.hpp"
 
+#include "coupler/plot/html.hpp"
+#include "coupler/plot/plot.hpp"
+#include "coupler/report/sections.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
-
-#include "coupler/report/html.hpp"
-#include "coupler/report/plot.hpp"
-#include "coupler/report/sections.hpp"
 
 namespace strake::report {
 namespace {

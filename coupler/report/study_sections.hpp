@@ -1,10 +1,10 @@
 #pragma once
 
-#include <map>
-#include <string>
-
 #include "coupler/report/recorded.hpp"
 #include "coupler/report/study_data.hpp"
+
+#include <map>
+#include <string>
 
 namespace strake::report {
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "coupler/study/results.hpp"
+
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "coupler/study/results.hpp"
 
 namespace strake::study {
 

@@ -49,7 +49,8 @@ struct Check {
 /// Published or derived numbers along an axis, and who gives them. Those that the study's settings were
 /// fitted to are shown beside the measured ones and not judged.
 struct Reference {
-  std::string title, axis, kind, source;  // kind as in a compare block: experiment | theory | code | calibration
+  std::string title, axis, kind,
+      source;  // kind as in a compare block: experiment | theory | code | calibration
   Quantity quantity;
   std::map<std::string, double> value;  // label on the axis → number, SI
   std::vector<std::string> fitted;      // labels whose number chose the settings

@@ -1,12 +1,12 @@
 #include "coupler/study/results.hpp"
 
+#include "coupler/compare/comparison.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-
-#include "coupler/comparison.hpp"
 
 namespace strake::study {
 namespace {
@@ -194,7 +194,8 @@ std::vector<CheckResult> judge_checks(const Results& results) {
   }
   for (const Reference& reference : results.plan->references)
     for (const PlannedRun* run : results.runs(reference.where))
-      if (const auto found = reference.value.find(run->label.at(reference.axis)); found != reference.value.end())
+      if (const auto found = reference.value.find(run->label.at(reference.axis));
+          found != reference.value.end())
         all.push_back(judge(results, reference, *run, found->second));
   for (const auto& [run, values] : results.values) {
     const nlohmann::json summary = summary_of(results.outcome.at(run).folder);

@@ -1,25 +1,27 @@
 #pragma once
 
-#include <map>
+#include "coupler/study/plan.hpp"
+#include "coupler/study/runner.hpp"
+
 #include <nlohmann/json.hpp>
+
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "coupler/study/plan.hpp"
-#include "coupler/study/runner.hpp"
-
 namespace strake::study {
 
-/// What a run found, from its summary.json: "mid.y:first_peak", "momentum_gap", "wall", "iterations", "failure.crack.x" …
+/// What a run found, from its summary.json: "mid.y:first_peak", "momentum_gap", "wall", "iterations",
+/// "failure.crack.x" …
 using Values = std::map<std::string, double>;
 Values read_values(const std::filesystem::path& run_folder);
 
 /// Everything a study found.
 struct Results {
   const Plan* plan = nullptr;
-  std::map<std::string, Outcome> outcome;  // by run
-  std::map<std::string, Values> values;    // of the runs that are done
+  std::map<std::string, Outcome> outcome;   // by run
+  std::map<std::string, Values> values;     // of the runs that are done
   std::map<std::string, std::string> unit;  // of the probes, "mid.y" → "m"
   std::optional<double> value(const PlannedRun&, const Quantity&) const;
   std::string unit_of(const Quantity&) const;  // "1" where no run tells

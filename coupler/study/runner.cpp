@@ -1,23 +1,23 @@
 #include "coupler/study/runner.hpp"
 
+#include "coupler/case/case_queries.hpp"
+#include "coupler/console/console.hpp"
+#include "coupler/console/join.hpp"
+#include "coupler/participant/launch.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "proto/files/result_file.hpp"
+#include "proto/visible.hpp"
+
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <deque>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
-
-#include "coupler/console.hpp"
-#include "coupler/launch.hpp"
-#include "coupler/stop_request.hpp"
-#include "coupler/words.hpp"
-#include "proto/case_file.hpp"
-#include "proto/result_file.hpp"
-#include "proto/visible.hpp"
 
 namespace strake::study {
 namespace {
@@ -33,8 +33,7 @@ nlohmann::json json_of(const fs::path& path) {
 /// What a run depends on: the case's bytes, its keys, the files it names, the run it replays.
 std::string fingerprint(const Plan& plan, const PlannedRun& run) {
   std::string text = run.source + ":";
-  for (const std::uint8_t byte : CaseFile::load(plan.case_file, run.sets).hash())
-    text += fmt::format("{:02x}", byte);
+  for (const std::uint8_t byte : case_hash(plan.case_file, run.sets)) text += fmt::format("{:02x}", byte);
   return text;
 }
 
@@ -193,8 +192,8 @@ class Performance {
 
   std::size_t jobs() const { return static_cast<std::size_t>(std::max(1, options_.jobs)); }
 
-  /// Cores for each of the runs that are under way at once, the one that starts among them. Results are the same
-  /// for any number, and threads that take turns on a core cost twice the time.
+  /// Cores for each of the runs that are under way at once, the one that starts among them. Results are the
+  /// same for any number, and threads that take turns on a core cost twice the time.
   int threads_of_a_run() const {
     const std::size_t at_once = std::min(jobs(), running_.size() + waiting_.size());
     const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
@@ -270,9 +269,7 @@ class Performance {
   double end_time(const PlannedRun& run) {
     const auto known = end_time_.find(run.name);
     if (known != end_time_.end()) return known->second;
-    double end = 1;
-    CaseFile::load(plan_.case_file, run.sets).root().number("end_time", end, {.help = "end"});
-    return end_time_[run.name] = end;
+    return end_time_[run.name] = common_keys_of(plan_.case_file, run.sets).end_time;
   }
 
   void say(const std::string& text) {

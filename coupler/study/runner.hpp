@@ -1,13 +1,13 @@
 #pragma once
 
+#include "coupler/study/plan.hpp"
+#include "proto/error.hpp"
+
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
-
-#include "coupler/study/plan.hpp"
-#include "proto/error.hpp"
 
 namespace strake {
 class StopRequest;

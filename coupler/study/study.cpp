@@ -1,5 +1,17 @@
 #include "coupler/study/study.hpp"
 
+#include "coupler/console/console.hpp"
+#include "coupler/console/join.hpp"
+#include "coupler/participant/launch.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "coupler/run/run_folder.hpp"
+#include "coupler/study/checks.hpp"
+#include "coupler/study/grid_convergence.hpp"
+#include "coupler/study/results.hpp"
+#include "coupler/study/runner.hpp"
+#include "proto/files/result_file.hpp"
+#include "proto/visible.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,18 +19,6 @@
 #include <cmath>
 #include <cstdio>
 #include <thread>
-
-#include "coupler/console.hpp"
-#include "coupler/launch.hpp"
-#include "coupler/run_folder.hpp"
-#include "coupler/stop_request.hpp"
-#include "coupler/study/claims.hpp"
-#include "coupler/study/grid_convergence.hpp"
-#include "coupler/study/results.hpp"
-#include "coupler/study/runner.hpp"
-#include "coupler/words.hpp"
-#include "proto/result_file.hpp"
-#include "proto/visible.hpp"
 
 namespace strake {
 namespace {
@@ -126,7 +126,8 @@ std::string csv_of(const Plan& plan, const Results& results) {
   std::string text = "# " + plan.title + "\nrun";
   for (const Axis& axis : plan.axes) text += "," + axis.name;
   text += ",state,seconds [s]";
-  for (const Quantity& column : plan.columns) text += "," + column.name() + bracketed(results.unit_of(column));
+  for (const Quantity& column : plan.columns)
+    text += "," + column.name() + bracketed(results.unit_of(column));
   text += "\n";
   for (const PlannedRun& run : plan.runs) {
     const Outcome& outcome = results.outcome.at(run.name);
@@ -162,7 +163,8 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
 
 void print_summary(const Plan& plan, const Results& results) {
   std::vector<std::vector<std::string>> rows = {{"run", "state", "wall [s]"}};
-  for (const Quantity& column : plan.columns) rows.front().push_back(column.name() + bracketed(results.unit_of(column)));
+  for (const Quantity& column : plan.columns)
+    rows.front().push_back(column.name() + bracketed(results.unit_of(column)));
   for (const PlannedRun& run : plan.runs) {
     const Outcome& outcome = results.outcome.at(run.name);
     rows.push_back({run.name, to_text(outcome.state), fmt::format("{:.1f}", outcome.seconds)});
@@ -279,8 +281,8 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
   }
   const auto judged =
       std::count_if(checks.begin(), checks.end(), [](const CheckResult& c) { return c.pass.has_value(); });
-  const auto passed =
-      std::count_if(checks.begin(), checks.end(), [](const CheckResult& c) { return c.pass.value_or(false); });
+  const auto passed = std::count_if(checks.begin(), checks.end(),
+                                    [](const CheckResult& c) { return c.pass.value_or(false); });
   fmt::print("\n{}  {} of {} runs, {} of {} checks pass, {}\n", stop.requested() ? "interrupted" : "done",
              static_cast<int>(plan.runs.size()) - failed - missing, plan.runs.size(), passed, judged,
              duration_text(seconds));
@@ -291,8 +293,7 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
                                    ? "the same command goes on where this one stopped"
                                    : fmt::format("strake report {}", folder.string()));
   if (stop.requested()) return stop.code();
-  if (failed == 0 && options.strict && passed != judged)
-    return ExitCode::outside_tolerance;
+  if (failed == 0 && options.strict && passed != judged) return ExitCode::outside_tolerance;
   return code;
 }
 

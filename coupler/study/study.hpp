@@ -1,9 +1,9 @@
 #pragma once
 
+#include "proto/error.hpp"
+
 #include <filesystem>
 #include <string>
-
-#include "proto/error.hpp"
 
 namespace strake {
 

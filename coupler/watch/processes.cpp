@@ -1,13 +1,12 @@
 #include "coupler/watch/processes.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
+#include <unistd.h>
 
 namespace strake::watch {
 namespace {

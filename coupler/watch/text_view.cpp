@@ -1,16 +1,16 @@
 #include "coupler/watch/text_view.hpp"
 
+#include "coupler/console/console.hpp"
+#include "coupler/plot/ticks.hpp"
+#include "coupler/watch/braille_plot.hpp"
+#include "coupler/watch/select_run.hpp"
+#include "proto/visible.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-
-#include "coupler/console.hpp"
-#include "coupler/picture/ticks.hpp"
-#include "coupler/watch/choice.hpp"
-#include "coupler/watch/small_curve.hpp"
-#include "proto/visible.hpp"
 
 namespace strake::watch {
 namespace {

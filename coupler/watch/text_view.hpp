@@ -1,10 +1,10 @@
 #pragma once
 
+#include "coupler/watch/run_status.hpp"
+
 #include <cstdio>
 #include <string>
 #include <vector>
-
-#include "coupler/watch/glance.hpp"
 
 namespace strake::watch {
 

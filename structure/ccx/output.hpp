@@ -1,9 +1,9 @@
 #pragma once
 
+#include "structure/deck/model.hpp"
+
 #include <filesystem>
 #include <vector>
-
-#include "structure/deck/model.hpp"
 
 namespace strake::structure::ccx {
 

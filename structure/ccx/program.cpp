@@ -1,7 +1,7 @@
-#include "structure/program.hpp"
+#include "structure/solver/program.hpp"
 
-#include "structure/ccx/by_window.hpp"
-#include "structure/ccx/once.hpp"
+#include "structure/ccx/stepwise.hpp"
+#include "structure/ccx/whole_history.hpp"
 #include "structure/fem/model.hpp"
 #include "structure/fem/size.hpp"
 
@@ -20,7 +20,7 @@ std::unique_ptr<Solver> build(const Parameters& p) {
 }  // namespace
 
 SolverProgram this_program() {
-  return {"ccx", &build, &fem::sizes, 1, &fem::model};
+  return {.kind = "ccx", .build = &build, .sizes = &fem::sizes};
 }
 
 }  // namespace strake::structure

@@ -1,5 +1,9 @@
 #include "structure/ccx/runner.hpp"
 
+#include "coupler/participant/launch.hpp"
+#include "coupler/participant/serve.hpp"
+#include "proto/error.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,10 +16,6 @@
 #include <system_error>
 #include <utility>
 #include <vector>
-
-#include "coupler/launch.hpp"
-#include "coupler/serve.hpp"
-#include "proto/error.hpp"
 
 namespace strake::structure::ccx {
 namespace {

@@ -1,15 +1,15 @@
 #include "structure/ccx/solver.hpp"
 
+#include "proto/error.hpp"
+#include "structure/body/material_law.hpp"
+#include "structure/body/surface.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cassert>
 #include <numeric>
 #include <utility>
-
-#include "proto/error.hpp"
-#include "structure/material_law.hpp"
-#include "structure/surface.hpp"
 
 namespace strake::structure::ccx {
 namespace {

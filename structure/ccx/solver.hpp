@@ -1,14 +1,14 @@
 #pragma once
 
-#include <limits>
-#include <string>
-#include <vector>
-
+#include "structure/body/parameters.hpp"
 #include "structure/ccx/output.hpp"
 #include "structure/ccx/runner.hpp"
 #include "structure/deck/deck.hpp"
-#include "structure/parameters.hpp"
-#include "structure/solver.hpp"
+#include "structure/solver/solver.hpp"
+
+#include <limits>
+#include <string>
+#include <vector>
 
 namespace strake::structure::ccx {
 

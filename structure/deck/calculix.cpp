@@ -1,10 +1,10 @@
+#include "structure/deck/deck.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <iterator>
-
-#include "structure/deck/deck.hpp"
 
 namespace strake::structure::deck {
 namespace {

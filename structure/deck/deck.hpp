@@ -1,11 +1,11 @@
 #pragma once
 
+#include "structure/deck/history.hpp"
+#include "structure/deck/model.hpp"
+
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "structure/deck/history.hpp"
-#include "structure/deck/model.hpp"
 
 namespace strake::structure::deck {
 

@@ -1,10 +1,10 @@
 #include "structure/deck/history.hpp"
 
+#include "structure/body/surface.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-
-#include "structure/surface.hpp"
 
 namespace strake::structure::deck {
 

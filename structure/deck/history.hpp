@@ -1,11 +1,11 @@
 #pragma once
 
+#include "proto/interface.hpp"
+#include "structure/deck/model.hpp"
+
 #include <Eigen/Core>
 
 #include <vector>
-
-#include "proto/interface.hpp"
-#include "structure/deck/model.hpp"
 
 namespace strake::structure::deck {
 

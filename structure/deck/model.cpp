@@ -1,12 +1,12 @@
 #include "structure/deck/model.hpp"
 
+#include "proto/error.hpp"
+
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 #include <limits>
-
-#include "proto/error.hpp"
 
 namespace strake::structure::deck {
 namespace {
@@ -102,50 +102,6 @@ Weights combination(const Model& old, std::vector<int>& kept, std::vector<int>& 
 }
 
 /// Texts as numbers: an archive holds no others.
-std::vector<std::int64_t> letters(const std::vector<std::string>& texts) {
-  std::vector<std::int64_t> all;
-  for (const std::string& text : texts) {
-    for (const char c : text) all.push_back(static_cast<unsigned char>(c));
-    all.push_back(0);
-  }
-  return all;
-}
-
-std::vector<std::string> texts(const std::vector<std::int64_t>& all) {
-  std::vector<std::string> list;
-  std::string text;
-  for (const std::int64_t c : all) {
-    if (c != 0) {
-      text += static_cast<char>(c);
-      continue;
-    }
-    list.push_back(text);
-    text.clear();
-  }
-  return list;
-}
-
-/// row, column, value of each entry.
-Eigen::MatrixXd entries(const Weights& weights) {
-  Eigen::MatrixXd list(3, weights.nonZeros());
-  Eigen::Index at = 0;
-  for (Eigen::Index row = 0; row < weights.outerSize(); ++row)
-    for (Weights::InnerIterator it(weights, row); it; ++it)
-      list.col(at++) << static_cast<double>(it.row()), static_cast<double>(it.col()), it.value();
-  return list;
-}
-
-Weights weights(const Eigen::MatrixXd& list, Eigen::Index rows, Eigen::Index columns) {
-  Triplets triplets;
-  for (Eigen::Index k = 0; k < list.cols(); ++k)
-    triplets.emplace_back(static_cast<int>(list(0, k)), static_cast<int>(list(1, k)), list(2, k));
-  Weights matrix(rows, columns);
-  matrix.setFromTriplets(triplets.begin(), triplets.end());
-  return matrix;
-}
-
-constexpr Eigen::Index material_rows = 5;  // model, density, Young's modulus, Poisson's ratio, plane stress
-
 }  // namespace
 
 Model with_edge_nodes(Model old) {
@@ -176,101 +132,6 @@ Model with_edge_nodes(Model old) {
       model.own_load.segment(old.dimension * it.col(), old.dimension) +=
           it.value() * old.own_load.segment(old.dimension * it.row(), old.dimension);
   return model;
-}
-
-Archive to_archive(const Model& m) {
-  Archive archive;
-  archive.integer["size"] = {m.dimension, m.degree, m.cell.rows(), m.cell.cols(),
-                             static_cast<int>(m.analysis)};
-  archive.real["node"] = m.node;
-  archive.integer["cell"] = {};
-  for (const int node : m.cell.reshaped()) archive.integer["cell"].push_back(node);
-  archive.integer["part"] = {m.part.begin(), m.part.end()};
-  std::vector<std::string> names;
-  Eigen::MatrixXd material(material_rows, static_cast<Eigen::Index>(m.parts.size()));
-  for (std::size_t i = 0; i < m.parts.size(); ++i) {
-    const Material& own = m.parts[i].material;
-    names.push_back(m.parts[i].name);
-    material.col(static_cast<Eigen::Index>(i)) << static_cast<double>(own.model), own.density, own.young,
-        own.poisson, static_cast<double>(own.plane_stress);
-  }
-  archive.integer["part_names"] = letters(names);
-  archive.real["material"] = material;
-  archive.integer["fixed"] = {m.fixed.begin(), m.fixed.end()};
-  archive.real["interface_position"] = m.interface_position;
-  archive.real["interface"] = entries(m.interface);
-  archive.integer["probe_names"] = letters(m.probe);
-  archive.real["probe_at"] = m.probe_at;
-  archive.real["probe"] = entries(m.probe_weights);
-  archive.real["support_velocity"] = m.support_velocity;
-  archive.real["gravity"] = m.gravity;
-  archive.real["own_load"] = m.own_load;
-  archive.real["scalars"] =
-      Eigen::Vector4d(m.gravity_ramp, m.own_load_ramp, m.damping.mass, m.damping.stiffness);
-  return archive;
-}
-
-Model from_archive(const Archive& archive, const std::string& source) {
-  const auto fault = [&](const std::string& name) {
-    return Error(ExitCode::case_file, source,
-                 "is no finite-element model: " + name + " is missing or has another size",
-                 "write it with strake-structure-fem --export FILE --case CASE");
-  };
-  const auto real = [&](const std::string& name) -> const Eigen::MatrixXd& {
-    const auto found = archive.real.find(name);
-    if (found == archive.real.end()) throw fault(name);
-    return found->second;
-  };
-  const auto integer = [&](const std::string& name) -> const std::vector<std::int64_t>& {
-    const auto found = archive.integer.find(name);
-    if (found == archive.integer.end()) throw fault(name);
-    return found->second;
-  };
-  const auto integers = [&](const std::string& name) {
-    std::vector<int> list;
-    for (const std::int64_t value : integer(name)) list.push_back(static_cast<int>(value));
-    return list;
-  };
-
-  Model m;
-  const std::vector<int> size = integers("size"), cell = integers("cell");
-  if (size.size() != 5) throw fault("size");
-  m.dimension = size[0];
-  m.degree = size[1];
-  if (static_cast<int>(cell.size()) != size[2] * size[3]) throw fault("cell");
-  m.cell = Eigen::Map<const Eigen::MatrixXi>(cell.data(), size[2], size[3]);
-  m.analysis = static_cast<Analysis>(size[4]);
-  m.node = real("node");
-  m.part = integers("part");
-  const std::vector<std::string> names = texts(integer("part_names"));
-  const Eigen::MatrixXd& material = real("material");
-  if (material.rows() != material_rows || material.cols() != static_cast<Eigen::Index>(names.size()))
-    throw fault("material");
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto of = material.col(static_cast<Eigen::Index>(i));
-    m.parts.push_back({names[i],
-                       {.model = static_cast<MaterialModel>(static_cast<int>(of(0))),
-                        .density = of(1),
-                        .young = of(2),
-                        .poisson = of(3),
-                        .plane_stress = of(4) != 0},
-                       false});
-  }
-  m.fixed = integers("fixed");
-  m.interface_position = real("interface_position");
-  m.interface = weights(real("interface"), m.interface_position.cols(), m.node.cols());
-  m.probe = texts(integer("probe_names"));
-  m.probe_at = real("probe_at");
-  m.probe_weights = weights(real("probe"), m.probe_at.cols(), m.node.cols());
-  m.support_velocity = real("support_velocity");
-  m.gravity = real("gravity");
-  m.own_load = real("own_load");
-  const Eigen::MatrixXd& scalars = real("scalars");
-  if (scalars.size() != 4) throw fault("scalars");
-  m.gravity_ramp = scalars(0);
-  m.own_load_ramp = scalars(1);
-  m.damping = {.mass = scalars(2), .stiffness = scalars(3)};
-  return m;
 }
 
 double shortest_edge(const Model& m) {

@@ -1,14 +1,14 @@
 #pragma once
 
+#include "proto/interface.hpp"
+#include "structure/body/parameters.hpp"
+#include "structure/body/solid.hpp"
+
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
 #include <string>
 #include <vector>
-
-#include "proto/interface.hpp"
-#include "structure/parameters.hpp"
-#include "structure/solid.hpp"
 
 namespace strake::structure::deck {
 
@@ -40,7 +40,7 @@ struct Model {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();           // [m/s²]
   double gravity_ramp = 0;                                     // [s], see structure::ramp_factor
   Eigen::VectorXd own_load;                                    // [N] of [structure.load] at full value
-  Eigen::VectorXd node_mass;  // n [kg] ∫ρN, where the mesh's own program made the model: in no archive
+  Eigen::VectorXd node_mass;  // n [kg] ∫ρN, where the mesh's own program made the model
   double own_load_ramp = 0;   // [s]
   Damping damping;
 
@@ -53,10 +53,6 @@ struct Model {
 /// share of a load, and of a probe, goes to the other nodes as the shape functions of the element that is
 /// left have it in that place, which keeps work, force and moment.
 Model with_edge_nodes(Model lagrange);
-
-Archive to_archive(const Model&);
-/// Throws Error(case_file) with `source` where something is missing.
-Model from_archive(const Archive&, const std::string& source);
 
 /// Length of the shortest edge of a cell [m].
 double shortest_edge(const Model&);

@@ -1,17 +1,16 @@
 // What finite elements solve without time: equilibrium under the case's own load, and natural frequencies.
 
+#include "proto/error.hpp"
+#include "structure/fem/modal.hpp"
+#include "structure/fem/require_constrained.hpp"
 #include "structure/fem/solver.hpp"
+#include "structure/material/material.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 #include <utility>
-
-#include "proto/error.hpp"
-#include "structure/fem/held.hpp"
-#include "structure/fem/modal.hpp"
-#include "structure/material.hpp"
 
 namespace strake::structure::fem {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <memory>
+#include "structure/body/parameters.hpp"
+#include "structure/solver/solver.hpp"
 
-#include "structure/parameters.hpp"
-#include "structure/solver.hpp"
+#include <memory>
 
 namespace strake::structure::fem {
 

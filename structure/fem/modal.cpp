@@ -1,13 +1,13 @@
 #include "structure/fem/modal.hpp"
 
+#include "proto/error.hpp"
+
 #include <Spectra/SymGEigsShiftSolver.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
-
-#include "proto/error.hpp"
 
 namespace strake::structure::fem {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <vector>
+#include "structure/fem/element/assembly.hpp"
+#include "structure/fem/linear/linear_solver.hpp"
 
-#include "structure/fem/assembly.hpp"
-#include "structure/fem/linear_solver.hpp"
+#include <vector>
 
 namespace strake::structure::fem {
 

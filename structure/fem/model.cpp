@@ -1,10 +1,10 @@
 #include "structure/fem/model.hpp"
 
 #include "proto/error.hpp"
-#include "structure/fem/assembly.hpp"
-#include "structure/fem/held.hpp"
-#include "structure/fem/mesh.hpp"
-#include "structure/surface.hpp"
+#include "structure/body/surface.hpp"
+#include "structure/fem/element/assembly.hpp"
+#include "structure/fem/mesh/mesh.hpp"
+#include "structure/fem/require_constrained.hpp"
 
 #include <algorithm>
 

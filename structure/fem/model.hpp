@@ -1,10 +1,10 @@
 #pragma once
 
-#include <vector>
-
-#include "proto/case_keys.hpp"
+#include "proto/case/case_keys.hpp"
+#include "structure/body/parameters.hpp"
 #include "structure/deck/model.hpp"
-#include "structure/parameters.hpp"
+
+#include <vector>
 
 namespace strake::structure::fem {
 

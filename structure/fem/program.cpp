@@ -1,5 +1,6 @@
-#include "structure/program.hpp"
+#include "structure/solver/program.hpp"
 
+#include "structure/deck_export/deck_export.hpp"
 #include "structure/fem/make_solver.hpp"
 #include "structure/fem/model.hpp"
 #include "structure/fem/size.hpp"
@@ -7,7 +8,14 @@
 namespace strake::structure {
 
 SolverProgram this_program() {
-  return {"fem", [](const Parameters& p) { return fem::make_solver(p); }, &fem::sizes, 1, &fem::model};
+  return {.kind = "fem",
+          .build = [](const Parameters& p) { return fem::make_solver(p); },
+          .sizes = &fem::sizes,
+          .properties_cost = 1,
+          .export_deck =
+              [](const Parameters& p, const CommonKeys& common, const DeckRequest& wanted) {
+                return export_deck(fem::model(p, common.probes), common.title, wanted);
+              }};
 }
 
 }  // namespace strake::structure

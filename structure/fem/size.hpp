@@ -1,6 +1,6 @@
 #pragma once
 
-#include "structure/size.hpp"
+#include "structure/body/size.hpp"
 
 namespace strake::structure::fem {
 

@@ -1,5 +1,12 @@
 #include "structure/fem/solver.hpp"
 
+#include "proto/error.hpp"
+#include "structure/body/surface.hpp"
+#include "structure/fem/make_solver.hpp"
+#include "structure/fem/modal.hpp"
+#include "structure/fem/require_constrained.hpp"
+#include "structure/material/material.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,13 +15,6 @@
 #include <limits>
 #include <string_view>
 #include <utility>
-
-#include "proto/error.hpp"
-#include "structure/fem/held.hpp"
-#include "structure/fem/make_solver.hpp"
-#include "structure/fem/modal.hpp"
-#include "structure/material.hpp"
-#include "structure/surface.hpp"
 
 namespace strake::structure::fem {
 namespace {

@@ -1,23 +1,23 @@
 #pragma once
 
+#include "structure/body/parameters.hpp"
+#include "structure/fem/element/assembly.hpp"
+#include "structure/fem/element/damage.hpp"
+#include "structure/fem/linear/linear_solver.hpp"
+#include "structure/fem/mesh/mesh.hpp"
+#include "structure/fem/mesh/point_interpolation.hpp"
+#include "structure/fem/mesh/recovery.hpp"
+#include "structure/fem/newmark.hpp"
+#include "structure/fem/newton.hpp"
+#include "structure/fem/support_motion.hpp"
+#include "structure/solver/solver.hpp"
+
 #include <array>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "structure/fem/assembly.hpp"
-#include "structure/fem/damage.hpp"
-#include "structure/fem/frame.hpp"
-#include "structure/fem/linear_solver.hpp"
-#include "structure/fem/mesh.hpp"
-#include "structure/fem/newmark.hpp"
-#include "structure/fem/newton.hpp"
-#include "structure/fem/recovery.hpp"
-#include "structure/fem/transfer.hpp"
-#include "structure/parameters.hpp"
-#include "structure/solver.hpp"
 
 namespace strake::structure::fem {
 

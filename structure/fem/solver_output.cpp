@@ -1,12 +1,12 @@
+#include "proto/error.hpp"
+#include "structure/body/beam.hpp"
+#include "structure/body/material_law.hpp"
+#include "structure/fem/solver.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
-
-#include "proto/error.hpp"
-#include "structure/beam.hpp"
-#include "structure/fem/solver.hpp"
-#include "structure/material_law.hpp"
 
 // What a finite-element solver tells: checkpoints, frames, the lines of a run, what it made of the body.
 

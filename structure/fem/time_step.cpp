@@ -1,5 +1,6 @@
 // How the finite elements step through time: one window is one step.
 
+#include "proto/error.hpp"
 #include "structure/fem/solver.hpp"
 
 #include <fmt/format.h>
@@ -8,8 +9,6 @@
 #include <cassert>
 #include <cmath>
 #include <utility>
-
-#include "proto/error.hpp"
 
 namespace strake::structure::fem {
 namespace {

@@ -1,9 +1,9 @@
 #include "structure/particle/failure.hpp"
 
-#include "structure/softening.hpp"
+#include "structure/failure/softening.hpp"
 
-#include <fmt/format.h>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

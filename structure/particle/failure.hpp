@@ -1,6 +1,6 @@
 #pragma once
 
-#include "structure/failure_record.hpp"
+#include "structure/failure/failure_record.hpp"
 #include "structure/particle/bonds.hpp"
 
 #include <cstdint>

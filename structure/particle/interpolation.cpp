@@ -1,9 +1,8 @@
+#include "proto/error.hpp"
 #include "structure/particle/lattice.hpp"
 
-#include "proto/error.hpp"
-
-#include <fmt/format.h>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "proto/interface.hpp"
-#include "structure/mass.hpp"
-#include "structure/parameters.hpp"
+#include "structure/body/mass.hpp"
+#include "structure/body/parameters.hpp"
 
 #include <Eigen/SparseCore>
 

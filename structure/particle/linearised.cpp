@@ -2,9 +2,9 @@
 
 #include "proto/error.hpp"
 
-#include <fmt/format.h>
 #include <Eigen/Dense>
 #include <Eigen/SparseLU>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
-#include "structure/program.hpp"
+#include "structure/solver/program.hpp"
+
+#include "structure/body/size.hpp"
 #include "structure/particle/solver.hpp"
-#include "structure/size.hpp"
 
 #include <omp.h>
 

@@ -1,16 +1,16 @@
 #include "structure/particle/solver.hpp"
 
 #include "proto/error.hpp"
-#include "structure/beam.hpp"
-#include "structure/material.hpp"
+#include "structure/body/beam.hpp"
+#include "structure/body/surface.hpp"
+#include "structure/material/material.hpp"
 #include "structure/particle/linearised.hpp"
 #include "structure/particle/pair_model.hpp"
 #include "structure/particle/total_lagrangian.hpp"
-#include "structure/surface.hpp"
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

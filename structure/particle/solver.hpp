@@ -5,8 +5,8 @@
 #include "structure/particle/elastic_model.hpp"
 #include "structure/particle/failure.hpp"
 #include "structure/particle/lattice.hpp"
-#include "structure/solver.hpp"
-#include "structure/support_frame.hpp"
+#include "structure/rigid/support_frame.hpp"
+#include "structure/solver/solver.hpp"
 
 #include <map>
 #include <memory>

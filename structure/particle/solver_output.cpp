@@ -1,11 +1,11 @@
 #include "proto/error.hpp"
-#include "structure/beam.hpp"
-#include "structure/material.hpp"
-#include "structure/material_law.hpp"
+#include "structure/body/beam.hpp"
+#include "structure/body/material_law.hpp"
+#include "structure/material/material.hpp"
 #include "structure/particle/solver.hpp"
 
-#include <fmt/format.h>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "structure/particle/total_lagrangian.hpp"
 
-#include "structure/material.hpp"
+#include "structure/material/material.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Builds coupler/watch/page/bundle/page.js from its sources; with --check, says whether the one that is committed is it.
+// Builds coupler/watch/web/page/bundle/page.js from its sources; with --check, says whether the one that is committed is it.
 import { build } from 'esbuild';
 import { readFile, writeFile } from 'node:fs/promises';
 import { fileURLToPath } from 'node:url';
@@ -20,7 +20,7 @@ const made = await build({
 const file = page + 'bundle/page.js', text = made.outputFiles[0].text;
 if (process.argv.includes('--check')) {
   if (await readFile(file, 'utf8') !== text) {
-    console.error('coupler/watch/page/bundle/page.js is not what its sources build\n  fix: npm --prefix tests/browser run bundle');
+    console.error('coupler/watch/web/page/bundle/page.js is not what its sources build\n  fix: npm --prefix tests/browser run bundle');
     process.exit(1);
   }
   console.log('the committed bundle is what its sources build');

@@ -12,7 +12,7 @@ export default defineConfig(
   {
     files: ['coupler/watch/page/source/*.ts'],
     extends: [tseslint.configs.strictTypeChecked],
-    languageOptions: { parserOptions: { project: `${root}coupler/watch/page/tsconfig.json` } },
+    languageOptions: { parserOptions: { project: `${root}coupler/watch/web/page/tsconfig.json` } },
     rules: {
       // Numbers in texts are what this page is about; indices are checked by noUncheckedIndexedAccess.
       '@typescript-eslint/restrict-template-expressions': ['error', { allowNumber: true }],

@@ -13,8 +13,8 @@
 
 namespace strake {
 
-/// Texts against a stored file of blocks "==== name" and text. STRAKE_WRITE_TEXTS=1 writes the file anew: read
-/// the difference before keeping it.
+/// Texts against a stored file of blocks "==== name" and text. STRAKE_WRITE_TEXTS=1 writes the file anew:
+/// read the difference before keeping it.
 inline void expect_golden(const std::filesystem::path& file,
                           const std::vector<std::pair<std::string, std::string>>& texts) {
   std::map<std::string, std::string> stored;

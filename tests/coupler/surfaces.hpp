@@ -1,13 +1,14 @@
 #pragma once
 
+#include "proto/interface.hpp"
+
 #include <Eigen/Geometry>
+
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
 #include <string>
-
-#include "proto/interface.hpp"
 
 namespace strake {
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "fluid/particles/state.hpp"
+
 #include <cstdint>
 #include <random>
 #include <vector>
-
-#include "fluid/state.hpp"
 
 namespace strake::fluid {
 

@@ -1,12 +1,14 @@
 #include "fluid/participant.hpp"
 
+#include "fluid/case/read_parameters.hpp"
+#include "proto/case/case_file.hpp"
+#include "proto/error.hpp"
+#include "tests/proto/temporary_folder.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
-
-#include "proto/error.hpp"
-#include "tests/proto/temporary_folder.hpp"
 
 namespace strake::fluid {
 namespace {

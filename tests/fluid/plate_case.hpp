@@ -1,7 +1,7 @@
 #pragma once
 
-#include "fluid/parameters.hpp"
-#include "fluid/simulation.hpp"
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/simulation/simulation.hpp"
 
 #include <array>
 #include <limits>

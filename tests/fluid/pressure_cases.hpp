@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fluid/poisson_solver.hpp"
+#include "fluid/pressure_solver/poisson_solver.hpp"
 #include "tests/fluid/lattice.hpp"
 
 #include <Eigen/Core>

@@ -1,10 +1,10 @@
 #include "fluid/size.hpp"
 
+#include "fluid/boundary/fill.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
-#include "fluid/fill.hpp"
 
 namespace strake::fluid {
 namespace {

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "fluid/parameters.hpp"
+#include "fluid/parameters/parameters.hpp"
 #include "proto/interface.hpp"
-#include "structure/shape.hpp"
-#include "structure/solid_surface.hpp"
-#include "structure/surface.hpp"
+#include "structure/body/shape.hpp"
+#include "structure/body/solid_surface.hpp"
+#include "structure/body/surface.hpp"
 
 #include <Eigen/Core>
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "fluid/particles/state.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-
-#include "fluid/state.hpp"
 
 namespace strake::fluid {
 

@@ -1,10 +1,10 @@
 #include "fluid/window_motion.hpp"
 
+#include "proto/error.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "proto/error.hpp"
 
 namespace strake::fluid {
 namespace {

@@ -4,7 +4,7 @@
 // bytes, the least first) and that many bytes, the last one what is left.
 
 #include "proto/error.hpp"
-#include "proto/wire.hpp"
+#include "proto/wire/wire.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 #include <algorithm>

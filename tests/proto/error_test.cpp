@@ -1,8 +1,8 @@
 #include "proto/error.hpp"
 
-#include <gtest/gtest.h>
-
 #include "proto/interface.hpp"
+
+#include <gtest/gtest.h>
 
 namespace strake {
 namespace {

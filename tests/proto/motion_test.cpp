@@ -1,7 +1,7 @@
 #include "proto/motion.hpp"
 
 #include "proto/error.hpp"
-#include "proto/motion_file.hpp"
+#include "proto/files/motion_file.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
 #pragma once
 
+#include "proto/case/case_keys.hpp"
+
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "proto/case_keys.hpp"
 
 namespace strake {
 

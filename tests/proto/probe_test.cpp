@@ -1,11 +1,12 @@
 #include "proto/probe.hpp"
 
+#include "proto/error.hpp"
+
 #include <gtest/gtest.h>
+
 #include <cmath>
 #include <functional>
 #include <numbers>
-
-#include "proto/error.hpp"
 
 namespace strake {
 namespace {

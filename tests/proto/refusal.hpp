@@ -1,11 +1,11 @@
 #pragma once
 
+#include "proto/error.hpp"
+
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <string>
-
-#include "proto/error.hpp"
 
 namespace strake {
 

@@ -1,8 +1,8 @@
 #include "proto/visible.hpp"
 
-#include <gtest/gtest.h>
-
 #include "proto/error.hpp"
+
+#include <gtest/gtest.h>
 
 namespace strake {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "structure/parameters.hpp"
+#include "structure/body/parameters.hpp"
 
 #include <Eigen/Geometry>
 
@@ -14,9 +14,10 @@ namespace strake::structure {
 
 /// A bar 20 mm long and high (E 2 GPa, ρ 1000) of `layers` × `layers` cells between two blocks that are four
 /// hundred times as heavy and a hundred times as stiff, notched from above and below in its middle, down to a
-/// ligament of 10 mm. Its columns of cells lean by `lean` [rad] where the crack runs; the notches stand one above
-/// the other, or in one column of cells (`in_line`), which a crack then has before it. All of it is turned by
-/// `turn` [rad] about the origin, which is nothing to its cells, and turns a lattice of particles against it.
+/// ligament of 10 mm. Its columns of cells lean by `lean` [rad] where the crack runs; the notches stand one
+/// above the other, or in one column of cells (`in_line`), which a crack then has before it. All of it is
+/// turned by `turn` [rad] about the origin, which is nothing to its cells, and turns a lattice of particles
+/// against it.
 inline Parameters notched_cells(FailureCriterion criterion, int layers, double lean = 0, double turn = 0,
                                 bool in_line = false) {
   Parameters p;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "structure/parameters.hpp"
+#include "structure/body/parameters.hpp"
 
 namespace strake::structure {
 

@@ -1,10 +1,10 @@
 #include "structure/participant.hpp"
 
 #include "proto/error.hpp"
+#include "structure/body/surface.hpp"
 #include "structure/particle/solver.hpp"
-#include "structure/replay.hpp"
-#include "structure/rigid.hpp"
-#include "structure/surface.hpp"
+#include "structure/replay/replay.hpp"
+#include "structure/rigid/rigid.hpp"
 #include "tests/structure/paper_plate.hpp"
 
 #include <gtest/gtest.h>

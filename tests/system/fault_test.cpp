@@ -1,8 +1,8 @@
 // Real processes over ipc that die, freeze, lie or never speak. A step lasts 5 s: whatever ends earlier was
 // noticed inside it. Times are printed, not judged.
 
-#include "coupler/host.hpp"
-#include "coupler/stop_request.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "coupler/transport/host_name.hpp"
 #include "tests/system/faults.hpp"
 
 #include <unistd.h>

@@ -1,19 +1,19 @@
 #pragma once
 
-#include "coupler/launch.hpp"
-#include "coupler/remote.hpp"
+#include "coupler/participant/launch.hpp"
+#include "coupler/processes/remote.hpp"
 #include "proto/error.hpp"
 #include "tests/proto/temporary_folder.hpp"
 #include "tests/text/golden.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
 
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <signal.h>
+#include <sys/wait.h>
 #include <thread>
 
 namespace strake {

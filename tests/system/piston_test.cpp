@@ -1,16 +1,16 @@
 // cases/VALIDATION.md, "Piston and column" as two processes over ipc, up to a column a hundred times as heavy
 // as the piston.
 
+#include "coupler/coupling/scheme.hpp"
+#include "coupler/processes/remote.hpp"
+#include "tests/method/coupling/piston_models.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <vector>
-
-#include "coupler/remote.hpp"
-#include "coupler/scheme.hpp"
-#include "tests/method/piston_models.hpp"
 
 namespace strake {
 namespace {

@@ -1,7 +1,7 @@
 // A coupler with one toy participant, to be killed: toy_coupler PARTICIPANT LOG FAULT. Prints its endpoint.
 
-#include "coupler/remote.hpp"
-#include "coupler/stop_request.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "coupler/processes/remote.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>

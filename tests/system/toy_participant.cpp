@@ -2,13 +2,12 @@
 // STRAKE_TOY=NAME:KIND:WINDOW in the environment, for the participant of that name. Its displacement is the
 // number of its committed windows, so that rewind and commit can be seen from outside.
 
-#include "coupler/link.hpp"
-#include "coupler/serve.hpp"
+#include "coupler/participant/serve.hpp"
+#include "coupler/transport/sockets.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
 #include <sodium.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
@@ -18,6 +17,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -165,7 +165,8 @@ int speak_wrongly(const ServeOptions& options, const Wish& wish) {
 }
 
 bool keeps_no_rules(const std::string& fault) {
-  for (const char* rude : {"token", "protocol", "twice", "stale", "kind", "garbage", "short", "raw-nan", "talkative"})
+  for (const char* rude :
+       {"token", "protocol", "twice", "stale", "kind", "garbage", "short", "raw-nan", "talkative"})
     if (fault == rude) return true;
   return false;
 }

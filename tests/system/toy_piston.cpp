@@ -1,12 +1,12 @@
 // One side of cases/VALIDATION.md, "Piston and column" as a process of its own: toy_piston --connect … --name
 // fluid|structure --mu RATIO.
 
+#include "coupler/participant/serve.hpp"
+#include "tests/method/coupling/piston_models.hpp"
+
 #include <cstdlib>
 #include <memory>
 #include <string>
-
-#include "coupler/serve.hpp"
-#include "tests/method/piston_models.hpp"
 
 int main(int argc, char** argv) {
   using namespace strake;

@@ -1,8 +1,9 @@
 // A rigid floor on a spring, m y'' + k y = F, against the installed package; cases/python_spring/ has it in
 // Python.
-#include "coupler/participant_main.hpp"
-#include "proto/case_keys.hpp"
-#include "proto/vector_participant.hpp"
+#include "coupler/participant/participant_main.hpp"
+#include "proto/case/case_file.hpp"
+#include "proto/case/case_keys.hpp"
+#include "proto/files/vector_participant.hpp"
 
 using namespace strake;
 

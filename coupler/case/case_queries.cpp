@@ -1,0 +1,32 @@
+#include "coupler/case/case_queries.hpp"
+
+#include "coupler/case/compare_blocks.hpp"
+#include "coupler/case/coupling_keys.hpp"
+#include "proto/case/case_file.hpp"
+
+namespace strake {
+
+CommonKeys common_keys_of(const std::filesystem::path& case_file, const std::vector<std::string>& sets) {
+  CaseFile file = CaseFile::load(case_file, sets);
+  return read_common(file);
+}
+
+std::vector<CompareBlock> compare_blocks_of(const std::filesystem::path& case_file) {
+  CaseFile file = CaseFile::load(case_file);
+  return read_compare_blocks(file);
+}
+
+std::array<std::uint8_t, 32> case_hash(const std::filesystem::path& case_file,
+                                       const std::vector<std::string>& sets) {
+  return CaseFile::load(case_file, sets).hash();
+}
+
+std::vector<KeyInfo> coupler_declarations() {
+  CaseFile file = CaseFile::declarations_only();
+  read_common(file);
+  read_coupling(file);
+  read_compare_blocks(file);
+  return file.declared();
+}
+
+}  // namespace strake

@@ -1,0 +1,74 @@
+#include "coupler/case/case_scheme.hpp"
+
+namespace strake {
+
+namespace {
+
+// A wet point farther than this from the structure's surface [fluid.spacing] belongs to another shape.
+constexpr double farthest_wet_point = 2.0;
+// A converged residual, where the case gives none [fluid.spacing].
+constexpr double absolute_residual = 1e-6;
+
+Mapping mapping_of(const CouplingCase& view, const InterfaceMesh& structure, const InterfaceMesh& fluid) {
+  if (view.common.interface == "volume") return identity(structure, fluid);
+  MappingParameters mapping = view.coupling.mapping;
+  if (view.spacing) mapping.limit = farthest_wet_point * *view.spacing;
+  return make_mapping(mapping, structure, fluid);
+}
+
+}  // namespace
+
+std::string remedy_of(const CouplingCase& view) {
+  if (view.common.fluid_solver == "replay")
+    return "the load is recorded and stays as it is however short the window: record it anew with a shorter "
+           "coupling.surface.window, or compute the fluid";
+  if (view.common.interface == "surface" && !view.coupling.iterates())
+    return "raise coupling.surface.converged.max_iterations: one iteration per window is unstable where the "
+           "added mass is not small";
+  return {};
+}
+
+Deadlines deadlines_of(const CouplingKeys& keys, bool patient) {
+  Deadlines deadlines;
+  deadlines.hello = std::chrono::duration<double>(keys.start_within);
+  deadlines.by_hand = std::chrono::duration<double>(keys.attach_within);
+  deadlines.frozen_after = std::chrono::duration<double>(keys.frozen_after);
+  deadlines.answer_within = std::chrono::duration<double>(keys.answer_within);
+  deadlines.patient = patient;
+  return deadlines;
+}
+
+SchemeParameters scheme_of(const CouplingCase& view, const Participant& structure) {
+  const CouplingKeys& keys = view.coupling;
+  SchemeParameters scheme;
+  scheme.volume = view.common.interface == "volume";
+  scheme.parallel = keys.parallel;
+  scheme.predictor = predictor_kind(keys.predictor);
+  scheme.accelerator = {.kind = keys.accelerator,
+                        .initial_relaxation = keys.initial_relaxation,
+                        .reused_windows = keys.reused_windows,
+                        .filter = keys.filter,
+                        .filter_kind = keys.filter_kind,
+                        .max_columns = keys.max_columns};
+  scheme.convergence.relative = keys.relative;
+  // A length is no measure of a field that is none.
+  scheme.convergence.absolute = keys.absolute;
+  if (keys.absolute == 0 && is_motion(fields_of_structure(structure)))
+    scheme.convergence.absolute = absolute_residual * view.spacing.value_or(0.01);
+  scheme.convergence.min_iterations = keys.min_iterations;
+  scheme.convergence.max_iterations = keys.max_iterations;
+  scheme.convergence.then = keys.unconverged;
+  scheme.convergence.measure = keys.measure;
+  scheme.convergence.residual_relative = keys.residual_relative;
+  scheme.convergence.load = keys.load;
+  return scheme;
+}
+
+Transfer transfer_of(const CouplingCase& view, const Participant& structure, const Participant& fluid) {
+  std::optional<Mapping> back;
+  if (Transfer::needs_way_back(fields_of_structure(structure), fields_of_fluid(fluid)))
+    back = mapping_of(view, fluid.mesh(), structure.mesh());
+  return {mapping_of(view, structure.mesh(), fluid.mesh()), std::move(back)};
+}
+
+}  // namespace strake

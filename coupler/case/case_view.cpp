@@ -1,0 +1,246 @@
+#include "coupler/case/case_view.hpp"
+
+#include "coupler/case/compare_blocks.hpp"
+#include "coupler/participant/launch.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "proto/case/case_depth.hpp"
+#include "proto/case/case_file.hpp"
+#include "proto/case/size_limit.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+
+namespace strake {
+
+namespace {
+
+std::string text_of(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  if (const auto* array = node.as_array()) {
+    std::string text = "[";
+    for (const auto& item : *array) text += (text.size() > 1 ? ", " : "") + text_of(item);
+    return text + "]";
+  }
+  return {};
+}
+
+void flatten(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& value) {
+  for (const auto& [key, node] : table) {
+    const std::string path = prefix.empty() ? std::string(key.str()) : prefix + "." + std::string(key.str());
+    if (const auto* inner = node.as_table())
+      flatten(*inner, path, value);
+    else
+      value[path] = text_of(node);
+  }
+}
+
+/// The sections of a TOML text that the coupler answers for: those of the two sides come from their programs.
+std::string without_sides(const std::string& toml_text) {
+  std::istringstream lines(toml_text);
+  std::string line, kept;
+  bool keep = true;
+  while (std::getline(lines, line)) {
+    if (line.starts_with('[')) {
+      const std::string name = line.substr(line.find_first_not_of('['));
+      const std::string top = name.substr(0, name.find_first_of(".] \t"));
+      keep = top != "fluid" && top != "structure";
+    }
+    if (keep) kept += line + "\n";
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::string ask(const std::filesystem::path& program, std::vector<std::string> arguments,
+                const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                const StopRequest* stop) {
+  const std::string mode = arguments.front();
+  arguments.insert(arguments.end(), {"--case", case_file.string()});
+  for (const std::string& set : sets) {
+    arguments.push_back("--set");
+    arguments.push_back(set);
+  }
+  const Captured answer = capture(program, arguments, std::chrono::seconds(120), stop);
+  if (answer.exit_code == 0) return answer.out;
+  const std::string words = answer.err.empty() ? answer.out : answer.err;
+  switch (answer.exit_code) {
+    case static_cast<int>(ExitCode::case_file):
+    case static_cast<int>(ExitCode::command_line):
+    case static_cast<int>(ExitCode::solver_fault):
+    case static_cast<int>(ExitCode::cannot_write):
+    case static_cast<int>(ExitCode::our_bug):
+      throw Error(static_cast<ExitCode>(answer.exit_code), "", words);
+    default:
+      throw Error(ExitCode::participant_lost, program.string(),
+                  fmt::format("{} ended with exit code {}\n{}", mode, answer.exit_code, words),
+                  fmt::format("run it by hand: {} {} --case {}", program.string(), mode, case_file.string()));
+  }
+}
+
+namespace {
+
+SideView look_at(const std::string& name, const std::string& solver, CaseFile file,
+                 const std::vector<std::string>& sets, const StopRequest* stop,
+                 const std::vector<std::string>& by_hand) {
+  SideView side{.side = name, .solver = solver, .program = {}, .lines = {}, .echo = {}};
+  const bool users = solver.find('/') != std::string::npos;
+  const bool elsewhere = std::find(by_hand.begin(), by_hand.end(), name) != by_hand.end();
+  std::error_code ignored;
+  if (users && !elsewhere && !std::filesystem::is_regular_file(solver, ignored))
+    throw file.root().table(name).error("solver", "the path of a program", "there is no file " + solver);
+  if (users && elsewhere)
+    side.program = solver;
+  else
+    side.program = find_program(program_name(name, solver), file.folder());
+  if (users) return side;  // it knows its own table; nobody else does
+  std::istringstream lines(ask(side.program, {"--check"}, file.path(), sets, stop));
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty()) side.lines.push_back(line);
+  side.echo = ask(side.program, {"--echo"}, file.path(), sets, stop);
+  return side;
+}
+
+/// A window has a row of the history and a number: more of them than that no disk and no integer holds.
+void check_windows(CaseFile& file, const CommonKeys& common) {
+  constexpr double most = 2e9;
+  const double windows = common.end_time / common.window;
+  if (windows <= most) return;
+  throw file.root().error(
+      "end_time",
+      fmt::format("at most {:g} windows of {:.6g} s, these would be {:.2g}", most, common.window, windows),
+      fmt::format("end_time = {:.2g} or less, or a longer coupling.{}.window", most * common.window,
+                  common.interface));
+}
+
+/// What no single key can tell.
+void check_across(CaseFile& file, const CommonKeys& common) {
+  if (common.fluid_solver == "none" && common.structure_solver == "none")
+    throw file.root().table("fluid").error("solver", "a fluid, or a structure with structure.solver",
+                                           "leave out one of the two \"none\"");
+  if (common.fluid_solver == "none" || common.structure_solver == "none") return;
+  if (common.interface == "volume" && common.structure_solver != "particle" &&
+      common.structure_solver.find('/') == std::string::npos)
+    throw file.root()
+        .table("coupling")
+        .error("interface", "\"surface\": volume coupling needs structure.solver = \"particle\"",
+               "structure.solver = \"particle\", or interface = \"surface\"");
+}
+
+}  // namespace
+
+std::vector<std::string> lines_with(const std::string& words, const SideView& side) {
+  std::vector<std::string> found;
+  for (const std::string& line : side.lines)
+    if (line.starts_with(words)) found.push_back(line.substr(words.size()));
+  return found;
+}
+
+bool is_large(const SideView& side) {
+  return !lines_with(not_built_words, side).empty();
+}
+
+std::string program_name(const std::string& side, const std::string& solver) {
+  if (solver.find('/') != std::string::npos) return solver;
+  if (side == "fluid") return solver == "mps" ? "strake-fluid" : "strake-fluid-" + solver;
+  return "strake-structure-" + solver;
+}
+
+std::map<std::string, std::string> flatten_toml(const std::string& text, const std::string& name) {
+  require_shallow(text, name);
+  try {
+    std::map<std::string, std::string> value;
+    flatten(toml::parse(text, name), {}, value);
+    return value;
+  } catch (const toml::parse_error& error) {
+    throw Error(ExitCode::case_file,
+                fmt::format("{}:{}:{}", name, error.source().begin.line, error.source().begin.column),
+                std::string(error.description()));
+  }
+}
+
+std::optional<std::string> ask_solver(const CaseView& view, const std::string& side,
+                                      const std::string& solver, const std::string& mode,
+                                      const StopRequest* stop) {
+  std::filesystem::path program;
+  try {
+    program = find_program(program_name(side, solver), view.folder);
+  } catch (const Error&) {
+    return std::nullopt;  // an optional one that was not built
+  }
+  std::vector<std::string> sets = view.sets;
+  sets.push_back(fmt::format("{}.solver={}", side, solver));
+  return ask(program, {mode}, view.path, sets, stop);
+}
+
+CaseLookup CaseView::lookup() const {
+  return [values = value](const std::string& key) -> std::optional<std::string> {
+    const auto found = values.find(key);
+    if (found == values.end()) return std::nullopt;
+    return found->second;
+  };
+}
+
+std::optional<double> CaseView::number(const std::string& key) const {
+  const auto found = value.find(key);
+  if (found == value.end() || found->second.empty()) return std::nullopt;
+  char* end = nullptr;
+  const double number = std::strtod(found->second.c_str(), &end);
+  return *end == '\0' ? std::optional<double>(number) : std::nullopt;
+}
+
+CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                   const StopRequest* stop, const std::vector<std::string>& by_hand) {
+  CaseFile file = CaseFile::load(case_file, sets);
+  const CommonKeys common = read_common(file);
+  const CouplingKeys coupling = read_coupling(file);
+  const std::vector<CompareBlock> blocks = read_compare_blocks(file);
+  file.root().table("fluid").accept_all();  // its program judges it
+  file.root().table("structure").accept_all();
+  file.refuse_unknown();
+  check_windows(file, common);
+  check_across(file, common);
+
+  CaseView view{.path = file.path(),
+                .folder = file.folder(),
+                .hash = file.hash(),
+                .common = common,
+                .coupling = coupling,
+                .blocks = blocks,
+                .fluid = std::nullopt,
+                .structure = std::nullopt,
+                .sets = sets,
+                .resolved = {},
+                .value = {}};
+  if (common.fluid_solver != "none")
+    view.fluid = look_at("fluid", common.fluid_solver, file, sets, stop, by_hand);
+  if (common.structure_solver != "none")
+    view.structure = look_at("structure", common.structure_solver, file, sets, stop, by_hand);
+
+  const std::string own = file.echo();
+  view.resolved = without_sides(own);
+  for (const auto& side : {view.fluid, view.structure})
+    if (side && !side->echo.empty()) view.resolved += "\n" + side->echo;
+  for (const auto& text :
+       {own, view.fluid ? view.fluid->echo : "", view.structure ? view.structure->echo : ""})
+    for (const auto& [key, text_value] : flatten_toml(text, "case.toml")) view.value[key] = text_value;
+  // A side that is absent still has its word in case.toml, or the echo would read as the default.
+  if (!view.fluid) view.resolved += "\n[fluid]\nsolver = \"none\"\n";
+  if (!view.structure) view.resolved += "\n[structure]\nsolver = \"none\"\n";
+  for (const auto& side : {view.fluid, view.structure})
+    if (side && side->echo.empty())
+      view.resolved += "\n# read by a program of the user's: as given, files relative to " +
+                       file.folder().string() + "\n" +
+                       file.as_given(side->side, std::filesystem::absolute(side->program).string());
+  return view;
+}
+
+}  // namespace strake

@@ -1,0 +1,74 @@
+#pragma once
+
+#include "coupler/case/coupling_keys.hpp"
+#include "coupler/compare/compare_block.hpp"
+#include "proto/case/case_keys.hpp"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+class StopRequest;
+
+/// One side of a case: the program that solves it and what that program understood.
+struct SideView {
+  std::string side;    // "fluid" | "structure"
+  std::string solver;  // "mps", "fem", …, or the path of a user's program
+  std::filesystem::path program;
+  std::vector<std::string> lines;  // of its --check: derived numbers
+  std::string echo;                // its resolved tables, TOML; empty for a user's program
+};
+
+/// Lines of a side's own check that begin so, without those words.
+std::vector<std::string> lines_with(const std::string& words, const SideView&);
+/// Whether its own check says that it takes long to build.
+bool is_large(const SideView&);
+
+/// A case as all programs of the run read it.
+struct CaseView {
+  std::filesystem::path path, folder;   // of the case file; relative paths in it are relative to its folder
+  std::array<std::uint8_t, 32> hash{};  // CaseFile::hash()
+  CommonKeys common;
+  CouplingKeys coupling;
+  std::vector<CompareBlock> blocks;
+  std::optional<SideView> fluid, structure;  // none: solver = "none"
+  std::vector<std::string> sets;
+  std::string resolved;                      // case.toml of the run folder: every key, defaults marked
+  std::map<std::string, std::string> value;  // key → resolved value as text
+
+  CaseLookup lookup() const;
+  /// The resolved value as a number, or nothing.
+  std::optional<double> number(const std::string& key) const;
+  bool coupled() const { return fluid && structure; }
+};
+
+/// Reads the case with the coupler's keys and asks each side's program to check its own; so everything that
+/// `run` would refuse is refused here, before a run folder exists. Throws Error. by_hand: sides that the user
+/// starts; a program of the user's need not be on this machine then.
+CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                   const StopRequest* stop = nullptr, const std::vector<std::string>& by_hand = {});
+
+/// Runs one mode of a program ("--check", or "--export" and what goes with it) on a case; what it prints.
+/// What it refuses is thrown with its own words and exit code.
+std::string ask(const std::filesystem::path& program, std::vector<std::string> arguments,
+                const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                const StopRequest* stop = nullptr);
+
+/// What a mode of a program of ours says ("--properties") of the case with another solver in the side's place
+/// ("particle"); nothing where the program is not installed. What it refuses is thrown with its own words.
+std::optional<std::string> ask_solver(const CaseView&, const std::string& side, const std::string& solver,
+                                      const std::string& mode, const StopRequest* stop);
+
+/// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.
+std::string program_name(const std::string& side, const std::string& solver);
+
+/// Every value of a TOML text by its full key: numbers in shortest form, arrays as "[0, -6.26, 0]".
+std::map<std::string, std::string> flatten_toml(const std::string& text, const std::string& name);
+
+}  // namespace strake

@@ -1,0 +1,127 @@
+#include "coupler/case/case_view.hpp"
+#include "coupler/commands/commands.hpp"
+#include "coupler/console/console.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "coupler/run/run_folder.hpp"
+#include "coupler/run/session.hpp"
+#include "proto/case/size_limit.hpp"
+#include "proto/error.hpp"
+#include "proto/files/whole_file.hpp"
+#include "proto/visible.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+namespace strake {
+namespace {
+
+/// The case's body as each discretisation of ours has it; one that cannot take the case says why.
+void print_properties(const CaseView& view, const StopRequest& stop) {
+  std::string rows;
+  for (const std::string solver : {"fem", "particle", "rigid"}) try {
+      rows += ask_solver(view, "structure", solver, "--properties", &stop).value_or("");
+    } catch (const Error& error) {
+      if (solver == "rigid" || view.structure->solver == "rigid")
+        continue;  // no third and second opinion then
+      // The line, and from below it what was expected there.
+      const std::string words = error.problem(), expected = "^ expected ";
+      std::string why = words.substr(0, words.find('\n'));
+      if (const std::size_t at = words.find(expected); at != std::string::npos)
+        why += ": " + words.substr(at + expected.size(), words.find('\n', at) - at - expected.size());
+      rows += fmt::format("{:<10} not with this case: {}\n", solver, why);
+    }
+  if (!rows.empty())
+    fmt::print("\nthe body, by discretisation\n{:<10} {:>12}   {} {:>14}   {:<28} {}\n{}", "solver",
+               "mass [kg]", "centre [m]", "inertia [kg m2]", "f1, f2, f3 dry [Hz]", "stable step",
+               visible(rows));
+}
+
+/// The title, how large each side is, and what of them is not built.
+void print_head(const CaseView& view, const CheckOptions& options) {
+  std::vector<std::string> sizes, not_built;
+  for (const auto& side : {view.fluid, view.structure}) {
+    if (!side) continue;
+    for (const std::string& text : lines_with(size_words, *side)) sizes.push_back(side->side + ": " + text);
+    for (const std::string& text : lines_with(not_built_words, *side))
+      not_built.push_back(side->side + ": " + text);
+  }
+  fmt::print("{}\n", visible(view.common.title.empty() ? options.case_file.string() : view.common.title));
+  fmt::print("{}{}", block_text("size", sizes), block_text("not built", not_built));
+}
+
+/// Whether both sides are small enough for a check to set them up.
+bool can_be_built(const CaseView& view) {
+  for (const auto& side : {view.fluid, view.structure})
+    if (side && is_large(*side)) return false;
+  return true;
+}
+
+/// One drawing per discretisation, one above the other.
+void write_picture(const CaseView& view, const std::filesystem::path& path, const StopRequest& stop) {
+  std::string drawings;
+  double y = 0, width = 0;
+  for (const std::string solver : {"fem", "particle", "rigid"}) try {
+      const std::string drawing = ask_solver(view, "structure", solver, "--picture", &stop).value_or("");
+      if (drawing.empty() || (solver == "rigid" && y > 0 && view.structure->solver != "rigid")) continue;
+      const auto number = [&](const std::string& name) {
+        const std::size_t at = drawing.find(name + "='");
+        return at == std::string::npos ? 0.0 : std::strtod(drawing.c_str() + at + name.size() + 2, nullptr);
+      };
+      drawings += fmt::format("<g transform='translate(0 {:.0f})'>\n{}</g>\n", y, drawing);
+      y += number("height");
+      width = std::max(width, number("width"));
+    } catch (const Error&) {  // the table says why
+    }
+  if (drawings.empty())
+    throw Error(ExitCode::command_line, "--picture " + path.string(),
+                "the case has no structure of ours to draw", "leave --picture out");
+  write_whole(path, fmt::format("<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' "
+                                "viewBox='0 0 {0:.0f} {1:.0f}'>\n{2}</svg>\n",
+                                width, y, drawings));
+  fmt::print("\npicture    {}\n", path.string());
+}
+
+/// What both sides say of the case when they are set up, as a run would do it.
+void print_understood(const CaseView& view, const CheckOptions& options, const StopRequest& stop) {
+  const TemporaryFolder folder;
+  const Session session(view, {.run_folder = {},
+                               .log_folder = folder.path(),
+                               .patient = options.patient,
+                               .say = [](const std::string& line) { put(stderr, visible(line) + "\n"); },
+                               .stop = &stop});
+  print_head(view, options);
+  for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
+  fmt::print("{}", block_text("mapping", session.mapping_lines()));
+  for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
+}
+
+}  // namespace
+
+/// Everything that `run` would refuse, the set-up of both solvers included where it does not take long; no
+/// window is advanced, nothing stays.
+ExitCode check(const CheckOptions& options, const StopRequest& stop) {
+  const CaseView view = read_case(options.case_file, options.sets, &stop);
+  const bool built = can_be_built(view);
+  if (built)
+    print_understood(view, options, stop);
+  else
+    print_head(view, options);
+
+  const bool ours = view.structure && view.structure->solver.find('/') == std::string::npos;
+  if (built && ours && view.structure->solver != "replay") print_properties(view, stop);
+  if (!options.picture.empty()) {
+    if (!view.structure || !ours)
+      throw Error(ExitCode::command_line, "--picture " + options.picture.string(),
+                  "the case has no structure of ours to draw", "leave --picture out");
+    write_picture(view, options.picture, stop);
+  }
+  fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));
+  fmt::print("\n{}: nothing to refuse{}\n  next    strake run {}\n", options.case_file.string(),
+             built ? "" : " before it is built", options.case_file.string());
+  return ExitCode::done;
+}
+
+}  // namespace strake

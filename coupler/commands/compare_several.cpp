@@ -1,0 +1,227 @@
+#include "coupler/commands/commands.hpp"
+#include "coupler/compare/comparison.hpp"
+#include "coupler/console/console.hpp"
+#include "coupler/console/join.hpp"
+#include "coupler/plot/compare_plot.hpp"
+#include "proto/files/result_file.hpp"
+#include "proto/visible.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace strake {
+namespace {
+
+struct Limit {
+  std::string metric;
+  double part = 0;
+};
+
+Limit read_limit(const std::string& text) {
+  const auto equals = text.find('=');
+  Limit limit = {text.substr(0, equals), 0};
+  const std::string number = equals == std::string::npos ? "" : text.substr(equals + 1);
+  const char* last = number.data() + number.size();
+  const auto [end, error] = std::from_chars(number.data(), last, limit.part);
+  const auto& known = record_metrics();
+  if (std::find(known.begin(), known.end(), limit.metric) == known.end()) {
+    const std::string near = did_you_mean(limit.metric, known);
+    throw Error(ExitCode::command_line, "--within " + text, "\"" + limit.metric + "\" is no metric",
+                near.empty() ? fmt::format("one of {}", joined(known)) : "did you mean " + near + "?");
+  }
+  if (error != std::errc() || end != last || !(limit.part >= 0) || !std::isfinite(limit.part))
+    throw Error(ExitCode::command_line, "--within " + text, "gives no limit",
+                "METRIC=PART, e.g. --within first_peak=0.05 for 5 %");
+  return limit;
+}
+
+/// Those asked for; else what every record holds, without the columns that belong to another (p.mean, p.max).
+std::vector<std::string> choose(const std::vector<RecordSource>& sources,
+                                const std::vector<std::string>& asked) {
+  if (!asked.empty()) return asked;
+  std::vector<std::string> shared;
+  const auto most = std::find_if(sources.begin(), sources.end(), [](const auto& s) { return s.is_run(); });
+  for (const std::string& name : (most == sources.end() ? sources.front() : *most).quantities()) {
+    const auto dot = name.rfind('.');
+    const std::string last = dot == std::string::npos ? "" : name.substr(dot + 1);
+    if (last == "mean" || last == "min" || last == "max" || last == "impulse") continue;
+    if (std::all_of(sources.begin(), sources.end(), [&](const auto& s) { return s.has(name); }))
+      shared.push_back(name);
+  }
+  if (!shared.empty()) return shared;
+  std::string holds;
+  for (const RecordSource& source : sources)
+    holds += fmt::format("\n{} holds {}", source.name(), joined(source.quantities()));
+  throw Error(ExitCode::command_line, "strake compare",
+              "the records have no quantity of the same name" + holds,
+              "choose with --probe NAME and FILE:COLUMN");
+}
+
+std::string number(const std::optional<double>& value) {
+  return value ? fmt::format("{:.6g}", *value) : "-";
+}
+
+std::string percent(double part) {
+  return fmt::format("{:+.3g} %", 100 * part);
+}
+
+void print_table(const std::string& quantity, const std::vector<Record>& records, const Comparison& c) {
+  fmt::print("{} [{}]   {:.6g} to {:.6g} s, times of peaks from {}\n", visible(quantity),
+             visible(records.front().unit), c.from, c.to,
+             c.after_contact ? "contact" : "the beginning of that span");
+  fmt::print("  {:<18} {:>8}", "", "");
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const std::string place = fmt::format("({})", r + 1);
+    fmt::print("  {:>12}{}", place, r == 0 ? "" : "             ");
+  }
+  fmt::print("\n");
+  for (const MetricRow& row : c.rows) {
+    fmt::print("  {:<18} {:>8}", row.name, "[" + visible(row.unit) + "]");
+    const bool difference = row.name == "l2" || row.name == "dtw";
+    for (std::size_t r = 0; r < records.size(); ++r) {
+      if (r == 0) {
+        fmt::print("  {:>12}", difference ? "" : number(row.value[r]));
+        continue;
+      }
+      const std::string off = row.deviation[r] && !difference ? percent(*row.deviation[r]) : "";
+      fmt::print("  {:>12} {:>12}", number(row.value[r]), off);
+    }
+    fmt::print("\n");
+  }
+}
+
+/// All records at the rows of all, linear between: a column for each.
+void write_overlay(const std::filesystem::path& path, const std::vector<std::string>& quantities,
+                   const std::vector<std::vector<Record>>& records, const std::vector<Comparison>& made) {
+  std::vector<double> times;
+  for (std::size_t q = 0; q < records.size(); ++q)
+    for (const Record& r : records[q])
+      for (const double t : r.curve.time)
+        if (t >= made[q].from && t <= made[q].to) times.push_back(t);
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  std::string text;
+  for (std::size_t q = 0; q < records.size(); ++q)
+    for (std::size_t r = 0; r < records[q].size(); ++r)
+      text += fmt::format("# {}({}) is {} of {}\n", quantities[q], r + 1, quantities[q], records[q][r].name);
+  text += "# resampled at the rows of all records, linear between\ntime [s]";
+  for (std::size_t q = 0; q < records.size(); ++q)
+    for (std::size_t r = 0; r < records[q].size(); ++r)
+      text += fmt::format(",{}({}) [{}]", quantities[q], r + 1, records[q][r].unit);
+  text += "\n";
+  for (const double t : times) {
+    text += fmt::format("{:.9g}", t);
+    for (const auto& of_quantity : records)
+      for (const Record& r : of_quantity) {
+        const bool within = t >= r.curve.time.front() && t <= r.curve.time.back();
+        text += within ? fmt::format(",{:.9g}", value_at(r.curve, t)) : ",";
+      }
+    text += "\n";
+  }
+  write_text(path, text);
+}
+
+std::string mark(bool pass, const Style& style) {
+  const char* word = pass ? "pass" : "FAIL";
+  return style.colour ? fmt::format("\033[{}m{}\033[0m", pass ? 32 : 31, word) : word;
+}
+
+/// What is within its limit and what is not; true when all is.
+bool judge(const std::vector<Limit>& limits, const std::string& quantity, const std::vector<Record>& records,
+           const Comparison& c, const Style& style) {
+  bool all = true;
+  for (const Limit& limit : limits)
+    for (const MetricRow& row : c.rows)
+      for (std::size_t r = 1; row.name == limit.metric && r < records.size(); ++r) {
+        const auto& off = row.deviation[r];
+        const bool pass = off && std::abs(*off) <= limit.part;
+        all = all && pass;
+        fmt::print("{}  {} {} of ({}) {}: {} (within {:.3g} %)\n", mark(pass, style), visible(quantity),
+                   row.name, r + 1, visible(records[r].name), off ? percent(*off) : "cannot be told",
+                   100 * limit.part);
+      }
+  return all;
+}
+
+}  // namespace
+
+bool CompareOptions::of_one_run() const {
+  return operands.size() == 1 && !from && !to && shifts.empty() && within.empty() && csv.empty();
+}
+
+ExitCode compare_several(const CompareOptions& options) {
+  if (!options.plot.empty()) require_picture(options.plot);
+  if (options.operands.size() < 2)
+    throw Error(ExitCode::command_line, "strake compare", "these options are for two records or more",
+                "name another run or CSV file, or give the run alone to see its case's references");
+  std::vector<Limit> limits;
+  for (const std::string& text : options.within) limits.push_back(read_limit(text));
+  if (options.shifts.size() > 1 && options.shifts.size() + 1 != options.operands.size())
+    throw Error(ExitCode::command_line, "--shift",
+                fmt::format("{} shifts for {} records after the first", options.shifts.size(),
+                            options.operands.size() - 1),
+                "one for all of them, or one for each");
+  std::vector<RecordSource> sources;
+  for (const std::string& operand : options.operands) sources.emplace_back(operand);
+  const Style style = style_of(stdout);
+
+  for (std::size_t r = 0; r < sources.size(); ++r)
+    fmt::print("({}) {}{}\n", r + 1, visible(sources[r].name()),
+               r == 0 ? "   what the others are held against" : "");
+  const std::vector<std::string> quantities = choose(sources, options.probes);
+  std::vector<std::vector<Record>> all;
+  std::vector<Comparison> made;
+  bool within = true;
+  for (const std::string& quantity : quantities) {
+    std::vector<Record> records;
+    for (const RecordSource& source : sources) records.push_back(source.record(quantity));
+    std::string shifts;
+    for (std::size_t r = 1; r < records.size() && !options.shifts.empty(); ++r) {
+      const std::string& how = options.shifts.size() == 1 ? options.shifts.front() : options.shifts[r - 1];
+      const double by = shift_onto(records.front(), records[r], how);
+      records[r].shift(by);
+      shifts += fmt::format("  ({}) by {:+.6g} s{}", r + 1, by,
+                            how == "contact" || how == "peak" ? ", its " + how : "");
+    }
+    double origin = 0;
+    if (options.after == "contact") {
+      if (!records.front().contact)
+        throw Error(ExitCode::command_line, records.front().name, "has no moment of contact",
+                    "leave out --after contact and give --from and --to in s from the start");
+      origin = *records.front().contact;
+    }
+    ComparisonSpan span;
+    if (options.from) span.from = origin + *options.from;
+    if (options.to) span.to = origin + *options.to;
+    made.push_back(compare_records(records, quantity, span));
+    fmt::print("\n");
+    print_table(quantity, records, made.back());
+    if (!shifts.empty()) fmt::print("  shifted in time:{}\n", shifts);
+    within = judge(limits, quantity, records, made.back(), style) && within;
+    all.push_back(std::move(records));
+  }
+  std::size_t points = 0;
+  for (const Comparison& c : made) points = std::max(points, c.points);
+  fmt::print(
+      "\nvalues between rows are linear; l2 at the rows of both, dtw at {} equal steps; deviations are from "
+      "(1)\n",
+      points);
+  if (!options.csv.empty()) {
+    write_overlay(options.csv, quantities, all, made);
+    fmt::print("overlay  {}\n", options.csv.string());
+  }
+  if (!options.plot.empty()) {
+    std::vector<report::Plot> plots;
+    for (std::size_t q = 0; q < all.size(); ++q)
+      plots.push_back(overlay_plot(quantities[q], all[q], made[q]));
+    write_plots(options.plot, plots);
+    fmt::print("plot  {}\n", options.plot.string());
+  }
+  return within ? ExitCode::done : ExitCode::outside_tolerance;
+}
+
+}  // namespace strake

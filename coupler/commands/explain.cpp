@@ -1,0 +1,198 @@
+#include "coupler/case/case_queries.hpp"
+#include "coupler/case/case_view.hpp"
+#include "coupler/commands/commands.hpp"
+#include "coupler/console/join.hpp"
+#include "coupler/participant/launch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <map>
+#include <set>
+
+namespace strake {
+
+namespace {
+
+const char* const solver_programs[] = {"strake-fluid",           "strake-fluid-replay",
+                                       "strake-structure-fem",   "strake-structure-particle",
+                                       "strake-structure-rigid", "strake-structure-replay"};
+
+struct Declarations {
+  std::vector<KeyInfo> keys;         // each once, tables together
+  std::vector<std::string> missing;  // programs that are not built
+};
+
+std::string table_of(const std::string& path) {
+  const auto dot = path.rfind('.');
+  return dot == std::string::npos ? std::string() : path.substr(0, dot);
+}
+
+Declarations collect() {
+  Declarations all;
+  std::set<std::string> seen;
+  const auto add = [&](const std::vector<KeyInfo>& keys) {
+    for (const KeyInfo& key : keys)
+      if (seen.insert(key.path).second) all.keys.push_back(key);
+  };
+  add(coupler_declarations());
+  for (const char* program : solver_programs) {
+    try {
+      const Captured answer = capture(find_program(program), {"--keys"});
+      if (answer.exit_code != 0) throw Error(ExitCode::participant_lost, program, "does not answer --keys");
+      add(keys_from_json(answer.out));
+    } catch (const Error&) {
+      all.missing.emplace_back(program);
+    }
+  }
+  // Root keys, then [fluid], [structure], [coupling], [output], …; inside a table as declared.
+  const auto rank = [](const KeyInfo& key) {
+    const std::string top = key.path.substr(0, key.path.find_first_of(".["));
+    const std::vector<std::string> order = {"fluid", "structure", "coupling", "output", "compare", "run"};
+    if (key.path.find('.') == std::string::npos && key.type != "table") return std::ptrdiff_t{-1};
+    return std::find(order.begin(), order.end(), top) - order.begin();
+  };
+  std::stable_sort(all.keys.begin(), all.keys.end(),
+                   [&](const KeyInfo& a, const KeyInfo& b) { return rank(a) < rank(b); });
+  return all;
+}
+
+std::string type_text(const KeyInfo& key) {
+  if (!key.choices.empty()) return joined(key.choices, " | ");
+  return key.unit.empty() || key.unit == "1" ? key.type : fmt::format("{} [{}]", key.type, key.unit);
+}
+
+void print_key(const KeyInfo& key) {
+  fmt::print("{}\n", key.path);
+  if (!key.help.empty()) fmt::print("  {}\n", key.help);
+  if (key.type == "table") return;
+  fmt::print("  type     {}\n", type_text(key));
+  if (!key.range.empty()) fmt::print("  range    {}\n", key.range);
+  fmt::print("  default  {}\n", key.default_value.empty() ? "none" : key.default_value);
+  if (!key.paper_value.empty()) fmt::print("  paper    {}   (with preset = \"paper\")\n", key.paper_value);
+}
+
+void print_list(const std::vector<KeyInfo>& keys) {
+  std::size_t width = 0;
+  for (const KeyInfo& key : keys)
+    if (key.type != "table") width = std::max(width, key.path.size());
+  for (const KeyInfo& key : keys)
+    if (key.type != "table") fmt::print("{:<{}}  {}\n", key.path, width, key.help);
+}
+
+/// A cell of a Markdown table may hold no bar of its own.
+std::string cell(std::string text) {
+  for (auto bar = text.find('|'); bar != std::string::npos; bar = text.find('|', bar + 2))
+    text.replace(bar, 1, "\\|");
+  return text;
+}
+
+std::string code(const std::string& text) {
+  return text.empty() ? text : "`" + cell(text) + "`";
+}
+
+/// "how the programs run" → "How the programs run."; a key at the front stays as it is.
+std::string sentence(std::string text) {
+  if (text.find('.') >= text.find(' '))
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text.ends_with('.') ? text : text + ".";
+}
+
+/// The keys table by table, as Markdown; a table stands before the tables inside it.
+class Reference {
+ public:
+  explicit Reference(const std::vector<KeyInfo>& keys) {
+    for (const KeyInfo& key : keys) {
+      list(key.type == "table" ? key.path : table_of(key.path));
+      if (key.type == "table")
+        help_[key.path] = key.help;
+      else
+        inside_[table_of(key.path)].push_back(&key);
+    }
+  }
+
+  void print(const std::string& table = {}) const {
+    if (const auto keys = inside_.find(table); keys != inside_.end()) print_keys(table, keys->second);
+    for (const std::string& child : tables_)
+      if (!child.empty() && table_of(child) == table) print(child);
+  }
+
+ private:
+  void list(const std::string& table) {
+    if (std::find(tables_.begin(), tables_.end(), table) != tables_.end()) return;
+    if (!table.empty()) list(table_of(table));
+    tables_.push_back(table);
+  }
+
+  void print_keys(const std::string& table, const std::vector<const KeyInfo*>& keys) const {
+    const bool array = table.ends_with("[]");
+    const std::string name = array ? "`[[" + table.substr(0, table.size() - 2) + "]]`" : "`[" + table + "]`";
+    fmt::print("### {}\n\n", table.empty() ? "Top of the file" : name);
+    if (const auto help = help_.find(table); help != help_.end() && !help->second.empty())
+      fmt::print("{}\n\n", sentence(help->second));
+    fmt::print(
+        "| key | type, unit | range | default | paper | meaning |\n| --- | --- | --- | --- | --- | --- |\n");
+    for (const KeyInfo* key : keys)
+      fmt::print("| `{}` | {} | {} | {} | {} | {} |\n",
+                 key->path.substr(table.empty() ? 0 : table.size() + 1), cell(type_text(*key)),
+                 cell(key->range), key->default_value.empty() ? "none" : code(key->default_value),
+                 code(key->paper_value), cell(key->help));
+    fmt::print("\n");
+  }
+
+  std::vector<std::string> tables_;
+  std::map<std::string, std::vector<const KeyInfo*>> inside_;
+  std::map<std::string, std::string> help_;
+};
+
+std::vector<KeyInfo> below(const std::vector<KeyInfo>& keys, const std::string& prefix) {
+  std::vector<KeyInfo> found;
+  for (const KeyInfo& key : keys)
+    if (key.path.starts_with(prefix + ".") || key.path.starts_with(prefix + "[].")) found.push_back(key);
+  return found;
+}
+
+[[noreturn]] void refuse(const std::string& word, const std::vector<KeyInfo>& keys) {
+  std::vector<std::string> names;
+  for (const KeyInfo& key : keys) names.push_back(key.path);
+  std::string near = did_you_mean(word, names);
+  // The last part alone is often all that is remembered: "spacing" for "fluid.spacing".
+  const auto last = [](const std::string& name) { return name.substr(name.rfind('.') + 1); };
+  if (near.empty()) {
+    std::vector<std::string> endings, same;
+    for (const std::string& name : names) endings.push_back(last(name));
+    std::string ending = last(word);
+    if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+      ending = did_you_mean(ending, endings);
+    for (const std::string& name : names)
+      if (!ending.empty() && last(name) == ending) same.push_back(name);
+    near = joined(same, ", ");
+  }
+  throw Error(ExitCode::command_line, "explain " + word, "there is no such key",
+              near.empty() ? "`strake explain` lists every key" : "did you mean " + near + "?");
+}
+
+}  // namespace
+
+ExitCode explain(const std::string& key, bool markdown) {
+  const Declarations all = collect();
+  if (markdown) {
+    Reference(all.keys).print();
+  } else if (key.empty()) {
+    print_list(all.keys);
+  } else {
+    const auto named =
+        std::find_if(all.keys.begin(), all.keys.end(), [&](const KeyInfo& info) { return info.path == key; });
+    const std::vector<KeyInfo> inside = below(all.keys, key);
+    if (named == all.keys.end() && inside.empty()) refuse(key, all.keys);
+    if (named != all.keys.end()) print_key(*named);
+    print_list(inside);
+  }
+  for (const std::string& program : all.missing)
+    fmt::print(stderr, "{} is not here: keys that only it knows are left out\n", program);
+  return ExitCode::done;
+}
+
+}  // namespace strake

@@ -1,0 +1,33 @@
+#include "coupler/case/case_queries.hpp"
+#include "coupler/commands/commands.hpp"
+#include "coupler/participant/stop_request.hpp"
+
+namespace strake {
+
+namespace {
+
+/// The side that the record plays: the one asked for, else the structure where the case has none, else the
+/// fluid, so that recorded loads meet another structure.
+std::string playing_side(const ReplayOptions& options) {
+  if (!options.side.empty()) return options.side;
+  const CommonKeys keys = common_keys_of(options.run.case_file, options.run.sets);
+  return keys.structure_solver == "none" ? "structure" : "fluid";
+}
+
+}  // namespace
+
+ExitCode replay(const ReplayOptions& options, const StopRequest& stop) {
+  std::error_code none;
+  if (!std::filesystem::exists(options.recorded / "interface", none))
+    throw Error(ExitCode::case_file, options.recorded.string(), "has no interface/ to play back",
+                "name the folder of a coupled run");
+  const std::string side = playing_side(options);
+  RunOptions run_options = options.run;
+  run_options.sets.push_back(side + ".solver=replay");
+  run_options.sets.push_back(
+      side + ".replay.run=" + std::filesystem::absolute(options.recorded).lexically_normal().string());
+  if (run_options.folder.tag.empty()) run_options.folder.tag = "replay";
+  return run(run_options, stop);
+}
+
+}  // namespace strake

@@ -1,0 +1,401 @@
+#include "coupler/case/case_view.hpp"
+#include "coupler/commands/commands.hpp"
+#include "coupler/console/console.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "coupler/run/checkpoint.hpp"
+#include "coupler/run/foreign_error.hpp"
+#include "coupler/run/resume_hint.hpp"
+#include "coupler/run/run_files.hpp"
+#include "coupler/run/run_folder.hpp"
+#include "coupler/run/run_header.hpp"
+#include "coupler/run/run_log.hpp"
+#include "coupler/run/session.hpp"
+#include "coupler/summary/comparison_status.hpp"
+#include "coupler/summary/failure_notes.hpp"
+#include "coupler/summary/summary.hpp"
+#include "coupler/timing/run_clocks.hpp"
+#include "proto/case/size_limit.hpp"
+#include "proto/files/result_file.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+namespace strake {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::unique_ptr<Reporter> reporter_of(const RunOptions& options) {
+  if (options.json) return json_reporter(stdout);
+  if (options.quiet) return quiet_reporter(stdout, style_of(stdout));
+  return table_reporter(stdout, style_of(stdout));
+}
+
+/// One run, from its folder to its last file.
+class Run {
+ public:
+  Run(const CaseView& view, RunFolder folder, const RunOptions& options, const StopRequest& stop,
+      Reporter& reporter)
+      : case_(view),
+        folder_(std::move(folder)),
+        lock_(folder_.path),
+        options_(options),
+        stop_(stop),
+        reporter_(reporter),
+        record_(folder_.path, options.command_line),
+        summary_(folder_.case_name, folder_.tag),
+        verdicts_(view),
+        clocks_(folder_.path,
+                {.trace = options.trace, .profile = options.profile, .resumed = options.folder.resume}),
+        checkpoints_(std::filesystem::absolute(folder_.path)) {}
+
+  ExitCode execute() {
+    stop_.end_in_order();
+    try {
+      prepare();
+      windows();
+      session_->roster().finish();
+      conclude(ExitCode::done);
+    } catch (const Error& error) {
+      // Not for what stops a run before it begins.
+      const std::filesystem::path last = started_ ? checkpoints_.latest() : std::filesystem::path();
+      const Error told =
+          started_ && !saved_on_request_
+              ? with_way_on(error, last.empty() ? last : std::filesystem::path(in_folder(last)), saved_,
+                            summary_)
+              : error;
+      fail(told);
+      throw told;
+    } catch (const std::exception& error) {
+      const Error told = error_of(error, position());
+      fail(told);
+      throw told;
+    }
+    for (const Verdict& verdict : summary_.verdicts)
+      if (options_.strict && verdict.result == Verdict::Result::fail) return ExitCode::outside_tolerance;
+    return ExitCode::done;
+  }
+
+ private:
+  void prepare() {
+    const bool resume = options_.folder.resume;
+    std::filesystem::path checkpoint;
+    if (resume) {
+      check_same_case(case_, folder_.path);
+      checkpoint = checkpoints_.choose([this](const std::string& line) { warn(line); });
+      remove_unfinished(folder_.path);
+    }
+    record_.set("case", std::filesystem::absolute(case_.path).string());
+    record_.set("tag", folder_.tag);
+    record_.set("set", case_.sets);
+    record_.set("threads", case_.common.threads);
+    for (const auto& side : {case_.fluid, case_.structure})
+      if (side) programs_[side->side] = {{"solver", side->solver}, {"program", side->program.string()}};
+    record_.set("participants", programs_);
+    record_.write();  // the first file: by it the folder is known as a run's
+    log_ = open_run_log(folder_.path / "coupler.log");
+    write_text(folder_.path / "case.toml", case_.resolved);
+
+    const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
+    for (const auto& side : {case_.fluid, case_.structure})
+      if (side && is_large(*side))
+        warn(side->side + ", long to set up: " + lines_with(size_words, *side).front());
+    clocks_.open();
+    session_ = std::make_unique<Session>(
+        case_,
+        Session::Options{
+            .run_folder = absolute,
+            .log_folder = absolute,
+            .resumed_at = resume ? std::optional(Checkpoints::window_of(checkpoint) + 1) : std::nullopt,
+            .patient = options_.patient,
+            .by_hand = options_.by_hand,
+            .invite = [this](const std::string& side, const std::string& command) { invite(side, command); },
+            .say = [this](const std::string& line) { warn(line); },
+            .note = [this](const std::string& line) { note(line); },
+            .stop = &stop_,
+            .on_exchange = clocks_.observer(),
+            .on_wait = [this](const Awaited& whom) { wait(whom); }});
+    record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
+    plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
+    if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
+    saved_ = plan_.start;
+    wall_before_ = summary_.wall_seconds;
+    record_.write();
+
+    RunFiles::Options files{.folder = folder_.path,
+                            .coupled = case_.coupled(),
+                            .dimension = session_->dimension(),
+                            .columns = session_->columns(),
+                            .mesh = {},
+                            .initial = {},
+                            .measured = {},
+                            .resumed = resume ? std::optional(plan_.start) : std::nullopt,
+                            .say = [this](const std::string& line) { warn(line); }};
+    if (case_.coupled()) {
+      files.mesh = session_->structure()->mesh();
+      files.initial = session_->structure()->description().initial;
+      files.measured = session_->scheme()->measured();
+    }
+    files_ = std::make_unique<RunFiles>(std::move(files));
+    summary_.describe(session_->columns());
+    summary_.coupler_seconds["setup"] = seconds_since(start_);
+
+    const RunHeader header =
+        header_of(case_, *session_, plan_, folder_.path, files_->table().columns, resume);
+    for (const auto& [name, lines] : header.blocks)
+      for (const std::string& line : lines) log_->info("{}: {}", name, line);
+    for (const std::string& warning : header.warnings) log_->warn(warning);
+    reporter_.start(header);
+  }
+
+  void windows() {
+    started_ = true;
+    FailureNotes failure(case_.common.interface == "surface" && case_.coupled(), plan_.start.time);
+    RunLoop loop = session_->loop(plan_);
+    auto saved = Clock::now();
+    while (!loop.finished()) {
+      if (stop_.requested()) interrupt(loop);
+      const auto begin = Clock::now();
+      const std::int64_t trace_begin = Trace::now();
+      const CommittedWindow window = next(loop);
+      const double wall = seconds_since(begin);
+      const std::int64_t trace_end = Trace::now();
+      summary_.coupler_seconds["windows"] += wall;
+      summary_.add(window);
+      files_->append(window, session_->values(window.report), wall);
+      RunRow row{.window = &window,
+                 .force = window.report.total_force(),
+                 .elapsed = elapsed(),
+                 .history = &files_->table()};
+      reporter_.window(row);
+      for (const std::string& line : failure.look(window.report.structure)) note(line);
+      if (window.taken_back > 0)
+        log_->warn("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s", window.number,
+                   window.time, window.why, window.taken_back, window.taken_back == 1 ? "" : "s",
+                   window.report.window.dt);
+      if (!window.report.converged)
+        log_->warn("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
+                   window.number, window.time, window.report.residual, window.report.threshold);
+      tell_verdicts();
+      const int every = case_.coupling.checkpoint_windows;
+      const bool due = every > 0 && window.number % every == 0;
+      const bool late = seconds_since(saved) > case_.coupling.checkpoint;
+      if (!window.last && (due || late)) {
+        save(loop);
+        saved = Clock::now();
+      }
+      summary_.coupler_seconds["files"] += seconds_since(begin) - wall;
+      clocks_.end_window(window, trace_begin, trace_end);
+      console_.look(*log_, folder_.path / "coupler.log");
+    }
+  }
+
+  CommittedWindow next(RunLoop& loop) {
+    try {
+      return loop.next();
+    } catch (const Error& error) {
+      // Ctrl-C inside a window: the windows before it are kept, if the solvers answer in time.
+      const bool asked_to_stop = stop_.requested() && error.code() == stop_.code();
+      if (asked_to_stop && session_->roster().come_to_rest()) interrupt(loop);
+      throw;
+    }
+  }
+
+  void save(const RunLoop& loop) {
+    summary_.wall_seconds = elapsed();
+    files_->flush();  // what a resume goes on from
+    checkpoints_.write(*session_, loop, summary_);
+    saved_ = loop.state();
+  }
+
+  /// Ctrl-C between two windows: the participants are at rest, so that what is committed can be kept.
+  [[noreturn]] void interrupt(const RunLoop& loop) {
+    save(loop);
+    saved_on_request_ = true;
+    throw Error(stop_.code(), position(), stop_.in_words() + ", the state is saved",
+                fmt::format("--resume goes on with this window, from {}; no finished window is lost",
+                            in_folder(checkpoints_.latest())));
+  }
+
+  /// A checkpoint, as the user would type it.
+  std::string in_folder(const std::filesystem::path& checkpoint) const {
+    return (folder_.path / "checkpoint" / checkpoint.filename()).string();
+  }
+
+  double elapsed() const { return wall_before_ + seconds_since(start_); }
+
+  RunData data(bool finished) const {
+    return {.monitor = summary_.probe_results(),
+            .history = files_ ? &files_->table() : nullptr,
+            .time = summary_.end_time(),
+            .finished = finished};
+  }
+
+  void tell_verdicts() {
+    for (const Verdict& verdict : verdicts_.settle(data(false))) {
+      reporter_.verdict(verdict);
+      log_->info(verdict.line());
+    }
+  }
+
+  /// Everything that says how it ended. Run after the processes are gone, so that their files are complete.
+  void conclude(ExitCode code) {
+    session_.reset();
+    if (files_) files_->flush();
+    write_end(code);
+  }
+
+  void write_end(ExitCode code) {
+    summary_.exit_code = code;
+    summary_.wall_seconds = elapsed();
+    summary_.coupler_seconds["cpu"] = cpu_seconds();
+    summary_.coupler_memory = peak_memory();
+    summary_.verdicts = verdicts_.all(data(code == ExitCode::done));
+    write_text(folder_.path / "summary.json",
+               summary_.json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    nlohmann::ordered_json contact = nlohmann::ordered_json::object();  // [s] where `compare` counts from
+    const std::string metric = ":contact";
+    for (const auto& [name, time] : summary_.probe_results())
+      if (name.ends_with(metric)) contact[name.substr(0, name.size() - metric.size())] = time;
+    record_.set("contact", contact);
+    if (code == ExitCode::done) record_.ended(code);
+    record_.write();
+    if (log_) log_->info("exit code {}", static_cast<int>(code));
+
+    clocks_.close();
+    RunEnd end{.summary = &summary_,
+               .folder = folder_.path,
+               .fields = {},
+               .stopped = {},
+               .profile = clocks_.profile()};
+    for (const char* fields : {"fluid.xdmf", "structure.xdmf"})
+      if (std::error_code none; std::filesystem::exists(folder_.path / fields, none))
+        end.fields.emplace_back(fields);
+    if (code == ExitCode::interrupted || code == ExitCode::terminated || code == ExitCode::hung_up)
+      end.stopped = "interrupted";
+    else if (code != ExitCode::done)
+      end.stopped = "stopped";
+    if (started_) reporter_.end(end);
+  }
+
+  void fail(const Error& error) noexcept {
+    // What stopped the run is thrown on; that a trace of it could not be written either is the lesser news.
+    const auto attempt = [](const auto& write) {
+      try {
+        write();
+      } catch (const std::exception&) {
+      }
+    };
+    session_.reset();
+    attempt([&] {
+      if (log_) log_->error(to_text(error));
+      reporter_.error(error);
+    });
+    // A case that was refused while its participants were set up leaves no folder: the corrected one may
+    // take its name.
+    if (!started_ && !options_.folder.resume &&
+        (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
+      log_.reset();
+      std::error_code ignored;
+      std::filesystem::remove_all(folder_.path, ignored);
+      return;
+    }
+    record_.failed(error);
+    attempt([&] { record_.write(); });
+    attempt([&] {
+      if (files_) files_->flush();
+    });
+    attempt([&] { write_end(error.code()); });
+  }
+
+  /// A side that the user starts. The line holds the token, so that it stands where nobody else can read it.
+  void invite(const std::string& side, const std::string& command) {
+    programs_[side]["start_by_hand"] = command;
+    record_.set("participants", programs_);
+    record_.keep_private();
+    record_.write();
+    log_->info("waiting for {}, to be started by hand; its command line is in run.json", side);
+    reporter_.warning(fmt::format("start {} by hand, here or elsewhere:\n    {}", side, command));
+  }
+
+  void note(const std::string& line) {
+    if (log_) log_->info(line);
+    reporter_.note(line);
+  }
+
+  void warn(const std::string& line) {
+    if (log_) log_->warn(line);
+    reporter_.warning(line);
+  }
+
+  void wait(const Awaited& whom) {
+    if (const std::string line = wait_log_.line(whom); log_ && !line.empty()) log_->info(line);
+    reporter_.wait({.whom = whom, .elapsed = elapsed()});
+  }
+
+  std::string position() const {
+    return fmt::format("window {} (t = {:.6g} s)", summary_.windows() + 1, summary_.end_time());
+  }
+
+  const CaseView& case_;
+  RunFolder folder_;
+  FolderLock lock_;
+  const RunOptions& options_;
+  const StopRequest& stop_;
+  Clock::time_point start_ = Clock::now();
+  Reporter& reporter_;
+  std::shared_ptr<spdlog::logger> log_;
+  RunRecord record_;
+  Summary summary_;
+  nlohmann::ordered_json programs_;
+  Verdicts verdicts_;
+  RunClocks clocks_;
+  WaitLog wait_log_;
+  ConsoleLoss console_;
+  std::unique_ptr<RunFiles> files_;
+  std::unique_ptr<Session> session_;
+  Checkpoints checkpoints_;
+  RunPlan plan_;
+  LoopState saved_;                // of the latest checkpoint
+  double wall_before_ = 0;         // [s] of the run that this one resumes
+  bool started_ = false;           // the first window has begun
+  bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint
+};
+
+void check_by_hand(const RunOptions& options, const CaseView& view) {
+  for (const std::string& side : options.by_hand)
+    if (side == "fluid" ? !view.fluid : !view.structure)
+      throw Error(ExitCode::command_line, "--attach", fmt::format("the case has no {}", side),
+                  "--attach names sides that have a solver");
+}
+
+}  // namespace
+
+ExitCode run(const RunOptions& options, const StopRequest& stop) {
+  const std::unique_ptr<Reporter> reporter = reporter_of(options);
+  std::optional<CaseView> view;
+  std::optional<Run> run;
+  try {
+    if (!options.folder.first_free_tag)
+      find_run_folder(options.case_file, options.folder);  // the quickest refusal first
+    view = read_case(options.case_file, options.sets, &stop, options.by_hand);
+    check_by_hand(options, *view);
+    run.emplace(*view, create_run_folder(options.case_file, options.folder), options, stop, *reporter);
+  } catch (const Error& error) {
+    reporter->error(error);
+    throw;
+  }
+  return run->execute();
+}
+
+}  // namespace strake

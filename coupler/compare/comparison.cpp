@@ -1,0 +1,155 @@
+#include "coupler/compare/comparison.hpp"
+
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+
+namespace strake {
+namespace {
+
+constexpr std::size_t most_points = 2000;  // time warping costs their square
+
+Curve at_equal_steps(const Curve& c, double from, double to, std::size_t n) {
+  std::vector<double> times;
+  for (std::size_t k = 0; k < n; ++k)
+    times.push_back(from + (to - from) * static_cast<double>(k) / static_cast<double>(n - 1));
+  return resample(c, times);
+}
+
+/// ∫ of the window means where a run has them (steps within a window count), else of the rows.
+double impulse_of(const Record& r, double from, double to) {
+  if (r.means.size() == 0) return impulse(r.curve, from, to);
+  double sum = 0, before = from;
+  for (std::size_t k = 0; k < r.means.size(); ++k) {
+    const double begin = k > 0 ? r.means.time[k - 1] : before;
+    const double overlap = std::min(to, r.means.time[k]) - std::max(from, begin);
+    if (overlap > 0) sum += overlap * r.means.value[k];
+  }
+  return sum;
+}
+
+std::optional<double> frequency(const Curve& c, double from, double to) {
+  const auto t = period(c, from, to);
+  return t ? std::optional(1 / *t) : std::nullopt;
+}
+
+}  // namespace
+
+const std::vector<std::string>& record_metrics() {
+  static const std::vector<std::string> names = {
+      "first_peak", "time_of_first_peak", "peak", "time_of_peak", "impulse", "mean", "rms",
+      "final",      "frequency",          "l2",   "dtw"};
+  return names;
+}
+
+double shift_onto(const Record& first, const Record& other, const std::string& how) {
+  if (how == "contact") {
+    if (!first.contact || !other.contact)
+      throw Error(ExitCode::command_line, (first.contact ? other : first).name, "has no moment of contact",
+                  "give --shift a time in s, or `peak`");
+    return *first.contact - *other.contact;
+  }
+  if (how == "peak") {
+    const auto one = first_peak(first.curve, first.curve.time.front());
+    const auto two = first_peak(other.curve, other.curve.time.front());
+    if (!one || !two)
+      throw Error(ExitCode::command_line, (one ? other : first).name, "has no first peak",
+                  "give --shift a time in s, or `contact`");
+    return one->time - two->time;
+  }
+  double seconds = 0;
+  const auto [end, error] = std::from_chars(how.data(), how.data() + how.size(), seconds);
+  if (error != std::errc() || end != how.data() + how.size() || !std::isfinite(seconds))
+    throw Error(ExitCode::command_line, "--shift " + how, "is no time",
+                "a number of seconds, `contact` or `peak`");
+  return seconds;
+}
+
+std::string metric_unit(const std::string& metric, const std::string& unit) {
+  if (metric.starts_with("time_of_") || metric == "period" || metric == "onset") return "s";
+  if (metric == "l2" || metric == "dtw") return "1";
+  if (metric == "frequency") return "Hz";
+  if (metric != "impulse") return unit;
+  return unit == "1" ? "s" : unit + " s";
+}
+
+Comparison compare_records(const std::vector<Record>& records, const std::string& quantity,
+                           const ComparisonSpan& span) {
+  Comparison result;
+  const Record& first = records.front();
+  result.from = first.curve.time.front();
+  result.to = first.curve.time.back();
+  result.after_contact = true;
+  for (const Record& r : records) {
+    if (r.unit != first.unit)
+      throw Error(ExitCode::command_line, r.name,
+                  fmt::format("{} is in \"{}\", in {} in \"{}\"", quantity, r.unit, first.name, first.unit),
+                  "compare the same quantity, or give the column its unit in the header: uy [mm]");
+    result.from = std::max(result.from, r.curve.time.front());
+    result.to = std::min(result.to, r.curve.time.back());
+    result.after_contact = result.after_contact && r.contact.has_value();
+  }
+  if (span.from) result.from = std::max(result.from, *span.from);
+  if (span.to) result.to = std::min(result.to, *span.to);
+  if (!(result.to > result.from))
+    throw Error(ExitCode::command_line, quantity,
+                fmt::format("the records share no time: {:.6g} to {:.6g} s", result.from, result.to),
+                "shift one with --shift S, or widen --from and --to");
+
+  const double from = result.from, to = result.to;
+  std::vector<Curve> part;
+  for (const Record& r : records) {
+    part.push_back(clip(r.curve, from, to));
+    result.origin.push_back(result.after_contact ? *r.contact : from);
+    result.points = std::max(result.points, part.back().size());
+  }
+  result.points = std::clamp<std::size_t>(result.points, 2, most_points);
+
+  const auto peak_of = [&](std::size_t r, bool first_one) {
+    return first_one ? first_peak(part[r], std::max(from, result.origin[r])) : peak(part[r]);
+  };
+  const auto value_of = [&](const std::string& name, std::size_t r) -> std::optional<double> {
+    if (name == "impulse") return impulse_of(records[r], from, to);
+    if (name == "mean") return impulse_of(records[r], from, to) / (to - from);
+    if (name == "rms") return rms(part[r], from, to);
+    if (name == "final") return part[r].value.back();
+    if (name == "frequency") return frequency(part[r], from, to);
+    if (name == "l2" || name == "dtw") {
+      if (r == 0) return std::nullopt;
+      const double d = name == "l2" ? l2_difference(part[r], part[0])
+                                    : time_warping(at_equal_steps(part[r], from, to, result.points),
+                                                   at_equal_steps(part[0], from, to, result.points));
+      return std::isfinite(d) ? std::optional(d) : std::nullopt;
+    }
+    const auto point = peak_of(r, name.ends_with("first_peak"));
+    if (!point) return std::nullopt;
+    return name.starts_with("time_of") ? point->time - result.origin[r] : point->value;
+  };
+  for (const std::string& name : record_metrics()) {
+    MetricRow row = {.name = name, .unit = first.unit, .value = {}, .deviation = {}};
+    const bool difference = name == "l2" || name == "dtw";
+    row.unit = metric_unit(name, first.unit);
+    for (std::size_t r = 0; r < records.size(); ++r) {
+      row.value.push_back(value_of(name, r));
+      const auto& one = row.value.front();
+      const auto& this_one = row.value.back();
+      if (r == 0 || !this_one)
+        row.deviation.emplace_back();
+      else if (difference)
+        row.deviation.push_back(this_one);
+      else if (one && *one != 0)
+        row.deviation.push_back((*this_one - *one) / std::abs(*one));
+      else
+        row.deviation.emplace_back();
+    }
+    result.rows.push_back(std::move(row));
+  }
+  return result;
+}
+
+}  // namespace strake

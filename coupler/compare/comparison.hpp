@@ -1,0 +1,49 @@
+#pragma once
+
+#include "coupler/compare/record.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// One metric of several records of one quantity; the first record is what the others are held against.
+struct MetricRow {
+  std::string name;  // first_peak, peak, impulse, mean, rms, frequency, final, l2, dtw …
+  std::string unit;  // of `value`
+  std::vector<std::optional<double>> value;  // by record; none where the record does not have it
+  /// (value − first) / |first|; l2 and dtw are deviations themselves. None for the first record.
+  std::vector<std::optional<double>> deviation;
+};
+
+/// What several records of one quantity have in common, and where they differ.
+struct Comparison {
+  std::vector<MetricRow> rows;
+  double from = 0, to = 0;  // [s] the span that all of them cover
+  /// [s] where times of peaks are counted from, by record: contact where every record knows it, else `from`.
+  std::vector<double> origin;
+  bool after_contact = false;
+  std::size_t points = 0;  // equal steps at which dtw pairs the records
+};
+
+struct ComparisonSpan {
+  std::optional<double> from, to;  // [s]; none: as far as all records reach
+};
+
+/// Metrics over the span that all records cover. Values between rows are linear; l2 is taken at the rows of
+/// both, dtw at equal steps (time warping costs the product of both lengths). Throws Error(command_line) when
+/// the records share no span or their units differ.
+Comparison compare_records(const std::vector<Record>&, const std::string& quantity, const ComparisonSpan&);
+
+/// Unit of a metric of a quantity that has `unit`: "impulse" of "Pa" is in "Pa s", "l2" of anything in "1".
+std::string metric_unit(const std::string& metric, const std::string& unit);
+
+/// The metrics that `compare_records` gives.
+const std::vector<std::string>& record_metrics();
+
+/// What to add to the times of a record so that it meets the first in time: "0.0012" in s, "contact" (both
+/// met water), or "peak" (its first peak). Throws Error(command_line).
+double shift_onto(const Record& first, const Record& other, const std::string& how);
+
+}  // namespace strake

@@ -1,0 +1,212 @@
+#include "coupler/compare/curve.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace strake {
+
+double value_at(const Curve& c, double time) {
+  assert(c.size() > 0);
+  const auto after = std::upper_bound(c.time.begin(), c.time.end(), time);
+  if (after == c.time.begin()) return c.value.front();
+  if (after == c.time.end()) return c.value.back();
+  const auto k = static_cast<std::size_t>(after - c.time.begin());
+  const double s = (time - c.time[k - 1]) / (c.time[k] - c.time[k - 1]);
+  return (1 - s) * c.value[k - 1] + s * c.value[k];
+}
+
+Curve resample(const Curve& c, const std::vector<double>& times) {
+  Curve result = {times, {}};
+  for (const double t : times) result.value.push_back(value_at(c, t));
+  return result;
+}
+
+Curve clip(const Curve& c, double from, double to) {
+  if (c.size() == 0 || to < from) return {};
+  std::vector<double> times = {from};
+  for (const double t : c.time)
+    if (t > from && t < to) times.push_back(t);
+  if (to > from) times.push_back(to);
+  return resample(c, times);
+}
+
+std::optional<CurvePoint> peak(const Curve& c) {
+  std::optional<CurvePoint> best;
+  for (std::size_t k = 0; k < c.size(); ++k)
+    if (!best || std::abs(c.value[k]) > std::abs(best->value)) best = {c.time[k], c.value[k]};
+  return best;
+}
+
+std::optional<CurvePoint> first_peak(const Curve& c, double contact) {
+  constexpr double of_record = 0.05, fallen = 0.8;  // cases/VALIDATION.md, "Definitions"
+  const auto largest = peak(c);
+  if (!largest) return std::nullopt;
+  CurvePoint running;
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    if (c.time[k] < contact) continue;
+    const double q = std::abs(c.value[k]), m = std::abs(running.value);
+    if (q > m)
+      running = {c.time[k], c.value[k]};
+    else if (q < fallen * m && m >= of_record * std::abs(largest->value))
+      return running;
+  }
+  return std::nullopt;
+}
+
+double impulse(const Curve& c, double from, double to) {
+  const Curve part = clip(c, from, to);
+  double sum = 0;
+  for (std::size_t k = 1; k < part.size(); ++k)
+    sum += 0.5 * (part.time[k] - part.time[k - 1]) * (part.value[k] + part.value[k - 1]);
+  return sum;
+}
+
+double mean(const Curve& c, double from, double to) {
+  return to > from ? impulse(c, from, to) / (to - from) : value_at(c, from);
+}
+
+double rms(const Curve& c, double from, double to) {
+  if (!(to > from)) return std::abs(value_at(c, from));
+  const Curve part = clip(c, from, to);
+  double sum = 0;
+  // ∫ of the square of a linear function over an interval: (a² + ab + b²)/3
+  for (std::size_t k = 1; k < part.size(); ++k) {
+    const double a = part.value[k - 1], b = part.value[k];
+    sum += (part.time[k] - part.time[k - 1]) * (a * a + a * b + b * b) / 3;
+  }
+  return std::sqrt(sum / (to - from));
+}
+
+double noise(const Curve& c, double from, double to) {
+  const double middle = mean(c, from, to);
+  Curve rest = c;
+  for (double& q : rest.value) q -= middle;
+  return rms(rest, from, to);
+}
+
+// Σ (t − t̄)(q − q̄) / Σ (t − t̄)²
+double slope(const Curve& c, double from, double to) {
+  const Curve part = clip(c, from, to);
+  const auto n = static_cast<double>(part.size());
+  double t_sum = 0, q_sum = 0;
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    t_sum += part.time[k];
+    q_sum += part.value[k];
+  }
+  double with = 0, square = 0;
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    const double t = part.time[k] - t_sum / n;
+    with += t * (part.value[k] - q_sum / n);
+    square += t * t;
+  }
+  return square > 0 ? with / square : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::optional<double> period(const Curve& c, double from, double to) {
+  const double middle = mean(c, from, to), half = 0.5 * noise(c, from, to);
+  const Curve part = clip(c, from, to);
+  std::optional<double> first, last, crossing;
+  int rises = 0;
+  bool low = false;  // has been below the band since the last rise
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    const double q = part.value[k] - middle, before = k > 0 ? part.value[k - 1] - middle : q;
+    if (q <= -half) low = true;
+    if (before < 0 && q >= 0)
+      crossing = part.time[k - 1] + before / (before - q) * (part.time[k] - part.time[k - 1]);
+    if (!low || q < half || !crossing) continue;
+    low = false;
+    if (!first) first = crossing;
+    last = crossing;
+    ++rises;
+  }
+  if (rises < 2) return std::nullopt;
+  return (*last - *first) / (rises - 1);
+}
+
+std::optional<double> onset(const Curve& c, double from, double to) {
+  Curve size = c;
+  for (double& q : size.value) q = std::abs(q);
+  const double wanted = 0.5 * mean(size, from, to);
+  for (std::size_t k = 0; k < size.size(); ++k) {
+    if (size.value[k] < wanted) continue;
+    if (k == 0) return size.time[0];
+    const double before = size.value[k - 1], share = (wanted - before) / (size.value[k] - before);
+    return size.time[k - 1] + share * (size.time[k] - size.time[k - 1]);
+  }
+  return std::nullopt;
+}
+
+Deviation deviation(const Curve& a, const Curve& reference) {
+  if (a.size() == 0 || reference.size() == 0)
+    return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  Deviation result;
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    const double off = std::abs(value_at(a, reference.time[k]) - reference.value[k]);
+    result.largest = std::max(result.largest, off);
+    result.mean += off / static_cast<double>(reference.size());
+  }
+  return result;
+}
+
+std::optional<CurvePoint> peak_of_mean(const Curve& c, double width) {
+  if (c.size() == 0 || c.time.back() - c.time.front() < width) return std::nullopt;
+  // Running integral at the samples, and between them by the trapezoidal rule.
+  std::vector<double> integral = {0};
+  for (std::size_t k = 1; k < c.size(); ++k)
+    integral.push_back(integral.back() + 0.5 * (c.time[k] - c.time[k - 1]) * (c.value[k] + c.value[k - 1]));
+  std::optional<CurvePoint> best;
+  std::size_t left = 0;
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    const double from = c.time[k] - width;
+    if (from < c.time.front()) continue;
+    while (left + 1 < c.size() && c.time[left + 1] <= from) ++left;
+    const double before = integral[left] + 0.5 * (from - c.time[left]) * (c.value[left] + value_at(c, from));
+    const double m = (integral[k] - before) / width;
+    if (!best || std::abs(m) > std::abs(best->value)) best = {c.time[k] - 0.5 * width, m};
+  }
+  return best;
+}
+
+double l2_difference(const Curve& a, const Curve& b) {
+  if (a.size() == 0 || b.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  const double from = std::max(a.time.front(), b.time.front()), to = std::min(a.time.back(), b.time.back());
+  if (!(to > from)) return std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> times = {from, to};
+  for (const auto* c : {&a, &b})
+    for (const double t : c->time)
+      if (t > from && t < to) times.push_back(t);
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  Curve difference = resample(a, times);
+  const Curve reference = resample(b, times);
+  for (std::size_t k = 0; k < times.size(); ++k) difference.value[k] -= reference.value[k];
+  return rms(difference, from, to) / rms(reference, from, to);
+}
+
+double time_warping(const Curve& a, const Curve& b) {
+  if (a.size() == 0 || b.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  // cost(i, j) = |a_i − b_j| + min(cost(i−1, j−1), cost(i−1, j), cost(i, j−1)); `pairs` counts along that
+  // path.
+  struct Cell {
+    double cost = std::numeric_limits<double>::infinity();
+    std::size_t pairs = 0;
+  };
+  std::vector<Cell> previous(b.size() + 1), row(b.size() + 1);
+  previous[0].cost = 0;
+  for (const double q : a.value) {
+    row[0] = {};
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const Cell* from = &previous[j - 1];
+      if (previous[j].cost < from->cost) from = &previous[j];
+      if (row[j - 1].cost < from->cost) from = &row[j - 1];
+      row[j] = {from->cost + std::abs(q - b.value[j - 1]), from->pairs + 1};
+    }
+    std::swap(previous, row);
+  }
+  const double scale = std::abs(peak(b)->value);
+  return previous.back().cost / static_cast<double>(previous.back().pairs) / scale;
+}
+
+}  // namespace strake

@@ -1,0 +1,165 @@
+#include "coupler/compare/record.hpp"
+
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+namespace strake {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Unit {
+  const char* name;
+  double factor;
+  const char* si;
+};
+constexpr std::array<Unit, 26> units = {{{"ms", 1e-3, "s"},
+                                         {"us", 1e-6, "s"},
+                                         {"µs", 1e-6, "s"},
+                                         {"sec", 1, "s"},
+                                         {"mm", 1e-3, "m"},
+                                         {"cm", 1e-2, "m"},
+                                         {"um", 1e-6, "m"},
+                                         {"in", 0.0254, "m"},
+                                         {"ft", 0.3048, "m"},
+                                         {"kPa", 1e3, "Pa"},
+                                         {"MPa", 1e6, "Pa"},
+                                         {"GPa", 1e9, "Pa"},
+                                         {"bar", 1e5, "Pa"},
+                                         {"N/mm^2", 1e6, "Pa"},
+                                         {"psi", 6894.757293168, "Pa"},
+                                         {"kN", 1e3, "N"},
+                                         {"MN", 1e6, "N"},
+                                         {"lbf", 4.4482216152605, "N"},
+                                         {"kN/m", 1e3, "N/m"},
+                                         {"MN/m", 1e6, "N/m"},
+                                         {"mm/s", 1e-3, "m/s"},
+                                         {"km/h", 1 / 3.6, "m/s"},
+                                         {"kn", 1852.0 / 3600, "m/s"},
+                                         {"%", 1e-2, "1"},
+                                         {"deg", std::numbers::pi / 180, "rad"},
+                                         {"ft/s", 0.3048, "m/s"}}};
+
+/// The earliest contact that run.json names.
+std::optional<double> contact_of(const fs::path& run) {
+  std::ifstream stream(run / "run.json");
+  const nlohmann::json record = nlohmann::json::parse(stream, nullptr, false);
+  std::optional<double> earliest;
+  if (record.is_discarded() || !record.contains("contact") || !record["contact"].is_object()) return earliest;
+  for (const auto& [probe, time] : record["contact"].items())
+    if (time.is_number() && (!earliest || time.get<double>() < *earliest)) earliest = time.get<double>();
+  return earliest;
+}
+
+std::size_t index_of(const Table& table, const std::string& name) {
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    if (table.columns[c].name == name) return c;
+  table.column(name);  // tells what the file has
+  return 0;
+}
+
+}  // namespace
+
+SiUnit in_si(const std::string& unit) {
+  for (const Unit& known : units)
+    if (unit == known.name) return {known.factor, known.si};
+  return {1, unit};
+}
+
+void Record::shift(double by) {
+  for (Curve* c : {&curve, &means})
+    for (double& t : c->time) t += by;
+  if (contact) *contact += by;
+}
+
+RecordSource::RecordSource(const std::string& operand) : name_(operand) {
+  fs::path path = operand;
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    const auto colon = operand.rfind(':');
+    if (colon != std::string::npos && fs::exists(operand.substr(0, colon), error)) {
+      path = operand.substr(0, colon);
+      chosen_ = operand.substr(colon + 1);
+    }
+  }
+  if (!fs::exists(path, error))
+    throw Error(
+        ExitCode::case_file, operand, "there is no such run folder or file",
+        "name a run folder (runs/plate_entry) or a CSV file, with :COLUMN to choose one of its columns");
+  is_run_ = fs::is_directory(path, error);
+  if (is_run_ && !fs::exists(path / "history.csv", error))
+    throw Error(ExitCode::case_file, operand, "holds no history.csv",
+                "name the folder of a run that `strake run` has made, e.g. runs/plate_entry");
+  table_ = read_table(is_run_ ? path / "history.csv" : path);
+  if (is_run_) contact_ = contact_of(path);
+  if (table_.columns.size() < 2)
+    throw Error(ExitCode::case_file, table_.path.string(), "has one column",
+                "the first column holds the time, the others what was measured: time [s],uy [m]");
+  if (!chosen_.empty()) index_of(table_, chosen_);
+  if (!is_run_ && in_si(table_.columns[0].unit).unit != "s")
+    throw Error(
+        ExitCode::case_file, table_.path.string() + ":1",
+        fmt::format("its first column ({}) is in \"{}\"", table_.columns[0].name, table_.columns[0].unit),
+        "the first column holds the time in s, ms or us: time [ms]");
+}
+
+std::vector<std::string> RecordSource::quantities() const {
+  if (!chosen_.empty()) return {chosen_};
+  std::vector<std::string> names;
+  for (const Column& column : table_.columns)
+    if (column.name != "time" && column.name != "window" && &column != &table_.columns.front())
+      names.push_back(column.name);
+  return names;
+}
+
+std::string RecordSource::column_for(const std::string& quantity) const {
+  if (!chosen_.empty()) return chosen_;
+  if (!is_run_ && table_.columns.size() == 2) return table_.columns[1].name;
+  return quantity;
+}
+
+bool RecordSource::has(const std::string& quantity) const {
+  const std::string name = column_for(quantity);
+  return std::any_of(table_.columns.begin(), table_.columns.end(),
+                     [&name](const Column& column) { return column.name == name; });
+}
+
+Record RecordSource::record(const std::string& quantity) const {
+  const std::string column = column_for(quantity);
+  const std::size_t at = index_of(table_, column), clock = is_run_ ? index_of(table_, "time") : 0;
+  const SiUnit time = in_si(table_.columns[clock].unit), unit = in_si(table_.columns[at].unit);
+  const auto curve = [&](std::size_t c) {
+    Curve result;
+    for (std::size_t row = 0; row < table_.rows(); ++row) {
+      const double t = table_.value[clock][row] * time.factor, q = table_.value[c][row] * unit.factor;
+      if (!std::isfinite(t) || !std::isfinite(q)) continue;
+      if (result.size() > 0 && !(t > result.time.back()))
+        throw Error(ExitCode::case_file, table_.path.string(),
+                    fmt::format("its times do not ascend: {:.9g} s after {:.9g} s in row {}", t,
+                                result.time.back(), row + 1),
+                    "sort the rows by time and leave out repeated ones");
+      result.time.push_back(t);
+      result.value.push_back(q);
+    }
+    return result;
+  };
+  Record record = {.name = name_, .unit = unit.unit, .curve = curve(at), .means = {}, .contact = contact_};
+  if (record.curve.size() < 2)
+    throw Error(ExitCode::case_file, table_.path.string(),
+                fmt::format("{} has {} values over time", column, record.curve.size()),
+                "a comparison takes two rows at least: let the run go further, or choose another column");
+  if (is_run_)
+    for (std::size_t c = 0; c < table_.columns.size(); ++c)
+      if (table_.columns[c].name == column + ".mean") record.means = curve(c);
+  return record;
+}
+
+}  // namespace strake

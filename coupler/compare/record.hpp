@@ -1,0 +1,55 @@
+#pragma once
+
+#include "coupler/compare/curve.hpp"
+#include "proto/files/history.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// One quantity over time, in SI units, from a run or from another program or experiment.
+struct Record {
+  std::string name;  // where it comes from: "runs/plate_entry", "ansys.csv:uy"
+  std::string unit;  // "m", "Pa", …
+  Curve curve;       // rows of history.csv or of the file; rows without a value are left out
+  Curve means;       // mean since the row before, where the run recorded it ("p_mid.mean"); else empty
+  std::optional<double> contact = {};  // [s], of a run that met water
+  /// Moves it in time [s].
+  void shift(double);
+};
+
+/// A run folder, or a CSV file whose header holds a name and a unit for each column, time first:
+/// "time [ms],uy [mm]". "FILE:COLUMN" chooses one column of it, whatever the quantity is called there.
+class RecordSource {
+ public:
+  /// Throws Error(case_file) when it is neither, with what was expected.
+  explicit RecordSource(const std::string& operand);
+  const std::string& name() const { return name_; }
+  bool is_run() const { return is_run_; }
+  /// What it holds over time: probes and columns of a run, columns of a file.
+  std::vector<std::string> quantities() const;
+  /// A file with one column beside the time, or with a chosen one, has that for every quantity.
+  bool has(const std::string& quantity) const;
+  /// Throws Error(case_file): no such column, an unknown unit of time, times that do not ascend, fewer than
+  /// two values.
+  Record record(const std::string& quantity) const;
+
+ private:
+  std::string column_for(const std::string& quantity) const;
+  std::string name_, chosen_;
+  bool is_run_ = false;
+  Table table_;
+  std::optional<double> contact_;
+};
+
+/// A unit as SI: {"kPa"} → {1000, "Pa"}. What is not known stays as it is.
+struct SiUnit {
+  double factor = 1;
+  std::string unit;
+};
+SiUnit in_si(const std::string& unit);
+
+}  // namespace strake

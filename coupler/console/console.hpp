@@ -1,0 +1,124 @@
+#pragma once
+
+#include "coupler/compare/compare.hpp"
+#include "coupler/coupling/window_loop.hpp"
+#include "coupler/processes/remote.hpp"
+#include "coupler/summary/summary.hpp"
+#include "proto/case/case_keys.hpp"
+#include "proto/error.hpp"
+#include "proto/files/history.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+class Profile;
+
+/// What a run understood, before its first window.
+struct RunHeader {
+  std::string title;
+  std::filesystem::path folder;
+  std::vector<std::pair<std::string, std::vector<std::string>>>
+      blocks;  // "fluid" → lines, the first is the headline
+  std::vector<std::string> warnings;
+  bool coupled = true;
+  int dimension = 2;
+  std::vector<Column> columns;    // of the participants
+  std::vector<ProbeKeys> probes;  // their columns come first
+  std::vector<Column> history;    // of history.csv
+  double end_time = 0;            // [s] simulated
+  long windows = 0;               // of the whole run, if no solver asks for shorter ones
+  LoopState from = {};            // of a resumed run
+};
+
+/// One committed window as the console sees it.
+struct RunRow {
+  const CommittedWindow* window = nullptr;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // [N] on the structure
+  double elapsed = 0;                               // [s] since the run began
+  const Table* history = nullptr;                   // its last row is this window; may be null
+};
+
+/// An answer that has not come yet.
+struct RunWait {
+  Awaited whom;
+  double elapsed = 0;  // [s] since the run began
+};
+
+/// How a run ended.
+struct RunEnd {
+  const Summary* summary = nullptr;
+  std::filesystem::path folder;
+  std::vector<std::string> fields = {};  // "fluid.xdmf", "structure.xdmf"
+  std::string stopped = {};              // empty: ran to its end; else "interrupted", "failed"
+  const Profile* profile = nullptr;      // with --profile
+};
+
+/// Where the news of a run goes. Results and their printing are apart: this sees only what is recorded as
+/// well.
+class Reporter {
+ public:
+  virtual ~Reporter() = default;
+  virtual void start(const RunHeader&) = 0;
+  virtual void window(const RunRow&) = 0;
+  virtual void wait(const RunWait&) {}  // several times a second while an answer is awaited
+  virtual void verdict(const Verdict&) = 0;
+  virtual void note(const std::string& line) = 0;     // what has happened
+  virtual void warning(const std::string& line) = 0;  // what somebody should know of, or do
+  virtual void error(const Error&) {}                 // that ends the run; main prints it
+  virtual void end(const RunEnd&) = 0;
+};
+
+/// How to write to a stream: in place and in colour on a terminal, plain lines elsewhere.
+struct Style {
+  bool terminal = false, colour = false;
+  int width = 0;         // [characters] of the terminal; 0: unknown
+  bool unicode = false;  // the terminal's characters are UTF-8
+};
+/// Of a stream, as NO_COLOR and the terminal have it.
+Style style_of(std::FILE*);
+
+/// Writes a text to a console, at once. What cannot be written is left out: what is told is worth less than
+/// what is done.
+void put(std::FILE*, const std::string&);
+/// errno of the first text that `put` could not write to the standard output; 0: all were.
+int console_failure();
+
+/// Characters in a row of the stream's terminal at this moment; where it cannot tell, the style's, else 80.
+int width_of(std::FILE*, const Style&);
+
+/// The table: header, one line per field frame, verdicts, what came of it. On a terminal a bar of progress
+/// stands below the lines, drawn anew at most five times a second; in a pipe there is a line at least every
+/// 10 s.
+std::unique_ptr<Reporter> table_reporter(std::FILE*, const Style&);
+/// One JSON object per line, with its "kind" (proto/RESULTS.md).
+std::unique_ptr<Reporter> json_reporter(std::FILE*);
+/// Warnings and verdicts alone; with --profile its lines.
+std::unique_ptr<Reporter> quiet_reporter(std::FILE*, const Style&);
+
+/// Of the columns of a run those worth a place: the y component of each probe (the whole of a scalar), then
+/// what else there is.
+std::vector<Column> telling_columns(const RunHeader&, std::size_t most);
+/// How a run ended and what came of it: windows, time, probes, checks, files, the next commands; lines
+/// without a newline.
+std::vector<std::string> closing_lines(const RunEnd&, const RunHeader&, const Style&);
+/// In that colour (SGR code) where the style has colours.
+std::string painted(const Style&, const char* code, const std::string&);
+
+/// The lines of one header block, the name in front of the first: "  fluid      headline". Lines come from
+/// participants: they are made visible.
+std::string block_text(const std::string& name, const std::vector<std::string>& lines);
+std::string verdict_text(const Verdict&, const Style&);
+/// 3000 → "3 000".
+std::string grouped(long long number);
+/// 760 → "12 min 40 s".
+std::string duration_text(double seconds);
+
+}  // namespace strake

@@ -1,0 +1,128 @@
+#include "coupler/console/console.hpp"
+#include "coupler/plot/ticks.hpp"
+#include "coupler/timing/profile.hpp"
+#include "proto/visible.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+// The last lines of a run: what came out, where it is, and what to do with it.
+
+namespace strake {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t most_probes = 6;
+
+std::string counted(long number, const std::string& what) {
+  return fmt::format("{} {}{}", grouped(number), what, number == 1 ? "" : "s");
+}
+
+/// What a specialist asks first of a run; what is not known is left out.
+std::string checks_text(const Json& checks) {
+  std::string text;
+  const auto add = [&](const char* key, auto&& words) {
+    if (checks[key].is_number()) text += "  " + words(checks[key].get<double>());
+  };
+  add("work_gap", [](double x) { return fmt::format("work gap {:.1e}", x); });
+  add("momentum_gap", [](double x) { return fmt::format("momentum gap {:.1e}", x); });
+  add("structure_energy_drift", [](double x) { return fmt::format("energy drift {:.1e}", x); });
+  add("volume_drift", [](double x) { return fmt::format("volume {:+.2f} %", 100 * x); });
+  add("inner_fraction_min",
+      [](double x) { return fmt::format("inner particles at least {:.1f} %", 100 * x); });
+  for (const char* count : {"voids", "openings", "penetrations", "lost"})
+    add(count, [count](double x) { return fmt::format("{} {:.0f}", count, x); });
+  return text;
+}
+
+std::string value_text(double value, const std::string& unit, const Style& style) {
+  Prefix prefix = prefix_for(value, unit);
+  if (prefix.text == "µ" && !style.unicode) prefix.text = "u";
+  const std::string words = with_prefix(prefix, unit);
+  return fmt::format("{:.4g}{}", prefix.factor * value, words.empty() ? "" : " " + words);
+}
+
+/// "first peak 1.742 mm at 2.35 ms   peak -3.1 mm at 21 ms   at the end 0.2 mm": what the run knows of them.
+std::string found_text(const Json& probe, const Style& style) {
+  const std::string unit = probe["unit"].is_string() ? probe["unit"].get<std::string>() : "1";
+  const auto number = [&](const char* key) {
+    return probe[key].is_number() ? std::optional(probe[key].get<double>()) : std::nullopt;
+  };
+  std::string text;
+  const auto add = [&](const std::string& words, std::optional<double> value, std::optional<double> time) {
+    if (!value) return;
+    text += (text.empty() ? "" : "   ") + words + " " + value_text(*value, unit, style);
+    if (time) text += " at " + value_text(*time, "s", style);
+  };
+  const auto first = number("first_peak"), peak = number("peak");
+  if (peak == 0.0 && number("final") == 0.0) return {};  // of a body that does not deform
+  add("first peak", first, number("time_of_first_peak"));
+  if (peak != first) add("peak", peak, number("time_of_peak"));
+  add("at the end", number("final"), std::nullopt);
+  return text;
+}
+
+void add_found(const Json& probes, const RunHeader& header, const Style& style,
+               std::vector<std::string>& lines) {
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const Column& column : telling_columns(header, most_probes))
+    if (probes.contains(column.name))
+      if (std::string text = found_text(probes[column.name], style); !text.empty())
+        found.emplace_back(visible(column.name), visible(text));
+  std::size_t width = 0;
+  for (const auto& [name, text] : found) width = std::max(width, name.size());
+  for (std::size_t k = 0; k < found.size(); ++k)
+    lines.push_back(
+        fmt::format("  {:<8}{:<{}}  {}", k == 0 ? "found" : "", found[k].first, width, found[k].second));
+}
+
+}  // namespace
+
+std::vector<std::string> closing_lines(const RunEnd& end, const RunHeader& header, const Style& style) {
+  const Summary& summary = *end.summary;
+  const Json json = summary.json();
+  const std::string folder = visible(end.folder.string());
+  std::vector<std::string> lines;
+  std::string first = fmt::format("\n{}  {} to t = {:.6g} s", end.stopped.empty() ? "done" : end.stopped,
+                                  counted(summary.windows(), "window"), summary.end_time());
+  if (summary.coupled()) first += fmt::format(", mean {:.1f} iterations", summary.mean_iterations());
+  lines.push_back(first + ", " + duration_text(summary.wall_seconds));
+  if (summary.unconverged() > 0)
+    lines.push_back("  " +
+                    painted(style, "33", counted(summary.unconverged(), "window") + " accepted unconverged"));
+  if (summary.taken_back() > 0)
+    lines.push_back("  " + painted(style, "33",
+                                   counted(summary.taken_back(), "window") + " taken back for shorter ones"));
+  for (const Verdict& verdict : summary.verdicts) lines.push_back("  " + verdict_text(verdict, style));
+  add_found(json["probes"], header, style, lines);
+  if (const std::string checks = checks_text(json["checks"]); !checks.empty())
+    lines.push_back("  checks" + checks);
+  if (end.profile != nullptr)
+    for (const std::string& text : end.profile->lines()) lines.push_back("  " + visible(text));
+
+  lines.push_back("  curves  " + folder + "/history.csv");
+  lines.push_back("  summary " + folder + "/summary.json");
+  if (!end.fields.empty()) {
+    std::string fields = folder + "/" + end.fields.front();
+    for (std::size_t i = 1; i < end.fields.size(); ++i) fields += "  " + end.fields[i];
+    lines.push_back(fmt::format("  fields  {}   (open in ParaView)", fields));
+  }
+  if (!end.stopped.empty()) lines.push_back("  logs    " + folder + "/*.log");
+  std::vector<std::string> next;
+  if (end.stopped == "interrupted") next.push_back("the same command with --resume");
+  next.push_back("strake report " + folder);
+  if (!end.fields.empty()) next.push_back("strake picture " + folder);
+  if (!summary.verdicts.empty()) next.push_back("strake compare " + folder);
+  next.push_back("strake watch " + folder + " --web");
+  for (std::size_t k = 0; k < next.size(); ++k)
+    lines.push_back(fmt::format("  {:<8}{}", k == 0 ? "next" : "", next[k]));
+  return lines;
+}
+
+}  // namespace strake

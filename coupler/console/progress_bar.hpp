@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdio>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace strake {
+
+/// How fast a run goes of late: over the last quarter of it, and at least 5 s, since water that is met costs
+/// more than water that is awaited.
+class Pace {
+ public:
+  /// elapsed: wall clock [s]; time: simulated [s]; steps: of a solver, since its start.
+  void add(double elapsed, double time, double steps);
+  /// [s] of wall clock up to the simulated time `end`; none while too little is known.
+  std::optional<double> remaining(double end) const;
+  std::optional<double> steps_per_second() const;
+
+ private:
+  struct Sample {
+    double elapsed = 0, time = 0, steps = 0;
+  };
+  std::deque<Sample> samples_;  // ascending
+  double begin_ = 0;            // [s] elapsed at the first one
+};
+
+/// What the bar shows.
+struct Progress {
+  double time = 0, end_time = 0;  // [s] simulated
+  std::optional<double> remaining, steps_per_second;
+  int iterations = 0;               // of the last window; 0: not coupled
+  std::vector<std::string> probes;  // "mid.y 1.742 mm"
+  std::string waiting;              // for whom, and what that one does; stands in the probes' place
+};
+
+/// The rows of the bar, none wider than `width` - 1 characters: what finds no room is left out, the least
+/// important first. unicode: blocks instead of number signs.
+std::vector<std::string> progress_rows(const Progress&, int width, bool unicode);
+
+/// Characters that a UTF-8 text takes on a terminal.
+int display_width(const std::string& text);
+/// As much of it as `width` characters hold.
+std::string cut_to_width(const std::string& text, int width);
+
+/// Rows that stand below all other lines of a terminal and are drawn anew in place.
+class LiveRows {
+ public:
+  explicit LiveRows(std::FILE* stream) : stream_(stream) {}
+  ~LiveRows() { show("", {}, 0); }
+  LiveRows(const LiveRows&) = delete;
+  LiveRows& operator=(const LiveRows&) = delete;
+  /// Takes the rows away, prints `above` (whole lines) where they stood, and draws `rows`; in one write.
+  /// width: of the terminal now; rows of before that a narrower one has broken are taken away whole.
+  void show(const std::string& above, const std::vector<std::string>& rows, int width);
+  bool empty() const { return drawn_.empty(); }
+
+ private:
+  std::FILE* stream_;
+  std::vector<int> drawn_;  // widths of the rows on the screen
+};
+
+}  // namespace strake

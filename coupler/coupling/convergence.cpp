@@ -1,0 +1,28 @@
+#include "coupler/coupling/convergence.hpp"
+
+#include "coupler/coupling/exchange.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake {
+
+FieldResidual judge(const Field& field, double residual, double scale, const Limits& limits, double first) {
+  if (first < 0) first = residual;
+  return {field.quantity, field.unit, residual,
+          std::max({limits.absolute, limits.relative * scale, limits.residual_relative * first})};
+}
+
+void refuse_non_finite(const std::vector<FieldResidual>& fields, const Place& place) {
+  for (const FieldResidual& field : fields)
+    if (!std::isfinite(field.residual) || !std::isfinite(field.threshold))
+      throw Error(ExitCode::solver_fault, place.text(),
+                  fmt::format("the residual of {} is {} {}, its threshold {}: the iteration has blown up",
+                              field.quantity, field.residual, field.unit, field.threshold),
+                  "a smaller coupling window, or more iterations per window");
+}
+
+}  // namespace strake

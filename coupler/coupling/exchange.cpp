@@ -1,0 +1,125 @@
+#include "coupler/coupling/exchange.hpp"
+
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace strake {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+void check_announced(const std::vector<Field>& fields, const Participant& participant, const char* name) {
+  const Index n = participant.mesh().position.cols();
+  const auto refuse = [&](const std::string& problem) {
+    throw Error(ExitCode::solver_fault, name, problem, "see Ready in proto/WIRE.md");
+  };
+  for (const Field& field : fields) {
+    if (field.value.cols() != n || field.value.rows() == 0)
+      refuse(fmt::format("its {} at the start is {}×{} and does not fit its mesh of {} points",
+                         field.quantity, field.value.rows(), field.value.cols(), n));
+    const bool vector =
+        field.quantity == "displacement" || field.quantity == "velocity" || field.quantity == "force";
+    if (vector && field.value.rows() != 3)
+      refuse(
+          fmt::format("its {} has {} components, not 3 (z = 0 in 2-D)", field.quantity, field.value.rows()));
+    const auto same = [&](const Field& other) { return other.quantity == field.quantity; };
+    if (std::count_if(fields.begin(), fields.end(), same) > 1)
+      refuse(fmt::format("it announces {} twice", field.quantity));
+  }
+}
+
+}  // namespace
+
+std::vector<Field> fields_of_structure(const Participant& structure) {
+  const std::vector<Field>& initial = structure.description().initial;
+  check_announced(initial, structure, "structure");
+  const Field *u = find(initial, "displacement"), *v = find(initial, "velocity");
+  if (!initial.empty() && !u && !v) return initial;
+  const Values none = MatrixXd::Zero(3, structure.mesh().position.cols());
+  std::vector<Field> fields = {{"displacement", "m", false, u ? u->value : none},
+                               {"velocity", "m/s", false, v ? v->value : none}};
+  for (const Field& field : initial)
+    if (&field != u && &field != v) fields.push_back(field);
+  return fields;
+}
+
+std::vector<Field> fields_of_fluid(const Participant& fluid) {
+  const std::vector<Field>& initial = fluid.description().initial;
+  check_announced(initial, fluid, "fluid");
+  if (!initial.empty()) return initial;
+  return {{"force", "N", true, MatrixXd::Zero(3, fluid.mesh().position.cols())}};
+}
+
+bool is_motion(const std::vector<Field>& fields) {
+  return fields.size() > 1 && fields[0].quantity == "displacement" && fields[1].quantity == "velocity";
+}
+
+std::string Place::text() const {
+  return fmt::format("{}, window {} (t = {:g} s), iteration {}", name, number, window.t, iteration);
+}
+
+std::vector<Field> take_fields(std::vector<Field>&& answer, const std::vector<Field>& announced,
+                               const InterfaceMesh& mesh, const Place& place) {
+  std::vector<Field> taken;
+  for (std::size_t k = 0; k < announced.size(); ++k) {
+    const Field& expected = announced[k];
+    const auto found = std::find_if(answer.begin(), answer.end(),
+                                    [&](const Field& field) { return field.quantity == expected.quantity; });
+    if (found == answer.end()) {
+      if (k != 1 || !is_motion(announced))
+        throw Error(ExitCode::solver_fault, place.text(), fmt::format("sent no {}", expected.quantity),
+                    "it must send what it announced at the start: displacement (structure) or force (fluid) "
+                    "where that was nothing");
+      taken.push_back({expected.quantity, expected.unit, expected.conservative, {}});
+      continue;
+    }
+    Values& value = found->value;
+    if (value.rows() != expected.value.rows() || value.cols() != mesh.position.cols())
+      throw Error(ExitCode::solver_fault, place.text(),
+                  fmt::format("sent a {} of {}×{}, its mesh needs {}×{}", expected.quantity, value.rows(),
+                              value.cols(), expected.value.rows(), mesh.position.cols()));
+    if (found->unit != expected.unit)
+      throw Error(
+          ExitCode::solver_fault, place.text(),
+          fmt::format("sent {} in {}, announced in {}", expected.quantity, found->unit, expected.unit));
+    if (!value.look()) {
+      Index i = 0;
+      while (i + 1 < value.cols() && value.col(i).allFinite()) ++i;
+      const auto X = mesh.position.col(i);
+      throw Error(ExitCode::solver_fault, place.text(),
+                  fmt::format("the {} of interface point {}, X = ({:g}, {:g}, {:g}) m, is not finite",
+                              expected.quantity, i, X.x(), X.y(), X.z()),
+                  "see its log; a smaller coupling window or solver step may help");
+    }
+    found->conservative = expected.conservative;
+    taken.push_back(std::move(*found));
+  }
+  return taken;
+}
+
+Transfer::Transfer(Mapping to_fluid, std::optional<Mapping> to_structure)
+    : to_fluid_(std::move(to_fluid)), to_structure_(std::move(to_structure)) {}
+
+bool Transfer::needs_way_back(const std::vector<Field>& of_structure, const std::vector<Field>& of_fluid) {
+  const auto conservative = [](const Field& field) { return field.conservative; };
+  return std::any_of(of_structure.begin(), of_structure.end(), conservative) ||
+         !std::all_of(of_fluid.begin(), of_fluid.end(), conservative);
+}
+
+Field Transfer::onto_fluid(const Field& field) const {
+  assert(!field.conservative || to_structure_);
+  return field.conservative ? to_structure_->conservative(field) : to_fluid_.consistent(field);
+}
+
+Field Transfer::onto_structure(const Field& field) const {
+  assert(field.conservative || to_structure_);
+  return field.conservative ? to_fluid_.force(field) : to_structure_->per_area(field);
+}
+
+}  // namespace strake

@@ -1,0 +1,323 @@
+#include "coupler/coupling/scheme.hpp"
+
+#include "coupler/coupling/scheme_iterate.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace strake {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+template <class A, class B>
+double dot(const A& a, const B& b) {
+  return a.reshaped().dot(b.reshaped());
+}
+
+/// In one line: the console shows it with the window.
+std::string asks_for_shorter(const char* who, const Window& window, const std::string& why) {
+  return fmt::format("{} asks for a shorter window than {:.3g} s{}{}", who, window.dt,
+                     why.empty() ? "" : ": ", why);
+}
+
+}  // namespace
+
+Scheme::Scheme(Participant& fluid, Participant& structure, Transfer transfer, SchemeParameters parameters,
+               double start_time)
+    : fluid_(fluid),
+      structure_(structure),
+      transfer_(std::move(transfer)),
+      parameters_(std::move(parameters)),
+      of_structure_(fields_of_structure(structure)),
+      of_fluid_(fields_of_fluid(fluid)),
+      moves_(is_motion(of_structure_)),
+      accelerator_(make_accelerator(parameters_.accelerator)) {
+  const Index n = structure_.mesh().position.cols(), n_wet = fluid_.mesh().position.cols();
+  const auto check = [](const Mapping& mapping, Index rows, Index columns) {
+    const auto& weights = mapping.weights();
+    if (weights.rows() != rows || weights.cols() != columns)
+      throw Error(ExitCode::case_file, "coupling",
+                  fmt::format("the mapping is {}×{}, the meshes have {} and {} points", weights.rows(),
+                              weights.cols(), rows, columns));
+  };
+  check(mapping(), n_wet, n);
+  if (transfer_.to_structure()) check(*transfer_.to_structure(), n, n_wet);
+  if (Transfer::needs_way_back(of_structure_, of_fluid_) && !transfer_.to_structure())
+    throw Error(ExitCode::case_file, "coupling",
+                "the fluid sends a field that is not a load, or the structure one that is: there is no "
+                "mapping for it");
+  if (parameters_.volume && (!moves_ || !find(structure_.description().initial, "velocity")))
+    throw Error(ExitCode::case_file, "coupling.interface = \"volume\"",
+                "the structure gives no velocity, which the fluid needs for the solid's particles",
+                "structure.solver = \"particle\"");
+  parameters_.parallel = parameters_.parallel && !parameters_.volume;
+  state_.sends_velocity = find(structure_.description().initial, "velocity") != nullptr;
+  state_.structure = {{start_time, of_structure_}};
+  Sample load = {start_time, {}};
+  for (const Field& field : of_fluid_) load.fields.push_back(transfer_.onto_structure(field));
+  if (structure_.description().history && !fluid_.description().initial.empty()) state_.history = {load};
+  if (looks_back_at_load()) state_.fluid = {std::move(load)};
+}
+
+void Scheme::set_state(CouplingState state) {
+  assert(!open_);
+  const Index n = structure_.mesh().position.cols();
+  // An archive keeps names and values; units and how a field is mapped stand in the announcement.
+  const auto complete = [n](Samples& samples, const std::vector<Field>& announced) {
+    bool fits = !samples.empty();
+    for (Sample& sample : samples) {
+      fits = fits && sample.fields.size() == announced.size();
+      for (std::size_t k = 0; fits && k < announced.size(); ++k) {
+        Field& field = sample.fields[k];
+        fits = field.quantity == announced[k].quantity && field.value.cols() == n &&
+               field.value.rows() == announced[k].value.rows();
+        field.unit = announced[k].unit;
+        field.conservative = announced[k].conservative;
+      }
+    }
+    return fits;
+  };
+  const bool history = state.history.empty() || complete(state.history, of_fluid_);
+  if (!looks_back_at_load()) state.fluid.clear();
+  const bool load = !looks_back_at_load() || complete(state.fluid, of_fluid_);
+  if (!complete(state.structure, of_structure_) || !load || !history)
+    throw Error(ExitCode::case_file, "checkpoint, coupler.h5",
+                fmt::format("its interface does not have the structure's {} points and fields", n),
+                "resume with the case that the checkpoint was made with");
+  state_ = std::move(state);
+}
+
+// H: what the structure sends → fluid → load → structure. The fluid is given x, the structure answers H(x); a
+// window is done when H(x) − x is small enough. In a parallel scheme x holds the load as well, and each side
+// answers to the other's part of x.
+WindowReport Scheme::advance(const Window& window) {
+  assert(!open_);
+  const Convergence& convergence = parameters_.convergence;
+  pending_ = {};
+  pending_.velocity_scale = state_.velocity_scale == 0 ? 0.5 * window.dt : state_.velocity_scale;
+  pending_.sends_velocity = state_.sends_velocity;
+  accelerator_->set_state(state_.accelerator);
+  accelerator_->start_window();
+
+  const int most = parameters_.volume ? 1 : std::max(1, convergence.max_iterations);
+  WindowReport report;
+  report.window = window;
+  report.number = state_.windows + 1;
+  Iterate now = first_guess(window);
+  for (int iteration = 1;; ++iteration) {
+    if (const auto shorter = evaluate(window, iteration, now))
+      return retry(window, shorter->limit, asks_for_shorter(shorter->who, window, shorter->why),
+                   shorter->fix);
+    report.log.push_back(measure(window, iteration, now, report.log.empty() ? nullptr : &report.log.front()));
+    IterationReport& row = report.log.back();
+    if (auto fields = blocks(now); iteration == 1 && fields.size() > 1)
+      accelerator_->set_blocks(std::move(fields));
+    report.converged = row.settled();
+    if ((report.converged && iteration >= convergence.min_iterations) || iteration >= most) break;
+    next_guess(window, now);
+    row.relaxation = accelerator_->last_step().relaxation;
+    row.columns = accelerator_->last_step().columns;
+    row.dropped = accelerator_->last_step().dropped;
+    take_back();
+  }
+  if (!report.converged && most > 1) {
+    if (convergence.then == Unconverged::halve) {
+      take_back();
+      return retry(window, 0.5 * window.dt,
+                   fmt::format("a window of {:.3g} s does not converge in {} iterations", window.dt, most),
+                   "raise coupling.surface.converged.max_iterations");
+    }
+    if (convergence.then == Unconverged::stop) stop_unconverged(report);
+  }
+  if (most > 1) accelerator_->finish_window(stack(now.guess, now.load_guess), stack(now.answer, now.load));
+  close(report, now);
+  return report;
+}
+
+/// None in explicit schemes: there is nothing that settles. In a parallel one the structure may have settled
+/// under a load that is not the fluid's.
+Limits Scheme::limits_of_load() const {
+  const Convergence& c = parameters_.convergence;
+  if (parameters_.volume || c.max_iterations <= 1) return {};
+  Limits limits = c.load;
+  const bool must_settle = parameters_.parallel || c.measure == Measure::value;
+  if (must_settle && limits.relative == 0) limits.relative = c.relative;
+  if (must_settle && limits.residual_relative == 0) limits.residual_relative = c.residual_relative;
+  return limits;
+}
+
+bool Scheme::looks_back_at_load() const {
+  return parameters_.parallel || limits_of_load().any();
+}
+
+std::vector<Column> Scheme::measured() const {
+  std::vector<Column> columns;
+  for (std::size_t k = 0; k < of_structure_.size(); ++k)
+    if (!moves_ || k != 1) columns.push_back({of_structure_[k].quantity, of_structure_[k].unit});
+  if (limits_of_load().any())
+    for (const Field& field : of_fluid_) columns.push_back({field.quantity, field.unit});
+  return columns;
+}
+
+bool Scheme::is_mechanical() const {
+  return moves_ && find(of_fluid_, "force");
+}
+
+IterationReport Scheme::measure(const Window& window, int iteration, const Iterate& now,
+                                const IterationReport* first) const {
+  const Convergence& c = parameters_.convergence;
+  const bool by_value = c.measure == Measure::value;
+  IterationReport row;
+  row.iteration = iteration;
+  row.force = now.force;
+  if (parameters_.volume) return row;
+  const auto add = [&](const Field& field, double residual, double scale, const Limits& limits) {
+    const double before = first ? first->fields[row.fields.size()].residual : -1;
+    row.fields.push_back(judge(field, residual, scale, limits, before));
+  };
+  const Sample &guess = guess_of(now), &last = state_.structure.back();
+  for (std::size_t k = 0; k < of_structure_.size(); ++k) {
+    if (moves_ && k == 1) continue;  // stands with the displacement
+    const Field& answer = now.answer.fields[k];
+    const double change = rms(answer.value - guess.fields[k].value);
+    double residual = change;
+    if (moves_ && k == 0)
+      residual =
+          std::max(residual, 0.5 * window.dt * rms(now.answer.fields[1].value - guess.fields[1].value));
+    const double scale = by_value          ? rms(answer.value)
+                         : &guess == &last ? change
+                                           : rms(answer.value - last.fields[k].value);
+    add(answer, residual, scale, {c.relative, k == 0 ? c.absolute : 0, c.residual_relative});
+  }
+  row.residual = row.fields.front().residual;
+  row.threshold = row.fields.front().threshold;
+  if (const Limits load = limits_of_load(); load.any())
+    for (std::size_t k = 0; k < of_fluid_.size(); ++k) {
+      const Field& before = parameters_.parallel ? now.load_guess[k] : now.load_before[k];
+      add(now.load[k], rms(now.load[k].value - before.value), rms(now.load[k].value), load);
+    }
+  refuse_non_finite(row.fields, {"coupling", window, state_.windows + 1, iteration});
+  return row;
+}
+
+void Scheme::take_back() {
+  fluid_.rewind();
+  structure_.rewind();
+}
+
+WindowReport Scheme::retry(const Window& window, double limit, std::string why, std::string fix) const {
+  WindowReport report;
+  report.why = std::move(why);
+  report.fix = std::move(fix);
+  report.window = window;
+  report.number = state_.windows + 1;
+  report.retry = true;
+  report.dt_limit = limit < window.dt ? limit : 0.5 * window.dt;
+  return report;
+}
+
+void Scheme::stop_unconverged(const WindowReport& report) const {
+  const IterationReport& last = report.log.back();
+  std::string what;
+  for (const FieldResidual& field : last.fields)
+    if (!field.settled())
+      what += fmt::format(", {} {:.1e} {}, wanted {:.1e} {}",
+                          last.fields.size() > 1 ? field.quantity : "residual", field.residual, field.unit,
+                          field.threshold, field.unit);
+  throw Error(
+      ExitCode::solver_fault, fmt::format("coupling, window {} (t = {:g} s)", report.number, report.window.t),
+      fmt::format("did not converge\n{} iterations{}", last.iteration, what),
+      "lower coupling.surface.window, raise converged.max_iterations, or accept and count such windows");
+}
+
+void Scheme::close(WindowReport& report, Iterate& now) {
+  report.iterations = report.log.back().iteration;
+  report.residual = report.log.back().residual;
+  report.threshold = report.log.back().threshold;
+  report.dt_limit = std::min(now.from_fluid.dt_limit, now.from_structure.dt_limit);
+  report.fluid = std::move(now.from_fluid.monitor);
+  report.structure = std::move(now.from_structure.monitor);
+  const Field *force = find(now.load, "force"), *wet = find(now.wet, "force");
+  if (moves_ && force) {
+    const Values& displacement = now.answer.fields[0].value;
+    const Field increment = {"displacement", "m", false,
+                             displacement - state_.structure.back().fields[0].value};
+    report.work_fluid = dot(wet->value, transfer_.onto_fluid(increment).value);
+    report.work_structure = dot(force->value, increment.value);
+    if (!parameters_.volume)
+      report.work_unconverged = dot(force->value, displacement - guess_of(now).fields[0].value);
+    // In a parallel scheme the structure moved under another load than the fluid's.
+    if (const Field* given = find(now.load_guess, "force"))
+      report.work_unconverged += dot(MatrixXd(given->value - force->value), increment.value);
+    report.displacement = displacement;
+    if (pending_.sends_velocity) report.velocity = now.answer.fields[1].value;
+    report.force = force->value;
+  }
+  const bool mechanical = is_mechanical();
+  for (std::size_t k = 0; k < now.answer.fields.size(); ++k) {
+    const bool motion = moves_ && k < 2, absent = moves_ && k == 1 && !pending_.sends_velocity;
+    if (!absent && !(mechanical && motion)) report.from_structure.push_back(now.answer.fields[k]);
+  }
+  for (const Field& field : now.load)
+    if (!mechanical || field.quantity != "force") report.from_fluid.push_back(field);
+  pending_.structure = std::move(now.answer);
+  if (looks_back_at_load()) pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
+  pending_.history = std::move(now.history);
+  pending_.accelerator = accelerator_->state();
+  open_ = true;
+}
+
+void Scheme::commit(bool write_output) {
+  assert(open_);
+  fluid_.commit(write_output);
+  structure_.commit(write_output);
+  ++state_.windows;
+  state_.velocity_scale = pending_.velocity_scale;
+  state_.sends_velocity = pending_.sends_velocity;
+  const Predictor kind = parameters_.volume ? Predictor::constant : parameters_.predictor;
+  remember(state_.structure, std::move(pending_.structure), kind);
+  if (looks_back_at_load()) {
+    if (!parameters_.parallel)
+      state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
+    remember(state_.fluid, std::move(pending_.fluid), kind);
+  }
+  constexpr std::size_t earlier = 3;  // with one more a cubic at the start of a window
+  for (Sample& sample : pending_.history) state_.history.push_back(std::move(sample));
+  if (state_.history.size() > earlier)
+    state_.history.erase(state_.history.begin(), state_.history.end() - static_cast<std::ptrdiff_t>(earlier));
+  state_.accelerator = std::move(pending_.accelerator);
+  open_ = false;
+}
+
+void Scheme::abandon() {
+  assert(open_);
+  take_back();
+  open_ = false;
+}
+
+WindowReport advance_alone(Participant& participant, const Window& window) {
+  WindowReport report;
+  report.window = window;
+  const Advanced advanced = participant.advance(window, {});
+  if (advanced.retry_smaller_dt) {
+    participant.rewind();
+    report.retry = true;
+    report.why = asks_for_shorter("the solver", window, advanced.why);
+    report.fix = advanced.fix;
+    report.dt_limit = advanced.dt_limit < window.dt ? advanced.dt_limit : 0.5 * window.dt;
+    return report;
+  }
+  report.iterations = 1;
+  report.converged = true;
+  report.dt_limit = advanced.dt_limit;
+  report.fluid = advanced.monitor;
+  return report;
+}
+
+}  // namespace strake

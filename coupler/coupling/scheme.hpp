@@ -1,0 +1,122 @@
+#pragma once
+
+#include "coupler/acceleration/accelerator.hpp"
+#include "coupler/coupling/convergence.hpp"
+#include "coupler/coupling/exchange.hpp"
+#include "coupler/coupling/predictor.hpp"
+#include "coupler/coupling/window_report.hpp"
+#include "proto/participant.hpp"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace strake {
+
+struct SchemeParameters {
+  bool volume = false;    // motion at the start of the window, W = identity, one iteration, no predictor
+  bool parallel = false;  // both sides at once, each with the other's last answer; not with `volume`
+  Convergence convergence;
+  Predictor predictor = Predictor::quadratic;
+  AcceleratorParameters accelerator;
+};
+
+/// All that the coupling remembers from window to window: what coupler.h5 of a checkpoint holds.
+struct CouplingState {
+  int windows = 0;  // committed
+  double velocity_scale =
+      0;  // [s] half the first window: velocities stand in the accelerated vector as lengths
+  bool sends_velocity = false;  // the structure, with each window
+  Samples structure;            // its fields at the ends of committed windows, last is now
+  Samples fluid;    // likewise the fluid's, on the structure's mesh; none where no window looks back
+  Samples history;  // the last three of the fluid's samples before now, where the structure takes histories
+  AcceleratorState accelerator;
+
+  void save(Archive&) const;  // names begin with "coupling."
+  void load(const Archive&);
+};
+
+/// Coupling of two participants. Serial: the fluid first, then the structure with the load that it gave.
+/// Parallel: both at once (Jacobi). Explicit coupling is implicit coupling with one iteration.
+///
+/// Per window: `advance` leaves both solvers at the end of the window, uncommitted (unless report.retry);
+/// then the caller calls `commit`, or `abandon` to give the window up. With remote participants commit and
+/// rewind ride on the next message. After an exception the scheme and its participants are only destroyed.
+class Scheme {
+ public:
+  /// What is exchanged follows from the Description::initial of both (fields_of_structure, fields_of_fluid);
+  /// a structure that sends velocity with each window has it there as well. Throws Error(case_file) when the
+  /// mapping does not fit the meshes, or the way back is missing.
+  Scheme(Participant& fluid, Participant& structure, Transfer, SchemeParameters, double start_time = 0);
+
+  WindowReport advance(const Window&);
+  void commit(bool write_output);
+  void abandon();
+
+  const Mapping& mapping() const { return transfer_.to_fluid(); }
+  const Transfer& transfer() const { return transfer_; }
+  /// What is measured in each iteration, as IterationReport::fields has it: quantity and unit.
+  std::vector<Column> measured() const;
+  /// Whether displacement and force cross the interface: WindowReport holds them by name then.
+  bool is_mechanical() const;
+  const CouplingState& state() const { return state_; }  // committed
+  void set_state(CouplingState);                         // resume: after both participants have resumed
+
+ private:
+  struct Iterate;
+  /// A solver that wants a shorter window: both are taken back then.
+  struct Shorter {
+    const char* who;
+    double limit;  // [s]
+    std::string why, fix;
+    Shorter(const char* who, const Advanced& answer)
+        : who(who), limit(answer.dt_limit), why(answer.why), fix(answer.fix) {}
+  };
+  std::optional<Shorter> evaluate(const Window&, int iteration, Iterate&);
+  std::optional<Shorter> evaluate_serial(const Window&, int iteration, Iterate&);
+  std::optional<Shorter> evaluate_parallel(const Window&, int iteration, Iterate&);
+  Input for_fluid(const Window&, const Iterate&) const;
+  Input for_structure(const Window&, const Iterate&) const;
+  Samples take_history(const Window&, int iteration, Iterate&) const;
+  static void sum_up(Iterate&);
+  void take_wet(const Window&, int iteration, Iterate&) const;
+  void take_dry(const Window&, int iteration, Iterate&);
+  Iterate first_guess(const Window&) const;
+  bool holds_last() const;
+  const Sample& guess_of(const Iterate&) const;  // x
+  Limits limits_of_load() const;
+  /// Whether a window asks what the load was in the one before: else nobody keeps it.
+  bool looks_back_at_load() const;
+  IterationReport measure(const Window&, int iteration, const Iterate&, const IterationReport* first) const;
+  std::vector<AcceleratorBlock> blocks(const Iterate&) const;
+  Eigen::VectorXd stack(const Sample& structure, const std::vector<Field>& load) const;
+  void next_guess(const Window&, Iterate&);
+  void take_back();
+  WindowReport retry(const Window&, double limit, std::string why, std::string fix) const;
+  [[noreturn]] void stop_unconverged(const WindowReport&) const;
+  void close(WindowReport&, Iterate&);
+  Participant& fluid_;
+  Participant& structure_;
+  Transfer transfer_;
+  SchemeParameters parameters_;
+  std::vector<Field> of_structure_, of_fluid_;  // announced
+  bool moves_;                                  // the structure sends a motion
+  std::unique_ptr<Accelerator> accelerator_;
+  CouplingState state_;
+  /// What a commit adds to the state.
+  struct Pending {
+    double velocity_scale = 0;
+    bool sends_velocity = false;
+    Sample structure, fluid;
+    Samples history;
+    AcceleratorState accelerator;
+  };
+  Pending pending_;
+  bool open_ = false;  // a window is advanced and not yet committed
+};
+
+/// The window of a run with one participant (fluid.solver or structure.solver = "none"): no interface, no
+/// iteration. The participant is left uncommitted.
+WindowReport advance_alone(Participant&, const Window&);
+
+}  // namespace strake

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "coupler/coupling/convergence.hpp"
+#include "proto/interface.hpp"
+
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// One coupling iteration: a row of iterations.csv.
+struct IterationReport {
+  int iteration = 0;
+  double residual = 0, threshold = 0;               // of the structure's first field, [m] for a displacement
+  std::vector<FieldResidual> fields;                // all that is measured; the first one as above
+  double relaxation = 0;                            // ω of the step to the next iterate, where one was used
+  int columns = 0, dropped = 0;                     // of IQN-ILS in that step
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // [N] whole load on the structure
+  bool settled() const;
+};
+
+struct WindowReport {
+  Window window;
+  int number = 0;  // of this window, from 1
+  int iterations = 0;
+  double residual = 0, threshold = 0;  // of the structure's first field, [m] for a displacement
+  bool converged = false;              // every measured field settled; volume coupling has none: true
+  /// A solver, or Unconverged::halve, wants a shorter window: both solvers have been taken back, call
+  /// `advance` again with at most `dt_limit`. Everything below is empty then.
+  bool retry = false;
+  std::string why, fix;  // a retry: who wants it and why, and what a user may change
+  double dt_limit =
+      std::numeric_limits<double>::infinity();  // [s] longest next window that both solvers accept
+  double work_fluid = 0,
+         work_structure = 0;    // [J] f·Δu of the committed increment on each side of the mapping
+  double work_unconverged = 0;  // [J] f·(hx − x): what the accepted residual gave to the structure
+  double work_gap() const;      // |W_f − W_s| / max(|W_f|, |W_s|); 0 when both are
+  /// 3×n on the structure's mesh; velocity 3×0 where the structure sends none, and all of them where other
+  /// fields are exchanged.
+  Values displacement = Points(), velocity = Points(), force = Points();
+  std::vector<Field> from_structure, from_fluid;   // all else that is exchanged, on the structure's mesh
+  std::map<std::string, double> fluid, structure;  // Advanced::monitor of each
+  /// Both monitors in one, without the reserved prefixes (seconds., count., check., memory.).
+  std::map<std::string, double> monitor() const;
+  std::vector<IterationReport> log;
+  Eigen::Vector3d total_force() const;  // [N] Σ force, as the last iteration has it; 0 without one
+};
+
+}  // namespace strake

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "proto/interface.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strake {
+
+/// One of the overlapping balls that cover a cloud of sources and divide the targets among them: a partition
+/// of unity. A large ball that reaches into a dense part of the cloud takes only some of the sources there.
+struct Patch {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // [m]
+  double radius = 0;                                 // [m]
+  double spacing = 0;                                // [m] mean distance of its sources to the nearest other
+  std::vector<Eigen::Index> source, target;          // ascending
+};
+
+struct PatchParameters {
+  int points = 50;        // sources of one patch, about; a cloud of no more is one patch
+  double overlap = 0.15;  // radius beyond the cell that the patch serves, relative
+};
+
+struct Partition {
+  std::vector<Patch> patches;
+  std::vector<std::vector<Eigen::Index>> of_target;  // its patches, ascending, at least one
+  Eigen::Index beyond = 0;  // targets in no ball: served by the one that they lie least beyond
+};
+
+Partition divide(const Points& sources, const Points& targets, const PatchParameters&);
+
+/// Shares of the patches in the target i, in the order of of_target[i]; they sum to 1 and fall to 0 at a
+/// ball's border. Of a large and a small ball the small one, where the sources are dense, has the say.
+std::vector<double> shares(const Partition&, Eigen::Index i, const Eigen::Vector3d& position);
+
+}  // namespace strake

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <sys/types.h>
+#include <vector>
+
+namespace strake {
+
+class StopRequest;
+
+/// 128 random bits as 32 hexadecimal digits.
+std::string random_token();
+
+/// `name` with a '/': a program of the user's, relative to `case_folder`. Else looked for beside the running
+/// executable, then on PATH. Error(case_file) if there is none, naming the places.
+std::filesystem::path find_program(const std::string& name, const std::filesystem::path& case_folder = {});
+
+struct Launch {
+  std::filesystem::path program;
+  std::vector<std::string> arguments;
+  std::filesystem::path log;                       // standard output and error; empty: /dev/null
+  int threads = 1;                                 // OMP_NUM_THREADS
+  std::map<std::string, std::string> environment;  // added to (and replacing) that of this process
+  bool keep_log = false;                           // go on behind what the log holds
+  std::filesystem::path folder = {};               // its current folder; empty: that of this process
+};
+
+/// What every solver gets beside the environment of this process, so that it computes the same everywhere.
+std::map<std::string, std::string> solver_environment(int threads);
+
+/// A text as one word of a shell's command line.
+std::string shell_word(const std::string&);
+
+/// How a process ended.
+struct Exit {
+  int code = 0;    // exit code, if signal == 0
+  int signal = 0;  // the signal that ended it
+};
+/// "exited with code 3", "was killed by signal 9 (Killed)".
+std::string to_text(const Exit&);
+
+/// A running program, in a process group of its own. The destructor ends and reaps it.
+class Child {
+ public:
+  explicit Child(const Launch&);  // Error(participant_lost) if it cannot be started
+  ~Child();
+  Child(Child&&) noexcept;
+  Child& operator=(Child&&) noexcept;
+
+  pid_t pid() const { return pid_; }
+  /// How it ended, or nothing while it runs. Never waits.
+  std::optional<Exit> exit();
+  /// The same after at most `limit`.
+  std::optional<Exit> wait(std::chrono::milliseconds limit);
+  void signal(int number);                   // to its whole group
+  void end(std::chrono::milliseconds term);  // SIGTERM, after `term` SIGKILL, reaped
+  bool stopped() const;                      // by SIGSTOP or a terminal
+
+ private:
+  pid_t pid_ = -1;
+  std::optional<Exit> exit_;
+};
+
+/// Ends and reaps what the children left behind (orphans come to a sub-reaper). Child objects are left alone,
+/// and so is every process that no program of ours started.
+void end_orphans();
+
+struct Captured {
+  int exit_code = 0;  // 128 + signal if a signal ended it
+  std::string out, err;
+};
+/// Runs a mode of a program (--keys, --echo, --check) to its end. Error(participant_lost) past the deadline
+/// or if it cannot be started; Error(interrupted | terminated) if `stop` says so.
+Captured capture(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                 std::chrono::milliseconds deadline = std::chrono::seconds(30),
+                 const StopRequest* stop = nullptr);
+
+}  // namespace strake

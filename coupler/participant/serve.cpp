@@ -1,0 +1,293 @@
+#include "coupler/participant/serve.hpp"
+
+#include "coupler/participant/liveness_thread.hpp"
+#include "coupler/participant/malloc_tuning.hpp"
+#include "coupler/transport/curve_keys.hpp"
+#include "coupler/transport/host_name.hpp"
+#include "coupler/transport/sockets.hpp"
+#include "proto/wire/wire.hpp"
+
+#include <fmt/format.h>
+#include <sodium.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace strake {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+/// The keys of this participant; nothing where it has none.
+std::optional<ParticipantKeys> keys_of(const ServeOptions& options) {
+  const char* named = std::getenv("STRAKE_KEY");
+  const std::filesystem::path file = options.key.empty() ? (named ? named : "") : options.key;
+  if (file.empty()) return {};
+  ParticipantKeys keys = read_participant_keys(file);
+  if (keys.name != options.name)
+    throw Error(ExitCode::command_line, file.string(),
+                fmt::format("is the key of \"{}\", and this participant is \"{}\"", keys.name, options.name),
+                "STRAKE_KEY must name the key file of this participant");
+  return keys;
+}
+
+std::int64_t steady_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
+}
+
+std::string raw_bytes(const std::string& hexadecimal) {
+  std::string bytes(hexadecimal.size() / 2, '\0');
+  std::size_t length = 0;
+  if (sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), hexadecimal.data(),
+                     hexadecimal.size(), nullptr, &length, nullptr) != 0)
+    throw Error(ExitCode::command_line, "STRAKE_TOKEN", "is not hexadecimal",
+                "give it the token that the coupler printed");
+  bytes.resize(length);
+  return bytes;
+}
+
+/// The coupler writes its checkpoints into the folder, and this participant writes into them: it must be the
+/// same folder, and is not made here.
+void check_run_folder(const std::filesystem::path& folder, const std::string& name) {
+  if (folder.empty()) return;
+  const std::filesystem::path probe = folder / fmt::format(".{}-{}.part", name, getpid());
+  const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0)
+    throw Error(ExitCode::cannot_write, folder.string(),
+                fmt::format("{} cannot write into the run folder: {}", name, std::strerror(errno)));
+  close(file);
+  unlink(probe.c_str());
+}
+
+/// What cannot be written on another machine than the coupler's, with the machine's name: there the user
+/// looks for it.
+Error with_machine(const Error& e) {
+  if (e.code() != ExitCode::cannot_write || started_by_coupler()) return e;
+  const std::string shared =
+      "the run folder has one path on all machines of a run: mount it there under that path,\n"
+      "or choose a folder that they share with --runs DIR";
+  return {e.code(), e.where(), e.problem() + "\non the machine " + host_name(),
+          e.fix().empty() ? shared : e.fix() + "\n" + shared};
+}
+
+/// One participant and its conversation.
+class Server {
+ public:
+  Server(const ServeOptions& options, const ParticipantFactory& factory)
+      : options_(options),
+        factory_(factory),
+        keys_(keys_of(options)),
+        line_(options.endpoint, keys_),
+        watch_(line_, options.endpoint, keys_) {}
+
+  int run();
+  void working(double fraction, const std::string& what);
+
+ private:
+  wire::Request next_request();
+  void say_hello();
+  void send(wire::Reply);
+  void renew();
+  /// False after Stop.
+  bool answer(wire::Request);
+  wire::Reply reply(const Setup&);
+  wire::Reply reply(const wire::Advance&);
+  wire::Reply reply(const wire::Checkpoint&);
+  wire::Reply reply(const wire::Stop&);
+  wire::Reply reply(const wire::Refused&);
+  void settle(wire::Before, bool write_output);
+  Participant& participant(const char* message);
+
+  const ServeOptions& options_;
+  const ParticipantFactory& factory_;
+  std::optional<ParticipantKeys> keys_;
+  Line line_;
+  Watch watch_;
+  std::unique_ptr<Participant> participant_;
+  std::uint64_t sequence_ = 0;  // of the last request
+  std::int64_t received_ = 0;   // [ns] when it came
+  wire::Parts last_reply_;
+  bool stopped_ = false, refused_ = false;
+  Clock::time_point last_working_;
+};
+
+thread_local Server* serving = nullptr;  // for working()
+
+void Server::say_hello() {
+  const std::string hash(options_.case_hash.begin(), options_.case_hash.end());
+  line_.send(wire::encode(
+      wire::Reply{sequence_, wire::Hello{wire::protocol, options_.name, raw_bytes(options_.token),
+                                         options_.solver, options_.version, hash}},
+      options_.name));
+}
+
+/// After a new connection the coupler knows us by another routing id, and what was under way is lost.
+void Server::renew() {
+  if (!watch_.take_renewed()) return;
+  say_hello();
+  if (!last_reply_.empty()) line_.send(last_reply_);
+}
+
+void Server::send(wire::Reply message) {
+  message.sequence = sequence_;
+  message.times = {received_, steady_now()};
+  wire::Parts parts = wire::encode(std::move(message), options_.name);
+  last_reply_.clear();
+  renew();
+  last_reply_ = std::move(parts);
+  line_.send(last_reply_);
+}
+
+wire::Request Server::next_request() {
+  for (;;) {
+    renew();
+    const auto parts = line_.receive(milliseconds(100));
+    if (!parts) continue;
+    const std::int64_t received = steady_now();
+    wire::Request request = wire::decode_request(*parts);
+    if (std::holds_alternative<wire::Refused>(request.what)) return request;
+    if (request.sequence == sequence_ && !last_reply_.empty()) {  // sent again over a new connection
+      line_.send(last_reply_);
+      continue;
+    }
+    if (request.sequence != sequence_ + 1)
+      throw Error(ExitCode::participant_lost, options_.name,
+                  fmt::format("the coupler sent request {} after {}", request.sequence, sequence_));
+    sequence_ = request.sequence;
+    received_ = received;
+    last_reply_.clear();  // it was heard: the next one takes its memory
+    return request;
+  }
+}
+
+Participant& Server::participant(const char* message) {
+  if (!participant_)
+    throw Error(ExitCode::participant_lost, options_.name,
+                fmt::format("the coupler sent {} before Setup", message));
+  return *participant_;
+}
+
+void Server::settle(wire::Before before, bool write_output) {
+  if (before == wire::Before::commit) participant_->commit(write_output);
+  if (before == wire::Before::rewind) participant_->rewind();
+}
+
+wire::Reply Server::reply(const Setup& setup) {
+  if (participant_) throw Error(ExitCode::participant_lost, options_.name, "the coupler sent Setup twice");
+  check_run_folder(setup.run_folder, options_.name);
+  participant_ = factory_(setup);
+  take_signals();
+  const Description& description = participant_->description();
+  for (const std::string& text : description.lines) spdlog::info("{}", text);
+  return {0, wire::Ready{participant_->mesh(), description}};
+}
+
+wire::Reply Server::reply(const wire::Advance& advance) {
+  Participant& p = participant("Advance");
+  for (const Sample& sample : advance.input.samples)
+    for (const Field& field : sample.fields)
+      if (field.value.cols() != p.mesh().position.cols())
+        throw Error(ExitCode::participant_lost, options_.name,
+                    fmt::format("the coupler sent {} at {} points, the mesh has {}", field.quantity,
+                                field.value.cols(), p.mesh().position.cols()));
+  settle(advance.before, advance.write_output);
+  return {0, p.advance(advance.window, advance.input)};
+}
+
+wire::Reply Server::reply(const wire::Checkpoint& checkpoint) {
+  Participant& p = participant("Checkpoint");
+  settle(checkpoint.before, checkpoint.write_output);
+  if (checkpoint.resume)
+    p.resume(checkpoint.folder);
+  else
+    p.checkpoint(checkpoint.folder);
+  return {0, wire::Done{}};
+}
+
+wire::Reply Server::reply(const wire::Stop& stop) {
+  if (participant_ && stop.commit) participant_->commit(stop.write_output);
+  if (participant_) participant_->flush();
+  participant_.reset();  // Done means that everything is written
+  stopped_ = true;
+  return {0, wire::Done{}};
+}
+
+wire::Reply Server::reply(const wire::Refused& refused) {
+  refused_ = true;  // nobody listens to this participant
+  throw Error(ExitCode::participant_lost, options_.name,
+              "the coupler refused this participant: " + refused.problem, refused.fix);
+}
+
+bool Server::answer(wire::Request request) {
+  send(std::visit([this](const auto& what) { return reply(what); }, request.what));
+  return !stopped_;
+}
+
+int Server::run() {
+  serving = this;
+  say_hello();
+  const auto fault = [this](const Error& e) {
+    spdlog::error("{}", to_text(e));
+    if (!refused_) send({0, wire::Fault{e.where(), e.problem(), e.fix(), e.code()}});
+    return static_cast<int>(e.code());
+  };
+  int code = 0;
+  try {
+    while (answer(next_request())) {
+    }
+  } catch (const Error& e) {
+    code = fault(with_machine(e));
+  } catch (const std::bad_alloc&) {
+    code = fault(
+        Error(ExitCode::solver_fault, options_.name, "is out of memory", "a coarser spacing needs less"));
+  } catch (const std::exception& e) {
+    code = fault(
+        Error(ExitCode::our_bug, options_.name, fmt::format("unexpected: {}", e.what()), "please report it"));
+  }
+  serving = nullptr;
+  return code;
+}
+
+void Server::working(double fraction, const std::string& what) {
+  const auto now = Clock::now();
+  if (now - last_working_ < std::chrono::seconds(1)) return;
+  last_working_ = now;
+  if (watch_.take_renewed()) say_hello();
+  line_.send(wire::encode(wire::Reply{sequence_, wire::Working{fraction, what}}, options_.name));
+}
+
+}  // namespace
+
+int serve(const ServeOptions& options, const ParticipantFactory& factory) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written, and ends with the process
+  prepare_last_moments(options.name, options.endpoint);
+  keep_freed_memory();
+  spdlog::flush_on(spdlog::level::info);
+  spdlog::info("{} {} as {}, process {}, coupler at {}", options.solver, options.version, options.name,
+               getpid(), options.endpoint);
+  try {
+    return Server(options, factory).run();
+  } catch (const Error& e) {  // before anybody could hear it
+    spdlog::error("{}", to_text(e));
+    return static_cast<int>(e.code());
+  }
+}
+
+void working(double fraction, const std::string& what) {
+  if (serving) serving->working(fraction, what);
+}
+
+}  // namespace strake

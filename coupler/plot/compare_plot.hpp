@@ -1,0 +1,28 @@
+#pragma once
+
+#include "coupler/compare/compare.hpp"
+#include "coupler/compare/comparison.hpp"
+#include "coupler/plot/plot.hpp"
+#include "proto/case/case_keys.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// Throws Error(command_line) unless it is a .png or an .svg.
+void require_picture(const std::filesystem::path&);
+/// The plots one below the other. Throws Error(command_line) where there is nothing to draw.
+void write_plots(const std::filesystem::path&, const std::vector<report::Plot>&);
+
+/// All records of one quantity over the span of their comparison, with the first peak of each.
+report::Plot overlay_plot(const std::string& quantity, const std::vector<Record>&, const Comparison&);
+
+/// A run against what its case expects of it: a plot for each probe of the blocks, with the values of peaks,
+/// means and final values as references, and the points of reference curves. Named after what the case calls
+/// them.
+std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>&, const RunData&,
+                                          const std::string& run_name, const std::vector<ProbeKeys>&);
+
+}  // namespace strake

@@ -1,0 +1,239 @@
+#include "coupler/plot/drawing.hpp"
+
+#include "coupler/plot/ticks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake::picture {
+namespace {
+
+using Align = Canvas::Align;
+constexpr double left_margin = 62, right_margin = 18, top_margin = 58, axis_height = 46, bar_height = 58;
+constexpr double small = 12, normal = 13, large = 17;  // [px] letters
+constexpr std::size_t most_shapes = 5'000;             // of an SVG; more marks become an image
+const Colour grey = {0.55, 0.58, 0.62}, dark = {0.11, 0.13, 0.16}, pale = {0.88, 0.90, 0.92},
+             plain_water = {0.36, 0.55, 0.75}, plain_solid = {0.35, 0.37, 0.40};
+
+/// Metres to pixels.
+struct Frame {
+  View view;
+  double x = 0, y = 0, width = 0, height = 0, scale = 1;  // [px] of the drawn part, [px/m]
+  Place operator()(const Place& p) const {
+    return {x + scale * (p.x - view.left), y + height - scale * (p.y - view.low)};
+  }
+};
+
+View whole(const Scene& scene) {
+  View view;
+  if (scene.x.empty() || scene.y.empty()) return view;
+  const double room = std::max(0.02 * std::max(scene.x.hi - scene.x.lo, scene.y.hi - scene.y.lo),
+                               1.5 * std::max(scene.spacing, scene.solid_spacing));
+  view = {scene.x.lo - room, scene.y.lo - room, scene.x.hi + room, scene.y.hi + room};
+  return view;
+}
+
+Frame place(const View& view, const DrawingOptions& options, double below) {
+  Frame f;
+  f.view = view;
+  f.x = left_margin;
+  f.y = top_margin;
+  f.width = options.width - left_margin - right_margin;
+  f.scale = f.width / (view.right - view.left);
+  f.height = f.scale * (view.high - view.low);
+  const double room = options.height > 0 ? options.height - top_margin - below : 900;
+  if (f.height > room) {  // high and narrow: the height decides, and the picture stands in the middle
+    f.scale = room / (view.high - view.low);
+    f.height = room;
+    const double narrow = f.scale * (view.right - view.left);
+    f.x += 0.5 * (f.width - narrow);
+    f.width = narrow;
+  }
+  return f;
+}
+
+Colour colour_of(double value, const Range& range, bool solid) {
+  if (!std::isfinite(value) || range.empty()) return solid ? plain_solid : plain_water;
+  const double s = (value - range.lo) / (range.hi - range.lo);
+  return solid ? solid_colour(s) : water_colour(s);
+}
+
+void draw_marks(Canvas& canvas, const Frame& f, const std::vector<Mark>& marks, double spacing,
+                const Range& range, bool solid) {
+  // Large discs are particles, of which each is seen; smaller ones cover the square around each, so that the
+  // field has no gaps; the smallest are squares, which cost less and look the same.
+  constexpr double seen_alone = 6, covering = 1.42;  // [px], √2 of the radius
+  const double radius = std::max(0.7, 0.5 * spacing * f.scale);
+  for (const Mark& mark : marks) {
+    const Place p = f(mark.at);
+    if (p.x < f.x - radius || p.x > f.x + f.width + radius || p.y < f.y - radius ||
+        p.y > f.y + f.height + radius)
+      continue;
+    const Colour colour = colour_of(mark.value, range, solid);
+    if (radius < 3 || solid)
+      canvas.square(p.x, p.y, solid ? 1.02 * radius : covering * radius, colour);
+    else
+      canvas.dot(p.x, p.y, (radius < seen_alone ? covering : 1.04) * radius, colour);
+  }
+}
+
+void draw_cells(Canvas& canvas, const Frame& f, const Scene& scene, const Range& range) {
+  std::vector<Place> corner;
+  for (const Patch& patch : scene.cells) {
+    corner.clear();
+    for (const Place& p : patch.corner) corner.push_back(f(p));
+    const Colour colour = colour_of(patch.value, range, true);
+    if (corner.size() == 2)
+      canvas.line(corner, 2.5, colour);
+    else
+      canvas.polygon(corner, colour);
+  }
+}
+
+/// About so many round numbers, but two at least: one tick tells no scale.
+std::vector<double> ticks(double lo, double hi, double wanted) {
+  std::vector<double> found;
+  for (int more = 0; found.size() < 2 && more < 4; ++more)
+    found = round_ticks(lo, hi, std::max(2, static_cast<int>(wanted)) + more);
+  return found;
+}
+
+void draw_axes(Canvas& canvas, const Frame& f) {
+  canvas.line(
+      {{f.x, f.y}, {f.x + f.width, f.y}, {f.x + f.width, f.y + f.height}, {f.x, f.y + f.height}, {f.x, f.y}},
+      1, grey);
+  const double distance = f.height < 120 ? 40 : 60;
+  const auto along = ticks(f.view.left, f.view.right, f.width / 90);
+  const auto up = ticks(f.view.low, f.view.high, f.height / distance);
+  for (const double t : along) {
+    const double x = f({t, 0}).x, y = f.y + f.height;
+    canvas.line({{x, y}, {x, y + 5}}, 1, dark);
+    canvas.text(x, y + 19, tick_text(t, along.size() > 1 ? along[1] - along[0] : 0), small, Align::centre);
+  }
+  for (const double t : up) {
+    const double y = f({0, t}).y;
+    canvas.line({{f.x - 5, y}, {f.x, y}}, 1, dark);
+    canvas.text(f.x - 8, y + 4, tick_text(t, up.size() > 1 ? up[1] - up[0] : 0), small, Align::right);
+  }
+  canvas.text(f.x + 0.5 * f.width, f.y + f.height + 37, "x [m]", small, Align::centre);
+  canvas.text(f.x - 8, f.y - 10, "y [m]", small, Align::right);
+}
+
+/// "von_mises" → "von Mises stress of the structure".
+std::string words(const std::string& field, bool solid) {
+  std::string name = field;
+  if (field == "von_mises") name = "von Mises stress";
+  std::replace(name.begin(), name.end(), '_', ' ');
+  if (field == "damage") return "damage of the structure (0 sound, 1 broken)";
+  return name + (solid ? " of the structure" : " of the water");
+}
+
+/// A bar of colours with the range that they stand for; what lies outside is said beside the name.
+void draw_bar(Canvas& canvas, double x, double y, double width, const Quantity& quantity, const Range& range,
+              bool solid) {
+  const double largest = std::max(std::abs(range.lo), std::abs(range.hi));
+  const Prefix prefix = prefix_for(largest, quantity.unit);
+  const std::string unit = with_prefix(prefix, quantity.unit);
+  std::string title = words(quantity.name, solid) + (unit.empty() ? "" : " [" + unit + "]");
+  const double slack = 1e-9 * largest;
+  if (!quantity.all.empty() && (quantity.all.lo < range.lo - slack || quantity.all.hi > range.hi + slack)) {
+    const std::string extremes = fmt::format(
+        "   (extremes {:.3g} and {:.3g})", prefix.factor * quantity.all.lo, prefix.factor * quantity.all.hi);
+    if (canvas.text_width(title + extremes, small) < width) title += extremes;
+  }
+  canvas.text(x, y + 12, title, small);
+  constexpr int steps = 128;
+  for (int k = 0; k < steps; ++k) {
+    const double s = (k + 0.5) / steps;
+    canvas.fill_rectangle(x + width * k / steps, y + 19, width / steps + 0.6, 12,
+                          solid ? solid_colour(s) : water_colour(s));
+  }
+  const double lo = prefix.factor * range.lo, hi = prefix.factor * range.hi;
+  const auto ticks = round_ticks(lo, hi, std::max(2, static_cast<int>(width / 80)));
+  for (const double t : ticks) {
+    const double at = x + width * (t - lo) / (hi - lo);
+    canvas.line({{at, y + 31}, {at, y + 35}}, 1, dark);
+    canvas.text(at, y + 48, tick_text(t, ticks.size() > 1 ? ticks[1] - ticks[0] : 0), small, Align::centre);
+  }
+}
+
+std::string time_text(double time) {
+  const Prefix prefix = prefix_for(time, "s");
+  return fmt::format("t = {:.5g} {}s", prefix.factor * time, prefix.text);
+}
+
+/// As much of a title as fits.
+std::string fitted(Canvas& canvas, std::string text, double size, double width) {
+  if (canvas.text_width(text, size, true) <= width) return text;
+  while (!text.empty() && canvas.text_width(text + "…", size, true) > width) {
+    while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80) text.pop_back();
+    if (!text.empty()) text.pop_back();
+  }
+  return text + "…";
+}
+
+void draw_head(Canvas& canvas, const Scene& scene, double width) {
+  const std::string time = time_text(scene.time);
+  const double taken = canvas.text_width(time, large, true);
+  canvas.text(width - right_margin, 26, time, large, Align::right, true);
+  canvas.text(left_margin, 26,
+              fitted(canvas, scene.title, large, width - left_margin - right_margin - taken - 24), large,
+              Align::left, true);
+  std::string second = scene.cut;
+  if (scene.scale != 1)
+    second +=
+        fmt::format("{}deformation drawn {:g} times as large", second.empty() ? "" : "   ", scene.scale);
+  if (!second.empty()) canvas.text(width - right_margin, 45, second, normal, Align::right);
+}
+
+}  // namespace
+
+std::string draw(const Scene& scene, const DrawingOptions& options, Canvas::Kind kind) {
+  const bool water_bar = !scene.water_field.shown.empty(), solid_bar = !scene.solid_field.shown.empty();
+  Range water = scene.water_field.shown, solid = scene.solid_field.shown;
+  if (options.range) {
+    if (scene.water_field.name == options.field) water = *options.range;
+    if (scene.solid_field.name == options.field) solid = *options.range;
+  }
+  if (options.water_range) water = *options.water_range;
+  if (options.solid_range) solid = *options.solid_range;
+
+  const double below = axis_height + (water_bar || solid_bar ? bar_height : 0);
+  const View view = options.view ? *options.view : whole(scene);
+  const Frame f = place(view, options, below);
+  // Even, as films want it.
+  const int height = options.height > 0
+                         ? options.height
+                         : 2 * static_cast<int>(std::ceil(0.5 * (top_margin + f.height + below)));
+
+  Canvas canvas(kind, options.width, height, options.ratio);
+  draw_head(canvas, scene, options.width);
+  const bool many = scene.water.size() + scene.wall.size() + scene.solid.size() > most_shapes;
+  const auto inside = [&] {
+    many ? canvas.begin_image(f.x, f.y, f.width, f.height) : canvas.clip(f.x, f.y, f.width, f.height);
+  };
+  inside();
+  for (const Mark& mark : scene.wall) {
+    const Place p = f(mark.at);
+    canvas.square(p.x, p.y, std::max(0.7, 0.5 * scene.spacing * f.scale), grey);
+  }
+  draw_marks(canvas, f, scene.water, scene.spacing, water, false);
+  draw_marks(canvas, f, scene.solid, scene.solid_spacing, solid, true);
+  many ? canvas.end_image() : canvas.unclip();
+  canvas.clip(f.x, f.y, f.width, f.height);
+  draw_cells(canvas, f, scene, solid);
+  canvas.unclip();
+  draw_axes(canvas, f);
+
+  const double gap = 36, whole_width = options.width - left_margin - right_margin;
+  const double bar = water_bar && solid_bar ? 0.5 * (whole_width - gap) : std::min(whole_width, 520.0);
+  const double y = height - bar_height;
+  if (water_bar) draw_bar(canvas, left_margin, y, bar, scene.water_field, water, false);
+  if (solid_bar)
+    draw_bar(canvas, left_margin + (water_bar ? bar + gap : 0), y, bar, scene.solid_field, solid, true);
+  return canvas.finish();
+}
+
+}  // namespace strake::picture

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "coupler/compare/curve.hpp"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace strake::report {
+
+/// One curve of a plot. `style` chooses colour and dashes, so that a run looks alike in every plot.
+struct Series {
+  std::string name = {};
+  Curve curve = {};  // time: what runs along the x axis, not always a time
+  int style = 0;
+  std::optional<CurvePoint> marker = {};  // a ring: the first peak
+  bool dots = false;                      // a dot at each sample (convergence, measured points)
+};
+
+/// A value that a curve should meet: a dashed line across the plot, or over the part of x that it is about.
+struct ReferenceLine {
+  std::string name = {};
+  double value = 0;
+  std::optional<std::pair<double, double>> over = {};
+  double within = 0;  // half the width of a band around it, the tolerance; 0: none
+};
+
+struct Plot {
+  std::string title = {};
+  std::string x_name = {}, x_unit = {}, y_name = {}, y_unit = {};
+  std::vector<Series> series = {};
+  std::vector<ReferenceLine> references = {};
+  std::optional<std::pair<double, double>> window = {};  // of x; all
+  bool logarithmic = false;                              // both axes
+};
+
+/// A figure: inline SVG with axes, units and markers, and the legend as its caption. Nothing where no curve
+/// has a point in the window.
+std::string figure(const Plot&);
+
+}  // namespace strake::report

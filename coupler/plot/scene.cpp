@@ -1,0 +1,241 @@
+#include "coupler/plot/scene.hpp"
+
+#include "coupler/case/case_view.hpp"
+#include "coupler/plot/section.hpp"
+#include "proto/error.hpp"
+#include "proto/files/frame_file.hpp"
+#include "proto/interface.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace strake::picture {
+namespace {
+
+using Eigen::Index;
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+std::map<std::string, std::string> keys_of(const std::filesystem::path& folder) {
+  std::ifstream stream(folder / "case.toml", std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) return {};
+  try {
+    return flatten_toml(text.str(), (folder / "case.toml").string());
+  } catch (const Error&) {  // a picture needs title and spacing only
+    return {};
+  }
+}
+
+double number(const std::map<std::string, std::string>& keys, const std::string& key, double otherwise) {
+  const auto found = keys.find(key);
+  return found == keys.end() ? otherwise : std::strtod(found->second.c_str(), nullptr);
+}
+
+/// "[0, -6.26, 0]"
+Eigen::Vector3d vector(const std::map<std::string, std::string>& keys, const std::string& key) {
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  const auto found = keys.find(key);
+  if (found == keys.end()) return v;
+  const char* at = found->second.c_str();
+  for (int k = 0; k < 3 && *at != '\0'; ++k) {
+    at += *at == '[' || *at == ',' ? 1 : 0;
+    char* end = nullptr;
+    v(k) = std::strtod(at, &end);
+    at = end;
+  }
+  return v;
+}
+
+const Frame::Array* find(const std::vector<Frame::Array>& arrays, const std::string& name) {
+  for (const Frame::Array& array : arrays)
+    if (array.name == name) return &array;
+  return nullptr;
+}
+
+/// Of three dimensions: the plane z = `at`, and how far from it a particle is still shown.
+struct Cut {
+  bool solid = false;
+  double at = 0, half = 0;
+  bool shows(double z, double reach) const { return !solid || std::abs(z - at) <= reach; }
+};
+
+std::string names(const Frame& frame) {
+  std::string text;
+  for (const Frame::Array& array : frame.point_data)
+    if (array.name != "id" && array.name != "kind") text += (text.empty() ? "" : ", ") + array.name;
+  return text;
+}
+
+void take_water(const Frame& frame, const std::string& field, const Cut& cut, Scene& scene) {
+  const auto value = scalar(frame, field, scene.water_field);
+  const Frame::Array* kind = find(frame.point_data, "kind");
+  std::vector<double> values;
+  for (Index i = 0; i < frame.position.cols(); ++i) {
+    const auto x = frame.position.col(i);
+    if (!x.allFinite() || !cut.shows(x.z(), 0.5 * scene.spacing)) continue;
+    const double what = kind == nullptr ? 0 : kind->value(0, i);
+    const Mark mark = {{x.x(), x.y()}, value ? (*value)(i) : none};
+    if (what == 1) scene.wall.push_back(mark);
+    if (what != 0) continue;  // interface and structure particles are drawn from the structure's frames
+    scene.water.push_back(mark);
+    scene.x.add(x.x());
+    scene.y.add(x.y());
+    if (std::isfinite(mark.value)) values.push_back(mark.value);
+  }
+  if (value) {
+    for (const double v : values) scene.water_field.all.add(v);
+    scene.water_field.shown = shown_range(std::move(values));
+  }
+}
+
+/// Positions with the deformation drawn larger; what the supports do is no deformation.
+Points enlarged(const Frame& frame, const Eigen::Vector3d& of_supports, double scale) {
+  const Frame::Array* u = find(frame.point_data, "displacement");
+  if (scale == 1 || u == nullptr) return frame.position;
+  return frame.position + (scale - 1) * (u->value.colwise() - of_supports);
+}
+
+void take_structure(const Frame& frame, const Points& at, const std::string& field, const Cut& cut,
+                    Scene& scene) {
+  const auto value = scalar(frame, field, scene.solid_field);
+  std::vector<double> values;
+  const auto keep = [&](double v) {
+    if (std::isfinite(v)) values.push_back(v);
+  };
+  const auto span = [&](const Place& p) {
+    scene.x.add(p.x);
+    scene.y.add(p.y);
+  };
+  if (frame.cells.cols() == 0) {
+    for (Index i = 0; i < at.cols(); ++i) {
+      if (!at.col(i).allFinite() || !cut.shows(frame.position(2, i), 0.5 * scene.solid_spacing)) continue;
+      scene.solid.push_back({{at(0, i), at(1, i)}, value ? (*value)(i) : none});
+      span(scene.solid.back().at);
+      keep(scene.solid.back().value);
+    }
+  }
+  for (Index c = 0; c < frame.cells.cols(); ++c) {
+    const Eigen::VectorXi cell = frame.cells.col(c);
+    Patch patch;
+    if (cut.solid) {
+      patch.corner = section(at, cell, cut.at);
+    } else {
+      for (const int k : cell) patch.corner.push_back({at(0, k), at(1, k)});
+    }
+    if (patch.corner.empty()) continue;
+    patch.value = none;
+    if (value) {
+      patch.value = 0;
+      for (const int k : cell) patch.value += (*value)(k) / static_cast<double>(cell.size());
+    }
+    for (const Place& p : patch.corner) span(p);
+    keep(patch.value);
+    scene.cells.push_back(std::move(patch));
+  }
+  if (value) {
+    for (const double v : values) scene.solid_field.all.add(v);
+    scene.solid_field.shown = shown_range(std::move(values));
+  }
+}
+
+Cut middle_cut(const std::map<std::string, std::string>& keys, const Frame& frame, double spacing) {
+  Cut cut;
+  const bool flat = (frame.position.row(2).array() == 0).all();
+  cut.solid = number(keys, "fluid.dimension", flat ? 2 : 3) == 3 && !flat;
+  if (!cut.solid) return cut;
+  // Half way between two layers of a lattice there is no particle: the plane stands on the layer nearest.
+  const double middle = 0.5 * (frame.position.row(2).minCoeff() + frame.position.row(2).maxCoeff());
+  cut.at = middle + (spacing > 0 ? 0.25 * spacing : 0);
+  return cut;
+}
+
+}  // namespace
+
+std::optional<Eigen::VectorXd> scalar(const Frame& frame, const std::string& name, Quantity& quantity) {
+  const Frame::Array* array = find(frame.point_data, name == "speed" ? "velocity" : name);
+  if (array == nullptr) return std::nullopt;
+  quantity.name = name;
+  quantity.unit = array->unit;
+  if (array->value.rows() == 1) return array->value.row(0).transpose();
+  return array->value.colwise().norm().transpose();
+}
+
+Eigen::Vector3d motion_of_supports(const std::map<std::string, std::string>& keys, double time) {
+  return time * vector(keys, "structure.velocity");
+}
+
+Range shown_range(std::vector<double> values) {
+  if (values.empty()) return {};
+  const auto at = [&](double share) {
+    const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + k, values.end());
+    return values[static_cast<std::size_t>(k)];
+  };
+  Range range = {at(0.005), at(0.995)};
+  if (range.lo > 0 && range.lo < 0.5 * range.hi) range.lo = 0;
+  if (range.lo < 0 && range.hi > 0 && -range.lo < 0.05 * range.hi) range.lo = 0;
+  if (range.lo < range.hi) return range;
+  const double width = range.lo == 0 ? 1 : 0.5 * std::abs(range.lo);
+  return {range.lo - (range.lo == 0 ? 0 : width), range.hi + width};
+}
+
+RunFrames find_frames(const std::filesystem::path& folder) {
+  RunFrames run = {.folder = folder,
+                   .keys = keys_of(folder),
+                   .fluid = list_frames(folder, "fluid"),
+                   .structure = list_frames(folder, "structure")};
+  if (run.fluid.empty() && run.structure.empty())
+    throw Error(ExitCode::case_file, (folder / "frames").string(), "there is no frame to draw",
+                "name the folder of a run that has written frames (output.every), e.g. runs/plate_entry");
+  return run;
+}
+
+Scene read_scene(const RunFrames& run, const SceneOptions& options) {
+  const auto& [folder, keys, fluid, structure] = run;
+  Scene scene;
+  if (const auto title = keys.find("title"); title != keys.end()) scene.title = title->second;
+  if (scene.title.empty()) scene.title = folder.filename().string();
+  scene.spacing = number(keys, "fluid.spacing", 0);
+  scene.scale = options.scale;
+
+  std::string known;
+  Cut cut;
+  if (const FrameFile* file = nearest(fluid, options.time)) {
+    const Frame frame = read_frame(file->path);
+    scene.time = frame.time;
+    cut = middle_cut(keys, frame, scene.spacing);
+    const bool has = options.field == "speed" || find(frame.point_data, options.field) != nullptr;
+    take_water(frame, has ? options.field : "pressure", cut, scene);
+    known = "speed, " + names(frame);
+  }
+  // The structure's frame of the fluid's time: both are written at the same windows.
+  if (const FrameFile* file = nearest(structure, fluid.empty() ? options.time : scene.time)) {
+    const Frame frame = read_frame(file->path);
+    if (fluid.empty()) {
+      scene.time = frame.time;
+      cut = middle_cut(keys, frame, 0);
+    }
+    scene.solid_spacing = number(keys, "structure.particle.spacing", scene.spacing);
+    const auto given = keys.find("coupling.interface");
+    if (given != keys.end() && given->second == "volume" && scene.spacing > 0)
+      scene.solid_spacing = scene.spacing;
+    const Eigen::Vector3d driven = motion_of_supports(keys, frame.time);
+    const bool has = find(frame.point_data, options.field) != nullptr && options.field != "velocity";
+    take_structure(frame, enlarged(frame, driven, options.scale), has ? options.field : "von_mises", cut,
+                   scene);
+    known += (known.empty() ? "" : "; of the structure: ") + names(frame);
+  }
+  if (scene.water_field.name != options.field && scene.solid_field.name != options.field &&
+      !(scene.water_field.name.empty() && options.field == "pressure"))
+    throw Error(ExitCode::command_line, "--field " + options.field, "no frame of this run has it",
+                "one of: " + known);
+  if (cut.solid) scene.cut = fmt::format("section z = {:.4g} m", cut.at);
+  return scene;
+}
+
+}  // namespace strake::picture

@@ -1,0 +1,90 @@
+#pragma once
+
+#include "proto/files/frame_file.hpp"
+#include "proto/interface.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strake::picture {
+
+struct Place {
+  double x = 0, y = 0;  // [m]
+};
+
+/// From `lo` to `hi`; empty while lo > hi.
+struct Range {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  bool empty() const { return !(lo <= hi); }
+  void add(double value) {
+    if (value < lo) lo = value;
+    if (value > hi) hi = value;
+  }
+};
+
+/// A quantity on marks, by the name that the frame gives it.
+struct Quantity {
+  std::string name, unit;  // empty name: there is none
+  Range shown;             // without the outermost half per cent of either end
+  Range all;               // with it
+};
+
+/// A particle: `value` is NaN where it has none.
+struct Mark {
+  Place at;
+  double value = 0;
+};
+/// A cell of a mesh, its section by the plane of the picture, or a line of two points.
+struct Patch {
+  std::vector<Place> corner;
+  double value = 0;
+};
+
+/// What a picture shows of one instant of a run.
+struct Scene {
+  std::string title;
+  double time = 0;           // [s] of the frame that was nearest
+  double spacing = 0;        // [m] of the fluid's particles
+  double solid_spacing = 0;  // [m] of the structure's, where it consists of particles
+  std::vector<Mark> water, wall, solid;
+  std::vector<Patch> cells;
+  Quantity water_field, solid_field;
+  std::string cut;   // of three dimensions: which section this is; empty in two
+  double scale = 1;  // of the deformation
+  Range x, y;        // what water and structure span [m]
+};
+
+struct SceneOptions {
+  double time = std::numeric_limits<double>::infinity();  // [s] the frame next to it
+  /// A scalar of the fluid's frames, "speed" (|velocity|), or one of the structure's ("von_mises", "damage").
+  /// The other side shows its pressure, or its von Mises stress.
+  std::string field = "pressure";
+  double scale = 1;  // of the structure's displacement beyond that of its driven supports
+};
+
+/// The frames of a run and what its case says of them, looked up once for many scenes.
+struct RunFrames {
+  std::filesystem::path folder;
+  std::map<std::string, std::string> keys;  // of case.toml
+  std::vector<FrameFile> fluid, structure;
+};
+/// Throws Error(case_file) where there is no frame.
+RunFrames find_frames(const std::filesystem::path& run_folder);
+/// Throws Error(command_line) for a field that no frame has, Error(case_file) for a damaged one.
+Scene read_scene(const RunFrames&, const SceneOptions&);
+/// One number per point of a field of the frame: the field itself, or the length of a vector ("speed" is that
+/// of the velocity); name and unit go to `quantity`. Nothing where the frame has no such field.
+std::optional<Eigen::VectorXd> scalar(const Frame&, const std::string& name, Quantity& quantity);
+/// How far the driven supports have come by that time [m]; no part of a deformation.
+Eigen::Vector3d motion_of_supports(const std::map<std::string, std::string>& keys, double time);
+/// The shown range of values: from zero where the least is but a small part of the largest.
+Range shown_range(std::vector<double> values);
+
+}  // namespace strake::picture

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "coupler/plot/scene.hpp"
+#include "proto/interface.hpp"
+
+#include <vector>
+
+namespace strake::picture {
+
+/// The section of one cell by the plane z = `at`: corners in order, two for a facet, none where it misses.
+std::vector<Place> section(const Points& point, const Eigen::VectorXi& cell, double at);
+
+}  // namespace strake::picture

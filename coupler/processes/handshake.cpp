@@ -1,0 +1,141 @@
+// Who may take part in a run: the first word of a participant, one that comes back, and strangers.
+
+#include "coupler/processes/participants_state.hpp"
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <algorithm>
+
+namespace strake {
+namespace {
+
+bool equal_secret(const std::string& a, const std::string& b) {
+  return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+}  // namespace
+
+std::string bytes_of(const std::string& hexadecimal) {
+  std::string bytes(hexadecimal.size() / 2, '\0');
+  std::size_t length = 0;
+  if (sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), hexadecimal.data(),
+                     hexadecimal.size(), nullptr, &length, nullptr) != 0)
+    length = 0;
+  bytes.resize(length);
+  return bytes;
+}
+
+void Roster::State::greet(const Hub::Message& message) {
+  wire::Reply reply;
+  try {
+    reply = wire::decode_reply(message.parts, "a stranger");
+  } catch (const Error& e) {
+    return refuse(message, nullptr, e.problem(), "");
+  }
+  const auto* hello = std::get_if<wire::Hello>(&reply.what);
+  // One whose connection was cut may answer before it notices: its Hello follows, and the answer once more.
+  const auto answers = [&](const auto& m) {
+    return m->greeted && !m->asked.empty() && m->sequence == reply.sequence;
+  };
+  if (!hello && std::any_of(members.begin(), members.end(), answers)) return;
+  if (!hello) return refuse(message, nullptr, fmt::format("spoke {} before Hello", wire::name_of(reply)), "");
+  if (!equal_secret(hello->token, raw_token))
+    return refuse(message, nullptr, fmt::format("\"{}\" does not know the token of this run", hello->name),
+                  "STRAKE_TOKEN must hold the token that the coupler printed");
+  Member* m = find(hello->name);
+  if (!m) {
+    std::string names;
+    for (const auto& known : members) names += (names.empty() ? "" : ", ") + known->name;
+    return refuse(message, nullptr,
+                  fmt::format("\"{}\" has no part in this run, expected: {}", hello->name, names), "--name");
+  }
+  if (!message.key.empty() && message.key != hello->name)
+    return refuse(message, m, fmt::format("\"{}\" comes with the key of \"{}\"", hello->name, message.key),
+                  "STRAKE_KEY must name the key file of this participant");
+  if (hello->protocol != wire::protocol)
+    return refuse(
+        message, m,
+        fmt::format("{} speaks protocol {}, the coupler {}", m->name, hello->protocol, wire::protocol),
+        "use programs of one version");
+  const std::string hash(options.case_hash.begin(), options.case_hash.end());
+  if (hello->case_hash != hash)
+    return refuse(message, m,
+                  fmt::format("{} has read another case than the coupler (their hashes differ)", m->name),
+                  "give it the same --case and --set; a file of the case may have changed in between");
+  if (m->greeted && reply.sequence == 0 && hub.connected(m->peer))
+    return refuse(message, m, fmt::format("{} already takes part", m->name), "--name");
+  if (m->greeted && hub.connected(m->peer)) return put_aside(*m, message, reply.sequence);
+  if (m->greeted) return welcome_back(*m, message, reply.sequence);
+  m->greeted = true;
+  take_connection(*m, message.peer);
+  m->last_heard = Clock::now();
+  m->refusal.clear();
+}
+
+/// Nobody takes the place of one whose connection stands. One that was frozen may be back before its old
+/// connection has ended: its word waits until then.
+void Roster::State::put_aside(Member& m, const Hub::Message& message, std::uint64_t last_received) {
+  hub.admit(message.peer);  // it knows the token: what it says next is heard
+  returning.push_back({&m, message, last_received, Clock::now(), {}});
+}
+
+void Roster::State::look_after_returning() {
+  constexpr std::chrono::milliseconds to_let_go{1200};  // heartbeats end the old connection earlier
+  for (std::size_t i = 0; i < returning.size();) {
+    const bool stands = hub.connected(returning[i].member->peer);
+    if (stands && Clock::now() - returning[i].since < to_let_go) {
+      ++i;
+      continue;
+    }
+    Returning r = std::move(returning[i]);
+    returning.erase(returning.begin() + static_cast<std::ptrdiff_t>(i));
+    if (stands) {
+      refuse(r.hello, r.member, fmt::format("{} already takes part", r.member->name), "--name");
+      continue;
+    }
+    if (!hub.connected(r.hello.peer)) continue;
+    welcome_back(*r.member, r.hello, r.last_received);
+    for (Hub::Message& message : r.rest) hear(std::move(message));
+  }
+}
+
+/// Of a process that is not ours, only the connection tells whether it lives. Of any, how its connection
+/// ends.
+void Roster::State::take_connection(Member& m, const std::string& peer) {
+  m.peer = peer;
+  hub.admit(peer);
+  hub.keep_witness(peer);
+}
+
+/// A participant that was frozen (or a coupler that was) has a new connection. What the old one lost is sent
+/// again.
+void Roster::State::welcome_back(Member& m, const Hub::Message& message, std::uint64_t last_received) {
+  const auto silence = m.silent_since ? Clock::now() - *m.silent_since : Clock::duration(0);
+  say(fmt::format("{}: is back after {}", m.place(), in_seconds(silence)));
+  take_connection(m, message.peer);
+  m.silent_since.reset();
+  m.silence_told = false;
+  m.last_heard = Clock::now();
+  m.may_repeat = last_received;
+  if (!m.asked.empty() && !m.reply && last_received < m.sequence) hub.send(m.peer, m.request);
+}
+
+void Roster::State::refuse(const Hub::Message& message, Member* m, const std::string& problem,
+                           const std::string& fix) {
+  note_stranger("refused a participant: " + harmless(problem), 1);
+  if (m && !m->greeted) m->refusal = "was refused: " + problem;
+  hub.send(message.peer, wire::encode(wire::Request{0, wire::Refused{"coupler", harmless(problem), fix}}));
+}
+
+void Roster::State::note_stranger(const std::string& what, int times) {
+  for (const std::string& line : strangers.note(what, times, Clock::now())) say(line);
+}
+
+void Roster::State::look_after_strangers() {
+  for (const auto& [what, times] : hub.take_strangers())
+    note_stranger("refused a connection: " + what, times);
+  for (const std::string& line : strangers.due(Clock::now())) say(line);
+}
+
+}  // namespace strake

@@ -1,0 +1,106 @@
+// What is done when a participant falls silent, leaves or dies.
+
+#include "coupler/processes/log_tail.hpp"
+#include "coupler/processes/participants_state.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace strake {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds last_words{100};     // a dead process's Fault may still be on its way
+constexpr milliseconds heartbeat_gap{800};  // silence before the link counts as cut
+constexpr milliseconds to_come_back{500};   // for a new connection after one that the other end closed
+
+}  // namespace
+
+void Roster::State::look_after_all() {
+  for (const auto& m : members) look_after(*m);
+  look_after_strangers();
+}
+
+void Roster::State::look_after(Member& m) {
+  if (m.child)
+    if (const auto exit = m.child->exit()) return died(m, *exit);
+  if (!m.greeted) return;
+  if (hub.connected(m.peer)) {
+    m.silent_since.reset();
+    return;
+  }
+  // Heartbeats are answered by a thread of their own: no answer means frozen, or a dead machine.
+  const bool has_left = !m.child && hub.left(m.peer);
+  if (!m.silent_since && hub.cut_short(m.peer)) ++m.cut_short;
+  if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
+  const auto silence = Clock::now() - *m.silent_since;
+  check_cut_short(m, silence);
+  // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
+  const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
+  if (has_left && silence > to_come_back && !perhaps_back) left(m);
+  const std::string state = has_left                        ? "has closed its connection"
+                            : !m.child                      ? "is frozen or cannot be reached"
+                            : m.child && m.child->stopped() ? "is suspended (" + m.process() + ")"
+                                                            : "is frozen (" + m.process() + " lives)";
+  if (!m.silence_told && silence > silence_to_tell) {
+    m.silence_told = true;
+    say(fmt::format("{}: {}, no heartbeat for {}; waiting {}", m.place(), state, in_seconds(silence),
+                    options.deadlines.patient
+                        ? "until it is back"
+                        : fmt::format("{:g} s", options.deadlines.frozen_after.count())));
+  }
+  if (options.deadlines.patient || silence < options.deadlines.frozen_after) return;
+  if (perhaps_back && !m.asked.empty()) return;  // coupling.answer_within ends it
+  m.broken = true;
+  throw Error(
+      ExitCode::participant_lost, m.place(),
+      fmt::format("{}: no heartbeat for {}{}", state, in_seconds(silence),
+                  m.asked.empty() ? "" : ", " + m.asked + " was awaited"),
+      fmt::format("{}, or --patient when debugging; the limit is coupling.frozen_after", m.see_log()));
+}
+
+/// ZeroMQ cuts the connection of whoever sends a part that is too large. A participant of Strake never does;
+/// it may be cut once after the coupler was frozen, and is then back at once.
+void Roster::State::check_cut_short(Member& m, Clock::duration silence) const {
+  const std::chrono::duration<double> patience(2);
+  if (m.cut_short == 0) return;
+  if (m.cut_short < 2 && silence < std::min(patience, options.deadlines.frozen_after)) return;
+  m.broken = true;
+  throw Error(
+      ExitCode::participant_lost, m.place(),
+      fmt::format("its connection was cut while it sent {}: a part of a message may have at most {} MB",
+                  m.asked.empty() ? "something" : "its answer to " + m.asked, Hub::most_megabytes),
+      "a coarser interface mesh; " + m.see_log());
+}
+
+/// One that was started by hand: whether it ended or was killed, only its own shell knows.
+void Roster::State::left(Member& m) {
+  m.broken = true;
+  throw Error(ExitCode::participant_lost, m.place(),
+              fmt::format("has ended ({}): its connection was closed at the other end{}", m.process(),
+                          m.asked.empty() ? " between two requests" : " while " + m.asked + " was awaited"),
+              m.see_log());
+}
+
+void Roster::State::died(Member& m, const Exit& exit) {
+  const auto end = Clock::now() + last_words;
+  const auto has_stopped = [&] { return m.asked == "Stop" && m.reply; };
+  while (Clock::now() < end && !has_stopped())
+    receive(end - Clock::now());  // its Fault, if it sent one, says more: it is thrown
+  if (has_stopped()) return;      // a regular end: its last answer lay behind another word of it
+  m.broken = true;
+  const std::string what = !m.refusal.empty() ? "\n" + m.refusal
+                           : !m.greeted       ? " before it said Hello"
+                           : m.asked.empty()  ? " between two requests"
+                                              : fmt::format(" while {} was awaited", m.asked);
+  // Before Hello a program can only speak by its exit code.
+  ExitCode code = ExitCode::participant_lost;
+  for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
+    if (!m.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own)) code = own;
+  throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
+              m.see_log());
+}
+
+}  // namespace strake

@@ -1,0 +1,144 @@
+#pragma once
+
+#include "coupler/processes/remote.hpp"
+#include "coupler/processes/stranger_log.hpp"
+#include "coupler/transport/sockets.hpp"
+#include "proto/wire/wire.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What Roster and RemoteParticipant share, for remote.cpp and roster*.cpp alone.
+namespace strake {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds silence_to_tell{1000};  // until a line says that somebody is silent
+
+std::string in_seconds(Clock::duration);               // "1.25 s"
+std::string bytes_of(const std::string& hexadecimal);  // empty if it is not
+
+/// One participant as the coupler knows it.
+struct Roster::Member {
+  std::string name;
+  std::optional<Child> child;  // none: started by hand
+  std::filesystem::path log;
+  Clock::time_point expected_since;
+  std::chrono::duration<double> tell_after{0};  // of waiting, until a line says so (again)
+  std::string refusal;                          // why its last Hello was refused
+
+  // the connection
+  bool greeted = false;  // said an accepted Hello
+  bool broken = false;   // the run ends because of it
+  std::string peer;
+  std::optional<Clock::time_point> silent_since;
+  bool silence_told = false;
+  int cut_short = 0;  // connections in a row that ended in the middle of what it sent
+
+  // the request under way
+  std::uint64_t sequence = 0;
+  std::string asked;  // "Advance"; empty: idle
+  wire::Parts request;
+  std::optional<wire::Reply> reply;
+  std::optional<std::uint64_t> may_repeat;  // an answer that a new connection may bring twice
+  Clock::time_point asked_at, last_heard;
+  std::string doing;  // its last Working
+  double part = 0;    // of that, in [0, 1]
+
+  // the window
+  std::uint64_t committed = 0;
+  Window window;
+  std::uint32_t iteration = 0;  // 0: no window has been started
+  wire::Before before = wire::Before::nothing;
+  bool write_output = false;
+
+  InterfaceMesh mesh;
+  Description description;
+  std::unique_ptr<RemoteParticipant> remote;
+
+  /// "fluid, window 420 (t = 0.0042 s), iteration 3"; between two windows "fluid, after window 419 (t =
+  /// 0.0042 s)".
+  std::string place() const;
+  /// "process 41273", for messages.
+  std::string process() const;
+  std::string see_log() const;
+  /// "CalculiX computes all 300 windows (34 %)".
+  std::string said() const;
+};
+
+struct Roster::State {
+  explicit State(Options);
+
+  Options options;
+  Hub hub;
+  std::string token;      // hexadecimal
+  std::string raw_token;  // its bytes
+  std::vector<std::unique_ptr<Member>> members;
+  StrangerLog strangers;
+  /// A participant that says it is back while its old connection stands, with what it has said since.
+  struct Returning {
+    Member* member = nullptr;
+    Hub::Message hello;
+    std::uint64_t last_received = 0;
+    Clock::time_point since;
+    std::vector<Hub::Message> rest;
+  };
+  std::vector<Returning> returning;
+  bool ended = false;
+  bool grace_told = false;
+
+  Member* find(const std::string& name);
+  void await_end(Member&) const;
+  void say(const std::string& line) const;
+  std::vector<std::string> arguments(const std::string& endpoint, const std::string& name,
+                                     const Launch&) const;
+
+  void ask(Member&, wire::Request);
+  /// The answer to the request under way. Sees to all other participants meanwhile.
+  wire::Reply await(Member&);
+  template <class Expected>
+  Expected await_as(Member&);
+  void await_hello(Member&);
+
+  void receive(Clock::duration limit);
+  void look_after_all();
+  void tell_waiting(Member&, Clock::duration waited) const;
+  void tell_wait(const Member&, Clock::duration waited) const;
+  void check_deadlines(const Member&) const;
+  void check_stop(const Member&);
+  void check_stop_between(const Member&) const;  // before a request that begins something new
+
+ private:
+  void hear(Hub::Message);
+  static wire::Reply decode(const Member&, const wire::Parts&);
+  void greet(const Hub::Message&);
+  void welcome_back(Member&, const Hub::Message&, std::uint64_t last_received);
+  void put_aside(Member&, const Hub::Message&, std::uint64_t last_received);
+  void look_after_returning();
+  void refuse(const Hub::Message&, Member*, const std::string& problem, const std::string& fix);
+  void answered(Member&, wire::Reply);
+  void tell_exchange(const Member&, const wire::Reply&) const;
+  void look_after(Member&);
+  void look_after_strangers();
+  void note_stranger(const std::string& what, int times);
+  void died(Member&, const Exit&);
+  [[noreturn]] void left(Member&);
+  void check_cut_short(Member&, Clock::duration silence) const;
+  void take_connection(Member&, const std::string& peer);
+};
+
+template <class Expected>
+Expected Roster::State::await_as(Member& m) {
+  const std::string asked = m.asked;
+  wire::Reply reply = await(m);
+  if (auto* value = std::get_if<Expected>(&reply.what)) return std::move(*value);
+  m.broken = true;
+  throw Error(ExitCode::participant_lost, m.place(),
+              std::string("answered ") + asked + " with " + wire::name_of(reply), m.see_log());
+}
+
+}  // namespace strake

@@ -1,0 +1,283 @@
+// What the runs found: metrics against references, and the books that a run keeps on itself.
+#include "coupler/compare/comparison.hpp"
+#include "coupler/plot/html.hpp"
+#include "coupler/report/sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace strake::report {
+namespace {
+
+/// A reference that some run was held against; its place in the list is its footnote.
+struct Reference {
+  std::string probe, metric, kind, source;
+  double value = 0;
+  bool same(const Judged& judged) const {
+    return probe == judged.probe && metric == judged.metric && kind == judged.kind &&
+           source == judged.source && value == judged.reference;
+  }
+};
+
+std::vector<Reference> references_of(const std::vector<Recorded>& runs) {
+  std::vector<Reference> references;
+  for (const Recorded& run : runs)
+    for (const Judged& judged : run.compare)
+      if (std::none_of(references.begin(), references.end(),
+                       [&](const Reference& r) { return r.same(judged); }))
+        references.push_back({judged.probe, judged.metric, judged.kind, judged.source, judged.reference});
+  return references;
+}
+
+std::string unit_of(const std::vector<Recorded>& runs, const std::string& probe, const std::string& metric) {
+  std::string unit = "1";
+  for (const Recorded& run : runs)
+    if (const ProbeResult* result = run.probe(probe); result != nullptr && !result->unit.empty())
+      unit = result->unit;
+  if (unit == "1")
+    for (const Recorded& run : runs)
+      for (const Column& column : run.history.columns)
+        if (column.name == probe) unit = column.unit;
+  return metric_unit(metric, unit);
+}
+
+/// "first_peak" → "first peak".
+std::string words(std::string metric) {
+  if (metric == "mean_peak_50us") return "largest mean of 50 µs";
+  std::replace(metric.begin(), metric.end(), '_', ' ');
+  return metric;
+}
+
+const Judged* judged_by(const Recorded& run, const Reference& reference) {
+  for (const Judged& judged : run.compare)
+    if (reference.same(judged)) return &judged;
+  return nullptr;
+}
+
+std::string verdict(const Judged& judged) {
+  const std::string kind = !judged.pass ? "open" : *judged.pass ? "good" : "bad";
+  const std::string word = !judged.pass ? "not reached" : *judged.pass ? "pass" : "outside";
+  return badge(kind, word);
+}
+
+std::string off(const Judged& judged, const std::string& unit) {
+  const auto deviation = judged.deviation();
+  const std::string text = judged.reference == 0 ? quantity(deviation, unit) : percent(deviation);
+  return fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(deviation), escape(text));
+}
+
+std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Reference>& references,
+                         const std::string& probe) {
+  std::vector<std::string> metrics;
+  for (const Recorded& run : runs)
+    if (const ProbeResult* result = run.probe(probe))
+      for (const auto& [metric, value] : result->metrics)
+        if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) metrics.push_back(metric);
+  std::erase_if(metrics, [&](const std::string& metric) {  // what no run knows
+    return std::none_of(runs.begin(), runs.end(), [&](const Recorded& run) {
+      const ProbeResult* result = run.probe(probe);
+      return result != nullptr && result->metric(metric);
+    });
+  });
+  std::vector<std::string> kinds;  // of this probe's references: a column each
+  for (const Reference& reference : references) {
+    if (reference.probe != probe) continue;
+    if (std::find(kinds.begin(), kinds.end(), reference.kind) == kinds.end()) kinds.push_back(reference.kind);
+    if (std::find(metrics.begin(), metrics.end(), reference.metric) == metrics.end())
+      metrics.push_back(reference.metric);
+  }
+  HtmlTable table("Probe " + probe);
+  std::vector<std::string> names = {"metric"};
+  for (const Recorded& run : runs) names.push_back(run.name);
+  for (const std::string& kind : kinds) names.push_back("reference: " + kind);
+  table.head(names);
+  for (const std::string& metric : metrics) {
+    const std::string unit = unit_of(runs, probe, metric);
+    std::vector<std::string> cells = {escape(words(metric))};
+    for (const Recorded& run : runs) {
+      const ProbeResult* result = run.probe(probe);
+      std::optional<double> value = result == nullptr ? std::nullopt : result->metric(metric);
+      std::string deviations;
+      for (std::size_t i = 0; i < references.size(); ++i) {
+        const Reference& reference = references[i];
+        const Judged* judged = judged_by(run, reference);
+        if (reference.probe != probe || reference.metric != metric || judged == nullptr) continue;
+        if (!value) value = judged->value;
+        deviations += fmt::format("<br>{} <span class=\"to\">to [{}]</span> {}", off(*judged, unit), i + 1,
+                                  verdict(*judged));
+      }
+      cells.push_back(number_cell(value, unit) + deviations);
+    }
+    for (const std::string& kind : kinds) {
+      std::string cell;
+      for (std::size_t i = 0; i < references.size(); ++i)
+        if (references[i].probe == probe && references[i].metric == metric && references[i].kind == kind)
+          cell += (cell.empty() ? "" : "<br>") + number_cell(references[i].value, unit) +
+                  fmt::format(" <a href=\"#source-{0}\" aria-label=\"source {0}\">[{0}]</a>", i + 1);
+      cells.push_back(cell.empty() ? "–" : cell);
+    }
+    table.row(cells);
+  }
+  return table.empty() ? std::string() : table.html();
+}
+
+const char* meaning(const std::string& kind) {
+  if (kind == "theory") return "a formula or its numerical evaluation";
+  if (kind == "experiment") return "measured";
+  if (kind == "code") return "another program's result";
+  if (kind == "calibration") return "a parameter was fitted to it, so that agreement there proves nothing";
+  return "";
+}
+
+/// What a check of summary.json measures, and what it should be.
+struct Check {
+  const char *name, *words, *wanted;
+};
+constexpr Check known_checks[] = {
+    {"work_gap",
+     "Work that the fluid did on the interface against the work that the structure received, the "
+     "worst window, as a share of the larger",
+     "round-off, about 1e-12"},
+    {"momentum_gap",
+     "Momentum that no impulse on bodies, walls or by gravity accounts for, as a share of the "
+     "scale of the impact",
+     "small against 1; particles that collide and pressures cut at zero "
+     "leave some per cent"},
+    {"structure_energy_drift",
+     "Energy of the structure that neither loads nor damping account for, as a share "
+     "of the largest energy",
+     "round-off for finite elements, below a per cent for particles"},
+    {"inner_fraction_min", "Smallest share of water particles taken as inside the water; the rest is surface",
+     "close to its value at rest: holes in the water lower it"},
+    {"voids",
+     "Most water particles of any frame that were taken for surface though they lie deeper than five "
+     "spacings: around shut-in air, or where water came apart",
+     "0, unless waves shut in air"},
+    {"openings", "Those of them around no shut-in air: the water came apart inside", "0"},
+    {"penetrations", "Most water particles inside the structure's outline at any time", "0"},
+    {"lost", "Water particles that left the domain", "0, unless a splash leaves an open tank"},
+    {"volume_drift", "Change of the water's volume since the start, as a share", "a per cent or less"},
+};
+
+}  // namespace
+
+std::string metrics(const std::vector<Recorded>& runs) {
+  std::vector<std::string> probes;
+  const auto references = references_of(runs);
+  const auto list = [&](const std::string& probe) {
+    if (std::find(probes.begin(), probes.end(), probe) == probes.end()) probes.push_back(probe);
+  };
+  for (const Reference& reference : references) list(reference.probe);  // what is judged comes first
+  for (const Recorded& run : runs)
+    for (const ProbeResult& result : run.probes) list(result.probe);
+  // A component of a millionth of its sisters is round-off: it stands apart, folded away.
+  double largest = 0;
+  const auto size = [&](const std::string& probe) {
+    double most = 0;
+    for (const Recorded& run : runs)
+      if (const ProbeResult* result = run.probe(probe))
+        most = std::max(most, std::abs(result->metric("peak").value_or(0)));
+    return most;
+  };
+  const auto component = [](const std::string& probe) {
+    return probe.size() > 2 && probe[probe.size() - 2] == '.';
+  };
+  for (const std::string& probe : probes)
+    if (component(probe)) largest = std::max(largest, size(probe));
+  std::string body, folded;
+  for (const std::string& probe : probes) {
+    const bool judged = std::any_of(references.begin(), references.end(),
+                                    [&](const Reference& r) { return r.probe == probe; });
+    const bool noise = component(probe) && !judged && size(probe) < 1e-6 * largest;
+    (noise ? folded : body) += metric_table(runs, references, probe);
+  }
+  if (!folded.empty())
+    body += "<details><summary>Components that stay at round-off</summary>\n" + folded + "</details>\n";
+  if (!references.empty()) {
+    body += "<h3>Sources of the references</h3>\n<ol class=\"sources\">\n";
+    for (std::size_t i = 0; i < references.size(); ++i)
+      body +=
+          fmt::format("<li id=\"source-{}\"><strong>{}</strong> ({}): {}</li>\n", i + 1,
+                      escape(references[i].kind), escape(meaning(references[i].kind)),
+                      escape(references[i].source.empty() ? "no source is stated" : references[i].source));
+    body += "</ol>\n";
+  }
+  if (body.empty()) return {};
+  return section(
+      "metrics", "What the probes found",
+      "<p>A deviation is (run − reference) / |reference|; “pass” means within the tolerance that the "
+      "case states.</p>\n" +
+          body);
+}
+
+std::string failures(const std::vector<Recorded>& runs) {
+  std::vector<std::string> names;
+  for (const Recorded& run : runs)
+    for (const FailureEvent& event : run.failure)
+      if (std::find(names.begin(), names.end(), event.name) == names.end()) names.push_back(event.name);
+  if (names.empty()) return {};
+  const std::map<std::string, std::string> words_of = {
+      {"start", "strength reached"}, {"crack", "first bond or cell broken"}, {"parted", "in two pieces"}};
+  HtmlTable table("When and where");
+  std::vector<std::string> head = {"event"};
+  for (const Recorded& run : runs) head.push_back(run.name);
+  table.head(head);
+  for (const std::string& name : names) {
+    const auto known = words_of.find(name);
+    std::vector<std::string> cells = {escape(known == words_of.end() ? name : known->second)};
+    for (const Recorded& run : runs) {
+      std::string cell = "–";
+      for (const FailureEvent& event : run.failure) {
+        if (event.name != name || !event.time) continue;
+        cell = number_cell(event.time, "s") + " <span class=\"n\">at x = " + number_cell(event.x, "m") +
+               ", y = " + number_cell(event.y, "m") + "</span>";
+        if (event.z.value_or(0) != 0)
+          cell += " <span class=\"n\">z = " + number_cell(event.z, "m") + "</span>";
+      }
+      cells.push_back(cell);
+    }
+    table.row(cells);
+  }
+  std::vector<std::string> energy = {"energy released"};
+  for (const Recorded& run : runs) energy.push_back(number_cell(run.failure_energy, "J"));
+  table.row(energy);
+  return section("failure", "Failure", "<p>Places are those of the unloaded structure.</p>\n" + table.html());
+}
+
+std::string checks(const std::vector<Recorded>& runs) {
+  std::vector<std::string> names;
+  for (const Recorded& run : runs)
+    for (const auto& [name, value] : run.checks)
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  if (names.empty()) return {};
+  HtmlTable table("Conservation and health");
+  std::vector<std::string> head = {"check"};
+  for (const Recorded& run : runs) head.push_back(run.name);
+  head.insert(head.end(), {"what it says", "should be"});
+  table.head(head);
+  for (const std::string& name : names) {
+    std::vector<std::string> cells = {"<code>" + escape(name) + "</code>"};
+    bool any = false;  // a structure alone has no water to lose
+    for (const Recorded& run : runs) {
+      std::optional<double> value;
+      for (const auto& [own, number] : run.checks)
+        if (own == name) value = number;
+      cells.push_back(number_cell(value, "1"));
+      any = any || value;
+    }
+    if (!any) continue;
+    const auto known = std::find_if(std::begin(known_checks), std::end(known_checks),
+                                    [&](const Check& c) { return name == c.name; });
+    const bool is_known = known != std::end(known_checks);
+    cells.push_back(is_known ? std::string("<span class=\"words\">") + escape(known->words) + "</span>" : "");
+    cells.push_back(is_known ? std::string("<span class=\"words\">") + escape(known->wanted) + "</span>"
+                             : "");
+    table.row(cells);
+  }
+  return table.empty() ? std::string() : section("checks", "Conservation checks", table.html());
+}
+
+}  // namespace strake::report

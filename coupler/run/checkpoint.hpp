@@ -1,0 +1,48 @@
+#pragma once
+
+#include "coupler/case/case_view.hpp"
+#include "coupler/coupling/window_loop.hpp"
+#include "coupler/run/session.hpp"
+#include "coupler/summary/summary.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace strake {
+
+/// checkpoint/000420/{fluid,structure,coupler}.h5 of a run with their `checksums`, and the link `latest`,
+/// which is renamed into place last: a checkpoint that `latest` names is whole, also after a power cut. Two
+/// are kept, so that there is another when a disk damages one. In a copied run `latest` may be a folder: a
+/// copy of one that stands beside it, which is never read and gives way to the next link.
+class Checkpoints {
+ public:
+  explicit Checkpoints(const std::filesystem::path& run_folder);  // absolute
+
+  /// What is committed, of the participants, the scheme, the loop and the summary.
+  void write(Session&, const RunLoop&, const Summary&);
+  /// Seals the checkpoint of that number, waits until it is on the disk, and names it `latest` in one step.
+  void complete(const std::string& number) const;
+  /// The checkpoint to go on from: the latest, or the one before where that is damaged, which `say` is told.
+  /// Throws Error(command_line) when there is none, Error(case_file) when none is whole.
+  std::filesystem::path choose(const std::function<void(const std::string&)>& say) const;
+  /// Takes everybody back to that checkpoint and drops those after it; returns the plan that goes on from
+  /// there.
+  RunPlan resume(const std::filesystem::path& chosen, Session&, Summary&);
+  /// After which window that checkpoint was taken.
+  static long window_of(const std::filesystem::path& checkpoint);
+  /// The last one written, absolute; empty while there is none.
+  std::filesystem::path latest() const;
+
+ private:
+  void name_latest(const std::string& number) const;
+  void forget(const std::filesystem::path& later_than) const;
+  void forget_old() const;
+  std::filesystem::path folder_;
+};
+
+/// Throws Error(command_line) when the case means something else than it did when the run began. What only
+/// says how long, how often and how fast may change.
+void check_same_case(const CaseView&, const std::filesystem::path& run_folder);
+
+}  // namespace strake

@@ -1,0 +1,223 @@
+#include "coupler/run/session.hpp"
+
+#include "coupler/console/console.hpp"
+#include "coupler/participant/stop_request.hpp"
+#include "coupler/processes/log_tail.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake {
+
+namespace {
+
+CouplingCase coupling_case(const CaseView& view) {
+  return {view.common, view.coupling, view.number("fluid.spacing")};
+}
+
+std::string accelerator_title(const std::string& kind) {
+  if (kind == "iqn-ils") return "IQN-ILS";
+  if (kind == "iqn-imvj") return "IQN-IMVJ";
+  return kind == "aitken" ? "Aitken" : "constant relaxation";
+}
+
+}  // namespace
+
+double window_of(const CaseView& view) {
+  const auto analysis = view.value.find("structure.analysis");
+  const bool timeless = !view.fluid && analysis != view.value.end() && analysis->second != "dynamic";
+  return timeless ? view.common.end_time : view.common.window;
+}
+
+std::optional<double> added_mass_ratio(const CaseView& view) {
+  const auto density = view.number("fluid.density"), length = view.number("structure.plate.length"),
+             solid = view.number("structure.material.density"),
+             thickness = view.number("structure.plate.thickness");
+  if (!view.coupled() || !density || !length || !solid || !thickness || *solid <= 0 || *thickness <= 0)
+    return std::nullopt;
+  return *density * 0.5 * *length / (*solid * *thickness);
+}
+
+Session::Session(const CaseView& view, const Options& options) : case_(view), options_(options) {
+  roster_ = std::make_unique<Roster>(Roster::Options{
+      .endpoint = view.coupling.endpoint == "ipc" ? std::string() : view.coupling.endpoint,
+      .keys =
+          view.coupling.keys.empty() ? std::nullopt : std::optional(read_coupler_keys(view.coupling.keys)),
+      .unencrypted = view.coupling.unencrypted,
+      .case_hash = view.hash,
+      .deadlines = deadlines_of(view.coupling, options.patient),
+      .say = options.say,
+      .note = options.note,
+      .stop = options.stop,
+      .on_exchange = options.on_exchange,
+      .on_wait = options.on_wait});
+  if (view.structure) launch(*view.structure);
+  if (view.fluid) launch(*view.fluid);
+
+  Setup setup{.run_folder = options.run_folder,
+              .interface = view.coupled() ? view.common.interface : "none",
+              .partner_mesh = {},
+              .partner_initial = {}};
+  if (view.structure) {
+    structure_ = &set_up(*view.structure, setup);
+    setup.partner_mesh = structure_->mesh();
+    setup.partner_initial = structure_->description().initial;
+    setup.history = structure_->description().history && view.common.interface == "surface";
+  }
+  if (view.fluid) fluid_ = &set_up(*view.fluid, setup);
+
+  if (!view.coupled()) return;
+  const CouplingCase coupling = coupling_case(view);
+  scheme_ = std::make_unique<Scheme>(*fluid_, *structure_, transfer_of(coupling, *structure_, *fluid_),
+                                     scheme_of(coupling, *structure_));
+}
+
+void Session::launch(const SideView& side) {
+  Launch launch;
+  launch.program = side.program;
+  launch.arguments = {"--case", case_.path.string()};
+  for (const std::string& set : case_.sets) {
+    launch.arguments.push_back("--set");
+    launch.arguments.push_back(set);
+  }
+  launch.log = options_.log_folder / (side.side + ".log");
+  if (options_.resumed_at) {
+    note_resume(launch.log, *options_.resumed_at);
+    launch.keep_log = true;
+  }
+  launch.threads = case_.common.threads;
+  const auto& by_hand = options_.by_hand;
+  if (std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end())
+    return roster_->launch(side.side, std::move(launch));
+  launch.arguments[1] = std::filesystem::absolute(case_.path).string();  // it may start anywhere
+  roster_->attach(side.side);
+  if (options_.invite) options_.invite(side.side, roster_->command(side.side, launch));
+}
+
+std::vector<RemoteParticipant*> Session::remotes() const {
+  std::vector<RemoteParticipant*> asked;
+  for (RemoteParticipant* participant : {fluid_, structure_})
+    if (participant != nullptr) asked.push_back(participant);
+  return asked;
+}
+
+RemoteParticipant& Session::set_up(const SideView& side, const Setup& setup) {
+  RemoteParticipant& participant = roster_->connect(side.side, setup);
+  add_columns(side.side, participant.description());
+  return participant;
+}
+
+void Session::add_columns(const std::string& side, const Description& description) {
+  for (Column column : description.columns) {
+    sources_.push_back({.fluid = side == "fluid", .name = column.name});
+    const auto same = [&](const Column& other) { return other.name == column.name; };
+    while (std::any_of(columns_.begin(), columns_.end(), same)) column.name = side + "." + column.name;
+    columns_.push_back(column);
+  }
+}
+
+std::vector<double> Session::values(const WindowReport& report) const {
+  std::vector<double> values;
+  for (const Source& source : sources_) {
+    const auto& monitor = source.fluid ? report.fluid : report.structure;
+    const auto found = monitor.find(source.name);
+    values.push_back(found == monitor.end() ? std::nan("") : found->second);
+  }
+  return values;
+}
+
+RunPlan Session::plan() const {
+  LoopState start;
+  for (const Participant* side :
+       {static_cast<const Participant*>(fluid_), static_cast<const Participant*>(structure_)})
+    if (side != nullptr) start.limit = std::min(start.limit, side->description().dt_limit);
+  return {.end = case_.common.end_time,
+          .window = window_of(case_),
+          .output_every = case_.common.output_every,
+          .start = start,
+          .control = case_.coupling.control,
+          .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string()};
+}
+
+RunLoop Session::loop(const RunPlan& plan) {
+  if (scheme_) return RunLoop(*scheme_, plan);
+  if (fluid_ != nullptr) return RunLoop(*fluid_, RunLoop::Side::fluid, plan);
+  return RunLoop(*structure_, RunLoop::Side::structure, plan);
+}
+
+int Session::dimension() const {
+  return scheme_ ? structure_->mesh().dimension
+                 : static_cast<int>(case_.number("fluid.dimension").value_or(2));
+}
+
+std::vector<std::string> Session::coupling_lines() const {
+  const RunPlan times = plan();
+  const std::string windows = fmt::format("window {:.6g} ms   {} window{}", 1e3 * times.window,
+                                          grouped(times.n_windows()), times.n_windows() == 1 ? "" : "s");
+  if (!scheme_) return {"none: one participant   " + windows};
+  std::vector<std::string> lines;
+  if (case_.common.interface == "volume")
+    lines.push_back("volume, one iteration   " + windows);
+  else
+    lines.push_back(
+        fmt::format("surface, {}, {}{}   {}", case_.coupling.mapping.kind,
+                    case_.coupling.iterates() ? accelerator_title(case_.coupling.accelerator) : "explicit",
+                    case_.coupling.parallel ? ", both at once" : "", windows));
+  const MappingQuality& quality = scheme_->mapping().quality();
+  std::string second = fmt::format("{} wet points on {} structure points, at most {:.1e} m apart",
+                                   quality.n_fluid, quality.n_structure, quality.largest_distance);
+  if (const auto ratio = added_mass_ratio(case_))
+    second += fmt::format("   added-mass ratio rho a / rho_s h  {:.2f}", *ratio);
+  lines.push_back(second);
+  return lines;
+}
+
+std::vector<std::pair<std::string, std::vector<std::string>>> Session::understood() const {
+  std::vector<std::pair<std::string, std::vector<std::string>>> blocks;
+  if (fluid_ != nullptr) blocks.emplace_back("fluid", fluid_->description().lines);
+  if (structure_ != nullptr) blocks.emplace_back("structure", structure_->description().lines);
+  blocks.emplace_back("coupling", coupling_lines());
+  return blocks;
+}
+
+std::vector<std::string> Session::mapping_lines() const {
+  if (!scheme_ || case_.common.interface != "surface") return {};
+  std::vector<std::string> lines = quality_lines(scheme_->mapping().quality(), fluid_->mesh().position);
+  const auto& back = scheme_->transfer().to_structure();
+  if (!back) return lines;
+  for (std::string& line : quality_lines(back->quality(), structure_->mesh().position, true))
+    lines.push_back(std::move(line));
+  return lines;
+}
+
+std::vector<std::string> Session::warnings() const {
+  std::vector<std::string> warnings;
+  bool moved = case_.structure && case_.structure->solver != "rigid" && case_.structure->solver != "replay";
+  for (const char* key : {"x", "y", "z", "angle", "rotation"}) {
+    const auto free = case_.value.find(std::string("structure.free.") + key);
+    moved = moved || (free != case_.value.end() && free->second == "true");
+  }
+  const bool live = case_.fluid && case_.fluid->solver != "replay";
+  if (scheme_ && moved && live && case_.common.interface == "surface" && !case_.coupling.iterates()) {
+    const auto ratio = added_mass_ratio(case_);
+    warnings.push_back(
+        fmt::format("one coupling iteration per window is unstable when the added mass is not small{}; "
+                    "raise coupling.surface.converged.max_iterations",
+                    ratio ? fmt::format(" (here {:.2f} of the structure's)", *ratio) : ""));
+  }
+  if (scheme_) {
+    const MappingQuality& quality = scheme_->mapping().quality();
+    if (quality.without_load > 0 && case_.common.interface == "surface")
+      warnings.push_back(
+          fmt::format("{} of {} structure points feel no load: the fluid's interface points are coarser; "
+                      "coupling.surface.mapping.constraint = \"scaled-consistent\" loads them all{}",
+                      quality.without_load, quality.n_structure,
+                      fluid_->mesh().faces.cols() > 0 ? "" : ", with kind = \"radial-basis\""));
+  }
+  return warnings;
+}
+
+}  // namespace strake

@@ -1,0 +1,52 @@
+#include "coupler/summary/failure_notes.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+namespace strake {
+
+namespace {
+
+using Words = std::pair<const char*, const char*>;
+constexpr std::array<Words, 3> events = {Words{"start", "failure begins: the strength is reached"},
+                                         Words{"crack", "the first crack opens"},
+                                         Words{"parted", "a crack has parted the body"}};
+constexpr std::array<const char*, 4> parts = {"time", "x", "y", "z"};
+
+}  // namespace
+
+std::vector<std::string> FailureNotes::look(const std::map<std::string, double>& monitor) {
+  std::vector<std::string> lines;
+  for (const auto& [event, words] : events) {
+    const std::string name = fmt::format("failure.{}.", event);
+    const auto time = monitor.find(name + "time");
+    if (time == monitor.end() || std::exchange(told_[event], true) || time->second <= since_) continue;
+    lines.push_back(fmt::format("{}, t = {:.6g} s at ({:.4g}, {:.4g}, {:.4g}) m of the body as it was", words,
+                                time->second, monitor.at(name + "x"), monitor.at(name + "y"),
+                                monitor.at(name + "z")));
+    if (std::string(event) == "parted" && dry_faces_)
+      lines.push_back(
+          "the faces of the crack stay dry: the wet surface is that of the whole body; "
+          "coupling.interface = \"volume\" wets them (structure.solver = \"particle\")");
+  }
+  return lines;
+}
+
+nlohmann::ordered_json failure_json(const std::map<std::string, double>& monitor) {
+  const auto energy = monitor.find("failure.energy");
+  if (energy == monitor.end()) return nullptr;
+  nlohmann::ordered_json json;
+  for (const auto& [event, words] : events) {
+    json[event] = nullptr;
+    if (!monitor.contains(fmt::format("failure.{}.time", event))) continue;
+    nlohmann::ordered_json place;
+    for (const char* part : parts) place[part] = monitor.at(fmt::format("failure.{}.{}", event, part));
+    json[event] = place;
+  }
+  json["energy"] = energy->second;
+  return json;
+}
+
+}  // namespace strake

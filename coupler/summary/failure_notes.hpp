@@ -1,0 +1,30 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// What a structure says of its failure, "failure.start.time", "failure.start.x" … for start, crack and
+/// parted: for the summary, and once for the console and the log.
+class FailureNotes {
+ public:
+  /// `dry_faces`: the wet surface is that of the whole body. Events up to `since` [s] were told before a
+  /// resume.
+  FailureNotes(bool dry_faces, double since) : dry_faces_(dry_faces), since_(since) {}
+  /// Lines for what has happened since the last call.
+  std::vector<std::string> look(const std::map<std::string, double>& monitor);
+
+ private:
+  bool dry_faces_;
+  double since_;
+  std::map<std::string, bool> told_;
+};
+
+/// {"start": {"time", "x", "y", "z"}, "crack": …, "parted": …, "energy"}; null where nothing can fail.
+nlohmann::ordered_json failure_json(const std::map<std::string, double>& monitor);
+
+}  // namespace strake

@@ -1,0 +1,205 @@
+#include "coupler/summary/summary.hpp"
+
+#include "coupler/summary/failure_notes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sys/resource.h>
+#include <utility>
+
+namespace strake {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json finite(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json lookup(const std::map<std::string, double>& monitor, const std::string& key) {
+  const auto found = monitor.find(key);
+  return found == monitor.end() ? Json(nullptr) : finite(found->second);
+}
+
+// Counts are whole numbers, and read better as such.
+Json count(const std::map<std::string, double>& monitor, const std::string& what) {
+  const auto found = monitor.find("count." + what);
+  if (found == monitor.end() || !std::isfinite(found->second)) return nullptr;
+  return static_cast<long long>(std::llround(found->second));
+}
+
+Json either(const std::map<std::string, double>& first, const std::map<std::string, double>& second,
+            const std::string& key) {
+  return first.count(key) != 0 ? lookup(first, key) : lookup(second, key);
+}
+
+Json stages(const std::map<std::string, double>& monitor) {
+  const std::string prefix = "seconds.";
+  Json seconds = Json::object();
+  for (const auto& [key, value] : monitor)
+    if (key.starts_with(prefix)) seconds[key.substr(prefix.size())] = finite(value);
+  return seconds;
+}
+
+Json bytes(double value) {
+  return std::isfinite(value) && value > 0 ? Json(std::llround(value)) : Json(nullptr);
+}
+
+Json bytes(const std::map<std::string, double>& monitor) {
+  const auto found = monitor.find("memory.peak");
+  return found == monitor.end() ? Json(nullptr) : bytes(found->second);
+}
+
+const char* const metrics[] = {"first_peak", "time_of_first_peak", "peak", "time_of_peak",
+                               "impulse",    "mean_peak_50us",     "final"};
+
+}  // namespace
+
+nlohmann::ordered_json json_of(const Verdict& verdict) {
+  const bool judged = verdict.result != Verdict::Result::not_reached;  // not reached: pass is null
+  return {{"probe", verdict.probe},
+          {"metric", verdict.metric},
+          {"value", verdict.value ? finite(*verdict.value) : Json(nullptr)},
+          {"reference", finite(verdict.reference)},
+          {"tolerance", finite(verdict.tolerance)},
+          {"pass", judged ? Json(verdict.result == Verdict::Result::pass) : Json(nullptr)},
+          {"kind", verdict.kind},
+          {"source", verdict.source}};
+}
+
+Summary::Summary(std::string case_name, std::string tag)
+    : case_(std::move(case_name)), tag_(std::move(tag)) {}
+
+void Summary::describe(const std::vector<Column>& columns) {
+  for (const Column& column : columns) unit_[column.name] = column.unit;
+}
+
+void Summary::add(const CommittedWindow& window) {
+  const WindowReport& report = window.report;
+  time_ = window.time;
+  ++windows_;
+  iterations_ += report.iterations;
+  max_iterations_ = std::max(max_iterations_, report.iterations);
+  unconverged_ += report.converged ? 0 : 1;
+  taken_back_ += window.taken_back;
+  coupled_ = coupled_ || !report.log.empty() || (!report.fluid.empty() && !report.structure.empty());
+  work_gap_ = std::max(work_gap_, report.work_gap());
+  fluid_ = report.fluid;
+  structure_ = report.structure;
+  results_.clear();  // a metric that a probe no longer reports is withdrawn
+  for (const auto* monitor : {&report.fluid, &report.structure})
+    for (const auto& [key, value] : *monitor) {
+      const auto colon = key.find(':');
+      if (colon == std::string::npos) continue;
+      const std::string probe = key.substr(0, colon);
+      if (std::find(probes_.begin(), probes_.end(), probe) == probes_.end()) probes_.push_back(probe);
+      results_[key] = value;
+    }
+  drop_peaks_before_contact();
+}
+
+/// A first peak is one after contact (cases/VALIDATION.md, "Definitions"). The fluid alone knows contact:
+/// what a structure's probe met before it, or while the fluid still waits for it, is the ringing of a body in
+/// the air.
+void Summary::drop_peaks_before_contact() {
+  double contact = fluid_.contains("count.awaiting_contact") ? std::numeric_limits<double>::infinity() : 0;
+  if (contact == 0)
+    for (const auto& [key, value] : results_)
+      if (key.ends_with(":contact")) contact = contact == 0 ? value : std::min(contact, value);
+  for (const std::string& probe : probes_) {
+    const auto time = results_.find(probe + ":time_of_first_peak");
+    if (time == results_.end() || time->second >= contact) continue;
+    results_.erase(time);
+    results_.erase(probe + ":first_peak");
+  }
+}
+
+double Summary::mean_iterations() const {
+  return windows_ == 0 ? 0 : static_cast<double>(iterations_) / static_cast<double>(windows_);
+}
+
+Json Summary::json() const {
+  Json json;
+  json["case"] = case_;
+  json["tag"] = tag_;
+  json["exit_code"] = static_cast<int>(exit_code);
+  json["end_time"] = finite(time_);
+  json["windows"] = windows_;
+  json["iterations"] = {{"mean", mean_iterations()},
+                        {"max", max_iterations_},
+                        {"unconverged", unconverged_},
+                        {"taken_back", taken_back_}};
+  json["particles"] = {
+      {"fluid", count(fluid_, "fluid")},
+      {"wall", count(fluid_, "wall")},
+      {"solid", structure_.count("count.solid") != 0 ? count(structure_, "solid") : count(fluid_, "solid")}};
+  json["steps"] = {{"fluid", count(fluid_, "steps")}, {"structure", count(structure_, "steps")}};
+  json["steps_committed"] = {{"fluid", count(fluid_, "steps_committed")},
+                             {"structure", count(structure_, "steps_committed")}};
+  Json coupler = Json::object();
+  for (const auto& [stage, seconds] : coupler_seconds) coupler[stage] = finite(seconds);
+  json["seconds"] = {{"wall", finite(wall_seconds)},
+                     {"fluid", stages(fluid_)},
+                     {"structure", stages(structure_)},
+                     {"coupler", coupler}};
+  json["peak_memory_bytes"] = {
+      {"fluid", bytes(fluid_)}, {"structure", bytes(structure_)}, {"coupler", bytes(coupler_memory)}};
+
+  json["probes"] = Json::object();
+  for (const std::string& probe : probes_) {
+    const auto unit = unit_.find(probe);
+    Json entry;
+    entry["unit"] = unit == unit_.end() ? Json(nullptr) : Json(unit->second);
+    for (const char* metric : metrics) entry[metric] = lookup(results_, probe + ":" + metric);
+    json["probes"][probe] = entry;
+  }
+
+  json["checks"]["work_gap"] = coupled_ ? finite(work_gap_) : Json(nullptr);
+  for (const char* check : {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids",
+                            "openings", "penetrations", "lost", "volume_drift"})
+    json["checks"][check] = either(fluid_, structure_, std::string("check.") + check);
+
+  json["failure"] = failure_json(structure_);
+
+  json["compare"] = Json::array();
+  for (const Verdict& verdict : verdicts) json["compare"].push_back(json_of(verdict));
+  return json;
+}
+
+void Summary::save(Archive& archive) const {
+  archive.integer["summary.counts"] = {windows_, iterations_, unconverged_, max_iterations_, taken_back_};
+  archive.real["summary.sums"] = Eigen::Vector4d(time_, work_gap_, wall_seconds, coupled_ ? 1 : 0);
+}
+
+void Summary::load(const Archive& archive) {
+  const auto& counts = archive.integer.at("summary.counts");
+  windows_ = static_cast<long>(counts.at(0));
+  iterations_ = static_cast<long>(counts.at(1));
+  unconverged_ = static_cast<long>(counts.at(2));
+  max_iterations_ = static_cast<int>(counts.at(3));
+  taken_back_ = static_cast<long>(counts.at(4));
+  const Eigen::MatrixXd& sums = archive.real.at("summary.sums");
+  time_ = sums(0);
+  work_gap_ = sums(1);
+  wall_seconds = sums(2);
+  coupled_ = sums(3) > 0;
+}
+
+double peak_memory() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+double cpu_seconds() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+}  // namespace strake

@@ -1,0 +1,69 @@
+#pragma once
+
+#include "coupler/compare/compare.hpp"
+#include "coupler/coupling/window_loop.hpp"
+#include "proto/error.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// What a run found, for programs: summary.json. Keys are fixed (proto/RESULTS.md); what is not known is
+/// null.
+class Summary {
+ public:
+  Summary(std::string case_name, std::string tag);
+
+  /// Columns of history.csv: where the units of the probes come from.
+  void describe(const std::vector<Column>&);
+  void add(const CommittedWindow&);
+
+  ExitCode exit_code = ExitCode::done;
+  double wall_seconds = 0;
+  std::map<std::string, double> coupler_seconds;  // stage → [s]
+  double coupler_memory = 0;                      // [bytes] peak
+  std::vector<Verdict> verdicts;
+
+  double end_time() const { return time_; }
+  long windows() const { return windows_; }
+  double mean_iterations() const;
+  bool coupled() const { return coupled_; }
+  long unconverged() const { return unconverged_; }
+  long taken_back() const { return taken_back_; }  // windows that were tried in vain before shorter ones
+  double work_gap() const { return work_gap_; }
+  /// "<probe>:<metric>" as last reported, for `judge`.
+  const std::map<std::string, double>& probe_results() const { return results_; }
+
+  nlohmann::ordered_json json() const;
+
+  /// Counts and sums so far, for a checkpoint; what the participants report comes back with them.
+  void save(Archive&) const;
+  void load(const Archive&);
+
+ private:
+  void drop_peaks_before_contact();
+  std::string case_, tag_;
+  double time_ = 0;
+  long windows_ = 0, iterations_ = 0, unconverged_ = 0, taken_back_ = 0;
+  int max_iterations_ = 0;
+  double work_gap_ = 0;
+  bool coupled_ = false;
+  std::vector<std::string> probes_;          // in the order of their first mention
+  std::map<std::string, std::string> unit_;  // of columns
+  std::map<std::string, double> results_;
+  std::map<std::string, double> fluid_, structure_;  // reserved monitors as last reported
+};
+
+/// As an entry of "compare" in summary.json.
+nlohmann::ordered_json json_of(const Verdict&);
+
+/// Peak memory of this process [bytes].
+double peak_memory();
+/// User and system time of this process [s].
+double cpu_seconds();
+
+}  // namespace strake

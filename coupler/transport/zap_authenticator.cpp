@@ -1,0 +1,92 @@
+#include "coupler/transport/zap_authenticator.hpp"
+
+#include <algorithm>
+#include <arpa/inet.h>
+#include <cerrno>
+#include <signal.h>
+#include <sys/socket.h>
+#include <utility>
+
+namespace strake {
+
+Doorkeeper::Doorkeeper(zmq::context_t& context, const std::map<std::string, std::string>& admitted)
+    : context_(context), socket_(context, zmq::socket_type::rep) {
+  for (const auto& [name, key] : admitted) {
+    std::array<std::uint8_t, 32> bytes{};
+    if (zmq_z85_decode(bytes.data(), key.c_str())) name_of_[bytes] = name;
+  }
+  socket_.bind("inproc://zeromq.zap.01");
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // signals are for the thread that waits for participants
+  thread_ = std::thread([this] { run(); });
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+Doorkeeper::~Doorkeeper() {
+  context_.shutdown();
+  thread_.join();
+}
+
+std::vector<std::string> Doorkeeper::take_refused() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(refused_, {});
+}
+
+void Doorkeeper::run() {
+  try {
+    for (;;) answer(hear());
+  } catch (const zmq::error_t&) {
+    socket_.close();  // the context has been shut down
+  }
+}
+
+/// version, request, domain, address, routing id, mechanism, key
+std::vector<std::string> Doorkeeper::hear() {
+  std::vector<std::string> parts;
+  for (bool more = true; more;) try {
+      zmq::message_t part;
+      if (!socket_.recv(part)) continue;
+      more = part.more();
+      parts.push_back(part.to_string());
+    } catch (const zmq::error_t& e) {
+      if (e.num() != EINTR) throw;
+    }
+  parts.resize(std::max<std::size_t>(parts.size(), 7));
+  return parts;
+}
+
+void Doorkeeper::answer(const std::vector<std::string>& request) {
+  std::array<std::uint8_t, 32> key{};
+  std::copy_n(request[6].begin(), std::min(key.size(), request[6].size()), key.begin());
+  const auto found = name_of_.find(key);
+  const bool known = request[5] == "CURVE" && found != name_of_.end();
+  if (!known) {
+    constexpr std::size_t enough = 1000;  // between two looks
+    const std::lock_guard lock(mutex_);
+    if (refused_.size() < enough) refused_.push_back(request[3]);
+  }
+  const std::array<std::string, 6> parts{"1.0",
+                                         request[1],
+                                         known ? "200" : "400",
+                                         known ? "OK" : "no key of this run",
+                                         known ? found->second : "",  // becomes the User-Id of its messages
+                                         ""};
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    socket_.send(zmq::buffer(parts[i]),
+                 i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+}
+
+std::string peer_address(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return "somebody";
+  if (address.ss_family == AF_INET)
+    inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in&>(address).sin_addr, text.data(), text.size());
+  else if (address.ss_family == AF_INET6)
+    inet_ntop(AF_INET6, &reinterpret_cast<sockaddr_in6&>(address).sin6_addr, text.data(), text.size());
+  return text[0] != '\0' ? text.data() : "a program of this machine";
+}
+
+}  // namespace strake

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <zmq.hpp>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace strake {
+
+/// Answers ZeroMQ's question who may join (its request is described in RFC 27/ZAP) in a thread of its own,
+/// since the coupler may be computing: whoever holds one of the admitted keys.
+class Doorkeeper {
+ public:
+  /// admitted: participant → public key in Z85.
+  Doorkeeper(zmq::context_t&, const std::map<std::string, std::string>& admitted);
+  ~Doorkeeper();  // shuts the context down, which is what its thread waits for
+  Doorkeeper(const Doorkeeper&) = delete;
+  Doorkeeper& operator=(const Doorkeeper&) = delete;
+
+  /// Addresses that came with another key, since the last call.
+  std::vector<std::string> take_refused();
+
+ private:
+  void run();
+  std::vector<std::string> hear();
+  void answer(const std::vector<std::string>& request);
+
+  zmq::context_t& context_;
+  zmq::socket_t socket_;
+  std::map<std::array<std::uint8_t, 32>, std::string> name_of_;
+  std::mutex mutex_;
+  std::vector<std::string> refused_;
+  std::thread thread_;
+};
+
+/// The address of the other end of a connection, without its port.
+std::string peer_address(int socket);
+
+}  // namespace strake

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "coupler/transport/sockets.hpp"
+#include "proto/wire/wire.hpp"
+
+#include <zmq.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+/// What both ends of a connection do with ZeroMQ's sockets, for link.cpp alone.
+namespace strake::zmq_parts {
+
+// ZeroMQ makes room for a part as soon as its size is announced, by whoever has greeted as ZeroMQ does, and
+// fixes the limit when it binds: before any mesh is known. Room for 3 components on 1.1e7 points.
+inline constexpr std::int64_t largest_part = std::int64_t{Hub::most_megabytes} << 20;  // [bytes]
+
+/// Error(case_file) for a part that no message carries; it starts with `what` it is: "one field of …".
+void refuse_too_large(const wire::Parts&, const std::string& what);
+
+/// Heartbeats, and the largest part that is taken.
+void set_common(zmq::socket_t&);
+
+/// What ZeroMQ reports about one socket, read through a socket of its own, so that another thread may do so.
+class Monitor {
+ public:
+  struct Event {
+    int kind = 0, value = 0;
+  };
+  Monitor(zmq::context_t& context, zmq::socket_t& watched, const std::string& name, int kinds)
+      : watched_(watched), socket_(context, zmq::socket_type::pair) {
+    const std::string address = "inproc://" + name;
+    if (zmq_socket_monitor(watched.handle(), address.c_str(), kinds) != 0) throw zmq::error_t();
+    socket_.set(zmq::sockopt::linger, 0);
+    socket_.set(zmq::sockopt::rcvhwm, 0);  // a full queue would stop the I/O thread, heartbeats and all
+    socket_.connect(address);
+  }
+  ~Monitor() { zmq_socket_monitor(watched_.handle(), nullptr, 0); }
+  Monitor(const Monitor&) = delete;
+  Monitor& operator=(const Monitor&) = delete;
+
+  std::optional<Event> next(std::chrono::milliseconds limit);
+
+ private:
+  zmq::socket_t& watched_;
+  zmq::socket_t socket_;
+};
+
+/// The first part of a message; nothing after `limit` or when a signal arrived. A receive that waits by
+/// itself asks the kernel once where a poll before it asks three times.
+bool await_part(zmq::socket_t&, zmq::message_t& into, std::chrono::milliseconds limit);
+/// Adds the rest of a message, each part where ZeroMQ put it.
+void receive_rest(zmq::socket_t&, bool more, wire::Parts& parts);
+wire::Part to_part(const std::shared_ptr<zmq::message_t>&);
+
+/// Never waits. False when it cannot go: the peer has long been gone.
+bool send_part(zmq::socket_t&, zmq::message_t, bool more);
+void send_parts(zmq::socket_t&, const wire::Parts&);
+
+}  // namespace strake::zmq_parts

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "proto/interface.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <sys/types.h>
+#include <vector>
+
+namespace strake::watch {
+
+/// A column file (proto/files/history.hpp) that somebody else appends to. Each look reads what has come since
+/// the last one; a line counts once its newline is written. A file that was cut (a resumed run) or replaced
+/// (a forced one) is read from its beginning. Never throws: a run may be looked at while it is being made.
+class GrowingTable {
+ public:
+  explicit GrowingTable(std::filesystem::path);
+
+  /// Whether there is anything new.
+  bool look();
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::vector<Column>& columns() const { return columns_; }
+  std::size_t rows() const { return value_.empty() ? 0 : value_.front().size(); }
+  /// One vector per column; NaN for an empty cell.
+  const std::vector<std::vector<double>>& value() const { return value_; }
+  /// Index of the column of that name.
+  std::optional<std::size_t> find(std::string_view name) const;
+  /// The last value of a column; nothing where there is none.
+  std::optional<double> last(std::string_view name) const;
+  /// Grows whenever the file is read anew: rows that were read before are void then.
+  std::uint32_t generation() const { return generation_; }
+  /// Lines that are no rows of this table, left out.
+  std::size_t damaged() const { return damaged_; }
+
+ private:
+  void begin_anew();
+  void take_line(std::string_view);
+  bool take_header(std::string_view);
+
+  std::filesystem::path path_;
+  std::vector<Column> columns_;
+  std::vector<std::vector<double>> value_;
+  std::uint32_t generation_ = 0;
+  std::size_t damaged_ = 0;
+  ino_t inode_ = 0;
+  off_t read_ = 0;          // [bytes] up to the last newline that was read
+  std::string last_bytes_;  // before `read_`: whether this is still the file that was read
+};
+
+}  // namespace strake::watch

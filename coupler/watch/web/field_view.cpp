@@ -1,0 +1,199 @@
+#include "coupler/watch/web/field_view.hpp"
+
+#include "coupler/plot/scene.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+
+namespace strake::watch {
+namespace {
+
+using Eigen::Index;
+using Corner = std::uint32_t;
+
+const Frame::Array* find(const Frame& frame, const std::string& name) {
+  for (const Frame::Array& array : frame.point_data)
+    if (array.name == name) return &array;
+  return nullptr;
+}
+
+bool is_label(const std::string& name) {
+  return name == "id" || name == "kind";
+}
+
+/// Faces of a cell in space, each walked round.
+std::vector<std::vector<Corner>> faces_of(const std::vector<Corner>& c) {
+  if (c.size() == 8)
+    return {{c[0], c[1], c[2], c[3]}, {c[4], c[5], c[6], c[7]}, {c[0], c[1], c[5], c[4]},
+            {c[1], c[2], c[6], c[5]}, {c[2], c[3], c[7], c[6]}, {c[3], c[0], c[4], c[7]}};
+  if (c.size() == 4) return {{c[0], c[1], c[2]}, {c[0], c[1], c[3]}, {c[1], c[2], c[3]}, {c[0], c[2], c[3]}};
+  return {c};
+}
+
+class SurfaceBuilder {
+ public:
+  void add(const std::vector<Corner>& face) {
+    for (std::size_t k = 2; k < face.size(); ++k) {
+      const std::array<Corner, 3> triangle = {face[0], face[k - 1], face[k]};
+      surface.triangle.insert(surface.triangle.end(), triangle.begin(), triangle.end());
+    }
+    const std::size_t n = face.size() == 2 ? 1 : face.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      const Corner a = face[k], b = face[(k + 1) % face.size()];
+      if (!seen_.insert({std::min(a, b), std::max(a, b)}).second) continue;
+      surface.edge.push_back(a);
+      surface.edge.push_back(b);
+    }
+  }
+  Surface surface;
+
+ private:
+  std::set<std::pair<Corner, Corner>> seen_;
+};
+
+std::vector<float> flat(const Points& points, const std::vector<std::uint32_t>& index) {
+  std::vector<float> all;
+  all.reserve(3 * index.size());
+  for (const std::uint32_t i : index)
+    for (int k = 0; k < 3; ++k) all.push_back(static_cast<float>(points(k, i)));
+  return all;
+}
+
+nlohmann::ordered_json range_json(const picture::Range& range) {
+  return range.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json{range.lo, range.hi};
+}
+
+nlohmann::ordered_json field_names(const Frame& frame) {
+  nlohmann::ordered_json names = nlohmann::ordered_json::array();
+  for (const Frame::Array& array : frame.point_data) {
+    // One number, or a vector that is told by its length; a tensor's has no meaning of its own.
+    if (is_label(array.name) || (array.value.rows() != 1 && array.value.rows() != 3)) continue;
+    // A velocity is told by its length, which has a name of its own.
+    names.push_back({{"name", array.name == "velocity" ? "speed" : array.name}, {"unit", array.unit}});
+  }
+  return names;
+}
+
+void add_bounds(const std::vector<float>& position, ArrayMessage& message) {
+  if (position.empty()) return;
+  std::array<float, 3> low, high;
+  low.fill(std::numeric_limits<float>::infinity());
+  high.fill(-std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    low[i % 3] = std::min(low[i % 3], position[i]);
+    high[i % 3] = std::max(high[i % 3], position[i]);
+  }
+  message.head["low"] = low;
+  message.head["high"] = high;
+}
+
+}  // namespace
+
+Surface surface_of(const Eigen::MatrixXi& cells, int dimension) {
+  SurfaceBuilder builder;
+  std::map<std::vector<Corner>, std::pair<int, std::vector<Corner>>>
+      faces;  // sorted corners → how many cells, corners
+  for (Index c = 0; c < cells.cols(); ++c) {
+    std::vector<Corner> corners;
+    for (Index k = 0; k < cells.rows(); ++k) corners.push_back(static_cast<Corner>(cells(k, c)));
+    if (dimension == 2 || corners.size() < 4) {
+      builder.add(corners);
+      continue;
+    }
+    for (std::vector<Corner>& face : faces_of(corners)) {
+      std::vector<Corner> sorted = face;
+      std::sort(sorted.begin(), sorted.end());
+      auto& [count, walked] = faces[std::move(sorted)];
+      ++count;
+      walked = std::move(face);
+    }
+  }
+  for (const auto& [sorted, face] : faces)
+    if (face.first == 1) builder.add(face.second);
+  return std::move(builder.surface);
+}
+
+ArrayMessage field_message(const Frame& frame, const FieldRequest& request) {
+  ArrayMessage message;
+  picture::Quantity quantity;
+  std::optional<Eigen::VectorXd> value;
+  if (!request.field.empty()) value = picture::scalar(frame, request.field, quantity);
+
+  const bool fluid = request.side == "fluid";
+  const Frame::Array* kinds = fluid ? find(frame, "kind") : nullptr;
+  const bool cells = frame.cells.cols() > 0;
+  std::vector<std::uint32_t> index;
+  std::vector<std::uint8_t> kind;
+  std::vector<double> of_field;  // what the range is taken of
+  for (Index i = 0; i < frame.position.cols(); ++i) {
+    const double what = kinds == nullptr ? 0 : kinds->value(0, i);
+    // Interface and structure particles are drawn from the structure's frames. The corners of cells all stay.
+    if (!cells && (!frame.position.col(i).allFinite() || (what != 0 && what != 1))) continue;
+    index.push_back(static_cast<std::uint32_t>(i));
+    kind.push_back(static_cast<std::uint8_t>(what));
+    if (value && what == 0 && std::isfinite((*value)(i))) of_field.push_back((*value)(i));
+  }
+  message.head["side"] = request.side;
+  message.head["time"] = frame.time;
+  message.head["fields"] = field_names(frame);
+  const std::vector<float> position = flat(frame.position, index);
+  add_bounds(position, message);
+  message.add("position", position);
+  message.add("index", index);
+  if (fluid) message.add("kind", kind);
+  if (value) {
+    for (const double v : of_field) quantity.all.add(v);
+    quantity.shown = picture::shown_range(std::move(of_field));
+    message.head["field"] = {{"name", quantity.name},
+                             {"unit", quantity.unit},
+                             {"shown", range_json(quantity.shown)},
+                             {"all", range_json(quantity.all)}};
+    std::vector<float> shown;
+    for (const std::uint32_t i : index) shown.push_back(static_cast<float>((*value)(i)));
+    message.add("value", shown);
+  }
+  if (fluid) return message;
+  if (const Frame::Array* u = find(frame, "displacement"); u != nullptr && u->value.rows() == 3) {
+    const Points bend = u->value.colwise() - picture::motion_of_supports(request.keys, frame.time);
+    message.add("bend", flat(bend, index));
+  }
+  if (!cells) return message;
+  const Surface surface = surface_of(frame.cells, request.dimension);
+  message.add("triangle", surface.triangle);
+  message.add("edge", surface.edge);
+  return message;
+}
+
+nlohmann::ordered_json point_values(const Frame& frame, Index index) {
+  if (index < 0 || index >= frame.position.cols())
+    throw Error(ExitCode::command_line, fmt::format("point {}", index),
+                "there is no such point in this frame",
+                fmt::format("points are numbered from 0 to {}", frame.position.cols() - 1));
+  nlohmann::ordered_json values = {{"time", frame.time}, {"values", nlohmann::ordered_json::array()}};
+  const auto add = [&](const std::string& name, const std::string& unit, const auto& column) {
+    values["values"].push_back(
+        {{"name", name},
+         {"unit", unit},
+         {"value", std::vector<double>(column.data(), column.data() + column.size())}});
+  };
+  add("position", "m", Eigen::VectorXd(frame.position.col(index)));
+  for (const Frame::Array& array : frame.point_data)
+    add(array.name, array.unit, Eigen::VectorXd(array.value.col(index)));
+  return values;
+}
+
+Index place_of(const Frame& frame, std::int64_t id) {
+  if (const Frame::Array* ids = find(frame, "id"))
+    for (Index i = 0; i < ids->value.cols(); ++i)
+      if (ids->value(0, i) == static_cast<double>(id)) return i;
+  throw Error(ExitCode::case_file, fmt::format("point with id {}", id), "is not in this frame");
+}
+
+}  // namespace strake::watch

@@ -1,0 +1,122 @@
+#include "coupler/watch/web/frame_cache.hpp"
+
+#include "proto/error.hpp"
+#include "proto/files/frame_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <ctime>
+#include <set>
+#include <sys/stat.h>
+
+namespace strake::watch {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_bytes = std::size_t(256) << 20;  // of frames that are kept
+
+std::int64_t written(const fs::path& path) {
+  struct stat now {};
+  if (::stat(path.c_str(), &now) != 0) return -1;
+  return static_cast<std::int64_t>(now.st_mtim.tv_sec) * 1'000'000'000 + now.st_mtim.tv_nsec;
+}
+
+/// "fluid-000042.h5" → ("fluid", 42).
+std::optional<std::pair<std::string, int>> named(const std::string& file) {
+  const auto dash = file.rfind('-'), end = file.size() - std::min<std::size_t>(3, file.size());
+  if (!file.ends_with(".h5") || dash == std::string::npos || dash + 1 >= end) return std::nullopt;
+  int number = 0;
+  const auto [stop, error] = std::from_chars(file.data() + dash + 1, file.data() + end, number);
+  if (error != std::errc() || stop != file.data() + end) return std::nullopt;
+  return std::pair(file.substr(0, dash), number);
+}
+
+std::size_t bytes_of(const Frame& frame) {
+  Eigen::Index numbers = frame.position.size() + frame.cells.size();
+  for (const auto* arrays : {&frame.point_data, &frame.cell_data})
+    for (const Frame::Array& array : *arrays) numbers += array.value.size();
+  return static_cast<std::size_t>(numbers) * sizeof(double);
+}
+
+}  // namespace
+
+fs::path FrameShelf::path_of(const Key& key) const {
+  return folder_ / fmt::format("{}-{:06}.h5", key.first, key.second);
+}
+
+void FrameShelf::look() {
+  const std::int64_t changed = written(folder_);
+  if (changed == looked_) return;
+  timespec clock{};
+  clock_gettime(CLOCK_REALTIME, &clock);
+  // The clock of a file system ticks coarsely: what came in the same tick as the last file may still be
+  // missing.
+  constexpr std::int64_t tick = 100'000'000;  // [ns]
+  const std::int64_t now = static_cast<std::int64_t>(clock.tv_sec) * 1'000'000'000 + clock.tv_nsec;
+  looked_ = now - changed > tick ? changed : -1;
+  std::map<std::string, std::set<int>> there;
+  std::error_code error;
+  for (const auto& item : fs::directory_iterator(folder_, error))
+    if (const auto name = named(item.path().filename().string())) there[name->first].insert(name->second);
+  for (auto& [side, series] : series_) {
+    const auto& numbers = there[side];
+    if (std::erase_if(series.entries, [&](const Entry& entry) { return !numbers.contains(entry.number); }) >
+        0)
+      ++series.generation;
+  }
+  for (const auto& [side, numbers] : there) {
+    Series& series = series_[side];
+    bool any = false;
+    for (const int number : numbers) {
+      const auto known = std::lower_bound(series.entries.begin(), series.entries.end(), number,
+                                          [](const Entry& entry, int n) { return entry.number < n; });
+      if (known != series.entries.end() && known->number == number) continue;
+      const fs::path path = path_of({side, number});
+      const std::int64_t when = written(path);
+      const auto bad = damaged_.find(path.string());
+      if (bad != damaged_.end() && bad->second == when) continue;
+      if (const auto time = time_of_frame(path)) {
+        any = any || known != series.entries.end();  // it belongs between others that were told already
+        series.entries.insert(known, {number, *time});
+      } else {
+        damaged_[path.string()] = when;
+      }
+    }
+    if (any) ++series.generation;
+  }
+}
+
+const FrameShelf::Series& FrameShelf::series(const std::string& side) const {
+  static const Series none;
+  const auto found = series_.find(side);
+  return found == series_.end() ? none : found->second;
+}
+
+std::shared_ptr<const Frame> FrameShelf::read(const std::string& side, int number) {
+  const Key key = {side, number};
+  const fs::path path = path_of(key);
+  const std::int64_t when = written(path);
+  if (when < 0)
+    throw Error(ExitCode::case_file, path.string(), "there is no such frame",
+                "choose one of the list of frames");
+  const auto found =
+      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.key == key; });
+  if (found != kept_.end() && found->written == when) {
+    kept_.splice(kept_.begin(), kept_, found);
+    return kept_.front().frame;
+  }
+  if (found != kept_.end()) kept_.erase(found);
+  auto frame = std::make_shared<const Frame>(read_frame(path));
+  kept_.push_front({.key = key, .written = when, .bytes = bytes_of(*frame), .frame = frame});
+  std::size_t bytes = 0;
+  for (auto kept = kept_.begin(); kept != kept_.end();) {
+    bytes += kept->bytes;
+    kept = bytes > most_bytes && kept != kept_.begin() ? kept_.erase(kept) : std::next(kept);
+  }
+  return frame;
+}
+
+}  // namespace strake::watch

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "proto/interface.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace strake::watch {
+
+/// The frames of a run, while they come: each file is opened once for its time, and the last ones that were
+/// read are kept.
+class FrameShelf {
+ public:
+  explicit FrameShelf(std::filesystem::path run_folder) : folder_(std::move(run_folder) / "frames") {}
+
+  struct Entry {
+    int number = 0;   // of the file: 42 of fluid-000042.h5
+    double time = 0;  // [s]
+  };
+  struct Series {
+    std::vector<Entry> entries;    // ascending
+    std::uint32_t generation = 0;  // grows when a frame that was listed is gone (a resumed run)
+  };
+  /// Lists what is new. Cheap while nothing is.
+  void look();
+  /// side: "fluid" | "structure".
+  const Series& series(const std::string& side) const;
+  /// Throws Error(case_file) where there is no such frame, or it is damaged.
+  std::shared_ptr<const Frame> read(const std::string& side, int number);
+
+ private:
+  using Key = std::pair<std::string, int>;
+  struct Kept {
+    Key key;
+    std::int64_t written = 0;  // [ns]
+    std::size_t bytes = 0;
+    std::shared_ptr<const Frame> frame;
+  };
+  std::filesystem::path path_of(const Key&) const;
+  std::filesystem::path folder_;
+  std::int64_t looked_ = -1;  // [ns] when the folder was last changed, as of the last look
+  std::map<std::string, Series> series_;
+  std::map<std::string, std::int64_t> damaged_;  // file name → [ns] when it was written
+  std::list<Kept> kept_;                         // the latest first
+};
+
+}  // namespace strake::watch

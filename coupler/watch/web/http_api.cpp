@@ -1,0 +1,284 @@
+#include "coupler/watch/web/http_api.hpp"
+
+#include "coupler/plot/colour_map.hpp"
+#include "coupler/report/json_member.hpp"
+#include "coupler/watch/page.hpp"
+#include "coupler/watch/select_run.hpp"
+#include "coupler/watch/web/array_message.hpp"
+#include "coupler/watch/web/field_view.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+namespace strake::watch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::chrono::milliseconds between_looks{200};  // however many pages ask
+constexpr std::size_t most_rows = 20'000;                // of a table in one answer
+constexpr std::int64_t most_log = 64 << 10;              // [bytes] of a log in one answer
+constexpr int colours = 64;                              // of a palette
+
+Answers::Answer json_answer(const Json& json) {
+  return {200, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace)};
+}
+
+Answers::Answer refusal(int status, const std::string& sentence) {
+  return {status, "text/plain; charset=utf-8", sentence + "\n"};
+}
+
+/// A question that is not of the form that is told in answers.hpp.
+Error wrong(const std::string& key, const std::string& value, const std::string& expected) {
+  return {ExitCode::command_line, fmt::format("{}={}", key, value), "expected " + expected};
+}
+
+std::string text(const Answers::Query& query, const std::string& key) {
+  const auto found = query.find(key);
+  return found == query.end() ? std::string() : found->second;
+}
+
+std::int64_t integer(const Answers::Query& query, const std::string& key, std::int64_t least) {
+  const std::string value = text(query, key);
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (value.empty() || error != std::errc() || end != value.data() + value.size() || number < least)
+    throw wrong(key, value, fmt::format("a whole number, at least {}", least));
+  return number;
+}
+
+std::string one_of(const Answers::Query& query, const std::string& key,
+                   std::initializer_list<const char*> known) {
+  const std::string value = text(query, key);
+  std::string list;
+  for (const char* name : known) {
+    if (value == name) return value;
+    list += (list.empty() ? "" : " or ") + std::string(name);
+  }
+  throw wrong(key, value, list);
+}
+
+/// Red, green, blue from 0 to 255, from the least value to the largest.
+template <typename Map>
+Json palette(Map map) {
+  Json all = Json::array();
+  for (int k = 0; k < colours; ++k) {
+    const picture::Colour colour = map(k / (colours - 1.0));
+    for (const double c : {colour.red, colour.green, colour.blue}) all.push_back(std::lround(255 * c));
+  }
+  return all;
+}
+
+Json optional_number(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
+}
+
+}  // namespace
+
+Answers::Answers(const std::filesystem::path& run_folder) : run_(run_folder), shelf_(run_folder) {}
+
+void Answers::look() {
+  const auto now = std::chrono::steady_clock::now();
+  if (looked_.time_since_epoch().count() != 0 && now - looked_ < between_looks) return;
+  looked_ = now;
+  run_.look();
+  const std::lock_guard alone(shelf_mutex_);
+  shelf_.look();
+}
+
+Answers::Answer Answers::answer(const std::string& path, const Query& query) {
+  try {
+    for (const PageFile& file : page_files())
+      if (file.name == path) return {200, std::string(file.type), std::string(file.bytes)};
+    if (path == "api/run") return run();
+    if (path == "api/news") return news();
+    if (path == "api/table") return table(query);
+    if (path == "api/frames") return frames(query);
+    if (path == "api/frame") return frame(query);
+    if (path == "api/point") return point(query);
+    if (path == "api/log") return log(query);
+    return refusal(404, "there is no such page");
+  } catch (const Error& error) {
+    // What a run no longer has is news for the page, not a fault.
+    return refusal(error.code() == ExitCode::command_line ? 400 : 404,
+                   error.where() + ": " + error.problem());
+  } catch (const std::exception& error) {
+    return refusal(500, error.what());
+  }
+}
+
+Answers::Answer Answers::run() {
+  const std::lock_guard alone(run_mutex_);
+  look();
+  const Json& record = run_.record();
+  Json sides = Json::object();
+  if (const Json& participants = report::member(record, "participants"); participants.is_object())
+    for (const auto& [side, program] : participants.items())
+      sides[side] = report::string_of(program, "solver");
+  const int dimension = static_cast<int>(run_.number("fluid.dimension").value_or(2));
+  double solid_spacing = run_.number("structure.particle.spacing").value_or(0);
+  const double spacing = run_.number("fluid.spacing").value_or(0);
+  const auto interface = run_.keys().find("coupling.interface");
+  if (spacing > 0 &&
+      (solid_spacing == 0 || (interface != run_.keys().end() && interface->second == "volume")))
+    solid_spacing = spacing;
+  return json_answer(
+      {{"title", run_.title()},
+       {"name", run_.name()},
+       {"folder", std::filesystem::absolute(run_.folder()).lexically_normal().string()},
+       {"version", report::string_of(record, "strake")},
+       {"host", report::string_of(record, "host")},
+       {"known", !run_.keys().empty()},
+       {"dimension", dimension},
+       {"spacing", spacing},
+       {"solid_spacing", solid_spacing},
+       {"sides", sides},
+       {"probes", run_.probes()},
+       {"palette", {{"water", palette(picture::water_colour)}, {"solid", palette(picture::solid_colour)}}}});
+}
+
+Answers::Answer Answers::news() {
+  const std::lock_guard alone(run_mutex_);
+  look();
+  const Glance& g = run_.last();
+  Json json = {{"state", name_of(g.state)},
+               {"open", open(g.state)},
+               {"words", g.words},
+               {"error", g.error},
+               {"exit_code", g.exit_code ? Json(*g.exit_code) : Json()},
+               {"time", g.time},
+               {"end_time", optional_number(g.end_time)},
+               {"window", g.window},
+               {"elapsed", g.elapsed},
+               {"left", optional_number(g.left)},
+               {"silence", g.silence}};
+  json["processes"] = Json::array();
+  for (const Process& p : g.processes)
+    json["processes"].push_back({{"name", p.name},
+                                 {"pid", p.pid},
+                                 {"state", words_for_state(p.state)},
+                                 {"cpu_seconds", p.cpu_seconds},
+                                 {"memory", p.memory_bytes}});
+  json["stages"] = Json::array();
+  for (const Stage& stage : stages(run_))
+    json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+  for (const auto& [name, table] :
+       {std::pair("history", &run_.history()), std::pair("iterations", &run_.iterations())})
+    json["tables"][name] = {{"rows", table->rows()}, {"generation", table->generation()}};
+  for (const char* name : {"coupler", "fluid", "structure"}) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(run_.folder() / fmt::format("{}.log", name), error);
+    if (!error) json["logs"][name] = size;
+  }
+  const std::lock_guard shelf_alone(shelf_mutex_);
+  for (const char* side : {"fluid", "structure"}) {
+    const auto& series = shelf_.series(side);
+    json["frames"][side] = {{"count", series.entries.size()}, {"generation", series.generation}};
+  }
+  return json_answer(json);
+}
+
+Answers::Answer Answers::table(const Query& query) {
+  const std::string name = one_of(query, "name", {"history", "iterations", "timing"});
+  const auto from = static_cast<std::size_t>(integer(query, "from", 0));
+  const std::lock_guard alone(run_mutex_);
+  look();
+  const GrowingTable& table = name == "history"      ? run_.history()
+                              : name == "iterations" ? run_.iterations()
+                                                     : run_.timing();
+  const std::size_t begin = std::min(from, table.rows()), rows = std::min(most_rows, table.rows() - begin);
+  ArrayMessage message;
+  message.head["generation"] = table.generation();
+  message.head["rows"] = table.rows();
+  message.head["from"] = begin;
+  message.head["columns"] = Json::array();
+  for (const Column& column : table.columns())
+    message.head["columns"].push_back(
+        {{"name", column.name}, {"unit", column.unit}, {"logarithmic", is_logarithmic(column.name)}});
+  if (name == "history") message.head["chosen"] = chosen_columns(run_, 6);
+  for (std::size_t c = 0; c < table.columns().size(); ++c)
+    message.add(std::to_string(c), std::span(table.value()[c]).subspan(begin, rows));
+  return {200, "application/octet-stream", message.bytes()};
+}
+
+Answers::Answer Answers::frames(const Query& query) {
+  const std::string side = one_of(query, "side", {"fluid", "structure"});
+  const auto from = static_cast<std::size_t>(integer(query, "from", 0));
+  const std::lock_guard alone(run_mutex_);
+  look();
+  const std::lock_guard shelf_alone(shelf_mutex_);
+  const FrameShelf::Series& series = shelf_.series(side);
+  Json numbers = Json::array(), times = Json::array();
+  for (std::size_t k = from; k < series.entries.size(); ++k) {
+    numbers.push_back(series.entries[k].number);
+    times.push_back(series.entries[k].time);
+  }
+  return json_answer(
+      {{"generation", series.generation}, {"from", from}, {"numbers", numbers}, {"times", times}});
+}
+
+Answers::Answer Answers::frame(const Query& query) {
+  FieldRequest request;
+  request.side = one_of(query, "side", {"fluid", "structure"});
+  request.field = text(query, "field");
+  const auto number = static_cast<int>(std::min<std::int64_t>(integer(query, "number", 0), 1'000'000'000));
+  {
+    const std::lock_guard alone(run_mutex_);
+    request.keys = run_.keys();
+    request.dimension = static_cast<int>(run_.number("fluid.dimension").value_or(2));
+  }
+  std::shared_ptr<const Frame> frame;
+  {
+    const std::lock_guard alone(shelf_mutex_);
+    frame = shelf_.read(request.side, number);
+  }
+  return {200, "application/octet-stream", field_message(*frame, request).bytes()};
+}
+
+Answers::Answer Answers::point(const Query& query) {
+  const std::string side = one_of(query, "side", {"fluid", "structure"});
+  const auto number = static_cast<int>(std::min<std::int64_t>(integer(query, "number", 0), 1'000'000'000));
+  const bool by_id = query.contains("id");
+  const std::int64_t wanted = integer(query, by_id ? "id" : "index", 0);
+  std::shared_ptr<const Frame> frame;
+  {
+    const std::lock_guard alone(shelf_mutex_);
+    frame = shelf_.read(side, number);
+  }
+  return json_answer(point_values(*frame, by_id ? place_of(*frame, wanted) : wanted));
+}
+
+Answers::Answer Answers::log(const Query& query) {
+  const std::string name = one_of(query, "name", {"coupler", "fluid", "structure"});
+  const std::int64_t wanted = integer(query, "from", -1);
+  std::ifstream file(run_.folder() / (name + ".log"), std::ios::binary | std::ios::ate);
+  const std::int64_t size = file ? static_cast<std::int64_t>(file.tellg()) : 0;
+  // A log that is shorter than what was read of it is another one.
+  std::int64_t from = wanted < 0 || wanted > size ? std::max<std::int64_t>(0, size - most_log) : wanted;
+  if (size - from > most_log) from = size - most_log;
+  std::string bytes(static_cast<std::size_t>(size - from), '\0');
+  file.seekg(from);
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+  // Whole lines alone: the rest comes with the next question.
+  const auto end = bytes.rfind('\n');
+  bytes.resize(end == std::string::npos ? 0 : end + 1);
+  if (wanted < 0 && from > 0) {
+    const auto first = bytes.find('\n');
+    if (first != std::string::npos) {
+      from += static_cast<std::int64_t>(first + 1);
+      bytes.erase(0, first + 1);
+    }
+  }
+  return json_answer({{"from", from},
+                      {"to", from + static_cast<std::int64_t>(bytes.size())},
+                      {"begins", from != wanted},
+                      {"text", bytes}});
+}
+
+}  // namespace strake::watch

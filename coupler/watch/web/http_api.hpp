@@ -1,0 +1,52 @@
+#pragma once
+
+#include "coupler/watch/run_status.hpp"
+#include "coupler/watch/web/frame_cache.hpp"
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <string>
+
+namespace strake::watch {
+
+/// What the page is told of a run, question by question; all of it is read from the run's files. May be asked
+/// by several threads.
+///   ""            the page                "page.js"  "page.css"
+///   api/run       what the run is: title, sides, probes, palette
+///   api/news      state, clocks, processes, stages, sizes of everything that grows
+///   api/table     name=history|iterations|timing, from=ROW: columns from that row on (ArrayMessage, f64)
+///   api/frames    side=fluid|structure, from=PLACE: numbers and times
+///   api/frame     side, number, field: ArrayMessage of field_view.hpp
+///   api/point     side, number, index or id: every value of one point; a particle keeps its id, not its
+///   index api/log       name=coupler|fluid|structure, from=BYTE (-1: the last part)
+class Answers {
+ public:
+  explicit Answers(const std::filesystem::path& run_folder);
+
+  struct Answer {
+    int status = 200;
+    std::string type, body;
+  };
+  using Query = std::map<std::string, std::string>;
+  /// Never throws: what is wrong with a question is a status and a sentence.
+  Answer answer(const std::string& path, const Query&);
+
+ private:
+  using Json = nlohmann::ordered_json;
+  Answer run();
+  Answer news();
+  Answer table(const Query&);
+  Answer frames(const Query&);
+  Answer frame(const Query&);
+  Answer point(const Query&);
+  Answer log(const Query&);
+  void look();
+
+  std::mutex run_mutex_, shelf_mutex_;  // in this order where both are held
+  WatchedRun run_;
+  FrameShelf shelf_;
+  std::chrono::steady_clock::time_point looked_{};
+};
+
+}  // namespace strake::watch

@@ -1,0 +1,300 @@
+#include "fluid/boundary/boundary.hpp"
+
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace strake::fluid {
+
+namespace {
+
+/// Rows of water and body touch at this distance along the normal, when they stand no farther aside [l0].
+constexpr double contact_distance = 1.02, contact_aside = 0.75;
+
+bool is_filler(Kind kind) {
+  return kind == Kind::dummy_wall || kind == Kind::dummy_interface;
+}
+bool is_row_of_body(Kind kind) {
+  return kind == Kind::interface || kind == Kind::dummy_interface;
+}
+
+double largest_reach(const Parameters& p) {
+  const Scheme& s = p.scheme;
+  return p.spacing * std::max({s.radius_density, s.radius_gradient, s.radius_divergence, s.radius_laplacian});
+}
+
+}  // namespace
+
+template <int dim>
+Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity,
+                        State<dim>& tank)
+    : spacing_(p.spacing),
+      water_density_(p.density),
+      reach_(largest_reach(p)),
+      counting_radius_(p.scheme.radius_density * p.spacing),
+      tank_(p, reach_, tank),
+      water_(tank_.first()),
+      bodies_(tank_.last()) {
+  mesh_.dimension = dim;
+  if (partner.position.cols() > 0) {
+    volume_ = p.interface == "volume";
+    if (volume_)
+      add_solids(partner, initial_velocity, tank);
+    else
+      add_rows(partner, tank);
+  }
+  const auto n = tank.position.cols();
+  point_of_.resize(static_cast<std::size_t>(n - bodies_), -1);
+  buried_.resize(static_cast<std::size_t>(n - bodies_), 0);
+  if (volume_) {
+    density_.setConstant(n - bodies_, p.density);
+    if (partner.mass.size()) density_ = partner.mass / std::pow(p.spacing, dim);
+  }
+  find_masters(tank);
+  check_overlap(tank);
+  built_ = true;
+}
+
+template <int dim>
+void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Points& velocity,
+                         bool positions) {
+  const auto m = mesh_.position.cols();
+  if (m == 0) return;
+  assert(displacement.cols() == m && velocity.cols() == m);
+  if (positions) {
+    state.interface_displacement = displacement.template topRows<dim>();
+    state.interface_velocity = velocity.template topRows<dim>();
+  }
+  if (volume_) {
+    state.velocity.rightCols(m) = velocity.template topRows<dim>();
+    if (positions) state.position.rightCols(m) = (mesh_.position + displacement).template topRows<dim>();
+    return;
+  }
+  if (outline_.empty()) return;
+  if constexpr (dim == 2) {
+    outline_.move(positions ? displacement.topRows<2>() : state.interface_displacement,
+                  velocity.topRows<2>());
+    if (positions) {
+      Points wet = Points::Zero(3, outline_.points());
+      for (int k = 0; k < outline_.points(); ++k) wet.col(k).head<2>() = outline_.point(k);
+      check_place(state, wet);
+    }
+  } else {
+    outline_.move(displacement, velocity, positions);
+    if (positions) check_place(state, mesh_.position + displacement);
+  }
+  place_rows(state, positions);
+}
+
+template <int dim>
+void Boundary<dim>::check_place(const State<dim>& state, const Points& place) const {
+  for (Eigen::Index k = 0; k < place.cols(); ++k) {
+    if (tank_.distance(place.col(k).template head<dim>()) >= -spacing_) continue;
+    throw Error(built_ ? ExitCode::solver_fault : ExitCode::case_file,
+                fmt::format("structure, t = {:.6g} s", state.time),
+                fmt::format("the body has come to ({:.6g}, {:.6g}{}), beyond the walls of the tank",
+                            place(0, k), place(1, k), dim == 3 ? fmt::format(", {:.6g}", place(2, k)) : ""),
+                "end the run before it gets there, or make fluid.tank larger: bodies do not rebound from "
+                "walls");
+  }
+}
+
+template <int dim>
+void Boundary<dim>::place_rows(State<dim>& state, bool positions) const {
+  if constexpr (dim == 3) {
+    const auto& rows = outline_.rows();
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const auto i = bodies_ + static_cast<std::int64_t>(r);
+      state.velocity.col(i) = outline_.velocity(rows[r]);
+      if (positions) state.position.col(i) = outline_.place(rows[r]);
+    }
+  } else {
+    const int m = outline_.points();
+    for (int row = 0; row < rows_; ++row) {
+      const double depth = (row + 0.5) * spacing_;
+      for (int k = 0; k < m; ++k) {
+        const std::int64_t i = bodies_ + static_cast<std::int64_t>(row) * m + k;
+        state.velocity.col(i) = outline_.velocity(k) - depth * outline_.normal_rate(k);
+        if (positions) state.position.col(i) = outline_.point(k) - depth * outline_.normal(k);
+      }
+    }
+    // Beyond a corner: from the corner along the face, t = (−n_y, n_x).
+    std::int64_t i = bodies_ + static_cast<std::int64_t>(rows_) * m;
+    for (const BeyondCorner& filler : beyond_) {
+      const Vector<2> n = outline_.normal(filler.point), rate = outline_.normal_rate(filler.point);
+      state.velocity.col(i) = outline_.vertex_velocity(filler.vertex) +
+                              filler.beside * Vector<2>(-rate.y(), rate.x()) - filler.depth * rate;
+      if (positions)
+        state.position.col(i) =
+            outline_.vertex(filler.vertex) + filler.beside * Vector<2>(-n.y(), n.x()) - filler.depth * n;
+      ++i;
+    }
+  }
+}
+
+template <int dim>
+void Boundary<dim>::adopt(const State<dim>& state) {
+  tank_.adopt(state);
+  if (outline_.empty()) return;
+  if constexpr (dim == 2)
+    outline_.move(state.interface_displacement, state.interface_velocity);
+  else
+    outline_.move(state.interface_displacement, state.interface_velocity, true);
+}
+
+template <int dim>
+Points Boundary<dim>::on_mesh(const Vectors<dim>& on_points) const {
+  Points sum = Points::Zero(3, on_points.cols());
+  sum.template topRows<dim>() = on_points;
+  if constexpr (dim == 3) {
+    if (!outline_.empty()) return outline_.spread(sum);
+  }
+  return sum;
+}
+
+template <int dim>
+Vector<dim> Boundary<dim>::at_point(const Points& on_mesh, int point) const {
+  if constexpr (dim == 3) {
+    if (!outline_.empty()) return outline_.at(on_mesh, point);
+  }
+  return on_mesh.col(point).template head<dim>();
+}
+
+template <int dim>
+Vector<dim> Boundary<dim>::face_area(std::int64_t row) const {
+  if (row < bodies_) return tank_.area_of(row);
+  const int k = point_of(row);
+  if constexpr (dim == 2)
+    return outline_.area(k) * outline_.normal(k);
+  else
+    return outline_.area_vector(k);
+}
+
+template <int dim>
+std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
+  const auto n = static_cast<std::size_t>(state.position.cols());
+  tag_.assign(n, plain);
+  for (std::size_t i = static_cast<std::size_t>(water_); i < n; ++i)
+    if (is_filler(state.kind[i])) tag_[i] = filler;
+  if (outline_.empty()) return tag_;
+  // A pair that crosses the surface has an end within half its length of the bounding box, or in space of the
+  // surface itself.
+  for (std::size_t i = static_cast<std::size_t>(bodies_); i < n; ++i) tag_[i] |= asked;
+  if constexpr (dim == 2) {
+    const Vector<2> low = outline_.low().array() - 0.5 * reach_,
+                    high = outline_.high().array() + 0.5 * reach_;
+#pragma omp parallel for schedule(static)
+    for (std::int64_t i = 0; i < bodies_; ++i)
+      if ((state.position.col(i).array() >= low.array()).all() &&
+          (state.position.col(i).array() <= high.array()).all())
+        tag_[static_cast<std::size_t>(i)] |= asked;
+  } else {
+    triangle_near_.assign(static_cast<std::size_t>(bodies_), -1);
+#pragma omp parallel for schedule(static)
+    for (std::int64_t i = 0; i < bodies_; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const auto near = outline_.near(state.position.col(i), reach_);
+      triangle_near_[k] = near.triangle;
+      if (near.distance <= 0.5 * reach_) tag_[k] |= asked;
+    }
+  }
+  return tag_;
+}
+
+template <int dim>
+bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j) const {
+  const bool i_row = is_row_of_body(state.kind[static_cast<std::size_t>(i)]);
+  const bool j_row = is_row_of_body(state.kind[static_cast<std::size_t>(j)]);
+  if (i_row && j_row) return dim == 2 && outline_.run_of(point_of(i)) == outline_.run_of(point_of(j));
+  const std::int32_t row = i_row ? i : j, other = i_row ? j : i;
+  if ((i_row || j_row) && other >= water_) return false;
+  if constexpr (dim == 2) {
+    if (i_row || j_row)
+      return outline_.crosses(outline_.run_of(point_of(row)), state.position.col(other),
+                              state.position.col(row));
+    return !outline_.separates(state.position.col(std::min(i, j)), state.position.col(std::max(i, j)));
+  } else {
+    const auto near = [&](std::int32_t k) { return triangle_near_[static_cast<std::size_t>(k)]; };
+    if (i_row || j_row)
+      return outline_.crosses(point_of(row), near(other), state.position.col(other), state.position.col(row));
+    const auto [a, b] = std::minmax(i, j);
+    return !outline_.separates(state.position.col(a), near(a), state.position.col(b), near(b));
+  }
+}
+
+template <int dim>
+void Boundary<dim>::count_water(const State<dim>&, const Neighbours& rows, const LatticeConstants& lattice,
+                                Eigen::VectorXd& n) const {
+  if (outline_.empty() || flat_water_.size() == 0) return;
+  for (int k = 0; k < outline_.points(); ++k) {
+    const std::int64_t i = bodies_ + k;
+    const auto columns = rows.row(i);
+    const auto distances = rows.distances(i);
+    double water = 0;
+    for (std::size_t e = 0; e < columns.size() && columns[e] < water_; ++e)
+      water += weight(distances[e], lattice.radius);
+    n[i] = lattice.n0 + water - flat_water_[k];
+  }
+}
+
+template <int dim>
+void Boundary<dim>::hold_apart(const State<dim>& state, const Neighbours& near,
+                               std::span<const std::uint8_t> before, std::span<std::uint8_t> surface) const {
+  if constexpr (dim == 2) {
+    const double meeting = contact_distance * spacing_, aside = contact_aside * spacing_;
+    std::vector<std::uint8_t> opposed(static_cast<std::size_t>(water_),
+                                      0);  // 1: opposite a face, 2: touching it
+    for (int k = 0; k < outline_.points(); ++k) {
+      const auto i = static_cast<std::size_t>(bodies_ + k);
+      const auto apart_of = [&](std::int32_t j) {  // along the normal; infinite for water too far aside
+        const Vector<2> r = state.position.col(j) - state.position.col(bodies_ + k);
+        const double apart = r.dot(outline_.normal(k));
+        return r.squaredNorm() - apart * apart > aside * aside ? std::numeric_limits<double>::infinity()
+                                                               : apart;
+      };
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const std::int32_t j : near.row(bodies_ + k)) {
+        if (j >= water_) break;
+        nearest = std::min(nearest, apart_of(j));
+      }
+      const bool touches = nearest <= meeting;
+      for (const std::int32_t j : near.row(bodies_ + k)) {
+        if (j >= water_) break;
+        if (apart_of(j) > nearest + 0.5 * spacing_) continue;  // a row behind the one that meets the face
+        auto& mark = opposed[static_cast<std::size_t>(j)];
+        mark = std::max<std::uint8_t>(mark, apart_of(j) <= meeting ? 2 : 1);
+      }
+      if (before[i] && !touches) surface[i] = 1;
+    }
+    for (std::size_t j = 0; j < opposed.size(); ++j)
+      if (opposed[j] == 1 && before[j]) surface[j] = 1;
+  }
+}
+
+template <int dim>
+void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
+                                 const Points& acceleration) const {
+  const auto n = state.position.cols();
+  for (std::int64_t i = water_; i < n; ++i) {
+    const std::int32_t w = master_of(i);
+    if (w < 0) continue;
+    if (state.surface[static_cast<std::size_t>(w)]) {
+      state.pressure[i] = 0;
+      continue;
+    }
+    Vector<dim> field = gravity - tank_.acceleration_of(i);
+    if (w >= bodies_ && acceleration.cols() > 0) field -= at_point(acceleration, point_of(w));
+    state.pressure[i] =
+        state.pressure[w] + water_density_ * field.dot(state.position.col(i) - state.position.col(w));
+  }
+}
+
+template class Boundary<2>;
+template class Boundary<3>;
+
+}  // namespace strake::fluid

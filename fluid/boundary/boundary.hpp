@@ -1,0 +1,154 @@
+#pragma once
+
+#include "fluid/boundary/tank.hpp"
+#include "fluid/geometry/body_surface_2d.hpp"
+#include "fluid/geometry/body_surface_3d.hpp"
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/particles/kernel.hpp"
+#include "fluid/particles/neighbours.hpp"
+#include "fluid/particles/state.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace strake::fluid {
+
+/// The wetted surface of moving bodies: a closed line in the plane, a closed surface in space.
+template <int dim>
+using BodySurface = std::conditional_t<dim == 2, Outline, Hull>;
+
+/// Everything the water meets: the tank's rows, the rows of moving bodies behind their wetted faces, and, in
+/// volume coupling, the structure's own particles. Order of particles: water, tank rows, then bodies.
+///
+/// A body's face owns rows of particles along its inward normal: the first, l0/2 behind the face, carries a
+/// pressure unknown, the deeper ones fill the support. Rows belong to one run of the outline and are seen
+/// only through it: a pair of water and row counts when its segment crosses that run. So a plate thinner than
+/// the support keeps the water above and below apart, and a corner is not counted twice (fluid/THEORY.md,
+/// section 10). Past a corner that is blunter than a right angle, or concave, both faces' rows go on into the
+/// part of the body that water sees through the one face and that lies behind the other. In space runs are
+/// the patches of a Hull, and corners its edges.
+template <int dim>
+class Boundary {
+ public:
+  /// tank: water and tank rows of `fill`; the bodies' particles are appended to it.
+  /// Throws Error(case_file) when a body leaves the tank or overlaps the water.
+  Boundary(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, State<dim>& tank);
+
+  const InterfaceMesh& mesh() const { return mesh_; }
+  const BodySurface<dim>& outline() const { return outline_; }  // empty in volume coupling
+  /// Places on the bodies that rows belong to: wet points, in volume coupling the structure's particles.
+  std::int64_t points() const { return outline_.empty() ? mesh_.position.cols() : outline_.points(); }
+  /// Sums over those places, dim×points, as sums over the points of `mesh`, 3×m.
+  Points on_mesh(const Vectors<dim>& on_points) const;
+  /// What is given on the points of `mesh`, at one of those places.
+  Vector<dim> at_point(const Points& on_mesh, int point) const;
+  bool volume() const { return volume_; }
+  std::int64_t water() const { return water_; }                      // particles [0, water) are water
+  std::int64_t first_of_bodies() const { return bodies_; }           // [water, first_of_bodies) are the tank
+  const Eigen::VectorXd& solid_density() const { return density_; }  // of the last particles, [bodies, end)
+
+  /// Place on the body, one of `points`, that particle i belongs to; −1: none.
+  int point_of(std::int64_t i) const {
+    return i < bodies_ ? -1 : point_of_[static_cast<std::size_t>(i - bodies_)];
+  }
+  /// First row whose pressure dummy i extends; −1: i is no dummy.
+  std::int32_t master_of(std::int64_t i) const {
+    return i < water_ ? -1 : master_[static_cast<std::size_t>(i - water_)];
+  }
+  /// A structure particle whose own neighbourhood is complete: it never meets water, so it has no unknown.
+  bool buried(std::int64_t i) const {
+    return i >= bodies_ && buried_[static_cast<std::size_t>(i - bodies_)] != 0;
+  }
+
+  /// Puts the bodies at that motion of the interface points. positions = false: velocities alone, at the old
+  /// places.
+  void move(State<dim>&, const Points& displacement, const Points& velocity, bool positions);
+  /// The tank's rows in a step that ends at `time`: first their velocities (positions = false), then their
+  /// places.
+  void move_tank(State<dim>& state, double time, bool positions) { tank_.move(state, time, positions); }
+  /// Adopts the places that `state` was saved with.
+  void adopt(const State<dim>& state);
+
+  /// What the neighbour search must know of each particle.
+  std::span<const std::uint8_t> tags(const State<dim>&);
+  bool keep(const State<dim>&, std::int32_t i, std::int32_t j) const;
+
+  /// A body's first row is wet by the water it touches, not by its own rows, which end at corners:
+  /// n_i ← n0 + Σ_water w − the same sum under a flat water surface at l0.
+  void count_water(const State<dim>&, const Neighbours&, const LatticeConstants&, Eigen::VectorXd& n) const;
+
+  /// Water and a body's face meet when they come nearer than a lattice row and 0.02 l0: until then a particle
+  /// that was surface before stays surface, and a dry row dry, whatever the surface test says. A pair that
+  /// counts as touching over a wider gap gives the symmetric pressure gradient an impulse of its own.
+  void hold_apart(const State<dim>&, const Neighbours& near, std::span<const std::uint8_t> before,
+                  std::span<std::uint8_t> surface) const;
+
+  /// Neumann condition P_d = P_w + ρ(g − a_w)·(r_d − r_w) on dummy rows; 0 behind a dry row.
+  void fill_dummies(State<dim>&, const Vector<dim>& gravity, const Points& acceleration) const;
+
+  const Tank<dim>& tank() const { return tank_; }
+  /// Normal, into the water, of the tank wall that row i stands for; zero in corners and for all that is no
+  /// tank.
+  Vector<dim> normal_of(std::int64_t i) const { return tank_.normal_of(i); }
+  /// Whether x lies over the face of that wet point: not past the ends of its run.
+  bool is_over(int point, const Vector<dim>& x) const {
+    if constexpr (dim == 2)
+      return outline_.within(outline_.run_of(point), x) >= 0;
+    else
+      return outline_.faces(point, x);
+  }
+  /// How far over it, from the nearer end of its run [m]; plane bodies.
+  double within(int point, const Vector<2>& x) const requires(dim == 2) {
+    return outline_.within(outline_.run_of(point), x);
+  }
+  /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
+  Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
+  /// The same of the face that a first row stands for, of tank or body.
+  Vector<dim> face_area(std::int64_t row) const;
+
+  /// Particles out of the tank are parked where nothing reaches them, each on its own place.
+  bool parked(const State<dim>& state, std::int64_t i) const {
+    return i < water_ && tank_.parked(state.position.col(i));
+  }
+  bool left_domain(const Vector<dim>& x) const { return tank_.left(x); }
+  Vector<dim> parking_place(std::int64_t number) const { return tank_.parking_place(number); }
+
+ private:
+  /// A particle of a row that goes on beyond a corner: `beside` it along the face, `depth` behind the face.
+  struct BeyondCorner {
+    int point, vertex;     // the last of the run before the corner, and the corner
+    double beside, depth;  // [m]; beside is negative before a run's start
+  };
+  void add_rows(const InterfaceMesh& partner, State<dim>&);
+  void place_rows(State<dim>&, bool positions) const;
+  void check_place(const State<dim>&, const Points& place) const;
+  void go_beyond(const Outline::Run&, bool at_end);
+  void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
+  void find_masters(const State<dim>&);
+  void check_overlap(const State<dim>&) const;
+
+  double spacing_, water_density_;
+  double reach_, counting_radius_;  // largest radius, and that of the number density [m]
+  Tank<dim> tank_;
+  InterfaceMesh mesh_;
+  BodySurface<dim> outline_;
+  bool volume_ = false;
+  bool built_ = false;  // what is wrong before is a fault of the case
+  std::int64_t water_, bodies_;
+  int rows_ = 0;  // behind a face
+  std::vector<BeyondCorner> beyond_;
+  Eigen::VectorXd density_;    // of the structure's particles in volume coupling [kg/m³]
+  std::vector<int> point_of_;  // of the bodies' particles
+  std::vector<std::int32_t>
+      master_;  // of all that is no water; of a dummy: the row whose pressure it extends
+  std::vector<std::uint8_t> buried_;  // of the bodies' particles
+  std::vector<std::uint8_t> tag_;
+  std::vector<int> triangle_near_;  // in space: of what is no body, nearest within reach; −1: none
+  Eigen::VectorXd flat_water_;      // Σ_water w of each interface point under a flat surface at l0
+};
+
+}  // namespace strake::fluid

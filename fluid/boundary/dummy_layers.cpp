@@ -1,0 +1,172 @@
+#include "fluid/boundary/boundary.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace strake::fluid {
+
+namespace {
+
+template <int dim>
+void append(State<dim>& state, std::int64_t count) {
+  const auto n = state.position.cols();
+  state.position.conservativeResize(dim, n + count);
+  state.velocity.conservativeResize(dim, n + count);
+  state.pressure.conservativeResize(n + count);
+  state.sps_k.conservativeResize(n + count);
+  state.residual_divergence.conservativeResize(n + count);
+  state.residual_approach.conservativeResize(Eigen::NoChange, n + count);
+  state.position.rightCols(count).setZero();
+  state.velocity.rightCols(count).setZero();
+  state.pressure.tail(count).setZero();
+  state.sps_k.tail(count).setZero();
+  state.residual_divergence.tail(count).setZero();
+  state.residual_approach.rightCols(count).setZero();
+  for (std::int64_t k = 0; k < count; ++k) state.id.push_back(n + k);
+  state.surface.resize(static_cast<std::size_t>(n + count), 1);
+  state.aired.resize(static_cast<std::size_t>(n + count), 0);
+}
+
+}  // namespace
+
+template <int dim>
+void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
+  if constexpr (dim == 3) {
+    outline_ = Hull(partner, spacing_, reach_);
+    mesh_ = outline_.mesh();
+    const auto m = static_cast<std::size_t>(outline_.points()), rows = outline_.rows().size();
+    append(state, static_cast<std::int64_t>(rows));
+    state.kind.insert(state.kind.end(), m, Kind::interface);
+    state.kind.insert(state.kind.end(), rows - m, Kind::dummy_interface);
+    for (const Hull::Row& row : outline_.rows()) point_of_.push_back(row.point);
+    const Points zero = Points::Zero(3, mesh_.position.cols());
+    move(state, zero, zero, true);
+  } else {
+    outline_ = Outline(partner, spacing_);
+    mesh_ = outline_.mesh();
+    rows_ = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
+    const int m = outline_.points();
+    for (const Outline::Run& run : outline_.runs()) {
+      go_beyond(run, false);
+      go_beyond(run, true);
+    }
+    const std::size_t fillers = static_cast<std::size_t>((rows_ - 1) * m) + beyond_.size();
+    append(state, m + static_cast<std::int64_t>(fillers));
+    state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::interface);
+    state.kind.insert(state.kind.end(), fillers, Kind::dummy_interface);
+    for (int row = 0; row < rows_; ++row)
+      for (int k = 0; k < m; ++k) point_of_.push_back(k);
+    for (const BeyondCorner& filler : beyond_) point_of_.push_back(filler.point);
+    // The mirror images of the rows in the face: where a flat water surface would have its particles.
+    flat_water_.setZero(m);
+    const double reach = counting_radius_;
+    for (const Outline::Run& run : outline_.runs())
+      for (int i = 0; i < run.count; ++i)
+        for (int j = 0; j < run.count; ++j)
+          for (int row = 0; row < rows_; ++row) {
+            int apart = std::abs(i - j);
+            if (run.closed) apart = std::min(apart, run.count - apart);
+            flat_water_[run.first + i] += weight(std::hypot(apart * run.piece, (row + 1) * spacing_), reach);
+          }
+    const Points zero = Points::Zero(3, m);
+    move(state, zero, zero, true);
+  }
+}
+
+// At a corner of the angle α inside the body a place at the angle θ from a face is seen through that face by
+// some water for θ < min(α, π); the rows behind the face itself reach θ = π/2. At depth d below the face and
+// s beyond its end tan(θ − π/2) = s/d.
+template <int dim>
+void Boundary<dim>::go_beyond(const Outline::Run& run, bool at_end) {
+  constexpr double round_off = 1e-6;  // [rad]
+  const double angle = std::min(at_end ? run.end_angle : run.start_angle, std::numbers::pi);
+  if (run.closed || angle < 0.5 * std::numbers::pi + round_off) return;
+  const bool concave = angle > std::numbers::pi - round_off;
+  const double slope = concave ? 0.0 : 1 / std::tan(angle - 0.5 * std::numbers::pi);  // least depth over s
+  const int columns = static_cast<int>(std::ceil(reach_ / run.piece));
+  for (int column = 0; column < columns; ++column) {
+    const double beside = (column + 0.5) * run.piece;
+    for (int row = 0; row < rows_; ++row) {
+      const double depth = (row + 0.5) * spacing_;
+      if (depth < slope * beside) continue;
+      if (at_end)
+        beyond_.push_back({run.first + run.count - 1, run.vertex + run.count, beside, depth});
+      else
+        beyond_.push_back({run.first, run.vertex, -beside, depth});
+    }
+  }
+}
+
+template <int dim>
+void Boundary<dim>::add_solids(const InterfaceMesh& partner, const Points& initial_velocity,
+                               State<dim>& state) {
+  mesh_ = partner;
+  mesh_.name = "fluid";
+  const auto m = partner.position.cols();
+  append(state, m);
+  state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::solid);
+  for (Eigen::Index k = 0; k < m; ++k) point_of_.push_back(static_cast<int>(k));
+  state.position.rightCols(m) = partner.position.template topRows<dim>();
+  if (initial_velocity.cols() == m) state.velocity.rightCols(m) = initial_velocity.template topRows<dim>();
+  // Complete neighbourhood in the reference configuration: inside.
+  NeighbourSearch<dim> search(counting_radius_, 0.0);
+  const Vectors<dim> reference = state.position.rightCols(m);
+  const Neighbours& rows = search.update(reference);
+  const LatticeConstants lattice = lattice_constants<dim>(counting_radius_ / spacing_, spacing_);
+  for (std::int64_t k = 0; k < m; ++k) {
+    double n = 0;
+    for (const double distance : rows.distances(k)) n += weight(distance, lattice.radius);
+    buried_.push_back(n > 0.97 * lattice.n0 ? 1 : 0);
+  }
+}
+
+template <int dim>
+void Boundary<dim>::find_masters(const State<dim>& state) {
+  const auto n = state.position.cols();
+  master_.resize(static_cast<std::size_t>(n - water_));
+  for (std::int64_t i = water_; i < n; ++i)
+    master_[static_cast<std::size_t>(i - water_)] =
+        state.kind[static_cast<std::size_t>(i)] == Kind::dummy_interface
+            ? static_cast<std::int32_t>(bodies_ + point_of(i))
+            : tank_.master_of(i);
+}
+
+template <int dim>
+void Boundary<dim>::check_overlap(const State<dim>& state) const {
+  const double slack = 1e-6 * spacing_;
+  for (Eigen::Index k = 0; k < mesh_.position.cols(); ++k) {
+    const Vector<dim> x = mesh_.position.col(k).template head<dim>();
+    // Clamped columns of a particle structure may stand in the wall, where nothing is wet.
+    if (!volume_ && tank_.distance(x) < -slack)
+      throw Error(ExitCode::case_file, "structure",
+                  fmt::format("the body reaches ({:.6g}, {:.6g}), outside the tank", x[0], x[1]),
+                  "move or shorten the body, or make fluid.tank larger");
+  }
+  for (std::int64_t i = 0; i < water_; ++i) {
+    bool overlap = false;
+    if (!outline_.empty()) overlap = outline_.inside(state.position.col(i));
+    if (volume_)
+      for (std::int64_t j = bodies_; j < state.position.cols() && !overlap; ++j)
+        overlap = (state.position.col(j) - state.position.col(i)).norm() < 0.5 * spacing_;
+    if (overlap)
+      throw Error(ExitCode::case_file, "structure",
+                  fmt::format("the body overlaps the water, for one at ({:.6g}, {:.6g})",
+                              state.position(0, i), state.position(1, i)),
+                  "raise the body, lower the upper face of fluid.water, or fluid.submerged = true");
+  }
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                              \
+  template void Boundary<dim>::add_rows(const InterfaceMesh&, State<dim>&);                  \
+  template void Boundary<dim>::add_solids(const InterfaceMesh&, const Points&, State<dim>&); \
+  template void Boundary<dim>::find_masters(const State<dim>&);                              \
+  template void Boundary<dim>::check_overlap(const State<dim>&) const;
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
+
+}  // namespace strake::fluid

@@ -1,0 +1,214 @@
+#include "fluid/boundary/fill.hpp"
+
+#include "fluid/boundary/packing.hpp"
+#include "fluid/geometry/tank_polygon.hpp"
+#include "fluid/geometry/tank_shape.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <optional>
+
+namespace strake::fluid {
+namespace {
+
+using std::size_t;
+constexpr double lattice_tolerance = 1e-6;  // relative to l0: a box edge this near to a lattice line is on it
+constexpr double digit = 1e-12;             // [m] to which a suggested length is rounded
+constexpr int fewest_rows = 4;              // of water in depth; fewer have no interior
+constexpr std::array axis_name{'x', 'y', 'z'};
+
+/// The edge, if it is off the lattice that starts at the tank's corner.
+std::optional<BoxFault> off_lattice(const char* key, double edge, double origin, int axis, double spacing) {
+  const double nearest = origin + std::round((edge - origin) / spacing) * spacing;
+  if (std::abs(edge - nearest) <= lattice_tolerance * spacing) return {};
+  return BoxFault{
+      key,
+      fmt::format("edges a whole number of spacings ({:.9g} m) from the tank's corner: {} = {:.9g} m is not",
+                  spacing, axis_name[static_cast<size_t>(axis)], edge),
+      fmt::format("the nearest is {:.9g} m", std::round(nearest / digit) * digit)};
+}
+
+}  // namespace
+
+namespace {
+
+/// Corners of the shape's bounding box.
+Box bounds(const std::vector<Eigen::Vector3d>& points) {
+  Box box{points.front(), points.front()};
+  for (const auto& point : points) {
+    box.min = box.min.cwiseMin(point);
+    box.max = box.max.cwiseMax(point);
+  }
+  return box;
+}
+
+std::optional<BoxFault> water_fault(const std::vector<Eigen::Vector3d>& shape, const Box& tank,
+                                    const Parameters& p) {
+  const double l0 = p.spacing;
+  const Box water = bounds(shape);
+  const char* key = shape.size() > 2                                       ? "water_polygon"
+                    : shape[0] == p.water.min || p.water_shapes.size() < 2 ? "water"
+                                                                           : "more_water";
+  for (int d = 0; d < p.dimension; ++d) {
+    const char name = axis_name[static_cast<size_t>(d)];
+    if (water.min[d] < tank.min[d] - lattice_tolerance * l0 ||
+        water.max[d] > tank.max[d] + lattice_tolerance * l0)
+      return BoxFault{
+          key,
+          fmt::format("water inside fluid.tank, {} from {:.9g} to {:.9g} m", name, tank.min[d], tank.max[d]),
+          "shrink the water or enlarge fluid.tank"};
+    if (shape.size() == 2)
+      for (const double edge : {water.min[d], water.max[d]})
+        if (auto fault = off_lattice(key, edge, tank.min[d], d, l0)) return fault;
+    if (const long rows = std::lround((water.max[d] - water.min[d]) / l0); rows < fewest_rows)
+      return BoxFault{
+          "spacing",
+          fmt::format("at least {} particles across the water along {}, not {}", fewest_rows, name, rows),
+          fmt::format("spacing = {:.3g} or less", (water.max[d] - water.min[d]) / fewest_rows)};
+  }
+  return {};
+}
+
+double largest_radius(const Scheme& scheme) {
+  return std::max(
+      {scheme.radius_density, scheme.radius_gradient, scheme.radius_divergence, scheme.radius_laplacian});
+}
+
+}  // namespace
+
+std::optional<BoxFault> find_box_fault(const Parameters& p) {
+  const double l0 = p.spacing, reach = largest_radius(p.scheme) * l0;
+  Box tank = p.tank;
+  if (!p.tank_polygon.empty()) {
+    if (const std::string expected = polygon_fault(p, reach); !expected.empty())
+      return BoxFault{"tank_polygon", expected, "look at fluid.tank_polygon beside a sketch of the tank"};
+    tank = bounds(p.tank_polygon);
+  }
+  for (int d = 0; d < p.dimension; ++d) {
+    const bool periodic = p.periodic[static_cast<size_t>(d)];
+    if (p.tank_polygon.empty())
+      if (auto fault = off_lattice("tank", tank.max[d], tank.min[d], d, l0)) return fault;
+    // A particle must not meet another and its image at once.
+    if (const double least = 2 * (reach + l0); periodic && tank.max[d] - tank.min[d] < least)
+      return BoxFault{"periodic",
+                      fmt::format("a period of at least {:.3g} m along {}, not {:.3g} m", least,
+                                  axis_name[static_cast<size_t>(d)], tank.max[d] - tank.min[d]),
+                      "widen fluid.tank, or refine fluid.spacing"};
+  }
+  for (const auto& shape : water_shapes(p))
+    if (auto fault = water_fault(shape, tank, p)) return fault;
+  return {};
+}
+
+int dummy_rows(const Scheme& scheme) {
+  return static_cast<int>(std::ceil(largest_radius(scheme))) - 1;
+}
+
+namespace {
+
+/// Whether the middle of a cell is water of that shape: two corners of a box, or a polygon. One that lies on
+/// an edge of the polygon counts as a little above and to the right of it, so that round-off decides nothing.
+template <int dim>
+bool holds(const std::vector<Eigen::Vector3d>& shape, Vector<dim> x, double spacing) {
+  if (shape.size() == 2)
+    return (x.array() > shape[0].head<dim>().array()).all() &&
+           (x.array() < shape[1].head<dim>().array()).all();
+  x[1] += lattice_tolerance * spacing;
+  x[0] += 0.1 * lattice_tolerance * spacing;
+  bool odd = false;
+  for (size_t k = 0; k < shape.size(); ++k) {
+    const Eigen::Vector3d &a = shape[k], &b = shape[(k + 1) % shape.size()];
+    if ((a.y() > x[1]) != (b.y() > x[1]) && x[0] < a.x() + (x[1] - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      odd = !odd;
+  }
+  return odd;
+}
+
+/// Middles of the cells between the tank's walls; those of the air stay out, unless packing needs them. A
+/// cell whose middle lies on a slanted wall is half water: of each wall's, every other one is taken.
+template <int dim>
+std::vector<Vector<dim>> water_places(const Parameters& p, const TankShape<dim>& tank,
+                                      const WallParticles<dim>& walls) {
+  const auto shapes = water_shapes(p);
+  const auto is_water = [&](const Vector<dim>& x) {
+    return std::any_of(shapes.begin(), shapes.end(),
+                       [&](const auto& shape) { return holds<dim>(shape, x, p.spacing); });
+  };
+  const bool packed = !tank.on_lattice();
+  std::array<long, 3> cells{1, 1, 1}, c{};
+  for (int d = 0; d < dim; ++d)
+    cells[static_cast<size_t>(d)] = std::lround((tank.high()[d] - tank.low()[d]) / p.spacing);
+  std::vector<Vector<dim>> places;
+  std::map<size_t, int> halved;  // by the wall's edge
+  for (c[2] = 0; c[2] < cells[2]; ++c[2])
+    for (c[1] = 0; c[1] < cells[1]; ++c[1])
+      for (c[0] = 0; c[0] < cells[0]; ++c[0]) {
+        Vector<dim> x;
+        for (int d = 0; d < dim; ++d)
+          x[d] = tank.low()[d] + (static_cast<double>(c[static_cast<size_t>(d)]) + 0.5) * p.spacing;
+        if (!packed && !is_water(x)) continue;
+        const auto edge = packed ? tank.slanted_edge_at(x) : std::nullopt;
+        if (edge ? halved[*edge]++ % 2 == 0 : tank.contains(x)) places.push_back(x);
+      }
+  if (!packed) return places;
+  if constexpr (dim == 2) pack(places, tank, walls, p.spacing);
+  std::erase_if(places, [&](const Vector<dim>& x) { return !is_water(x); });
+  return places;
+}
+
+}  // namespace
+
+std::vector<std::vector<Eigen::Vector3d>> water_shapes(const Parameters& p) {
+  if (!p.water_shapes.empty()) return p.water_shapes;
+  return {{p.water.min, p.water.max}};
+}
+
+template <int dim>
+State<dim> fill(const Parameters& parameters) {
+  assert(parameters.dimension == dim);
+  if (const auto fault = find_box_fault(parameters))
+    throw Error(ExitCode::case_file, "fluid." + fault->key, "expected " + fault->expected, fault->fix);
+  const TankShape<dim> tank(parameters);
+  const WallParticles<dim> walls = tank.particles(dummy_rows(parameters.scheme));
+  const std::vector<Vector<dim>> water = water_places<dim>(parameters, tank, walls);
+
+  State<dim> state;
+  const auto n = static_cast<Eigen::Index>(water.size() + walls.wall.size() + walls.dummy.size());
+  state.position.resize(dim, n);
+  state.velocity = Vectors<dim>::Zero(dim, n);
+  state.pressure = Eigen::VectorXd::Zero(n);
+  state.sps_k = Eigen::VectorXd::Zero(n);
+  state.residual_divergence = Eigen::VectorXd::Zero(n);
+  state.residual_approach = Vectors<dim>::Zero(dim, n);
+  state.surface.assign(static_cast<size_t>(n), 0);
+  state.aired.assign(static_cast<size_t>(n), 1);
+  Eigen::Index i = 0;
+  const auto add = [&](const Vector<dim>& place, Kind kind) {
+    state.position.col(i) = place;
+    state.kind.push_back(kind);
+    state.id.push_back(i);
+    ++i;
+  };
+  for (const auto& place : water) add(place, Kind::fluid);
+  for (const auto& particle : walls.wall) add(particle.position, Kind::wall);
+  for (const auto& particle : walls.dummy) add(particle.position, Kind::dummy_wall);
+  if (const RigidMotion start = parameters.motion.at(0); parameters.motion.moves())
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Vector<dim> r = state.position.col(k) - parameters.motion.pivot.head<dim>();
+      state.velocity.col(k) = start.velocity.head<dim>();
+      state.velocity(0, k) -= start.angular_velocity * r[1];
+      state.velocity(1, k) += start.angular_velocity * r[0];
+    }
+  return state;
+}
+
+template State<2> fill<2>(const Parameters&);
+template State<3> fill<3>(const Parameters&);
+
+}  // namespace strake::fluid

@@ -1,0 +1,102 @@
+#pragma once
+
+#include "fluid/geometry/tank_shape.hpp"
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/particles/periodic.hpp"
+#include "fluid/particles/state.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace strake::fluid {
+
+/// The tank's part of the boundary: its rows of particles [first, last) with what belongs to each, the tank's
+/// rigid motion in the laboratory frame, and the place beside it where lost particles are parked.
+template <int dim>
+class Tank {
+ public:
+  /// filled: water and tank rows of `fill`. reach: largest radius of the scheme [m].
+  Tank(const Parameters&, double reach, const State<dim>& filled);
+
+  const TankShape<dim>& shape() const { return shape_; }
+  std::int64_t first() const { return first_; }
+  std::int64_t last() const { return last_; }
+  /// Whether any wall yields to sound.
+  bool absorbs() const { return absorbs_; }
+  bool moves() const { return motion_.moves(); }
+  /// The directions in which the tank repeats itself.
+  const Periodic<dim>& periodic() const { return periodic_; }
+  /// Brings the water back between the tank's periodic sides; call at the end of a step.
+  void wrap(State<dim>&) const;
+
+  /// Normal, into the water, of the wall that row i stands for, where the tank is now; zero where two walls
+  /// meet and for all that is no tank.
+  Vector<dim> normal_of(std::int64_t i) const;
+  /// Area of the faces that wall particle i stands for, into the water [m, m² in 3-D].
+  Vector<dim> area_of(std::int64_t i) const;
+  /// Sum of the normals of the absorbing faces that row i stands for; zero: it does not yield.
+  Vector<dim> absorbing(std::int64_t i) const;
+  /// Middle of its face in the tank as the case gives it: where a sensor looks for it.
+  Vector<dim> face_of(std::int64_t i) const;
+  /// Whether its load is the floor's: rows below the water.
+  bool is_floor(std::int64_t i) const { return part(i).floor; }
+  /// First row whose pressure (and velocity) dummy i extends; −1: i is no dummy of the tank.
+  std::int32_t master_of(std::int64_t i) const;
+  /// a_w: acceleration of row i in the step that `move` began last [m/s²].
+  Vector<dim> acceleration_of(std::int64_t i) const;
+  /// The same of the tank's middle: water at rest in it carries ρ (g − a) [m/s²].
+  Vector<dim> acceleration() const;
+
+  /// A step that ends at `time`: first (positions = false) the rows' velocities and accelerations, then
+  /// (true) their places. A tank at rest costs nothing.
+  void move(State<dim>&, double time, bool positions);
+  /// Adopts the time that `state` was saved at.
+  void adopt(const State<dim>& state);
+  /// Velocity of the tank's frame at the place x of the laboratory, at the time of the last `adopt` or `move`
+  /// [m/s].
+  Vector<dim> velocity_at(const Vector<dim>& x) const;
+  /// The same place in the tank as the case gives it.
+  Vector<dim> in_tank(const Vector<dim>& x) const;
+
+  /// Distance to the nearest wall, where the tank is now [m].
+  double distance(const Vector<dim>& x) const { return shape_.distance(in_tank(x)); }
+  /// The face that x lies behind, where the tank is now.
+  std::optional<WallFoot<dim>> behind(const Vector<dim>& x) const;
+  bool left(const Vector<dim>& x) const { return shape_.left(in_tank(x)); }
+  /// Particles out of the tank are parked where nothing reaches them, each on its own place.
+  bool parked(const Vector<dim>& x) const { return x[0] >= parking_[0] && on_parking_place(x); }
+  Vector<dim> parking_place(std::int64_t number) const;
+
+ private:
+  struct Frame {  // a rigid motion of the tank, ready for use
+    Vector<dim> shift = Vector<dim>::Zero(), velocity = Vector<dim>::Zero();
+    double sine = 0, cosine = 1, rate = 0;
+  };
+  const WallParticle<dim>& part(std::int64_t i) const { return part_[static_cast<std::size_t>(i - first_)]; }
+  bool has(std::int64_t i) const { return i >= first_ && i < last_; }
+  Frame frame_at(double time) const;
+  Vector<dim> turned(const Frame&, const Vector<dim>& r) const;
+  Vector<dim> place(const Frame&, const Vector<dim>& reference) const;
+  Vector<dim> velocity(const Frame&, const Vector<dim>& x) const;
+  void find_masters();
+  bool on_parking_place(const Vector<dim>& x) const;
+  std::int64_t parking_column() const;  // places above one another
+
+  TankShape<dim> shape_;
+  TankMotion motion_;
+  Periodic<dim> periodic_;
+  double spacing_, reach_;
+  std::int64_t first_ = 0, last_ = 0;
+  std::int64_t walls_ = 0;  // [first, first + walls) carry a pressure
+  std::vector<WallParticle<dim>> part_;
+  std::vector<std::int32_t> master_;
+  bool absorbs_;
+  Frame now_;                  // of the particles' places
+  Vectors<dim> acceleration_;  // empty for a tank at rest
+  Vector<dim> pivot_, parking_;
+};
+
+}  // namespace strake::fluid

@@ -1,0 +1,103 @@
+#include "fluid/boundary/wall_wetting.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strake::fluid {
+
+namespace {
+/// Height of water over a face that wets it and that it must pass to leave it dry again [l0]; a lattice row
+/// stands at 0.5.
+constexpr double joining_height = 0.52, leaving_height = 1.0;
+/// How far beside a row's middle water counts [l0].
+constexpr double aside = 1.01;
+/// A body that lies so near before a wall covers it [l0].
+constexpr double covered = 0.1;
+/// A corner has no face: its distance to the first lattice particle is √dim l0.
+constexpr double corner_margin = 0.02;
+}  // namespace
+
+template <int dim>
+WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& state, double spacing)
+    : spacing_(spacing), first_(boundary.water()) {
+  const auto n = state.position.cols();
+  axis_.setZero(dim, n - first_);
+  depth_.setZero(n - first_);
+  corner_.assign(static_cast<std::size_t>(n), 0);
+  wet_.assign(static_cast<std::size_t>(n), 0);
+  const auto& shape = boundary.tank().shape();
+  for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j) {
+    axis_.col(j - first_) = boundary.normal_of(j);
+    depth_[j - first_] = -boundary.tank().distance(state.position.col(j));
+    if (axis_.col(j - first_).squaredNorm() > 0) continue;
+    corner_[static_cast<std::size_t>(j)] = 1;
+    if constexpr (dim == 3) {
+      // On the edge of two walls the direction along it is free.
+      const Vector<3> x = boundary.tank().in_tank(state.position.col(j));
+      int inside = 0, free = 0;
+      for (int a = 0; a < 3; ++a)
+        if (x[a] > shape.low()[a] && x[a] < shape.high()[a]) {
+          ++inside;
+          free = a;
+        }
+      if (inside == 1) axis_(free, j - first_) = 1;
+    }
+  }
+}
+
+template <int dim>
+void WallContact<dim>::place_bodies(const Boundary<dim>& boundary, const State<dim>& state) {
+  if (boundary.outline().empty()) return;
+  for (std::int64_t j = boundary.first_of_bodies(); j < state.position.cols(); ++j) {
+    const int k = boundary.point_of(j);
+    axis_.col(j - first_) = boundary.outline().normal(k);
+    depth_[j - first_] = axis_.col(j - first_).dot(boundary.outline().point(k) - state.position.col(j));
+  }
+}
+
+template <int dim>
+void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
+  if (boundary.tank().moves())
+    for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j)
+      if (!corner(j)) axis_.col(j - first_) = boundary.normal_of(j);
+  place_bodies(boundary, state);
+  const auto n = static_cast<std::int64_t>(state.kind.size());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t j = boundary.water(); j < n; ++j) {
+    const auto k = static_cast<std::size_t>(j);
+    if (boundary.master_of(j) >= 0 || state.kind[k] == Kind::solid) continue;
+    double nearest = std::numeric_limits<double>::infinity();
+    const auto columns = near.row(j);
+    for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
+      const Vector<dim> r =
+          boundary.tank().periodic().separation(state.position.col(j), state.position.col(columns[e]));
+      if (corner(j)) {
+        const double off = held(j, r).norm() / spacing_ - std::sqrt(2.0);
+        nearest = std::min(nearest, joining_height - corner_margin + off);
+        continue;
+      }
+      const double up = r.dot(axis_.col(j - first_));
+      if (r.squaredNorm() - up * up > aside * aside * spacing_ * spacing_) continue;
+      nearest = std::min(nearest, (up - depth_[j - first_]) / spacing_);
+    }
+    const bool was_dry = state.surface[k] != 0;
+    bool is_wet = nearest < (was_dry ? joining_height : leaving_height);
+    if (is_wet && j < boundary.first_of_bodies() && !corner(j) && !boundary.outline().empty()) {
+      // Behind a body that touches the wall there is no water, however near its corner is to some.
+      const Vector<dim> before =
+          state.position.col(j) + (depth_[j - first_] + covered * spacing_) * axis_.col(j - first_);
+      is_wet = !boundary.outline().inside(before);
+    }
+    state.surface[k] = is_wet ? 0 : 1;
+    wet_[k] = is_wet ? 1 : 0;
+  }
+  for (std::int64_t j = boundary.water(); j < n; ++j)
+    if (const std::int32_t m = boundary.master_of(j); m >= 0)
+      wet_[static_cast<std::size_t>(j)] = wet_[static_cast<std::size_t>(m)];
+}
+
+template class WallContact<2>;
+template class WallContact<3>;
+
+}  // namespace strake::fluid

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "fluid/particles/state.hpp"
+
+#include <cstdint>
+#include <span>
+
+namespace strake::fluid {
+
+/// What the water as a whole amounts to; per metre of depth in 2-D.
+template <int dim>
+struct WaterAccount {
+  double kinetic = 0;                        // [J] ½ Σ m u²
+  double potential = 0;                      // [J] −Σ m g·(x − x0), x0 the corner of the tank
+  double largest_speed = 0;                  // [m/s]
+  std::int64_t inner = 0, surface = 0;       // particles
+  Vector<dim> centre = Vector<dim>::Zero();  // [m] of mass
+};
+/// water: numbers of the particles that count; mass: of each [kg].
+template <int dim>
+WaterAccount<dim> account_of(const State<dim>&, std::span<const std::int64_t> water, double mass,
+                             const Vector<dim>& gravity, const Vector<dim>& corner);
+
+/// Where the layer of water along a floor ends [m]: from `at`, which lies on the floor, particles within 2 l0
+/// above it are followed towards +x until a gap of more than 2 l0; the farthest one's x and l0/2. At `at`
+/// itself where there is none. Drops that fly ahead do not count.
+template <int dim>
+double front(const Vectors<dim>& position, std::span<const std::int64_t> water, const Vector<dim>& at,
+             double spacing);
+
+/// Where the water over `at` ends [m above `at`]: particles within l0 of the vertical through `at` are
+/// followed upwards until a gap of more than 2 l0; the highest one's height and l0/2.
+template <int dim>
+double level(const Vectors<dim>& position, std::span<const std::int64_t> water, const Vector<dim>& at,
+             double spacing);
+
+/// Wetted length over `at` [m], as a wave gauge feels it: Σ V_i w(x_i − x) of the particles above `at`, w the
+/// hat of half-width 2 l0 with ∫w = 1 over what lies between low and high, the tank's sides. Smooth where
+/// `level` goes by whole particles; air under a breaking wave does not count.
+template <int dim>
+double wetted_height(const Vectors<dim>& position, std::span<const std::int64_t> water, const Vector<dim>& at,
+                     const Vector<dim>& low, const Vector<dim>& high, double spacing);
+
+}  // namespace strake::fluid

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "fluid/particles/neighbours.hpp"
+#include "fluid/particles/state.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace strake::fluid {
+
+/// Water particles that are flagged as surface deeper than 5 l0 below the outer surface: around air that
+/// waves have shut in, and, `openings`, where water has come apart inside. The outer surface borders on the
+/// air, which is the space farther than 1.5 l0 or so from every particle (water, walls and bodies) that hangs
+/// together with what lies above the tank, or, under a lid, the largest such space. On cells of l0, so that
+/// the depth is known to within one. water: numbers of the particles that have not left the tank.
+struct Voids {
+  std::int64_t all = 0, openings = 0;
+};
+template <int dim>
+Voids count_voids(const State<dim>&, std::span<const std::int64_t> water, double spacing, bool open_top);
+
+/// State::aired after a step: surface that was beside air, or has come up next to such surface, is beside the
+/// same air wherever it goes; surface that appears with none near by is an opening. near: rows of about 2 l0.
+template <int dim>
+void follow_air(State<dim>&, const Neighbours& near, std::int64_t water, std::vector<std::uint8_t>& scratch);
+
+}  // namespace strake::fluid

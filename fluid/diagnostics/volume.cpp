@@ -1,0 +1,130 @@
+#include "fluid/diagnostics/volume.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace strake::fluid {
+namespace {
+
+constexpr double cells_per_spacing = 4;
+constexpr int added = 5, taken = 3;  // radii in cells: 1.25 l0 and 0.75 l0; their difference is l0/2
+constexpr int border = added + taken + 1;
+constexpr double most_cells = 4e10;  // 5 GB of them, one bit each
+
+using Word = std::uint64_t;
+constexpr std::int64_t bits = 64;
+
+/// Cells in rows along x, one bit each; rows are numbered y first.
+struct Cells {
+  std::array<std::int64_t, 3> size{1, 1, 1};
+  std::int64_t words = 0;  // per row
+  std::vector<Word> bit;
+
+  std::int64_t rows() const { return size[1] * size[2]; }
+  std::span<Word> row(std::int64_t r) { return {bit.data() + r * words, static_cast<std::size_t>(words)}; }
+  std::span<const Word> row(std::int64_t r) const {
+    return {bit.data() + r * words, static_cast<std::size_t>(words)};
+  }
+};
+
+/// Sets the bits [first, last].
+void set(std::span<Word> row, std::int64_t first, std::int64_t last) {
+  for (std::int64_t w = first / bits; w <= last / bits; ++w) {
+    const std::int64_t low = std::max<std::int64_t>(first - w * bits, 0),
+                       high = std::min<std::int64_t>(last - w * bits, bits - 1);
+    const Word upto = high == bits - 1 ? ~Word{0} : (Word{1} << (high + 1)) - 1;
+    row[static_cast<std::size_t>(w)] |= upto & ~((Word{1} << low) - 1);
+  }
+}
+
+/// out ← out ∧ the cells whose `reach` neighbours on both sides along x are all set.
+void keep_within(std::span<const Word> row, int reach, std::span<Word> out) {
+  const std::size_t n = row.size();
+  for (std::size_t w = 0; w < n; ++w) {
+    const Word before = w > 0 ? row[w - 1] : 0, after = w + 1 < n ? row[w + 1] : 0, here = row[w];
+    Word all = here;
+    for (int k = 1; k <= reach; ++k)
+      all &= ((here << k) | (before >> (bits - k))) & ((here >> k) | (after << (bits - k)));
+    out[w] &= all;
+  }
+}
+
+/// Largest k with k² + square ≤ radius².
+int half_width(int radius, int square) {
+  return static_cast<int>(std::floor(std::sqrt(static_cast<double>(radius * radius - square)) + 1e-12));
+}
+
+}  // namespace
+
+template <int dim>
+double water_volume(const Vectors<dim>& particles, double spacing) {
+  if (particles.cols() == 0) return 0;
+  const double h = spacing / cells_per_spacing;
+  const Vector<dim> low = particles.rowwise().minCoeff(), high = particles.rowwise().maxCoeff();
+  Cells cells;
+  double count = 1;
+  for (int d = 0; d < dim; ++d) {
+    const double across = std::ceil((high[d] - low[d]) / h) + 2 * border + 1;
+    count *= across;
+    if (!(count < most_cells)) return std::numeric_limits<double>::quiet_NaN();
+    cells.size[static_cast<std::size_t>(d)] = static_cast<std::int64_t>(across);
+  }
+  cells.words = (cells.size[0] + bits - 1) / bits;
+  cells.bit.assign(static_cast<std::size_t>(cells.words * cells.rows()), 0);
+
+  // A cell counts when its middle lies within the ball; particles of a lattice sit on corners of cells.
+  const double radius = added;  // in cells
+  for (Eigen::Index i = 0; i < particles.cols(); ++i) {
+    const Vector<dim> x = (particles.col(i) - low) / h + Vector<dim>::Constant(border);
+    const double z = dim == 3 ? x[dim - 1] : 0.5;
+    const auto range = [&](double middle, double reach) {
+      return std::array{static_cast<std::int64_t>(std::ceil(middle - reach - 0.5)),
+                        static_cast<std::int64_t>(std::floor(middle + reach - 0.5))};
+    };
+    const auto deep = dim == 3 ? range(z, radius) : std::array<std::int64_t, 2>{0, 0};
+    for (std::int64_t k = deep[0]; k <= deep[1]; ++k) {
+      const double dz = dim == 3 ? static_cast<double>(k) + 0.5 - z : 0, rest = radius * radius - dz * dz;
+      if (rest < 0) continue;
+      const auto up = range(x[1], std::sqrt(rest));
+      for (std::int64_t j = up[0]; j <= up[1]; ++j) {
+        const double dy = static_cast<double>(j) + 0.5 - x[1], left = rest - dy * dy;
+        if (left < 0) continue;
+        const auto along = range(x[0], std::sqrt(left));
+        if (along[0] <= along[1]) set(cells.row(k * cells.size[1] + j), along[0], along[1]);
+      }
+    }
+  }
+
+  const int slabs = dim == 3 ? taken : 0;
+  std::int64_t inside = 0;
+#pragma omp parallel reduction(+ : inside)
+  {
+    std::vector<Word> kept(static_cast<std::size_t>(cells.words));
+#pragma omp for schedule(static)
+    for (std::int64_t r = 0; r < cells.rows(); ++r) {
+      const std::int64_t j = r % cells.size[1], k = r / cells.size[1];
+      if (j < taken || j >= cells.size[1] - taken || k < slabs || k >= cells.size[2] - slabs) continue;
+      const std::span<const Word> own = cells.row(r);
+      if (std::all_of(own.begin(), own.end(), [](Word w) { return w == 0; })) continue;
+      std::copy(own.begin(), own.end(), kept.begin());
+      for (int dz = -slabs; dz <= slabs; ++dz)
+        for (int dy = -taken; dy <= taken; ++dy) {
+          if (dy * dy + dz * dz > taken * taken) continue;
+          keep_within(cells.row(r + dz * cells.size[1] + dy), half_width(taken, dy * dy + dz * dz), kept);
+        }
+      for (const Word w : kept) inside += std::popcount(w);
+    }
+  }
+  return static_cast<double>(inside) * std::pow(h, dim);
+}
+
+template double water_volume<2>(const Vectors<2>&, double);
+template double water_volume<3>(const Vectors<3>&, double);
+
+}  // namespace strake::fluid

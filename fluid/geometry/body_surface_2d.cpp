@@ -1,0 +1,311 @@
+#include "fluid/geometry/body_surface_2d.hpp"
+
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strake::fluid {
+
+namespace {
+
+using Vector2 = Outline::Vector2;
+
+/// A turn of the outline sharper than this makes a corner.
+constexpr double corner_angle = 0.35;  // [rad], 20 degrees
+/// So does a smaller one that stands alone: a smooth outline turns about as much at the points beside it.
+constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
+/// A corner whose angle inside the body is smaller has a tip thinner than a spacing along its first piece.
+constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
+/// Round-off allowance along a piece, as a share of its length.
+constexpr double tie = 1e-9;
+
+double cross(const Vector2& a, const Vector2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Into the fluid for a counter-clockwise walk along t.
+Vector2 right_of(const Vector2& t) {
+  return {t.y(), -t.x()};
+}
+
+/// The closed chains of segments, as lists of point indices.
+std::vector<std::vector<int>> loops_of(const InterfaceMesh& partner) {
+  const auto n = static_cast<std::size_t>(partner.position.cols());
+  std::vector<int> next(n, -1);
+  std::vector<char> entered(n, 0);
+  for (Eigen::Index f = 0; f < partner.faces.cols(); ++f) {
+    const int a = partner.faces(0, f), b = partner.faces(1, f);
+    if (next[static_cast<std::size_t>(a)] >= 0 || entered[static_cast<std::size_t>(b)])
+      throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
+                  fmt::format("more than two faces meet at point {} or {}", a, b),
+                  "give the wet surface as closed chains of segments, each walked counter-clockwise");
+    next[static_cast<std::size_t>(a)] = b;
+    entered[static_cast<std::size_t>(b)] = 1;
+  }
+  std::vector<std::vector<int>> loops;
+  for (std::size_t p = 0; p < n; ++p) {
+    if (next[p] < 0) continue;
+    std::vector<int> loop;
+    for (int at = static_cast<int>(p); next[static_cast<std::size_t>(at)] >= 0;) {
+      loop.push_back(at);
+      const int to = next[static_cast<std::size_t>(at)];
+      next[static_cast<std::size_t>(at)] = -1;
+      at = to;
+      if (at != static_cast<int>(p) && next[static_cast<std::size_t>(at)] < 0)
+        throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
+                    fmt::format("the wet surface ends at point {} instead of closing", at),
+                    "the fluid needs to know inside from outside: close the outline");
+    }
+    loops.push_back(std::move(loop));
+  }
+  return loops;
+}
+
+}  // namespace
+
+Outline::Outline(const InterfaceMesh& partner, double spacing) {
+  mesh_.name = "fluid";
+  mesh_.dimension = 2;
+  for (const auto& loop : loops_of(partner)) {
+    double area = 0;
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const Vector2 a = partner.position.col(loop[k]).head<2>();
+      const Vector2 b = partner.position.col(loop[(k + 1) % loop.size()]).head<2>();
+      area += 0.5 * cross(a, b);
+    }
+    if (!(area > 0))
+      throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
+                  fmt::format("the outline that starts at point {} encloses {} m^2", loop.front(), area),
+                  "walk it counter-clockwise, so that its normals point into the fluid");
+    add_runs(partner, loop, spacing);
+  }
+  const auto m = reference_.cols();
+  mesh_.position = Points::Zero(3, m);
+  mesh_.position.topRows<2>() = reference_;
+  point_ = velocity_ = normal_ = normal_rate_ = Vectors2::Zero(2, m);
+  area_ = Eigen::VectorXd::Zero(m);
+  move(Vectors2::Zero(2, m), Vectors2::Zero(2, m));
+}
+
+void Outline::add_runs(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing) {
+  const std::size_t n = loop.size();
+  const auto at = [&](std::size_t k) -> Vector2 { return partner.position.col(loop[k % n]).head<2>(); };
+  std::vector<double> turn(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vector2 before = at(k) - at(k + n - 1), after = at(k + 1) - at(k);
+    turn[k] = std::atan2(cross(before, after), before.dot(after));
+  }
+  std::vector<std::size_t> corners;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double size = std::abs(turn[k]);
+    const double beside = std::max(std::abs(turn[(k + n - 1) % n]), std::abs(turn[(k + 1) % n]));
+    if (size > corner_angle || (size > lone_angle && beside < lone_share * size)) corners.push_back(k);
+  }
+  const bool closed = corners.empty();
+  if (closed) corners.push_back(0);
+
+  const std::size_t first_run = runs_.size();
+  std::vector<Eigen::Vector2i> faces;
+  const int first_point = points();
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const std::size_t begin = corners[c];
+    const std::size_t end = c + 1 < corners.size() ? corners[c + 1] : corners[0] + n;
+    std::vector<double> length{0};  // along the run, at each of its points [m]
+    for (std::size_t k = begin; k < end; ++k) length.push_back(length.back() + (at(k + 1) - at(k)).norm());
+    Run run;
+    run.first = points();
+    run.count = std::max(1, static_cast<int>(std::lround(length.back() / spacing)));
+    if (closed) run.count = std::max(3, run.count);
+    run.vertex = run.first + static_cast<int>(runs_.size());
+    run.closed = closed;
+    if (!closed) {
+      run.start_angle = std::numbers::pi - turn[begin];
+      run.end_angle = std::numbers::pi - turn[end % n];
+    }
+    run.piece = length.back() / run.count;
+    reference_.conservativeResize(2, run.first + run.count);
+    half_piece_.conservativeResize(2, run.first + run.count);
+    for (int i = 0; i < run.count; ++i) {
+      const double s = (i + 0.5) * run.piece;
+      const auto piece = static_cast<std::size_t>(std::upper_bound(length.begin() + 1, length.end() - 1, s) -
+                                                  length.begin() - 1);
+      const Vector2 a = at(begin + piece), b = at(begin + piece + 1);
+      const double share = (s - length[piece]) / (length[piece + 1] - length[piece]);
+      reference_.col(run.first + i) = a + share * (b - a);
+      half_piece_.col(run.first + i) = 0.5 * run.piece * (b - a).normalized();
+      run_of_.push_back(static_cast<int>(runs_.size()));
+    }
+    runs_.push_back(run);
+  }
+  connect(first_run);
+  const int m = points() - first_point;
+  const auto old = mesh_.faces.cols();
+  mesh_.faces.conservativeResize(2, old + m);
+  for (int k = 0; k < m; ++k) mesh_.faces.col(old + k) << first_point + k, first_point + (k + 1) % m;
+}
+
+void Outline::connect(std::size_t first_run) {
+  const std::size_t count = runs_.size() - first_run;
+  for (std::size_t c = 0; c < count; ++c) {
+    Run& run = runs_[first_run + c];
+    run.previous = static_cast<int>(first_run + (c + count - 1) % count);
+    run.next = static_cast<int>(first_run + (c + 1) % count);
+  }
+  // The longer run takes a corner, on equal lengths the earlier one: a body symmetric to its middle line
+  // stays so.
+  for (std::size_t c = 0; c < count; ++c) {
+    Run& run = runs_[first_run + c];
+    Run& next = runs_[static_cast<std::size_t>(run.next)];
+    const double mine = run.piece * run.count, theirs = next.piece * next.count;
+    run.owns_end = mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && &run <= &next);
+    next.owns_start = !run.owns_end;
+  }
+}
+
+void Outline::move(const Vectors2& displacement, const Vectors2& velocity) {
+  point_ = reference_ + displacement;
+  velocity_ = velocity;
+  const auto vertices = static_cast<Eigen::Index>(points()) + static_cast<Eigen::Index>(runs_.size());
+  vertex_.resize(2, vertices);
+  vertex_velocity_.resize(2, vertices);
+  const auto set = [this](const Run& run, const Vectors2& from, Vectors2& to, bool is_position) {
+    for (int i = 1; i < run.count; ++i)
+      to.col(run.vertex + i) = 0.5 * (from.col(run.first + i - 1) + from.col(run.first + i));
+    const int a = run.first, b = run.first + run.count - 1;
+    if (run.closed) {
+      to.col(run.vertex) = to.col(run.vertex + run.count) = 0.5 * (from.col(a) + from.col(b));
+    } else if (run.count > 1) {
+      to.col(run.vertex) = 1.5 * from.col(a) - 0.5 * from.col(a + 1);
+      to.col(run.vertex + run.count) = 1.5 * from.col(b) - 0.5 * from.col(b - 1);
+    } else {
+      const Vector2 half = is_position ? Vector2(half_piece_.col(a)) : Vector2(Vector2::Zero());
+      to.col(run.vertex) = from.col(a) - half;
+      to.col(run.vertex + 1) = from.col(a) + half;
+    }
+  };
+  for (const Run& run : runs_) {
+    set(run, point_, vertex_, true);
+    set(run, velocity_, vertex_velocity_, false);
+  }
+  // Two runs meet in one corner: the mean of what both say; a run of one point knows nothing of its
+  // direction.
+  for (const Run& run : runs_) {
+    if (run.closed) continue;
+    const Run& next = runs_[static_cast<std::size_t>(run.next)];
+    const int end = run.vertex + run.count;
+    const double mine = run.count > 1 || next.count == 1 ? 1.0 : 0.0;
+    const double theirs = next.count > 1 || run.count == 1 ? 1.0 : 0.0;
+    for (Vectors2* values : {&vertex_, &vertex_velocity_}) {
+      const Vector2 corner = (mine * values->col(end) + theirs * values->col(next.vertex)) / (mine + theirs);
+      values->col(end) = values->col(next.vertex) = corner;
+    }
+  }
+  run_low_.resize(2, static_cast<Eigen::Index>(runs_.size()));
+  run_high_.resize(2, static_cast<Eigen::Index>(runs_.size()));
+  for (std::size_t r = 0; r < runs_.size(); ++r) {
+    const Run& run = runs_[r];
+    const auto own = vertex_.middleCols(run.vertex, run.count + 1);
+    run_low_.col(static_cast<Eigen::Index>(r)) = own.rowwise().minCoeff();
+    run_high_.col(static_cast<Eigen::Index>(r)) = own.rowwise().maxCoeff();
+    for (int i = 0; i < run.count; ++i) {
+      const Vector2 t = vertex_.col(run.vertex + i + 1) - vertex_.col(run.vertex + i);
+      const Vector2 t_rate = vertex_velocity_.col(run.vertex + i + 1) - vertex_velocity_.col(run.vertex + i);
+      const double length = t.norm();
+      const Vector2 unit = t / length;
+      const Vector2 n = right_of(unit);
+      area_[run.first + i] = length;
+      normal_.col(run.first + i) = n;
+      normal_rate_.col(run.first + i) = right_of((t_rate - unit * unit.dot(t_rate)) / length);
+    }
+  }
+  if (!runs_.empty()) {
+    low_ = run_low_.rowwise().minCoeff();
+    high_ = run_high_.rowwise().maxCoeff();
+  }
+}
+
+bool Outline::crosses(int r, const Vector2& a, const Vector2& b, bool with_corners) const {
+  if (std::max(a.x(), b.x()) < run_low_(0, r) || std::min(a.x(), b.x()) > run_high_(0, r) ||
+      std::max(a.y(), b.y()) < run_low_(1, r) || std::min(a.y(), b.y()) > run_high_(1, r))
+    return false;
+  const Run& run = runs_[static_cast<std::size_t>(r)];
+  const Vector2 d = b - a;
+  int begin = 0, end = run.count;
+  // Only the pieces beside the pair: the chord of an open run orders them.
+  const Vector2 origin = vertex_.col(run.vertex);
+  const Vector2 chord = vertex_.col(run.vertex + run.count) - origin;
+  const double chord2 = chord.squaredNorm();
+  if (!run.closed && run.count > 4 && chord2 > 0) {
+    const double sa = (a - origin).dot(chord) / chord2 * run.count;
+    const double sb = (b - origin).dot(chord) / chord2 * run.count;
+    const double last = run.count;
+    begin = static_cast<int>(std::clamp(std::floor(std::min(sa, sb)) - 1, 0.0, last));
+    end = static_cast<int>(std::clamp(std::ceil(std::max(sa, sb)) + 1, 0.0, last));
+  }
+  if (with_corners && !run.closed) {
+    if (run.start_angle < sharp_angle) begin = std::max(begin, 1);
+    if (run.end_angle < sharp_angle) end = std::min(end, run.count - 1);
+  }
+  for (int i = begin; i < end; ++i) {
+    const Vector2 v = vertex_.col(run.vertex + i);
+    const Vector2 e = vertex_.col(run.vertex + i + 1) - v;
+    const double det = cross(d, e);
+    if (det == 0) continue;  // parallel: it slides along, it does not cross
+    const Vector2 to_start = v - a;
+    const double t = cross(to_start, e) / det;  // along the pair
+    if (t < 0 || t > 1) continue;
+    const double s = cross(to_start, d) / det;  // along the piece
+    const bool from_corner = i == 0 && !run.closed && !with_corners && !run.owns_start;
+    const bool to_corner = i == run.count - 1 && !run.closed && !with_corners && !run.owns_end;
+    if (s >= (from_corner ? tie : -tie) && s <= (to_corner ? 1 - tie : 1 + tie)) return true;
+  }
+  return false;
+}
+
+bool Outline::separates(const Vector2& a, const Vector2& b) const {
+  for (int r = 0; r < static_cast<int>(runs_.size()); ++r)
+    if (crosses(r, a, b, true)) return true;
+  return false;
+}
+
+double Outline::within(int run, const Vector2& x) const {
+  const Run& r = runs_[static_cast<std::size_t>(run)];
+  if (r.closed) return std::numeric_limits<double>::infinity();
+  const Vector2 first = vertex_.col(r.vertex), last = vertex_.col(r.vertex + r.count);
+  const Vector2 begins = vertex_.col(r.vertex + 1) - first, ends = last - vertex_.col(r.vertex + r.count - 1);
+  return std::min((x - first).dot(begins) / begins.norm(), (last - x).dot(ends) / ends.norm());
+}
+
+bool Outline::inside(const Vector2& x) const {
+  if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any()) return false;
+  bool odd = false;
+  for (const Run& run : runs_) {
+    for (int i = 0; i < run.count; ++i) {
+      const Vector2 a = vertex_.col(run.vertex + i), b = vertex_.col(run.vertex + i + 1);
+      if ((a.y() > x.y()) == (b.y() > x.y())) continue;
+      if (x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) odd = !odd;
+    }
+  }
+  return odd;
+}
+
+Outline::Foot Outline::nearest(const Vector2& x) const {
+  Foot best;
+  best.distance = std::numeric_limits<double>::infinity();
+  for (const Run& run : runs_) {
+    for (int i = 0; i < run.count; ++i) {
+      const Vector2 a = vertex_.col(run.vertex + i), t = vertex_.col(run.vertex + i + 1) - a;
+      const double s = std::clamp((x - a).dot(t) / t.squaredNorm(), 0.0, 1.0);
+      const Vector2 foot = a + s * t;
+      const double distance = (x - foot).norm();
+      if (distance < best.distance) best = {run.first + i, foot, distance};
+    }
+  }
+  return best;
+}
+
+}  // namespace strake::fluid

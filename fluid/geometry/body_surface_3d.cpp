@@ -1,0 +1,314 @@
+#include "fluid/geometry/body_surface_3d.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace strake::fluid {
+
+namespace {
+
+using Vector2 = Eigen::Vector2d;
+using Vector3 = Eigen::Vector3d;
+
+/// Round-off allowance at an edge, as a share of the way to it.
+constexpr double tie = 1e-9;
+
+double cross(const Vector2& a, const Vector2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+}  // namespace
+
+Hull::Hull(const InterfaceMesh& partner, double spacing, double reach)
+    : mesh_(partner),
+      patches_(find_patches(partner)),
+      points_(wet_points(partner, patches_, spacing)),
+      spacing_(spacing),
+      reach_(reach) {
+  mesh_.name = "fluid";
+  const auto triangles = static_cast<std::size_t>(mesh_.faces.cols());
+  point_in_.assign(triangles, -1);
+  std::vector<double> largest(triangles, 0);
+  for (const WetPoints::Share& share : points_.share) {
+    const auto t = static_cast<std::size_t>(share.triangle);
+    if (share.part <= largest[t]) continue;
+    largest[t] = share.part;
+    point_in_[t] = share.point;
+  }
+  std::map<std::pair<int, int>, int> known;  // patch and point of the mesh
+  patch_corner_.resize(3, mesh_.faces.cols());
+  for (int t = 0; t < static_cast<int>(triangles); ++t)
+    for (int k = 0; k < 3; ++k)
+      patch_corner_(k, t) =
+          known
+              .emplace(std::pair{patches_.of_triangle[static_cast<std::size_t>(t)], mesh_.faces(k, t)},
+                       static_cast<int>(known.size()))
+              .first->second;
+  const auto m = static_cast<Eigen::Index>(points());
+  for (Points* p : {&point_, &velocity_, &normal_, &normal_rate_, &area_}) p->setZero(3, m);
+  patch_corner_scale_.setOnes(static_cast<Eigen::Index>(known.size()));
+  const Points still = Points::Zero(3, mesh_.position.cols());
+  now_ = mesh_.position;
+  rate_ = still;
+  Points sum = Points::Zero(3, patch_corner_scale_.size());
+  for (int t = 0; t < static_cast<int>(triangles); ++t)
+    for (int k = 0; k < 3; ++k)
+      sum.col(patch_corner_(k, t)) += 0.5 * (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
+  patch_corner_scale_ = sum.colwise().norm().cwiseInverse();
+  move(still, still, true);
+  find_local_edges();
+  add_rows();
+}
+
+Vector3 Hull::mean_of(const Points& values, int t, const Vector3& weight) const {
+  return weight[0] * values.col(mesh_.faces(0, t)) + weight[1] * values.col(mesh_.faces(1, t)) +
+         weight[2] * values.col(mesh_.faces(2, t));
+}
+
+void Hull::move(const Points& displacement, const Points& velocity, bool places) {
+  if (places) now_ = mesh_.position + displacement;
+  rate_ = velocity;
+  bend(places);
+  if (places) grid_.build(now_, mesh_.faces, 2 * spacing_);
+}
+
+// S = ½ e₁ × e₂ of a triangle, dS/dt = ½ (ė₁ × e₂ + e₁ × ė₂). At the corners of a patch the sum of its
+// triangles', between them the mean of the corners': m; n = m/|m|, dn/dt = (ṁ − n n·ṁ)/|m|.
+void Hull::bend(bool places) {
+  const auto triangles = static_cast<int>(mesh_.faces.cols());
+  Points sum = Points::Zero(3, patch_corner_scale_.size()), sum_rate = sum;
+  Points area(3, triangles);
+  if (places) face_normal_.resize(3, triangles);
+  for (int t = 0; t < triangles; ++t) {
+    const Vector3 e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0);
+    const Vector3 v1 = rate_.col(mesh_.faces(1, t)) - rate_.col(mesh_.faces(0, t)),
+                  v2 = rate_.col(mesh_.faces(2, t)) - rate_.col(mesh_.faces(0, t));
+    area.col(t) = 0.5 * e1.cross(e2);
+    const Vector3 rate = 0.5 * (v1.cross(e2) + e1.cross(v2));
+    if (places) face_normal_.col(t) = area.col(t).normalized();
+    for (int k = 0; k < 3; ++k) {
+      sum.col(patch_corner_(k, t)) += area.col(t);
+      sum_rate.col(patch_corner_(k, t)) += rate;
+    }
+  }
+  for (int k = 0; k < points(); ++k) {
+    const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
+    Vector3 m = Vector3::Zero(), rate = Vector3::Zero();
+    for (int c = 0; c < 3; ++c) {
+      const int at = patch_corner_(c, p.triangle);
+      m += p.weight[c] * patch_corner_scale_[at] * sum.col(at);
+      rate += p.weight[c] * patch_corner_scale_[at] * sum_rate.col(at);
+    }
+    const double size = m.norm();
+    const Vector3 n = m / size;
+    normal_.col(k) = n;
+    normal_rate_.col(k) = (rate - n * n.dot(rate)) / size;
+    point_.col(k) = mean_of(now_, p.triangle, p.weight);
+    velocity_.col(k) = mean_of(rate_, p.triangle, p.weight);
+  }
+  if (!places) return;
+  area_.setZero();
+  for (const WetPoints::Share& share : points_.share)
+    area_.col(share.point) += share.part * area.col(share.triangle);
+}
+
+Vector2 Hull::in_triangle(const Points& place, int t, const Vector3& arm) const {
+  const Vector3 e1 = place.col(mesh_.faces(1, t)) - place.col(mesh_.faces(0, t)),
+                e2 = place.col(mesh_.faces(2, t)) - place.col(mesh_.faces(0, t));
+  const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), d1 = arm.dot(e1), d2 = arm.dot(e2);
+  const double determinant = g11 * g22 - g12 * g12;
+  return {(g22 * d1 - g12 * d2) / determinant, (g11 * d2 - g12 * d1) / determinant};
+}
+
+// The larger patch takes an edge, of equal ones the first.
+void Hull::find_local_edges() {
+  const double far = reach_ + 2 * spacing_;
+  std::vector<std::vector<const SurfacePatches::Border*>> of_patch(patches_.area.size());
+  for (const auto& border : patches_.border)
+    of_patch[static_cast<std::size_t>(border.patch)].push_back(&border);
+  edge_start_.assign(1, 0);
+  for (int k = 0; k < points(); ++k) {
+    const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
+    const Vector3 x = point_.col(k);
+    for (const auto* border : of_patch[static_cast<std::size_t>(p.patch)]) {
+      const Vector3 a = mesh_.position.col(border->from), b = mesh_.position.col(border->to), t = b - a;
+      const double s = std::clamp((x - a).dot(t) / t.squaredNorm(), 0.0, 1.0);
+      if ((a + s * t - x).norm() > far) continue;
+      const double mine = patches_.area[static_cast<std::size_t>(border->patch)],
+                   theirs = patches_.area[static_cast<std::size_t>(border->other)];
+      const bool owned =
+          mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->patch < border->other);
+      edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
+                       in_triangle(mesh_.position, p.triangle, b - x), owned});
+    }
+    edge_start_.push_back(edge_.size());
+  }
+}
+
+void Hull::add_rows() {
+  const int rows = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
+  for (int row = 0; row < rows; ++row)
+    for (int k = 0; k < points(); ++k) {
+      const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
+      rows_.push_back({k, p.triangle, p.weight, (row + 0.5) * spacing_});
+    }
+  go_beyond();
+}
+
+// Borders between the same two patches, joined end to end.
+void Hull::go_beyond() {
+  std::map<std::pair<int, int>, std::vector<const SurfacePatches::Border*>> groups;
+  for (const auto& border : patches_.border) groups[{border.patch, border.other}].push_back(&border);
+  for (const auto& [key, group] : groups) {
+    std::map<int, const SurfacePatches::Border*> from, to;
+    for (const auto* border : group) {
+      from[border->from] = border;
+      to[border->to] = border;
+    }
+    std::vector<const SurfacePatches::Border*> starts;
+    for (const auto* border : group)
+      if (!to.contains(border->from)) starts.push_back(border);
+    for (const auto* border : group) starts.push_back(border);  // closed rings start anywhere
+    for (const auto* start : starts) {
+      std::vector<const SurfacePatches::Border*> chain;
+      for (auto next = from.find(start->from); next != from.end(); next = from.find(chain.back()->to)) {
+        chain.push_back(next->second);
+        from.erase(next);
+      }
+      if (!chain.empty()) add_beyond(chain);
+    }
+  }
+}
+
+// At an edge of the angle α inside the body a place at the angle θ from a face is seen through that face by
+// some water for θ < min(α, π); the rows behind the face itself reach θ = π/2. At depth d below the face and
+// s beyond its edge tan(θ − π/2) = s/d.
+void Hull::add_beyond(const std::vector<const SurfacePatches::Border*>& chain) {
+  constexpr double round_off = 1e-6;  // [rad]
+  std::vector<double> length{0};
+  for (const auto* border : chain)
+    length.push_back(length.back() +
+                     (mesh_.position.col(border->to) - mesh_.position.col(border->from)).norm());
+  const int count = std::max(1, static_cast<int>(std::lround(length.back() / spacing_)));
+  const int columns = static_cast<int>(std::ceil(reach_ / spacing_));
+  const int rows = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
+  for (int m = 0; m < count; ++m) {
+    const double along = (m + 0.5) * length.back() / count;
+    const auto e = static_cast<std::size_t>(std::upper_bound(length.begin() + 1, length.end() - 1, along) -
+                                            length.begin() - 1);
+    const SurfacePatches::Border& border = *chain[e];
+    const double angle = std::min(border.angle, std::numbers::pi);
+    if (angle < 0.5 * std::numbers::pi + round_off) continue;
+    const bool concave = angle > std::numbers::pi - round_off;
+    const double slope = concave ? 0.0 : 1 / std::tan(angle - 0.5 * std::numbers::pi);
+    const Vector3 a = mesh_.position.col(border.from), b = mesh_.position.col(border.to);
+    const Vector3 t = (b - a).normalized(), x = a + (along - length[e]) * t;
+    const Vector3 out = t.cross(face_normal_.col(border.triangle));
+    int nearest = -1;
+    double best = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < points(); ++k) {
+      const double squared = (point(k) - x).squaredNorm();
+      if (run_of(k) != border.patch || squared >= best) continue;
+      best = squared;
+      nearest = k;
+    }
+    if (nearest < 0) continue;
+    for (int column = 0; column < columns; ++column) {
+      const double beside = (column + 0.5) * spacing_;
+      const Vector2 share =
+          in_triangle(mesh_.position, border.triangle,
+                      x + beside * out - mesh_.position.col(mesh_.faces(0, border.triangle)));
+      const Vector3 weight(1 - share.x() - share.y(), share.x(), share.y());
+      for (int row = 0; row < rows; ++row) {
+        const double depth = (row + 0.5) * spacing_;
+        if (depth < slope * beside) continue;
+        rows_.push_back({nearest, border.triangle, weight, depth});
+      }
+    }
+  }
+}
+
+Vector3 Hull::place(const Row& row) const {
+  return mean_of(now_, row.triangle, row.weight) - row.depth * normal_.col(row.point);
+}
+
+Vector3 Hull::velocity(const Row& row) const {
+  return mean_of(rate_, row.triangle, row.weight) - row.depth * normal_rate_.col(row.point);
+}
+
+// c, in the plane of the patch at wet point k, lies on it when the way there from k crosses its edges an even
+// number of times.
+bool Hull::holds(int k, const Vector3& c) const {
+  const auto first = edge_start_[static_cast<std::size_t>(k)],
+             last = edge_start_[static_cast<std::size_t>(k) + 1];
+  if (first == last) return true;
+  const Vector2 way =
+      in_triangle(now_, points_.point[static_cast<std::size_t>(k)].triangle, c - point_.col(k));
+  bool in = true;
+  for (std::size_t e = first; e < last; ++e) {
+    const LocalEdge& edge = edge_[e];
+    const double sa = cross(way, edge.from), sb = cross(way, edge.to);
+    if ((sa > 0) == (sb > 0)) continue;
+    const Vector2 along = edge.to - edge.from;
+    const double det = cross(way, along);
+    if (det == 0) continue;
+    const double s = cross(edge.from, along) / det;  // along the way to c
+    if (s > 0 && s < (edge.owned ? 1 - tie : 1 + tie)) in = !in;
+  }
+  return in;
+}
+
+// A curved patch falls away from its tangent plane: water near the patch itself is in front of it too.
+bool Hull::in_front(int k, int near, const Vector3& a) const {
+  if ((a - point_.col(k)).dot(normal_.col(k)) > 0) return true;
+  return near >= 0 && patches_.of_triangle[static_cast<std::size_t>(near)] == run_of(k) &&
+         face_normal_.col(near).dot(normal_.col(k)) > 0 &&
+         (a - corner(near, 0)).dot(face_normal_.col(near)) > 0;
+}
+
+bool Hull::crosses(int k, int near, const Vector3& a, const Vector3& b) const {
+  if (!in_front(k, near, a)) return false;
+  const double ha = std::max(0.0, (a - point_.col(k)).dot(normal_.col(k))),
+               hb = (point_.col(k) - b).dot(normal_.col(k));
+  return holds(k, a + ha / (ha + hb) * (b - a));
+}
+
+bool Hull::separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const {
+  if (near_a < 0 || near_b < 0) return false;
+  if (patches_.of_triangle[static_cast<std::size_t>(near_a)] ==
+          patches_.of_triangle[static_cast<std::size_t>(near_b)] &&
+      face_normal_.col(near_a).dot(face_normal_.col(near_b)) > 0)
+    return false;
+  return grid_.cuts(a, b);
+}
+
+bool Hull::faces(int k, const Vector3& x) const {
+  return holds(k, x);
+}
+
+auto Hull::nearest(const Vector3& x) const -> Foot {
+  const TriangleGrid::Foot foot = grid_.nearest(x);
+  return {point_in_[static_cast<std::size_t>(foot.triangle)], foot.position, foot.distance};
+}
+
+Points Hull::spread(const Points& on_wet_points) const {
+  Points sum = Points::Zero(3, mesh_.position.cols());
+  for (int k = 0; k < points(); ++k) {
+    const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
+    for (int c = 0; c < 3; ++c) sum.col(mesh_.faces(c, p.triangle)) += p.weight[c] * on_wet_points.col(k);
+  }
+  return sum;
+}
+
+Vector3 Hull::at(const Points& on_mesh, int k) const {
+  const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
+  return mean_of(on_mesh, p.triangle, p.weight);
+}
+
+}  // namespace strake::fluid

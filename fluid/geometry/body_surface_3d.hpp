@@ -1,0 +1,115 @@
+#pragma once
+
+#include "fluid/geometry/surface_patches.hpp"
+#include "fluid/geometry/triangle_grid.hpp"
+#include "fluid/geometry/wet_points.hpp"
+#include "proto/interface.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strake::fluid {
+
+/// The wetted surface of bodies in space as the fluid sees it, the counterpart of a plane `Outline`: smooth
+/// patches between edges, each with a wet point to about every l0². The motion is given on the points of the
+/// partner's triangles; wet points lie in those triangles and follow them, so that a rigid motion is followed
+/// exactly, and a deformation as the triangles show it. What acts on a wet point goes to the corners of its
+/// triangle: forces and moments sum to the same.
+class Hull {
+ public:
+  using Vector3 = Eigen::Vector3d;
+
+  /// A row particle: `depth` behind the place with those weights in its triangle's plane, along the normal of
+  /// its wet point. Weights below 0: beyond the edge of the patch.
+  struct Row {
+    int point = 0, triangle = 0;
+    Vector3 weight = Vector3::Zero();
+    double depth = 0;  // [m]
+  };
+
+  Hull() = default;
+  /// partner: a closed surface of triangles. reach: how far rows are seen [m]. Throws Error(case_file) where
+  /// the surface is not closed or inside out.
+  Hull(const InterfaceMesh& partner, double spacing, double reach);
+
+  bool empty() const { return points_.point.empty(); }
+  const InterfaceMesh& mesh() const { return mesh_; }  // the partner's
+  int points() const { return static_cast<int>(points_.point.size()); }
+  int run_of(int k) const { return points_.point[static_cast<std::size_t>(k)].patch; }
+  /// Behind each wet point, row after row; then those that go on beyond edges that are blunter than a right
+  /// angle, or concave, into the part of the body that water sees through the patch.
+  const std::vector<Row>& rows() const { return rows_; }
+
+  /// Displacement and velocity of the mesh's points, 3×n; places = false: velocities alone.
+  void move(const Points& displacement, const Points& velocity, bool places);
+
+  Vector3 reference(int k) const { return at(mesh_.position, k); }
+  Vector3 point(int k) const { return point_.col(k); }
+  Vector3 velocity(int k) const { return velocity_.col(k); }
+  Vector3 normal(int k) const { return normal_.col(k); }
+  Vector3 normal_rate(int k) const { return normal_rate_.col(k); }  // dn/dt [1/s]
+  Vector3 area_vector(int k) const { return area_.col(k); }         // into the fluid [m²]; they sum to zero
+  double area(int k) const { return area_.col(k).norm(); }
+  Vector3 place(const Row&) const;
+  Vector3 velocity(const Row&) const;
+  Vector3 low() const { return grid_.low(); }  // bounding box
+  Vector3 high() const { return grid_.high(); }
+
+  /// The nearest place of the surface within `limit` [m].
+  TriangleGrid::Foot near(const Vector3& x, double limit) const { return grid_.nearest(x, limit); }
+  /// Whether the way from a in the water, whose nearest triangle is `near`, to the row b of wet point k goes
+  /// through that row's patch. An edge counts for one of its patches.
+  bool crosses(int k, int near, const Vector3& a, const Vector3& b) const;
+  /// Whether the body stands between two places of water with those nearest triangles (−1: none within
+  /// reach).
+  bool separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const;
+  /// Whether x lies over the patch of wet point k: not past its edges.
+  bool faces(int k, const Vector3& x) const;
+  bool inside(const Vector3& x) const { return grid_.inside(x); }
+
+  struct Foot {
+    int point = -1;  // a wet point of the nearest triangle
+    Vector3 position = Vector3::Zero();
+    double distance = 0;
+  };
+  Foot nearest(const Vector3& x) const;
+
+  /// Values on the wet points, 3×points, summed on the mesh's points.
+  Points spread(const Points& on_wet_points) const;
+  /// The value at wet point k of what is given on the mesh's points.
+  Vector3 at(const Points& on_mesh, int k) const;
+
+ private:
+  struct LocalEdge {  // of a patch as a wet point near it sees it, in the two edges of its triangle
+    Eigen::Vector2d from, to;
+    bool owned;
+  };
+  void find_local_edges();
+  void add_rows();
+  void go_beyond();
+  void add_beyond(const std::vector<const SurfacePatches::Border*>& chain);
+  void bend(bool places);
+  Vector3 corner(int triangle, int k) const { return now_.col(mesh_.faces(k, triangle)); }
+  Eigen::Vector2d in_triangle(const Points& place, int triangle, const Vector3& arm) const;
+  bool holds(int k, const Vector3& c) const;
+  bool in_front(int k, int near, const Vector3& a) const;
+  Vector3 mean_of(const Points& values, int triangle, const Vector3& weight) const;
+
+  InterfaceMesh mesh_;
+  SurfacePatches patches_;
+  WetPoints points_;
+  double spacing_ = 0, reach_ = 0;
+  std::vector<Row> rows_;
+  std::vector<int> point_in_;            // a wet point of each triangle
+  std::vector<std::size_t> edge_start_;  // of each wet point
+  std::vector<LocalEdge> edge_;
+  Eigen::Matrix3Xi patch_corner_;       // corners of triangles, each patch with its own
+  Eigen::VectorXd patch_corner_scale_;  // 1/|Σ area vectors| of the reference [1/m²]
+  Points now_, rate_;                   // of the mesh's points
+  Points point_, velocity_, normal_, normal_rate_, area_;
+  Points face_normal_;  // of the triangles
+  TriangleGrid grid_;
+};
+
+}  // namespace strake::fluid

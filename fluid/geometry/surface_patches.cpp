@@ -1,0 +1,166 @@
+#include "fluid/geometry/surface_patches.hpp"
+
+#include "proto/error.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+namespace strake::fluid {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+
+/// As of a plane outline: a turn sharper than this makes an edge, and a smaller one that stands alone.
+constexpr double corner_angle = 0.35;                   // [rad], 20 degrees
+constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
+/// Triangles that turn less than this lie in one plane.
+constexpr double flat_angle = 1e-4;  // [rad]
+
+class Sets {
+ public:
+  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int root(int i) {
+    while (parent_[static_cast<std::size_t>(i)] != i) {
+      int& up = parent_[static_cast<std::size_t>(i)];
+      up = parent_[static_cast<std::size_t>(up)];
+      i = up;
+    }
+    return i;
+  }
+  void join(int i, int j) {
+    i = root(i);
+    j = root(j);
+    parent_[static_cast<std::size_t>(std::max(i, j))] = std::min(i, j);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+struct Edge {
+  int from = 0, to = 0;       // as the triangle `left` walks it
+  int left = -1, right = -1;  // the two triangles
+  double turn = 0;            // of the normal across it [rad], positive where the body is convex
+  bool corner = false;
+};
+
+[[noreturn]] void fail(const InterfaceMesh& mesh, const std::string& problem, const std::string& fix) {
+  throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", mesh.name), problem, fix);
+}
+
+std::vector<Edge> edges_of(const InterfaceMesh& mesh) {
+  std::map<std::pair<int, int>, int> known;  // by the pair as it is walked
+  std::vector<Edge> edges;
+  const auto n = static_cast<int>(mesh.position.cols());
+  for (int t = 0; t < static_cast<int>(mesh.faces.cols()); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int a = mesh.faces(k, t), b = mesh.faces((k + 1) % 3, t);
+      if (a < 0 || b < 0 || a >= n || b >= n || a == b)
+        fail(mesh, fmt::format("face {} names points {} and {} of {}", t, a, b, n), "repair the mesh");
+      if (known.contains({a, b}))
+        fail(mesh, fmt::format("more than two faces meet in the edge from point {} to {}", a, b),
+             "give a closed surface, every triangle counter-clockwise seen from the fluid");
+      if (const auto back = known.find({b, a}); back != known.end()) {
+        edges[static_cast<std::size_t>(back->second)].right = t;
+        known[{a, b}] = back->second;
+        continue;
+      }
+      known[{a, b}] = static_cast<int>(edges.size());
+      edges.push_back({a, b, t});
+    }
+  for (const Edge& edge : edges)
+    if (edge.right < 0)
+      fail(mesh, fmt::format("the wet surface ends at the edge from point {} to {}", edge.from, edge.to),
+           "the fluid needs to know inside from outside: close the surface");
+  return edges;
+}
+
+}  // namespace
+
+SurfacePatches find_patches(const InterfaceMesh& mesh) {
+  if (mesh.faces.rows() != 3) fail(mesh, "its faces are no triangles", "give a closed surface of triangles");
+  std::vector<Edge> edges = edges_of(mesh);
+  const auto triangles = static_cast<std::size_t>(mesh.faces.cols());
+  std::vector<Vector3> area(triangles);
+  double volume = 0;
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const auto f = static_cast<Eigen::Index>(t);
+    const Vector3 a = mesh.position.col(mesh.faces(0, f)), b = mesh.position.col(mesh.faces(1, f)),
+                  c = mesh.position.col(mesh.faces(2, f));
+    area[t] = 0.5 * (b - a).cross(c - a);
+    volume += (a - mesh.position.col(0)).dot(area[t]) / 3;
+    if (!(area[t].norm() > 0))
+      fail(mesh, fmt::format("the points of face {} lie on one line", t), "repair the mesh");
+  }
+  if (!(volume > 0))
+    fail(mesh, fmt::format("the surface encloses {} m^3", volume),
+         "turn its triangles around, so that their normals point into the fluid");
+
+  for (Edge& edge : edges) {
+    const Vector3 one = area[static_cast<std::size_t>(edge.left)].normalized(),
+                  two = area[static_cast<std::size_t>(edge.right)].normalized();
+    const Vector3 along = (mesh.position.col(edge.to) - mesh.position.col(edge.from)).normalized();
+    edge.turn = std::atan2(one.cross(two).dot(along), one.dot(two));
+  }
+  // Flat faces, and the largest and second largest turn over their edges that are no corners by themselves.
+  Sets flat(triangles);
+  for (const Edge& edge : edges)
+    if (std::abs(edge.turn) < flat_angle) flat.join(edge.left, edge.right);
+  const auto bends = [](const Edge& edge) {
+    const double size = std::abs(edge.turn);
+    return size >= flat_angle && size <= corner_angle;
+  };
+  // Edges along one line between the same two faces are one bend of the surface.
+  std::map<int, std::map<int, double>> beside;  // face → the face beyond → turn
+  for (const Edge& edge : edges) {
+    if (!bends(edge)) continue;
+    const int i = flat.root(edge.left), j = flat.root(edge.right);
+    beside[i][j] = std::max(beside[i][j], std::abs(edge.turn));
+    beside[j][i] = std::max(beside[j][i], std::abs(edge.turn));
+  }
+  Sets smooth(triangles);
+  for (Edge& edge : edges) {
+    const double size = std::abs(edge.turn);
+    edge.corner = size > corner_angle;
+    if (!edge.corner && size > lone_angle) {
+      const int i = flat.root(edge.left), j = flat.root(edge.right);
+      double other = 0;
+      for (const auto& [face, turn] : beside[i])
+        if (face != j) other = std::max(other, turn);
+      for (const auto& [face, turn] : beside[j])
+        if (face != i) other = std::max(other, turn);
+      edge.corner = other < lone_share * size;
+    }
+    if (!edge.corner) smooth.join(edge.left, edge.right);
+  }
+
+  SurfacePatches patches;
+  patches.of_triangle.resize(triangles);
+  std::map<int, int> number;
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const auto [found, is_new] = number.emplace(smooth.root(static_cast<int>(t)), patches.count());
+    if (is_new) patches.area.push_back(0);
+    patches.of_triangle[t] = found->second;
+    patches.area[static_cast<std::size_t>(found->second)] += area[t].norm();
+  }
+  for (const Edge& edge : edges) {
+    if (!edge.corner) continue;
+    const int left = patches.of_triangle[static_cast<std::size_t>(edge.left)],
+              right = patches.of_triangle[static_cast<std::size_t>(edge.right)];
+    if (left == right) continue;  // the end of an edge that fades out in a smooth surface
+    const double angle = std::numbers::pi - edge.turn;
+    patches.border.push_back({left, edge.left, edge.from, edge.to, right, angle});
+    patches.border.push_back({right, edge.right, edge.to, edge.from, left, angle});
+  }
+  return patches;
+}
+
+}  // namespace strake::fluid

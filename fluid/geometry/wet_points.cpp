@@ -1,0 +1,272 @@
+#include "fluid/geometry/wet_points.hpp"
+
+#include "fluid/geometry/triangle_grid.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace strake::fluid {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using Vector2 = Eigen::Vector2d;
+
+/// Samples of a surface stand this far apart at most [l0].
+constexpr double sample_distance = 0.2;
+/// Rounds in which places move to the middle of what is nearest to them.
+constexpr int rounds = 40;
+constexpr double round_off = 1e-9;
+
+Vector3 corner(const InterfaceMesh& mesh, int triangle, int k) {
+  return mesh.position.col(mesh.faces(k, triangle));
+}
+Vector3 normal_of(const InterfaceMesh& mesh, int t) {
+  return (corner(mesh, t, 1) - corner(mesh, t, 0)).cross(corner(mesh, t, 2) - corner(mesh, t, 0));
+}
+
+/// Axes of a plane patch that is a rectangle.
+struct Rectangle {
+  Vector3 origin, along, across;
+  double length = 0, width = 0;
+  Vector2 place(const Vector3& x) const { return {along.dot(x - origin), across.dot(x - origin)}; }
+};
+
+std::optional<Rectangle> rectangle_of(const InterfaceMesh& mesh, const SurfacePatches& patches, int patch,
+                                      const std::vector<int>& triangles) {
+  const Vector3 normal = normal_of(mesh, triangles.front()).normalized();
+  for (const int t : triangles)
+    if ((normal_of(mesh, t).normalized() - normal).norm() > 1e-6) return {};
+  Rectangle box;
+  double longest = 0;
+  for (const auto& edge : patches.border) {
+    if (edge.patch != patch) continue;
+    const Vector3 t = mesh.position.col(edge.to) - mesh.position.col(edge.from);
+    if (t.norm() <= longest) continue;
+    longest = t.norm();
+    box.along = t / longest;
+    box.origin = mesh.position.col(edge.from);
+  }
+  if (longest == 0) return {};
+  box.across = normal.cross(box.along);
+  Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const int t : triangles)
+    for (int k = 0; k < 3; ++k) {
+      const Vector2 x = box.place(corner(mesh, t, k));
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+    }
+  box.origin += low.x() * box.along + low.y() * box.across;
+  box.length = high.x() - low.x();
+  box.width = high.y() - low.y();
+  const double area = patches.area[static_cast<std::size_t>(patch)];
+  if (std::abs(box.length * box.width - area) > round_off * area) return {};
+  return box;
+}
+
+/// The part of a polygon with s·x[axis] ≤ s·limit.
+std::vector<Vector2> cut(const std::vector<Vector2>& polygon, int axis, double limit, double s) {
+  std::vector<Vector2> kept;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vector2 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    const double ha = s * (limit - a[axis]), hb = s * (limit - b[axis]);
+    if (ha >= 0) kept.push_back(a);
+    if ((ha > 0 && hb < 0) || (ha < 0 && hb > 0)) kept.push_back(a + ha / (ha - hb) * (b - a));
+  }
+  return kept;
+}
+
+double area_of(const std::vector<Vector2>& polygon) {
+  double twice = 0;
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    const Vector2 a = polygon[k - 1] - polygon[0], b = polygon[k] - polygon[0];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return 0.5 * std::abs(twice);
+}
+
+class Spreading {
+ public:
+  Spreading(const InterfaceMesh& mesh, const SurfacePatches& patches, double spacing)
+      : mesh_(mesh), patches_(patches), spacing_(spacing) {
+    grid_.build(mesh.position, mesh.faces, spacing);
+  }
+
+  WetPoints run() {
+    std::vector<std::vector<int>> triangles(patches_.area.size());
+    for (int t = 0; t < static_cast<int>(mesh_.faces.cols()); ++t)
+      triangles[static_cast<std::size_t>(patches_.of_triangle[static_cast<std::size_t>(t)])].push_back(t);
+    for (int p = 0; p < patches_.count(); ++p) {
+      const auto& own = triangles[static_cast<std::size_t>(p)];
+      if (const auto box = rectangle_of(mesh_, patches_, p, own))
+        divide(*box, p, own);
+      else
+        settle(p, own);
+    }
+    return std::move(points_);
+  }
+
+ private:
+  void divide(const Rectangle& box, int patch, const std::vector<int>& triangles) {
+    const int columns = std::max(1, static_cast<int>(std::lround(box.length / spacing_)));
+    const int rows = std::max(1, static_cast<int>(std::lround(box.width / spacing_)));
+    const double dx = box.length / columns, dy = box.width / rows;
+    const int first = static_cast<int>(points_.point.size());
+    for (int r = 0; r < rows; ++r)
+      for (int c = 0; c < columns; ++c)
+        add(box.origin + (c + 0.5) * dx * box.along + (r + 0.5) * dy * box.across, patch);
+    std::map<std::pair<int, int>, double> part;
+    for (const int t : triangles) {
+      std::vector<Vector2> whole;
+      Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+      for (int k = 0; k < 3; ++k) {
+        whole.push_back(box.place(corner(mesh_, t, k)));
+        low = low.cwiseMin(whole.back());
+        high = high.cwiseMax(whole.back());
+      }
+      const double area = area_of(whole);
+      const auto cell = [](double x, double d, int n) {
+        return std::clamp(static_cast<int>(std::floor(x / d)), 0, n - 1);
+      };
+      for (int r = cell(low.y(), dy, rows); r <= cell(high.y(), dy, rows); ++r)
+        for (int c = cell(low.x(), dx, columns); c <= cell(high.x(), dx, columns); ++c) {
+          const auto piece =
+              cut(cut(cut(cut(whole, 0, c * dx, -1), 0, (c + 1) * dx, 1), 1, r * dy, -1), 1, (r + 1) * dy, 1);
+          if (const double share = area_of(piece) / area; share > 0)
+            part[{first + r * columns + c, t}] += share;
+        }
+    }
+    keep(part);
+  }
+
+  /// Samples of the patch, each with its triangle and its area.
+  struct Sample {
+    Vector3 place;
+    int triangle;
+    double area;
+  };
+  std::vector<Sample> samples_of(const std::vector<int>& triangles) const {
+    std::vector<Sample> samples;
+    for (const int t : triangles) {
+      const Vector3 a = corner(mesh_, t, 0), u = corner(mesh_, t, 1) - a, v = corner(mesh_, t, 2) - a;
+      const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
+      const int n = std::max(1, static_cast<int>(std::ceil(longest / (sample_distance * spacing_))));
+      const double area = 0.5 * u.cross(v).norm() / (n * n);
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; i + j < n; ++j) {
+          samples.push_back({a + ((i + 1.0 / 3) * u + (j + 1.0 / 3) * v) / n, t, area});
+          if (i + j + 1 < n) samples.push_back({a + ((i + 2.0 / 3) * u + (j + 2.0 / 3) * v) / n, t, area});
+        }
+    }
+    return samples;
+  }
+
+  void settle(int patch, const std::vector<int>& triangles) {
+    const std::vector<Sample> samples = samples_of(triangles);
+    const double area = patches_.area[static_cast<std::size_t>(patch)];
+    const int count = std::max(1, static_cast<int>(std::lround(area / (spacing_ * spacing_))));
+    std::vector<Vector3> place;
+    double passed = 0;
+    for (const Sample& sample : samples) {
+      if (passed + sample.area > (static_cast<double>(place.size()) + 0.5) * area / count &&
+          static_cast<int>(place.size()) < count)
+        place.push_back(sample.place);
+      passed += sample.area;
+    }
+    std::vector<int> owner(samples.size(), 0);
+    for (int round = 0; round <= rounds; ++round) {
+      assign(samples, place, owner);
+      if (round == rounds) break;
+      std::vector<Vector3> middle(place.size(), Vector3::Zero());
+      std::vector<double> weight(place.size(), 0);
+      for (std::size_t s = 0; s < samples.size(); ++s) {
+        const auto k = static_cast<std::size_t>(owner[s]);
+        middle[k] += samples[s].area * samples[s].place;
+        weight[k] += samples[s].area;
+      }
+      for (std::size_t k = 0; k < place.size(); ++k)
+        if (weight[k] > 0) place[k] = middle[k] / weight[k];
+    }
+    const int first = static_cast<int>(points_.point.size());
+    for (const Vector3& x : place) add(x, patch);
+    std::map<std::pair<int, int>, double> part;
+    for (std::size_t s = 0; s < samples.size(); ++s)
+      part[{first + owner[s], samples[s].triangle}] +=
+          samples[s].area / (0.5 * normal_of(mesh_, samples[s].triangle).norm());
+    keep(part);
+  }
+
+  /// The nearest place of each sample, by cells of one and a half spacings.
+  void assign(const std::vector<Sample>& samples, const std::vector<Vector3>& place,
+              std::vector<int>& owner) const {
+    const double cell = 1.5 * spacing_;
+    const auto key = [&](const Vector3& x, int dx, int dy, int dz) {
+      const Vector3 from = (x - grid_.low()) / cell;
+      return std::array<int, 3>{static_cast<int>(std::floor(from.x())) + dx,
+                                static_cast<int>(std::floor(from.y())) + dy,
+                                static_cast<int>(std::floor(from.z())) + dz};
+    };
+    std::map<std::array<int, 3>, std::vector<int>> cells;
+    for (std::size_t k = 0; k < place.size(); ++k)
+      cells[key(place[k], 0, 0, 0)].push_back(static_cast<int>(k));
+    std::array<int, 3> last{};
+    std::vector<int> near;  // of the last cell that was asked for
+    bool fresh = false;
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      const auto here = key(samples[s].place, 0, 0, 0);
+      if (!fresh || here != last) {
+        near.clear();
+        for (int dz = -1; dz <= 1; ++dz)
+          for (int dy = -1; dy <= 1; ++dy)
+            for (int dx = -1; dx <= 1; ++dx)
+              if (const auto found = cells.find(key(samples[s].place, dx, dy, dz)); found != cells.end())
+                near.insert(near.end(), found->second.begin(), found->second.end());
+        last = here;
+        fresh = true;
+      }
+      double best = std::numeric_limits<double>::infinity();
+      for (const int k : near) {
+        const double squared = (place[static_cast<std::size_t>(k)] - samples[s].place).squaredNorm();
+        if (squared >= best) continue;
+        best = squared;
+        owner[s] = k;
+      }
+      if (near.empty())  // the first rounds alone: no place within a cell
+        for (std::size_t k = 0; k < place.size(); ++k)
+          if (const double squared = (place[k] - samples[s].place).squaredNorm(); squared < best) {
+            best = squared;
+            owner[s] = static_cast<int>(k);
+          }
+    }
+  }
+
+  void add(const Vector3& x, int patch) {
+    const auto foot = grid_.nearest(x);
+    WetPoints::Point point{foot.triangle, foot.weight, patch};
+    points_.point.push_back(point);
+  }
+  void keep(const std::map<std::pair<int, int>, double>& part) {
+    for (const auto& [key, share] : part) points_.share.push_back({key.first, key.second, share});
+  }
+
+  const InterfaceMesh& mesh_;
+  const SurfacePatches& patches_;
+  double spacing_;
+  TriangleGrid grid_;
+  WetPoints points_;
+};
+
+}  // namespace
+
+WetPoints wet_points(const InterfaceMesh& mesh, const SurfacePatches& patches, double spacing) {
+  return Spreading(mesh, patches, spacing).run();
+}
+
+}  // namespace strake::fluid

@@ -1,0 +1,180 @@
+#include "fluid/least_squares/scheme.hpp"
+#include "fluid/particles/pair_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+// ∇u* of the water, and the filter of what it does not explain.
+
+namespace strake::fluid {
+
+namespace {
+
+/// |a|², |b|², |c|², |d|².
+template <int dim>
+inline Lanes4 squares(Column<dim> a, Column<dim> b, Column<dim> c, Column<dim> d) {
+  a *= a;
+  b *= b;
+  c *= c;
+  d *= d;
+  if constexpr (dim == 2) {
+    const Lanes2 low = __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3);
+    const Lanes2 high = __builtin_shufflevector(c, d, 0, 2) + __builtin_shufflevector(c, d, 1, 3);
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3);
+  } else {
+    return Lanes4{a[0] + a[1] + a[2], b[0] + b[1] + b[2], c[0] + c[1] + c[2], d[0] + d[1] + d[2]};
+  }
+}
+
+}  // namespace
+
+// Σ w (u_j − u_i) ⊗ r/r² [Σ w r⊗r/r²]⁻¹
+template <int dim>
+template <bool seams>
+void FittedScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, const State<dim>& state,
+                                               const Neighbours& near) {
+  const auto& periodic = boundary.tank().periodic();
+  const double *const places = state.position.data(), *const velocities = state.velocity.data();
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    const auto columns = near.row(i);
+    const auto inverses = near.inverses(i);
+    const auto x = column_at<dim>(places + dim * i), u = column_at<dim>(velocities + dim * i);
+    Column<dim> sum[dim]{};
+    [[maybe_unused]] Lanes4 all{};  // in the plane all products at once
+    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
+      const std::int64_t j = columns[e];
+      const double inverse = inverses[e], w = (gradient_.radius * inverse - 1) * inverse * inverse;
+      auto r = column_at<dim>(places + dim * j) - x;
+      if constexpr (seams) over_seams<dim>(periodic, r);
+      const auto du = column_at<dim>(velocities + dim * j) - u;
+      if constexpr (dim == 2) {
+        all += __builtin_shufflevector(du, du, 0, 1, 0, 1) * (w * __builtin_shufflevector(r, r, 0, 0, 1, 1));
+      } else {
+        r *= w;
+        for (int b = 0; b < dim; ++b) sum[b] += du * r[b];
+      }
+    }
+    if constexpr (dim == 2) {
+      sum[0] = __builtin_shufflevector(all, all, 0, 1);
+      sum[1] = __builtin_shufflevector(all, all, 2, 3);
+    }
+    const auto k = static_cast<std::size_t>(i);
+    const Tensor<dim>& inverse = water_[k];
+    Motion& motion = motion_[k];
+    motion.place = x;
+    motion.velocity = u;
+    for (int b = 0; b < dim; ++b) {
+      motion.gradient[b] = sum[0] * inverse(0, b);
+      for (int a = 1; a < dim; ++a) motion.gradient[b] += sum[a] * inverse(a, b);
+    }
+    if (age_ > 0) carry(motion, age_);
+  }
+}
+
+// ∇u(τ) = ∇u − τ ∇u·∇u: what u, carried along by itself, has become where the particles are after τ.
+template <int dim>
+void FittedScheme<dim>::carry(Motion& motion, double time) const {
+  Column<dim> turned[dim];
+  for (int b = 0; b < dim; ++b) {
+    turned[b] = motion.gradient[0] * motion.gradient[b][0];
+    for (int a = 1; a < dim; ++a) turned[b] += motion.gradient[a] * motion.gradient[b][a];
+  }
+  for (int b = 0; b < dim; ++b) motion.gradient[b] -= time * turned[b];
+}
+
+// Δu_i = Δt (2d/(n0 λ)) Σ_j β l0 |δ_ij| δ_ij w, δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij; antisymmetric, so
+// momentum is exact. |δ| is bounded where the explicit step would overshoot.
+template <int dim>
+template <bool seams>
+void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                                    double dt, const Hold& hold) {
+  const auto& periodic = boundary.tank().periodic();
+  const double rate = 2.0 * dim / (gradient_.n0 * gradient_.lambda0) * p_.scheme.filter * p_.spacing;
+  const double factor = rate * dt;
+  constexpr double most_of_a_step = 0.25;
+  const double bound = most_of_a_step / (rate * hold.length() * gradient_.n0);
+  const bool single = hold.is_single();
+  if (!single) filtered_.resize(dim, boundary.water());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    const auto columns = near.row(i);
+    const auto inverses = near.inverses(i);
+    const Motion own = motion_[static_cast<std::size_t>(i)];
+    const auto jump_of = [&](std::int32_t j) {
+      const Motion& other = motion_[static_cast<std::size_t>(j)];
+      auto r = other.place - own.place;
+      if constexpr (seams) over_seams<dim>(periodic, r);
+      auto jump = other.velocity - own.velocity;
+      for (int b = 0; b < dim; ++b) jump -= (own.gradient[b] + other.gradient[b]) * (0.5 * r[b]);
+      return jump;
+    };
+    Column<dim> sum{};
+    const std::size_t inner = water_pairs(columns, boundary.water());
+    std::size_t e = 0;
+    for (; e + 4 <= inner; e += 4) {  // four roots take as long as one
+      const Column<dim> a = jump_of(columns[e]), b = jump_of(columns[e + 1]), c = jump_of(columns[e + 2]),
+                        d = jump_of(columns[e + 3]);
+      const Lanes4 size = lanes::root(squares<dim>(a, b, c, d)), most = bound - Lanes4{};
+      const Lanes4 inverse{inverses[e], inverses[e + 1], inverses[e + 2], inverses[e + 3]};
+      const Lanes4 weight = (gradient_.radius * inverse - 1.0) * (size < most ? size : most);
+      sum += a * weight[0];
+      sum += b * weight[1];
+      sum += c * weight[2];
+      sum += d * weight[3];
+    }
+    for (; e < inner; ++e) {
+      const Column<dim> jump = jump_of(columns[e]);
+      const double size = std::sqrt(squares<dim>(jump, jump, jump, jump)[0]);
+      sum += jump * ((gradient_.radius * inverses[e] - 1) * std::min(size, bound));
+    }
+    for (int d = 0; d < dim; ++d) state.velocity(d, i) += factor * sum[d];
+    if (!single)
+      for (int d = 0; d < dim; ++d) filtered_(d, i) = rate * sum[d];
+  }
+}
+
+template <int dim>
+void FittedScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const State<dim>& state,
+                                     const Neighbours& near) {
+  motion_ = motions_.of<Motion>(static_cast<std::size_t>(boundary.water()));
+  if (boundary.tank().periodic().any())
+    find_velocity_gradient<true>(boundary, state, near);
+  else
+    find_velocity_gradient<false>(boundary, state, near);
+}
+
+template <int dim>
+void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                               double dt, const Hold& hold) {
+  const bool seams = boundary.tank().periodic().any();
+  const double since = hold.age() - age_;
+  age_ = hold.age();
+  if (!hold.begins()) {
+    // Of the stresses' part of ∇u* nothing but what the residual shows: less than the filter's, which is left
+    // out of it as well.
+#pragma omp parallel for schedule(static)
+    for (std::int64_t i = 0; i < boundary.water(); ++i) {
+      carry(motion_[static_cast<std::size_t>(i)], since);
+      if (p_.scheme.filter > 0) state.velocity.col(i) += dt * filtered_.col(i);
+    }
+    return;
+  }
+  if (!hold.is_single()) pressure_then_ = state.pressure.head(boundary.water());
+  fit_velocity(boundary, state, near);
+  if (p_.scheme.filter <= 0) return;
+  if (seams)
+    find_filter<true>(boundary, state, near, dt, hold);
+  else
+    find_filter<false>(boundary, state, near, dt, hold);
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                              \
+  template void FittedScheme<dim>::fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours&); \
+  template void FittedScheme<dim>::filter(const Boundary<dim>&, State<dim>&, const Neighbours&, double,      \
+                                          const Hold&);
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
+
+}  // namespace strake::fluid

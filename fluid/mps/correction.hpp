@@ -1,0 +1,46 @@
+#pragma once
+
+#include "fluid/boundary/boundary.hpp"
+#include "fluid/mps/operators.hpp"
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/particles/kernel.hpp"
+#include "fluid/particles/neighbours.hpp"
+#include "fluid/particles/state.hpp"
+
+#include <Eigen/Core>
+
+#include <span>
+
+namespace strake::fluid {
+
+/// ∇P [Pa/m] of fluid/THEORY.md (F16), (F19), (F20) as the scheme chooses it, at the rows that `row` marks.
+/// Surface particles and dry rows stand in the sums with P = 0, dummies with their Neumann pressure. In the
+/// symmetric form a pair with a row of the tank acts along the wall's normal alone: the wall is smooth, and
+/// its particles must not hold the water like teeth (a column of water hangs on its side walls otherwise).
+/// level: `face_level` of the water, or empty.
+template <int dim>
+Vectors<dim> pressure_gradient(const State<dim>&, const Boundary<dim>&, const Neighbours& near,
+                               const LatticeConstants& lattice, Gradient kind, const Masks& masks,
+                               const Eigen::VectorXd& level = {});
+
+/// The symmetric form pushes a water particle off a body's face, or draws it to it, where its distance to the
+/// first row is not l0, in proportion to the pressure itself: in an impact a distance wrong by 3 % makes a
+/// velocity as large as the plate's. All pairs of particle i with rows of a body are therefore weighted by
+///   α_i = Σ_water w (r_ij·n)/r² / −Σ_body w (r_ij·n)/r² ,   n the face's normal,
+/// so that a uniform pressure moves nothing along n. It belongs to the pair: the body feels the same factor,
+/// and momentum stays exact. 1 away from bodies, and where the water behind the particle is thin (spray);
+/// within 0.5 … 2.
+template <int dim>
+Eigen::VectorXd face_level(const State<dim>&, const Boundary<dim>&, const Neighbours& near,
+                           const LatticeConstants& lattice, double spacing);
+
+/// Particle shifting (fluid/THEORY.md, section 8.8): δr_i = −A (|u_i| + U) Δt l0 ∇C_i, U the fall over one
+/// spacing √(g l0), ∇C_i = (d/n0) Σ_j w r_ij/r², at most 0.1 l0. At the surface the part along the surface
+/// normal (the direction of ∇C) is left out, which leaves nothing of ∇C itself: there the particle follows
+/// the mean shift of its inner neighbours along the surface. A: scheme.shifting; 0 shifts nothing.
+template <int dim>
+void shift_particles(State<dim>& state, const Boundary<dim>&, const Neighbours& near,
+                     const LatticeConstants& lattice, double strength, double rest_speed, double dt,
+                     double spacing);
+
+}  // namespace strake::fluid

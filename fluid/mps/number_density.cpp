@@ -1,0 +1,169 @@
+#include "fluid/mps/number_density.hpp"
+
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+namespace strake::fluid {
+namespace {
+
+using std::size_t;
+
+/// A particle off the surface joins it when the circle of this radius around it is not covered by the equal
+/// circles of its neighbours; one on the surface leaves it when the smaller circle is covered [l0]. So a
+/// crack between two rows of water opens when their centres are 1.95 l0 apart, while a body's row that comes
+/// from outside closes the surface at 1.15 l0. The smaller one still covers itself on the lattice, where it
+/// needs 1/√2.
+constexpr double joining_radius = 1.05, leaving_radius = 0.72;
+/// The asymmetry of a flat surface row that makes a particle surface, and below which it leaves again.
+constexpr double joining_asymmetry = 0.9, leaving_asymmetry = 0.8;
+
+/// Directions from a particle, evenly spread: every 5 degrees in the plane, a spiral of equal areas on the
+/// sphere.
+template <int dim>
+struct Directions {
+  static constexpr int count = dim == 2 ? 72 : 256;
+  static constexpr int open = 3;  // so many uncovered directions make an opening (15 degrees of the circle)
+  std::array<std::array<double, count>, dim> axis;
+  Directions() {
+    for (size_t k = 0; k < static_cast<size_t>(count); ++k) {
+      if constexpr (dim == 2) {
+        const double angle = 2 * std::numbers::pi * static_cast<double>(k) / count;
+        axis[0][k] = std::cos(angle);
+        axis[1][k] = std::sin(angle);
+      } else {
+        const double z = 1 - (2 * static_cast<double>(k) + 1) / count, r = std::sqrt(1 - z * z);
+        const double angle = std::numbers::pi * (3 - std::sqrt(5.0)) * static_cast<double>(k);
+        axis[0][k] = r * std::cos(angle);
+        axis[1][k] = r * std::sin(angle);
+        axis[2][k] = z;
+      }
+    }
+  }
+};
+
+/// Whether the circle (sphere) of radius R around i shows an opening: the point x_i + R s is inside the
+/// circle of j when s·r_ij > |r_ij|²/(2R).
+template <int dim>
+bool uncovered(const Vectors<dim>& position, const Neighbours& rows, Eigen::Index i, double radius) {
+  static const Directions<dim> directions;
+  constexpr auto n = static_cast<size_t>(Directions<dim>::count);
+  std::array<std::uint8_t, n> covered{};
+  const auto row = rows.row(i);
+  const auto distance = rows.distances(i);
+  for (size_t k = 0; k < row.size(); ++k) {
+    if (distance[k] >= 2 * radius) continue;
+    const Vector<dim> r = position.col(row[k]) - position.col(i);
+    const double threshold = distance[k] * distance[k] / (2 * radius);
+    for (size_t s = 0; s < n; ++s) {
+      double along = 0;
+      for (size_t d = 0; d < static_cast<size_t>(dim); ++d)
+        along += directions.axis[d][s] * r[static_cast<Eigen::Index>(d)];
+      covered[s] |= along > threshold ? std::uint8_t{1} : std::uint8_t{0};
+    }
+  }
+  int open = 0;
+  for (const auto c : covered) open += c ? 0 : 1;
+  return open >= Directions<dim>::open;
+}
+
+/// |F_i| = (d/n0) |Σ_j w (r_i − r_j)/r²| [1/m] (fluid/THEORY.md (F25)).
+template <int dim>
+double asymmetry(const Vectors<dim>& position, const Neighbours& rows, Eigen::Index i,
+                 const LatticeConstants& lattice) {
+  Vector<dim> sum = Vector<dim>::Zero();
+  const auto row = rows.row(i);
+  const auto inverse = rows.inverses(i);
+  for (size_t k = 0; k < row.size(); ++k) {
+    const double w = lattice.radius * inverse[k] - 1;
+    if (w > 0) sum += (position.col(i) - position.col(row[k])) * (w * inverse[k] * inverse[k]);
+  }
+  return dim / lattice.n0 * sum.norm();
+}
+
+/// The same for a row on top of a full half-space of lattice [1/m].
+template <int dim>
+double flat_surface_asymmetry(const LatticeConstants& lattice, double spacing) {
+  const int reach = static_cast<int>(std::ceil(lattice.radius / spacing));
+  const int reach_z = dim == 3 ? reach : 0;
+  double sum = 0;
+  for (int z = -reach_z; z <= reach_z; ++z)
+    for (int y = -reach; y < 0; ++y)
+      for (int x = -reach; x <= reach; ++x) {
+        const double r = spacing * std::sqrt(x * x + y * y + z * z);
+        sum += weight(r, lattice.radius) * -y * spacing / (r * r);
+      }
+  return dim / lattice.n0 * sum;
+}
+
+}  // namespace
+
+Eigen::VectorXd number_density(const Neighbours& rows, double radius) {
+  const auto n = rows.size();
+  Eigen::VectorXd density(n);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < n; ++i) {
+    double sum = 0;
+    const InverseRow inverses = rows.inverses(i);
+    for (std::size_t e = 0; e < inverses.size(); ++e) sum += std::max(radius * inverses[e] - 1, 0.0);
+    density[i] = sum;
+  }
+  return density;
+}
+
+std::vector<std::int32_t> neighbour_counts(const Neighbours& rows, double radius) {
+  const auto n = rows.size();
+  std::vector<std::int32_t> counts(static_cast<size_t>(n));
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < n; ++i) {
+    std::int32_t count = 0;
+    for (const double distance : rows.distances(i)) count += distance < radius ? 1 : 0;
+    counts[static_cast<size_t>(i)] = count;
+  }
+  return counts;
+}
+
+template <int dim>
+std::vector<std::uint8_t> surface_flags(const Vectors<dim>& position, std::span<const Kind> kind,
+                                        const Neighbours& rows, const Eigen::VectorXd& n,
+                                        const SurfaceTest& test, std::span<const std::uint8_t> previous) {
+  const auto size = rows.size();
+  assert(position.cols() == size && n.size() == size && kind.size() == static_cast<size_t>(size));
+  assert(previous.empty() || previous.size() == static_cast<size_t>(size));
+  assert(test.spacing > 0);
+  const double flat = flat_surface_asymmetry<dim>(test.lattice, test.spacing);
+  std::vector<std::uint8_t> flags(static_cast<size_t>(size));
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < size; ++i) {
+    const auto k = static_cast<size_t>(i);
+    if (!has_pressure(kind[k]) || n[i] >= test.beta * test.lattice.n0) continue;
+    const bool before = previous.empty() || previous[k];
+    bool surface = true;
+    switch (test.second) {
+      case SecondCriterion::none:
+        break;
+      case SecondCriterion::asymmetry:
+        surface = asymmetry<dim>(position, rows, i, test.lattice) >
+                  (before ? leaving_asymmetry : joining_asymmetry) * flat;
+        // Nothing around it is surface whatever its symmetry.
+        surface = surface || rows.row(i).size() < 4;
+        break;
+      case SecondCriterion::arc:
+        surface =
+            uncovered<dim>(position, rows, i, (before ? leaving_radius : joining_radius) * test.spacing);
+        break;
+    }
+    flags[k] = surface ? 1 : 0;
+  }
+  return flags;
+}
+
+template std::vector<std::uint8_t> surface_flags<2>(const Vectors<2>&, std::span<const Kind>,
+                                                    const Neighbours&, const Eigen::VectorXd&,
+                                                    const SurfaceTest&, std::span<const std::uint8_t>);
+template std::vector<std::uint8_t> surface_flags<3>(const Vectors<3>&, std::span<const Kind>,
+                                                    const Neighbours&, const Eigen::VectorXd&,
+                                                    const SurfaceTest&, std::span<const std::uint8_t>);
+
+}  // namespace strake::fluid

@@ -1,0 +1,193 @@
+#include "fluid/mps/pressure_equation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace strake::fluid {
+
+double drift_factor(const Scheme& scheme, double dt) {
+  return scheme.tau > 0 ? dt / scheme.tau : scheme.gamma;
+}
+
+namespace {
+
+// f of the header, times −s ρ.
+double right_side(const PressureTerms& terms, const Scheme& scheme, double scale, double gamma,
+                  std::int64_t i) {
+  const double dt = terms.dt;
+  const double stiffness = terms.reference_density * terms.sound_speed * terms.sound_speed;  // ρc² [Pa]
+  const double compression = terms.old_pressure[i] / stiffness;                              // pⁿ/(ρc²)
+  double f = 0;
+  switch (scheme.source) {
+    case Source::density:
+      f = -terms.deviation[i] / (dt * dt);
+      break;
+    case Source::divergence:
+      f = terms.divergence[i] / dt - compression / (dt * dt);
+      break;
+    case Source::mixed:
+      f = (1 - gamma) * terms.divergence[i] / dt - compression / (dt * dt) -
+          gamma * (terms.deviation[i] - compression) / (dt * dt);
+      break;
+  }
+  return -scale * terms.reference_density * f;
+}
+
+}  // namespace
+
+template <int dim>
+void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms, const Scheme& scheme,
+                       const LatticeConstants& laplacian, PressureSystem& system) {
+  const auto n = static_cast<std::int64_t>(terms.row.size());
+  auto& own = system.own;
+  system.particle.clear();
+  own.unknown_of.assign(terms.row.size(), -1);
+  for (std::int64_t i = 0; i < n; ++i) {
+    if (terms.row[static_cast<std::size_t>(i)] != Row::unknown) continue;
+    own.unknown_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(system.particle.size());
+    system.particle.push_back(static_cast<std::int32_t>(i));
+  }
+  const std::int64_t unknowns = system.size();
+  own.start.resize(system.particle.size());
+  own.stop.resize(system.particle.size());
+  own.column.resize(neighbours.column().size());
+  own.value.resize(neighbours.column().size());
+  system.diagonal.resize(unknowns);
+  system.right.resize(unknowns);
+
+  const double scale = laplacian.n0 * laplacian.lambda0 / (2.0 * dim);
+  const double gamma = drift_factor(scheme, terms.dt);
+  const double radius = laplacian.radius, inverse_radius = 1.0 / radius;
+  const double c_dt = terms.sound_speed * terms.dt;
+  const double rho = terms.reference_density;
+  const std::int64_t solids = n - terms.solid_density.size();
+  const auto density = [&](std::int64_t i) { return i < solids ? rho : terms.solid_density[i - solids]; };
+
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < unknowns; ++k) {
+    const std::int64_t i = system.particle[static_cast<std::size_t>(k)];
+    const std::int64_t first = neighbours.start()[static_cast<std::size_t>(i)];
+    std::int64_t at = first;
+    double diagonal = 0;
+    const auto columns = neighbours.row(i);
+    const auto inverses = neighbours.inverses(i);
+    for (std::size_t e = 0; e < columns.size(); ++e) {
+      const std::int32_t j = columns[e];
+      const Row role = terms.row[static_cast<std::size_t>(j)];
+      if (role == Row::none || inverses[e] <= inverse_radius) continue;
+      const double between =
+          density(i) == rho || density(j) == rho ? 1.0 : 2.0 * rho / (density(i) + density(j));
+      const auto w = static_cast<float>((radius * inverses[e] - 1.0) * between);
+      diagonal += w;
+      if (role == Row::zero) continue;
+      own.column[static_cast<std::size_t>(at)] = own.unknown_of[static_cast<std::size_t>(j)];
+      own.value[static_cast<std::size_t>(at)] = -w;
+      ++at;
+    }
+    own.start[static_cast<std::size_t>(k)] = first;
+    own.stop[static_cast<std::size_t>(k)] = at;
+    system.diagonal[k] = diagonal + scale / (c_dt * c_dt);
+    system.right[k] = right_side(terms, scheme, scale, gamma, i);
+    if (system.diagonal[k] <= 0) {  // no neighbour and no compressibility: nothing holds a pressure
+      system.diagonal[k] = 1;
+      system.right[k] = 0;
+    }
+  }
+  system.start = own.start;
+  system.stop = own.stop;
+  system.column = own.column;
+  system.value = own.value;
+}
+
+namespace {
+
+/// Rows that nothing is known to hold: neither P = 0 nor compressibility in the row itself, nor in one of
+/// those that the first and the last neighbour of each row join it to. All others are held for sure.
+std::vector<char> doubtful_rows(const PressureSystem& system) {
+  const std::int64_t n = system.size();
+  std::vector<char> doubtful(static_cast<std::size_t>(n));
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < n; ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    double sum = 0;
+    for (std::int64_t e = system.start[row]; e < system.stop[row]; ++e) sum -= system.value.data()[e];
+    // A neighbour at P = 0 or compressibility makes the diagonal larger than its row; round-off does not.
+    doubtful[row] = system.diagonal[k] - sum > 1e-10 * system.diagonal[k] ? 0 : 1;
+  }
+  std::vector<std::int32_t> root(static_cast<std::size_t>(n));
+  const auto find = [&](std::int32_t k) {
+    std::int32_t* const up = root.data();
+    while (up[k] != k) k = up[k] = up[up[k]];
+    return k;
+  };
+  const auto join = [&](std::int32_t a, std::int32_t b) {
+    a = find(a);
+    b = find(b);
+    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    char& both = doubtful[static_cast<std::size_t>(std::min(a, b))];
+    both = static_cast<char>(both & doubtful[static_cast<std::size_t>(std::max(a, b))]);
+  };
+  // A row whose first neighbour comes before it has that one's root, which is known by then.
+  const std::int32_t* const column = system.column.data();
+  for (std::int64_t k = 0; k < n; ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    const auto own = static_cast<std::int32_t>(k);
+    const bool hangs = system.start[row] < system.stop[row] && column[system.start[row]] < own;
+    const std::int32_t top = hangs ? root.data()[column[system.start[row]]] : own;
+    root[row] = top;
+    doubtful.data()[top] = static_cast<char>(doubtful.data()[top] & doubtful[row]);
+  }
+  for (std::int64_t k = 0; k < n; ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    if (system.start[row] == system.stop[row]) continue;
+    for (const std::int64_t e : {system.start[row], system.stop[row] - 1})
+      if (root[row] != root.data()[column[e]]) join(static_cast<std::int32_t>(k), column[e]);
+  }
+  for (std::int64_t k = 0; k < n; ++k)
+    doubtful[static_cast<std::size_t>(k)] =
+        doubtful[static_cast<std::size_t>(find(static_cast<std::int32_t>(k)))];
+  return doubtful;
+}
+
+}  // namespace
+
+int close_sealed_blocks(PressureSystem& system) {
+  const std::int64_t n = system.size();
+  const std::vector<char> doubtful = doubtful_rows(system);
+  std::vector<char> seen(static_cast<std::size_t>(n), 0);
+  std::vector<std::int64_t> block;
+  int sealed = 0;
+  for (std::int64_t seed = 0; seed < n; ++seed) {
+    if (!doubtful[static_cast<std::size_t>(seed)] || seen[static_cast<std::size_t>(seed)]) continue;
+    block.assign(1, seed);
+    seen[static_cast<std::size_t>(seed)] = 1;
+    bool held = false;
+    for (std::size_t at = 0; at < block.size(); ++at) {
+      const auto k = static_cast<std::size_t>(block[at]);
+      held = held || !doubtful[k];
+      for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
+        const std::int32_t j = system.column[static_cast<std::size_t>(e)];
+        if (!seen[static_cast<std::size_t>(j)]) {
+          seen[static_cast<std::size_t>(j)] = 1;
+          block.push_back(j);
+        }
+      }
+    }
+    if (held) continue;
+    ++sealed;
+    double mean = 0;
+    for (const std::int64_t k : block) mean += system.right[k];
+    mean /= static_cast<double>(block.size());
+    for (const std::int64_t k : block) system.right[k] -= mean;
+    system.diagonal[seed] *= 2;
+  }
+  return sealed;
+}
+
+template void assemble_pressure<2>(const Neighbours&, const PressureTerms&, const Scheme&,
+                                   const LatticeConstants&, PressureSystem&);
+template void assemble_pressure<3>(const Neighbours&, const PressureTerms&, const Scheme&,
+                                   const LatticeConstants&, PressureSystem&);
+
+}  // namespace strake::fluid

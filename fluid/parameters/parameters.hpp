@@ -1,0 +1,101 @@
+#pragma once
+
+#include "fluid/parameters/tank_motion.hpp"
+#include "proto/box.hpp"
+#include "proto/case/case_keys.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace strake::fluid {
+
+enum class Source { density, divergence, mixed };
+enum class DensityAt { star, old };
+enum class Gradient { min_pressure, pairwise, corrected, least_squares };
+enum class SecondCriterion { none, asymmetry, arc };
+enum class AntiPenetration { none, average, collision };
+enum class Turbulence { none, statics, k };
+enum class SpsForm { joint, stress_pair, laplacian };
+enum class PressureSolver { cg, cholmod, hypre };
+enum class Preconditioner { automatic, jacobi, multilevel, ic };
+enum class SolidVelocity { replace, add };
+enum class WallSlip { no_slip, free_slip };
+
+/// The scheme, fluid/THEORY.md (F13)–(F66). Defaults are preset "improved"; the paper's values stand in
+/// read().
+struct Scheme {
+  double radius_density = 2.1, radius_gradient = 2.1, radius_divergence = 2.1,
+         radius_laplacian = 3.1;  // [l0]
+  double time_step = 2e-6;        // [s] largest
+  double cfl = 0.6;               // max |u| dt / l0
+  double acoustic_cfl = 0;        // c dt / l0; 0: sound sets no limit
+  Source source = Source::mixed;
+  DensityAt density_at = DensityAt::old;
+  double gamma = 0.0;  // drift term per step; used when tau = 0
+  double tau = 0.02;   // [s] gamma = dt / tau; 0: gamma is used
+  Gradient gradient = Gradient::least_squares;
+  double beta = 0.97;
+  SecondCriterion second = SecondCriterion::arc;
+  bool negative_pressure = false;  // a closed tank always has it
+  AntiPenetration anti_penetration = AntiPenetration::collision;
+  double collision_distance = 0.5;  // [l0]; 0.85 where pressure alone does not keep particles apart
+  double restitution = 0.2;
+  bool collision_conserve = true;
+  PressureSolver pressure_solver = PressureSolver::cg;
+  Preconditioner preconditioner = Preconditioner::automatic;
+  double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
+  int pressure_max_iterations = 5000;
+  double filter = 4.0;  // of what ∇u does not explain, δ: viscosity filter · l0 · |δ|; pairwise · √(P/ρ)
+  double shifting = 5.0;  // A of fluid/THEORY.md (F49); 0: off
+  Turbulence turbulence = Turbulence::statics;
+  SpsForm sps = SpsForm::joint;
+  double c_nu = 0.08, c_eps = 1.0;  // C_s = (c_nu³/c_eps)^¼
+  bool wall_damping = false;
+};
+
+/// The scheme with that pressure gradient and the keys that go with it: shifting and filter belong to
+/// least-squares; volume coupling, which is pairwise, takes the filter too.
+inline Scheme with_gradient(Scheme scheme, Gradient gradient) {
+  scheme.gradient = gradient;
+  if (gradient != Gradient::least_squares) {
+    scheme.shifting = 0;
+    scheme.filter = 0;
+    scheme.cfl = 0.2;
+    scheme.collision_distance = 0.85;
+  }
+  return scheme;
+}
+
+struct Parameters {
+  int dimension = 2;
+  double spacing = 0.01;                 // l0 [m]
+  double density = 1000;                 // [kg/m^3]
+  double kinematic_viscosity = 1e-6;     // [m²/s]
+  Eigen::Vector3d gravity{0, -9.81, 0};  // [m/s²]
+  double gravity_ramp = 0;               // [s] g · ½(1 − cos(πt/ramp)); 0: at once
+  double sound_speed = 1500;             // [m/s]; infinity: incompressible
+  double sound_depth =
+      std::numeric_limits<double>::infinity();  // [m] of the water that has it, see SoundLayer
+  Box tank, water;                              // [m]; a polygon's and several shapes' bounding box
+  std::vector<Eigen::Vector3d> tank_polygon;    // [m] counter-clockwise; empty: the tank is the box
+  std::vector<std::vector<Eigen::Vector3d>>
+      water_shapes;                     // [m] two corners of a box, or a polygon; empty: the box
+  bool submerged = false;               // the water gives way to a body that stands in it at the start
+  bool open_top = true;                 // box: no lid; polygon: no wall from its last corner to its first
+  std::array<bool, 3> periodic{};       // axes along which the tank repeats itself
+  WallSlip wall = WallSlip::free_slip;  // of the tank
+  bool absorbing_bottom = false, absorbing_sides = false;  // walls that let sound out
+  TankMotion motion;                                       // of the tank
+  double end_time = 0;                                     // [s] of the run: how far the tank may move
+  std::string interface = "surface";                       // surface | volume
+  SolidVelocity solid_velocity = SolidVelocity::replace;
+  Scheme scheme;
+  std::vector<ProbeKeys> probes;  // those of the fluid
+  int threads = 2;
+};
+
+}  // namespace strake::fluid

@@ -1,0 +1,116 @@
+#include "fluid/particles/reorder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+namespace strake::fluid {
+namespace {
+
+using std::size_t;
+
+/// Cells are counted up to this far along each direction; what lies beyond belongs to the last.
+constexpr double most_cells = 1 << 20;
+
+/// The bits of the places along each direction, taken in turns.
+template <int dim>
+std::uint64_t interleaved(const std::array<std::uint32_t, dim>& place) {
+  std::uint64_t key = 0;
+  for (int bit = 0; bit < 21; ++bit)
+    for (size_t d = 0; d < dim; ++d)
+      key |= std::uint64_t{place[d] >> bit & 1U} << (dim * bit + static_cast<int>(d));
+  return key;
+}
+
+/// Sorts by key, equal keys in their old order: digit after digit, the lowest first.
+void sort_by_key(std::vector<std::uint64_t>& key, std::vector<std::int32_t>& order) {
+  constexpr int digit = 11;
+  std::uint64_t largest = 0;
+  for (const auto k : key) largest = std::max(largest, k);
+  std::vector<std::uint64_t> next_key(key.size());
+  std::vector<std::int32_t> next_order(order.size());
+  for (int shift = 0; largest >> shift; shift += digit) {
+    std::vector<size_t> place((1U << digit) + 1);
+    const auto slot = [&](std::uint64_t k) { return static_cast<size_t>(k >> shift & ((1U << digit) - 1)); };
+    for (const auto k : key) ++place[slot(k) + 1];
+    for (size_t d = 1; d < place.size(); ++d) place[d] += place[d - 1];
+    for (size_t i = 0; i < key.size(); ++i) {
+      const size_t to = place[slot(key[i])]++;
+      next_key[to] = key[i];
+      next_order[to] = order[i];
+    }
+    key.swap(next_key);
+    order.swap(next_order);
+    if (shift + digit >= 64) break;
+  }
+}
+
+template <class T>
+void permute(std::vector<T>& values, std::span<const std::int32_t> order) {
+  if (values.empty()) return;
+  std::vector<T> moved(order.size());
+  for (size_t k = 0; k < order.size(); ++k) moved[k] = values[static_cast<size_t>(order[k])];
+  std::copy(moved.begin(), moved.end(), values.begin());
+}
+
+template <class Columns>
+void permute_columns(Columns& values, std::span<const std::int32_t> order) {
+  if (values.size() == 0) return;
+  const auto n = static_cast<Eigen::Index>(order.size());
+  Columns moved(values.rows(), n);
+  for (Eigen::Index k = 0; k < n; ++k) moved.col(k) = values.col(order[static_cast<size_t>(k)]);
+  values.leftCols(n) = moved;
+}
+
+void permute(Eigen::VectorXd& values, std::span<const std::int32_t> order) {
+  if (values.size() == 0) return;
+  Eigen::VectorXd moved(static_cast<Eigen::Index>(order.size()));
+  for (size_t k = 0; k < order.size(); ++k) moved[static_cast<Eigen::Index>(k)] = values[order[k]];
+  values.head(moved.size()) = moved;
+}
+
+}  // namespace
+
+template <int dim>
+std::vector<std::int32_t> cell_order(const Eigen::Ref<const Vectors<dim>>& position, double size) {
+  const auto n = position.cols();
+  Vector<dim> low = Vector<dim>::Zero();
+  if (n > 0) low = position.rowwise().minCoeff();
+  std::vector<std::uint64_t> key(static_cast<size_t>(n));
+  std::vector<std::int32_t> order(static_cast<size_t>(n));
+#pragma omp parallel for schedule(static)
+  for (Eigen::Index i = 0; i < n; ++i) {
+    std::array<std::uint32_t, dim> place{};
+    for (int d = 0; d < dim; ++d) {
+      const double at = (position(d, i) - low[d]) / size;  // not a number goes to the first cell
+      place[static_cast<size_t>(d)] = at > 0 ? static_cast<std::uint32_t>(std::min(at, most_cells - 1)) : 0U;
+    }
+    key[static_cast<size_t>(i)] = interleaved<dim>(place);
+    order[static_cast<size_t>(i)] = static_cast<std::int32_t>(i);
+  }
+  sort_by_key(key, order);
+  return order;
+}
+
+template <int dim>
+void reorder(State<dim>& state, std::span<const std::int32_t> order) {
+  assert(static_cast<Eigen::Index>(order.size()) <= state.position.cols());
+  permute_columns(state.position, order);
+  permute_columns(state.velocity, order);
+  permute(state.pressure, order);
+  permute(state.sps_k, order);
+  permute(state.residual_divergence, order);
+  permute_columns(state.residual_approach, order);
+  permute(state.kind, order);
+  permute(state.id, order);
+  permute(state.surface, order);
+  permute(state.aired, order);
+}
+
+template std::vector<std::int32_t> cell_order<2>(const Eigen::Ref<const Vectors<2>>&, double);
+template std::vector<std::int32_t> cell_order<3>(const Eigen::Ref<const Vectors<3>>&, double);
+template void reorder<2>(State<2>&, std::span<const std::int32_t>);
+template void reorder<3>(State<3>&, std::span<const std::int32_t>);
+
+}  // namespace strake::fluid

@@ -1,0 +1,288 @@
+#include "fluid/pressure_solver/aggregates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strake::fluid {
+
+namespace {
+/// Below this many rows threads cost more than they bring.
+constexpr std::int64_t rows_for_threads = 4000;
+}  // namespace
+
+/// Cells of a box around the unknowns. Where a few far flyers would make it much larger than the water, the
+/// box is one around the median, and whoever is outside counts as at its edge: clamping moves no two
+/// particles apart, so rows still reach only adjacent cells.
+template <int dim>
+void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& position, double cell_size,
+                           double full) {
+  const std::int64_t n = system.size();
+  const std::int32_t* particle = system.particle.data();
+  std::array<double, dim> low, high;
+  low.fill(std::numeric_limits<double>::max());
+  high.fill(std::numeric_limits<double>::lowest());
+  for (std::size_t d = 0; d < dim; ++d) {
+    double least = low[d], largest = high[d];
+#pragma omp parallel for schedule(static) reduction(min                    \
+                                                    : least) reduction(max \
+                                                                       : largest) if (n >= rows_for_threads)
+    for (std::int64_t k = 0; k < n; ++k) {
+      const double x = position(static_cast<Eigen::Index>(d), particle[k]);
+      least = std::min(least, x);
+      largest = std::max(largest, x);
+    }
+    low[d] = least;
+    high[d] = largest;
+  }
+  const double most = 4 * static_cast<double>(n) + 10000;  // cells
+  double cells = 1;
+  for (std::size_t d = 0; d < dim; ++d) cells *= (high[d] - low[d]) / cell_size + 3;
+  if (!(cells < most)) {
+    const double reach = 0.5 * std::pow(most, 1.0 / dim) * cell_size;
+    std::vector<double> coordinate(static_cast<std::size_t>(n));
+    for (std::size_t d = 0; d < dim; ++d) {
+      for (std::int64_t k = 0; k < n; ++k)
+        coordinate[static_cast<std::size_t>(k)] = position(static_cast<Eigen::Index>(d), particle[k]);
+      const auto middle_one = coordinate.begin() + n / 2;
+      std::nth_element(coordinate.begin(), middle_one, coordinate.end());
+      low[d] = std::max(low[d], *middle_one - reach);
+      high[d] = std::min(high[d], *middle_one + reach);
+    }
+  }
+  std::array<double, dim> extent{};
+  std::int64_t all = 1;
+  for (std::size_t d = 0; d < dim; ++d) {
+    const double wide = (high[d] - low[d]) / cell_size;
+    extent[d] = (wide > 0 && wide < most ? std::floor(wide) : 0) + 1;
+    count_[d] = static_cast<std::int32_t>(extent[d]) + 2;
+    all *= count_[d];
+  }
+  for (auto& coordinate : at) coordinate.resize(static_cast<std::size_t>(n));
+  cell_.resize(static_cast<std::size_t>(n));
+  cell_start_.assign(static_cast<std::size_t>(all) + 1, 0);
+  constexpr double edge = 1e-3;
+#pragma omp parallel for schedule(static) if (n >= rows_for_threads)
+  for (std::int64_t k = 0; k < n; ++k) {
+    for (std::size_t d = 0; d < dim; ++d) {
+      const double u = (position(static_cast<Eigen::Index>(d), particle[k]) - low[d]) / cell_size;
+      // In this form a coordinate that is no number is at the edge, too.
+      at[d][static_cast<std::size_t>(k)] =
+          static_cast<float>(u > 0 ? (u < extent[d] - edge ? u : extent[d] - edge) : 0.0);
+    }
+    cell_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(cell_of(k));
+  }
+  for (const std::int32_t c : cell_) ++cell_start_[static_cast<std::size_t>(c) + 1];
+  for (std::size_t c = 1; c < cell_start_.size(); ++c) cell_start_[c] += cell_start_[c - 1];
+  order.resize(static_cast<std::size_t>(n));
+  first_piece_.assign(cell_start_.begin(), cell_start_.end());  // as a cursor, for now
+  for (std::int64_t k = 0; k < n; ++k)
+    order[static_cast<std::size_t>(
+        first_piece_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(k)])]++)] =
+        static_cast<std::int32_t>(k);
+  touched.resize(static_cast<std::size_t>(n));
+  own_cell_entries.resize(static_cast<std::size_t>(n));
+  find_sparse(full);
+}
+
+template <int dim>
+void CellPieces<dim>::find_sparse(double full) {
+  const auto cells = static_cast<std::int64_t>(cell_start_.size()) - 1;
+  density_.assign(static_cast<std::size_t>(cells), 0);
+  for (std::int64_t c = 0; c < cells; ++c) {
+    const auto here = static_cast<std::size_t>(c);
+    const std::int32_t unknowns = cell_start_[here + 1] - cell_start_[here];
+    if (unknowns == 0 || 2 * unknowns >= full) continue;
+    for (int near = 0; near < around; ++near) {
+      const std::int64_t step =
+          (near / 9 - (dim == 3 ? 1 : 0)) * static_cast<std::int64_t>(count_[1]) * count_[0] +
+          (near / 3 % 3 - 1) * static_cast<std::int64_t>(count_[0]) + near % 3 - 1;
+      std::uint8_t& other = density_[static_cast<std::size_t>(c + step)];  // the ring around is empty
+      other = std::max<std::uint8_t>(other, step == 0 ? 2 : 1);
+    }
+  }
+}
+
+template <int dim>
+std::int64_t CellPieces<dim>::cell_of(std::int64_t unknown) const {
+  std::int64_t c = 0;
+  for (std::size_t d = dim; d-- > 0;)
+    c = c * count_[d] + static_cast<std::int64_t>(at[d][static_cast<std::size_t>(unknown)]) + 1;
+  return c;
+}
+
+template <int dim>
+void CellPieces<dim>::split(const PressureSystem& system, CoarseLevel<dim>& level) {
+  split_cells(system);
+  link_pieces(system);
+  gather_vertices(level);
+}
+
+/// One unknown that touches all others of its cell proves that they are one piece.
+template <int dim>
+bool CellPieces<dim>::is_whole(std::int64_t begin, std::int64_t end) const {
+  for (std::int64_t s = begin; s < end; ++s)
+    if (own_cell_entries[static_cast<std::size_t>(order[static_cast<std::size_t>(s)])] >= end - begin - 1)
+      return true;
+  return false;
+}
+
+template <int dim>
+void CellPieces<dim>::split_cells(const PressureSystem& system) {
+  const auto cells = static_cast<std::int64_t>(cell_start_.size()) - 1;
+  first_piece_.resize(cell_start_.size());
+  piece_start.clear();
+  piece_touches_.clear();
+  shared_cell_.clear();
+  piece_of.resize(order.size());
+  for (std::int64_t c = 0; c < cells; ++c) {
+    const auto here = static_cast<std::size_t>(c);
+    const std::int64_t begin = cell_start_[here], end = cell_start_[here + 1];
+    first_piece_[here] = static_cast<std::int32_t>(piece_start.size());
+    if (begin == end) continue;
+    if (is_whole(begin, end))
+      piece_start.push_back(static_cast<std::int32_t>(begin));
+    else
+      find_parts(system, begin, end);
+    const auto first = static_cast<std::size_t>(first_piece_[here]);
+    for (std::size_t p = first; p < piece_start.size(); ++p) {
+      shared_cell_.push_back(piece_start.size() - first > 1 ? 1 : 0);
+      const std::int64_t stop = p + 1 < piece_start.size() ? piece_start[p + 1] : end;
+      std::uint32_t bits = 0;
+      for (std::int64_t s = piece_start[p]; s < stop; ++s) {
+        const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(s)]);
+        bits |= touched[k];
+        piece_of[k] = static_cast<std::int32_t>(p);
+      }
+      piece_touches_.push_back(bits);
+    }
+  }
+  first_piece_.back() = static_cast<std::int32_t>(piece_start.size());
+  piece_start.push_back(static_cast<std::int32_t>(order.size()));
+}
+
+/// Sorts one cell's stretch of `order` into parts that touch one another through rows inside the cell.
+template <int dim>
+void CellPieces<dim>::find_parts(const PressureSystem& system, std::int64_t begin, std::int64_t end) {
+  std::int32_t* const stretch = order.data();
+  const std::int32_t cell = cell_[static_cast<std::size_t>(stretch[begin])];
+  std::int64_t found = begin;
+  while (found < end) {
+    piece_start.push_back(static_cast<std::int32_t>(found));
+    std::int64_t next = found++;
+    for (; next < found; ++next) {
+      const auto k = static_cast<std::size_t>(stretch[next]);
+      for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
+        const std::int32_t j = system.column[static_cast<std::size_t>(e)];
+        if (cell_[static_cast<std::size_t>(j)] != cell) continue;
+        std::int32_t* const place = std::find(stretch + found, stretch + end, j);
+        if (place != stretch + end) std::swap(*place, stretch[found++]);
+      }
+    }
+  }
+}
+
+template <int dim>
+void CellPieces<dim>::link_pieces(const PressureSystem& system) {
+  links_.clear();
+  for (std::int32_t p = 0; p < pieces(); ++p) {
+    if (!shared_cell_[static_cast<std::size_t>(p)]) continue;
+    for (std::int32_t s = piece_start[static_cast<std::size_t>(p)];
+         s < piece_start[static_cast<std::size_t>(p) + 1]; ++s) {
+      const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(s)]);
+      for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
+        const std::int32_t q = piece_of[static_cast<std::size_t>(system.column[static_cast<std::size_t>(e)])];
+        if (q == p) continue;
+        links_.emplace_back(p, q);
+        links_.emplace_back(q, p);
+      }
+    }
+  }
+  std::sort(links_.begin(), links_.end());
+  links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
+}
+
+template <int dim>
+bool CellPieces<dim>::linked(std::int32_t p, std::int32_t q, int direction) const {
+  if (!shared_cell_[static_cast<std::size_t>(p)] && !shared_cell_[static_cast<std::size_t>(q)])
+    return (piece_touches_[static_cast<std::size_t>(p)] >> direction & 1u) != 0;
+  return std::binary_search(links_.begin(), links_.end(), Link{p, q});
+}
+
+template <int dim>
+void CellPieces<dim>::gather_vertices(CoarseLevel<dim>& level) {
+  struct Member {
+    std::int32_t piece;
+    int corner, part;
+  };
+  std::vector<Member> members;
+  node.assign(static_cast<std::size_t>(pieces()) * corners, -1);
+  meeting_start.assign(1, 0);
+  meeting.clear();
+  level.place.clear();
+  level.first.assign(1, 0);
+  for (std::size_t d = 0; d < 3; ++d) level.size[d] = d < dim ? count_[d] - 1 : 1;
+  // Direction from the cell at which a vertex is corner a to that at which it is corner b: minus the step
+  // between the corners, in the numbering of `touched`.
+  const auto direction = [](int a, int b) {
+    int code = 0, scale = 1;
+    for (int d = 0; d < dim; ++d, scale *= 3) code += scale * (1 + (a >> d & 1) - (b >> d & 1));
+    return code;
+  };
+  for (std::int32_t z = 0; z < level.size[2]; ++z)
+    for (std::int32_t y = 0; y < level.size[1]; ++y)
+      for (std::int32_t x = 0; x < level.size[0]; ++x) {
+        members.clear();
+        for (int a = corners; a-- > 0;) {  // the lowest cell first
+          const std::int32_t i = x + 1 - (a & 1), j = y + 1 - (a >> 1 & 1),
+                             k = dim == 3 ? z + 1 - (a >> 2) : 0;
+          const auto c =
+              static_cast<std::size_t>((static_cast<std::int64_t>(k) * count_[1] + j) * count_[0] + i);
+          for (std::int32_t p = first_piece_[c]; p < first_piece_[c + 1]; ++p) members.push_back({p, a, -1});
+        }
+        int parts = 0;
+        for (std::size_t seed = 0; seed < members.size(); ++seed) {
+          if (members[seed].part >= 0) continue;
+          members[seed].part = parts;
+          for (bool grown = true; grown;) {
+            grown = false;
+            for (Member& m : members) {
+              if (m.part >= 0) continue;
+              for (const Member& other : members)
+                if (other.part == parts && linked(other.piece, m.piece, direction(other.corner, m.corner))) {
+                  m.part = parts;
+                  grown = true;
+                  break;
+                }
+            }
+          }
+          typename CoarseLevel<dim>::Place here{};
+          const std::array<std::int32_t, 3> xyz{x, y, z};
+          for (std::size_t d = 0; d < dim; ++d) here[d] = xyz[d];
+          for (const Member& m : members) {
+            if (m.part != parts) continue;
+            node[static_cast<std::size_t>(m.piece * corners + m.corner)] = level.unknowns();
+            meeting.push_back(m.piece * corners + m.corner);
+          }
+          level.place.push_back(here);
+          meeting_start.push_back(static_cast<std::int32_t>(meeting.size()));
+          ++parts;
+        }
+        level.first.push_back(level.unknowns());
+      }
+}
+
+template <int dim>
+std::size_t CellPieces<dim>::bytes() const {
+  std::size_t numbers = touched.capacity() + own_cell_entries.capacity() + order.capacity() +
+                        piece_start.capacity() + node.capacity() + meeting_start.capacity() +
+                        meeting.capacity() + cell_.capacity() + cell_start_.capacity() +
+                        first_piece_.capacity() + piece_touches_.capacity() + piece_of.capacity();
+  for (const auto& coordinate : at) numbers += coordinate.capacity();
+  return 4 * numbers + shared_cell_.capacity() + density_.capacity() + sizeof(Link) * links_.capacity();
+}
+
+template class CellPieces<2>;
+template class CellPieces<3>;
+
+}  // namespace strake::fluid

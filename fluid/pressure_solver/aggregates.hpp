@@ -1,0 +1,86 @@
+#pragma once
+
+#include "fluid/mps/pressure_equation.hpp"
+#include "fluid/particles/state.hpp"
+#include "fluid/pressure_solver/coarse_level.hpp"
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace strake::fluid {
+
+/// Weights of the corners of a cell for a place in it, from 0 to 1 along each axis.
+template <int dim>
+inline std::array<float, std::size_t{1} << dim> corner_weights(const std::array<float, dim>& f) {
+  std::array<float, std::size_t{1} << dim> w;
+  w[0] = 1;
+  for (std::size_t d = 0; d < dim; ++d) {
+    const std::size_t half = std::size_t{1} << d;
+    for (std::size_t a = 0; a < half; ++a) {
+      w[a + half] = w[a] * f[d];
+      w[a] -= w[a + half];
+    }
+  }
+  return w;
+}
+
+/// The unknowns of a pressure equation sorted into square cells as large as the reach of its Laplacian, so
+/// that rows reach no further than the adjacent cells. A piece is a part of a cell's unknowns that touch one
+/// another; water on both sides of a plate in one cell makes two. The vertices of the cells carry the coarse
+/// unknowns: one for each part of the pieces around a vertex that touch one another.
+template <int dim>
+class CellPieces {
+ public:
+  static constexpr int corners = 1 << dim;  // of a cell; bit d of a corner's number: upper along axis d
+  static constexpr int around = dim == 2 ? 9 : 27;  // a cell and those adjacent to it
+  static constexpr int middle = (around - 1) / 2;
+
+  /// Sorts; `cell_size` [m]; a cell is sparse with less than half of `full` unknowns.
+  void sort(const PressureSystem&, const Vectors<dim>& position, double cell_size, double full);
+  /// Whether the cell of an unknown is sparse, and whether that or an adjacent one is.
+  bool is_sparse(std::int64_t unknown) const { return density(unknown) > 1; }
+  bool is_near_sparse(std::int64_t unknown) const { return density(unknown) > 0; }
+  /// Which of the cells around an unknown its row touches, one bit each, and how many entries lie in its own:
+  /// filled by whoever passes over the matrix, after `sort`.
+  std::vector<std::uint32_t> touched;
+  std::vector<std::int32_t> own_cell_entries;
+  /// Pieces, and the coarse unknowns as `level.place`, `.first`, `.size`.
+  void split(const PressureSystem&, CoarseLevel<dim>& level);
+
+  std::int32_t pieces() const { return static_cast<std::int32_t>(piece_start.size()) - 1; }
+  std::size_t bytes() const;
+
+  /// Place of each unknown in cells from the grid's corner, per axis.
+  std::array<std::vector<float>, dim> at;
+  std::vector<std::int32_t> order;                   // unknowns piece by piece
+  std::vector<std::int32_t> piece_start;             // in order, and one more
+  std::vector<std::int32_t> node;                    // coarse unknown of each corner of each piece
+  std::vector<std::int32_t> piece_of;                // of each unknown
+  std::vector<std::int32_t> meeting_start, meeting;  // per coarse unknown: the piece corners that meet in it
+
+ private:
+  using Link = std::pair<std::int32_t, std::int32_t>;
+  std::int64_t cell_of(std::int64_t unknown) const;
+  std::uint8_t density(std::int64_t unknown) const {
+    return density_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(unknown)])];
+  }
+  void find_sparse(double full);
+  void split_cells(const PressureSystem&);
+  bool is_whole(std::int64_t begin, std::int64_t end) const;
+  void find_parts(const PressureSystem&, std::int64_t begin, std::int64_t end);
+  void link_pieces(const PressureSystem&);
+  void gather_vertices(CoarseLevel<dim>& level);
+  bool linked(std::int32_t p, std::int32_t q, int direction) const;
+
+  std::array<std::int32_t, 3> count_{1, 1, 1};   // cells per axis, with an empty ring around
+  std::vector<std::int32_t> cell_, cell_start_;  // of each unknown; unknowns of each cell in order
+  std::vector<std::int32_t> first_piece_;        // of each cell, and one more
+  std::vector<std::uint32_t> piece_touches_;     // bits as `touched`, of all unknowns of the piece
+  std::vector<std::uint8_t> shared_cell_;        // of each piece: its cell holds another one
+  std::vector<std::uint8_t> density_;            // of each cell: 2 sparse, 1 beside such a one, 0 neither
+  std::vector<Link> links_;                      // between pieces of which one shares its cell, sorted
+};
+
+}  // namespace strake::fluid

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "fluid/mps/pressure_equation.hpp"
+#include "fluid/particles/shared_memory.hpp"
+#include "fluid/pressure_solver/multilevel.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strake::fluid {
+
+/// Conjugate gradients in one parallel region per solve. Sums are taken over blocks of rows, each by one
+/// thread, and added in order: the result is the same for any number of threads.
+class ConjugateGradients {
+ public:
+  /// From solution.pressure to ‖b − A p‖₂ <= tolerance ‖b‖₂. preconditioner: built for this system; nullptr:
+  /// the diagonal. Ends as soon as the residual is no number.
+  template <int dim>
+  void solve(const PressureSystem&, Multilevel<dim>* preconditioner, double tolerance, int max_iterations,
+             int threads, PressureSolution& solution);
+  std::size_t bytes() const { return memory_.bytes(); }
+  SharedMemory& memory() { return memory_; }  // nothing is kept in it
+
+ private:
+  SharedMemory memory_;                         // inverse diagonal, r, p, q
+  std::vector<double> first_, second_, third_;  // sums of each block
+};
+
+/// (A x)_k
+double row_times(const PressureSystem&, const double* x, std::int64_t k);
+
+}  // namespace strake::fluid

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "fluid/mps/pressure_equation.hpp"
+#include "fluid/particles/state.hpp"
+#include "fluid/pressure_solver/aggregates.hpp"
+#include "fluid/pressure_solver/coarse_level.hpp"
+#include "fluid/pressure_solver/thread_team.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace strake::fluid {
+
+/// A symmetric positive definite approximation of A⁻¹, made of one sweep of damped Jacobi on the particles, a
+/// correction from a grid as wide as the reach of A, where pressure is interpolated linearly between the
+/// vertices, and a second sweep; the grid's equation is solved by the same scheme on ever coarser grids. It
+/// is a pure function of system and places, made anew for each solve. Single precision: it only
+/// preconditions.
+template <int dim>
+class Multilevel {
+ public:
+  /// radius: reach of A [m]; reach: the same in spacings.
+  void build(const PressureSystem&, const Vectors<dim>& position, double radius, double reach, int threads);
+  /// z ≈ A⁻¹ r: write r to right(), and D⁻¹ r to swept(); z stands in solution(). Each thread of the team
+  /// calls it after a wait, and finds its own share of z when it returns.
+  void apply(const PressureSystem&, const Team&);
+  float* right() { return right_.data(); }
+  float* swept() { return swept_.data(); }
+  const float* inverse() const { return inverse_.data(); }  // damped D⁻¹
+  const float* solution() const { return solution_.data(); }
+
+  int levels() const { return grids_.levels() + 1; }
+  std::size_t bytes() const;
+
+ private:
+  static constexpr int corners = CellPieces<dim>::corners;
+  static constexpr int moments = dim * (dim + 1) / 2;
+  using Element = std::array<double, static_cast<std::size_t>(corners) * corners>;
+
+  void read_rows(const PressureSystem&, int threads);
+  Element element(std::int32_t piece) const;
+  bool is_exact(std::int64_t i, std::int64_t j) const;
+  void read_scattered_row(const PressureSystem&, std::int64_t k);
+  void read_exact_entries(const PressureSystem&, int threads);
+  void add_exact_entries(std::int32_t piece, std::int32_t corner, RowGatherer&) const;
+  void assemble_grid(int threads);
+
+  CellPieces<dim> pieces_;
+  GridCycle<dim> grids_;
+  std::vector<Element> elements_;                   // of each piece
+  std::vector<SparseRows> parts_;                   // of the grid's rows, one per thread
+  std::vector<float> diagonal_, inverse_, excess_;  // excess: of the diagonal over its row
+  std::array<std::vector<float>, moments> moment_;  // ½ Σ w r rᵀ, in cells: xx, xy, yy (xx, xy, xz, …)
+  std::vector<std::int32_t> scattered_;             // unknowns with entries that `is_exact`
+  std::vector<std::int32_t> exact_row_;             // of each unknown, −1: none
+  SparseRows exact_;  // Σ w (P_i − P_j) over those entries of scattered unknown i
+  std::array<std::vector<float>, dim> within_;  // place in its cell, in the order of the pieces
+  std::vector<float> right_, swept_, solution_;
+  std::vector<float> corner_sum_;  // per corner of each piece
+};
+
+}  // namespace strake::fluid

@@ -1,0 +1,160 @@
+#include "fluid/simulation/simulation.hpp"
+
+#include "fluid/simulation/step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strake::fluid {
+
+double column_step(const Parameters& p) {
+  return column_step(p, p.gravity.norm());
+}
+
+double column_step(const Parameters& p, double field) {
+  // Nothing pushes particles apart there: a seventieth of the period 2π √(l0/(π g)) of the shortest wave.
+  if (p.scheme.gradient == Gradient::least_squares) return 0.05 * std::sqrt(p.spacing / field);
+  const double depth = p.water.max[1] - p.water.min[1];
+  return 0.25 * p.spacing / (2 * std::sqrt(field * depth));
+}
+
+double acoustic_step(const Parameters& p) {
+  return p.scheme.acoustic_cfl > 0 && std::isfinite(p.sound_speed)
+             ? p.scheme.acoustic_cfl * p.spacing / p.sound_speed
+             : std::numeric_limits<double>::infinity();
+}
+
+template <int dim>
+Simulation<dim>::Simulation(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity)
+    : work_(std::make_unique<Work>(p, partner, initial_velocity)) {}
+
+template <int dim>
+Simulation<dim>::~Simulation() = default;
+
+template <int dim>
+StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion, double rest) {
+  Work& w = *work_;
+  w.hold_places(dt, rest, rest > 0 && w.hold.is_over() ? stable_dt() : 0);
+  const bool at_new_places = w.hold.begins();
+  if (at_new_places) w.sort_along_cells();
+  w.begin(dt, motion);
+  if (at_new_places) w.find_neighbours();         // cell list → CSR
+  if (at_new_places) w.find_stresses();           // ν ∇²u + ∇·τ
+  w.predict();                                    // u* = u + dt (ν ∇²u + ∇·τ + g)
+  if (at_new_places) w.measure_number_density();  // n, free surface
+  w.solve_pressure();                             // ∇²p − p/(c dt)² = ρ/dt ∇·u* + …
+  w.correct();                                    // u = u* − dt/ρ ∇p; stress → force on the interface
+  w.shift();                                      // keep the distribution regular, part what came too close
+  w.finish();                                     // momentum account
+  return w.report;
+}
+
+template <int dim>
+const Points& Simulation<dim>::interface_force() const {
+  return work_->force;
+}
+
+template <int dim>
+const InterfaceMesh& Simulation<dim>::interface() const {
+  return work_->boundary.mesh();
+}
+
+/// Convection, gravity and viscosity (fluid/THEORY.md (F63)), and the column's own weight: particles under a
+/// pressure ρgH push one another apart at the rate √(gH)/l0, whatever the gradient, so that a step is 0.25 of
+/// l0 over the speed 2√(gH). Measured on a still tank, H = 0.5 m, l0 = 0.01 m: 0.11 l0/√(gH) rests, 0.22
+/// scatters. Sound sets no limit.
+template <int dim>
+double Simulation<dim>::stable_dt() const {
+  const Work& w = *work_;
+  const double l0 = w.p.spacing;
+  double square = 0, energy = 0;
+#pragma omp parallel for schedule(static) reduction(max : square, energy)
+  for (Eigen::Index i = 0; i < w.state.velocity.cols(); ++i) {
+    square = std::max(square, w.state.velocity.col(i).squaredNorm());
+    energy = std::max(energy, w.state.sps_k[i]);
+  }
+  const double fastest = std::sqrt(square);
+  double dt = std::numeric_limits<double>::infinity();
+  if (fastest > 0) dt = std::min(dt, w.p.scheme.cfl * l0 / fastest);
+  const double field = (w.p.gravity.template head<dim>() - w.boundary.tank().acceleration()).norm();
+  if (field > 0) dt = std::min(dt, 0.25 * std::sqrt(l0 / field));
+  dt = std::min(dt, column_step(w.p, field));
+  dt = std::min(dt, viscous_limit(w.p, energy));
+  return dt;
+}
+
+template <int dim>
+const State<dim>& Simulation<dim>::state() const {
+  return work_->state;
+}
+
+template <int dim>
+void Simulation<dim>::set_state(const State<dim>& state) {
+  work_->state = state;
+  work_->boundary.adopt(work_->state);
+  work_->search.invalidate();
+  work_->hold.forget();
+}
+
+template <int dim>
+bool Simulation<dim>::parked(std::int64_t i) const {
+  return work_->boundary.parked(work_->state, i);
+}
+
+template <int dim>
+State<dim>& Simulation<dim>::mutable_state() {
+  return work_->state;
+}
+
+template <int dim>
+const std::map<std::string, double>& Simulation<dim>::seconds() const {
+  return work_->seconds;
+}
+
+template <int dim>
+double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diameter) const {
+  const Work& w = *work_;
+  const double reach = 0.5 * diameter * (1 + 1e-9);
+  const auto covers = [&](const Eigen::Vector3d& x) { return (x - at).norm() <= reach; };
+  double load = 0, area = 0;
+  const BodySurface<dim>& outline = w.boundary.outline();
+  for (int k = 0; k < outline.points(); ++k) {
+    if (!covers(outline.reference(k))) continue;
+    load -= w.on_points.col(k).dot(outline.normal(k));
+    area += outline.area(k);
+  }
+  if (!outline.empty()) return area > 0 ? load / area : 0.0;
+  if (w.boundary.volume()) {  // no faces: the mean over the structure's particles
+    for (Eigen::Index k = 0; k < w.carried.cols(); ++k) {
+      if (!covers(w.boundary.mesh().position.col(k))) continue;
+      load += w.carried(0, k);
+      area += w.carried(1, k);
+    }
+    return area > 0 ? load / area : 0.0;
+  }
+  if (w.on_walls.cols() == 0) return 0;  // no step yet
+  for (std::int64_t i = w.boundary.water(); i < w.boundary.first_of_bodies(); ++i) {
+    if (w.state.kind[static_cast<std::size_t>(i)] != Kind::wall) continue;
+    const Vector<dim> face = w.boundary.wall_area(w.state, i);  // into the water
+    if (face.norm() == 0) continue;
+    const Vector<dim> normal = face.normalized();
+    Eigen::Vector3d middle = at;  // the sensor moves with the tank
+    middle.template head<dim>() = w.boundary.tank().face_of(i);
+    if (!covers(middle)) continue;
+    load -= w.on_walls.col(i - w.boundary.water()).dot(normal);
+    area += face.norm();
+  }
+  return area > 0 ? load / area : 0.0;
+}
+
+template <int dim>
+Eigen::Vector3d Simulation<dim>::floor_force() const {
+  Eigen::Vector3d floor = Eigen::Vector3d::Zero();
+  floor.head<dim>() = work_->floor;
+  return floor;
+}
+template class Simulation<2>;
+template class Simulation<3>;
+
+}  // namespace strake::fluid

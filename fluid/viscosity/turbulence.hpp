@@ -1,0 +1,84 @@
+#pragma once
+
+#include "fluid/mps/operators.hpp"
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/viscosity/viscous_walls.hpp"
+
+#include <Eigen/Core>
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace strake::fluid {
+
+/// The sub-particle-scale model (fluid/THEORY.md (F4)–(F10)): ν_t = C_ν Δ k^½, ε = C_ε k^{3/2}/Δ, Pr = 2 S:S.
+struct SpsModel {
+  double c_nu = 0.08, c_eps = 1.0;
+  double filter = 0;               // Δ [m], the particle spacing
+  double kinematic_viscosity = 0;  // ν [m²/s]
+  bool wall_damping = false;       // van Driest
+
+  double cs() const;  // C_s = (C_ν³/C_ε)^¼ (F7)
+  /// k [m²/s²] where production is dissipation, (F6); ν_t is then (C_s Δ)² Pr^½ (F7).
+  double equilibrium(double production) const { return c_nu / c_eps * filter * filter * production; }
+  double eddy_viscosity(double k) const { return c_nu * filter * std::sqrt(k); }  // [m²/s]
+  /// Factor of ν_t so far from a wall [m]: (1 − exp(−y⁺/26))², y⁺ = y u_τ/ν, with the friction velocity of
+  /// the local shear, u_τ² = ν Pr^½. Damping acts on the length C_s Δ, so on ν_t with its square.
+  double damping(double distance, double production) const;
+};
+SpsModel sps_model(const Parameters&);
+
+/// Largest time step of the explicit viscous terms [s], 0.125 l0²/(ν + ν_t): the sum `joint` is stable to
+/// 0.5 l0²/ν on the lattice, less beside walls.
+double viscous_limit(const Parameters&, double largest_k);
+
+/// One step of Dk/Dt = ν_t Pr − C_ε k^{3/2}/Δ + ∇·((ν + ν_t/σ_k)∇k), σ_k = 1, on particles that carry k.
+/// With q = k^½ the first two terms are dq/dt = a − b q², a = ½ C_ν Δ Pr, b = ½ C_ε/Δ, stepped as
+/// q ← (q + a Δt)/(1 + b q Δt): positive for any Δt, at rest in the equilibrium of the static closure, the
+/// exact q = q0/(1 + b q0 t) where nothing shears; and unlike k itself q grows from zero. Then diffusion, a
+/// pair Laplacian whose own share is implicit: positive for any Δt too. k is zero on faces that are not
+/// smooth; no flux through smooth ones, nor through the free surface, where no pairs are. eddy_viscosity:
+/// before the step.
+template <int dim>
+void advance_k(const ViscousFlow<dim>&, const SpsModel&, const LatticeConstants&,
+               const Eigen::VectorXd& production, const Eigen::VectorXd& eddy_viscosity, double dt,
+               Eigen::VectorXd& k, Eigen::VectorXd& scratch);
+
+/// With fewer neighbours than this a particle is spray: it has no eddy viscosity (fluid/THEORY.md, section
+/// 2).
+inline constexpr int fewest_neighbours = 4;
+
+/// What the static model knows of each particle.
+struct SpsFields {
+  Eigen::VectorXd production;      // Pr = 2 S_lm S_lm [1/s²] (F5)
+  Eigen::VectorXd k;               // (C_ν/C_ε) Δ² Pr [m²/s²] (F6)
+  Eigen::VectorXd eddy_viscosity;  // ν_t = (C_s Δ)² Pr^½ [m²/s] (F7); 0 with fewer than 4 neighbours
+};
+/// Pr = 2 S:S of one velocity gradient [1/s²].
+template <int dim>
+double production(const Tensor<dim>& velocity_gradient);
+
+/// counts: neighbours of each particle. wall_distance: [m] per particle, only read with wall damping (may be
+/// empty without it). Particles whose row mask is zero get zeros.
+template <int dim>
+SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<const std::int32_t> counts,
+                     const SpsModel&, std::span<const double> wall_distance = {}, const Masks& = {});
+
+/// ⟨∇·τ⟩ [m/s²], τ = 2 ν_t S − (2/3) k I (F3). `stress_pair`: the antisymmetric sum of operators.hpp, without
+/// ν∇²u.
+template <int dim>
+Vectors<dim> sps_acceleration(const Vectors<dim>& position, std::span<const Tensor<dim>> velocity_gradient,
+                              const SpsFields&, const Neighbours& rows,
+                              const LatticeConstants& gradient_lattice, const Masks& = {});
+
+/// `laplacian`: Σ ν_ij (u_j − u_i) w … + (∇u)ᵀ·∇ν_t − (2/3)∇k [m/s²]. Contains ν as well: the explicit stage
+/// then adds no ν∇²u of its own.
+template <int dim>
+Vectors<dim> sps_acceleration_laplacian(const Vectors<dim>& position, const Vectors<dim>& velocity,
+                                        std::span<const Tensor<dim>> velocity_gradient, const SpsFields&,
+                                        const SpsModel&, const Neighbours& rows,
+                                        const LatticeConstants& gradient_lattice,
+                                        const LatticeConstants& laplacian_lattice, const Masks& = {});
+
+}  // namespace strake::fluid

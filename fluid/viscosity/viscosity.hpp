@@ -1,0 +1,24 @@
+#pragma once
+
+#include "fluid/mps/operators.hpp"
+
+#include <Eigen/Core>
+
+namespace strake::fluid {
+
+/// ν∇²u [m/s²] with the Laplacian of fluid/THEORY.md (F18). kinematic_viscosity: ν [m²/s].
+/// Summed over all rows that take part it vanishes, so the value at a body's row times its mass is the
+/// reaction on it.
+template <int dim>
+Vectors<dim> viscous_acceleration(const Vectors<dim>& velocity, const Neighbours& rows,
+                                  const LatticeConstants& laplacian_lattice, double kinematic_viscosity,
+                                  const Masks& = {});
+
+/// (2d/(n0 λ)) Σ_j ν_ij (u_j − u_i) w, ν_ij the harmonic mean of ν + ν_t at i and j [m/s²] (fluid/THEORY.md,
+/// section 2, `laplacian`). eddy_viscosity: ν_t per particle [m²/s].
+template <int dim>
+Vectors<dim> viscous_acceleration(const Vectors<dim>& velocity, const Neighbours& rows,
+                                  const LatticeConstants& laplacian_lattice, double kinematic_viscosity,
+                                  const Eigen::VectorXd& eddy_viscosity, const Masks& = {});
+
+}  // namespace strake::fluid

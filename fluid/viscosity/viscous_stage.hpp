@@ -1,0 +1,93 @@
+#pragma once
+
+#include "fluid/mps/operators.hpp"
+#include "fluid/particles/shared_memory.hpp"
+#include "fluid/particles/simd.hpp"
+#include "fluid/viscosity/turbulence.hpp"
+#include "fluid/viscosity/viscous_walls.hpp"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace strake::fluid {
+
+/// ν∇²u + ∇·τ of every particle [m/s²] (fluid/THEORY.md (F2)), and what it takes: owned by the caller, so
+/// that no step allocates. At a row it is the reaction of the water per mass of a water particle: times that
+/// mass the force on the row.
+///
+/// `joint` is one sum for ν and the model. With the corrected velocity gradient G = ∇u, the stress per
+/// density τ_i = (ν + ν_t)_i (G_i + G_iᵀ) − (2/3) k_i I and ν̄ = ν + (ν_t,i + ν_t,j)/2,
+///   f_ij = (d/n0) (τ_i + τ_j)·r_ij w/r² + (2d/(n0 λ)) ν̄ (u_j − u_i − ½ (G_i + G_j) r_ij) w,   a_i = Σ_j
+///   f_ij.
+/// The first part is the stress through the pair; alone it would not see a velocity that alternates from
+/// particle to particle. The second is the compact Laplacian of what G misses: nothing in a linear or
+/// quadratic flow, all of it for the alternating one. f is antisymmetric, so linear momentum is exact; a
+/// rigid rotation has no force, at a free surface too, where missing neighbours mean that no stress acts
+/// (∇u·n = 0 of the Laplacian alone would brake it). A pair of water i and row j reads G_i, ν_i, k_i for both
+/// and the velocity that carries the flow on behind the face; a smooth face takes the force along its normal
+/// alone.
+///
+/// With the corrected pressure gradient, which gives up exact momentum for accuracy, water inside sums
+/// (τ_j − τ_i)·C_i r_ij instead: a uniform stress has no force however the particles lie.
+///
+/// `stress_pair` and `laplacian` are the forms of the paper's time, see turbulence.hpp.
+template <int dim>
+class ViscousStage {
+ public:
+  /// k: the energy at the start of the step, advanced by dt with the k model, else overwritten [m²/s²].
+  void compute(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
+
+  /// Memory that its owners do not need during `compute`, and back: one tensor per particle of water, and two
+  /// pieces of any size.
+  void exchange(std::vector<Tensor<dim>>& tensors, SharedMemory& one, SharedMemory& other) {
+    correction_.swap(tensors);
+    stresses_.swap(one);
+    samples_.swap(other);
+  }
+
+  /// ν + ν_t of the water, of the last `compute` with `joint` [m²/s].
+  std::span<const double> viscosity() const { return viscosity_; }
+
+  Vectors<dim> acceleration;  // [m/s²]
+
+ private:
+  /// What a neighbour must know: place and velocity, and the rows of τ, then those of G.
+  using Sample = std::conditional_t<dim == 2, Four, Eight>;
+  static constexpr int width = dim == 2 ? 2 : 4, parts = dim * width / 4;
+  struct Stress {
+    Lanes8 part[parts];
+    void set(int row, int b, double x) { part[(row * width + b) / 8][(row * width + b) % 8] = x; }
+    double tau(int a, int b) const { return part[(a * width + b) / 8][(a * width + b) % 8]; }
+    double g(int a, int b) const { return part[((dim + a) * width + b) / 8][((dim + a) * width + b) % 8]; }
+  };
+  void gather_gradient(const ViscousFlow<dim>&, Eigen::VectorXd& k);
+  void close(std::int64_t i, const Tensor<dim>& gradient, double energy, double production,
+             const ViscousFlow<dim>&);
+  void transport(const ViscousFlow<dim>&, const LatticeConstants&, double dt, Eigen::VectorXd& k);
+  void gather_force(bool corrected, const ViscousFlow<dim>&);
+  template <bool corrected>
+  Vector<dim> force_on_water(std::int64_t i, const ViscousFlow<dim>&) const;
+  template <bool corrected>
+  Vector<dim> pair_with_row(std::int64_t i, std::int64_t j, double w, double inverse,
+                            const ViscousFlow<dim>&) const;
+  Vector<dim> force_on_row(std::int64_t j, const ViscousFlow<dim>&) const;
+  void separate(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
+
+  SpsModel model_;
+  double radius_ = 0, stress_scale_ = 0, laplacian_scale_ = 0;  // r_e [m], d/n0, 2d/(n0 λ) [1/m²]
+  Turbulence kind_ = Turbulence::none;
+  VelocityBehind<dim> behind_;
+  SharedMemory samples_, stresses_;
+  std::span<Sample> sample_;  // of the last `compute`, as `stress_`
+  std::span<Stress> stress_;
+  std::vector<Tensor<dim>> correction_;
+  std::vector<std::int32_t> neighbours_;  // of the water; −1: too few or too flat for a gradient
+  std::vector<std::uint8_t> seen_;
+  std::vector<double> viscosity_;
+  Eigen::VectorXd production_, eddy_viscosity_, scratch_;  // of the k model: Pr = 2 S:S [1/s²], ν_t [m²/s]
+};
+
+}  // namespace strake::fluid

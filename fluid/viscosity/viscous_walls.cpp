@@ -1,0 +1,116 @@
+#include "fluid/viscosity/viscous_walls.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace strake::fluid {
+
+using std::size_t;
+
+template <int dim>
+void WallRows<dim>::resize(std::int64_t first_row, std::int64_t rows) {
+  first = first_row;
+  normal.setZero(dim, rows);
+  velocity.setZero(dim, rows);
+  depth.setZero(rows);
+  master.assign(static_cast<size_t>(rows), -1);
+  slip.assign(static_cast<size_t>(rows), 0);
+}
+
+template <int dim>
+void describe_rows(const Boundary<dim>& boundary, const State<dim>& state, bool slip, double spacing,
+                   WallRows<dim>& walls) {
+  const std::int64_t water = boundary.water(), rows = state.position.cols() - water;
+  const Tank<dim>& tank = boundary.tank();
+  const bool fresh = walls.first != water || walls.size() != rows;
+  if (fresh) {
+    walls.resize(water, rows);
+    for (std::int64_t k = 0; k < rows; ++k) {
+      walls.master[static_cast<size_t>(k)] = boundary.master_of(water + k);
+      walls.depth[k] = 0.5 * spacing;
+    }
+    walls.slip.assign(static_cast<size_t>(rows), slip ? 1 : 0);
+  }
+  const std::int64_t bodies = boundary.first_of_bodies() - water;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = fresh || tank.moves() ? 0 : bodies; k < rows; ++k) {
+    const std::int64_t i = water + k, master = walls.master[static_cast<size_t>(k)];
+    const std::int64_t front = master < 0 ? i : master;
+    if (i < boundary.first_of_bodies()) {
+      const Vector<dim> normal = boundary.normal_of(front);
+      walls.normal.col(k) = normal;
+      walls.depth[k] = 0.5 * spacing + normal.dot(state.position.col(front) - state.position.col(i));
+      walls.velocity.col(k) = tank.moves() ? tank.velocity_at(state.position.col(i) + walls.depth[k] * normal)
+                                           : Vector<dim>(state.velocity.col(i));
+    } else if (boundary.volume()) {
+      walls.slip[static_cast<size_t>(k)] = 0;
+      walls.velocity.col(k) = state.velocity.col(i);
+    } else {
+      const int point = boundary.point_of(i);
+      walls.normal.col(k) = boundary.outline().normal(point);
+      walls.depth[k] =
+          0.5 * spacing + walls.normal.col(k).dot(state.position.col(front) - state.position.col(i));
+      walls.velocity.col(k) = boundary.outline().velocity(point);
+    }
+  }
+}
+
+template <int dim>
+void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
+  const WallRows<dim>& walls = flow.walls;
+  const std::int64_t rows = walls.size();
+  assert(walls.first + rows == flow.position.cols());
+  velocity.resize(dim, rows);
+  slope.resize(dim, rows);
+  mean.resize(dim, rows);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < rows; ++k) {
+    if (walls.master[static_cast<size_t>(k)] >= 0) continue;
+    const std::int64_t row = walls.first + k;
+    const auto columns = flow.near.row(row);
+    const auto inverses = flow.near.inverses(row);
+    const Vector<dim> at = flow.position.col(row), face = walls.velocity.col(k), normal = walls.normal.col(k);
+    Vector<dim> rise = Vector<dim>::Zero(), sum = Vector<dim>::Zero();
+    double run = 0, weight = 0;
+    for (size_t e = 0; e < columns.size() && columns[e] < walls.first; ++e) {
+      const double w = radius * inverses[e] - 1;
+      if (w <= 0) continue;
+      const Vector<dim> r = flow.periodic.separation(at, flow.position.col(columns[e]));
+      // Water put back onto the face has no height from which a slope could be told.
+      const double d = std::max(0.5 * walls.depth[k], r.dot(normal) - walls.depth[k]);
+      const Vector<dim> u = flow.velocity.col(columns[e]) - face;
+      rise += w * d * u;
+      run += w * d * d;
+      sum += w * u;
+      weight += w;
+    }
+    slope.col(k) = run > 0 ? Vector<dim>(rise / run) : Vector<dim>(Vector<dim>::Zero());
+    mean.col(k) = weight > 0 ? Vector<dim>(sum / weight) : Vector<dim>(Vector<dim>::Zero());
+  }
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < rows; ++k) {
+    velocity.col(k) = walls.velocity.col(k);
+    if (flow.dry(walls.first + k)) continue;
+    const std::int32_t master = walls.master[static_cast<size_t>(k)];
+    const std::int64_t front = master < 0 ? k : master - walls.first;
+    const Vector<dim> normal = walls.normal.col(front), rise = walls.depth[k] * slope.col(front);
+    const bool corner = normal.squaredNorm() == 0;
+    if (!walls.slip[static_cast<size_t>(k)]) {
+      if (!corner) velocity.col(k) -= rise;
+    } else if (corner) {
+      velocity.col(k) -= mean.col(front);
+    } else {
+      velocity.col(k) += mean.col(front) - normal * normal.dot(mean.col(front) + rise);
+    }
+  }
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                            \
+  template struct WallRows<dim>;                                                                           \
+  template void describe_rows<dim>(const Boundary<dim>&, const State<dim>&, bool, double, WallRows<dim>&); \
+  template struct VelocityBehind<dim>;
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
+
+}  // namespace strake::fluid

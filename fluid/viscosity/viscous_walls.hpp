@@ -1,0 +1,65 @@
+#pragma once
+
+#include "fluid/boundary/boundary.hpp"
+#include "fluid/particles/neighbours.hpp"
+#include "fluid/particles/periodic.hpp"
+#include "fluid/particles/state.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace strake::fluid {
+
+/// The rows behind walls and bodies as the viscous terms must know them. Entry k is particle first + k.
+template <int dim>
+struct WallRows {
+  std::int64_t first = 0;            // particles [first, n) are rows, those before it water
+  Vectors<dim> normal;               // of the face, into the water; zero: none (corner, structure particle)
+  Eigen::VectorXd depth;             // of the row behind the face [m]
+  Vectors<dim> velocity;             // of the face in front of the row [m/s]
+  std::vector<std::int32_t> master;  // particle of the same face's first row; −1: is one itself
+  std::vector<std::uint8_t> slip;    // 1: the face is smooth
+
+  std::int64_t size() const { return static_cast<std::int64_t>(master.size()); }
+  /// Rows without a normal, at rest.
+  void resize(std::int64_t first_row, std::int64_t rows);
+};
+
+/// The rows of tank and bodies where they are now. slip: of all faces.
+template <int dim>
+void describe_rows(const Boundary<dim>&, const State<dim>&, bool slip, double spacing, WallRows<dim>&);
+
+/// What the viscous terms read.
+template <int dim>
+struct ViscousFlow {
+  const Vectors<dim>& position;
+  const Vectors<dim>& velocity;                // rows: of their wall
+  const Neighbours &near, &far;                // reach radius_gradient, radius_laplacian
+  const WallRows<dim>& walls;                  // the particles that are no water
+  std::span<const std::uint8_t> wet = {};      // 0: a dry row, through which no stress passes; empty: all wet
+  std::span<const std::uint8_t> surface = {};  // 1: free surface; empty: none is
+  Periodic<dim> periodic = {};                 // directions in which the flow repeats itself
+  std::span<const double> wall_distance = {};  // [m], read with wall damping alone
+
+  bool dry(std::int64_t row) const { return !wet.empty() && !wet[static_cast<std::size_t>(row)]; }
+};
+
+/// Velocities that carry the water's flow on behind the faces: what the viscous terms read at the rows.
+/// Distances d are from the face, s > 0 in the water and −depth at the row; u_w is the face's velocity.
+///   no slip  u = u_w + d Σ w d_i (u_i − u_w)/Σ w d_i²: the line through u_w that fits the water best
+///   slip     the same for the normal component; the mean Σ w u_i/Σ w for the others, whose slope is zero
+/// Sums over the water i within `radius` of the face's first row. Exact for a flow that is linear in the
+/// distance. In a corner: u_w, or the point reflection 2 u_w − Σ w u_i/Σ w where it is smooth. Rows whose
+/// mask is zero, and rows without water near, keep u_w.
+template <int dim>
+struct VelocityBehind {
+  Vectors<dim> velocity;     // of each row [m/s]
+  Vectors<dim> slope, mean;  // of the water before each first row, relative to u_w: [1/s], [m/s]
+
+  void extend(const ViscousFlow<dim>&, double radius);
+};
+
+}  // namespace strake::fluid

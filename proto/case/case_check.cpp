@@ -1,0 +1,115 @@
+// Keys that nobody declared.
+#include "proto/case/case_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace strake {
+namespace {
+
+using Document = CaseFile::Document;
+
+struct Unknown {
+  std::string path;
+  toml::source_position at;
+  const Document::Set* set;
+};
+
+class Search {
+ public:
+  explicit Search(const Document& document) : document_(document) {}
+
+  void table(const toml::table& table, const std::string& path) {
+    if (accepted(path)) return;
+    for (auto&& [key, node] : table) {
+      const std::string below = (path.empty() ? "" : path + ".") + quoted_key(std::string(key.str()));
+      const bool declared_table = document_.tables.contains(below);
+      if (accepted(below) || (document_.index.contains(below) && !declared_table)) continue;
+      if (node.is_table() && leads_to_a_declaration(below))
+        this->table(*node.as_table(), below);
+      else if (node.is_array() && declared_table)
+        elements(*node.as_array(), below);
+      else if (!declared_table)
+        found.push_back({below, key.source().begin, document_.set_of(below)});
+    }
+  }
+
+  std::vector<Unknown> found;
+
+ private:
+  void elements(const toml::array& array, const std::string& path) {
+    for (std::size_t i = 0; i < array.size(); ++i)
+      if (const toml::table* element = array.get(i)->as_table())
+        table(*element, fmt::format("{}[{}]", path, i));
+  }
+
+  bool accepted(const std::string& path) const {
+    return std::any_of(document_.accepted.begin(), document_.accepted.end(),
+                       [&](const std::string& prefix) { return lies_below(path, prefix); });
+  }
+
+  bool leads_to_a_declaration(const std::string& path) const {
+    return document_.tables.contains(path) ||
+           std::any_of(document_.keys.begin(), document_.keys.end(),
+                       [&](const KeyInfo& key) { return lies_below(key.path, path); });
+  }
+
+  const Document& document_;
+};
+
+/// What the user may have meant: a near name in the same table, else the same name in another one.
+std::string advice(const Document& document, const std::string& path) {
+  const std::pair<std::string, std::string> split = parent_and_name(path);
+  const auto &parent = split.first, &name = split.second;  // a lambda of clang 14 takes no structured binding
+  std::vector<std::string> siblings, elsewhere;
+  const auto consider = [&](const std::string& known) {
+    const auto [table, key] = parent_and_name(known);
+    if (table == parent && !key.empty()) siblings.push_back(key);
+    if (key == name && table != parent && known.find('[') == std::string::npos) elsewhere.push_back(known);
+  };
+  for (const KeyInfo& key : document.keys) consider(key.path);
+  for (const std::string& table : document.tables) consider(table);
+  const auto command = [](const std::string& table) -> std::string {
+    const bool all = table.empty() || table.find('[') != std::string::npos;
+    return all ? "strake explain" : "strake explain " + table;
+  };
+  const auto explain = [&](const std::string& table) {
+    return document.explained ? fmt::format("  ({})", command(table)) : std::string();
+  };
+  if (const std::string near = did_you_mean(name, siblings); !near.empty())
+    return fmt::format("did you mean {}?{}", quoted_key(near), explain(parent));
+  if (!elsewhere.empty())
+    return fmt::format("did you mean {}?{}", elsewhere.front(),
+                       explain(parent_and_name(elsewhere.front()).first));
+  if (document.explained) return command(parent) + " lists the keys";
+  std::string known;
+  for (const std::string& sibling : siblings) known += (known.empty() ? "" : ", ") + sibling;
+  return "its keys are " + known;
+}
+
+}  // namespace
+
+void CaseFile::refuse_unknown(const std::string& prefix) const {
+  const Document& document = *document_;
+  const toml::node* start = document.at(prefix);
+  if (!start || !start->is_table()) return;
+  Search search(document);
+  search.table(*start->as_table(), prefix);
+  if (search.found.empty()) return;
+  std::stable_sort(search.found.begin(), search.found.end(), [](const Unknown& a, const Unknown& b) {
+    if ((a.set != nullptr) != (b.set != nullptr)) return b.set != nullptr;
+    return a.set ? a.set < b.set : std::pair(a.at.line, a.at.column) < std::pair(b.at.line, b.at.column);
+  });
+  const auto place = [&](const Unknown& unknown) {
+    return unknown.set ? "--set " + unknown.set->argument : document.place(unknown.at);
+  };
+  std::string problem = search.found.front().path + " is not a key";
+  for (std::size_t i = 1; i < search.found.size(); ++i)
+    problem += fmt::format("\n{}: {} is not a key; {}", place(search.found[i]), search.found[i].path,
+                           advice(document, search.found[i].path));
+  throw Error(ExitCode::case_file, place(search.found.front()), problem,
+              advice(document, search.found.front().path));
+}
+
+}  // namespace strake

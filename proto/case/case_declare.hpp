@@ -1,0 +1,36 @@
+#pragma once
+// Private to the case_*.cpp files: what every declaration of a key does.
+
+#include "proto/case/case_document.hpp"
+
+#include <string>
+
+namespace strake {
+
+/// One declaration while it is read: finds the value, words the errors, is recorded once.
+class Declaration {
+ public:
+  Declaration(CaseFile::Document&, const std::string& table, const std::string& name, KeyInfo description);
+
+  std::string name() const;  // last part of the path, as it stands in the file
+  /// The characters of a --set value that TOML took for something else than text, else empty.
+  std::string raw_text() const;
+  Error wrong(const std::string& what, const std::string& fix = {}, const toml::node* part = nullptr) const;
+  /// True if there is a value; throws if there is none and one is needed. sample: what the fix tells to add.
+  bool given(bool required, const std::string& sample) const;
+  /// True if the value shall come from preset "paper".
+  bool takes_paper(bool has_paper);
+  /// echoed = false: the value would not pass its own checks; it stands for "not given".
+  void record(std::string value, bool echoed = true);
+
+  KeyInfo info;
+  const toml::node* node = nullptr;  // the value, if it is given
+  const CaseFile::Document::Set* set = nullptr;
+  std::string expected;        // "a number in Pa, greater than 0"
+  bool default_passes = true;  // the default may be offered as a fix
+
+ private:
+  CaseFile::Document& document_;
+};
+
+}  // namespace strake

@@ -1,0 +1,133 @@
+// What was declared, as TOML and as JSON.
+#include "proto/case/case_document.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <sstream>
+
+namespace strake {
+namespace {
+
+/// The declared keys as the tree of tables that TOML wants: a table's own keys come before its sub-tables.
+struct Branch {
+  std::string name;  // a key, or for an element of an array its index
+  const KeyInfo* key = nullptr;
+  bool echoed = true;
+  bool is_array = false;
+  std::vector<std::unique_ptr<Branch>> below;
+
+  Branch& child(const std::string& wanted) {
+    for (const auto& branch : below)
+      if (branch->name == wanted) return *branch;
+    below.push_back(std::make_unique<Branch>());
+    below.back()->name = wanted;
+    return *below.back();
+  }
+};
+
+bool is_text(const KeyInfo& key) {
+  return key.type == "text" || key.type == "choice" || key.type == "file" || key.type == "folder";
+}
+
+std::string line_of(const Branch& branch) {
+  const KeyInfo& key = *branch.key;
+  const std::string value = is_text(key) ? to_toml(key.value) : key.value;
+  const bool has_unit = !key.unit.empty() && key.unit != "1";
+  const std::string note = (has_unit ? key.unit + ", " : "") + key.origin;
+  if (!branch.echoed) return fmt::format("# {} is not given\n", quoted_key(branch.name));
+  return fmt::format("{} = {}  # {}\n", quoted_key(branch.name), value, note);
+}
+
+void write(const Branch& branch, const std::string& path, bool is_element, std::string& text) {
+  std::string own;
+  for (const auto& child : branch.below)
+    if (child->key) own += line_of(*child);
+  if (!path.empty() && (is_element || !own.empty())) {
+    if (!text.empty()) text += "\n";
+    text += is_element ? "[[" + path + "]]\n" : "[" + path + "]\n";
+  }
+  text += own;
+  for (const auto& child : branch.below) {
+    if (child->key) continue;
+    const std::string below = (path.empty() ? "" : path + ".") + quoted_key(child->name);
+    if (child->is_array)
+      for (const auto& element : child->below) write(*element, below, true, text);
+    else
+      write(*child, below, false, text);
+  }
+}
+
+}  // namespace
+
+std::string CaseFile::echo(const std::string& prefix) const {
+  Branch root;
+  for (std::size_t i = 0; i < document_->keys.size(); ++i) {
+    const KeyInfo& key = document_->keys[i];
+    if (key.type == "table" || key.type == "not built" || !lies_below(key.path, prefix)) continue;
+    Branch* branch = &root;
+    for (const PathStep& step : split_path(key.path)) {
+      if (step.is_index) branch->is_array = true;
+      branch = &branch->child(step.is_index ? fmt::format("{}", step.index) : step.key);
+    }
+    branch->key = &key;
+    branch->echoed = document_->echoed[i];
+  }
+  std::string text;
+  write(root, "", false, text);
+  return text;
+}
+
+std::string CaseFile::as_given(const std::string& table, const std::string& solver) const {
+  const toml::table* given = document_->root[table].as_table();
+  toml::table copy = given ? *given : toml::table();
+  copy.insert_or_assign("solver", solver);
+  const toml::table whole{{table, copy}};
+  std::ostringstream text;
+  text << toml::toml_formatter(whole) << "\n";
+  return text.str();
+}
+
+std::string to_json(const std::vector<KeyInfo>& keys) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const KeyInfo& key : keys)
+    list.push_back({{"path", key.path},
+                    {"type", key.type},
+                    {"unit", key.unit},
+                    {"range", key.range},
+                    {"choices", key.choices},
+                    {"default", key.default_value},
+                    {"paper", key.paper_value},
+                    {"value", key.value},
+                    {"origin", key.origin},
+                    {"help", key.help}});
+  return list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::vector<KeyInfo> keys_from_json(const std::string& text) {
+  std::vector<KeyInfo> keys;
+  try {
+    for (const nlohmann::json& item : nlohmann::json::parse(text)) {
+      KeyInfo key;
+      key.path = item.at("path");
+      key.type = item.at("type");
+      key.unit = item.value("unit", "");
+      key.range = item.value("range", "");
+      key.choices = item.value("choices", std::vector<std::string>());
+      key.default_value = item.value("default", "");
+      key.paper_value = item.value("paper", "");
+      key.value = item.value("value", "");
+      key.origin = item.value("origin", "");
+      key.help = item.value("help", "");
+      keys.push_back(key);
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ExitCode::case_file, "list of keys",
+                std::string("not the JSON that --keys prints\n") + error.what(),
+                "run the solver with --keys by hand and look at what it prints");
+  }
+  return keys;
+}
+
+}  // namespace strake

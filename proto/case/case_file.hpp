@@ -1,0 +1,171 @@
+#pragma once
+
+#include "proto/box.hpp"
+#include "proto/case/key_info.hpp"
+#include "proto/error.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace strake {
+
+/// Options of one key declaration. Values before the call are the defaults (those of preset "improved");
+/// `paper` is the value under preset = "paper". Precedence: default < preset < case file < --set.
+struct NumberKey {
+  std::string unit = "1";
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool exclusive = false;  // min itself is refused
+  bool required = false;
+  bool infinite = false;  // inf is accepted, as where the default or the paper's value is inf; NaN never is
+  std::optional<double> paper = {};
+  std::string help = {};
+};
+struct IntegerKey {
+  int min = std::numeric_limits<int>::min(), max = std::numeric_limits<int>::max();
+  bool required = false;
+  std::optional<int> paper = {};
+  std::string help = {};
+};
+struct FlagKey {
+  std::optional<bool> paper = {};
+  std::string help = {};
+};
+struct TextKey {
+  bool required = false;
+  std::optional<std::string> paper = {};
+  std::string help = {};
+};
+struct ChoiceKey {
+  bool required = false;
+  bool or_path = false;  // a value with '/' is accepted: a program of the user's
+  std::optional<std::string> paper = {};
+  std::vector<std::string> not_built = {};  // choices of the design that are refused by name, "not built yet"
+  std::string help = {};
+};
+struct VectorKey {
+  std::string unit = "1";
+  bool required = false;
+  std::string help = {};
+};
+struct PointsKey {
+  std::string unit = "1";
+  std::size_t at_least = 3;
+  bool required = false;
+  std::string help = {};
+};
+
+class CaseTable;
+
+/// A case file with positions. Reading a key declares it; `refuse_unknown` then names every key nobody
+/// declared.
+class CaseFile {
+ public:
+  /// Reads FILE and applies the --set strings in order (V is read as TOML, else as text). Throws
+  /// Error(case_file).
+  static CaseFile load(const std::filesystem::path& file, const std::vector<std::string>& sets = {});
+  /// A case from text, for tests; `name` stands where the path would in messages.
+  static CaseFile parse(const std::string& text, const std::string& name = "case.toml",
+                        const std::vector<std::string>& sets = {});
+  /// No file: every declaration is recorded, nothing is required, an array of tables has one empty element.
+  static CaseFile declarations_only();
+
+  CaseTable root();
+  /// The file is no case (a study): its messages do not point to `strake explain`.
+  void not_a_case();
+  /// Error for every key below `prefix` ("fluid"; empty: the whole file) that no declaration has touched,
+  /// with did-you-mean. Call after all reading.
+  void refuse_unknown(const std::string& prefix = {}) const;
+  const std::vector<KeyInfo>& declared() const;
+  /// Resolved TOML of the declared keys below `prefix`, each marked with its origin.
+  std::string echo(const std::string& prefix = {}) const;
+  /// A top table as TOML, with what --set changed, as the user gave it: for programs whose keys nobody here
+  /// knows. `solver` takes the place of its key of that name.
+  std::string as_given(const std::string& table, const std::string& solver) const;
+  /// SHA-256 of the file's bytes, each --set string, and the bytes of every existing file that a text value
+  /// names.
+  std::array<std::uint8_t, 32> hash() const;
+  std::filesystem::path path() const;
+  std::filesystem::path folder() const;  // relative paths in the case are relative to it
+  const std::string& preset() const;     // "paper" | "improved"
+  /// True for `declarations_only`: checks across keys have nothing to check.
+  bool only_declares() const;
+
+  struct Document;
+
+ private:
+  explicit CaseFile(std::shared_ptr<Document>);
+  std::shared_ptr<Document> document_;
+};
+
+/// A view of one table. Each call declares one key: reads it, checks it, records it. A second declaration of
+/// a key reads and checks it again and records nothing. A name that stands in the table is taken as it is
+/// ("structure.solver" in quotes); otherwise dots lead into sub-tables.
+class CaseTable {
+ public:
+  void number(const std::string& name, double& value, const NumberKey&);
+  void integer(const std::string& name, int& value, const IntegerKey&);
+  void flag(const std::string& name, bool& value, const FlagKey&);
+  void text(const std::string& name, std::string& value, const TextKey&);
+  /// A file that must exist and be readable; stored absolute.
+  void file(const std::string& name, std::filesystem::path& value, const TextKey&);
+  /// A folder that must exist (an earlier run); stored absolute.
+  void folder(const std::string& name, std::filesystem::path& value, const TextKey&);
+  void choice(const std::string& name, std::string& value, const std::vector<std::string>& choices,
+              const ChoiceKey&);
+  /// Choice straight into an enumerator.
+  template <class Enum>
+  void choice(const std::string& name, Enum& value, const std::vector<std::pair<std::string, Enum>>& choices,
+              const ChoiceKey& key) {
+    std::vector<std::string> names;
+    std::string text;
+    for (const auto& [n, e] : choices) {
+      names.push_back(n);
+      if (e == value) text = n;
+    }
+    choice(name, text, names, key);
+    for (const auto& [n, e] : choices)
+      if (n == text) value = e;
+  }
+  void vector(const std::string& name, Eigen::Vector3d& value, const VectorKey&);  // [x, y, z] or [x, y]
+  void box(const std::string& name, Box& value, const VectorKey&);  // [[…], […]], min < max
+  /// A list of points, [[x, y], …] or [[x, y, z], …]; empty if the key is not given.
+  void points(const std::string& name, std::vector<Eigen::Vector3d>& value, const PointsKey&);
+  /// A list of texts, or one text.
+  void texts(const std::string& name, std::vector<std::string>& value, const TextKey&);
+  /// A text, number or flag, or a list of them, each written as KeyInfo::value is: `when` of a compare block
+  /// can so be held against any declared key. Empty if the key is not given.
+  std::vector<std::string> scalars_as_text(const std::string& name, const std::string& help = {});
+  /// A key of the design that is not built yet: refused by name, with that reason.
+  void not_built(const std::string& name, const std::string& help);
+
+  CaseTable table(const std::string& name, const std::string& help = {});  // empty view if absent
+  std::vector<CaseTable> tables(const std::string& name, const std::string& help = {});  // [[name]]
+  /// Every key below this table is accepted unread (a user's own program).
+  void accept_all();
+  std::vector<std::string> keys() const;  // as they stand in the file, without declaring them
+
+  bool has(const std::string& name) const;  // given in the file or by --set
+  bool present() const;                     // the table itself is; true where the file only declares
+  /// "case.toml:40:9: structure.material.young = 0", for Error::where of a check across keys.
+  std::string where(const std::string& name) const;
+  /// The error that a wrong value of `name` deserves, with line and caret. expected: "a number in Pa, …".
+  Error error(const std::string& name, const std::string& expected, const std::string& fix = {}) const;
+
+ private:
+  friend class CaseFile;
+  CaseTable(std::shared_ptr<CaseFile::Document>, std::string path);
+  std::shared_ptr<CaseFile::Document> document_;
+  std::string path_;
+};
+
+}  // namespace strake

@@ -1,0 +1,109 @@
+#include "proto/case/case_keys.hpp"
+
+#include "proto/case/case_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+
+namespace strake {
+namespace {
+
+ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
+  ProbeKeys probe;
+  table.text("name", probe.name, {.required = true, .help = "name of the probe's columns and results"});
+  table.choice("of", probe.of, {"fluid", "structure"}, {.required = true, .help = "which side is measured"});
+  table.vector(
+      "at", probe.at,
+      {.unit = "m", .required = true, .help = "place in the reference configuration; moves with the body"});
+  probe.quantity = probe.of == "fluid" ? "pressure" : "deflection";
+  table.choice(
+      "quantity", probe.quantity,
+      {"deflection", "displacement", "velocity", "von_mises", "stress", "pressure", "front", "level",
+       "height"},
+      {.help = "structure: deflection (displacement less that of the supports, the default), displacement, "
+               "velocity, von_mises or stress (Cauchy's, each component); fluid: pressure (the default), "
+               "front (x where the water on the floor at `at` ends), "
+               "level (of the water over `at`) or height (wetted length over `at`)"});
+  table.number(
+      "diameter", probe.diameter,
+      {.unit = "m", .min = 0, .exclusive = true, .help = "of a pressure sensor; not given: 2 fluid.spacing"});
+  if (!table.has("name")) return probe;  // a list of declarations holds no probe to check
+
+  // The name becomes part of a column name "mid.y" and of a result "mid.y:first_peak".
+  constexpr std::size_t longest_name = 100;
+  const bool printable = std::none_of(probe.name.begin(), probe.name.end(),
+                                      [](unsigned char c) { return c <= ' ' || c == 127; });
+  if (probe.name.empty() || !printable || probe.name.find_first_of(",:[]\"'\\/") != std::string::npos)
+    throw table.error("name", "letters, digits, '_', '-' and '.'", "name = \"p_mid\"");
+  if (probe.name.size() > longest_name)
+    throw table.error("name",
+                      fmt::format("a name of at most {} letters, not {}", longest_name, probe.name.size()),
+                      "name = \"p_mid\"");
+  for (const ProbeKeys& other : others)
+    if (other.name == probe.name)
+      throw table.error("name", "a name that no other probe has", "name = \"" + probe.name + "_2\"");
+  const auto among = [&](std::initializer_list<const char*> names) {
+    return std::any_of(names.begin(), names.end(), [&](const char* name) { return probe.quantity == name; });
+  };
+  if ((probe.of == "fluid") != among({"pressure", "front", "level", "height"}))
+    throw table.error(
+        "quantity",
+        probe.of == "fluid"
+            ? "pressure, front, level or height for a probe of the fluid"
+            : "deflection, displacement, velocity, von_mises or stress for a probe of the structure",
+        probe.of == "fluid" ? "quantity = \"pressure\"" : "of = \"fluid\", or another quantity");
+  return probe;
+}
+
+}  // namespace
+
+CommonKeys read_common(CaseFile& file) {
+  CommonKeys keys;
+  CaseTable root = file.root();
+  root.text("title", keys.title, {.help = "headline of the run"});
+  root.choice("preset", keys.preset, {"improved", "paper"},
+              {.help = "which defaults the scheme's keys have"});
+  root.number("end_time", keys.end_time,
+              {.unit = "s", .min = 0, .exclusive = true, .required = true, .help = "length of the run"});
+
+  CaseTable fluid = root.table("fluid", "the fluid: its box, its material, its scheme");
+  fluid.choice("solver", keys.fluid_solver, {"mps", "replay", "none"},
+               {.or_path = true, .help = "which program solves the fluid"});
+  CaseTable structure = root.table("structure", "the structure: its shape, its material, its solver");
+  structure.choice("solver", keys.structure_solver, {"fem", "particle", "ccx", "rigid", "replay", "none"},
+                   {.or_path = true, .help = "which program solves the structure"});
+
+  CaseTable coupling = root.table("coupling", "how the two are coupled");
+  coupling.choice(
+      "interface", keys.interface, {"surface", "volume"},
+      {.help = "surface: wet surface, partitioned; volume: all solid particles, the unified loop"});
+  double surface_window = 1e-5, volume_window = 2e-6;
+  CaseTable surface = coupling.table("surface", "used where interface = \"surface\"");
+  surface.number("window", surface_window,
+                 {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval"});
+  surface.choice(
+      "interpolation", keys.interpolation, {"mean", "constant", "linear", "quadratic", "b-spline"},
+      {.help = "what a structure with steps of its own feels in a window: the load's mean, or its "
+               "history over the fluid's steps, taken so between them (b-spline: the cubic spline)"});
+  coupling.table("volume", "used where interface = \"volume\"")
+      .number("window", volume_window,
+              {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval: one step of the fluid"});
+  keys.window = keys.interface == "volume" ? volume_window : surface_window;
+
+  CaseTable run = root.table("run", "how the programs run");
+  run.integer("threads", keys.threads, {.min = 1, .max = 1024, .help = "threads of each solver"});
+  run.number("checkpoint", keys.checkpoint,
+             {.unit = "s", .min = 0, .exclusive = true, .help = "wall clock between checkpoints"});
+
+  CaseTable output = root.table("output", "what is written");
+  output.number("every", keys.output_every,
+                {.unit = "s", .min = 0, .exclusive = true, .help = "time between field frames"});
+  for (const CaseTable& probe : output.tables("probe", "one place, one quantity, over time"))
+    keys.probes.push_back(read_probe(probe, keys.probes));
+  return keys;
+}
+
+}  // namespace strake

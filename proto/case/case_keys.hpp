@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace strake {
+
+class CaseFile;
+
+/// [[output.probe]]: one place, one quantity.
+struct ProbeKeys {
+  std::string name;  // "mid"; vector quantities make "mid.x", "mid.y"(, "mid.z")
+  std::string of;    // "fluid" | "structure"
+  Eigen::Vector3d at =
+      Eigen::Vector3d::Zero();  // [m] reference configuration; moves with the body it touches
+  /// Structure: "deflection" | "displacement" | "velocity" | "von_mises" | "stress"; fluid: "pressure" |
+  /// "front" | "level" | "height", which stay where they are in space.
+  std::string quantity;
+  double diameter = 0;  // [m] pressure sensor; 0: 2 l0
+};
+
+/// The keys that more than one program reads, so that they are declared once.
+struct CommonKeys {
+  std::string title;
+  std::string preset = "improved";
+  double end_time = 0;         // [s]
+  double output_every = 1e-4;  // [s]
+  std::vector<ProbeKeys> probes;
+  std::string interface = "surface";  // "surface" | "volume"
+  std::string fluid_solver = "mps", structure_solver = "fem";
+  double window = 1e-5;  // [s] of the chosen interface (coupling.surface.window or coupling.volume.window)
+  std::string interpolation =
+      "mean";              // of the load over a window, as the structure takes it: one mean, or a
+                           // history taken "constant" | "linear" | "quadratic" between its samples
+  int threads = 2;         // run.threads
+  double checkpoint = 60;  // [s] of wall clock between checkpoints
+};
+
+/// Declares and reads title, preset, end_time, [output], coupling.interface, both windows, both solver names,
+/// run.threads.
+CommonKeys read_common(CaseFile&);
+
+}  // namespace strake

@@ -1,0 +1,94 @@
+#include "proto/files/frame_file.hpp"
+
+#include "proto/error.hpp"
+#include "proto/files/hdf5_file.hpp"
+#include "proto/interface.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace strake {
+namespace {
+
+const std::string frame_format = "strake frame 1";
+
+Error damaged(const std::filesystem::path& path, const std::string& problem) {
+  return {ExitCode::case_file, path.string(), problem, "run the case again"};
+}
+
+/// /point or /cell: a file holds n×components, row after row; a frame components×n.
+std::vector<Frame::Array> read_arrays(const hdf5::Reader& file, const std::string& group, Eigen::Index n,
+                                      const std::filesystem::path& from) {
+  std::vector<Frame::Array> arrays;
+  for (const std::string& link : file.names(group)) {
+    const std::string path = group + "/" + link;
+    arrays.push_back({.name = hdf5::from_link_name(link),
+                      .unit = file.text_of(path, "unit").value_or("1"),
+                      .value = file.real(path).transpose()});
+    if (arrays.back().value.cols() != n)
+      throw damaged(from, fmt::format("{} has {} rows, not {}", path, arrays.back().value.cols(), n));
+  }
+  return arrays;
+}
+
+}  // namespace
+
+std::vector<FrameFile> list_frames(const std::filesystem::path& run_folder, const std::string& name) {
+  std::vector<FrameFile> frames;
+  std::error_code error;
+  for (const auto& item : std::filesystem::directory_iterator(run_folder / "frames", error)) {
+    const std::filesystem::path& path = item.path();
+    if (path.extension() != ".h5" || !path.filename().string().starts_with(name + "-")) continue;
+    if (const auto time = time_of_frame(path))
+      frames.push_back({*time, path});  // the others still show the run
+  }
+  std::sort(frames.begin(), frames.end(), [](const FrameFile& a, const FrameFile& b) {
+    return std::pair(a.time, a.path) < std::pair(b.time, b.path);
+  });
+  return frames;
+}
+
+std::optional<double> time_of_frame(const std::filesystem::path& path) {
+  try {
+    return hdf5::Reader(path, frame_format).number("time");
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+const FrameFile* nearest(const std::vector<FrameFile>& frames, double time) {
+  if (frames.empty()) return nullptr;
+  if (std::isinf(time)) return time > 0 ? &frames.back() : &frames.front();
+  const FrameFile* best = nullptr;
+  for (const FrameFile& frame : frames)
+    if (best == nullptr || std::abs(frame.time - time) < std::abs(best->time - time)) best = &frame;
+  return best;
+}
+
+Frame read_frame(const std::filesystem::path& path) {
+  const hdf5::Reader file(path, frame_format);
+  Frame frame;
+  frame.time = file.number("time");
+  const hdf5::RowMajor position = file.real("/position");
+  if (position.cols() != 3) throw damaged(path, "the positions of a frame have three components");
+  frame.position = position.transpose();
+
+  const auto shape = file.shape("/cells");  // cells, nodes of each
+  const std::vector<std::int64_t> cells = file.integer("/cells");
+  if (shape[1] > 1) {
+    frame.cells.resize(shape[1], shape[0]);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (cells[i] < 0 || cells[i] >= frame.position.cols())
+        throw damaged(path, "a cell names a point that is not there");
+      frame.cells.data()[i] = static_cast<int>(cells[i]);
+    }
+  }
+  frame.point_data = read_arrays(file, "/point", frame.position.cols(), path);
+  frame.cell_data = read_arrays(file, "/cell", shape[0], path);
+  return frame;
+}
+
+}  // namespace strake

@@ -1,0 +1,109 @@
+#pragma once
+// Private to proto/: the little of HDF5's C API that results need, with handles that close themselves.
+
+#include <Eigen/Core>
+#include <hdf5.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace strake::hdf5 {
+
+using Close = herr_t (*)(hid_t);
+
+/// Owns one HDF5 identifier.
+class Handle {
+ public:
+  Handle() = default;
+  Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  hid_t get() const { return id_; }
+
+ private:
+  hid_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+/// While it lives, HDF5 belongs to this thread alone, which the library asks for, and prints nothing of its
+/// own.
+class Session {
+ public:
+  Session();
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+ private:
+  std::lock_guard<std::recursive_mutex> alone_;
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// A file composed in memory and written by ourselves in one go: HDF5 never meets a full disk, and no
+/// half-written file is ever seen. Object times are off, so equal content is equal bytes.
+class Writer {
+ public:
+  Writer();
+  void group(const std::string& path);
+  /// rows×columns of float64; row-major memory.
+  void dataset(const std::string& path, const double* data, Eigen::Index rows, Eigen::Index columns);
+  void dataset(const std::string& path, const std::vector<std::int64_t>& data, Eigen::Index columns = 1);
+  void attribute(const std::string& object, const std::string& name, double value);
+  void attribute(const std::string& object, const std::string& name, const std::string& value);
+  /// Writes the file whole; throws Error(cannot_write).
+  void save(const std::filesystem::path&, bool lasting = false);  // lasting: on the disk when it returns
+
+ private:
+  void put(const std::string& path, hid_t file_type, hid_t memory_type, const void* data, Eigen::Index rows,
+           Eigen::Index columns);
+  Session session_;
+  Handle file_;
+};
+
+/// A file that somebody wrote; whatever is wrong with it throws Error(case_file) naming the file.
+class Reader {
+ public:
+  /// format: the attribute "format" of the root that makes the file ours.
+  Reader(const std::filesystem::path&, const std::string& format);
+  std::vector<std::string> names(const std::string& group) const;  // of the links in it, sorted
+  std::array<Eigen::Index, 2> shape(const std::string& path) const;
+  RowMajor real(const std::string& path) const;
+  std::vector<std::int64_t> integer(const std::string& path) const;
+  double number(const std::string& attribute) const;  // of the root
+  std::string text(const std::string& attribute) const;
+  /// An attribute of another object, where it has it.
+  std::optional<std::string> text_of(const std::string& object, const std::string& attribute) const;
+
+ private:
+  std::string text(hid_t object, const std::string& attribute) const;
+  Handle dataset(const std::string& path, H5T_class_t, std::array<Eigen::Index, 2>&) const;
+  [[noreturn]] void refuse(const std::string& problem) const;
+  Session session_;
+  std::filesystem::path path_;
+  std::uintmax_t size_ = 0;  // [bytes]
+  Handle file_;
+};
+
+/// A name of ours as the name of one link ('/' would open a group), and back.
+std::string link_name(const std::string& name);
+std::string from_link_name(const std::string& link);
+
+}  // namespace strake::hdf5

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "proto/files/whole_file.hpp"
+#include "proto/interface.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// A column file: one header line `name [unit],…`, then rows; flushed after each row. Numbers in the C
+/// locale, the shortest text that reads back to the same double, so that equal results are equal bytes.
+/// Throws Error(cannot_write).
+class History {
+ public:
+  History(const std::filesystem::path&, std::vector<Column> columns);
+  /// Continues a file: keeps the header, which must name these columns, and its first `rows` rows (resume).
+  /// Throws Error(case_file) if the file is not there, has other columns or fewer rows.
+  History(const std::filesystem::path&, std::vector<Column> columns, std::size_t rows);
+  ~History();
+  History(const History&) = delete;
+  History& operator=(const History&) = delete;
+  void append(const std::vector<double>& row);  // one value per column; NaN is written as an empty cell
+  const std::vector<Column>& columns() const { return columns_; }
+  /// Waits until the rows so far are on the disk.
+  void sync();
+
+ private:
+  void write(const std::string& text);
+  std::filesystem::path path_;
+  std::vector<Column> columns_;
+  std::FILE* file_ = nullptr;
+};
+
+/// A column file read back. A last line without its newline (a killed run) is left out.
+struct Table {
+  std::vector<Column> columns;
+  std::vector<std::vector<double>> value;  // one vector per column; NaN for an empty cell
+  std::filesystem::path path = {};         // where it was read
+  std::size_t rows() const { return value.empty() ? 0 : value.front().size(); }
+  /// The column of that name; throws Error naming the file's columns.
+  const std::vector<double>& column(const std::string& name) const;
+};
+/// Lines that begin with # are notes (origin, licence). Throws Error(case_file) with file:line for a bad
+/// header, a bad number or a row of wrong length. A table of a user's is read up to `largest_table`.
+Table read_table(const std::filesystem::path&, std::uintmax_t largest = any_size);
+
+}  // namespace strake

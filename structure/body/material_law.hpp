@@ -1,0 +1,16 @@
+#pragma once
+
+#include "structure/body/solid.hpp"
+
+#include <string>
+#include <vector>
+
+namespace strake::structure {
+
+/// The laws of a body's parts in words: "neo-Hookean", or, where they differ, "linear elasticity (rib) and
+/// Saint Venant-Kirchhoff (plate, deck)".
+std::string material_law(const std::vector<Part>&);
+/// Whether every part is linear: small strains, the reference configuration throughout.
+bool all_linear(const std::vector<Part>&);
+
+}  // namespace strake::structure

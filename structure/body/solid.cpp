@@ -1,0 +1,338 @@
+#include "structure/body/solid.hpp"
+
+#include "structure/body/solid_grid.hpp"
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+namespace strake::structure {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+// Faces of a cell with lexicographic nodes, seen from outside counter-clockwise: x−, x+, y−, y+, z−, z+.
+constexpr std::array<std::array<int, 2>, 4> sides_of_quadrilateral = {{{2, 0}, {1, 3}, {0, 1}, {3, 2}}};
+constexpr std::array<std::array<int, 4>, 6> sides_of_hexahedron = {
+    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+
+std::vector<std::vector<int>> sides(int dimension) {
+  std::vector<std::vector<int>> all;
+  if (dimension == 2)
+    for (const auto& side : sides_of_quadrilateral) all.emplace_back(side.begin(), side.end());
+  else
+    for (const auto& side : sides_of_hexahedron) all.emplace_back(side.begin(), side.end());
+  return all;
+}
+
+/// Ascending, with what lies nearer together than `near` taken as one.
+std::vector<double> distinct(std::vector<double> values, double near) {
+  std::sort(values.begin(), values.end());
+  std::vector<double> kept;
+  for (const double v : values)
+    if (kept.empty() || v > kept.back() + near) kept.push_back(v);
+  return kept;
+}
+
+/// Jacobian of a cell's mapping at one of its corners: the product of the edges that meet there.
+double corner_jacobian(const Solid& solid, Index c, int corner) {
+  const auto at = [&](int k) -> Vector3d { return solid.node.col(solid.cell(k, c)); };
+  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
+  for (int axis = 0; axis < solid.dimension; ++axis) {
+    const int bit = 1 << axis, low = corner & ~bit, high = corner | bit;
+    J.col(axis) = at(high) - at(low);
+  }
+  return J.determinant();
+}
+
+/// Which cells hang together over whole faces: the number of the first cell of each one's group.
+std::vector<int> groups_of_cells(const Solid& solid) {
+  std::vector<int> group(static_cast<std::size_t>(solid.cell.cols()));
+  std::iota(group.begin(), group.end(), 0);
+  const auto root = [&](int c) {
+    while (group[static_cast<std::size_t>(c)] != c) c = group[static_cast<std::size_t>(c)];
+    return c;
+  };
+  std::map<std::vector<int>, int> seen;
+  const auto local = sides(solid.dimension);
+  for (int c = 0; c < solid.cell.cols(); ++c)
+    for (const auto& side : local) {
+      std::vector<int> key;
+      for (const int k : side) key.push_back(solid.cell(k, c));
+      std::sort(key.begin(), key.end());
+      const auto [found, fresh] = seen.emplace(std::move(key), c);
+      if (fresh) continue;
+      const int a = root(c), b = root(found->second);
+      group[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  for (int c = 0; c < solid.cell.cols(); ++c) group[static_cast<std::size_t>(c)] = root(c);
+  return group;
+}
+
+std::string text(const Solid& solid, const Vector3d& X) {
+  return solid.dimension == 2 ? fmt::format("({:.6g}, {:.6g})", X.x(), X.y())
+                              : fmt::format("({:.6g}, {:.6g}, {:.6g})", X.x(), X.y(), X.z());
+}
+
+}  // namespace
+
+namespace {
+
+/// The planes of all boxes along each axis; decimals of a case file that differ in their last digit are one
+/// plane.
+std::array<std::vector<double>, 3> planes_of(int dimension, const std::vector<SolidBox>& boxes) {
+  double size = 0;
+  for (const SolidBox& box : boxes) size = std::max(size, (box.max - box.min).head(dimension).maxCoeff());
+  const double near = 1e-9 * size;
+  std::array<std::vector<double>, 3> planes;
+  for (int axis = 0; axis < dimension; ++axis) {
+    std::vector<double> all;
+    for (const SolidBox& box : boxes) all.insert(all.end(), {box.min[axis], box.max[axis]});
+    planes[static_cast<std::size_t>(axis)] = distinct(all, near);
+  }
+  return planes;
+}
+
+}  // namespace
+
+double grid_count(int dimension, const std::vector<SolidBox>& boxes) {
+  double count = boxes.empty() ? 0 : 1;
+  for (const std::vector<double>& plane : planes_of(dimension, boxes))
+    if (!plane.empty()) count *= static_cast<double>(plane.size() - 1);
+  return count;
+}
+
+Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
+  Solid solid;
+  solid.dimension = dimension;
+  for (const SolidBox& box : boxes) solid.parts.push_back({box.name, box.material, box.held});
+  if (boxes.empty()) return solid;
+
+  // 1. The planes.
+  solid.plane = planes_of(dimension, boxes);
+  const auto count = [&](std::size_t axis) {
+    return axis < static_cast<std::size_t>(dimension) ? static_cast<int>(solid.plane[axis].size()) : 1;
+  };
+  const std::array<int, 3> planes = {count(0), count(1), count(2)};
+  const std::array<int, 3> intervals = {planes[0] - 1, planes[1] - 1, std::max(1, planes[2] - 1)};
+
+  // 2. The first box that holds an interval's middle owns the cell.
+  const auto middle = [&](std::size_t axis, int k) {
+    if (axis >= static_cast<std::size_t>(dimension)) return 0.0;
+    const auto& plane = solid.plane[axis];
+    return 0.5 * (plane[static_cast<std::size_t>(k)] + plane[static_cast<std::size_t>(k) + 1]);
+  };
+  const auto owner = [&](const Vector3d& X) {
+    for (std::size_t b = 0; b < boxes.size(); ++b) {
+      const auto inside = [&](int axis) {
+        return X[axis] > boxes[b].min[axis] && X[axis] < boxes[b].max[axis];
+      };
+      if (inside(0) && inside(1) && (dimension == 2 || inside(2))) return static_cast<int>(b);
+    }
+    return -1;
+  };
+  std::map<std::array<int, 3>, int> number;  // of the grid's nodes that are in use
+  std::vector<Vector3d> node;
+  const auto node_at = [&](std::array<int, 3> at) {
+    const auto [found, fresh] = number.emplace(at, static_cast<int>(node.size()));
+    if (fresh) {
+      Vector3d X = Vector3d::Zero();
+      for (std::size_t axis = 0; axis < static_cast<std::size_t>(dimension); ++axis)
+        X[static_cast<Index>(axis)] = solid.plane[axis][static_cast<std::size_t>(at[axis])];
+      node.push_back(X);
+    }
+    return found->second;
+  };
+  const int corners = 1 << dimension;
+  std::vector<int> cells;
+  for (int k = 0; k < intervals[2]; ++k)
+    for (int j = 0; j < intervals[1]; ++j)
+      for (int i = 0; i < intervals[0]; ++i) {
+        const int part = owner({middle(0, i), middle(1, j), middle(2, k)});
+        if (part < 0) continue;
+        solid.part_of.push_back(part);
+        for (int corner = 0; corner < corners; ++corner)
+          cells.push_back(node_at({i + (corner & 1), j + ((corner >> 1) & 1), k + ((corner >> 2) & 1)}));
+      }
+  solid.cell = Eigen::Map<Eigen::MatrixXi>(cells.data(), corners, static_cast<Index>(solid.part_of.size()));
+  solid.node.resize(3, static_cast<Index>(node.size()));
+  for (std::size_t i = 0; i < node.size(); ++i) solid.node.col(static_cast<Index>(i)) = node[i];
+  find_facets(solid);
+
+  // 3. Supports: the facets of a box's own cells that lie in its side.
+  for (std::size_t b = 0; b < boxes.size(); ++b)
+    for (std::size_t side = 0; side < static_cast<std::size_t>(2 * dimension); ++side) {
+      if (boxes[b].support[side] == Support::free) continue;
+      const std::string name = boxes[b].name + "." + side_names[side];
+      solid.supported.push_back({name, boxes[b].support[side], facets_named(solid, name)});
+    }
+  return solid;
+}
+
+void find_facets(Solid& solid) {
+  struct Seen {
+    int cells = 0, cell = 0;
+    std::vector<int> nodes;
+  };
+  std::map<std::vector<int>, Seen> faces;
+  std::vector<std::vector<int>>
+      order;  // in which they were met first, so that the numbering is that of the cells
+  const auto local = sides(solid.dimension);
+  for (int c = 0; c < solid.cell.cols(); ++c)
+    for (const auto& side : local) {
+      std::vector<int> nodes;
+      for (const int k : side) nodes.push_back(solid.cell(k, c));
+      std::vector<int> key = nodes;
+      std::sort(key.begin(), key.end());
+      Seen& seen = faces[key];
+      if (seen.cells++ == 0) {
+        seen.cell = c;
+        seen.nodes = nodes;
+        order.push_back(key);
+      }
+    }
+  const auto rows = static_cast<Index>(local.front().size());
+  std::vector<int> flat;
+  solid.facet_cell.clear();
+  for (const auto& key : order) {
+    const Seen& seen = faces.at(key);
+    if (seen.cells != 1) continue;
+    flat.insert(flat.end(), seen.nodes.begin(), seen.nodes.end());
+    solid.facet_cell.push_back(seen.cell);
+  }
+  solid.facet = Eigen::Map<Eigen::MatrixXi>(flat.data(), rows, static_cast<Index>(solid.facet_cell.size()));
+}
+
+std::vector<int> facets_named(const Solid& solid, const std::string& name) {
+  for (const SupportedFace& face : solid.supported)
+    if (face.name == name && !face.facet.empty()) return face.facet;
+  const std::size_t dot = name.rfind('.');
+  const std::string part = dot == std::string::npos ? "" : name.substr(0, dot),
+                    side = dot == std::string::npos ? name : name.substr(dot + 1);
+  const auto found = std::find(side_names.begin(), side_names.end(), side);
+  const auto number = static_cast<Index>(found - side_names.begin());
+  if (found == side_names.end() || number >= 2 * solid.dimension) return {};
+  const Index axis = number / 2;
+  const double sign = number % 2 == 0 ? -1 : 1;
+  const auto belongs = [&](Index f) {
+    const int cell = solid.facet_cell[static_cast<std::size_t>(f)];
+    const int p = solid.part_of[static_cast<std::size_t>(cell)];
+    return part.empty() || solid.parts[static_cast<std::size_t>(p)].name == part;
+  };
+  // How far a facet's nearest node lies towards that side, and how far the outermost facet does.
+  const auto reach = [&](Index f) {
+    double least = std::numeric_limits<double>::infinity();
+    for (Index k = 0; k < solid.facet.rows(); ++k)
+      least = std::min(least, sign * solid.node(axis, solid.facet(k, f)));
+    return least;
+  };
+  double most = -std::numeric_limits<double>::infinity();
+  for (Index c = 0; c < solid.cell.cols(); ++c)
+    if (const int p = solid.part_of[static_cast<std::size_t>(c)];
+        part.empty() || solid.parts[static_cast<std::size_t>(p)].name == part)
+      for (Index k = 0; k < solid.cell.rows(); ++k)
+        most = std::max(most, sign * solid.node(axis, solid.cell(k, c)));
+  const double slack = 1e-9 * (solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff()).maxCoeff();
+  std::vector<int> facets;
+  for (Index f = 0; f < solid.facet.cols(); ++f)
+    if (belongs(f) && reach(f) >= most - slack) facets.push_back(static_cast<int>(f));
+  return facets;
+}
+
+SolidFault fault_of(const Solid& solid) {
+  if (solid.empty()) return {"it has no cells", "give it at least one box with min below max"};
+  const int corners = 1 << solid.dimension;
+  for (Index c = 0; c < solid.cell.cols(); ++c) {
+    const std::string& part =
+        solid.parts[static_cast<std::size_t>(solid.part_of[static_cast<std::size_t>(c)])].name;
+    for (int k = 0; k < corners; ++k)
+      if (!(corner_jacobian(solid, c, k) > 0))
+        return {fmt::format("cell {} of part \"{}\" is turned inside out or has no volume at {}", c + 1, part,
+                            text(solid, solid.node.col(solid.cell(k, c)))),
+                "mesh that place anew: four corners of a quadrilateral must make a convex shape"};
+  }
+  const std::vector<int> group = groups_of_cells(solid);
+  for (std::size_t c = 0; c < group.size(); ++c)
+    if (group[c] != group[0]) {
+      const auto name = [&](std::size_t cell) {
+        return solid.parts[static_cast<std::size_t>(solid.part_of[cell])].name;
+      };
+      const Vector3d X = solid.node.col(solid.cell(0, static_cast<Index>(c)));
+      return {fmt::format("part \"{}\" near {} does not touch the rest (\"{}\") along a face", name(c),
+                          text(solid, X), name(0)),
+              "let the parts share a face: in a mesh file the same nodes, in boxes the same plane"};
+    }
+  for (std::size_t p = 0; p < solid.parts.size(); ++p)
+    if (std::find(solid.part_of.begin(), solid.part_of.end(), static_cast<int>(p)) == solid.part_of.end())
+      return {fmt::format("part \"{}\" is covered by the parts before it", solid.parts[p].name),
+              "leave it out, or give it a place of its own"};
+  for (const SupportedFace& face : solid.supported)
+    if (face.facet.empty() && face.support != Support::free)
+      return {fmt::format("support \"{}\" holds nothing: no part of that face is at the body's boundary",
+                          face.name),
+              "name a face that other parts do not cover"};
+  return {};
+}
+
+bool has_supports(const Solid& solid) {
+  return std::any_of(solid.supported.begin(), solid.supported.end(),
+                     [](const SupportedFace& face) { return face.support != Support::free; }) ||
+         std::any_of(solid.parts.begin(), solid.parts.end(), [](const Part& part) { return part.held; });
+}
+
+Eigen::Matrix4Xd half_spaces(const Solid& solid, int c) {
+  const auto local = sides(solid.dimension);
+  Eigen::Matrix4Xd planes(4, static_cast<Index>(local.size()));
+  for (std::size_t s = 0; s < local.size(); ++s) {
+    const auto corner = [&](std::size_t k) -> Vector3d { return solid.node.col(solid.cell(local[s][k], c)); };
+    Vector3d normal, middle;
+    if (solid.dimension == 2) {
+      const Vector3d t = corner(1) - corner(0);
+      normal << t.y(), -t.x(), 0;
+      middle = corner(0);
+    } else {
+      normal = (corner(2) - corner(0)).cross(corner(3) - corner(1));
+      middle = 0.25 * (corner(0) + corner(1) + corner(2) + corner(3));
+    }
+    normal.normalize();
+    planes.col(static_cast<Index>(s)) << normal, normal.dot(middle);
+  }
+  return planes;
+}
+
+int cell_at(const Solid& solid, const Vector3d& X, double slack) {
+  for (int c = 0; c < solid.cell.cols(); ++c) {
+    const Eigen::Matrix4Xd planes = half_spaces(solid, c);
+    if ((X.transpose() * planes.topRows<3>() - planes.row(3)).maxCoeff() <= slack) return c;
+  }
+  return -1;
+}
+
+Points part_sizes(const Solid& solid) {
+  Points size(3, static_cast<Index>(solid.parts.size()));
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (Index c = 0; c < solid.cell.cols(); ++c) {
+      if (solid.part_of[static_cast<std::size_t>(c)] != static_cast<int>(p)) continue;
+      for (Index k = 0; k < solid.cell.rows(); ++k) {
+        low = low.cwiseMin(solid.node.col(solid.cell(k, c)));
+        high = high.cwiseMax(solid.node.col(solid.cell(k, c)));
+      }
+    }
+    size.col(static_cast<Index>(p)) = high - low;
+  }
+  return size;
+}
+
+double thinnest(const Solid& solid) {
+  return part_sizes(solid).topRows(solid.dimension).minCoeff();
+}
+
+}  // namespace strake::structure

@@ -1,0 +1,117 @@
+#pragma once
+
+#include "proto/interface.hpp"
+#include "structure/material/material.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strake::structure {
+
+/// What holds a face of a body; held motions are those of the supports.
+///   clamped    every point, in every direction
+///   pinned     the line at the face's middle, in every direction: the face can turn
+///   roller     that line, across the face's normal only: it can turn and draw in
+///   symmetry   every point, along the normal only
+enum class Support { free, clamped, pinned, roller, symmetry };
+
+struct Part {
+  std::string name;
+  Material material;
+  bool held = false;  // all of it moves with the supports
+};
+
+/// Facets with a name, and the support that acts on them.
+struct SupportedFace {
+  std::string name;  // "bottom.left"
+  Support support = Support::free;
+  std::vector<int> facet;
+};
+
+/// An elastic body as conforming cells of its parts: quadrilaterals in two dimensions, hexahedra in three.
+/// The one description from which finite elements, particles, wet surface and mass follow, so that a
+/// comparison never compares two geometries.
+struct Solid {
+  int dimension = 2;
+  Points node;               // 3×n [m]
+  Eigen::MatrixXi cell;      // 4 or 8 × m, nodes in lexicographic order: x fastest
+  std::vector<int> part_of;  // m, into `parts`
+  std::vector<Part> parts;
+  Eigen::MatrixXi facet;        // 2 or 4 × k, the cells' faces that no other cell shares, seen from outside
+                                // counter-clockwise; a segment (a, b) has its normal (t_y, -t_x) outside
+  std::vector<int> facet_cell;  // k
+  std::vector<SupportedFace> supported;
+  /// Boxes only: the planes that bound them along each axis, ascending [m].
+  std::array<std::vector<double>, 3> plane;
+
+  bool empty() const { return cell.cols() == 0; }
+  bool made_of_boxes() const { return !plane[0].empty(); }
+};
+
+/// One axis-aligned box of a union; where two overlap the first one counts.
+struct SolidBox {
+  std::string name;
+  Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  // [m]
+  Material material;
+  bool held = false;
+  /// left, right (x), bottom, top (y), back, front (z).
+  std::array<Support, 6> support = {};
+};
+inline constexpr std::array<const char*, 6> side_names = {"left", "right", "bottom", "top", "back", "front"};
+
+/// What is wrong with a body; an empty problem: nothing.
+struct SolidFault {
+  std::string problem, fix;
+};
+
+/// The union of boxes, cut along all their planes so that cells conform. z is of no account in two
+/// dimensions.
+Solid solid_of_boxes(int dimension, const std::vector<SolidBox>&);
+
+/// Fills facet and facet_cell from the cells.
+void find_facets(Solid&);
+
+/// Parts that do not touch, cells that are turned inside out or empty, supports that hold nothing.
+SolidFault fault_of(const Solid&);
+
+/// Whether a face is supported or a part is held.
+bool has_supports(const Solid&);
+
+/// The half spaces whose common part is a cell, 4×(sides): columns (n, c) with n·X ≤ c inside and |n| = 1.
+/// The sides of a hexahedron are taken as flat.
+Eigen::Matrix4Xd half_spaces(const Solid&, int cell);
+/// The cell that holds a place to within `slack` [m], or -1.
+int cell_at(const Solid&, const Eigen::Vector3d& X, double slack);
+
+/// The outer boundary as closed polygons of the plane, counter-clockwise, corners only (straight runs of
+/// facets are one edge); enclosed cavities are left out. Two dimensions.
+std::vector<std::vector<Eigen::Vector2d>> outer_polygons(const Solid&);
+
+/// The outer boundary of a solid of three dimensions as triangles with edges of about `spacing` [m], normals
+/// outside; enclosed cavities are left out.
+InterfaceMesh outer_surface(const Solid&, double spacing);
+
+/// Whether a place lies on a facet, to within `slack` [m].
+bool on_facet(const Solid&, int facet, const Eigen::Vector3d& X, double slack);
+/// Normal of a facet, outside, as long as the facet is large.
+Eigen::Vector3d facet_normal(const Solid&, int facet);
+/// Mean normal of a supported face, outside.
+Eigen::Vector3d normal_of(const Solid&, const SupportedFace&);
+/// Middle of a supported face: of the box around it [m].
+Eigen::Vector3d middle_of(const Solid&, const SupportedFace&);
+
+/// Facets by name: one that stands in `supported` (a physical name of a mesh file); the side "left", "right",
+/// "bottom", "top", "back" or "front" of the whole body (those that lie in its outermost plane), or
+/// "part.side" of one of its parts; empty if there are none.
+std::vector<int> facets_named(const Solid&, const std::string& name);
+
+/// Extent of each part along each axis, 3×n [m].
+Points part_sizes(const Solid&);
+/// Smallest extent of a solid's parts [m]: what a discretisation has to resolve.
+double thinnest(const Solid&);
+
+}  // namespace strake::structure

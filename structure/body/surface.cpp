@@ -1,0 +1,159 @@
+#include "structure/body/surface.hpp"
+
+#include "structure/body/solid_surface.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace strake::structure {
+InterfaceMesh outline(const std::vector<Eigen::Vector2d>& polygon, double spacing) {
+  InterfaceMesh mesh;
+  mesh.name = "structure";
+  mesh.dimension = 2;
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Eigen::Vector2d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    const int count = std::max(1, static_cast<int>(std::lround((b - a).norm() / spacing)));
+    for (int i = 0; i < count; ++i) points.emplace_back(a + static_cast<double>(i) / count * (b - a));
+  }
+  const auto n = static_cast<Eigen::Index>(points.size());
+  mesh.position = Points::Zero(3, n);
+  mesh.faces.resize(2, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    mesh.position.col(i).head<2>() = points[static_cast<std::size_t>(i)];
+    mesh.faces.col(i) << static_cast<int>(i), static_cast<int>((i + 1) % n);
+  }
+  return mesh;
+}
+
+InterfaceMesh outline(const Plate& plate, double spacing) {
+  return outline(polygon_of({}, plate, spacing), spacing);
+}
+
+std::vector<Eigen::Vector2d> polygon_of(const Shape& shape, const Plate& plate, double spacing) {
+  switch (shape.kind) {
+    case ShapeKind::plate: {
+      const double left = plate.bottom.x() - 0.5 * plate.length,
+                   right = plate.bottom.x() + 0.5 * plate.length;
+      const double low = plate.bottom.y(), high = plate.bottom.y() + plate.thickness;
+      return {{left, low}, {right, low}, {right, high}, {left, high}};
+    }
+    case ShapeKind::cylinder:
+      return circle_polygon(shape.centre.head<2>(), shape.radius,
+                            spacing > 0 ? spacing : 0.02 * std::numbers::pi * shape.radius);
+    case ShapeKind::sphere:
+      return {};
+    default:
+      return shape.corner;
+  }
+}
+
+InterfaceMesh surface(const Parameters& p) {
+  const Shape& shape = p.shape;
+  if (shape.kind == ShapeKind::sphere) return sphere_surface(shape.centre, shape.radius, p.surface_spacing);
+  if (shape.kind == ShapeKind::solid && p.dimension == 3) return outer_surface(p.solid, p.surface_spacing);
+  const InterfaceMesh flat = outline(polygon_of(shape, p.plate, p.surface_spacing), p.surface_spacing);
+  return p.dimension == 2 ? flat : prism_surface(flat, shape.depth, shape.middle, p.surface_spacing);
+}
+
+bool is_in_body(const Parameters& p, const Eigen::Vector3d& X) {
+  const Box box = bounds(p);
+  const double slack = 1e-6 * (box.max - box.min).maxCoeff();
+  if (p.shape.kind == ShapeKind::sphere) return (X - p.shape.centre).norm() <= p.shape.radius + slack;
+  if (p.shape.kind == ShapeKind::solid) return cell_at(p.solid, X, slack) >= 0;
+  if (p.dimension == 3 && std::abs(X.z() - p.shape.middle) > 0.5 * p.shape.depth + slack) return false;
+  if (p.shape.kind == ShapeKind::cylinder)
+    return (X - p.shape.centre).head<2>().norm() <= p.shape.radius * (1 + 1e-2) + slack;
+  const auto polygon = polygon_of(p.shape, p.plate, p.surface_spacing);
+  return inside_polygon(polygon, X.head<2>()) || distance_to_polygon(polygon, X.head<2>()) <= slack;
+}
+
+Box bounds(const Parameters& p) {
+  if (p.shape.kind == ShapeKind::sphere || p.shape.kind == ShapeKind::cylinder) {
+    Eigen::Vector3d half = Eigen::Vector3d::Constant(p.shape.radius);
+    if (p.shape.kind == ShapeKind::cylinder) half.z() = 0.5 * p.shape.depth;
+    return {p.shape.centre - half, p.shape.centre + half};
+  }
+  if (p.shape.kind == ShapeKind::solid)
+    return {p.solid.node.rowwise().minCoeff(), p.solid.node.rowwise().maxCoeff()};
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box box{Eigen::Vector3d::Constant(infinity), Eigen::Vector3d::Constant(-infinity)};
+  for (const Eigen::Vector2d& corner : polygon_of(p.shape, p.plate, p.surface_spacing)) {
+    box.min.head<2>() = box.min.head<2>().cwiseMin(corner);
+    box.max.head<2>() = box.max.head<2>().cwiseMax(corner);
+  }
+  box.min.z() = p.shape.middle - 0.5 * p.shape.depth;
+  box.max.z() = p.shape.middle + 0.5 * p.shape.depth;
+  return box;
+}
+
+Eigen::VectorXd point_sizes(const InterfaceMesh& mesh) {
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(mesh.position.cols());
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+    const Eigen::Vector3d a = mesh.position.col(mesh.faces(0, f)), b = mesh.position.col(mesh.faces(1, f));
+    const auto corners = mesh.faces.rows();
+    double whole = (b - a).norm();
+    if (corners == 3)
+      whole = 0.5 * (b - a).cross(Eigen::Vector3d(mesh.position.col(mesh.faces(2, f))) - a).norm();
+    for (Eigen::Index k = 0; k < corners; ++k) size[mesh.faces(k, f)] += whole / static_cast<double>(corners);
+  }
+  return size;
+}
+
+Points case_force(const CaseLoad& load, const Solid& solid, const InterfaceMesh& mesh) {
+  Points force = Points::Zero(3, mesh.position.cols());
+  if (load.kind == LoadKind::traction) {
+    const std::vector<int> facets = facets_named(solid, load.face);
+    const Eigen::Vector3d size = solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff();
+    const double near = 1e-9 * size.maxCoeff();  // [m] round-off of the coordinates, far below any spacing
+    for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+      const Eigen::Index corners = mesh.faces.rows();
+      const auto corner = [&](Eigen::Index k) -> Eigen::Vector3d {
+        return mesh.position.col(mesh.faces(k, f));
+      };
+      // A face of the surface lies in one facet with all its corners, or its middle does not.
+      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+      for (Eigen::Index k = 0; k < corners; ++k) middle += corner(k) / static_cast<double>(corners);
+      const auto holds = [&](int facet) { return on_facet(solid, facet, middle, near); };
+      if (std::none_of(facets.begin(), facets.end(), holds)) continue;
+      const double whole = corners == 2 ? (corner(1) - corner(0)).norm()
+                                        : 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+      for (Eigen::Index k = 0; k < corners; ++k)
+        force.col(mesh.faces(k, f)) += whole / static_cast<double>(corners) * load.value;
+    }
+  } else if (load.kind == LoadKind::point) {
+    Eigen::Index nearest = 0;
+    (mesh.position.colwise() - load.at).colwise().squaredNorm().minCoeff(&nearest);
+    force.col(nearest) = load.value;
+  }
+  return force;
+}
+
+double ramp_factor(double t, double ramp) {
+  if (ramp <= 0 || t >= ramp) return 1;
+  return t <= 0 ? 0 : 0.5 * (1 - std::cos(std::numbers::pi * t / ramp));
+}
+
+// Σ ½ a×b over segments, Σ ⅙ a·(b×c) over triangles, from a point near the body so that round-off stays
+// small.
+double enclosed_volume(const InterfaceMesh& mesh) {
+  double volume = 0;
+  const Eigen::Vector3d origin = mesh.position.col(0);
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+    const Eigen::Vector3d a = mesh.position.col(mesh.faces(0, f)) - origin,
+                          b = mesh.position.col(mesh.faces(1, f)) - origin;
+    if (mesh.faces.rows() == 2) {
+      volume += 0.5 * (a.x() * b.y() - b.x() * a.y());
+    } else {
+      const Eigen::Vector3d c = mesh.position.col(mesh.faces(2, f)) - origin;
+      volume += a.dot(b.cross(c)) / 6;
+    }
+  }
+  return volume;
+}
+
+}  // namespace strake::structure

@@ -1,0 +1,263 @@
+#include "structure/case/solid_keys.hpp"
+
+#include "structure/body/solid_grid.hpp"
+#include "structure/mesh_files/mesh_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake::structure {
+namespace {
+
+const std::vector<std::pair<std::string, Support>> support_names = {{"free", Support::free},
+                                                                    {"clamped", Support::clamped},
+                                                                    {"pinned", Support::pinned},
+                                                                    {"roller", Support::roller},
+                                                                    {"symmetry", Support::symmetry}};
+
+constexpr const char* initial_help = "of this part at t = 0, beside structure.initial_velocity";
+
+SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>& others,
+                  Eigen::Vector3d& velocity) {
+  SolidBox box;
+  box.material = p.material;
+  t.text("name", box.name, {.required = true, .help = "of this part, for supports, output and messages"});
+  t.vector("min", box.min, {.unit = "m", .required = true, .help = "corner with the smallest coordinates"});
+  t.vector("max", box.max, {.unit = "m", .required = true, .help = "corner with the largest coordinates"});
+  CaseTable supports = t.table("supports", "what holds its sides; held places move with structure.velocity");
+  for (std::size_t side = 0; side < side_names.size(); ++side)
+    supports.choice(
+        side_names[side], box.support[side], support_names,
+        {.help = side < 4 ? "clamped: all of the side; pinned: its middle line; roller: that line across "
+                            "the side's normal; symmetry: all of it along the normal"
+                          : "as left; three dimensions"});
+  supports.flag("all", box.held, {.help = "the whole part is held: a frame, a deck that is driven"});
+  t.vector("initial_velocity", velocity, {.unit = "m/s", .help = initial_help});
+  read_material(t.table("material", "of this part; keys that are not given: structure.material"),
+                box.material);
+  if (!t.has("name")) return box;  // a list of declarations holds no box
+
+  for (const SolidBox& other : others)
+    if (other.name == box.name)
+      throw t.error("name", "a name that no other box has", fmt::format("name = \"{}_2\"", box.name));
+  for (int axis = 0; axis < p.dimension; ++axis)
+    if (!(box.min[axis] < box.max[axis]))
+      throw t.error("max",
+                    fmt::format("above min along {}: {:g} is not above {:g}", "xyz"[axis], box.max[axis],
+                                box.min[axis]),
+                    "exchange min and max");
+  if (p.dimension == 2)
+    for (const std::size_t side : {4U, 5U})
+      if (box.support[side] != Support::free)
+        throw supports.error(side_names[side], "free: fluid.dimension is 2, there is no such side");
+  return box;
+}
+
+/// The box, or its copies: their middles stand along x as far from one another as from the ends of `between`.
+std::vector<SolidBox> read_copies(CaseTable t, const SolidBox& box) {
+  int copies = 1;
+  Eigen::Vector3d between = Eigen::Vector3d::Zero();
+  t.integer("copies", copies,
+            {.min = 0, .max = 1000, .help = "how many of it there are, e.g. ribs; 0 leaves it out"});
+  t.vector(
+      "between", between,
+      {.unit = "m",
+       .help =
+           "two x; copies stand along x as far from one another as from these, instead of at min and max"});
+  if (!t.has("between")) {
+    if (copies > 1)
+      throw t.error("copies", "0 or 1, or two x between which they stand", "between = [-0.1, 0.1]");
+    return copies == 0 ? std::vector<SolidBox>{} : std::vector{box};
+  }
+  const double from = between[0], step = (between[1] - from) / (copies + 1);
+  const double width = box.max[0] - box.min[0];
+  if (!(step > 0) || (copies > 1 && step <= width))
+    throw t.error(
+        "between",
+        fmt::format("two x that ascend and leave room for {} of {:g} m side by side", copies, width),
+        "fewer copies, or a longer span");
+  std::vector<SolidBox> all;
+  for (int k = 1; k <= copies; ++k) {
+    SolidBox one = box;
+    if (copies > 1) one.name += fmt::format("_{}", k);
+    // Rounded to what a spacing is ever given in, so that planes of other boxes are met.
+    constexpr double grain = 1e-9;  // [m]
+    one.min[0] = std::round((from + k * step - 0.5 * width) / grain) * grain;
+    one.max[0] = std::round((from + k * step + 0.5 * width) / grain) * grain;
+    all.push_back(one);
+  }
+  return all;
+}
+
+/// A body is cut along the planes of all its boxes, and each piece is looked for in all boxes.
+void check_grid(CaseTable structure, int dimension, const std::vector<SolidBox>& boxes) {
+  constexpr double most_boxes = 2000, most_pieces = 5e5, most_looks = 2e8;
+  const auto n = static_cast<double>(boxes.size());
+  if (n > most_boxes)
+    throw structure.error(
+        "box", fmt::format("at most {:g} boxes with all their copies, these are {}", most_boxes, n),
+        "fewer copies, or structure.mesh");
+  const double pieces = grid_count(dimension, boxes);
+  if (pieces > most_pieces || pieces * n > most_looks)
+    throw structure.error(
+        "box",
+        fmt::format("boxes whose planes cut the body into at most {:g} pieces, these cut it into {:g}",
+                    std::min(most_pieces, std::floor(most_looks / n)), pieces),
+        "let boxes end in the same planes, or give the body as structure.mesh");
+}
+
+/// Planes that all but coincide are a slip of the pen: they would make cells as thin as the slip.
+void check_planes(CaseTable structure, const Solid& solid) {
+  constexpr double sliver = 0.02;  // of the thinnest part
+  const double least = sliver * thinnest(solid);
+  for (std::size_t axis = 0; axis < solid.plane.size(); ++axis)
+    for (std::size_t i = 1; i < solid.plane[axis].size(); ++i) {
+      const double a = solid.plane[axis][i - 1], b = solid.plane[axis][i];
+      if (b - a < least)
+        throw structure.error(
+            "box",
+            fmt::format("boxes whose planes coincide or stand well apart: {} = {:.9g} and {:.9g} m "
+                        "differ by {:.3g} m",
+                        "xyz"[axis], a, b, b - a),
+            fmt::format("give both boxes {:.9g}", a));
+    }
+}
+
+}  // namespace
+
+void read_material(CaseTable t, Material& m) {
+  t.choice(
+      "model", m.model,
+      {{"linear", MaterialModel::linear},
+       {"saint_venant_kirchhoff", MaterialModel::saint_venant_kirchhoff},
+       {"neo_hookean", MaterialModel::neo_hookean}},
+      {.help =
+           "linear: small strain; saint_venant_kirchhoff: large rotation, small strain; neo_hookean: large "
+           "strain"});
+  t.number("density", m.density, {.unit = "kg/m^3", .min = 0, .exclusive = true, .help = "of the solid"});
+  t.number("young", m.young, {.unit = "Pa", .min = 0, .exclusive = true, .help = "Young's modulus E"});
+  t.number("poisson", m.poisson,
+           {.min = -1, .max = 0.5, .exclusive = true, .help = "Poisson's ratio, below 0.5"});
+  if (m.poisson >= 0.5)
+    throw t.error("poisson",
+                  "a number greater than -1 and below 0.5: at 0.5 the plane-strain stiffness is infinite",
+                  "poisson = 0.49");
+  if (m.plane_stress && m.model == MaterialModel::neo_hookean)
+    throw t.error("model", "linear or saint_venant_kirchhoff: structure.plane is \"stress\"",
+                  "structure.plane = \"strain\"");
+}
+
+namespace {
+
+/// [[structure.part]] and [[structure.support]]: what the parts and faces of a mesh file are.
+void read_parts(CaseTable t, bool all, Solid& solid, std::vector<Eigen::Vector3d>& velocity) {
+  for (CaseTable& table : t.tables("part", "a part of structure.mesh, by its physical name")) {
+    std::string name;
+    table.text("name", name, {.required = true, .help = "physical name of the part's cells"});
+    const auto found = std::find_if(solid.parts.begin(), solid.parts.end(),
+                                    [&](const Part& part) { return part.name == name; });
+    Part spare, &part = found == solid.parts.end() ? spare : *found;
+    table.flag("held", part.held, {.help = "all of it moves with the supports"});
+    Eigen::Vector3d initial = Eigen::Vector3d::Zero();
+    table.vector("initial_velocity", initial, {.unit = "m/s", .help = initial_help});
+    if (found != solid.parts.end())
+      velocity.at(static_cast<std::size_t>(found - solid.parts.begin())) = initial;
+    read_material(table.table("material", "of this part; keys that are not given: structure.material"),
+                  part.material);
+    if (all || found != solid.parts.end()) continue;
+    std::string known;
+    for (const Part& other : solid.parts) known += (known.empty() ? "" : ", ") + other.name;
+    throw table.error("name", "the physical name of a part of structure.mesh: " + known,
+                      fmt::format("name = \"{}\"", solid.parts.empty() ? "" : solid.parts.front().name));
+  }
+}
+
+void read_supports(CaseTable t, bool all, Solid& solid) {
+  for (CaseTable& table :
+       t.tables("support", "what holds a face of a body of structure.mesh or structure.box")) {
+    std::string on;
+    Support support = Support::clamped;
+    table.text(
+        "on", on,
+        {.required = true,
+         .help =
+             "physical name of the face; left, right, bottom, top, back or front of the body; or PART.SIDE"});
+    table.choice(
+        "kind", support, support_names,
+        {.help = "clamped: all of the face; pinned: its middle line; roller: that line across the face's "
+                 "normal; symmetry: all of it along the normal"});
+    if (all) continue;
+    const std::vector<int> facets = facets_named(solid, on);
+    if (facets.empty()) {
+      std::string known;
+      std::vector<std::string> names = {"left", "right", "bottom", "top"};
+      for (const SupportedFace& face : solid.supported) {
+        known += ", " + face.name;
+        names.push_back(face.name);
+      }
+      const std::string near = did_you_mean(on, names);
+      throw table.error("on", "a face at the body's boundary: left, right, bottom, top" + known,
+                        near.empty()
+                            ? "give that side a physical name in the mesh file, or PART.SIDE of a box"
+                            : fmt::format("did you mean \"{}\"?", near));
+    }
+    auto found = std::find_if(solid.supported.begin(), solid.supported.end(),
+                              [&](const SupportedFace& face) { return face.name == on; });
+    if (found == solid.supported.end()) found = solid.supported.insert(found, {on, support, facets});
+    found->support = support;
+  }
+}
+
+}  // namespace
+
+void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
+  const bool all = file.only_declares();
+  std::vector<SolidBox> boxes;
+  std::vector<Eigen::Vector3d>& velocity = p.initial.of_part;
+  for (CaseTable& table : t.tables("box", "one part of a body that is a union of axis-aligned boxes")) {
+    Eigen::Vector3d initial = Eigen::Vector3d::Zero();
+    const SolidBox box = read_box(table, p, boxes, initial);
+    for (SolidBox& one : read_copies(table, box)) {
+      boxes.push_back(std::move(one));
+      velocity.push_back(initial);
+    }
+  }
+  check_grid(t, p.dimension, boxes);
+  std::filesystem::path mesh;
+  if (all || t.has("mesh"))
+    t.file(
+        "mesh", mesh,
+        {.help =
+             "cells of the body: Gmsh (.msh, text, quadrilaterals or hexahedra) or Abaqus (.inp); physical "
+             "names of cells are parts, those of their sides faces"});
+  const bool body = p.shape.kind == ShapeKind::solid;
+  if (!all && !body)
+    for (const char* key : {"part", "support"})
+      if (t.has(key))
+        throw t.error(key, "nothing: it belongs to a body of structure.mesh or structure.box",
+                      "structure.plate.supports for a plate");
+  if (!all && body)
+    p.solid = mesh.empty() ? solid_of_boxes(p.dimension, boxes) : read_mesh(mesh, p.dimension, p.material);
+  if (!all && mesh.empty() && t.has("part"))
+    throw t.error("part", "nothing: parts of structure.box say in their own table what they are",
+                  "leave it out");
+  velocity.resize(p.solid.parts.size(), Eigen::Vector3d::Zero());
+  read_parts(t, all, p.solid, velocity);
+  read_supports(t, all, p.solid);
+  if (all || !body) return;
+
+  const std::string key = mesh.empty() ? "box" : "mesh";
+  if (const SolidFault fault = fault_of(p.solid); !fault.problem.empty())
+    throw t.error(key, "a sound body: " + fault.problem, fault.fix);
+  check_planes(t, p.solid);
+  if (p.dimension == 3) return;
+  const auto polygons = outer_polygons(p.solid);
+  if (polygons.size() != 1)
+    throw t.error(key, fmt::format("one outer boundary, it has {}", polygons.size()),
+                  "let the parts share a side, not only a corner");
+  p.shape.corner = polygons.front();
+}
+
+}  // namespace strake::structure

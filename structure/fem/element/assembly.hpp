@@ -1,0 +1,107 @@
+#pragma once
+
+#include "structure/body/parameters.hpp"
+#include "structure/fem/mesh/mesh.hpp"
+#include "structure/material/material.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace strake::structure::fem {
+
+using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// Means over an undamaged cell.
+template <int dim>
+struct CellMean {
+  double energy = 0;                                 // [J/m³] ψ
+  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();  // [Pa] Cauchy
+};
+
+/// Integrals over the cells, total Lagrangian: everything refers to the reference configuration X.
+///
+///   F = I + ∇u,  E = ½(FᵀF − I),  S(E) and ψ(E) of material.hpp;  linear: F = I and E = ½(∇u + ∇uᵀ)
+///
+/// Vectors hold u [m] in unknown dim·node + component.
+template <int dim>
+class Assembly {
+ public:
+  /// From here on a material counts as one that keeps its volume: there Q2 cells lock too.
+  static constexpr double incompressible = 0.49;  // Poisson's ratio
+
+  /// One material per part of the solid. Enhanced: cells add strains to those of their displacement
+  /// (enhanced.hpp); automatic: Q1, and Q2 where the material keeps its volume, but no neo-Hookean ones:
+  /// where those double their volume, the minimum that the strains are is beside a saddle.
+  Assembly(const Mesh<dim>&, const std::vector<Part>&, StrainField = StrainField::automatic);
+
+  /// Internal nodal forces [N] between two configurations u0 and u1, for a step weighted α to its start:
+  ///   f_a = ∫ F_α S_α ∇N_a dV,  F_α = F(α u0 + (1−α) u1),  S_α of E_α = α E(u0) + (1−α) E(u1).
+  /// With α = ½ the work f·(u1 − u0) is exactly the change of strain energy, also for large deformation,
+  /// since F_½ᵀ ∇(u1 − u0) has the symmetric part ΔE = E1 − E0 (Simo & Tarnow 1992): for a quadratic ψ as it
+  /// stands, for neo-Hookean with a multiple of ΔE added to S_½ that makes up the cell's work (Gonzalez
+  /// 2000). u0 = u1 gives the static force.
+  Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
+
+  /// ∂f/∂u1 of the above, divided by 1−α: the tangent stiffness [N/m] for u0 = u1, then symmetric.
+  Matrix tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
+  Matrix tangent(const Eigen::VectorXd& u) const { return tangent(u, u, 0); }
+
+  /// ∫ ψ dV [J].
+  double strain_energy(const Eigen::VectorXd& u) const;
+
+  /// Smallest det F in the quadrature points; linear elasticity knows no F and counts as 1.
+  double smallest_jacobian(const Eigen::VectorXd& u) const;
+
+  /// Consistent mass ∫ ρ N_a N_b dV [kg] on each component.
+  Matrix mass() const;
+
+  /// In the points of quadrature of a cell, n_state × n: Cauchy stress xx, xy, xz, yy, yz, zz [Pa] and strain
+  /// energy per reference volume [J/m³].
+  static constexpr int n_state = 7;
+  Eigen::MatrixXd cell_state(const Eigen::VectorXd& u, int cell) const;
+
+  bool is_enhanced(int cell) const {
+    return enhanced_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])] != 0;
+  }
+  bool any_enhanced() const { return std::find(enhanced_.begin(), enhanced_.end(), 1) != enhanced_.end(); }
+
+  /// Of one cell, whatever its share.
+  CellMean<dim> mean(const Eigen::VectorXd& u, int cell) const;
+  const Material& material(int cell) const {
+    return part_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].material;
+  }
+
+  /// Share of its stress that each cell still carries; for compatible strains. At 0 a cell keeps `residual`
+  /// of its stiffness, linear: it may turn and close without F to be turned inside out.
+  void damage(Eigen::VectorXd held);
+  bool intact() const { return held_.size() == 0 || held_.minCoeff() == 1; }
+  static constexpr double residual = 1e-5;
+
+ private:
+  template <class Visit>
+  Matrix scatter(const Visit& cell_matrix) const;
+  /// E in the points of quadrature of a cell, with the strains it adds.
+  template <int n>
+  std::array<Eigen::Matrix<double, dim, dim>, static_cast<std::size_t>(n)> strains(const Eigen::VectorXd& u,
+                                                                                   int cell) const;
+
+  const Mesh<dim>& mesh_;
+  bool eroded(int cell) const { return held_.size() > 0 && held_(cell) == 0; }
+  double share(int cell) const { return held_.size() == 0 ? 1 : held_(cell) == 0 ? residual : held_(cell); }
+  const Material& of(int cell) const {
+    if (eroded(cell)) return eroded_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])];
+    return material(cell);
+  }
+  std::vector<Part> part_;
+  std::vector<Material> eroded_;  // of the parts: linear
+  std::vector<char> enhanced_;    // of the parts
+  Eigen::VectorXd held_;          // empty: intact
+  Matrix pattern_;
+  std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin
+};
+
+}  // namespace strake::structure::fem

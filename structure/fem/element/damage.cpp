@@ -1,0 +1,182 @@
+#include "structure/fem/element/damage.hpp"
+
+#include "proto/error.hpp"
+#include "structure/failure/softening.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake::structure::fem {
+
+template <int dim>
+Damage<dim>::Damage(const FailureKeys& keys, const Mesh<dim>& mesh, const Assembly<dim>& assembly)
+    : keys_(keys),
+      mesh_(mesh),
+      assembly_(assembly),
+      narrowest_(std::numeric_limits<double>::infinity()),
+      widest_(0) {
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    const double most = widest_band(keys, assembly.material(c), dim);
+    Eigen::Vector3d size = Eigen::Vector3d::Zero();
+    for (int k = 0; k < dim; ++k) {
+      size(k) = extent(c, Eigen::Vector3d::Unit(k));
+      narrowest_ = std::min(narrowest_, size(k));
+      widest_ = std::max(widest_, size(k));
+    }
+    if (size.norm() >= most)  // the extent along any direction
+      throw Error(ExitCode::case_file, "structure.failure.fracture_energy",
+                  fmt::format("more than {:.4g} J/m^2 on this mesh: a cell of {:.4g} m holds as much elastic "
+                              "energy at the strength already",
+                              keys.fracture_energy * size.norm() / most, size.norm()),
+                  fmt::format("structure.fem.refinement for cells below {:.4g} m", most / std::sqrt(dim)));
+  }
+}
+
+template <int dim>
+typename Damage<dim>::State Damage<dim>::intact() const {
+  State state;
+  state.onset = state.peak = state.end = Eigen::VectorXd::Zero(mesh_.n_cells());
+  return state;
+}
+
+template <int dim>
+double Damage<dim>::extent(int cell, const Eigen::Vector3d& n) const {
+  const auto along = [&](Eigen::Index a) {
+    return n.template head<dim>().dot(mesh_.node.col(mesh_.cell(a, cell)));
+  };
+  double least = along(0), most = least;
+  for (Eigen::Index a = 1; a < mesh_.cell.rows(); ++a) {
+    least = std::min(least, along(a));
+    most = std::max(most, along(a));
+  }
+  return most - least;
+}
+
+// l_c = 1/(∇φ·n) in the middle of the cell, where φ is 1 in the corners that lie beyond it along the crack's
+// normal n, 0 in the others, and multilinear between them: ∂φ/∂ξ = Σ s/2^dim over the corners beyond, with s
+// their places in the reference cell, −1 or 1.
+template <int dim>
+double Damage<dim>::band(int cell, const Eigen::Vector3d& normal) const {
+  using Vector = Eigen::Matrix<double, dim, 1>;
+  const Vector n = normal.template head<dim>(), centre = middle(cell).template head<dim>();
+  const Eigen::Map<const Eigen::Matrix<double, dim, dim>> inverse(mesh_.centre_inverse.col(cell).data());
+  const int row = mesh_.degree + 1, corners = 1 << dim;
+  Vector slope = Vector::Zero();  // ∂φ/∂ξ
+  for (int c = 0; c < corners; ++c) {
+    int node = 0;  // of the corner in the cell
+    Vector place;
+    for (int k = dim - 1; k >= 0; --k) {
+      const int far = (c >> k) & 1;
+      node = node * row + far * mesh_.degree;
+      place(k) = 2 * far - 1;
+    }
+    if (n.dot(mesh_.node.col(mesh_.cell(node, cell)) - centre) > 0) slope += place / corners;
+  }
+  return 1 / n.dot(inverse.transpose() * slope);
+}
+
+template <int dim>
+Eigen::Vector3d Damage<dim>::middle(int cell) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
+    sum.template head<dim>() += mesh_.node.col(mesh_.cell(a, cell));
+  return sum / static_cast<double>(mesh_.cell.rows());
+}
+
+template <int dim>
+bool Damage<dim>::look(const Eigen::VectorXd& u, double time, State& state) const {
+  bool more = false, broken = false;
+  double strongest = 0;  // of the cells that begin now, in units of the strength
+  for (int c = 0; c < mesh_.n_cells(); ++c) {
+    if (state.onset(c) > 0 && state.peak(c) >= state.end(c)) continue;
+    const CellMean<dim> mean = assembly_.mean(u, c);
+    const double y = std::sqrt(mean.energy);
+    if (state.onset(c) == 0) {
+      const double stress = equivalent_stress(keys_.criterion, mean.stress);
+      if (!(stress > keys_.strength)) continue;
+      // ψ grows with the square of the stress: where within the step the strength was reached.
+      state.onset(c) = y * keys_.strength / stress;
+      state.end(c) =
+          std::max(keys_.fracture_energy / (band(c, principal_direction(mean.stress)) * state.onset(c)),
+                   state.onset(c) * (1 + 1e-9));
+      state.peak(c) = std::min(y, state.end(c));
+      if (!state.record.start.happened() || (state.record.start.time == time && stress > strongest))
+        state.record.start = {time, middle(c)};
+      strongest = std::max(strongest, stress);
+    } else {
+      if (!(y > state.peak(c))) continue;
+      state.peak(c) = std::min(y, state.end(c));
+    }
+    if (state.peak(c) == state.end(c)) {
+      ++state.eroded;
+      broken = true;
+      if (!state.record.crack.happened()) state.record.crack = {time, middle(c)};
+    }
+    more = true;
+  }
+  if (broken && !state.record.parted.happened()) note_parting(time, state);
+  return more;
+}
+
+template <int dim>
+void Damage<dim>::note_parting(double time, State& state) const {
+  const auto eroded = [&](int c) { return state.onset(c) > 0 && state.peak(c) >= state.end(c); };
+  Pieces pieces(mesh_.n_nodes());
+  for (int c = 0; c < mesh_.n_cells(); ++c)
+    if (!eroded(c))
+      for (Eigen::Index a = 1; a < mesh_.cell.rows(); ++a) pieces.join(mesh_.cell(0, c), mesh_.cell(a, c));
+  const std::vector<Eigen::Index> piece = pieces.large();
+  if (!Pieces::more_than_one(piece)) return;
+  Eigen::Vector3d between = Eigen::Vector3d::Zero(), all = between;  // middles of eroded cells
+  double count = 0;
+  for (int c = 0; c < mesh_.n_cells(); ++c) {
+    if (!eroded(c)) continue;
+    all += middle(c) / static_cast<double>(state.eroded);
+    std::vector<Eigen::Index> here;
+    for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
+      here.push_back(piece[static_cast<std::size_t>(mesh_.cell(a, c))]);
+    if (!Pieces::more_than_one(here)) continue;
+    between += middle(c);
+    ++count;
+  }
+  state.record.parted = {time, count > 0 ? Eigen::Vector3d(between / count) : all};
+}
+
+template <int dim>
+Eigen::VectorXd Damage<dim>::held(const State& state) const {
+  Eigen::VectorXd held(mesh_.n_cells());
+  for (int c = 0; c < mesh_.n_cells(); ++c) held(c) = share_held(state.onset(c), state.peak(c), state.end(c));
+  return held;
+}
+
+template <int dim>
+Eigen::RowVectorXd Damage<dim>::in_nodes(const State& state) const {
+  const Eigen::VectorXd share = held(state);
+  Eigen::RowVectorXd damage = Eigen::RowVectorXd::Zero(mesh_.n_nodes());
+  for (int c = 0; c < mesh_.n_cells(); ++c)
+    for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
+      damage(mesh_.cell(a, c)) = std::max(damage(mesh_.cell(a, c)), 1 - share(c));
+  return damage;
+}
+
+template <int dim>
+std::vector<std::string> Damage<dim>::lines() const {
+  return {
+      fmt::format("failure by {} of {:.4g} Pa in the mean of a cell, then softening along a line that "
+                  "dissipates G_c = {:.4g} J/m^2 over the cell's width ({:.4g} to {:.4g} mm)",
+                  keys_.criterion == FailureCriterion::max_principal ? "a largest principal stress"
+                                                                     : "a von Mises stress",
+                  keys_.strength, keys_.fracture_energy, 1e3 * narrowest_, 1e3 * widest_),
+      "failure is elastic and softening: no plastic flow, no contact between the faces of a crack; a band of "
+      "cells, not a gap",
+      fmt::format("a cell that lost all is eroded: {:g} of its stiffness and all of its mass stay", residual),
+      "the wet surface stays closed over a crack: the faces of a crack are not wetted (coupling.interface = "
+      "\"volume\" with particles wets them)"};
+}
+
+template class Damage<2>;
+template class Damage<3>;
+
+}  // namespace strake::structure::fem

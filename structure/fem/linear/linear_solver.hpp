@@ -1,0 +1,79 @@
+#pragma once
+
+#include "structure/body/parameters.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace strake::structure::fem {
+
+/// What a method can be told of the unknowns.
+struct NodalUnknowns {
+  int per_node = 1;               // 3: a body in space
+  Eigen::MatrixXd rigid_motions;  // one per column
+};
+
+/// How often factors took the place of conjugate gradients that nobody had asked for, and why the first time.
+struct GivenUp {
+  int times = 0;
+  std::string why;
+};
+
+/// Solves A x = b for matrices of one pattern, some of whose unknowns are held.
+class LinearSolver {
+ public:
+  /// `direct`: Cholesky factors where A is symmetric and positive definite and there are three unknowns per
+  /// node, LU factors else. `cg_amg`: conjugate gradients with multigrid. `automatic`: the same, and once
+  /// they fail, factors of the same matrix, counted in GivenUp.
+  explicit LinearSolver(LinearMethod = LinearMethod::direct, const NodalUnknowns& = {},
+                        std::shared_ptr<GivenUp> = nullptr);
+  ~LinearSolver();
+  LinearSolver(LinearSolver&&) noexcept;
+  LinearSolver& operator=(LinearSolver&&) noexcept;
+  /// Makes ready for a matrix with the rows and columns of `fixed` unknowns taken out. False when it is
+  /// singular. Throws Error(solver_fault) where there is no room for its factors.
+  bool factorise(const Eigen::SparseMatrix<double, Eigen::RowMajor>&, const std::vector<int>& fixed);
+  /// x of A x = b, zero in the fixed unknowns, whatever b says there. An iteration stops at
+  /// ‖b − A x‖₂ ≤ tolerance ‖b‖₂ over the free unknowns; `cg_amg` throws Error(solver_fault) where it does
+  /// not come there.
+  Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance = 1e-12) const;
+  /// `automatic`: the next solve iterates again, so that what follows does not depend on what was solved
+  /// before.
+  void retry() { method_->retry(); }
+  int iterations() const;  // of the last solve; 0: direct
+
+  class Method {
+   public:
+    virtual ~Method() = default;
+    virtual bool factorise(const Eigen::SparseMatrix<double, Eigen::RowMajor>&,
+                           const std::vector<char>& is_fixed) = 0;
+    virtual Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance) = 0;
+    virtual void retry() {}
+    virtual int iterations() const { return 0; }
+  };
+
+ private:
+  std::vector<int> fixed_;
+  std::unique_ptr<Method> method_;
+};
+
+/// Sparse factors, in factors.cpp.
+std::unique_ptr<LinearSolver::Method> factors(const NodalUnknowns&);
+
+/// Conjugate gradients with smoothed aggregation, in amg.cpp, of at most so many iterations. Throws
+/// Error(case_file) where the program was built without Trilinos.
+std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns&, int most_iterations);
+bool has_conjugate_gradients();
+
+/// From here on what costs the most in a body of three dimensions are its factors.
+inline constexpr int many_unknowns = 60000;
+
+/// What `automatic` means for a mesh: by its size and dimension alone, so that it is the same on every
+/// machine; `automatic` itself where conjugate gradients are worth a try.
+LinearMethod chosen(LinearMethod, int dimension, int unknowns);
+
+}  // namespace strake::structure::fem

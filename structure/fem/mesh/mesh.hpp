@@ -1,0 +1,81 @@
+#pragma once
+
+#include "structure/body/parameters.hpp"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace strake::structure::fem {
+
+/// A finite-element mesh as plain arrays: all that the kernels need of it. Unknown dim·node + component.
+template <int dim>
+struct Mesh {
+  int degree = 2;                                   // of the Lagrange element
+  int n_quadrature = 0;                             // points per cell
+  Eigen::Matrix<double, dim, Eigen::Dynamic> node;  // dim×n [m], reference configuration
+  Eigen::MatrixXi cell;                             // nodes per cell × m, lexicographic: x fastest
+  Eigen::MatrixXd
+      gradient;  // (nodes per cell · dim) × (m · n_quadrature) [1/m]: ∂N_a/∂X_k in row k·nodes + a
+  Eigen::VectorXd weight;  // m · n_quadrature [m^dim]: quadrature weight × Jacobian
+  Eigen::MatrixXd shape;   // nodes per cell × n_quadrature, N_a
+  Eigen::Matrix<double, dim, Eigen::Dynamic> point;  // dim × n_quadrature in the reference cell, −1 to 1
+  Eigen::VectorXd reference_weight;                  // n_quadrature, sum 1
+  Eigen::MatrixXd centre_inverse;  // (dim·dim) × m [1/m]: inverse of ∂X/∂ξ at the centre of the corners
+  std::vector<int> part;           // m, of the solid
+  std::vector<int> fixed;          // unknowns that the supports hold, ascending
+
+  int n_nodes() const { return static_cast<int>(node.cols()); }
+  int n_cells() const { return static_cast<int>(cell.cols()); }
+  int n_unknowns() const { return dim * n_nodes(); }
+};
+
+/// The body's rigid motions, one per column, zero in fixed unknowns: three translations and three rotations
+/// about its middle, in units of its size; in the plane two and one.
+template <int dim>
+Eigen::MatrixXd rigid_motions(const Mesh<dim>&);
+
+/// How many of the body's rigid motions (three in the plane, six in space) no fixed unknown stops.
+template <int dim>
+int rigid_motions_left(const Mesh<dim>&);
+
+/// Weights of nodes whose sum is the value in a point.
+using NodeWeights = std::vector<std::pair<int, double>>;
+
+/// "deal.II 9.4.1".
+std::string library();
+
+/// A body divided into cells, and its Lagrange element. The only place where deal.II's mesh, element,
+/// mapping and quadrature are used; everything else works on the plain `Mesh`.
+template <int dim>
+class Discretisation {
+ public:
+  /// `refinement`: see refined.hpp. Throws Error(case_file) where a support finds no node.
+  Discretisation(const Solid&, int degree, int refinement);
+  ~Discretisation();
+  const Mesh<dim>& mesh() const { return mesh_; }
+  /// Shape values at the material point X [m]; a point outside is taken to the nearest place of the nearest
+  /// cell.
+  NodeWeights shape_values(const Eigen::Vector3d& X) const { return locate(X).weights; }
+  /// The same, and the cell.
+  struct Place {
+    int cell = 0;
+    NodeWeights weights;
+  };
+  Place locate(const Eigen::Vector3d& X) const;
+  /// n [m^(dim-1)]: ∫ N_a dS over facets of the solid.
+  Eigen::VectorXd face_sizes(const std::vector<int>& facets) const;
+
+ private:
+  struct Parts;
+  void hold(const SupportedFace&, double near);
+
+  Solid solid_;
+  std::unique_ptr<Parts> parts_;
+  Mesh<dim> mesh_;
+};
+
+}  // namespace strake::structure::fem

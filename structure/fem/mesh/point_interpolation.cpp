@@ -1,0 +1,40 @@
+#include "structure/fem/mesh/point_interpolation.hpp"
+
+#include <cassert>
+#include <vector>
+
+namespace strake::structure::fem {
+
+template <int dim>
+Transfer<dim>::Transfer(const Discretisation<dim>& discretisation, const Points& at)
+    : shape_(at.cols(), discretisation.mesh().n_nodes()) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i < at.cols(); ++i)
+    for (const auto& [node, weight] : discretisation.shape_values(at.col(i)))
+      entries.emplace_back(static_cast<int>(i), node, weight);
+  shape_.setFromTriplets(entries.begin(), entries.end());
+}
+
+template <int dim>
+Points Transfer<dim>::at_points(const Eigen::VectorXd& unknowns) const {
+  const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, dim, Eigen::RowMajor>> nodes(
+      unknowns.data(), shape_.cols(), dim);
+  Points values = Points::Zero(3, shape_.rows());
+  values.template topRows<dim>() = (shape_ * nodes).transpose();
+  return values;
+}
+
+template <int dim>
+Eigen::VectorXd Transfer<dim>::to_unknowns(const Points& force) const {
+  assert(force.cols() == shape_.rows());
+  Eigen::VectorXd unknowns(dim * shape_.cols());
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, dim, Eigen::RowMajor>> nodes(unknowns.data(),
+                                                                                shape_.cols(), dim);
+  nodes = shape_.transpose() * force.template topRows<dim>().transpose();
+  return unknowns;
+}
+
+template class Transfer<2>;
+template class Transfer<3>;
+
+}  // namespace strake::structure::fem

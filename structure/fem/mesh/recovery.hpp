@@ -1,0 +1,50 @@
+#pragma once
+
+#include "structure/fem/mesh/mesh.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strake::structure::fem {
+
+/// Carries values from the points of quadrature to the nodes. In each cell it takes the polynomial of degree
+/// one in each direction that is nearest to them in L2: for Q2 that is the one through the 2×2(×2) points
+/// where stresses are most exact (Barlow 1976). A node gets the mean over the cells of one part that meet
+/// there; one between parts has a value for each, so that a jump of the material stays a jump.
+template <int dim>
+class Recovery {
+ public:
+  explicit Recovery(const Mesh<dim>&);
+  int size() const { return static_cast<int>(node_.size()); }  // pairs of a node and a part
+  const std::vector<int>& node() const { return node_; }       // of each, ascending
+  const Eigen::MatrixXi& cell() const { return cell_; }        // like Mesh::cell, into the pairs
+  /// components × (m · n_quadrature) → components × size().
+  Eigen::MatrixXd on_nodes(const Eigen::MatrixXd& at_quadrature) const;
+
+  /// The same shapes, of a density: a node gets the mean over the volume nearest to it, so that what is
+  /// nowhere negative at the points of quadrature is nowhere negative in the nodes, and its integral over the
+  /// pieces of the cells that a frame shows, linear in each direction between nodes, is the sum over the
+  /// points (of bodies whose cells are boxes; else nearly).
+  Eigen::MatrixXd means_on_nodes(const Eigen::MatrixXd& at_quadrature) const;
+  /// Volume of each pair's share [m^dim].
+  Eigen::VectorXd shares_of_volume() const;
+
+  /// What the points of quadrature of one cell have in a value.
+  struct Share {
+    int cell = 0;
+    Eigen::VectorXd weight;  // n_quadrature
+  };
+  /// Of the recovered field in a place of a cell: it needs the cells around it and no others.
+  std::vector<Share> shares(int cell, const NodeWeights&) const;
+
+ private:
+  const Mesh<dim>& mesh_;
+  Eigen::MatrixXd to_nodes_;  // nodes per cell × n_quadrature, within a cell
+  Eigen::MatrixXd nearest_;  // the same: part of a point's volume that is nearest to a node; columns sum to 1
+  std::vector<int> node_;
+  Eigen::MatrixXi cell_;
+  std::vector<std::vector<int>> around_;  // of each pair, the cells
+};
+
+}  // namespace strake::structure::fem

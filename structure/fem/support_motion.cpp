@@ -1,0 +1,114 @@
+#include "structure/fem/support_motion.hpp"
+
+#include <Eigen/Dense>
+
+#include <utility>
+#include <vector>
+
+namespace strake::structure::fem {
+
+template <int dim>
+FrameMotion<dim>::FrameMotion(SupportFrame supports, const Matrix& mass, const Mesh<dim>& mesh)
+    : supports_(std::move(supports)), carried_(mesh.n_unknowns(), dim) {
+  std::array<bool, 3> held{};
+  for (const int unknown : mesh.fixed) held[static_cast<std::size_t>(unknown % dim)] = true;
+  std::vector<int> axes;
+  for (int axis = 0; axis < dim; ++axis) {
+    if (!held[static_cast<std::size_t>(axis)]) supports_.stays_out(axis);
+    Eigen::VectorXd one = Eigen::VectorXd::Zero(mesh.n_unknowns());
+    for (int i = 0; i < mesh.n_nodes(); ++i) one(dim * i + axis) = 1;
+    carried_.col(axis) = mass * one;
+    mass_[axis] = one.dot(carried_.col(axis)) + lumped_mass(axis);
+    if (supports_.is_free(axis)) axes.push_back(axis);
+  }
+  W_.resize(mesh.n_unknowns(), static_cast<Eigen::Index>(axes.size()));
+  W_mass_.resize(W_.cols());
+  for (Eigen::Index k = 0; k < W_.cols(); ++k) {
+    const int axis = axes[static_cast<std::size_t>(k)];
+    W_.col(k) = carried_.col(axis);
+    W_mass_[k] = mass_[axis];
+  }
+  for (const int unknown : mesh.fixed) W_.row(unknown).setZero();
+}
+
+// A prescribed axis has the mean of the step: of trapezoidal steps (V1 − V0)/dt, so that momentum is exact.
+template <int dim>
+typename FrameMotion<dim>::Vector FrameMotion<dim>::acceleration(const TimeScheme& scheme,
+                                                                 const FrameState& from, const FrameState& to,
+                                                                 const Eigen::VectorXd& force,
+                                                                 const Eigen::VectorXd& inertia,
+                                                                 const Vector& gravity, double dt) const {
+  Vector A;
+  for (int axis = 0; axis < dim; ++axis) {
+    if (supports_.is_free(axis)) {
+      double sum = supports_.mass() * gravity[axis];
+      for (Eigen::Index i = axis; i < force.size(); i += dim) sum += force[i] - inertia[i];
+      A[axis] = sum / mass_[axis];
+    } else if (scheme.mid_point) {
+      A[axis] = (to.velocity[axis] - from.velocity[axis]) / dt;
+    } else {
+      A[axis] = (1 - scheme.alpha_m) * to.acceleration[axis] + scheme.alpha_m * from.acceleration[axis];
+    }
+  }
+  return A;
+}
+
+template <int dim>
+FrameState FrameMotion<dim>::prescribed(const FrameState& from, double time) const {
+  FrameState to = supports_.prescribed(time);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (!supports_.is_free(axis)) continue;
+    to.displacement[axis] = from.displacement[axis];
+    to.velocity[axis] = from.velocity[axis];
+    to.acceleration[axis] = from.acceleration[axis];
+  }
+  return to;
+}
+
+// The scheme's own formulas; by the trapezoidal rule A_m is all that a step leaves.
+template <int dim>
+void FrameMotion<dim>::advance(const TimeScheme& scheme, const FrameState& from, const Vector& A, double dt,
+                               FrameState& to) const {
+  for (int axis = 0; axis < dim; ++axis) {
+    if (!supports_.is_free(axis)) continue;
+    const double V0 = from.velocity[axis], A0 = scheme.mid_point ? A[axis] : from.acceleration[axis];
+    const double A1 = scheme.mid_point ? A[axis] : (A[axis] - scheme.alpha_m * A0) / (1 - scheme.alpha_m);
+    to.acceleration[axis] = A1;
+    to.velocity[axis] = V0 + dt * ((1 - scheme.gamma) * A0 + scheme.gamma * A1);
+    to.displacement[axis] =
+        from.displacement[axis] + dt * V0 + dt * dt * ((0.5 - scheme.beta) * A0 + scheme.beta * A1);
+  }
+}
+
+template <int dim>
+typename FrameMotion<dim>::Vector FrameMotion<dim>::gained(const Eigen::VectorXd& velocity_change,
+                                                           const Eigen::Vector3d& frame_change) const {
+  return carried_.transpose() * velocity_change + mass_.cwiseProduct(frame_change.head<dim>());
+}
+
+template <int dim>
+typename FrameMotion<dim>::Correction FrameMotion<dim>::correction(const LinearSolver& A,
+                                                                   double kappa) const {
+  Correction result;
+  if (W_.cols() == 0) return result;
+  result.W_ = &W_;
+  result.Z_.resize(W_.rows(), W_.cols());
+  for (Eigen::Index k = 0; k < W_.cols(); ++k) result.Z_.col(k) = A.solve(W_.col(k));
+  Eigen::MatrixXd S = -W_.transpose() * result.Z_;
+  S.diagonal() += W_mass_ / kappa;
+  result.S_inverse_ = S.inverse();
+  return result;
+}
+
+template <int dim>
+Eigen::VectorXd FrameMotion<dim>::Correction::operator()(const LinearSolver& A, const Eigen::VectorXd& r,
+                                                         double tolerance) const {
+  Eigen::VectorXd x = A.solve(r, tolerance);
+  if (W_ != nullptr) x += Z_ * (S_inverse_ * (W_->transpose() * x));
+  return x;
+}
+
+template class FrameMotion<2>;
+template class FrameMotion<3>;
+
+}  // namespace strake::structure::fem

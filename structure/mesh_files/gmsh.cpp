@@ -1,0 +1,247 @@
+#include "proto/error.hpp"
+#include "proto/files/whole_file.hpp"
+#include "structure/mesh_files/mesh_text.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <locale>
+#include <sstream>
+
+namespace strake::structure {
+namespace {
+
+/// Lines of a file with their numbers, and errors that name them.
+class Lines {
+ public:
+  explicit Lines(const std::filesystem::path& path) : path_(path) {
+    require_file(path, largest_mesh, path.string());
+    in_.open(path);
+    if (!in_)
+      throw Error(ExitCode::case_file, path.string(), "cannot be read", "give the path of a mesh file");
+  }
+  bool next(std::string& line) {
+    if (!std::getline(in_, line)) return false;
+    ++number_;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    return true;
+  }
+  /// The next line as a stream of words in the C locale; an error where the file ends.
+  std::istringstream words(const std::string& expected) {
+    std::string line;
+    if (!next(line)) throw error("the file ends here, expected " + expected);
+    std::istringstream stream(line);
+    stream.imbue(std::locale::classic());
+    return stream;
+  }
+  Error error(const std::string& problem,
+              const std::string& fix = "write the mesh anew, e.g. gmsh -2 -format msh41 FILE.geo") const {
+    return {ExitCode::case_file, fmt::format("{}:{}", path_.string(), number_), problem, fix};
+  }
+  std::size_t number() const { return number_; }
+
+ private:
+  std::filesystem::path path_;
+  std::ifstream in_;
+  std::size_t number_ = 0;
+};
+
+template <class... Value>
+void take(Lines& lines, std::istringstream& words, const std::string& expected, Value&... value) {
+  if (!(words >> ... >> value)) throw lines.error("expected " + expected);
+}
+
+/// Gmsh's numbers of elements (MSH file format, section 9.1 of its manual).
+struct Kind {
+  std::string name;
+  int dimension, nodes;
+};
+Kind kind_of(const Lines& lines, int type) {
+  static const std::map<int, Kind> known = {{1, {"line", 1, 2}},          {2, {"triangle", 2, 3}},
+                                            {3, {"quadrilateral", 2, 4}}, {4, {"tetrahedron", 3, 4}},
+                                            {5, {"hexahedron", 3, 8}},    {6, {"prism", 3, 6}},
+                                            {7, {"pyramid", 3, 5}},       {15, {"point", 0, 1}}};
+  const auto found = known.find(type);
+  if (found == known.end())
+    throw lines.error(
+        fmt::format("elements of Gmsh's type {} are not linear lines, quadrilaterals or hexahedra", type),
+        "mesh with linear elements: Mesh.ElementOrder = 1");
+  return found->second;
+}
+
+using Names = std::map<std::pair<int, int>, std::string>;  // (dimension, tag) of a physical group
+
+Names read_names(Lines& lines) {
+  Names names;
+  int count = 0;
+  auto words = lines.words("the number of physical names");
+  take(lines, words, "the number of physical names", count);
+  for (int i = 0; i < count; ++i) {
+    int dimension = 0, tag = 0;
+    auto entry = lines.words("a physical name");
+    take(lines, entry, "DIMENSION TAG \"NAME\"", dimension, tag);
+    std::string name;
+    std::getline(entry, name);
+    const auto from = name.find('"'), to = name.rfind('"');
+    if (from == std::string::npos || to <= from) throw lines.error("expected DIMENSION TAG \"NAME\"");
+    names[{dimension, tag}] = name.substr(from + 1, to - from - 1);
+  }
+  return names;
+}
+
+std::string name_of(const Names& names, int dimension, int tag) {
+  const auto found = names.find({dimension, tag});
+  return found != names.end() ? found->second : tag == 0 ? "" : std::to_string(tag);
+}
+
+void read_nodes_2(Lines& lines, MeshText& mesh) {
+  long count = 0;
+  auto words = lines.words("the number of nodes");
+  take(lines, words, "the number of nodes", count);
+  for (long i = 0; i < count; ++i) {
+    long number = 0;
+    double x = 0, y = 0, z = 0;
+    auto entry = lines.words("a node");
+    take(lines, entry, "NUMBER X Y Z", number, x, y, z);
+    mesh.node[number] = {x, y, z};
+  }
+}
+
+void read_elements_2(Lines& lines, const Names& names, MeshText& mesh) {
+  long count = 0;
+  auto words = lines.words("the number of elements");
+  take(lines, words, "the number of elements", count);
+  for (long i = 0; i < count; ++i) {
+    int type = 0, tags = 0, physical = 0, other = 0;
+    MeshText::Element element;
+    auto entry = lines.words("an element");
+    take(lines, entry, "NUMBER TYPE TAGS …", element.number, type, tags);
+    for (int t = 0; t < tags; ++t) take(lines, entry, "a tag", t == 0 ? physical : other);
+    const Kind kind = kind_of(lines, type);
+    element.kind = kind.name;
+    element.line = lines.number();
+    element.group = name_of(names, kind.dimension, physical);
+    element.node.resize(static_cast<std::size_t>(kind.nodes));
+    for (long& node : element.node)
+      take(lines, entry, fmt::format("{} nodes of a {}", kind.nodes, kind.name), node);
+    mesh.element.push_back(std::move(element));
+  }
+}
+
+/// Format 4: physical tag of each entity (dimension, number).
+std::map<std::pair<int, int>, int> read_entities(Lines& lines) {
+  std::map<std::pair<int, int>, int> physical;
+  std::array<long, 4> count{};
+  auto words = lines.words("the numbers of entities");
+  take(lines, words, "four numbers of entities", count[0], count[1], count[2], count[3]);
+  for (int dimension = 0; dimension < 4; ++dimension)
+    for (long i = 0; i < count[static_cast<std::size_t>(dimension)]; ++i) {
+      int tag = 0, groups = 0, group = 0;
+      double coordinate = 0;
+      auto entry = lines.words("an entity");
+      take(lines, entry, "an entity's tag", tag);
+      for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) take(lines, entry, "an entity's bounds", coordinate);
+      take(lines, entry, "an entity's number of physical groups", groups);
+      if (groups > 0) take(lines, entry, "an entity's physical group", group);
+      physical[{dimension, tag}] = group;
+    }
+  return physical;
+}
+
+void read_nodes_4(Lines& lines, MeshText& mesh) {
+  long blocks = 0;
+  auto words = lines.words("the number of blocks of nodes");
+  take(lines, words, "the number of blocks of nodes", blocks);
+  for (long b = 0; b < blocks; ++b) {
+    long dimension = 0, entity = 0, parametric = 0, count = 0;
+    auto head = lines.words("a block of nodes");
+    take(lines, head, "DIMENSION ENTITY PARAMETRIC COUNT", dimension, entity, parametric, count);
+    std::vector<long> numbers;
+    for (long i = 0; i < count; ++i) {
+      long number = 0;
+      auto entry = lines.words("a node's number");
+      take(lines, entry, "a node's number", number);
+      numbers.push_back(number);
+    }
+    for (const long number : numbers) {
+      double x = 0, y = 0, z = 0;
+      auto entry = lines.words("a node's place");
+      take(lines, entry, "X Y Z", x, y, z);
+      mesh.node[number] = {x, y, z};
+    }
+  }
+}
+
+void read_elements_4(Lines& lines, const Names& names, const std::map<std::pair<int, int>, int>& physical,
+                     MeshText& mesh) {
+  long blocks = 0;
+  auto words = lines.words("the number of blocks of elements");
+  take(lines, words, "the number of blocks of elements", blocks);
+  for (long b = 0; b < blocks; ++b) {
+    int dimension = 0, entity = 0, type = 0;
+    long count = 0;
+    auto head = lines.words("a block of elements");
+    take(lines, head, "DIMENSION ENTITY TYPE COUNT", dimension, entity, type, count);
+    const Kind kind = kind_of(lines, type);
+    const auto group = physical.find({dimension, entity});
+    const std::string name = group == physical.end() ? "" : name_of(names, dimension, group->second);
+    for (long i = 0; i < count; ++i) {
+      MeshText::Element element;
+      auto entry = lines.words("an element");
+      take(lines, entry, "an element's number", element.number);
+      element.kind = kind.name;
+      element.line = lines.number();
+      element.group = name;
+      element.node.resize(static_cast<std::size_t>(kind.nodes));
+      for (long& node : element.node)
+        take(lines, entry, fmt::format("{} nodes of a {}", kind.nodes, kind.name), node);
+      mesh.element.push_back(std::move(element));
+    }
+  }
+}
+
+}  // namespace
+
+MeshText read_gmsh(const std::filesystem::path& path) {
+  Lines lines(path);
+  MeshText mesh;
+  Names names;
+  std::map<std::pair<int, int>, int> physical;
+  int format = 0;
+  std::string line;
+  while (lines.next(line)) {
+    if (line.empty() || line[0] != '$' || line.rfind("$End", 0) == 0) continue;
+    const std::string section = line.substr(1);
+    if (section == "MeshFormat") {
+      double version = 0;
+      int binary = 0;
+      auto words = lines.words("VERSION BINARY SIZE");
+      take(lines, words, "VERSION BINARY SIZE", version, binary);
+      format = version >= 2 && version < 3 ? 2 : version >= 4.1 && version < 5 ? 4 : 0;
+      if (format == 0)
+        throw lines.error(fmt::format("format {} of Gmsh is not 2.2 or 4.1", version),
+                          "gmsh -2 -format msh41 FILE.geo");
+      if (binary != 0)
+        throw lines.error("a binary mesh file, text is read",
+                          "gmsh -2 -format msh41 -bin 0 FILE.geo, or Mesh.Binary = 0");
+      continue;
+    }
+    const bool known =
+        section == "PhysicalNames" || section == "Entities" || section == "Nodes" || section == "Elements";
+    if (known && format == 0) throw lines.error("a Gmsh file begins with $MeshFormat, this one does not");
+    if (section == "PhysicalNames")
+      names = read_names(lines);
+    else if (section == "Entities")
+      physical = read_entities(lines);
+    else if (section == "Nodes")
+      format == 2 ? read_nodes_2(lines, mesh) : read_nodes_4(lines, mesh);
+    else if (section == "Elements")
+      format == 2 ? read_elements_2(lines, names, mesh) : read_elements_4(lines, names, physical, mesh);
+  }
+  if (format == 0) throw lines.error("no Gmsh file: it has no $MeshFormat");
+  if (mesh.node.empty() || mesh.element.empty())
+    throw lines.error("the file ends without $Nodes and $Elements");
+  return mesh;
+}
+
+}  // namespace strake::structure

@@ -1,0 +1,162 @@
+#include "structure/mesh_files/mesh_file.hpp"
+
+#include "proto/error.hpp"
+#include "structure/mesh_files/mesh_text.hpp"
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace strake::structure {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+std::string extension(const std::filesystem::path& path) {
+  std::string text = path.extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// Corners walked around, as files give them, in lexicographic order; turned over where the walk is
+/// clockwise.
+std::vector<int> lexicographic(const std::vector<int>& walked, const Points& node) {
+  const auto at = [&](int k) -> Vector3d { return node.col(walked[static_cast<std::size_t>(k)]); };
+  const auto pick = [&](std::initializer_list<int> order) {
+    std::vector<int> picked;
+    for (const int k : order) picked.push_back(walked[static_cast<std::size_t>(k)]);
+    return picked;
+  };
+  if (walked.size() == 4) {
+    const double area = (at(2) - at(0)).cross(at(3) - at(1)).z();
+    return area > 0 ? pick({0, 1, 3, 2}) : pick({0, 3, 1, 2});
+  }
+  Vector3d low = Vector3d::Zero(), high = low;
+  for (int k = 0; k < 4; ++k) low += 0.25 * at(k), high += 0.25 * at(k + 4);
+  const double volume = (at(2) - at(0)).cross(at(3) - at(1)).dot(high - low);
+  return volume > 0 ? pick({0, 1, 3, 2, 4, 5, 7, 6}) : pick({4, 5, 7, 6, 0, 1, 3, 2});
+}
+
+/// Facets by the sorted numbers of their nodes.
+std::map<std::vector<int>, int> facets_by_nodes(const Solid& solid) {
+  std::map<std::vector<int>, int> number;
+  for (int f = 0; f < solid.facet.cols(); ++f) {
+    std::vector<int> key;
+    for (Index k = 0; k < solid.facet.rows(); ++k) key.push_back(solid.facet(k, f));
+    std::sort(key.begin(), key.end());
+    number[key] = f;
+  }
+  return number;
+}
+
+void add_to_face(Solid& solid, const std::string& name, int facet) {
+  auto found = std::find_if(solid.supported.begin(), solid.supported.end(),
+                            [&](const SupportedFace& face) { return face.name == name; });
+  if (found == solid.supported.end()) found = solid.supported.insert(found, {name, Support::free, {}});
+  found->facet.push_back(facet);
+}
+
+}  // namespace
+
+Solid read_mesh(const std::filesystem::path& path, int dimension, const Material& material) {
+  const std::string kind = extension(path);
+  if (kind != ".msh" && kind != ".inp")
+    throw Error(ExitCode::case_file, path.string(), "a mesh file ends in .msh (Gmsh) or .inp (Abaqus)",
+                "gmsh -2 -format msh41 FILE.geo");
+  const MeshText text = kind == ".msh" ? read_gmsh(path) : read_abaqus(path);
+  const std::string wanted = dimension == 2 ? "quadrilateral" : "hexahedron",
+                    side = dimension == 2 ? "line" : "quadrilateral";
+  const auto wrong = [&](std::size_t line, const std::string& problem, const std::string& fix) {
+    return Error(ExitCode::case_file, line > 0 ? fmt::format("{}:{}", path.string(), line) : path.string(),
+                 problem, fix);
+  };
+
+  // 1. Cells, and the nodes that they use.
+  Solid solid;
+  solid.dimension = dimension;
+  std::map<long, int> number;
+  std::vector<Vector3d> node;
+  std::map<std::string, int> part;
+  std::vector<const MeshText::Element*> cells;
+  for (const MeshText::Element& element : text.element) {
+    if (element.kind == "triangle" && dimension == 2)
+      throw wrong(element.line, "a triangle: cells are quadrilaterals",
+                  "in Gmsh: Mesh.RecombineAll = 1, or Recombine Surface");
+    if (dimension == 3 &&
+        (element.kind == "tetrahedron" || element.kind == "prism" || element.kind == "pyramid"))
+      throw wrong(element.line, fmt::format("a {}: cells are hexahedra", element.kind),
+                  "in Gmsh: a transfinite or extruded volume with Recombine");
+    if (element.kind != wanted) continue;
+    cells.push_back(&element);
+    for (const long n : element.node) {
+      const auto place = text.node.find(n);
+      if (place == text.node.end())
+        throw wrong(element.line,
+                    fmt::format("element {} names node {}, which the file does not have", element.number, n),
+                    "write the mesh anew");
+      const auto [found, fresh] = number.emplace(n, static_cast<int>(node.size()));
+      if (fresh) node.emplace_back(place->second[0], place->second[1], place->second[2]);
+      if (!node[static_cast<std::size_t>(found->second)].allFinite() ||
+          (dimension == 2 && node[static_cast<std::size_t>(found->second)].z() != 0))
+        throw wrong(
+            element.line,
+            fmt::format("node {} has z = {:g}: two dimensions are the plane z = 0", n, place->second[2]),
+            "move the mesh to z = 0, or fluid.dimension = 3");
+    }
+  }
+  if (cells.empty())
+    throw wrong(0, fmt::format("has no {}", dimension == 2 ? "quadrilaterals" : "hexahedra"),
+                dimension == 2 ? "in Gmsh: Mesh.RecombineAll = 1, gmsh -2; save all physical groups"
+                               : "gmsh -3 with recombined, extruded volumes; or fluid.dimension = 2");
+  solid.node.resize(3, static_cast<Index>(node.size()));
+  for (std::size_t i = 0; i < node.size(); ++i) solid.node.col(static_cast<Index>(i)) = node[i];
+  solid.cell.resize(1 << dimension, static_cast<Index>(cells.size()));
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    std::vector<int> walked;
+    for (const long n : cells[c]->node) walked.push_back(number.at(n));
+    const std::vector<int> corner = lexicographic(walked, solid.node);
+    for (std::size_t k = 0; k < corner.size(); ++k)
+      solid.cell(static_cast<Index>(k), static_cast<Index>(c)) = corner[k];
+    const std::string name = cells[c]->group.empty() ? "body" : cells[c]->group;
+    const auto [found, fresh] = part.emplace(name, static_cast<int>(solid.parts.size()));
+    if (fresh) solid.parts.push_back({name, material, false});
+    solid.part_of.push_back(found->second);
+  }
+  find_facets(solid);
+
+  // 2. Named faces.
+  const auto by_nodes = facets_by_nodes(solid);
+  for (const MeshText::Element& element : text.element) {
+    if (element.kind != side || element.group.empty()) continue;
+    std::vector<int> key;
+    for (const long n : element.node)
+      if (const auto found = number.find(n); found != number.end()) key.push_back(found->second);
+    std::sort(key.begin(), key.end());
+    const auto facet = by_nodes.find(key);
+    if (facet == by_nodes.end()) {
+      if (const SolidFault fault = fault_of(solid); !fault.problem.empty())  // the reason, perhaps
+        throw wrong(0, fault.problem, fault.fix);
+      throw wrong(
+          element.line,
+          fmt::format("a {} of \"{}\" is no side of a cell at the body's boundary", side, element.group),
+          "give physical names to outer sides only");
+    }
+    add_to_face(solid, element.group, facet->second);
+  }
+  for (const auto& [name, members] : text.node_set) {
+    std::set<int> in;
+    for (const long n : members)
+      if (const auto found = number.find(n); found != number.end()) in.insert(found->second);
+    for (const auto& [nodes, facet] : by_nodes)
+      if (std::all_of(nodes.begin(), nodes.end(), [&](int n) { return in.contains(n); }))
+        add_to_face(solid, name, facet);
+  }
+  return solid;
+}
+
+}  // namespace strake::structure

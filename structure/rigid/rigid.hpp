@@ -1,0 +1,53 @@
+#pragma once
+
+#include "structure/body/parameters.hpp"
+#include "structure/rigid/rigid_body.hpp"
+#include "structure/solver/solver.hpp"
+
+namespace strake::structure {
+
+/// A body that does not deform: driven with constant speed, by a table, or left to its loads (RigidBody). Its
+/// interface points follow it exactly, u = d + (R − 1)(X − C). Driven at constant speed it is the simplest
+/// partner of a fluid.
+class Rigid final : public Solver {
+ public:
+  explicit Rigid(const Parameters&);
+  const InterfaceMesh& interface() const override { return mesh_; }
+  void advance(double t, double dt, const Load&) override;
+  Points displacement() const override;
+  Points velocity() const override;
+  bool sends_velocity() const override { return true; }
+  double stable_dt() const override { return std::numeric_limits<double>::infinity(); }
+  Energy energy() const override;
+  int steps() const override { return state_.steps; }
+  Eigen::Vector3d displacement_at(const Eigen::Vector3d&) const override;
+  Eigen::Vector3d velocity_at(const Eigen::Vector3d&) const override;
+  void save() override { saved_ = state_; }
+  void restore() override { state_ = saved_; }
+  void write(Archive&) const override;
+  void read(const Archive&) override;
+  Frame frame() const override;
+  std::vector<std::string> lines() const override;
+  Properties properties() override;
+  /// Centre of gravity: place, turn, their rates; the fluid's load, the window's mean, moment about it.
+  std::vector<Column> columns() const override;
+  std::map<std::string, double> monitor() const override;
+
+ private:
+  struct State {
+    RigidState body;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();  // [N], [N m]
+    int steps = 0;
+  };
+  Parameters parameters_;
+  RigidBody body_;
+  InterfaceMesh mesh_;
+  Points arm_;         // 3×n [m] from C to the interface points, reference
+  Points case_force_;  // 3×n [N] of [structure.load] at full value
+  State state_, saved_;
+};
+
+/// The surface with its displacement and velocity: what solvers without an inside show.
+Frame outline_frame(double time, const InterfaceMesh&, const Points& displacement, const Points& velocity);
+
+}  // namespace strake::structure

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "proto/case/case_keys.hpp"
+#include "proto/case/size_limit.hpp"
+#include "structure/body/parameters.hpp"
+#include "structure/solver/solver.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace strake {
+struct DeckRequest;
+}
+
+namespace strake::structure {
+
+/// What tells one structure program from another. main.cpp is the same in all of them; each links the one
+/// file that defines `this_program`.
+struct SolverProgram {
+  std::string kind;  // "fem" | "particle" | "ccx" | "rigid" | "replay"
+  std::function<std::unique_ptr<Solver>(const Parameters&)> build;
+  /// What the body makes in this program, before it is built.
+  std::function<SizeEstimates(const Parameters&)> sizes;
+  double properties_cost = 1;  // of the natural frequencies, in times of the building
+  /// Of a solver with a mesh that other programs can take: writes an input file of theirs; returns what the
+  /// user is told of it.
+  std::function<std::string(const Parameters&, const CommonKeys&, const DeckRequest&)> export_deck = nullptr;
+};
+SolverProgram this_program();
+
+}  // namespace strake::structure

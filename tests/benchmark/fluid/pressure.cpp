@@ -1,0 +1,113 @@
+#include "tests/benchmark/machine.hpp"
+#include "tests/fluid/pressure_cases.hpp"
+
+#include <benchmark/benchmark.h>
+#include <omp.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <tuple>
+
+// The pressure equation of the hardest tank: uniform particles moved by up to a tenth of the spacing, P = 0
+// on the top row alone, noise as right side; set-up and solve to ‖b − A p‖ = tolerance ‖b‖ from p = 0.
+// Arguments: unknowns in thousands; reach in tenths of the spacing; threads; exponent of the tolerance.
+// Counters: iterations; memory of the solver per unknown; the time as so many products of the same matrix in
+// plain compressed rows, and as the bytes per unknown that STREAM triad would have moved in it.
+
+namespace {
+
+using namespace strake::fluid;
+using namespace strake::benchmark_machine;
+
+struct Tank {
+  PressureCase<2> particles;
+  PressureSystem system;
+  CompressedRows plain;  // the same matrix
+  Tank(int side, double radius) : particles(tank<2>(side, radius)), system(particles.assemble()) {
+    plain.begin.assign(1, 0);
+    for (std::size_t k = 0; k < system.particle.size(); ++k) {
+      plain.column.push_back(static_cast<std::int32_t>(k));
+      plain.value.push_back(system.diagonal[static_cast<Eigen::Index>(k)]);
+      for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
+        plain.column.push_back(system.column[static_cast<std::size_t>(e)]);
+        plain.value.push_back(system.value[static_cast<std::size_t>(e)]);
+      }
+      plain.begin.push_back(static_cast<std::int64_t>(plain.column.size()));
+    }
+  }
+};
+
+const Tank& tank_of(std::int64_t thousands, std::int64_t tenths) {
+  static std::pair<std::int64_t, std::int64_t> held;
+  static std::unique_ptr<Tank> one;  // the large ones do not fit side by side
+  if (!one || held != std::pair(thousands, tenths)) {
+    one.reset();
+    one =
+        std::make_unique<Tank>(static_cast<int>(std::lround(std::sqrt(1e3 * static_cast<double>(thousands)))),
+                               0.1 * static_cast<double>(tenths));
+    held = {thousands, tenths};
+  }
+  return *one;
+}
+
+void solve(benchmark::State& state, PressureSolver solver, Preconditioner preconditioner) {
+  const Tank& tank = tank_of(state.range(0), state.range(1));
+  const auto threads = static_cast<int>(state.range(2));
+  const auto n = static_cast<double>(tank.system.size());
+  if (solver == PressureSolver::hypre && !has_hypre()) {
+    state.SkipWithError("hypre was not there when this was built");
+    return;
+  }
+  omp_set_num_threads(threads);
+  Scheme scheme;
+  scheme.pressure_solver = solver;
+  scheme.preconditioner = preconditioner;
+  scheme.radius_laplacian = tank.particles.radius;
+  scheme.pressure_tolerance = std::pow(10.0, -static_cast<double>(state.range(3)));
+  PoissonSolver<2> poisson(tank.particles.radius);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(tank.system.size());
+  double best = std::numeric_limits<double>::infinity();
+  int iterations = 0;
+  for (auto _ : state) {
+    const double seconds = shortest(1, [&] {
+      iterations = poisson.solve(tank.system, tank.particles.position, zero, scheme).iterations;
+    });
+    best = std::min(best, seconds);
+    state.SetIterationTime(seconds);
+  }
+  const double spmv = spmv_seconds(tank.plain, threads), triad = triad_bandwidth(threads);
+  state.counters["best ms"] = 1e3 * best;
+  state.counters["iterations"] = iterations;
+  state.counters["bytes/unknown"] = static_cast<double>(poisson.bytes()) / n;
+  state.counters["spmv ms"] = 1e3 * spmv;
+  state.counters["in spmvs"] = best / spmv;
+  state.counters["triad GB/s"] = 1e-9 * triad;
+  state.counters["in triad bytes/unknown"] = best * triad / n;
+}
+
+void sizes(benchmark::internal::Benchmark* b, std::int64_t largest) {
+  for (const std::int64_t thousands : {10, 100, 1000})
+    for (const std::int64_t tenths : {21, 31})
+      for (const std::int64_t threads : {1, 2})
+        if (thousands <= largest) b->Args({thousands, tenths, threads, 8});
+  if (largest >= 1000) b->Args({1000, 31, 2, 6});
+  b->UseManualTime()->Unit(benchmark::kMillisecond)->MinTime(0.5);
+}
+
+}  // namespace
+
+BENCHMARK_CAPTURE(solve, multilevel, PressureSolver::cg, Preconditioner::multilevel)->Apply([](auto* b) {
+  sizes(b, 1000);
+});
+BENCHMARK_CAPTURE(solve, jacobi, PressureSolver::cg, Preconditioner::jacobi)->Apply([](auto* b) {
+  sizes(b, 100);
+});
+BENCHMARK_CAPTURE(solve, ic, PressureSolver::cg, Preconditioner::ic)->Apply([](auto* b) { sizes(b, 100); });
+BENCHMARK_CAPTURE(solve, hypre, PressureSolver::hypre, Preconditioner::jacobi)->Apply([](auto* b) {
+  sizes(b, 100);
+});
+BENCHMARK_CAPTURE(solve, cholmod, PressureSolver::cholmod, Preconditioner::jacobi)->Apply([](auto* b) {
+  sizes(b, 100);
+});
+BENCHMARK_MAIN();

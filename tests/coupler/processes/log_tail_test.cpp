@@ -1,0 +1,43 @@
+#include "coupler/processes/log_tail.hpp"
+
+#include "coupler/participant/launch.hpp"
+#include "tests/proto/temporary_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+
+namespace strake {
+namespace {
+
+void say(const std::string& words, const std::filesystem::path& log, bool keep) {
+  Child child({"/bin/sh", {"-c", "echo " + words}, log, 1, {}, keep});
+  ASSERT_TRUE(child.wait(std::chrono::seconds(10)));
+}
+
+TEST(LogTail, IsOfTheRunSinceTheLastResumeAndKeepsWhatStandsBefore) {
+  const TemporaryFolder place;
+  const auto log = place / "fluid.log";
+  say("forgotten", log, false);
+  say("before", log, false);
+  EXPECT_EQ(log_tail(log), "\nfluid.log: before");
+  note_resume(log, 421);
+  EXPECT_EQ(log_tail(log), "");
+  say("after", log, true);
+  EXPECT_EQ(log_tail(log), "\nfluid.log: after");
+  const std::regex whole(
+      R"(before\n\[\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d{3}\] \[info\] resumed at window 421\nafter\n)");
+  EXPECT_TRUE(std::regex_match(content(log), whole)) << content(log);
+}
+
+TEST(LogTail, HoldsTheLastThreeLinesThatAreNoMereInformation) {
+  const TemporaryFolder place;
+  const auto log = place / "fluid.log";
+  std::ofstream(log) << "one\ntwo\n\nthree\n[2026-01-01 00:00:00.000] [info] step 7\nfour\n";
+  EXPECT_EQ(log_tail(log), "\nfluid.log: two\nfluid.log: three\nfluid.log: four");
+  EXPECT_EQ(log_tail(place / "none.log"), "");
+}
+
+}  // namespace
+}  // namespace strake

@@ -1,0 +1,183 @@
+#include "coupler/plot/chart.hpp"
+#include "coupler/plot/html.hpp"
+#include "coupler/plot/plot.hpp"
+#include "coupler/report/base64.hpp"
+#include "coupler/report/outline.hpp"
+#include "coupler/report/sketch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace strake::report {
+namespace {
+
+std::size_t count(const std::string& text, const std::string& word) {
+  std::size_t n = 0;
+  for (auto at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
+  return n;
+}
+
+TEST(Html, EveryCharacterThatMeansSomethingIsEscaped) {
+  EXPECT_EQ(escape("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
+  EXPECT_EQ(escape(std::string("a\0b\x07", 4)), "ab");
+}
+
+TEST(Html, QuantitiesAreReadableAndExactBesides) {
+  EXPECT_EQ(quantity(0.00174235, "m"), "1.742 mm");
+  EXPECT_EQ(quantity(-9.2e6, "Pa"), "−9.2 MPa");
+  EXPECT_EQ(quantity(8.8e-14, "1"), "8.800e-14");
+  EXPECT_EQ(quantity(std::nullopt, "m"), "–");
+  EXPECT_EQ(percent(-0.0153), "−1.5 %");
+  EXPECT_NE(number_cell(0.1, "m").find("data-value=\"0.1\""), std::string::npos);
+}
+
+TEST(Base64, GivesTheVectorsOfRfc4648) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64("\xff\xfe\xfd"), "//79");
+}
+
+TEST(Plot, DrawsEachCurveItsFirstPeakAndTheReference) {
+  Plot plot{.title = "a < b", .x_name = "time", .x_unit = "s", .y_name = "p", .y_unit = "Pa"};
+  plot.series = {
+      {.name = "one", .curve = {{0, 1e-3, 2e-3}, {0, 5e6, 1e6}}, .style = 0, .marker = CurvePoint{1e-3, 6e6}},
+      {.name = "two", .curve = {{0, 2e-3}, {0, 2e6}}, .style = 1}};
+  plot.references = {{"theory", 4e6}};
+  const std::string html = figure(plot);
+  EXPECT_EQ(count(html, "<path class=\"line s"), 4U);  // two curves, two swatches
+  EXPECT_EQ(count(html, "<circle class=\"ring"), 2U);
+  EXPECT_EQ(count(html, "class=\"reference\""), 2U);
+  EXPECT_NE(html.find("p [MPa]"), std::string::npos);
+  EXPECT_NE(html.find("time [ms]"), std::string::npos);
+  EXPECT_NE(html.find("a &lt; b"), std::string::npos);
+}
+
+TEST(Plot, AWindowWithoutSamplesIsNoFigureAndNoNumberIsEverNan) {
+  Plot plot{.title = "t", .x_name = "time", .x_unit = "s", .y_name = "q", .y_unit = "1"};
+  plot.series = {{.name = "one", .curve = {{0, 1, 2, 3}, {1, std::nan(""), 1, 1}}}};
+  EXPECT_EQ(figure(plot).find("nan"), std::string::npos);
+  plot.window = {7, 9};
+  EXPECT_EQ(figure(plot), "");
+  plot.window.reset();
+  plot.logarithmic = true;
+  plot.series[0].curve = {{0.01, 0.02, 0}, {1e-3, 0, 1}};
+  const std::string html = figure(plot);
+  EXPECT_EQ(html.find("nan"), std::string::npos);
+  EXPECT_EQ(html.find("inf"), std::string::npos);
+}
+
+TEST(Plot, LogarithmicAxesCarryPowersOfTenAndLessThanADecadeRoundNumbers) {
+  Plot plot{.title = "t", .x_name = "step", .x_unit = "1", .y_name = "p", .y_unit = "Pa"};
+  plot.logarithmic = true;
+  plot.series = {{.name = "one", .curve = {{1e-6, 1e-5, 1e-4}, {6.1e8, 6.2e7, 6.3e6}}, .dots = true}};
+  const std::string wide = figure(plot);
+  for (const char* tick : {">10<", ">20<", ">100<", ">500<"})
+    EXPECT_NE(wide.find(tick), std::string::npos) << tick;
+  plot.series[0].curve.value = {1.9e-3, 1.7e-3, 1.6e-3};
+  plot.y_unit = "m";
+  const std::string narrow = figure(plot);
+  for (const char* tick : {">1.7<", ">1.8<", ">1.9<"})
+    EXPECT_NE(narrow.find(tick), std::string::npos) << tick;
+}
+
+TEST(Plot, ManySamplesAreThinnedAndThePeakStays) {
+  Plot plot{.title = "t", .x_name = "time", .x_unit = "s", .y_name = "q", .y_unit = "1"};
+  Curve curve;
+  for (int k = 0; k < 100'000; ++k) {
+    curve.time.push_back(k);
+    curve.value.push_back(k == 31'415 ? 10 : 0);
+  }
+  plot.series = {{.name = "one", .curve = curve}};
+  const std::string html = figure(plot);
+  EXPECT_LT(html.size(), 60'000U);
+  plot.series[0].curve.value[31'415] = 0;
+  EXPECT_NE(figure(plot), html);
+}
+
+TEST(Plot, ASampleWithoutOneBesideItIsADot) {
+  Plot plot{.title = "t", .x_name = "time", .x_unit = "s", .y_name = "q", .y_unit = "1"};
+  const double none = std::nan("");
+  plot.series = {{.name = "static", .curve = {{1}, {2}}}};
+  EXPECT_EQ(count(figure(plot), "<circle class=\"dot s0\""), 1U) << "a history of one row";
+  plot.series[0].curve = {{1, 2, 3, 4, 5}, {1, 2, none, 3, none}};
+  EXPECT_EQ(count(figure(plot), "<circle class=\"dot s0\""), 1U) << "the 4th, between two that are not known";
+  plot.series[0].curve = {{1, 2}, {1, 2}};
+  EXPECT_EQ(count(figure(plot), "<circle class=\"dot s0\""), 0U);
+}
+
+TEST(Chart, DrawsEveryPlotWithNamesUnitsReferencesAndLegend) {
+  Plot plot{.title = "mid.y", .x_name = "time", .x_unit = "s", .y_name = "mid.y", .y_unit = "m"};
+  plot.series = {
+      {.name = "one", .curve = {{0, 1e-3, 2e-3}, {0, 2e-3, 1e-3}}, .marker = CurvePoint{1e-3, 2e-3}},
+      {.name = "two", .curve = {{1e-3}, {1e-3}}, .style = 1, .dots = true}};
+  plot.references = {{.name = "first peak, theory", .value = 1.6e-3, .within = 1e-4}};
+  Plot empty = plot;
+  empty.window = {7, 9};
+  const picture::ChartOptions options = {.width = 600, .height_of_plot = 300};
+  const std::string png = picture::chart({plot, empty, plot}, options, picture::Canvas::Kind::png);
+  ASSERT_TRUE(png.starts_with("\x89PNG"));
+  const auto size_at = [&](std::size_t at) {
+    int value = 0;
+    for (std::size_t k = at; k < at + 4; ++k) value = 256 * value + static_cast<unsigned char>(png[k]);
+    return value;
+  };
+  EXPECT_EQ(size_at(16), 600);
+  EXPECT_EQ(size_at(20), 600) << "two plots, the empty one is left out";
+  EXPECT_EQ(picture::chart({empty}, options, picture::Canvas::Kind::png), "");
+  const std::string svg = picture::chart({plot}, options, picture::Canvas::Kind::svg);
+  EXPECT_NE(svg.find("stroke-dasharray"), std::string::npos) << "the reference";
+  plot.references.clear();
+  EXPECT_NE(picture::chart({plot}, options, picture::Canvas::Kind::svg), svg);
+}
+
+TEST(Outline, OfTwoSquaresSideBySideIsOneRectangle) {
+  picture::Scene scene;
+  scene.cells = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 0}, {{{1, 1}, {2, 1}, {2, 0}, {1, 0}}, 0}};
+  const auto loops = outline(scene);
+  ASSERT_EQ(loops.size(), 1U);
+  EXPECT_EQ(loops[0].size(), 4U);
+}
+
+TEST(Outline, OfParticlesAroundAHoleIsTwoLoops) {
+  picture::Scene scene;
+  scene.solid_spacing = 1;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (i != 1 || j != 1) scene.solid.push_back({{static_cast<double>(i), static_cast<double>(j)}, 0});
+  EXPECT_EQ(outline(scene).size(), 2U);
+}
+
+TEST(Outline, OfFacetsInAnyOrderIsOneWalk) {
+  const std::vector<picture::Place> corner = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  picture::Scene scene;
+  // One after the other: GCC 12.2 at -O3 gets the last number of nested lists of these wrong.
+  for (const auto& [a, b] :
+       std::vector<std::pair<std::size_t, std::size_t>>{{2, 3}, {0, 1}, {3, 0}, {2, 1}}) {
+    scene.cells.emplace_back();
+    scene.cells.back().corner = {corner[a], corner[b]};
+  }
+  const auto loops = outline(scene);
+  ASSERT_EQ(loops.size(), 1U);
+  ASSERT_EQ(loops[0].size(), 5U);  // back at its start
+  for (std::size_t i = 1; i < loops[0].size(); ++i) {
+    const picture::Place &from = loops[0][i - 1], &to = loops[0][i];
+    EXPECT_EQ(std::hypot(to.x - from.x, to.y - from.y), 1)
+        << from.x << " " << from.y << " to " << to.x << " " << to.y;
+  }
+}
+
+TEST(Sketch, ReadsPointsOfTwoAndOfThreeNumbers) {
+  const auto three = places("[[-1, -0.5, 0], [1, 1e-1, 0]]");
+  ASSERT_EQ(three.size(), 2U);
+  EXPECT_EQ(three[1].y, 0.1);
+  EXPECT_EQ(places("[[0, 0], [1, 0], [1, 2]]").size(), 3U);
+  EXPECT_TRUE(places("none").empty());
+}
+
+}  // namespace
+}  // namespace strake::report

@@ -1,0 +1,130 @@
+#include "coupler/summary/summary.hpp"
+
+#include "coupler/summary/failure_notes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace strake {
+namespace {
+
+std::set<std::string> keys(const nlohmann::ordered_json& json) {
+  std::set<std::string> names;
+  for (const auto& [name, value] : json.items()) names.insert(name);
+  return names;
+}
+
+CommittedWindow window_with(int iterations, bool converged, double work_fluid, double work_structure) {
+  CommittedWindow window;
+  window.time = 0.5;
+  window.report.iterations = iterations;
+  window.report.converged = converged;
+  window.report.work_fluid = work_fluid;
+  window.report.work_structure = work_structure;
+  window.report.fluid = {{"count.fluid", 10000},    {"count.steps", 12},           {"seconds.pressure", 1.5},
+                         {"p_mid:impulse", 1294.3}, {"check.momentum_gap", 1e-13}, {"memory.peak", 1e8}};
+  window.report.structure = {
+      {"mid.y", -1e-3}, {"mid.y:final", -1e-3}, {"check.structure_energy_drift", std::nan("")}};
+  return window;
+}
+
+TEST(Summary, HoldsExactlyTheKeysThatScriptsRelyOn) {
+  const auto json = Summary("plate_entry", "rigid").json();
+  EXPECT_EQ(keys(json),
+            (std::set<std::string>{"case", "tag", "exit_code", "end_time", "windows", "iterations",
+                                   "particles", "steps", "steps_committed", "seconds", "peak_memory_bytes",
+                                   "probes", "checks", "failure", "compare"}));
+  EXPECT_EQ(keys(json["iterations"]), (std::set<std::string>{"mean", "max", "unconverged", "taken_back"}));
+  EXPECT_EQ(keys(json["particles"]), (std::set<std::string>{"fluid", "wall", "solid"}));
+  EXPECT_EQ(keys(json["seconds"]), (std::set<std::string>{"wall", "fluid", "structure", "coupler"}));
+  EXPECT_EQ(keys(json["peak_memory_bytes"]), (std::set<std::string>{"fluid", "structure", "coupler"}));
+  EXPECT_EQ(keys(json["checks"]),
+            (std::set<std::string>{"work_gap", "momentum_gap", "structure_energy_drift", "inner_fraction_min",
+                                   "voids", "openings", "penetrations", "lost", "volume_drift"}));
+}
+
+TEST(Summary, CollectsWhatTheParticipantsReport) {
+  Summary summary("plate_entry", "");
+  summary.describe({{"mid.y", "m"}, {"p_mid", "Pa"}});
+  summary.add(window_with(3, true, 1.0, 1.0));
+  summary.add(window_with(6, false, 1.0, 0.75));
+  const auto json = summary.json();
+  EXPECT_EQ(json["windows"], 2);
+  EXPECT_EQ(json["iterations"]["mean"], 4.5);
+  EXPECT_EQ(json["iterations"]["max"], 6);
+  EXPECT_EQ(json["iterations"]["unconverged"], 1);
+  EXPECT_EQ(json["particles"]["fluid"], 10000);
+  EXPECT_EQ(json["seconds"]["fluid"]["pressure"], 1.5);
+  EXPECT_EQ(json["probes"]["p_mid"]["impulse"], 1294.3);
+  EXPECT_EQ(json["probes"]["p_mid"]["unit"], "Pa");
+  EXPECT_EQ(json["probes"]["mid.y"]["final"], -1e-3);
+  EXPECT_TRUE(json["probes"]["mid.y"]["first_peak"].is_null());
+  EXPECT_EQ(json["checks"]["work_gap"], 0.25);
+  EXPECT_EQ(json["checks"]["momentum_gap"], 1e-13);
+}
+
+TEST(Summary, TellsWhereAndWhenABodyFailsAndTheConsoleHearsItOnce) {
+  Summary summary("plate_failure", "");
+  CommittedWindow window = window_with(1, true, 0, 0);
+  summary.add(window);
+  EXPECT_TRUE(summary.json()["failure"].is_null()) << "nothing was asked to fail";
+  auto& monitor = window.report.structure;
+  monitor["failure.energy"] = 0;
+  FailureNotes surface(true, 0), volume(false, 0), resumed(true, 1e-3);
+  EXPECT_TRUE(surface.look(monitor).empty());
+  for (const std::string event : {"start", "parted"}) {
+    monitor["failure." + event + ".time"] = 1e-3;
+    for (const char* axis : {"x", "y", "z"}) monitor["failure." + event + "." + axis] = 0.2;
+  }
+  summary.add(window);
+  const auto json = summary.json()["failure"];
+  EXPECT_EQ(json["start"]["time"], 1e-3);
+  EXPECT_EQ(json["parted"]["x"], 0.2);
+  EXPECT_TRUE(json["crack"].is_null());
+  EXPECT_EQ(json["energy"], 0);
+  const std::vector<std::string> lines = surface.look(monitor);
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_NE(lines[0].find("t = 0.001 s at (0.2, 0.2, 0.2) m"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[2].find("stay dry"), std::string::npos) << lines[2];
+  EXPECT_TRUE(surface.look(monitor).empty());
+  EXPECT_EQ(volume.look(monitor).size(), 2U);
+  EXPECT_TRUE(resumed.look(monitor).empty());
+}
+
+TEST(Summary, ForgetsAResultThatAParticipantWithdraws) {
+  Summary summary("plate_entry", "");
+  CommittedWindow window = window_with(1, true, 0, 0);
+  window.report.structure["mid.y:first_peak"] = -1e-6;
+  summary.add(window);
+  EXPECT_EQ(summary.json()["probes"]["mid.y"]["first_peak"], -1e-6);
+  summary.add(window_with(1, true, 0, 0));
+  EXPECT_TRUE(summary.json()["probes"]["mid.y"]["first_peak"].is_null());
+}
+
+TEST(Summary, WritesNullForWhatIsUnknownOrNotFinite) {
+  Summary summary("plate_entry", "");
+  summary.add(window_with(1, true, 0, 0));
+  const auto json = summary.json();
+  EXPECT_TRUE(json["checks"]["structure_energy_drift"].is_null());
+  EXPECT_TRUE(json["particles"]["wall"].is_null());
+  EXPECT_EQ(json.dump().find("nan"), std::string::npos);
+}
+
+TEST(Summary, KeepsAVerdictThatWasNotReachedApartFromAFailure) {
+  Summary summary("plate_entry", "");
+  Verdict reached, later;
+  reached.result = Verdict::Result::fail;
+  reached.value = 2.0;
+  summary.verdicts = {reached, later};
+  const auto json = summary.json();
+  EXPECT_EQ(json["compare"][0]["pass"], false);
+  EXPECT_TRUE(json["compare"][1]["pass"].is_null());
+  EXPECT_TRUE(json["compare"][1]["value"].is_null());
+  EXPECT_EQ(keys(json["compare"][0]), (std::set<std::string>{"probe", "metric", "value", "reference",
+                                                             "tolerance", "pass", "kind", "source"}));
+}
+
+}  // namespace
+}  // namespace strake

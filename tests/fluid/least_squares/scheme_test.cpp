@@ -1,0 +1,177 @@
+#include "fluid/least_squares/scheme.hpp"
+
+#include "fluid/boundary/fill.hpp"
+#include "tests/fluid/plate_case.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace strake::fluid {
+namespace {
+
+constexpr double dt = 1e-3;
+
+Parameters incompressible(double spacing) {
+  Parameters p = tank_case(20 * spacing, 12 * spacing, spacing, 4 * spacing);
+  p.sound_speed = std::numeric_limits<double>::infinity();
+  p.scheme.tau = p.scheme.gamma = 0;
+  return p;
+}
+
+/// Water that gravity has just set in motion, u* = g Δt, its inner particles off their lattice places.
+struct Column {
+  Parameters p;
+  State<2> state;
+  Boundary<2> boundary;
+  NeighbourSearch<2> search;
+  FittedScheme<2> scheme;
+  const Neighbours* far = nullptr;
+  Vector<2> gravity;
+
+  Column(const Parameters& parameters, double disorder)
+      : p(parameters),
+        state(fill<2>(p)),
+        boundary(p, {}, {}, state),
+        search(p.scheme.radius_laplacian * p.spacing, 0),
+        scheme(p, boundary, state),
+        gravity(p.gravity.head<2>()) {
+    state.surface.assign(state.kind.size(), 1);
+    measure();  // on the lattice, where all of the walls is wet
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> move(-disorder * p.spacing, disorder * p.spacing);
+    for (std::int64_t i = 0; i < boundary.water(); ++i) {
+      state.velocity.col(i) = dt * gravity;
+      // The surface's condition speaks of a lattice; the rows that see it stay in order.
+      if (state.position(1, i) > -5 * p.spacing) continue;  // between two rows
+      state.position(0, i) += move(random);
+      state.position(1, i) += move(random);
+    }
+    measure();
+    scheme.filter(boundary, state, near(), dt);
+  }
+  void measure() {
+    far = &search.update(state.position, boundary.tags(state));
+    scheme.measure(boundary, state, *far, near());
+  }
+  const Neighbours& near() { return search.within(p.scheme.radius_gradient * p.spacing); }
+  double hydrostatic(std::int64_t i) const { return -p.density * 9.81 * state.position(1, i); }
+};
+
+TEST(FittedScheme, HydrostaticPressureSolvesTheEquationHoweverTheParticlesLie) {
+  Column column(incompressible(0.01), 0.15);
+  PressureSystem system;
+  column.scheme.assemble(column.boundary, column.state, *column.far, column.gravity, dt, system);
+  ASSERT_EQ(system.size(), column.boundary.water());
+  double largest = 0, scale = 0;
+  for (std::int64_t k = 0; k < system.size(); ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    double sum = system.diagonal[k] * column.hydrostatic(system.particle[row]);
+    scale = std::max(scale, std::abs(sum));
+    for (std::int64_t e = system.start[row]; e < system.stop[row]; ++e)
+      sum += system.value[static_cast<std::size_t>(e)] *
+             column.hydrostatic(
+                 system.particle[static_cast<std::size_t>(system.column[static_cast<std::size_t>(e)])]);
+    largest = std::max(largest, std::abs(sum - system.right[k]));
+  }
+  // Corners of surface and wall see a row of the wall above the water: a thousandth of the largest entry.
+  EXPECT_LT(largest, 2e-3 * scale);
+}
+
+TEST(FittedScheme, PressureGradientOfStillWaterCarriesItsWeightAtWallsAndSurfaceToo) {
+  Column column(incompressible(0.01), 0.15);
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i) column.state.pressure[i] = column.hydrostatic(i);
+  PressureSystem system;
+  column.scheme.assemble(column.boundary, column.state, *column.far, column.gravity, dt, system);
+  const Vectors<2>& gradient =
+      column.scheme.pressure_gradient(column.boundary, column.state, column.near(), dt);
+  const Vector<2> weight = column.p.density * column.gravity;
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i) {
+    const bool at_surface = column.state.position(1, i) > -2 * column.p.spacing;
+    // Round-off of sums over a dozen neighbours; beside the surface the depth is that of a lattice's row.
+    const double tolerance = at_surface ? 0.05 : 1e-9;
+    EXPECT_LT((gradient.col(i) - weight).norm(), tolerance * weight.norm())
+        << "at " << column.state.position.col(i).transpose();
+  }
+}
+
+TEST(FittedScheme, FaceOfTheFloorCarriesTheWholeDepth) {
+  Column column(incompressible(0.01), 0.15);
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i) column.state.pressure[i] = column.hydrostatic(i);
+  PressureSystem system;
+  column.scheme.assemble(column.boundary, column.state, *column.far, column.gravity, dt, system);
+  column.scheme.pressure_gradient(column.boundary, column.state, column.near(), dt);
+  const RowForces<2> forces = column.scheme.row_forces(column.boundary, column.state, column.near());
+  double floor = 0;
+  for (std::int64_t j = column.boundary.water(); j < forces.cols(); ++j)
+    if (column.boundary.tank().is_floor(j)) floor += forces(1, j);
+  const double load = -column.p.density * 9.81 * 0.12 * 0.2;
+  EXPECT_NEAR(floor / load, 1, 1e-9);
+}
+
+TEST(FittedScheme, SurfaceParticlesAreThoseOfTheTopRow) {
+  Column column(incompressible(0.01), 0.1);
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i)
+    EXPECT_EQ(column.state.surface[static_cast<std::size_t>(i)] != 0,
+              column.state.position(1, i) > -column.p.spacing)
+        << "at " << column.state.position.col(i).transpose();
+}
+
+TEST(FittedScheme, FilterLeavesALinearVelocityAloneAndKeepsMomentum) {
+  Parameters p = incompressible(0.01);
+  Column column(p, 0.2);
+  State<2> linear = column.state;
+  Tensor<2> slope;
+  slope << 3.0, -1.0, 2.0, -3.0;
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i)
+    linear.velocity.col(i) = slope * linear.position.col(i);
+  const Vectors<2> before = linear.velocity;
+  column.scheme.filter(column.boundary, linear, column.near(), dt);
+  EXPECT_LT((linear.velocity - before).norm(), 1e-12 * before.norm());
+
+  State<2> rough = column.state;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> jump(-1, 1);
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i)
+    rough.velocity.col(i) << jump(random), jump(random);
+  const Vectors<2> start = rough.velocity;
+  column.scheme.filter(column.boundary, rough, column.near(), dt);
+  const auto water = column.boundary.water();
+  EXPECT_LT((rough.velocity - start).leftCols(water).rowwise().sum().norm(), 1e-12 * start.norm());
+  EXPECT_LT(rough.velocity.leftCols(water).squaredNorm(), 0.99 * start.leftCols(water).squaredNorm());
+}
+
+// Beside a face shifts go one way: a particle that another one presses on stays before it.
+TEST(FittedScheme, ShiftsGoThroughNoWall) {
+  Column column(incompressible(0.01), 0);
+  const double l0 = column.p.spacing, floor = column.p.tank.min.y();
+  std::int64_t low = 0, upper = 0;
+  const auto middle_column = [&](std::int64_t i) {
+    return std::abs(column.state.position(0, i) - 0.5 * l0) < 0.1 * l0;
+  };
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i) {
+    column.state.velocity.col(i) << 20, 0;
+    if (middle_column(i) && std::abs(column.state.position(1, i) - floor - 0.5 * l0) < 0.1 * l0) low = i;
+    if (middle_column(i) && std::abs(column.state.position(1, i) - floor - 1.5 * l0) < 0.1 * l0) upper = i;
+  }
+  column.state.position(1, low) = floor + 0.02 * l0;
+  column.state.position(1, upper) = floor + 0.35 * l0;
+  column.measure();
+  column.scheme.filter(column.boundary, column.state, column.near(), dt);
+  column.scheme.shift(column.boundary, column.state, column.near(), dt);
+  EXPECT_GE(column.state.position(1, low), floor);
+}
+
+TEST(FittedScheme, WallIsNotSeenBeforeWaterTouchesIt) {
+  PlateEntry dry(PlateEntry::parameters(0.02), 1.0, 0.1 * 0.02);
+  dry.step(1e-5);
+  EXPECT_EQ(dry.simulation.interface_force().norm(), 0);
+  PlateEntry wet(PlateEntry::parameters(0.02), 1.0, 0.01 * 0.02);
+  wet.step(1e-5);
+  EXPECT_GT(wet.simulation.interface_force().row(1).sum(), 0);
+}
+
+}  // namespace
+}  // namespace strake::fluid

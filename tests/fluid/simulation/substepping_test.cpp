@@ -1,0 +1,198 @@
+#include "fluid/least_squares/acoustic_substepping.hpp"
+#include "fluid/mps/interface_load.hpp"
+#include "fluid/simulation/simulation.hpp"
+#include "tests/fluid/plate_case.hpp"
+#include "tests/fluid/vortex.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+namespace strake::fluid {
+namespace {
+
+constexpr double spacing = 0.01;  // [m]
+
+// How many of so many equal steps of a window begin a hold.
+int beginnings(int steps, double dt, double longest, double fastest, std::int64_t number = 0) {
+  Hold hold;
+  int count = 0;
+  for (int k = 0; k < steps; ++k) {
+    hold.step(dt, (steps - 1 - k) * dt, longest, number + k);
+    count += hold.begins() ? 1 : 0;
+    hold.ends(fastest, 0, spacing);
+  }
+  EXPECT_TRUE(hold.is_over());
+  return count;
+}
+
+TEST(Hold, LastsAWindowOrAsLongAsStepsMayLast) {
+  EXPECT_EQ(beginnings(5, 2e-6, 1, 0), 1);
+  EXPECT_EQ(beginnings(5, 2e-6, 0, 0), 5);
+  EXPECT_EQ(beginnings(5, 2e-6, 2e-6, 0), 5);
+  EXPECT_EQ(beginnings(5, 2e-6, 4e-6, 0), 3);
+}
+
+TEST(Hold, EndsBeforeAnythingMovesTooFar) {
+  const double way = Hold::longest_way * spacing;
+  EXPECT_EQ(beginnings(5, 2e-6, 1, 0.19 * way / 2e-6), 1);
+  EXPECT_EQ(beginnings(5, 2e-6, 1, 0.26 * way / 2e-6), 2);
+  EXPECT_EQ(beginnings(5, 2e-6, 1, 0.51 * way / 2e-6), 5);
+  EXPECT_EQ(beginnings(5, 2e-6, 1, std::numeric_limits<double>::quiet_NaN()), 5);
+}
+
+TEST(Hold, EndsWhereTheParticlesAreSorted) {
+  EXPECT_EQ(beginnings(5, 2e-6, 1, 0, reorder_interval - 2), 2);
+  EXPECT_EQ(beginnings(5, 2e-6, 1, 0, reorder_interval - 5), 1);
+}
+
+/// A small plate that strikes a small tank, in windows of so many steps; held: the steps know of one another.
+struct Entry {
+  static constexpr double speed = 6, gap = 0.0002;
+  Simulation<2> simulation;
+  InterfaceMotion motion;
+  double dt;
+  int in_window, taken = 0;
+  bool held;
+
+  static Parameters parameters(double sound = 1500) {
+    Parameters p = tank_case(0.4, 0.15, spacing, 0.2);
+    p.sound_speed = sound;
+    return p;
+  }
+  static InterfaceMesh body() { return rectangle(-0.1, gap, 0.2, 0.02, spacing); }
+  Entry(const Parameters& p, double step, int steps, bool holds)
+      : simulation(p, body(), PlateEntry::down(body(), speed)), dt(step), in_window(steps), held(holds) {
+    const auto m = simulation.interface().position.cols();
+    motion = {Points::Zero(3, m), Points::Zero(3, m), Points::Zero(3, m)};
+    motion.velocity.row(1).setConstant(-speed);
+  }
+  void windows(int count) {
+    for (int k = 0; k < count * in_window; ++k) {
+      const int to_come = in_window - 1 - taken++ % in_window;
+      motion.displacement.row(1).setConstant(-speed * (simulation.state().time + dt));
+      simulation.step(dt, motion, held ? to_come * dt : 0);
+    }
+  }
+  double load() const { return simulation.interface_force().row(1).sum(); }
+};
+
+bool same_bits(const State<2>& a, const State<2>& b) {
+  return a.time == b.time && a.step == b.step && (a.position.array() == b.position.array()).all() &&
+         (a.velocity.array() == b.velocity.array()).all() &&
+         (a.pressure.array() == b.pressure.array()).all() && (a.sps_k.array() == b.sps_k.array()).all() &&
+         a.surface == b.surface && a.id == b.id && a.impulse_on_bodies == b.impulse_on_bodies &&
+         a.impulse_on_walls == b.impulse_on_walls && a.impulse_of_collisions == b.impulse_of_collisions &&
+         (a.residual_divergence.array() == b.residual_divergence.array()).all() &&
+         (a.residual_approach.array() == b.residual_approach.array()).all();
+}
+
+TEST(Hold, StepsThatFollowNoSoundAreTakenOneByOne) {
+  for (const auto& [sound, dt] : {std::pair(std::numeric_limits<double>::infinity(), 2e-6), {1500.0, 1e-5}}) {
+    Entry together(Entry::parameters(sound), dt, 5, true), alone(Entry::parameters(sound), dt, 5, false);
+    together.windows(6);
+    alone.windows(6);
+    EXPECT_TRUE(same_bits(together.simulation.state(), alone.simulation.state())) << sound;
+  }
+}
+
+TEST(Hold, OtherSchemesTakeEveryStepByItself) {
+  Parameters p = Entry::parameters();
+  p.scheme = with_gradient(p.scheme, Gradient::min_pressure);
+  Entry together(p, 2e-6, 5, true), alone(p, 2e-6, 5, false);
+  together.windows(6);
+  alone.windows(6);
+  EXPECT_TRUE(same_bits(together.simulation.state(), alone.simulation.state()));
+}
+
+// Contact is seen where a window begins: the loads of an impact are compared from the contact on.
+TEST(Hold, ImpactIsThatOfStepsTakenOneByOne) {
+  const auto impulses = [](bool held) {
+    Entry entry(Entry::parameters(), 2e-6, 5, held);
+    std::vector<double> impulse{0};
+    double hardest = 0;
+    for (int k = 0; k < 60; ++k) {
+      entry.windows(1);
+      const double now = entry.simulation.state().impulse_on_bodies.y();
+      if (now > 1) impulse.push_back(now);
+      hardest = std::max(hardest, entry.load());
+    }
+    EXPECT_EQ(entry.simulation.state().penetrations, 0);
+    const double mass = 1000 * spacing * spacing;
+    EXPECT_LT(momentum_gap(entry.simulation.state(), mass).norm(), 0.03 * impulse.back());
+    return std::pair(impulse[40], hardest);
+  };
+  const auto [together, hard_together] = impulses(true);
+  const auto [alone, hard_alone] = impulses(false);
+  fmt::print("impact: impulse {:.2f} N s held, {:.2f} by single steps; largest load {:.5g} and {:.5g} N\n",
+             together, alone, hard_together, hard_alone);
+  EXPECT_NEAR(together / alone, 1, 0.01);
+  EXPECT_NEAR(hard_together / hard_alone, 1, 0.01);
+}
+
+TEST(Hold, GoingBackToAWindowsBeginGivesTheSameBitsWithAnyNumberOfThreads) {
+  Entry entry(Entry::parameters(), 2e-6, 5, true);
+  entry.windows(14);
+  const State<2> saved = entry.simulation.state();
+  entry.windows(14);
+  const State<2> first = entry.simulation.state();
+  ASSERT_GT(first.pressure.maxCoeff(), 1e6);  // the plate has struck
+  entry.simulation.set_state(saved);
+  entry.windows(14);
+  EXPECT_TRUE(same_bits(first, entry.simulation.state()));
+  // From the middle of a hold as well, as after a fault.
+  entry.simulation.set_state(saved);
+  entry.in_window = 14 * 5;
+  entry.taken = 0;
+  entry.simulation.step(2e-6, entry.motion, 8e-6);
+  entry.simulation.set_state(saved);
+  entry.in_window = 5;
+  entry.windows(14);
+  EXPECT_TRUE(same_bits(first, entry.simulation.state()));
+  Parameters p = Entry::parameters();
+  p.threads = 2;
+  Entry other(p, 2e-6, 5, true);
+  other.simulation.set_state(saved);
+  other.windows(14);
+  EXPECT_TRUE(same_bits(first, other.simulation.state()));
+}
+
+// What the places of water that turns do to ∇·u in two steps of 0.02 l0 each. If a hold's first step met all
+// of it particles would feel a pressure that comes and goes with the holds.
+TEST(Hold, TurningWaterFeelsNoPressureThatComesAndGoesWithTheHolds) {
+  const auto turning = [](bool held) {
+    constexpr double dt = 1e-4;
+    constexpr int in_window = 5, steps = 400;
+    Parameters p = tank_case(0.3, 0.3, spacing, 0.1);
+    p.sound_speed = 30;
+    Simulation<2> simulation(p, {}, {});
+    State<2>& state = simulation.mutable_state();
+    const std::int64_t water = set_turning(state);
+    Eigen::VectorXd before = Eigen::VectorXd::Zero(water), last = before, now = before;
+    double rough = 0, energy = 0;
+    for (int k = 0; k < steps; ++k) {
+      simulation.step(dt, {}, held ? (in_window - 1 - k % in_window) * dt : 0);
+      for (std::int64_t i = 0; i < water; ++i) now[state.id[static_cast<std::size_t>(i)]] = state.pressure[i];
+      if (k >= steps / 2) rough += (now - 2 * last + before).squaredNorm();
+      before = last;
+      last = now;
+    }
+    for (std::int64_t i = 0; i < water; ++i) energy += state.velocity.col(i).squaredNorm();
+    return std::pair(std::sqrt(rough / (0.5 * steps * static_cast<double>(water))), energy);
+  };
+  const auto [rough_together, energy_together] = turning(true);
+  const auto [rough_alone, energy_alone] = turning(false);
+  fmt::print(
+      "turning water: second difference of p from step to step {:.2f} Pa held, {:.2f} by single steps; "
+      "energy {:+.2f} %\n",
+      rough_together, rough_alone, 100 * (energy_together / energy_alone - 1));
+  EXPECT_LT(rough_together, 1.5 * rough_alone);
+  EXPECT_NEAR(energy_together / energy_alone, 1, 0.01);
+}
+
+}  // namespace
+}  // namespace strake::fluid

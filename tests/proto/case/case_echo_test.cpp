@@ -1,0 +1,133 @@
+// What a case shows of itself: its values as they were read, and the keys that may be given.
+
+#include "proto/case/case_document.hpp"
+#include "proto/case/case_file.hpp"
+#include "tests/proto/plate_case.hpp"
+#include "tests/proto/temporary_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace strake {
+namespace {
+
+TEST(CaseTable, ReadsAListOfPointsAndEchoesIt) {
+  CaseFile file = CaseFile::parse("outline = [[0, 0], [1, 0], [0.5, 1]]\nshort = [[0, 0], [1, 0]]\n");
+  std::vector<Eigen::Vector3d> outline, absent, short_one;
+  file.root().points("outline", outline, {.unit = "m"});
+  file.root().points("absent", absent, {.unit = "m"});
+  ASSERT_EQ(outline.size(), 3u);
+  EXPECT_EQ(outline[2], Eigen::Vector3d(0.5, 1, 0));
+  EXPECT_TRUE(absent.empty());
+  EXPECT_THROW(file.root().points("short", short_one, {.unit = "m"}), Error);
+  CaseFile again = CaseFile::parse(file.echo());
+  std::vector<Eigen::Vector3d> back;
+  again.root().points("outline", back, {.unit = "m"});
+  EXPECT_EQ(back, outline);
+  EXPECT_FALSE(again.root().has("absent"));
+}
+
+TEST(CaseFile, EchoReadsBackToTheSameValues) {
+  const TemporaryFolder folder;
+  put(folder / "curve \"1\".csv", "x [m]\n");
+  put(folder / "solver", "");
+  put(folder / "case.toml",
+      "title = \"a \\\"quoted\\\" \\\\ tab\\t é\\u0001\"\n" + head.substr(head.find('\n') + 1) + R"(
+sound_speed = inf
+[structure]
+solver = "./solver"
+parts = []
+[[output.probe]]
+name = "mid"
+of = "fluid"
+at = [0.1, 1e-300]
+[[compare]]
+probe = "mid"
+reference = "curve \"1\".csv"
+when = { "structure.solver" = ["fem"], "fluid.sound_speed" = [inf, 0.1] }
+value = { first_peak = -1e22 }
+[[compare]]
+probe = "p"
+[[compare]]
+probe = "q"
+value = { final = 0.1 }
+)");
+  CaseFile file = CaseFile::load(folder / "case.toml", {"preset=paper", "structure.fem.degree=2"});
+  read_plate(file);
+  const TemporaryFolder elsewhere;
+  put(elsewhere / "case.toml", file.echo());
+  CaseFile again = CaseFile::load(elsewhere / "case.toml");
+  read_plate(again);
+  again.refuse_unknown();
+  ASSERT_EQ(again.declared().size(), file.declared().size());
+  for (const KeyInfo& key : file.declared()) EXPECT_EQ(info(again, key.path).value, key.value) << key.path;
+  EXPECT_EQ(info(again, "structure.solver").value, std::filesystem::absolute(folder / "solver").string());
+}
+
+TEST(CaseFile, EchoNamesUnitAndOriginOfEachKeyBelowAPrefix) {
+  CaseFile file = CaseFile::parse(head, "case.toml", {"fluid.scheme.cfl=0.25"});
+  read_plate(file);
+  EXPECT_EQ(file.echo("fluid"),
+            "[fluid]\n"
+            "solver = \"mps\"  # default\n"
+            "spacing = 0.01  # m, case\n"
+            "sound_speed = 1500  # m/s, default\n"
+            "gravity = [0, -9.81, 0]  # m/s^2, default\n"
+            "# tank is not given\n"
+            "\n"
+            "[fluid.scheme]\n"
+            "cfl = 0.25  # --set\n"
+            "negative_pressure = true  # default\n");
+}
+
+TEST(CaseFile, DeclaringAKeyAgainChangesNothing) {
+  CaseFile file = CaseFile::parse(head);
+  read_plate(file);
+  const std::size_t n = file.declared().size();
+  const std::string echo = file.echo();
+  EXPECT_EQ(read_plate(file).spacing, 0.01);
+  EXPECT_EQ(file.declared().size(), n);
+  EXPECT_EQ(file.echo(), echo);
+}
+
+TEST(CaseFile, DeclarationsNeedNoFile) {
+  CaseFile file = CaseFile::declarations_only();
+  EXPECT_TRUE(file.only_declares());
+  read_plate(file);
+  file.refuse_unknown();
+  const KeyInfo& spacing = info(file, "fluid.spacing");
+  EXPECT_EQ(spacing.type, "number");
+  EXPECT_EQ(spacing.unit, "m");
+  EXPECT_EQ(spacing.range, "1e-9 to 1e6");
+  EXPECT_EQ(spacing.default_value, "");
+  EXPECT_EQ(info(file, "fluid.scheme.cfl").paper_value, "0.1");
+  EXPECT_EQ(info(file, "output.probe[].name").type, "text");
+  EXPECT_EQ(info(file, "compare").type, "table");
+  EXPECT_EQ(info(file, "structure.mesh").type, "not built");
+  EXPECT_EQ(info(file, "structure.material.model").choices,
+            (std::vector<std::string>{"linear", "saint_venant_kirchhoff"}));
+}
+
+TEST(CaseFile, DeclarationsGoThroughJsonAndBack) {
+  CaseFile file = CaseFile::declarations_only();
+  read_plate(file);
+  const std::vector<KeyInfo> back = keys_from_json(to_json(file.declared()));
+  ASSERT_EQ(back.size(), file.declared().size());
+  EXPECT_EQ(to_json(back), to_json(file.declared()));
+  EXPECT_THROW(keys_from_json("{"), Error);
+  EXPECT_THROW(keys_from_json("[{\"path\": 3}]"), Error);
+}
+
+TEST(Toml, NumbersAreShortAndReadBack) {
+  EXPECT_EQ(to_toml(2.1e11), "2.1e11");
+  EXPECT_EQ(to_toml(1e-5), "1e-5");
+  EXPECT_EQ(to_toml(1500.0), "1500");
+  EXPECT_EQ(to_toml(-0.1), "-0.1");
+  EXPECT_EQ(to_toml(std::numeric_limits<double>::infinity()), "inf");
+  for (const double x : {0.1 + 0.2, 1e100, 5e-324, -1.7976931348623157e308, 1e5, 123456789.0})
+    EXPECT_EQ(toml::parse("x = " + to_toml(x))["x"].value<double>(), x);
+}
+
+}  // namespace
+}  // namespace strake

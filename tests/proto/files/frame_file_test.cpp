@@ -1,0 +1,64 @@
+#include "proto/files/frame_file.hpp"
+
+#include "proto/error.hpp"
+#include "proto/files/result_file.hpp"
+#include "proto/interface.hpp"
+#include "tests/proto/temporary_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+
+namespace strake {
+namespace {
+
+Frame triangle(double time) {
+  Frame frame;
+  frame.time = time;
+  frame.position.resize(3, 3);
+  frame.position << 0, 1, 0,  //
+      0, 0, 2,                //
+      0, 0, 0;
+  frame.cells.resize(3, 1);
+  frame.cells << 0, 1, 2;
+  frame.point_data = {{"velocity", "m/s", frame.position},
+                      {"von_mises", "Pa", Eigen::MatrixXd::Constant(1, 3, 7)}};
+  return frame;
+}
+
+TEST(FrameFile, AFrameReadsBackAsItWasWritten) {
+  const TemporaryFolder folder;
+  FrameSeries series(folder.path(), "structure", 2);
+  for (const double time : {0.0, 0.1, 0.2}) series.write(triangle(time));
+  const auto frames = list_frames(folder.path(), "structure");
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(nearest(frames, 0.14)->time, 0.1);
+  EXPECT_EQ(nearest(frames, std::numeric_limits<double>::infinity())->time, 0.2);
+  const Frame frame = read_frame(frames[1].path);
+  EXPECT_EQ(frame.time, 0.1);
+  EXPECT_EQ(frame.position, triangle(0).position);
+  EXPECT_EQ(frame.cells, triangle(0).cells);
+  ASSERT_EQ(frame.point_data.size(), 2U);
+  EXPECT_EQ(frame.point_data[1].name, "von_mises");
+  EXPECT_EQ(frame.point_data[1].unit, "Pa");
+  EXPECT_EQ(frame.point_data[1].value, triangle(0).point_data[1].value);
+}
+
+TEST(FrameFile, ParticlesHaveNoCellsAndDamagedFramesAreLeftOut) {
+  const TemporaryFolder folder;
+  FrameSeries series(folder.path(), "fluid", 2);
+  Frame frame = triangle(0);
+  frame.cells.resize(0, 0);
+  series.write(frame);
+  std::ofstream(folder / "frames/fluid-000001.h5") << "no";
+  const auto frames = list_frames(folder.path(), "fluid");
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(read_frame(frames[0].path).cells.cols(), 0);
+  EXPECT_TRUE(list_frames(folder.path(), "structure").empty());
+  EXPECT_EQ(nearest({}, 1), nullptr);
+  EXPECT_THROW(read_frame(folder / "frames/fluid-000001.h5"), Error);
+}
+
+}  // namespace
+}  // namespace strake

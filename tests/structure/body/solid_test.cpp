@@ -1,0 +1,147 @@
+#include "structure/body/solid.hpp"
+
+#include "structure/body/mass.hpp"
+#include "structure/body/shape.hpp"
+#include "structure/body/surface.hpp"
+#include "tests/structure/body/boxes.hpp"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+namespace strake::structure {
+namespace {
+
+using Eigen::Vector3d;
+
+SolidBox light_box(const std::string& name, const Vector3d& min, const Vector3d& max) {
+  return box(name, min, max, {.density = 1000});
+}
+
+/// A closed hull of 0.3 × 0.08 m with walls of 10 mm and one rib in its middle, in the plane.
+std::vector<SolidBox> hull() {
+  return {light_box("bottom", {-0.15, 0, 0}, {0.15, 0.01, 0}),
+          light_box("deck", {-0.15, 0.07, 0}, {0.15, 0.08, 0}),
+          light_box("left", {-0.15, 0.01, 0}, {-0.14, 0.07, 0}),
+          light_box("right", {0.14, 0.01, 0}, {0.15, 0.07, 0}),
+          light_box("rib", {-0.005, 0.01, 0}, {0.005, 0.07, 0})};
+}
+
+TEST(Solid, OneBoxHasTheOutlineOfThePlate) {
+  const Plate plate{.length = 0.4, .thickness = 0.02, .bottom = {0, 0.012, 0}};
+  const Solid solid = solid_of_boxes(2, {light_box("plate", {-0.2, 0.012, 0}, {0.2, 0.032, 0})});
+  ASSERT_EQ(solid.cell.cols(), 1);
+  ASSERT_EQ(solid.facet.cols(), 4);
+  const auto polygons = outer_polygons(solid);
+  ASSERT_EQ(polygons.size(), 1U);
+  const auto expected = polygon_of({}, plate, 0);
+  ASSERT_EQ(polygons[0].size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR((polygons[0][i] - expected[i]).norm(), 0, 1e-15);
+}
+
+TEST(Solid, AClosedHullIsWetOutsideOnly) {
+  const Solid solid = solid_of_boxes(2, hull());
+  EXPECT_TRUE(fault_of(solid).problem.empty()) << fault_of(solid).problem;
+  const auto polygons = outer_polygons(solid);
+  ASSERT_EQ(polygons.size(), 1U);
+  EXPECT_EQ(polygons[0].size(), 4U) << "planes of the rib do not cut the outline";
+  EXPECT_NEAR(polygon_area(polygons[0]), 0.3 * 0.08, 1e-15);
+}
+
+TEST(Solid, AnOpenHullIsWetInsideToo) {
+  std::vector<SolidBox> open = hull();
+  open.erase(open.begin() + 1);
+  const auto polygons = outer_polygons(solid_of_boxes(2, open));
+  ASSERT_EQ(polygons.size(), 1U);
+  EXPECT_EQ(polygons[0].size(), 12U);
+  EXPECT_NEAR(polygon_area(polygons[0]), 0.3 * 0.01 + 3 * 0.01 * 0.06, 1e-15);
+}
+
+TEST(Solid, MassAndInertiaAreThoseOfTheParts) {
+  std::vector<SolidBox> parts = hull();
+  parts[4].material.density = 3000;
+  const MassProperties body = mass_of(solid_of_boxes(2, parts));
+  double mass = 0, moment = 0, inertia = 0;
+  for (const SolidBox& b : parts) {
+    const Vector3d size = b.max - b.min, centre = 0.5 * (b.min + b.max);
+    const double m = b.material.density * size.x() * size.y();
+    mass += m;
+    moment += m * centre.y();
+    inertia += m * (size.head<2>().squaredNorm() / 12 + centre.squaredNorm());
+  }
+  EXPECT_NEAR(body.mass, mass, 1e-12 * mass);
+  EXPECT_NEAR(body.centre.y(), moment / mass, 1e-15);
+  EXPECT_NEAR(body.inertia(2, 2), inertia - mass * body.centre.squaredNorm(), 1e-12 * inertia);
+}
+
+TEST(Solid, WhereBoxesOverlapTheFirstOneCounts) {
+  const Solid solid =
+      solid_of_boxes(2, {light_box("a", {0, 0, 0}, {2, 1, 0}), light_box("b", {1, 0, 0}, {3, 1, 0})});
+  ASSERT_EQ(solid.cell.cols(), 3);
+  EXPECT_EQ(solid.part_of, (std::vector<int>{0, 0, 1}));
+}
+
+TEST(Solid, PartsThatTouchInACornerOnlyAreNamed) {
+  const Solid solid =
+      solid_of_boxes(2, {light_box("floor", {0, 0, 0}, {1, 1, 0}), light_box("stray", {1, 1, 0}, {2, 2, 0})});
+  const SolidFault fault = fault_of(solid);
+  EXPECT_NE(fault.problem.find("\"stray\""), std::string::npos) << fault.problem;
+  EXPECT_EQ(outer_polygons(solid).size(), 2U);
+}
+
+TEST(Solid, ASupportOfACoveredFaceHoldsNothing) {
+  std::vector<SolidBox> parts = hull();
+  parts[4].support[2] = Support::clamped;  // the rib's foot stands on the bottom
+  const SolidFault fault = fault_of(solid_of_boxes(2, parts));
+  EXPECT_NE(fault.problem.find("rib.bottom"), std::string::npos) << fault.problem;
+}
+
+TEST(Solid, ASupportIsTheSideOfItsOwnBox) {
+  std::vector<SolidBox> parts = hull();
+  parts[2].support[0] = Support::clamped;
+  const Solid solid = solid_of_boxes(2, parts);
+  ASSERT_EQ(solid.supported.size(), 1U);
+  const SupportedFace& face = solid.supported[0];
+  ASSERT_FALSE(face.facet.empty());
+  EXPECT_NEAR((middle_of(solid, face) - Vector3d(-0.15, 0.04, 0)).norm(), 0, 1e-15);
+  EXPECT_NEAR((normal_of(solid, face) - Vector3d(-1, 0, 0)).norm(), 0, 1e-15);
+  EXPECT_TRUE(on_facet(solid, face.facet[0], {-0.15, 0.02, 0}, 1e-9));
+  EXPECT_FALSE(on_facet(solid, face.facet[0], {-0.15, 0.005, 0}, 1e-9)) << "that is the bottom's side";
+}
+
+TEST(Solid, ASolidBoxOfThreeDimensionsHasAClosedSurface) {
+  std::vector<SolidBox> parts = {light_box("slab", {0, 0, 0}, {1, 0.1, 0.5}),
+                                 light_box("rib", {0.4, 0.1, 0}, {0.5, 0.3, 0.5})};
+  const Solid solid = solid_of_boxes(3, parts);
+  EXPECT_TRUE(fault_of(solid).problem.empty());
+  const InterfaceMesh mesh = outer_surface(solid, 0.05);
+  EXPECT_NEAR(enclosed_volume(mesh), 0.05 + 0.01, 1e-12);
+  EXPECT_NEAR(mass_of(solid).mass, 1000 * 0.06, 1e-9);
+  // closed: the vector areas cancel
+  Vector3d sum = Vector3d::Zero();
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+    const Vector3d a = mesh.position.col(mesh.faces(0, f)), b = mesh.position.col(mesh.faces(1, f)),
+                   c = mesh.position.col(mesh.faces(2, f));
+    sum += 0.5 * (b - a).cross(c - a);
+  }
+  EXPECT_NEAR(sum.norm(), 0, 1e-14);
+}
+
+TEST(Solid, ACavityOfThreeDimensionsIsDry) {
+  std::vector<SolidBox> parts;
+  const double t = 0.1;
+  parts.push_back(light_box("bottom", {0, 0, 0}, {1, t, 1}));
+  parts.push_back(light_box("top", {0, 1 - t, 0}, {1, 1, 1}));
+  parts.push_back(light_box("left", {0, t, 0}, {t, 1 - t, 1}));
+  parts.push_back(light_box("right", {1 - t, t, 0}, {1, 1 - t, 1}));
+  parts.push_back(light_box("back", {t, t, 0}, {1 - t, 1 - t, t}));
+  parts.push_back(light_box("front", {t, t, 1 - t}, {1 - t, 1 - t, 1}));
+  const Solid solid = solid_of_boxes(3, parts);
+  EXPECT_NEAR(enclosed_volume(outer_surface(solid, 0.25)), 1, 1e-12);
+  EXPECT_NEAR(mass_of(solid).mass, 1000 * (1 - 0.8 * 0.8 * 0.8), 1e-9);
+  EXPECT_EQ(cell_at(solid, {0.5, 0.5, 0.5}, 1e-9), -1);
+  EXPECT_GE(cell_at(solid, {0.05, 0.5, 0.5}, 1e-9), 0);
+}
+
+}  // namespace
+}  // namespace strake::structure

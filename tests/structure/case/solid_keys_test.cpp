@@ -1,0 +1,206 @@
+#include "proto/case/case_file.hpp"
+#include "proto/error.hpp"
+#include "structure/body/mass.hpp"
+#include "structure/body/parameters.hpp"
+#include "structure/body/surface.hpp"
+#include "structure/case/read_parameters.hpp"
+#include "structure/rigid/support_frame.hpp"
+#include "tests/proto/temporary_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace strake::structure {
+namespace {
+
+/// A case with that [structure] part; `more` goes to the end.
+CaseFile body_case(const std::string& structure, const std::vector<std::string>& sets = {},
+                   const std::string& name = "case.toml") {
+  return CaseFile::parse(
+      "end_time = 0.5\n[fluid]\nspacing = 0.01\n[structure]\nsolver = \"rigid\"\n" + structure, name, sets);
+}
+
+Parameters read_body(const std::string& structure, const std::vector<std::string>& sets = {},
+                     const std::string& kind = "rigid", const std::string& name = "case.toml") {
+  CaseFile file = body_case(structure, sets, name);
+  Parameters p = read(file, kind);
+  file.refuse_unknown("structure");
+  return p;
+}
+
+void refuses(const std::string& structure, const std::string& part, const std::vector<std::string>& sets = {},
+             const std::string& kind = "rigid", const std::string& name = "case.toml") {
+  try {
+    read_body(structure, sets, kind, name);
+    ADD_FAILURE() << structure << " was accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::case_file);
+    EXPECT_NE(to_text(e).find(part), std::string::npos) << to_text(e);
+    EXPECT_NE(to_text(e).find("fix:"), std::string::npos) << to_text(e);
+    if (e.where().find("motion.csv") == std::string::npos) {
+      EXPECT_NE(e.where().find("case.toml"), std::string::npos) << to_text(e);
+    }
+  }
+}
+
+// The case.toml of a run holds every key, the tables of rigid bodies with their defaults too.
+TEST(BodyKeys, TheResolvedCaseOfAnElasticBodyIsACase) {
+  const std::string plate = "plate = { length = 0.4, thickness = 0.02 }\n";
+  for (const std::string kind : {"fem", "particle"}) {
+    CaseFile file = body_case(plate, {"structure.solver=" + kind, "structure.particle.spacing=0.005"});
+    read(file, kind);
+    CaseFile again = CaseFile::parse(file.echo());
+    EXPECT_NO_THROW(read(again, kind)) << file.echo();
+  }
+  refuses(plate + "lumped = { mass = 1 }\n", "structure.lumped", {}, "fem");
+}
+
+TEST(BodyKeys, AWedgeIsGivenByWidthOrByDraught) {
+  const Parameters a = read_body("wedge = { deadrise = 45, width = 0.4, apex = [0, 0.1], height = 0.3 }\n");
+  ASSERT_EQ(a.shape.corner.size(), 5u);
+  EXPECT_NEAR(a.shape.corner[1].y(), 0.3, 1e-15);
+  EXPECT_NEAR(a.shape.corner[2].y(), 0.4, 1e-15);
+  const Parameters b = read_body("wedge = { deadrise = 30, draught = 0.1, apex = [0, 0.1] }\n");
+  EXPECT_NEAR(b.shape.corner[1].x(), 0.1 / std::tan(std::numbers::pi / 6), 1e-15);
+  const Parameters steep =
+      read_body("wedge = { deadrise = 30, width = 0.5 }\n", {"structure.wedge.deadrise=45"});
+  EXPECT_NEAR(steep.shape.corner[1].y(), 0.25, 1e-15);
+}
+
+TEST(BodyKeys, OutlineCylinderAndSphereAreShapes) {
+  const Parameters p = read_body("outline = [[0, 0], [0.4, 0], [0.4, 0.2], [0, 0.2]]\n");
+  EXPECT_NEAR(enclosed_volume(surface(p)), 0.08, 1e-15);
+  const Parameters c = read_body("cylinder = { radius = 0.1, centre = [0, 0.1] }\n");
+  EXPECT_NEAR(enclosed_volume(surface(c)), std::numbers::pi * 0.01, 1e-15);
+  const Parameters s = read_body("sphere = { radius = 0.1 }\n", {"fluid.dimension=3"});
+  EXPECT_NEAR(enclosed_volume(surface(s)), 4.0 / 3 * std::numbers::pi * 0.001, 1e-15);
+  const Parameters w =
+      read_body("wedge = { deadrise = 30, width = 0.5 }\ndepth = 1.0\n", {"fluid.dimension=3"});
+  EXPECT_EQ(surface(w).dimension, 3);
+  const Parameters b =
+      read_body("plate = { length = 0.4, thickness = 0.1 }\ndepth = 0.3\n", {"fluid.dimension=3"});
+  EXPECT_NEAR(enclosed_volume(surface(b)), 0.012, 1e-15);
+}
+
+TEST(BodyKeys, MassInertiaAndFreedomAreRead) {
+  const Parameters p = read_body(
+      "mass = 241.0\ninertia = 5.0\ncentre_of_gravity = [0.0, 0.2]\nfree = { y = true, angle = true }\n"
+      "lumped = { mass = 2.0, at = [0.0, 0.1] }\nangular_velocity = 0.5\n"
+      "wedge = { deadrise = 30, width = 0.5 }\n");
+  EXPECT_EQ(mass_of(p).mass, 243);
+  EXPECT_NEAR(mass_of(p).centre.y(), (241 * 0.2 + 0.2) / 243, 1e-15);
+  EXPECT_TRUE(p.free.y && p.free.angle && !p.free.x);
+  EXPECT_EQ(p.angular_velocity, 0.5);
+}
+
+TEST(BodyKeys, WrongShapesAreRefusedWithPlaceAndRemedy) {
+  refuses("outline = [[0, 0], [0.4, 0.2], [0.4, 0], [0, 0.2]]\n", "crosses");
+  refuses("outline = [[0, 0], [0, 0.2], [0.4, 0.2], [0.4, 0]]\n", "opposite order");
+  refuses("outline = [[0, 0], [0.4, 0]]\n", "at least 3 points");
+  refuses("outline = [[0, 0], [0.4, 0], [0.4, 0.2], [0.399, 0.2], [0, 0.2]]\n", "leave one of its ends out");
+  refuses("wedge = { deadrise = 30 }\n", "one of width and draught");
+  refuses("wedge = { deadrise = 30, width = 0.5, draught = 0.1 }\n", "leave draught out");
+  refuses("wedge = { deadrise = 30, width = 0.5, height = 0.1 }\n", "height = 0.144338");
+  refuses("wedge = { width = 0.5 }\n", "deadrise");
+  refuses("wedge = { deadrise = 88, width = 0.5 }\n", "at most 85");
+  refuses("cylinder = { radius = 0.015 }\n", "at least twice");
+  refuses("cylinder = { radius = 0 }\n", "greater than 0");
+  refuses("sphere = { radius = 0.1 }\n", "structure.cylinder");
+  refuses("wedge = { deadrise = 30, width = 0.5 }\n", "along z", {"fluid.dimension=3"});
+  refuses("wedge = { deadrise = 30, width = 0.5 }\ncylinder = { radius = 0.1 }\n", "one shape");
+  refuses("wedge = { deadrise = 30, width = 0.5 }\nplate = { length = 1, thickness = 0.1 }\n", "one shape");
+  refuses("wedge = { deadrise = 30, width = 0.5 }\n", "structure.solver = \"rigid\"", {}, "fem");
+  refuses("wedge = { deadrise = 30, width = 0.5 }\nload = { kind = \"traction\", value = [0, 1] }\n",
+          "point");
+  refuses("", "length");
+}
+
+TEST(BodyKeys, WrongMassesAndMotionsAreRefusedWithPlaceAndRemedy) {
+  const std::string wedge = "wedge = { deadrise = 30, width = 0.5 }\n",
+                    plate = "plate = { length = 1, thickness = 0.1 }\n";
+  refuses(wedge + "mass = 0\n", "greater than 0");
+  refuses(wedge + "mass = -3\n", "greater than 0");
+  refuses(wedge + "inertia = 0\n", "greater than 0");
+  refuses(wedge + "lumped = { mass = -1 }\n", "at least 0");
+  refuses(wedge + "inertia_axes = [1, 1, 1]\n", "two dimensions");
+  refuses(wedge + "free = { z = true }\n", "two dimensions");
+  refuses(wedge + "free = { rotation = true }\n", "two dimensions");
+  refuses(wedge + "free = { angel = true }\n", "did you mean angle");
+  refuses(wedge + "free = { y = true }\npivot = [0, 0]\n", "pivot");
+  refuses(wedge + "depth = 1\nfree = { angle = true, rotation = true }\n", "one of angle and rotation",
+          {"fluid.dimension=3"});
+  refuses(wedge + "depth = 1\ninertia_axes = [1, 1, 3]\n", "sum of the other two", {"fluid.dimension=3"});
+  refuses(plate + "mass = 3\n", "rigid bodies", {}, "fem");
+}
+
+// What an elastic body's supports stand in moves by a table or freely, and turns by a table alone.
+TEST(BodyKeys, TheFrameOfAnElasticBodyIsDrivenOrFree) {
+  const TemporaryFolder folder;
+  const std::string name = (folder / "case.toml").string(),
+                    held = "plate = { length = 0.4, thickness = 0.02, supports = { left = \"clamped\" } }\n",
+                    floating = "plate = { length = 0.4, thickness = 0.02 }\n",
+                    table = "motion = { file = \"motion.csv\" }\n";
+  const Parameters p =
+      read_body(held + "free = { y = true }\nlumped = { mass = 3 }\nvelocity = [0, -2]\n", {}, "particle");
+  EXPECT_TRUE(p.free.y);
+  EXPECT_EQ(p.body.lumped_mass, 3);
+  EXPECT_NO_THROW(read_body(floating + "free = { y = true }\n", {}, "fem")) << "it floats as it is";
+  refuses(held + "lumped = { mass = 3 }\n", "structure.free.y = true", {}, "fem");
+  refuses(floating + "free = { y = true }\nlumped = { mass = 3 }\n", "no supports", {}, "fem");
+  refuses(held + "free = { angle = true }\n", "turn by a table alone", {}, "fem");
+  refuses(held + "free = { y = true }\nanalysis = \"modal\"\n", "supports are at rest", {}, "fem");
+  put(folder / "motion.csv", "t [s],vy [m/s]\n0,0\n0.25,-1\n0.5,-3\n");
+  EXPECT_NEAR(read_body(held + table, {}, "fem", name).motion->at(0.5).velocity.y(), -3, 1e-15);
+  refuses(floating + table, "no supports", {}, "fem", name);
+  refuses(held + table + "free = { y = true }\n", "prescribes this motion", {}, "particle", name);
+  refuses(held + table, "end_time = 0.5", {"end_time=0.6"}, "fem", name);
+  put(folder / "motion.csv", "t [s],angle [deg]\n0,0\n0.5,1\n");
+  refuses(held + table, "what the supports turn about", {}, "fem", name);
+  const std::string turned = held + table + "pivot = [-0.2, 0.0]\n";
+  EXPECT_TRUE(read_body(turned, {}, "fem", name).motion->turns());
+  EXPECT_TRUE(read_body(turned, {}, "particle", name).pivot);
+  refuses(turned + "damping = { mass = 1 }\n", "brake the turn", {}, "fem", name);
+  refuses(turned + "material = { model = \"linear\" }\n", "takes a turn for strain", {}, "fem", name);
+  refuses(turned + "free = { x = true }\n", "free in no direction", {}, "fem", name);
+  refuses(turned, "move and do not turn", {}, "ccx", name);
+}
+
+TEST(BodyKeys, AnElasticBodyStartsWithTheVelocityOfAFile) {
+  const TemporaryFolder folder;
+  const std::string name = (folder / "case.toml").string(),
+                    plate = "plate = { length = 0.4, thickness = 0.02 }\n",
+                    start = "initial_velocity = { value = [1, 0], file = \"motion.csv\" }\n";
+  put(folder / "motion.csv", "x [m],vy [m/s]\n-0.2,4\n0,0\n0.2,4\n");
+  const Parameters p = read_body(plate + start, {}, "fem", name);
+  EXPECT_LT((velocity_at_start(p.initial, 0, {0.1, 0, 0}) - Eigen::Vector3d(1, 1, 0)).norm(), 1e-12);
+  refuses(plate + start, "structure.velocity", {}, "rigid", name);
+  for (const char* wrong :
+       {"x [m],vy [m]\n0,1\n1,1\n", "x [m]\n0\n1\n", "x [m],y [m],vy [m/s]\n0,0,1\n1,1,1\n",
+        "x [m],vy [m/s]\n0,1\n0,2\n", "x [m],vy [m/s]\n0,1\n"}) {
+    put(folder / "motion.csv", wrong);
+    refuses(plate + start, "a first line like", {}, "fem", name);
+  }
+}
+
+TEST(BodyKeys, AMotionTableMustFitTheRunAndTheOtherKeys) {
+  const TemporaryFolder folder;
+  const std::string name = (folder / "case.toml").string(),
+                    wedge = "wedge = { deadrise = 30, width = 0.5 }\nmotion = { file = \"motion.csv\" }\n";
+  put(folder / "motion.csv", "t [s],y [m],angle [deg]\n0,0,0\n0.25,-1,10\n0.5,-3,20\n");
+  const Parameters p = read_body(wedge, {}, "rigid", name);
+  ASSERT_TRUE(p.motion);
+  EXPECT_NEAR(p.motion->at(0.25).displacement.y(), -1, 1e-15);
+  refuses(wedge + "free = { y = true }\n", "prescribes this motion", {}, "rigid", name);
+  refuses(wedge + "free = { angle = true }\n", "prescribes this motion", {}, "rigid", name);
+  refuses(wedge + "velocity = [0, -1]\n", "prescribes this motion", {}, "rigid", name);
+  refuses(wedge, "end_time = 0.5", {"end_time=0.6"}, "rigid", name);
+  put(folder / "motion.csv", "t [s],angel [deg]\n0,0\n1,1\n");
+  refuses(wedge, "did you mean angle", {}, "rigid", name);
+  refuses("wedge = { deadrise = 30, width = 0.5 }\nmotion = { file = \"none.csv\" }\n", "none.csv", {},
+          "rigid", name);
+}
+
+}  // namespace
+}  // namespace strake::structure

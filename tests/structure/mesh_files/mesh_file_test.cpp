@@ -1,0 +1,209 @@
+#include "structure/mesh_files/mesh_file.hpp"
+
+#include "proto/error.hpp"
+#include "structure/body/mass.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace strake::structure {
+namespace {
+
+class MeshFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("strake_mesh_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path file(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  std::string complaint(const std::string& name, const std::string& text, int dimension = 2) const {
+    try {
+      read_mesh(file(name, text), dimension, {});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::case_file);
+      return error.where() + " | " + error.problem() + " | " + error.fix();
+    }
+    return "";
+  }
+  std::filesystem::path folder_;
+};
+
+// Two quadrilaterals side by side, the second one walked clockwise; the left end has a name.
+const std::string msh2 = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+1 7 "clamp"
+2 1 "steel"
+2 2 "rubber"
+$EndPhysicalNames
+$Nodes
+7
+1 0 0 0
+2 1 0 0
+3 2 0 0
+4 0 1 0
+5 1 1 0
+6 2 1 0
+9 5 5 0
+$EndNodes
+$Elements
+3
+1 1 2 7 4 4 1
+2 3 2 1 1 1 2 5 4
+3 3 2 2 2 2 5 6 3
+$EndElements
+)";
+
+const std::string msh4 = R"($MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 7 "clamp"
+2 1 "steel"
+$EndPhysicalNames
+$Entities
+0 1 1 0
+4 0 0 0 0 1 0 1 7 0
+1 0 0 0 2 1 0 1 1 0
+$EndEntities
+$Nodes
+1 6 1 6
+2 1 0 6
+1
+2
+3
+4
+5
+6
+0 0 0
+1 0 0
+2 0 0
+0 1 0
+1 1 0
+2 1 0
+$EndNodes
+$Elements
+2 3 1 3
+1 4 1 1
+1 4 1
+2 1 3 2
+2 1 2 5 4
+3 2 3 6 5
+$EndElements
+)";
+
+const std::string inp = R"(*HEADING
+two cells
+*NODE
+1, 0., 0.
+2, 1., 0.
+3, 2., 0.
+4, 0., 1.
+5, 1., 1.
+6, 2., 1.
+*ELEMENT, TYPE=CPE4, ELSET=steel
+1, 1, 2, 5, 4
+2, 2, 3,
+6, 5
+** a comment
+*NSET, NSET=clamp
+1, 4
+*NSET, NSET=lower, GENERATE
+1, 3, 1
+)";
+
+TEST_F(MeshFile, GmshTwoHasPartsNamedFacesAndTurnsCellsOver) {
+  const Solid solid = read_mesh(file("a.msh", msh2), 2, {.density = 1});
+  EXPECT_EQ(solid.cell.cols(), 2);
+  EXPECT_EQ(solid.node.cols(), 6) << "a node that no cell uses is left out";
+  ASSERT_EQ(solid.parts.size(), 2U);
+  EXPECT_EQ(solid.parts[1].name, "rubber");
+  EXPECT_TRUE(fault_of(solid).problem.empty()) << fault_of(solid).problem;
+  EXPECT_NEAR(mass_of(solid).mass, 2, 1e-15);
+  const auto clamp = facets_named(solid, "clamp");
+  ASSERT_EQ(clamp.size(), 1U);
+  EXPECT_TRUE(on_facet(solid, clamp[0], {0, 0.3, 0}, 1e-9));
+}
+
+TEST_F(MeshFile, GmshFourTakesNamesFromItsEntities) {
+  const Solid solid = read_mesh(file("a.msh", msh4), 2, {.density = 1});
+  EXPECT_NEAR(mass_of(solid).mass, 2, 1e-15);
+  EXPECT_EQ(solid.parts.at(0).name, "steel");
+  EXPECT_EQ(facets_named(solid, "clamp").size(), 1U);
+}
+
+TEST_F(MeshFile, AbaqusHasElementSetsAndNodeSets) {
+  const Solid solid = read_mesh(file("a.inp", inp), 2, {.density = 1});
+  EXPECT_NEAR(mass_of(solid).mass, 2, 1e-15);
+  EXPECT_EQ(solid.parts.at(0).name, "steel");
+  EXPECT_EQ(facets_named(solid, "clamp").size(), 1U);
+  EXPECT_EQ(facets_named(solid, "lower").size(), 2U);
+}
+
+TEST_F(MeshFile, AHexahedronIsReadWithItsSides) {
+  const Solid solid = read_mesh(file("h.inp", R"(*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 2
+6, 1, 0, 2
+7, 1, 1, 2
+8, 0, 1, 2
+*ELEMENT, TYPE=C3D8, ELSET=block
+1, 5, 6, 7, 8, 1, 2, 3, 4
+)"),
+                                3, {.density = 3});
+  EXPECT_TRUE(fault_of(solid).problem.empty()) << fault_of(solid).problem;
+  EXPECT_NEAR(mass_of(solid).mass, 6, 1e-14);
+  EXPECT_EQ(facets_named(solid, "front").size(), 1U);
+}
+
+TEST_F(MeshFile, WhatIsWrongIsNamedWithItsLine) {
+  const auto says = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  const auto changed = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  says(complaint("a.stl", msh2), "ends in .msh (Gmsh) or .inp (Abaqus)");
+  says(complaint("a.msh", "hello"), "no $MeshFormat");
+  says(complaint("a.msh", changed(msh2, "2.2 0 8", "2.2 1 8")), "a.msh:2 | a binary mesh file");
+  says(complaint("a.msh", changed(msh2, "2.2 0 8", "1 0 8")), "is not 2.2 or 4.1");
+  says(complaint("a.msh", changed(msh2, "2 1 0 0", "2 1 zero 0")), "a.msh:13 | expected NUMBER X Y Z");
+  says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 2 2 2 2 2 5 6")), "Recombine");
+  says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 3 2 2 2 2 5 66 3")), "names node 66");
+  says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 16 2 2 2 2 5 6 3 1 1 1 1")), "ElementOrder");
+  says(complaint("a.msh", changed(msh2, "6 2 1 0", "6 2 1 0.5")), "the plane z = 0");
+  says(complaint("a.msh", changed(msh2, "1 1 2 7 4 4 1", "1 1 2 7 4 2 5")),
+       "no side of a cell at the body's boundary");
+  // A twisted cell has other sides than the file says: the cell is named, not the side.
+  says(complaint("a.msh", changed(msh2, "2 3 2 1 1 1 2 5 4", "2 3 2 1 1 1 2 4 5")),
+       "cell 1 of part \"steel\"");
+  says(complaint("a.msh", msh2, 3), "has no hexahedra");
+  says(complaint("a.msh", changed(msh2, "$Elements\n3", "$Elements\n9")), "expected");
+  says(complaint("a.inp", changed(inp, "TYPE=CPE4", "TYPE=CPE8")), "CPE8");
+  says(complaint("a.inp", changed(inp, "1., 1.", "1., one")),
+       "a.inp:8 | expected a number instead of \"one\"");
+}
+
+TEST_F(MeshFile, ACellThatIsTurnedInsideOutIsNamed) {
+  std::string crossed = msh2;
+  const std::string from = "2 3 2 1 1 1 2 5 4";
+  crossed.replace(crossed.find(from), from.size(), "2 3 2 1 1 1 5 2 4");
+  const SolidFault fault = fault_of(read_mesh(file("a.msh", crossed), 2, {}));
+  EXPECT_NE(fault.problem.find("turned inside out"), std::string::npos) << fault.problem;
+}
+
+}  // namespace
+}  // namespace strake::structure
