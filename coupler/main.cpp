@@ -267,6 +267,9 @@ int main(int argc, char** argv) {
   command->add_option("--for", keys.participants, "participants, default fluid structure")->type_name("NAME");
   command->callback([&] { action = [&] { return strake::keys(keys); }; });
 
+  command = app.add_subcommand("manual", "where the manual is");
+  command->callback([&] { action = [] { return strake::manual(); }; });
+
   strake::ReplayOptions replay;
   replay.run.command_line = run.command_line;
   command = add_run_options(

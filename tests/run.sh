@@ -7,6 +7,7 @@
 #   GCC's own OpenMP library does not tell the sanitizer where threads wait for one another, and every loop would look
 #   like a race. LLVM's takes its place there and does, by its tool archer.
 # --paraview: what runs write, opened in ParaView (installs it, 1 GB); pictures in build/paraview. A run of all does not do it.
+# --manual: all pages and the API reference as one HTML manual in build/manual, with strict links; builds no program.
 # The fuzz targets need clang, and are run by hand, as long as one likes:
 #   cmake -S . -B build-fuzz -G Ninja -DSTRAKE_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ && cmake --build build-fuzz
 #   mkdir -p build-fuzz/wire && build-fuzz/bin/wire_fuzz -malloc_limit_mb=64 build-fuzz/wire tests/fuzz/corpus/wire   (and case)
@@ -16,7 +17,11 @@ cd "$here/.."
 . cases/setup.sh
 chosen=()
 targets=(all)
-if [ "${1:-}" = "--paraview" ]; then
+if [ "${1:-}" = "--manual" ]; then
+  # shellcheck disable=SC2086
+  strake_install $strake_packages_manual
+  exec /usr/bin/python3 tests/manual/build.py "$PWD" "$strake_build"
+elif [ "${1:-}" = "--paraview" ]; then
   # shellcheck disable=SC2086
   strake_install $strake_packages_build $strake_packages_test $strake_packages_paraview
   strake_make programs

@@ -62,6 +62,10 @@ struct KeysOptions {
 };
 ExitCode keys(const KeysOptions&);
 
+/// Prints where the manual is: the HTML one, else the pages of the source tree and how to build it. Opens
+/// nothing.
+ExitCode manual();
+
 struct ExportOptions {
   std::filesystem::path recorded;  // a run folder
   std::string to;                  // "ccx" | "ansys"

@@ -6,6 +6,8 @@ install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONEN
 install(FILES ${PROJECT_SOURCE_DIR}/proto/coupling.proto ${PROJECT_SOURCE_DIR}/proto/README.md
   ${PROJECT_SOURCE_DIR}/proto/WIRE.md ${PROJECT_SOURCE_DIR}/proto/CASE_FILE.md ${PROJECT_SOURCE_DIR}/proto/RESULTS.md
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/proto COMPONENT programs)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/   # where tests/run.sh --manual has made it
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strake COMPONENT programs OPTIONAL)
 install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs)
 

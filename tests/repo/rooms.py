@@ -20,7 +20,7 @@ for folder, sources in folders.items():
     name = folder.relative_to(root).as_posix()
     if len(sources) > MOST:
         problems.append(f"{name}: {len(sources)} sources; at most {MOST}")
-    if not name.startswith(ROOMS):
+    if name.split("/")[0] not in ROOMS:
         continue
     page = folder / "README.md"
     text = re.sub(r"\n +", " ", page.read_text(encoding="utf-8")) if page.exists() else ""
@@ -31,14 +31,15 @@ for folder, sources in folders.items():
     links = {pathlib.Path(target).stem for target in re.findall(r"\]\(([^)#]+)", parts.get("Files in reading order", ""))}
     problems += [f"{where}: \"Files in reading order\" does not name {stem}" for stem in sorted({s.stem for s in sources} - links)]
     listed = set(re.findall(r"[\w/]+", parts.get("May include", "")))
-    for source in sources:
-        for header in re.findall(r'^\s*#include "([^"]+)"', source.read_text(encoding="utf-8"), re.M):
-            other = header.rpartition("/")[0]
-            if (root / header).exists() and other != name and other not in listed:
-                problems.append(f"{where}: \"May include\" lacks {other}, which {source.name} includes")
+    includes = {header.rpartition("/")[0]: source.name for source in sources if source.suffix in {".cpp", ".hpp"}
+                for header in re.findall(r'^\s*#include "([^"]+)"', source.read_text(encoding="utf-8"), re.M) if (root / header).exists()}
+    problems += [f"{where}: \"May include\" lacks {other}, which {source} includes"
+                 for other, source in includes.items() if other not in listed | {name}]
+    problems += [f"{where}: \"May include\" names {other}, which holds no sources"
+                 for other in sorted(listed) if other.startswith(ROOMS) and root / other not in folders]
     for target, function in re.findall(r"\]\(([^)#]+\.[ch]pp)\), `(\w+)`", text):
         checked += 1
         if function not in (folder / target).read_text(encoding="utf-8"):
             problems.append(f"{where}: {target} holds no `{function}`")
-print("\n".join(dict.fromkeys(problems)) or f"{len(folders)} folders, {checked} cited functions as their pages say")
+print("\n".join(problems) or f"{len(folders)} folders, {checked} cited functions as their pages say")
 sys.exit(bool(problems))

@@ -1,6 +1,7 @@
 """The commands as a person uses them: what they print, what they leave, and what a second look finds."""
 import json
 import re
+import shutil
 
 from processes import *  # noqa: F403: the test's own vocabulary
 
@@ -23,10 +24,30 @@ def equal(one, other, what, names=("history.csv", "iterations.csv")):
 def help_and_version(place):
     result = strake("--help", cwd=place)
     expect(result.returncode == 0, "--help exits 0")
-    for command in ("run", "check", "explain", "compare", "replay", "export", "picture", "film", "report", "study", "watch"):
+    for command in ("run", "check", "explain", "compare", "replay", "export", "picture", "film", "report", "study", "watch", "manual"):
         expect(f"  {command} " in result.stdout, f"--help names {command}")
     version = strake("--version", cwd=place)
     expect(version.returncode == 0 and version.stdout.startswith("strake "), f"--version: {version.stdout.strip()}")
+
+
+def manual_is_found(place):
+    programs = place / "build" / "bin"
+    programs.mkdir(parents=True)
+    shutil.copy(BIN / "strake", programs)
+
+    def manual():
+        return subprocess.run([programs / "strake", "manual"], capture_output=True, text=True, timeout=60)
+    nowhere = manual()
+    expect(nowhere.returncode == 2 and "fix:" in nowhere.stderr, f"manual without pages: exit {nowhere.returncode}\n{nowhere.stderr}")
+    for name in ("README.md", "tests/run.sh", "fluid/THEORY.md", "build/share/doc/strake/index.html", "build/manual/index.html"):
+        (place / name).parent.mkdir(parents=True, exist_ok=True)
+        (place / name).touch()
+        if name.startswith("build/") or name == "fluid/THEORY.md":
+            result = manual()
+            first = result.stdout.partition("\n")[0]
+            wanted = place / (name if name.startswith("build/") else "README.md")
+            expect(result.returncode == 0 and first == str(wanted), f"manual says {first}, wanted {wanted}")
+            expect(("--manual" in result.stdout) == (wanted.name == "README.md"), "manual names its command where it is not built")
 
 
 def check_leaves_nothing(place):
@@ -160,6 +181,8 @@ def reference_of_keys():
     expect(result.stdout.strip() in page, "proto/CASE_FILE.md holds the reference that `strake explain --markdown` prints")
 
 
+with folder() as place:
+    manual_is_found(pathlib.Path(place).resolve())
 with folder() as place:
     place = pathlib.Path(place)
     help_and_version(place)
