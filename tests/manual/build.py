@@ -115,24 +115,22 @@ def title(page):
 
 
 def navigation(found):
-    """By what a reader is after, then room by room."""
+    """By what a reader is after, then room by room in the order of the room's own page."""
     def entry(name, label=None):
         return {label or title(root / name): name}
 
+    use = {"cases/TUTORIAL.md": "Tutorial", "cases/README.md": "Cases", "cases/VALIDATION.md": "Validation",
+           "proto/CASE_FILE.md": "Case file", "proto/RESULTS.md": "Results of a run", "proto/WIRE.md": "Messages"}
     rooms = []
     for room, label in ROOMS.items():
-        inside = [entry(f"{room}/README.md", "Overview")]
-        inside += [entry(p.relative_to(root).as_posix()) for p in found if p.parent == root / room and p.name != "README.md"]
-        order = re.findall(r"\]\((\w[\w/]*/README\.md)\)", (root / room / "README.md").read_text(encoding="utf-8"))
-        below = [p.relative_to(root / room).as_posix() for p in found if p.is_relative_to(root / room) and p.parent != root / room]
-        below.sort(key=lambda name: order.index(name) if name in order else len(order))
-        inside += [entry(f"{room}/{name}", pathlib.PurePath(room, name).parent.as_posix()) for name in below]
-        rooms.append({f"{label}: {room}/": inside})
-    return [entry("README.md", "Strake"),
-            {"Use": [entry("cases/TUTORIAL.md", "Tutorial"), entry("cases/README.md", "Cases"), entry("cases/VALIDATION.md", "Validation"),
-                     entry("proto/CASE_FILE.md", "Case file"), entry("proto/RESULTS.md", "Results of a run"),
-                     entry("proto/WIRE.md", "Messages")]},
-            *rooms,
+        page = f"{room}/README.md"
+        inside = [p.relative_to(root).as_posix() for p in found if p.is_relative_to(root / room)]
+        inside = [name for name in inside if name not in use and name != page]
+        order = re.findall(r"\]\(([\w/]+/README\.md)\)", (root / page).read_text(encoding="utf-8"))
+        inside.sort(key=lambda name: order.index(name[len(room) + 1:]) if name[len(room) + 1:] in order else -1)
+        rooms.append({f"{label}: {room}/": [entry(page, "Overview")] + [
+            entry(name, name.removesuffix("/README.md") if name.endswith("/README.md") else None) for name in inside]})
+    return [entry("README.md", "Strake"), {"Use": [entry(*pair) for pair in use.items()]}, *rooms,
             {"Change": [entry("CONTRIBUTING.md", "Contributing"), entry("tests/README.md", "Tests"), entry("CHANGELOG.md", "Changelog"),
                         {"API reference": "api.md"}]}]
 
