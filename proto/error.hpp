@@ -21,7 +21,8 @@ enum class ExitCode : int {
   terminated = 143,   // SIGTERM
 };
 
-/// What a user, a file, a peer or the physics can cause. Thrown where it is known, caught once in main.
+/// An error that a user, a file, a peer or the physics can cause. It is thrown where it is found, and caught
+/// once in main.
 class Error : public std::runtime_error {
  public:
   /// where: place ("case.toml:40:9: structure.material.young = 0", "fluid, window 420 (t = 0.0042 s)").

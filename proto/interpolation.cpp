@@ -18,9 +18,8 @@ const Values& value_of(const Sample& sample, const std::string& quantity) {
   return field ? field->value : none;
 }
 
-// The spline is linear in what it goes through: f(t) = Σ_k w_k f_k, where w_k is the spline through 1 at
-// sample k and 0 at the others. On the interval [t_a, t_b] of length h, with s = (t − t_a)/h and its slopes m
-// at both ends:
+// The spline is linear in its samples: f(t) = Σ_k w_k f_k. Here w_k is the spline through 1 at sample k and 0
+// at the others. On the interval [t_a, t_b] of length h, with s = (t − t_a)/h and its slopes m at both ends:
 //   (1 + 2s)(1 − s)² f_a + s(1 − s)² h m_a + s²(3 − 2s) f_b − s²(1 − s) h m_b
 MatrixXd spline_at(const std::vector<Sample>& samples, std::size_t after, const std::string& quantity,
                    double time) {

@@ -26,8 +26,8 @@ enum class MotionColumn { absent, place, rate };
 class MotionTable {
  public:
   static constexpr int n_channels = 4;  // x, y, z, angle
-  /// time: strictly increasing, at least two [s]; value: per channel one number per time where it is not
-  /// absent ([m], [rad], or per second). The reader checks what a file can get wrong.
+  /// time: strictly increasing, at least two [s]. value: for each channel that is not absent, one number per
+  /// time ([m], [rad], or per second). The reader checks what a file can get wrong.
   MotionTable(std::vector<double> time, std::array<MotionColumn, n_channels> kind,
               std::array<std::vector<double>, n_channels> value);
 

@@ -22,9 +22,10 @@ struct Setup {
 
 /// What a participant says once it is built.
 struct Description {
-  /// The fields that it sends with each window, with their values at t = 0 on mesh(): quantity, unit,
-  /// components, conservative or not. None: displacement [m] of a structure, force [N] of a fluid. Beside a
-  /// displacement stands the velocity [m/s] at t = 0, which need not be sent later.
+  /// The fields that the participant sends with each window, with their values at t = 0 on mesh(). A field
+  /// says its quantity, unit, components, and whether it is conservative. None: displacement [m] of a
+  /// structure, force [N] of a fluid. Beside a displacement stands the velocity [m/s] at t = 0, which need
+  /// not be sent later.
   std::vector<Field> initial;
   bool history =
       false;  // it takes the partner's fields over the window, as several samples, where there are such
@@ -36,8 +37,8 @@ struct Description {
 
 struct Advanced {
   std::vector<Field> output;  // displacement, velocity: at t + dt; force: mean over the window; on mesh()
-  /// Where Setup::history asks for it: the same fields at times in (t, t + dt], ascending, the last at t +
-  /// dt; for a force the mean since the sample before.
+  /// The same fields at times in (t, t + dt], ascending, the last at t + dt. They are sent if Setup::history
+  /// asks for them. A force is the mean since the sample before.
   std::vector<Sample> history;
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest next window this solver accepts
   /// Named scalars. Names in Description::columns go to history.csv. Reserved prefixes go elsewhere:

@@ -14,8 +14,8 @@ constexpr double impulse_time = 300e-6;    // [s] length of the impulse's window
 constexpr double mean_time = 50e-6;        // [s] length of the sliding mean
 constexpr double fall = 0.8;               // a peak is one once |q| is below this share of it
 constexpr double least_first_peak = 0.05;  // of the largest |q|
-// Times are sums of many steps: 1e-12 s is far above their round-off (1e-14 s after 30 ms in steps of 2 µs)
-// and far below any step.
+// Largest difference of two times that are taken as equal. Times are sums of many steps: 1e-12 s is far above
+// their round-off (1e-14 s after 30 ms in steps of 2 µs) and far below any step.
 constexpr double time_slack = 1e-12;  // [s]
 
 /// Share of a step that lies before `end` [s].

@@ -9,15 +9,14 @@
 
 namespace strake {
 
-/// What one probe has seen so far: a copyable value that lives in the owner's State, fed at every solver
-/// step.
+/// Results of one probe so far, updated at every solver step. It is a copyable value in the owner's State.
 ///
 /// cases/VALIDATION.md, "Definitions": *first peak* = the running maximum M of |q| after contact, M >= 5 % of
 /// the record's maximum, that |q| falls below 0.8 M before exceeding M. *impulse* = ∫ q dt over [t_c, t_c +
 /// 300 µs]. Values keep their sign.
 ///
-/// A record that knows no contact (a probe on the structure) measures from its first step. One that waits for
-/// contact (a pressure sensor) has no first peak, impulse or 50-µs mean before it.
+/// A record without contact detection (a probe on the structure) measures from its first step. One that waits
+/// for contact (a pressure sensor) has no first peak, impulse or 50-µs mean before it.
 class ProbeRecord {
  public:
   ProbeRecord() = default;
@@ -26,9 +25,9 @@ class ProbeRecord {
   /// One step from t0 to t1 [s] with mean value q over it (pressure) or end value (motion). Steps follow one
   /// another; t0 = t1 records a value that holds at an instant (the state at t = 0).
   void add(double t0, double t1, double q);
-  /// Contact time t_c [s], the start of the step in which contact was found; called before or after that
-  /// step's `add`. What came before t_c is forgotten for first peak, impulse and 50-µs mean. Later calls
-  /// change nothing.
+  /// Sets the contact time t_c [s], the start of the step in which contact was found. It is called before or
+  /// after that step's `add`. First peak, impulse and 50-µs mean then leave out what came before t_c. Later
+  /// calls change nothing.
   void contact(double t);
   bool in_contact() const { return contact_known_; }
 

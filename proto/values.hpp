@@ -53,16 +53,17 @@ class Values : public Eigen::Map<const Eigen::MatrixXd> {
     return {const_cast<double*>(data()), rows(), cols()};
   }
 
-  /// Whether somebody has looked at them all and found them finite: that need not be done twice.
+  /// True if all values were tested before and found finite; the test need not be repeated.
   bool known_finite() const { return finite_; }
   void mark_finite() { finite_ = true; }
-  /// The same, and looks where nobody has. Of many points the look is their sum, which is kept: a sum tells
-  /// what is not finite as well, and to fetch the numbers takes longer than to add them.
+  /// Tests whether all values are finite, unless this is known already. Of more than `many` points it tests
+  /// their sum, which is not finite if a value is not, and keeps it for `sum_over_points`. Reading the values
+  /// from memory takes longer than adding them.
   bool look();
 
-  /// Σ over the columns, 3 components each, never −0. Of many columns sixteen sums of every sixteenth one,
-  /// which are then added: a single sum waits for each of its additions. The order depends on their number
-  /// alone.
+  /// Σ over the columns, 3 components each, never −0. With many columns, sixteen partial sums of every
+  /// sixteenth column are added at the end, since each addition to a single sum waits for the one before. The
+  /// order depends on their number alone.
   Eigen::Vector3d sum_over_points() const;
 
  private:
@@ -77,10 +78,11 @@ class Values : public Eigen::Map<const Eigen::MatrixXd> {
 
   std::shared_ptr<const void> owner_;
   bool lent_ = false, finite_ = false;
-  std::optional<Eigen::Vector3d> sum_;  // where a look has made it
+  std::optional<Eigen::Vector3d> sum_;  // where `look` has computed it
 };
 
-/// 0·x is zero for what is finite alone, and a sum is many times quicker than a look at each value.
+/// Tests whether all values are finite, by Σ 0·x = 0: 0·x is zero only for finite x. The sum is many times
+/// faster than a test of each value.
 template <class Derived>
 bool all_finite(const Eigen::DenseBase<Derived>& value) {
   return value.size() == 0 || (value.derived().array() * 0).sum() == 0;

@@ -11,12 +11,12 @@
 namespace strake {
 namespace {
 
-/// Reads a text character by character. Strings and comments count for nothing.
+/// Reads a text character by character and counts its nesting. Brackets in strings and comments do not count.
 class DepthMeter {
  public:
   explicit DepthMeter(const std::string& text) : text_(text) {}
 
-  /// The line where the text goes too deep; 0: nowhere.
+  /// The line where the text nests too deep; 0: nowhere.
   std::size_t line_too_deep() {
     for (; at_ < text_.size(); ++at_) {
       take(text_[at_]);
@@ -56,7 +56,7 @@ class DepthMeter {
     if (outer_.empty()) here_ = 0;
   }
 
-  /// From the quote at `at_` to the one that ends the text, or to the end of the line where none does.
+  /// Skips a text from the quote at `at_` to its closing quote. Without one it skips to the end of the line.
   void skip_text(char quote) {
     const bool lines = text_.compare(at_, 3, std::string(3, quote)) == 0;
     const std::string end = lines ? std::string(3, quote) : std::string(1, quote);

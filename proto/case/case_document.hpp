@@ -12,8 +12,8 @@
 
 namespace strake {
 
-/// One step of a path: a key, or the index of an element of an array ("[]", of which there is none, is index
-/// -1).
+/// One step of a path: a key, or the index of an element of an array. "[]" (any element, in declarations) has
+/// index −1.
 struct PathStep {
   std::string key;
   bool is_index = false;

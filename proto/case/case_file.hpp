@@ -88,8 +88,8 @@ class CaseFile {
   const std::vector<KeyInfo>& declared() const;
   /// Resolved TOML of the declared keys below `prefix`, each marked with its origin.
   std::string echo(const std::string& prefix = {}) const;
-  /// A top table as TOML, with what --set changed, as the user gave it: for programs whose keys nobody here
-  /// knows. `solver` takes the place of its key of that name.
+  /// A top table as TOML, as the user gave it, with the changes of --set. For programs whose keys Strake does
+  /// not declare. `solver` replaces its key of that name.
   std::string as_given(const std::string& table, const std::string& solver) const;
   /// SHA-256 of the file's bytes, each --set string, and the bytes of every existing file that a text value
   /// names.
@@ -142,8 +142,8 @@ class CaseTable {
   void points(const std::string& name, std::vector<Eigen::Vector3d>& value, const PointsKey&);
   /// A list of texts, or one text.
   void texts(const std::string& name, std::vector<std::string>& value, const TextKey&);
-  /// A text, number or flag, or a list of them, each written as KeyInfo::value is: `when` of a compare block
-  /// can so be held against any declared key. Empty if the key is not given.
+  /// Reads a text, number or flag, or a list of them, each written as KeyInfo::value is. So `when` of a
+  /// compare block can be compared with any declared key. Empty if the key is not given.
   std::vector<std::string> scalars_as_text(const std::string& name, const std::string& help = {});
   /// A key of the design that is not built yet: refused by name, with that reason.
   void not_built(const std::string& name, const std::string& help);

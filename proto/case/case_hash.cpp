@@ -10,8 +10,8 @@
 namespace strake {
 namespace {
 
-/// SHA-256 of a list of parts, each led by its length as 8 bytes, least first, so that no two lists run
-/// together.
+/// SHA-256 of a list of parts. Before each part its length is added as 8 bytes, least significant first, so
+/// that ("ab", "c") and ("a", "bc") differ.
 class Digest {
  public:
   Digest() { crypto_hash_sha256_init(&state_); }
@@ -49,8 +49,8 @@ void collect_texts(const toml::node& node, std::vector<std::string>& texts) {
     for (auto&& [key, value] : *table) collect_texts(value, texts);
 }
 
-/// Adds a file's length and its bytes, as long as `left` of them are left; any text may name a file that no
-/// key reads.
+/// Adds a file's length, and its bytes if they fit into the remaining budget `left`. The budget is needed
+/// because any text of the case may name a file, even one that no key reads.
 void add_file(Digest& digest, const std::filesystem::path& path, std::uintmax_t& left) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error) || error) return;

@@ -31,11 +31,10 @@ struct CommonKeys {
   std::string interface = "surface";  // "surface" | "volume"
   std::string fluid_solver = "mps", structure_solver = "fem";
   double window = 1e-5;  // [s] of the chosen interface (coupling.surface.window or coupling.volume.window)
-  std::string interpolation =
-      "mean";              // of the load over a window, as the structure takes it: one mean, or a
-                           // history taken "constant" | "linear" | "quadratic" between its samples
-  int threads = 2;         // run.threads
-  double checkpoint = 60;  // [s] of wall clock between checkpoints
+  std::string interpolation = "mean";  // load over a window as the structure takes it: its mean, or a history
+                                       // "constant" | "linear" | "quadratic" between its samples
+  int threads = 2;                     // run.threads
+  double checkpoint = 60;              // [s] of wall clock between checkpoints
 };
 
 /// Declares and reads title, preset, end_time, [output], coupling.interface, both windows, both solver names,

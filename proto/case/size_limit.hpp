@@ -30,8 +30,8 @@ double seconds_of(const SizeEstimates&);
 /// Memory that one program of a run may take [bytes]: four fifths of what this machine has.
 double usable_memory();
 
-/// A legal case that takes too much memory for `strake check` to build it, or too long for what takes `times`
-/// as long as to build it.
+/// True if a case is too large to build for `strake check`: it takes too much memory, or `times` its building
+/// time is too long.
 bool is_large(const SizeEstimates&, double times = 1);
 
 /// "about 10 000 water particles, 4 000 wall particles: 60 MB".
@@ -40,8 +40,9 @@ std::string size_text(const SizeEstimates&);
 /// How lines of a program's --check begin: the size, and that it was not built for its size.
 inline constexpr const char *size_words = "size   ", *not_built_words = "not built   ";
 
-/// Refuses a case with more items of a kind than their numbers can count, or which need more memory than
-/// `most` bytes together. The error names the key that makes most of them, and values that would fit.
+/// Refuses a case that is too large. Either the items of a kind are more than their numbers can count, or all
+/// items together need more memory than `most` bytes. The error names the key that makes most of them, and
+/// values that would fit.
 void refuse_oversized(const CaseFile&, const SizeEstimates&, double most = usable_memory());
 
 }  // namespace strake

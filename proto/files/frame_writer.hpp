@@ -12,8 +12,8 @@
 
 namespace strake {
 
-/// A frame series that is written by a thread of its own, so that a solver goes on while its frames reach the
-/// disk. Frames keep their order.
+/// Writes a frame series in a thread of its own, so that the solver computes on meanwhile. Frames keep their
+/// order.
 class FrameWriter {
  public:
   FrameWriter(std::filesystem::path run_folder, std::string name, int dimension);
@@ -21,7 +21,8 @@ class FrameWriter {
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;
 
-  /// Hands a frame over; waits while `most_waiting` others wait. Throws what an earlier frame met.
+  /// Queues a frame; waits while `most_waiting` others are queued. Throws the error of an earlier frame, if
+  /// any.
   void write(Frame);
   /// Throws Error(cannot_write) if a frame handed over earlier could not be written; none is tried after it.
   void check();

@@ -59,8 +59,8 @@ std::recursive_mutex& session_mutex() {
 }  // namespace
 
 Session::Session() : alone_(session_mutex()) {
-  // At exit HDF5 would complain about what a damaged file left open inside it; we write nothing through it
-  // that waits.
+  // Suppresses HDF5's clean-up at exit, which would report objects that a damaged file left open. No data of
+  // ours is lost: we never leave a write pending in HDF5.
   static const bool no_complaint_at_exit = H5dont_atexit() >= 0;
   static_cast<void>(no_complaint_at_exit);
   H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
@@ -75,8 +75,8 @@ Writer::Writer() {
   const Handle access(made(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
   constexpr std::size_t growth = 1 << 18;  // bytes
   done(H5Pset_fapl_core(access.get(), growth, false));
-  // The library's default (oldest) format stays: of a newer one, H5Fget_file_image (1.10.8) clears the
-  // superblock's "open" flag without renewing the checksum, and nobody can open the result.
+  // The file keeps the library's default (oldest) format. With a newer one, H5Fget_file_image (1.10.8) clears
+  // the superblock's "open" flag without renewing the checksum, and the result cannot be opened.
   const Handle creation = without_times([] { return H5Pcreate(H5P_FILE_CREATE); });
   file_ =
       Handle(made(H5Fcreate("composed in memory", H5F_ACC_TRUNC, creation.get(), access.get())), H5Fclose);

@@ -57,7 +57,7 @@ class Session {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A file composed in memory and written by ourselves in one go: HDF5 never meets a full disk, and no
+/// Composes a file in memory, which we then write in one go. So HDF5 never meets a full disk, and no
 /// half-written file is ever seen. Object times are off, so equal content is equal bytes.
 class Writer {
  public:

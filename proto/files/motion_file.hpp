@@ -12,15 +12,15 @@ namespace strake {
 /// Angles are about the z axis, counter-clockwise. Throws Error(case_file) with file and line.
 MotionTable read_motion(const std::filesystem::path&);
 
-/// Velocities over a coordinate: a motion table in which the coordinate [m] stands in the place of time, and
-/// velocities [m/s] in that of places.
+/// Velocities over a coordinate. It is stored as a motion table: the coordinate [m] replaces the time, and
+/// the velocities [m/s] replace the places.
 struct VelocityProfile {
   MotionTable velocity;
   Eigen::Index axis;  // of the coordinate: 0 x, 1 y, 2 z
 };
 
-/// Reads one: a column file whose header names one of x, y, z [m], strictly increasing, and any of
-/// vx, vy, vz [m/s]. Throws Error(case_file) with the file.
+/// Reads a velocity profile from a column file. Its header names one of x, y, z [m], strictly increasing, and
+/// any of vx, vy, vz [m/s]. Throws Error(case_file) with the file.
 VelocityProfile read_velocity_profile(const std::filesystem::path&);
 
 }  // namespace strake

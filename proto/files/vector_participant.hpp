@@ -6,8 +6,8 @@
 
 namespace strake {
 
-/// A participant whose whole state is one vector, so that only its step is left to write: a rewind forgets
-/// the trial, a commit keeps it, a checkpoint is the vector in a file.
+/// A participant whose whole state is one vector; only its step is given by the caller. Rewind discards the
+/// trial vector, commit keeps it, and a checkpoint is the vector in a file.
 class VectorParticipant final : public Participant {
  public:
   /// From the committed state at the begin of the window to the trial state at its end. Called again with the

@@ -1,5 +1,5 @@
 #pragma once
-// How a file appears whole or not at all and outlasts a power cut, and how one is read that has an end.
+// Writes files that appear whole or not at all and survive a power cut. Reads files of limited size.
 
 #include "proto/error.hpp"
 
@@ -16,16 +16,16 @@ inline constexpr std::uintmax_t largest_case = std::uintmax_t{16} << 20,
                                 largest_mesh = std::uintmax_t{1} << 29,
                                 any_size = ~std::uintmax_t{0};  // of a file that a run has written
 
-/// Refuses what is no regular file, since a pipe, a device or a socket may never end, and a file above
-/// `largest` bytes. `where` stands for the path in messages. Throws Error(case_file).
+/// Refuses a path that is no regular file, or a file above `largest` bytes. A pipe, a device or a socket may
+/// never end. `where` stands for the path in messages. Throws Error(case_file).
 void require_file(const std::filesystem::path&, std::uintmax_t largest, const std::string& where);
 /// Bytes of a file that passes `require_file`, as many as it had when it was opened. Throws Error(case_file).
 std::string read_whole(const std::filesystem::path&, std::uintmax_t largest, const std::string& where);
 
 /// Writes `bytes` beside `path` (".part"), closes, renames. Throws Error(cannot_write).
 void write_whole(const std::filesystem::path& path, std::string_view bytes);
-/// The same, on the disk when it returns: the bytes before the name, so that a power cut leaves the old file
-/// or the new one.
+/// Does the same, and returns once the file is on the disk. The bytes are on the disk before the name, so
+/// that a power cut leaves the old file or the new one.
 void write_lasting(const std::filesystem::path& path, std::string_view bytes);
 /// Waits until the bytes of a file, or the names in a folder, are on the disk. Throws Error(cannot_write).
 void sync_to_disk(const std::filesystem::path&);

@@ -28,7 +28,7 @@ struct Overloaded : F... {
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
 
-/// A header lives as long as one call: what it holds is taken from one block, and given back at once.
+/// Memory for the protobuf header of a call: one block, which is released at once when the call ends.
 class Scratch {
  public:
   template <class Header>

@@ -13,12 +13,17 @@
 
 /// The messages of coupling.proto as C++ values, and their bytes.
 ///
-/// A message is one header part (a protobuf Request or Reply) followed by one part of raw little-endian
-/// numbers per array that the header announces, column by column: for a mesh its position (3×n float64),
-/// faces (dimension×m int32, absent if m = 0) and mass (n float64, absent if has_mass is false); for each
-/// field its values (components×n float64). Arrays come in the order in which the header names them: for
-/// Setup the partner's mesh, then its initial fields; for Ready the mesh, then its initial fields; for
-/// Advance sample by sample; for Advanced field by field, then its history sample by sample.
+/// A message is one header part (a protobuf Request or Reply), followed by raw parts of little-endian
+/// numbers, column by column. There is one raw part per array that the header announces:
+/// - for a mesh: its position (3×n float64), faces (dimension×m int32, absent if m = 0) and mass (n float64,
+///   absent if has_mass is false);
+/// - for each field: its values (components×n float64).
+///
+/// Arrays come in the order in which the header names them:
+/// - Setup: the partner's mesh, then its initial fields;
+/// - Ready: the mesh, then its initial fields;
+/// - Advance: sample by sample;
+/// - Advanced: field by field, then its history sample by sample.
 namespace strake::wire {
 
 inline constexpr std::uint32_t protocol = 1;
@@ -83,10 +88,10 @@ struct Part {
 };
 using Parts = std::vector<Part>;
 
-/// Every function below checks, in every build type: sizes against the announced counts (and those against
-/// the bytes that really came, before anything is allocated), names and units, and that all values are
-/// finite. Errors: solver_fault for a value that is not finite, participant_lost for a message that breaks
-/// the rules. `who` is the sender, for Error::where.
+/// Every function below checks its message, in every build type. It compares sizes with the announced counts,
+/// and these with the bytes that came, before it allocates anything. It checks names and units, and that all
+/// values are finite. Errors: solver_fault for a value that is not finite, participant_lost for a message
+/// that breaks the rules. `who` is the sender, for Error::where.
 Parts encode(Request, const std::string& who = "coupler");
 Parts encode(Reply, const std::string& who);
 Request decode_request(const Parts&, const std::string& who = "coupler");
