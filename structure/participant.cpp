@@ -29,7 +29,7 @@ Eigen::VectorXd wetted_sizes(const InterfaceMesh& mesh, const Parameters& p) {
   return Eigen::VectorXd::Constant(mesh.position.cols(), p.fluid_spacing);
 }
 
-/// What the wet faces feel of a load.
+/// The part of a load that acts on the loaded faces.
 std::vector<Sample> wet_part(std::vector<Sample> samples, const Eigen::VectorXd& share) {
   if (share.size() == 0) return samples;
   for (Sample& sample : samples)
@@ -174,8 +174,8 @@ void StructureParticipant::step(const Window& window, const Input& input) {
   follow(window);
 }
 
-/// Contact (cases/VALIDATION.md, "Definitions") as the structure feels it: the first window in which the
-/// fluid's pressure anywhere exceeds ½ρV².
+/// Finds contact (cases/VALIDATION.md, "Definitions") from the structure's side. It is the first window in
+/// which the fluid's pressure anywhere exceeds ½ρV².
 void StructureParticipant::look_for_contact(const Window& window, const Load& load) {
   if (contact_pressure_ == 0 || state_.probes.empty() || state_.probes.front().in_contact()) return;
   const Points force = load.at(window.t + 0.5 * window.dt, point_size_.size());

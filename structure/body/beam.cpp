@@ -70,7 +70,8 @@ std::vector<double> beam_frequencies(const Plate& plate, const Material& m, Beam
   const Eigen::VectorXd omega2 =
       Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(Kf, Mf, Eigen::EigenvaluesOnly).eigenvalues();
 
-  // A rigid motion has ω² = 0 up to round-off; the lowest elastic mode is far above this share of EI/(ρh L⁴).
+  // Largest ω² of a rigid motion, in units of EI/(ρh L⁴). Its exact value is 0; round-off is below this
+  // limit, and the lowest elastic mode far above.
   const double rigid = 1e-3 * EI / (m.density * h * std::pow(plate.length, 4));
   std::vector<double> f;
   for (const double o : omega2)

@@ -74,8 +74,8 @@ MassProperties mass_of(const Shape& shape, const Plate& plate, double density) {
   }
 }
 
-// ∫ρ dV, ∫ρ x dV, ∫ρ x xᵀ dV by Gauss's three points along each axis: exact, since x is at most quadratic in
-// each of a cell's coordinates and so is the Jacobian.
+// Integrates ∫ρ dV, ∫ρ x dV, ∫ρ x xᵀ dV by three Gauss points along each axis. This is exact: x and the
+// Jacobian are at most quadratic in each coordinate of a cell.
 MassProperties mass_of(const Solid& solid) {
   const std::array<double, 3> point = {-std::sqrt(0.6), 0.0, std::sqrt(0.6)},
                               weight = {5 / 18.0, 8 / 18.0, 5 / 18.0};

@@ -6,8 +6,8 @@
 
 namespace strake::structure {
 
-/// Mass, centre of gravity and moments of inertia of a body; in two dimensions per metre of depth, where of
-/// the tensor only the zz component has a meaning.
+/// Mass, centre of gravity and moments of inertia of a body. In two dimensions they are per metre of depth,
+/// and only the zz component of the tensor has a meaning.
 struct MassProperties {
   double mass = 0;                                    // [kg]
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();   // [m]
@@ -23,8 +23,8 @@ Eigen::Matrix3d inertia_about(const MassProperties&, const Eigen::Vector3d& arm)
 /// With a point mass [kg] at a place added.
 MassProperties with_point_mass(const MassProperties&, double mass, const Eigen::Vector3d& at);
 
-/// What the case asks for: the homogeneous body, then what [structure] puts in its place, then the lumped
-/// mass.
+/// Mass properties of the case: the homogeneous body, then the values that [structure] replaces, then the
+/// lumped mass.
 MassProperties mass_of(const Parameters&);
 
 }  // namespace strake::structure

@@ -75,8 +75,8 @@ struct Damping {
   double stiffness = 0;  // [s]   Rayleigh, stiffness-proportional
 };
 
-/// What takes the place of the homogeneous body's mass, for rigid bodies (of elastic ones the lumped mass
-/// alone); in two dimensions per metre of depth.
+/// Mass properties that replace those of the homogeneous body. A rigid body uses all of them, an elastic body
+/// only the lumped mass. In two dimensions per metre of depth.
 struct BodyMass {
   double mass = 0;                              // [kg] 0: density times volume
   double inertia = 0;                           // [kg m²] about z through the centre; 0: of the shape
@@ -87,8 +87,8 @@ struct BodyMass {
   Eigen::Vector3d lumped_at = Eigen::Vector3d::Zero();  // [m]
 };
 
-/// Which motions of a rigid body, or of the frame of an elastic body's supports, are left to the loads; the
-/// others are prescribed.
+/// The motions that follow from the loads: of a rigid body, or of the frame of an elastic body's supports.
+/// All other motions are prescribed.
 struct FreeMotion {
   bool x = false, y = false, z = false;
   bool angle = false;     // about z
@@ -97,26 +97,26 @@ struct FreeMotion {
   bool translates() const { return x || y || z; }
 };
 
-/// Velocity relative to the supports at t = 0 of all that is not held: [structure.initial_velocity], the sum
-/// of what it gives.
+/// Velocity relative to the supports at t = 0 of all that is not constrained. It is the sum of the terms of
+/// [structure.initial_velocity].
 struct InitialVelocity {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  // [m/s]
   std::vector<Eigen::Vector3d> of_part;             // [m/s] of each part of the solid; empty: none
-  /// [m/s] over a coordinate [m], which stands where a motion table has the time and velocities where it has
-  /// places: the same spline joins them.
+  /// Velocity [m/s] over a coordinate [m]. It uses a motion table whose time is the coordinate and whose
+  /// places are the velocities, with the same spline.
   std::optional<MotionTable> profile;
   Eigen::Index along = 0;  // axis of that coordinate
 };
 
-/// How often CalculiX is called: for each window, going on from its restart file, or once for a whole run
-/// whose load is known beforehand.
+/// When CalculiX is called. `window`: for each window, from its restart file. `once`: for a whole run whose
+/// load is known beforehand.
 enum class CalculixCalls { automatic, window, once };
 struct CalculixKeys {
   CalculixCalls calls = CalculixCalls::automatic;
   double answer_within = 600;  // [s] of wall clock for an increment
 };
 
-/// Everything a structure solver needs; knows nothing of the case file.
+/// Everything a structure solver needs, without the case file.
 struct Parameters {
   int dimension = 2;
   std::string kind = "fem";           // the running program: fem | particle | ccx | rigid | replay
@@ -146,7 +146,7 @@ struct Parameters {
   FemKeys fem;
   ParticleKeys particle;
   FailureKeys failure;
-  bool stays_intact = false;  // the case has a criterion that this kind of structure does not know
+  bool stays_intact = false;  // the case has a criterion that this kind of structure does not offer
   CalculixKeys ccx;
   std::filesystem::path replay_run;                   // structure.replay.run
   std::filesystem::path load_run;                     // fluid.replay.run: whose recorded load comes

@@ -15,7 +15,7 @@ using Polygon = std::vector<Vector2>;
 
 /// A corner sharper than this encloses nothing that particles could fill.
 constexpr double sharpest_corner = 5 * std::numbers::pi / 180;  // [rad]
-/// Edges shorter than this share of the spacing stand for nothing that the fluid could see.
+/// Edges shorter than this share of the spacing are too short for the fluid to resolve.
 constexpr double shortest_edge = 0.5;
 
 double cross(const Vector2& a, const Vector2& b) {

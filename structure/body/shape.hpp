@@ -21,8 +21,8 @@ struct Shape {
   double middle = 0;  // [m] z of the prism's middle
 };
 
-/// A symmetric wedge with its apex down: faces at the deadrise angle up to the chines, vertical sides, a flat
-/// deck. Without sides where height = draught.
+/// A symmetric wedge with its apex down. It has faces at the deadrise angle up to the chines, vertical sides
+/// and a flat deck; no sides if height = draught.
 struct Wedge {
   double deadrise = 0;                             // [rad] of a face against the horizontal
   double width = 0;                                // [m] between the chines
@@ -32,8 +32,8 @@ struct Wedge {
 double draught(const Wedge&);  // [m] of the chines above the apex
 std::vector<Eigen::Vector2d> wedge_polygon(const Wedge&);
 
-/// The polygon that stands for a circle: about `spacing` between its corners, a multiple of four of them, the
-/// first at the bottom, and the circle's own area.
+/// Approximates a circle by a polygon of the same area. Its corners are about `spacing` apart, their number
+/// is a multiple of four, and the first lies at the bottom.
 std::vector<Eigen::Vector2d> circle_polygon(const Eigen::Vector2d& centre, double radius, double spacing);
 
 double polygon_area(const std::vector<Eigen::Vector2d>&);  // [m²], positive when counter-clockwise

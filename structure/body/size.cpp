@@ -65,14 +65,15 @@ void add(std::vector<SizeEstimate::Key>& keys, const std::vector<SizeEstimate::K
 }  // namespace
 
 SizeEstimate surface_size(const Parameters& p, double cells) {
-  // Measured as peak memory and time of --check: the sphere of cases/sphere_entry_3d.toml with up to 450 000
-  // points; a point in space beside its mapping. The search: the plate of cases/plate_entry.toml, 40 m long.
+  // Measured as peak memory and time of --check. The case is the sphere of cases/sphere_entry_3d.toml with up
+  // to 450 000 points; a figure is for one point in space and its mapping. The search: the plate of
+  // cases/plate_entry.toml, 40 m long.
   constexpr double bytes = 500, seconds = 2e-6;
   constexpr double compare = 5e-8;  // [s] of one point with one cell, or one corner with another
   const Outer outer = outer_of(p);
   const double spacing = p.surface_spacing, round = outer.round / spacing;
   SizeEstimate points{.what = "points of the surface", .count = round, .bytes_each = bytes};
-  // The ends of a prism are cut into triangles, for which each point of the rim is held against all others.
+  // The ends of a prism are cut into triangles; this compares each point of the rim with all others.
   const bool prism =
       p.dimension == 3 && p.shape.kind != ShapeKind::solid && p.shape.kind != ShapeKind::sphere;
   if (p.dimension == 3) points.count = 1.2 * outer.surface / (spacing * spacing);
@@ -87,8 +88,8 @@ SizeEstimates surface_sizes(const Parameters& p) {
 }
 
 SizeEstimates lattice_sizes(const Parameters& p) {
-  // Of a particle with its bonds, measured as peak memory and time of --check: the plate of
-  // cases/plate_entry.toml with 20 000 particles in the plane and 26 000 in space, radius 2.1.
+  // Memory and time of one particle with its bonds, measured as peak memory and time of --check. The case is
+  // the plate of cases/plate_entry.toml, radius 2.1, with 20 000 particles in the plane and 26 000 in space.
   constexpr double bond_bytes = 50, own_bytes = 100, seconds = 2.5e-4;
   const Solid solid = elastic_solid(p);
   const int dim = p.dimension;

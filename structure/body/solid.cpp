@@ -52,7 +52,8 @@ double corner_jacobian(const Solid& solid, Index c, int corner) {
   return J.determinant();
 }
 
-/// Which cells hang together over whole faces: the number of the first cell of each one's group.
+/// Finds the cells that are connected over whole faces: for each cell the number of the first cell of its
+/// group.
 std::vector<int> groups_of_cells(const Solid& solid) {
   std::vector<int> group(static_cast<std::size_t>(solid.cell.cols()));
   std::iota(group.begin(), group.end(), 0);
@@ -85,8 +86,8 @@ std::string text(const Solid& solid, const Vector3d& X) {
 
 namespace {
 
-/// The planes of all boxes along each axis; decimals of a case file that differ in their last digit are one
-/// plane.
+/// Lists the planes of all boxes along each axis. Decimals of a case file that differ only in the last digit
+/// are one plane.
 std::array<std::vector<double>, 3> planes_of(int dimension, const std::vector<SolidBox>& boxes) {
   double size = 0;
   for (const SolidBox& box : boxes) size = std::max(size, (box.max - box.min).head(dimension).maxCoeff());
@@ -123,7 +124,7 @@ Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
   const std::array<int, 3> planes = {count(0), count(1), count(2)};
   const std::array<int, 3> intervals = {planes[0] - 1, planes[1] - 1, std::max(1, planes[2] - 1)};
 
-  // 2. The first box that holds an interval's middle owns the cell.
+  // 2. A cell belongs to the first box that contains its middle.
   const auto middle = [&](std::size_t axis, int k) {
     if (axis >= static_cast<std::size_t>(dimension)) return 0.0;
     const auto& plane = solid.plane[axis];

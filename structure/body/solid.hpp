@@ -12,7 +12,7 @@
 
 namespace strake::structure {
 
-/// What holds a face of a body; held motions are those of the supports.
+/// How a face of a body is supported; constrained motions are those of the supports.
 ///   clamped    every point, in every direction
 ///   pinned     the line at the face's middle, in every direction: the face can turn
 ///   roller     that line, across the face's normal only: it can turn and draw in
@@ -33,16 +33,16 @@ struct SupportedFace {
 };
 
 /// An elastic body as conforming cells of its parts: quadrilaterals in two dimensions, hexahedra in three.
-/// The one description from which finite elements, particles, wet surface and mass follow, so that a
-/// comparison never compares two geometries.
+/// Finite elements, particles, loaded surface and mass follow from this one description, so that all solvers
+/// have the same geometry.
 struct Solid {
   int dimension = 2;
   Points node;               // 3×n [m]
   Eigen::MatrixXi cell;      // 4 or 8 × m, nodes in lexicographic order: x fastest
   std::vector<int> part_of;  // m, into `parts`
   std::vector<Part> parts;
-  Eigen::MatrixXi facet;        // 2 or 4 × k, the cells' faces that no other cell shares, seen from outside
-                                // counter-clockwise; a segment (a, b) has its normal (t_y, -t_x) outside
+  Eigen::MatrixXi facet;        // 2 or 4 × k, faces that only one cell has, counter-clockwise seen from
+                                // outside. A segment (a, b) has its normal (t_y, -t_x) outside
   std::vector<int> facet_cell;  // k
   std::vector<SupportedFace> supported;
   /// Boxes only: the planes that bound them along each axis, ascending [m].
@@ -75,24 +75,25 @@ Solid solid_of_boxes(int dimension, const std::vector<SolidBox>&);
 /// Fills facet and facet_cell from the cells.
 void find_facets(Solid&);
 
-/// Parts that do not touch, cells that are turned inside out or empty, supports that hold nothing.
+/// Throws for parts that do not touch, cells that are turned inside out or empty, and supports that constrain
+/// nothing.
 SolidFault fault_of(const Solid&);
 
-/// Whether a face is supported or a part is held.
+/// True if a face is supported or a part is held.
 bool has_supports(const Solid&);
 
 /// The half spaces whose common part is a cell, 4×(sides): columns (n, c) with n·X ≤ c inside and |n| = 1.
 /// The sides of a hexahedron are taken as flat.
 Eigen::Matrix4Xd half_spaces(const Solid&, int cell);
-/// The cell that holds a place to within `slack` [m], or -1.
+/// The cell that contains a place to within `slack` [m], or -1.
 int cell_at(const Solid&, const Eigen::Vector3d& X, double slack);
 
-/// The outer boundary as closed polygons of the plane, counter-clockwise, corners only (straight runs of
-/// facets are one edge); enclosed cavities are left out. Two dimensions.
+/// The outer boundary as closed polygons of the plane, counter-clockwise, without enclosed cavities. It has
+/// corners only: a straight chain of facets is one edge. Two dimensions.
 std::vector<std::vector<Eigen::Vector2d>> outer_polygons(const Solid&);
 
-/// The outer boundary of a solid of three dimensions as triangles with edges of about `spacing` [m], normals
-/// outside; enclosed cavities are left out.
+/// Cuts the outer boundary of a solid of three dimensions into triangles, without enclosed cavities. Their
+/// edges are about `spacing` [m] long, their normals point outside.
 InterfaceMesh outer_surface(const Solid&, double spacing);
 
 /// Whether a place lies on a facet, to within `slack` [m].
@@ -104,9 +105,11 @@ Eigen::Vector3d normal_of(const Solid&, const SupportedFace&);
 /// Middle of a supported face: of the box around it [m].
 Eigen::Vector3d middle_of(const Solid&, const SupportedFace&);
 
-/// Facets by name: one that stands in `supported` (a physical name of a mesh file); the side "left", "right",
-/// "bottom", "top", "back" or "front" of the whole body (those that lie in its outermost plane), or
-/// "part.side" of one of its parts; empty if there are none.
+/// Finds the facets of a named face; empty if there are none. A name is one of these:
+/// - an entry of `supported` (a physical name of a mesh file);
+/// - "left", "right", "bottom", "top", "back" or "front": the side of the whole body, all facets in its
+///   outermost plane;
+/// - "part.side": that side of one of its parts.
 std::vector<int> facets_named(const Solid&, const std::string& name);
 
 /// Extent of each part along each axis, 3×n [m].

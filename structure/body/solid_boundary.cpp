@@ -37,7 +37,8 @@ void start_at_lower_left(std::vector<Vector2d>& polygon) {
   std::rotate(polygon.begin(), first, polygon.end());
 }
 
-/// Which facets hang together over their edges: the number of the first facet of each one's group.
+/// Finds the facets that are connected over their edges: for each facet the number of the first facet of its
+/// group.
 std::vector<int> groups_of_facets(const Solid& solid) {
   std::vector<int> group(solid.facet_cell.size());
   std::iota(group.begin(), group.end(), 0);

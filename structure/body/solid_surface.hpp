@@ -4,9 +4,9 @@
 
 namespace strake::structure {
 
-/// The surface of the prism over a closed plane outline, from middle − depth/2 to middle + depth/2 along z:
-/// closed, of triangles whose normals (right-hand rule) point out. The outline's segments make strips, each
-/// about `spacing` [m] long along z; the end faces are triangulated to about the same size.
+/// The closed surface of a prism over a plane outline, from middle − depth/2 to middle + depth/2 along z. The
+/// normals of its triangles (right-hand rule) point out. The outline's segments make strips, each about
+/// `spacing` [m] long along z; the end faces are triangulated to about the same size.
 InterfaceMesh prism_surface(const InterfaceMesh& outline, double depth, double middle, double spacing);
 
 /// A sphere as the subdivided faces of an icosahedron with edges of about `spacing` [m], and the sphere's own

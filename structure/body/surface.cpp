@@ -138,8 +138,8 @@ double ramp_factor(double t, double ramp) {
   return t <= 0 ? 0 : 0.5 * (1 - std::cos(std::numbers::pi * t / ramp));
 }
 
-// Σ ½ a×b over segments, Σ ⅙ a·(b×c) over triangles, from a point near the body so that round-off stays
-// small.
+// Sums ½ a×b over segments, or ⅙ a·(b×c) over triangles. The origin is a point near the body, so that
+// round-off stays small.
 double enclosed_volume(const InterfaceMesh& mesh) {
   double volume = 0;
   const Eigen::Vector3d origin = mesh.position.col(0);

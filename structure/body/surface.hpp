@@ -6,9 +6,9 @@
 
 namespace strake::structure {
 
-/// A polygon as a closed chain of segments, walked counter-clockwise from its first corner, so that the
-/// normal (t_y, -t_x) of a segment points into the fluid. Each edge is divided evenly, as near to `spacing`
-/// [m] as that goes; the corners are points. It depends on the shape alone, so that a recorded interface
+/// Divides a polygon into a closed chain of segments, counter-clockwise from its first corner. The normal
+/// (t_y, -t_x) of a segment then points into the fluid. Each edge is divided evenly, as near to `spacing` [m]
+/// as that goes; the corners are points. The chain depends on the shape alone, so that a recorded interface
 /// replays onto any solver.
 InterfaceMesh outline(const std::vector<Eigen::Vector2d>& polygon, double spacing);
 /// That of the plate, from its lower left corner.
@@ -18,8 +18,8 @@ InterfaceMesh outline(const Plate&, double spacing);
 /// hundred). A sphere has none.
 std::vector<Eigen::Vector2d> polygon_of(const Shape&, const Plate&, double spacing);
 
-/// The interface of surface coupling with `surface_spacing`, named "structure": in two dimensions `outline`
-/// of the shape; in three a closed surface of triangles, see solid_surface.hpp.
+/// The interface of surface coupling with `surface_spacing`, named "structure". In two dimensions it is the
+/// `outline` of the shape, in three a closed surface of triangles (solid_surface.hpp).
 InterfaceMesh surface(const Parameters&);
 
 /// Whether a place belongs to the body, its surface included, to within a millionth of its size.
@@ -27,19 +27,20 @@ bool is_in_body(const Parameters&, const Eigen::Vector3d& X);
 /// The smallest box around the body.
 Box bounds(const Parameters&);
 
-/// The size of surface that each point stands for, n: half the segments [m] or a third of the triangles [m²]
-/// that meet in it. Σ = the perimeter or the surface.
+/// Length or area of surface that belongs to each point, n values. It is half the segments [m], or a third of
+/// the triangles [m²], that meet in the point. The sum is the perimeter or the surface.
 Eigen::VectorXd point_sizes(const InterfaceMesh&);
 
-/// The load of [structure.load] on the points of a body's surface at full value, 3×n [N] (per metre of depth
-/// in two dimensions): traction times the size of each segment or triangle that lies in the named face,
-/// shared evenly by its corners; or the point force on the point nearest to `at`. Zero without a load.
+/// The load of [structure.load] on the points of a body's surface at full value, 3×n [N]. In two dimensions
+/// it is per metre of depth. Zero without a load. A traction acts on each segment or triangle of the named
+/// face; its force, traction times size, is shared evenly by the corners. A point force acts on the point
+/// nearest to `at`.
 Points case_force(const CaseLoad&, const Solid&, const InterfaceMesh& surface);
 
 /// Factor of a ramp: ½(1 − cos(πt/T)) for t < T, else 1; 1 throughout for T = 0.
 double ramp_factor(double t, double ramp);
 
-/// What a closed surface encloses by Green's theorem, [m²] per metre of depth or [m³]; positive when its
+/// Area [m²] per metre of depth, or volume [m³], inside a closed surface, by Green's theorem. Positive if its
 /// normals point into the fluid.
 double enclosed_volume(const InterfaceMesh&);
 

@@ -17,7 +17,8 @@ double doubled_area(const Vector2& a, const Vector2& b, const Vector2& c) {
   return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
 }
 
-/// The angle of an ear at its tip, or −1 where the corner is no ear: reflex, or another point lies in it.
+/// The angle at the tip of an ear, or −1 if the corner is no ear. It is none if it is reflex, or if another
+/// point lies in it.
 double ear_angle(const std::vector<Vector2>& p, const std::vector<int>& left, std::size_t i) {
   const std::size_t n = left.size();
   const int a = left[(i + n - 1) % n], b = left[i], c = left[(i + 1) % n];
@@ -142,8 +143,8 @@ class Mesh {
     return {{a, d}, {d, b}, {b, c}, {c, a}};
   }
 
-  /// Turns an inner edge where the sum of the angles that face it exceeds a half turn; the edges around it
-  /// then.
+  /// Flips an inner edge if the two angles opposite to it sum to more than 180°. Returns the edges around it,
+  /// which are tested next.
   std::vector<Edge> flip(const Edge& edge) {
     const auto [a, b] = edge;
     const auto one = owner_.find({a, b}), other = owner_.find({b, a});

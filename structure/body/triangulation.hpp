@@ -15,8 +15,8 @@ struct Triangulation {
 };
 
 /// polygon: simple, counter-clockwise, its points about `spacing` [m] apart (straight angles are welcome).
-/// Ears are cut off, inner edges longer than 1.5 spacings are halved, and edges flipped until the circle
-/// around no triangle holds the corner across an edge (Lawson).
+/// Ears are cut off, inner edges longer than 1.5 spacings are halved, and edges flipped until no triangle's
+/// circumcircle contains the corner across an edge (Lawson).
 Triangulation triangulate(const std::vector<Eigen::Vector2d>& polygon, double spacing);
 
 }  // namespace strake::structure

@@ -169,7 +169,7 @@ void check_softening(CaseTable t, const FailureKeys& f) {
                   "strength in Pa and fracture_energy in J/m^2");
 }
 
-/// Finite elements. That softening ends later than it begins the mesh tells.
+/// Finite elements. The mesh decides whether softening ends later than it begins, so this is checked there.
 void check_cell_failure(CaseTable t, const Parameters& p) {
   if (p.failure.criterion == FailureCriterion::bond_strain)
     throw t.error("criterion", "max_principal or von_mises: finite elements have no bonds",
@@ -184,8 +184,8 @@ void check_cell_failure(CaseTable t, const Parameters& p) {
   check_softening(t, p.failure);
 }
 
-/// What a criterion needs, and that softening ends later than it begins on this lattice. A solver that knows
-/// no failure runs the case with the body intact, and says so: one word swaps the solver.
+/// Checks the keys of a criterion, and that softening ends later than it begins on this lattice. A solver
+/// without failure runs the case with the body intact, and says so; so the solver can be swapped by one word.
 void check_failure(CaseTable t, Parameters& p) {
   if (p.failure.criterion != FailureCriterion::none && p.kind != "particle" && p.kind != "fem") {
     p.failure.criterion = FailureCriterion::none;
@@ -260,7 +260,7 @@ void check_lattice(const CaseFile& file, CaseTable structure, const CommonKeys& 
   const std::string source = volume ? "fluid.spacing" : "structure.particle.spacing";
   if (p.shape.kind == ShapeKind::plate) check_plate_lattice(structure.table("plate"), source, p);
   CaseTable t = structure.table("particle");
-  refuse_oversized(file, lattice_sizes(p));  // before a lattice is made to look for its faults
+  refuse_oversized(file, lattice_sizes(p));  // before a lattice is built to check it
   if (const SolidFault fault = lattice_fault(elastic_solid(p), p.particle.spacing); !fault.problem.empty())
     throw t.error("spacing", "a lattice that fills the body: " + fault.problem, fault.fix);
   if (p.dimension == 3 && p.particle.model == ParticleModel::pair)
@@ -309,8 +309,8 @@ void check_probes(const CaseFile& file, const CommonKeys& common, const Paramete
   }
 }
 
-/// Whether anything holds the body: of a plate so that no rigid motion is left. Finite elements look for
-/// rigid motions of other bodies themselves.
+/// True if the supports leave a plate no rigid motion, or constrain another body at all. Finite elements look
+/// for rigid motions of other bodies themselves.
 bool is_held(const Parameters& p) {
   if (!p.solid.empty()) return p.kind != "particle" || has_supports(p.solid);
   if (p.plate.left == Support::clamped || p.plate.right == Support::clamped) return true;

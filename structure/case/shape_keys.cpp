@@ -63,7 +63,7 @@ void read_wedge(CaseTable t, Shape& shape) {
             .exclusive = true,
             .help = "from the apex to the deck, vertical sides above the chines; not given: a quarter of the "
                     "width above them"});
-  if (!t.has("deadrise")) return;  // a list of declarations holds no wedge
+  if (!t.has("deadrise")) return;  // a list of declarations contains no wedge
   if (t.has("width") == t.has("draught"))
     throw t.error(t.has("width") ? "draught" : "width",
                   "one of width and draught, the other follows from the deadrise",
@@ -140,7 +140,8 @@ void check_motion(CaseTable t, const CommonKeys& common, const Parameters& p) {
         fmt::format("add rows, or end_time = {:.6g}", p.motion->end()));
 }
 
-/// Supports that a table turns: the body has to bear large rotation, and is held by clamps alone.
+/// Checks supports that a table turns: the body needs a law for large rotation, and clamps as its only
+/// supports.
 void check_turning(CaseTable t, const Parameters& p) {
   const auto refuse = [&](const std::string& why, const std::string& fix) {
     throw t.table("motion").error("file", "a table without angle or rate: " + why, fix);

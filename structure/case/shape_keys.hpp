@@ -5,12 +5,12 @@
 
 namespace strake::structure {
 
-/// Reads the one shape of [structure]: plate, outline, wedge, cylinder or sphere, and in three dimensions how
-/// far it reaches along z. Throws Error(case_file) for a shape that no body can have.
+/// Reads the one shape of [structure]: plate, outline, wedge, cylinder or sphere. In three dimensions it
+/// reads the extent along z too. Throws Error(case_file) for a shape that no body can have.
 void read_shape(const CaseFile&, CaseTable structure, Parameters&);
 
-/// Reads how a rigid body, or the frame of an elastic body's supports, moves: mass and inertia, motion by a
-/// table, turning, freedom; checks them against one another.
+/// Reads the motion of a rigid body, or of the frame of an elastic body's supports. It reads mass and
+/// inertia, motion by a table, turning and freedom, and checks them against one another.
 void read_body(const CaseFile&, CaseTable structure, const CommonKeys&, Parameters&);
 
 /// Reads [structure.initial_velocity] of an elastic body.

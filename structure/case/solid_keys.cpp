@@ -37,7 +37,7 @@ SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>&
   t.vector("initial_velocity", velocity, {.unit = "m/s", .help = initial_help});
   read_material(t.table("material", "of this part; keys that are not given: structure.material"),
                 box.material);
-  if (!t.has("name")) return box;  // a list of declarations holds no box
+  if (!t.has("name")) return box;  // a list of declarations contains no box
 
   for (const SolidBox& other : others)
     if (other.name == box.name)
@@ -55,7 +55,7 @@ SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>&
   return box;
 }
 
-/// The box, or its copies: their middles stand along x as far from one another as from the ends of `between`.
+/// The box, or its copies. Their middles have equal distances along x, also from the ends of `between`.
 std::vector<SolidBox> read_copies(CaseTable t, const SolidBox& box) {
   int copies = 1;
   Eigen::Vector3d between = Eigen::Vector3d::Zero();
@@ -91,7 +91,7 @@ std::vector<SolidBox> read_copies(CaseTable t, const SolidBox& box) {
   return all;
 }
 
-/// A body is cut along the planes of all its boxes, and each piece is looked for in all boxes.
+/// A body is cut along the planes of all its boxes, and all boxes are searched for each piece.
 void check_grid(CaseTable structure, int dimension, const std::vector<SolidBox>& boxes) {
   constexpr double most_boxes = 2000, most_pieces = 5e5, most_looks = 2e8;
   const auto n = static_cast<double>(boxes.size());

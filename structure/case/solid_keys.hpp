@@ -5,9 +5,9 @@
 
 namespace strake::structure {
 
-/// Reads [[structure.box]], the parts of an elastic body, and makes the solid of whatever shape was given;
-/// after read_shape and the material of [structure.material], which is that of parts without one. Throws
-/// Error(case_file) for a body that hangs in pieces, a support that holds nothing, and so on.
+/// Reads [[structure.box]], the parts of an elastic body, and builds the solid of the given shape. Called
+/// after read_shape and after [structure.material], which is the material of parts without one. Throws
+/// Error(case_file) for a body in separate pieces, a support that constrains nothing, and so on.
 void read_solid(const CaseFile&, CaseTable structure, Parameters&);
 
 /// Reads a table of material keys over the values that stand in the material.

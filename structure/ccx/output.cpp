@@ -14,7 +14,7 @@ namespace {
 
 constexpr double unset = std::numeric_limits<double>::quiet_NaN();
 
-/// A number in a column of fixed width. An exponent of three digits takes the place of its letter E.
+/// Reads a number in a column of fixed width. An exponent of three digits replaces its letter E.
 double number(std::string_view line, std::size_t from, std::size_t width) {
   if (from >= line.size()) return unset;
   std::string text(line.substr(from, width));

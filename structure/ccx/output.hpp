@@ -14,7 +14,7 @@ struct Printed {
   double strain = 0, kinetic = 0;  // [J] of the model, as thick as it is
 };
 
-/// Reads a .dat file: all increments that it holds, complete ones only. Empty where there is none.
+/// Reads all complete increments of a .dat file. Empty if there is none.
 std::vector<Printed> read_printed(const std::filesystem::path&, const std::vector<int>& node, int n_nodes);
 
 /// The natural frequencies [Hz] in a .dat file, ascending.

@@ -11,8 +11,8 @@ std::filesystem::path installed_program();
 /// "2.20"; empty where it does not say.
 std::string installed_version();
 
-/// Starts CalculiX on decks in a folder of its own, which goes with it; after a failure it stays to be looked
-/// at.
+/// Starts CalculiX on decks in a temporary folder of its own. The folder is removed with this object; after a
+/// failure it is kept for inspection.
 class Runner {
  public:
   /// `run_folder`: its folder is run_folder/ccx; without one a temporary one.
@@ -30,7 +30,7 @@ class Runner {
   std::filesystem::path file(const std::string& extension) const;
   /// All bytes of one of them; fails like `run` where it is missing or empty.
   std::string content(const std::string& extension, const std::string& what);
-  /// For a run that ended well and left less than it was asked for.
+  /// The error for a run that ended well and wrote less than was requested.
   [[noreturn]] void fail(const std::string& what, const std::string& problem);
 
  private:

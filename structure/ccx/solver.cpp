@@ -111,7 +111,7 @@ Points CalculixSolver::velocity() const {
   return at_points(model_.interface, now().velocity).colwise() + model_.support_velocity;
 }
 
-/// Only what was asked for beforehand is known: the probes of the case.
+/// Only what was requested beforehand is available: the probes of the case.
 Eigen::Vector3d CalculixSolver::at_probe(const Eigen::Vector3d& X, const Points& values) const {
   for (Eigen::Index p = 0; p < model_.probe_at.cols(); ++p)
     if (model_.probe_at.col(p) == X) return at_points(model_.probe_weights, values).col(p);

@@ -12,8 +12,8 @@
 
 namespace strake::structure::ccx {
 
-/// CalculiX as a structure, on the mesh of the finite elements: an umpire that nobody here wrote. It has no
-/// interface for single steps; how it is called is what `ByWindow` and `Once` differ in. All here is relative
+/// CalculiX as a structure, on the mesh of the finite elements, as an independent reference. It has no
+/// interface for single steps; `ByWindow` and `Once` differ in how they call it. All values here are relative
 /// to the supports, which move at a constant velocity V, as in fem/solver.hpp.
 class CalculixSolver : public Solver {
  public:
@@ -43,8 +43,8 @@ class CalculixSolver : public Solver {
   std::string headline() const;
   deck::Story story() const;
   std::string at_time(double t) const;  // "t = 0.0042 s"
-  /// The load of a window from the fluid's mean force on the interface points, 3×k [N], and the case's own in
-  /// its middle. Throws Error(solver_fault) where it is not finite.
+  /// The load of a window. It is the fluid's mean force on the interface points, 3×k [N], plus the case's own
+  /// load at mid-window. Throws Error(solver_fault) if it is not finite.
   deck::WindowLoad load_of(const Window&, const Points& force) const;
 
   Parameters parameters_;

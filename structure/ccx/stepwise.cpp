@@ -11,7 +11,7 @@
 namespace strake::structure::ccx {
 namespace {
 
-/// An archive holds numbers: the length of a text, then its bytes, eight to each.
+/// Stores a text in an archive, which takes numbers only: its length, then its bytes, eight to each number.
 std::vector<std::int64_t> as_numbers(const std::string& bytes) {
   std::vector<std::int64_t> numbers(1 + (bytes.size() + 7) / 8, 0);
   numbers[0] = static_cast<std::int64_t>(bytes.size());

@@ -17,7 +17,7 @@ namespace {
 // Window ends are sums of many; forces that crossed a mapping of coinciding points carry rounding.
 constexpr double same_time = 1e-6, same_load = 1e-6;
 
-/// Of two values with their rates at both ends of an interval h, s = 0 … 1 along it: the cubic through them.
+/// The cubic through two values and their rates at both ends of an interval h; s = 0 … 1 along it.
 struct Cubic {
   double a, b, da, db;  // factors of both values and both rates
   static Cubic at(double s, double h) {
@@ -29,7 +29,7 @@ struct Cubic {
   }
 };
 
-/// The interval of ascending times that holds `time`, and where in it.
+/// The interval of ascending times that contains `time`, and the position in it.
 template <class Item>
 std::pair<std::size_t, double> place(const std::vector<Item>& items, double time) {
   const auto above = std::upper_bound(items.begin(), items.end(), time,
@@ -110,7 +110,7 @@ void Once::compute() {
   std::vector<BodyField> fields = read_fields(runner_.file("frd"), model_.n_nodes());
   if (printed.size() != windows_.size())
     runner_.fail(what, fmt::format("ended well and printed {} windows", printed.size()));
-  // CalculiX counts from zero and prints few digits of a time: windows know better.
+  // CalculiX counts from zero and prints few digits of a time; the windows' times are used instead.
   for (std::size_t w = 0; w < printed.size(); ++w) printed[w].time = windows_[w].t + windows_[w].dt;
   // It adds up the strain energies of all steps' ends.
   for (std::size_t w = printed.size() - 1; w > 0; --w) printed[w].strain -= printed[w - 1].strain;

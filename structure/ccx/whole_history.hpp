@@ -8,8 +8,8 @@
 
 namespace strake::structure::ccx {
 
-/// One call of CalculiX for a whole run: before the first window it computes all of a load that is known,
-/// which windows then look up. The load that comes must be that one.
+/// Calls CalculiX once for a whole run. Before the first window it computes the response to a load that is
+/// known; the windows then read it. The load that comes must be that one.
 class Once final : public CalculixSolver {
  public:
   /// The forces of a record on the case's own interface points, or, of the case's own load alone, none.

@@ -17,8 +17,8 @@ void put(Buffer& out, fmt::format_string<Values...> text, Values&&... values) {
   fmt::format_to(std::back_inserter(out), text, std::forward<Values>(values)...);
 }
 
-/// Types 1 and 2: the elements of the body, in two dimensions in plane strain (1) and plane stress (2), all
-/// with full integration.
+/// Writes the element types of the body. All integrate fully. In two dimensions type 1 is plane strain and
+/// type 2 plane stress.
 void put_types(Buffer& out, const Model& m) {
   const bool quadratic = m.degree == 2;
   if (m.dimension == 3) {

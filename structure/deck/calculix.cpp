@@ -171,8 +171,7 @@ void put_body(Buffer& out, const Model& m, const std::optional<Wanted>& wanted) 
 
 /// A step of one increment under a constant load. `before`: the load of the step before in the same deck, so
 /// that only what changes is written. A plane element's node without a force has its velocity written as
-/// zero: it hangs on the nodes of the solid inside, and only those of loaded nodes are tied back. A force of
-/// zero ties it.
+/// zero: CalculiX ties it to the nodes of its solid element only if it is loaded. A force of zero ties it.
 void put_window(Buffer& out, const Model& m, const WindowLoad& load, const WindowLoad* before,
                 const char* restart, bool fields) {
   put(out, "*STEP, INC=10, AMPLITUDE=STEP{}\n{}", linear(m) ? "" : ", NLGEOM", strict_convergence);

@@ -22,24 +22,24 @@ struct Wanted {
 };
 
 /// An input file of CalculiX (`ccx`). `history` for dynamics; without one the statics or the modes of the
-/// model under its own load, of which `wanted` is written, where given, and otherwise the probes' nodes. In
-/// the frame of the supports: they are held and nothing moves at the start, as fem/solver.hpp has it. Nodes
-/// and elements count from 1.
+/// model under its own load, of which `wanted` is written, where given, and otherwise the probes' nodes.
+/// Motions are relative to the supports, as in fem/solver.hpp: the supports are fixed and nothing moves at
+/// the start. Nodes and elements count from 1.
 std::string calculix(const Model&, const std::optional<LoadHistory>&, const Story&,
                      const std::optional<Wanted>& wanted = {});
 
 /// One window's load: constant over it.
 struct WindowLoad {
-  int windows_before = 0;  // steps that a restart file holds; 0: there is none
+  int windows_before = 0;  // steps that a restart file contains; 0: there is none
   double dt = 0;           // [s]
   Eigen::VectorXd force;   // [N] on the unknowns, gravity excepted
   double gravity = 0;      // factor of Model::gravity
 };
-/// A step of one increment that goes on from the restart file of the step before and writes the next one.
-/// CalculiX keeps displacement and velocity in it and finds the acceleration anew at each step's start, from
-/// the equation of motion under the new load; with a constant load and Newmark 1/4-1/2 the mean of the
-/// accelerations at both ends is then that of the trapezoidal rule under the mean load, as in
-/// fem/newmark.hpp.
+/// Writes a step of one increment. It continues from the restart file of the step before and writes the next
+/// one. CalculiX keeps displacement and velocity in that file. At the start of each step it computes the
+/// acceleration anew, from the equation of motion under the new load. With a constant load and Newmark
+/// 1/4-1/2 the mean of the accelerations at both ends is then that of the trapezoidal rule under the mean
+/// load, as in fem/newmark.hpp.
 std::string calculix_window(const Model&, const Wanted&, const WindowLoad&);
 /// The same for a whole run whose loads are known, as so many steps in one deck.
 std::string calculix_windows(const Model&, const Wanted&, const std::vector<WindowLoad>&);
@@ -50,7 +50,7 @@ std::string ansys(const Model&, const std::optional<LoadHistory>&, const Story&)
 /// "probe,node,weight" per line: a probe's value is the weighted sum of its nodes'.
 std::string probe_table(const Model&);
 
-/// Lines that tell a reader what frame, load and time step mean, without comment marks.
+/// Lines that explain frame, load and time step to a reader, without comment marks.
 std::vector<std::string> explanation(const Model&, const std::optional<LoadHistory>&, const Story&);
 
 /// Thickness [m] that a plane model gets; forces per metre of depth are multiplied by it. 1 in plane strain.

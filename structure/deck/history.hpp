@@ -9,8 +9,8 @@
 
 namespace strake::structure::deck {
 
-/// Forces on a model's unknowns, as a program takes them that goes straight from value to value and looks at
-/// the end of each of its steps.
+/// Forces on a model's unknowns over time, in the form that other programs read. They interpolate linearly
+/// between the values, and evaluate a load at the end of each of their steps.
 struct LoadHistory {
   std::vector<double> time;     // [s] from 0: ends of windows, n + 1
   std::vector<int> unknown;     // those that are loaded at all and free, ascending
@@ -28,8 +28,8 @@ struct Stretch {
 };
 std::vector<Stretch> stretches(const LoadHistory&);
 
-/// From the recorded mean forces f_w on the interface in each window. Our finite elements feel f_w in the
-/// middle of a window; a program that looks at window ends t_k gets there the mean of the two windows that
+/// Converts the recorded mean forces f_w on the interface in each window. Our finite elements apply f_w at
+/// mid-window. A program that evaluates loads at window ends t_k gets there the mean of the two windows that
 /// meet,
 ///   g_k = (f_(k−1) dt_(k−1) + f_k dt_k) / (dt_(k−1) + dt_k),  g_0 = f_0,  g_n = f_(n−1),
 /// whose trapezoidal sum Σ ½ (g_k + g_(k+1)) dt_k is the recorded impulse Σ f_k dt_k. A harmonic load is

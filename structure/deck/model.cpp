@@ -101,7 +101,7 @@ Weights combination(const Model& old, std::vector<int>& kept, std::vector<int>& 
   return matrix;
 }
 
-/// Texts as numbers: an archive holds no others.
+/// Stores texts as numbers, since an archive takes no texts.
 }  // namespace
 
 Model with_edge_nodes(Model old) {

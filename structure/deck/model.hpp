@@ -16,17 +16,18 @@ namespace strake::structure::deck {
 /// points on the nodes.
 using Weights = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// A finite-element model as other programs take it: straight-sided elements with nodes in their corners and,
-/// quadratic, in the middles of their edges. Nodes of a cell as Abaqus, CalculiX and Ansys order them:
-/// corners of the bottom counter-clockwise, of the top, then the middles of the bottom's, the top's and the
-/// upright edges. Unknown dimension·node + component. Two dimensions speak per metre of depth.
+/// A finite-element model as other programs take it. Its elements are straight-sided, with nodes in their
+/// corners and, if quadratic, in the middles of their edges. Nodes of a cell have the order of Abaqus,
+/// CalculiX and Ansys: corners of the bottom counter-clockwise, of the top, then the middles of the bottom's,
+/// the top's and the upright edges. Unknown dimension·node + component. In two dimensions values are per
+/// metre of depth.
 struct Model {
   int dimension = 2, degree = 2;
   Points node;              // 3×n [m], reference configuration
   Eigen::MatrixXi cell;     // 4 or 8 (degree 1), 8 or 20 (degree 2) × m
   std::vector<int> part;    // m, into `parts`
   std::vector<Part> parts;  // name and material
-  std::vector<int> fixed;   // unknowns that the supports hold, ascending
+  std::vector<int> fixed;   // unknowns that the supports constrain, ascending
 
   Points interface_position;  // 3×k [m] points that the fluid's forces come in
   Weights interface;          // k × n
@@ -48,10 +49,10 @@ struct Model {
   int n_cells() const { return static_cast<int>(cell.cols()); }
 };
 
-/// From Lagrange cells with (degree+1)^dimension nodes in lexicographic order, x fastest (`cell`, and all
-/// that speaks of nodes), which it replaces. Nodes in the middle of a cell or of a face are left out: their
-/// share of a load, and of a probe, goes to the other nodes as the shape functions of the element that is
-/// left have it in that place, which keeps work, force and moment.
+/// Converts Lagrange cells to cells with nodes in corners and edges. Lagrange cells have (degree+1)^dimension
+/// nodes in lexicographic order, x fastest; `cell` and all data on nodes are replaced. Nodes in the middle of
+/// a cell or of a face are removed. Their share of a load or of a probe goes to the remaining nodes, weighted
+/// by the shape functions of the new element at their place. This keeps work, force and moment.
 Model with_edge_nodes(Model lagrange);
 
 /// Length of the shortest edge of a cell [m].

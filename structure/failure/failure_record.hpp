@@ -27,7 +27,7 @@ struct FailureRecord {
   static FailureRecord from(const Eigen::MatrixXd& table);
 };
 
-/// The pieces that a body hangs together in.
+/// The connected pieces of a body.
 class Pieces {
  public:
   explicit Pieces(Eigen::Index n);

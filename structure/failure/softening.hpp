@@ -7,12 +7,12 @@
 
 namespace strake::structure {
 
-// What the softening of particles and of finite elements has in common (structure/THEORY.md (S32)–(S34)).
-// With Y the energy per volume that a piece of the body would hold undamaged and y = √Y, it softens from the
-// y_0 at which its stress reached the strength, for the largest y so far:
+// The softening law of particles and finite elements (structure/THEORY.md (S32)–(S34)). Y is the energy per
+// volume of a piece of the body if it were undamaged, y = √Y the largest so far. The piece softens from the
+// y_0 at which its stress reached the strength:
 //   1 − D = y_0/y · (y_f − y)/(y_f − y_0)    between y_0 and y_f
-// under uniform loading a stress that falls along a line. ∫ Y dD = y_0 y_f whatever the state of stress, so
-// that y_f = G_c/(l_c y_0) dissipates G_c per area of a crack that smears over a band l_c.
+// Under uniform loading the stress falls linearly. ∫ Y dD = y_0 y_f for every state of stress, so that y_f =
+// G_c/(l_c y_0) dissipates G_c per area of a crack in a band of width l_c.
 
 /// 1 − D; y_0 = 0: not yet reached.
 double share_held(double first /* y_0 */, double largest /* y */, double last /* y_f */);
@@ -31,7 +31,7 @@ Eigen::Matrix3d cauchy_stress(const Material&, const Eigen::Matrix<double, dim, 
 /// E' of uniaxial stress: E/(1 − ν²) in plane strain, otherwise E [Pa].
 double uniaxial_modulus(const Material&, int dimension);
 
-/// Widest band [m] that dissipates G_c and no more: y_f > y_0 asks for l_c < G_c/y_0², y_0² = ½ f²/E'.
+/// Widest band [m] that dissipates G_c and no more: y_f > y_0 requires l_c < G_c/y_0², y_0² = ½ f²/E'.
 double widest_band(const FailureKeys&, const Material&, int dimension);
 
 }  // namespace strake::structure

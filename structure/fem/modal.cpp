@@ -79,7 +79,7 @@ std::vector<double> natural_frequencies(const Matrix& stiffness, const Matrix& m
   shifted.coeffs() -= shift * mass.coeffs();  // one pattern
   if (!solver.factorise(shifted, fixed)) throw failed("the shifted stiffness is singular");
 
-  // An iteration's error must stay below what the eigenvalues are asked for.
+  // An iteration's error must stay below the requested tolerance of the eigenvalues.
   Inverse inverse(solver, stiffness.rows(), 0.1 * tolerance);
   Mass product(mass, fixed);
   const auto free = static_cast<int>(stiffness.rows()) - static_cast<int>(fixed.size());

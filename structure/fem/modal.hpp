@@ -7,9 +7,9 @@
 
 namespace strake::structure::fem {
 
-/// The lowest `count` natural frequencies [Hz], ascending, of K x = (2πf)² M x with the fixed unknowns held.
-/// `slowness` [s]: the time a wave needs along the body; it sets the shift. `tolerance`: of the squares of
-/// the frequencies, relative. The solver is for matrices of the pattern of K and M.
+/// The lowest `count` natural frequencies [Hz], ascending, of K x = (2πf)² M x with the fixed unknowns
+/// constrained. `slowness` [s]: the time a wave needs along the body; it sets the shift. `tolerance`: of the
+/// squares of the frequencies, relative. The solver is for matrices of the pattern of K and M.
 std::vector<double> natural_frequencies(const Matrix& stiffness, const Matrix& mass,
                                         const std::vector<int>& fixed, int count, double slowness,
                                         LinearSolver, double tolerance = 1e-12);

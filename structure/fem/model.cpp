@@ -23,7 +23,8 @@ deck::Weights weights(const Discretisation<dim>& discretisation, const Points& a
   return matrix;
 }
 
-/// A deck speaks in the frame of supports at a constant velocity, in which the body is at rest at the start.
+/// Refuses motions that a deck cannot describe. A deck describes the body in the frame of supports at a
+/// constant velocity, at rest at the start.
 void require_plain_motion(const Parameters& p) {
   const auto refuse = [](const std::string& key, const std::string& what) {
     throw Error(ExitCode::case_file, "structure." + key, "a deck cannot say " + what,

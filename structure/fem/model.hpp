@@ -8,8 +8,8 @@
 
 namespace strake::structure::fem {
 
-/// What the finite-element solver of a case would compute with, for other programs: its mesh, supports and
-/// loads, and how the interface's points and the structure's probes lie in it.
+/// Exports the model that the finite-element solver of a case would use: its mesh, supports and loads. It
+/// includes the places of the interface's points and of the structure's probes in the mesh.
 deck::Model model(const Parameters&, const std::vector<ProbeKeys>&);
 
 }  // namespace strake::structure::fem

@@ -28,16 +28,16 @@ NewtonResult solve(const Equilibrium& equilibrium, Eigen::VectorXd start, double
     double part = 1;
     Eigen::VectorXd trial = result.x + step;
     Equilibrium::Residual there = equilibrium.residual(trial);
-    // `!(a <= b)` also holds when a is not a number.
+    // `!(a <= b)` is also true when a is not a number.
     const auto grows = [&] { return !(there.value.norm() <= result.residual); };
     if (grows() && there.value.norm() > there.floor && !fresh) {
       if (!equilibrium.refresh(result.x)) return result;
       fresh = result.refreshed = true;
       continue;
     }
-    // Along the line the work of the residual on the step counts, not the residual's size (Matthies & Strang
-    // 1979): a slender body that turns is stretched by the straight step, which the next one takes back; its
-    // residual grows meanwhile by orders, across the step.
+    // The line search limits the work of the residual on the step, not the residual's size (Matthies & Strang
+    // 1979). A straight step stretches a slender body that turns, and the next step takes this stretch back.
+    // Meanwhile its residual grows by orders of magnitude, across the step.
     const double work = std::abs(step.dot(here.value));
     const auto works_more = [&] {
       return !(std::abs(step.dot(there.value)) <= work) || !there.value.allFinite();

@@ -26,9 +26,9 @@ struct NewtonResult {
   double residual = 0, wanted = 0;  // [N]
 };
 
-/// Modified Newton: keeps the tangent while each correction at least halves the residual, then takes a new
-/// one at the present x, and with that searches along the line until the residual does no more work on the
-/// step. Every decision rests on residuals, none on time.
+/// Solves by modified Newton. It keeps the tangent while each correction at least halves the residual;
+/// otherwise it computes a new one at the present x. With a new tangent it searches along the line until the
+/// residual does no more work on the step. Every decision rests on residuals, none on time.
 NewtonResult solve(const Equilibrium&, Eigen::VectorXd start, double tolerance, int max_iterations = 40);
 
 }  // namespace strake::structure::fem

@@ -10,9 +10,9 @@ namespace {
 
 /// Bytes and seconds of an unknown, its cells, matrix and factors together, which grow faster than their
 /// number. Measured as peak memory and time of --check on the plate of cases/plate_entry.toml, 28 000 and 273
-/// 000 unknowns in the plane, 12 000 to 52 000 in space. From 250 000 on in space there are no factors.
-/// Conjugate gradients asked for in the plane: --check of a slender body (cases/rolling_tank.toml) takes 3.1
-/// s for 2 368 unknowns, of the other cases a third of that each.
+/// 000 unknowns in the plane, 12 000 to 52 000 in space. From 250 000 on in space there are no factors. With
+/// conjugate gradients in the plane, --check of a slender body (cases/rolling_tank.toml) takes 3.1 s for 2
+/// 368 unknowns, of the other cases a third of that each.
 void set_costs(SizeEstimate& unknowns, int dim, LinearMethod method) {
   constexpr double iterative = 250000;
   const double n = std::max(unknowns.count, 1.0);

@@ -4,7 +4,7 @@
 
 namespace strake::structure::fem {
 
-/// Cells, the unknowns in their nodes, and the points of the interface, which are looked for in the cells.
+/// Cells, the unknowns in their nodes, and the points of the interface, for each of which cells are searched.
 SizeEstimates sizes(const Parameters&);
 
 }  // namespace strake::structure::fem

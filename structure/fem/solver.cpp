@@ -24,7 +24,8 @@ bool all_linear(const Solid& solid) {
                      [](const Part& part) { return part.material.model == MaterialModel::linear; });
 }
 
-/// A cell softens by a share of its stress, which the enhanced strains of a cell in equilibrium do not know.
+/// Chooses the strain field. A softening cell scales its stress by a share that the equations of the enhanced
+/// strains do not contain.
 StrainField strain_field(const Parameters& p) {
   if (p.fem.strain != StrainField::automatic) return p.fem.strain;
   return p.failure.criterion == FailureCriterion::none ? StrainField::automatic : StrainField::compatible;
@@ -75,9 +76,9 @@ FemSolver<dim>::FemSolver(const Parameters& p)
   start();
 }
 
-// The body moves with its supports and by what the case adds, as far as they let it; in a node between parts
-// by the mean of what the cells around say. Accelerations at t = 0, which rho_inf < 1 remembers, follow from
-// the loads.
+// Sets the state at t = 0. The body moves with its supports, plus the case's initial velocity where supports
+// allow it; a node between parts gets the mean of its cells' values. Accelerations at t = 0, which rho_inf <
+// 1 needs, follow from the loads.
 template <int dim>
 void FemSolver<dim>::start() {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(mesh().n_unknowns());
@@ -152,9 +153,8 @@ Eigen::VectorXd FemSolver<dim>::internal_force(const Eigen::VectorXd& u0, const 
   return assembly_.internal_force(u0, u1, alpha);
 }
 
-// The forces of a node nearly cancel: κ M (u1 − u0 − dt v0) with κ = (1−α_m)/(β dt²) too, which is all that
-// counts in short steps. Measured on the clamped strip of cases/VALIDATION.md, 4 to 16 cells through the
-// thickness: residuals stall at 0.57 ε · largest stiffness · |u|.
+// Estimates the round-off of the residual. The forces on a node nearly cancel, also κ M (u1 − u0 − dt v0)
+// with κ = (1−α_m)/(β dt²), the dominant term in short steps.
 template <int dim>
 double FemSolver<dim>::round_off(const Eigen::VectorXd& u, double kappa) const {
   constexpr double units = 2;

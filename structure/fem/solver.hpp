@@ -23,10 +23,10 @@ namespace strake::structure::fem {
 
 /// Dynamic elasticity of a body on driven supports by finite elements:
 ///   M ü + C u̇ + f(u) = F,  C = mass·M + stiffness·K(0)  (Rayleigh)
-/// The unknown is the displacement u relative to the supports, so that rounding acts on the deflection alone;
-/// that of the supports, D, is added to what the outside sees. Where their frame is accelerated, by a table
-/// or as a lumped mass that is free, the body feels −M 1 A in it, see FrameMotion. The window's load is the
-/// mean force over the window; one window is one step.
+/// The unknown is the displacement u relative to the supports, so that rounding acts on the deflection alone.
+/// The displacement D of the supports is added in all output. Where their frame is accelerated, by a table or
+/// as a lumped mass that is free, the inertia force −M 1 A acts on the body in it, see FrameMotion. The
+/// window's load is the mean force over the window; one window is one step.
 template <int dim>
 class FemSolver final : public Solver {
  public:
@@ -63,7 +63,7 @@ class FemSolver final : public Solver {
   /// For tests of the method: the mesh, and the displacement of its nodes relative to the supports.
   const Mesh<dim>& mesh() const { return discretisation_.mesh(); }
   const Eigen::VectorXd& unknowns() const { return state_.displacement; }
-  /// Sets displacement and velocity [m], [m/s] relative to the supports, held unknowns excepted.
+  /// Sets displacement and velocity [m], [m/s] relative to the supports, except in constrained unknowns.
   void set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd velocity);
   int newton_iterations() const { return newton_iterations_; }  // of the last step
   int factorisations() const { return factorisations_; }        // so far
@@ -100,7 +100,7 @@ class FemSolver final : public Solver {
   void step(double t, double dt, const Load&, int halved);
   NewtonResult solve_softening(const State& old, const FrameState& told, const Eigen::VectorXd& force,
                                double dt, typename Damage<dim>::State& damage);
-  void hold(Eigen::VectorXd& unknowns) const;  // zero in the held unknowns
+  void hold(Eigen::VectorXd& unknowns) const;  // zero in the constrained unknowns
   Eigen::Vector3d place_of(int node) const;    // in the reference [m]
   void turn_held(const FrameState&, Eigen::VectorXd& displacement) const;
   double work_of_turn(const State& old, const State& next, const Eigen::VectorXd& force,
@@ -112,8 +112,8 @@ class FemSolver final : public Solver {
   std::vector<double> frequencies(int count, double tolerance) const;
   const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
 
-  // An iteration that solves for a correction leaves this much of it to the next one: Newton's method takes
-  // the residual anew each time.
+  // Relative tolerance of an iterative solve for a correction. The rest is left to the next correction, since
+  // Newton's method computes the residual anew.
   static constexpr double enough_of_a_correction = 1e-6;
   // Of the square of the first frequency, for the line that shows five figures of it.
   static constexpr double enough_for_a_line = 1e-8;

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <utility>
 
-// What a finite-element solver tells: checkpoints, frames, the lines of a run, what it made of the body.
+// Output of a finite-element solver: checkpoints, frames, the lines of a run, the description of the body.
 
 namespace strake::structure::fem {
 namespace {
@@ -210,8 +210,8 @@ std::map<std::string, double> FemSolver<dim>::monitor() const {
   return monitor;
 }
 
-// With the consistent mass M: m = 1·M 1, m x̄ = 1·M X, I_z = x·M x + y·M y − m (x̄² + ȳ²), exact for the cells'
-// shape.
+// Computes mass, centre and inertia with the consistent mass M, exact for the cells' shape:
+//   m = 1·M 1, m x̄ = 1·M X, I_z = x·M x + y·M y − m (x̄² + ȳ²)
 template <int dim>
 Properties FemSolver<dim>::properties() {
   Properties result;

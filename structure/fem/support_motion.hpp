@@ -10,10 +10,10 @@ namespace strake::structure::fem {
 
 /// The motion of the supports' frame as part of a step. With u relative to the frame and 1_k a unit motion of
 /// the whole body along axis k, m_k = 1_kᵀ M 1_k, M_L the lumped mass:
-///   M a + Σ_k M 1_k A_k + C v + f(u) = F     in the unknowns that are free,
-///   (m_k + M_L) A_k + 1_kᵀ M a = 1_kᵀ F + M_L g_k     along the axes in which the frame is free:
-/// what the supports do to the body they undo on the frame, so that only loads change the momentum of both.
-/// A_k is taken out of the equations: it depends on a alone. F has its share on held unknowns too.
+///   M a + Σ_k M 1_k A_k + C v + f(u) = F in the unknowns that are free, (m_k + M_L) A_k + 1_kᵀ M a = 1_kᵀ F
+///   + M_L g_k along the axes in which the frame is free.
+/// The supports' forces on body and frame are opposite, so that only loads change the momentum of both. A_k
+/// depends on a alone and is eliminated. F has entries in constrained unknowns too.
 template <int dim>
 class FrameMotion {
  public:
@@ -22,7 +22,8 @@ class FrameMotion {
   FrameMotion(SupportFrame, const Matrix& mass, const Mesh<dim>&);
   const SupportFrame& supports() const { return supports_; }
 
-  /// A_m of a step to `to`, whose prescribed axes are filled in: with load F and M a_m of the body.
+  /// Acceleration A_m of a step to `to`, whose prescribed axes are filled in. force: load F; inertia: M a_m
+  /// of the body.
   Vector acceleration(const TimeScheme&, const FrameState& from, const FrameState& to,
                       const Eigen::VectorXd& force, const Eigen::VectorXd& inertia, const Vector& gravity,
                       double dt) const;
@@ -37,8 +38,8 @@ class FrameMotion {
   Vector gained(const Eigen::VectorXd& velocity_change, const Eigen::Vector3d& frame_change) const;
   double lumped_mass(Eigen::Index axis) const { return supports_.is_free(axis) ? supports_.mass() : 0; }
 
-  /// J⁻¹ r for J = A − κ Σ_free W_k W_kᵀ/(m_k + M_L), W = M 1 in the free unknowns, from A⁻¹ by Woodbury's
-  /// formula.
+  /// Computes J⁻¹ r for J = A − κ Σ_free W_k W_kᵀ/(m_k + M_L) from A⁻¹, by Woodbury's formula. W = M 1 in the
+  /// free unknowns.
   class Correction {
    public:
     Eigen::VectorXd operator()(const LinearSolver&, const Eigen::VectorXd& r, double tolerance = 1e-12) const;

@@ -13,11 +13,11 @@
 namespace strake::structure::fem {
 namespace {
 
-// A tangent serves on while a step needs no more corrections than this: a correction costs about a thirtieth
-// of a factorisation.
+// A tangent is kept while a step needs at most this many corrections. A correction costs about a thirtieth of
+// a factorisation.
 constexpr int iterations_of_a_good_tangent = 8;
-// Factors made for a step are kept for another one this near to it, relative: window ends carry rounding, no
-// more.
+// Factors are kept for a step whose size differs by less than this, relative. Window ends differ by rounding
+// only.
 constexpr double same_step = 1e-6;
 
 StepFailed failed(double time, const std::string& problem) {
@@ -89,7 +89,7 @@ void FemSolver<dim>::turn_held(const FrameState& frame, Eigen::VectorXd& u) cons
   for (const int i : mesh().fixed) u(i) = frame_.supports().turned(frame, place_of(i / dim))(i % dim);
 }
 
-// The supports' forces on held unknowns, f + M a_m + M 1 A − F, on the way of these.
+// Work of the supports' forces on constrained unknowns, f + M a_m + M 1 A − F, along their displacement.
 template <int dim>
 double FemSolver<dim>::work_of_turn(const State& old, const State& next, const Eigen::VectorXd& force,
                                     const Eigen::VectorXd& inertia) const {
@@ -127,8 +127,8 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   equilibrium.refresh = [&](const Eigen::VectorXd& u1) {
     factors = &fresh_factors_;
     ++factorisations_;
-    // Conjugate gradients need a symmetric matrix, that of a state, not of a step; Cholesky factors too, and
-    // in large bodies LU factors are dear.
+    // Conjugate gradients and Cholesky factors need a symmetric matrix: the tangent of a state, not of a
+    // step. In large bodies LU factors are expensive.
     const bool large = dim == 3 && mesh().n_unknowns() >= many_unknowns;
     const Matrix tangent = method_ == LinearMethod::direct && !large
                                ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
@@ -149,9 +149,9 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   return result;
 }
 
-// Kinetic + strain − external stays as it is when nothing damps: the loads work on u1 − u0, and what changes
-// the momentum p of body and free frame, loads and supports, on the frame's way, ½(V0 + V1)·Δp; damping takes
-// its share.
+// Adds the work of a step. Without damping, kinetic + strain − external energy stays constant. The loads work
+// on u1 − u0. Loads and supports change the momentum p of body and free frame; their work on the frame's
+// motion is ½(V0 + V1)·Δp. The work of the damping is subtracted.
 template <int dim>
 void FemSolver<dim>::account(const State& old, const Eigen::VectorXd& force, double dt, State& next) const {
   const Eigen::Vector3d gained = next.frame.velocity - old.frame.velocity;
@@ -177,7 +177,8 @@ void FemSolver<dim>::advance(double t, double dt, const Load& load) {
 /// One step, or two of half its length where a cell would lose too much of its share in it.
 template <int dim>
 void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
-  // A notched bar takes 1.02 G_c in steps of 10 µs and 1.09 in steps of 40 µs; unhalved 1.08 and 1.57.
+  // A step is halved if a cell would lose a larger share than this. A notched bar then dissipates 1.02 G_c in
+  // steps of 10 µs and 1.09 in steps of 40 µs; without halving 1.08 and 1.57.
   constexpr double largest_fall = 0.1;
   constexpr int most_halvings = 6;
   const State& old = state_;
@@ -214,11 +215,11 @@ void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
   state_ = std::move(next);
 }
 
-// A step from shares h0 = 1 − D0 of the cells to h1 carries their mean s, so that what it dissipates is that
-// of the trapezoidal rule, ½ Σ V (h0 − h1)(ψ0 + ψ1):
+// Solves a step in which cells soften from integrity h0 = 1 − D0 to h1. The forces use the mean integrity s,
+// so that the dissipation is that of the trapezoidal rule, ½ Σ V (h0 − h1)(ψ0 + ψ1):
 //   released += U_s(u1) − U_s(u0) − (U_h1(u1) − U_h0(u0))
-// u1 and h1 follow one another until s stands still; what it lacks then is no energy, for s is what was
-// carried.
+// It is a fixed-point iteration on u1 and h1, until s changes by less than 1e-3. A difference that is left
+// does not break the energy balance, since the balance uses the s of the forces.
 template <int dim>
 NewtonResult FemSolver<dim>::solve_softening(const State& old, const FrameState& told,
                                              const Eigen::VectorXd& force, double dt,

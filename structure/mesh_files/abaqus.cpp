@@ -65,7 +65,7 @@ MeshText read_abaqus(const std::filesystem::path& path) {
   Shape shape;
   std::string section, set;
   std::map<long, std::string> element_set;
-  std::vector<std::string> pending;  // of an element that goes on over several lines
+  std::vector<std::string> pending;  // of an element that continues over several lines
   const auto wrong = [&](const std::string& problem, const std::string& fix = "export the mesh anew") {
     return Error(ExitCode::case_file, fmt::format("{}:{}", path.string(), number), problem, fix);
   };

@@ -8,7 +8,7 @@
 namespace strake::structure {
 namespace {
 
-/// Whether lattice cells that face one another lead from `a` to `b` without a detour.
+/// True if lattice cells that share faces lead from `a` to `b` without a detour.
 template <int dim>
 bool hang_together(const Lattice<dim>& lattice, const Eigen::Matrix<int, dim, 1>& a,
                    const Eigen::Matrix<int, dim, 1>& b) {

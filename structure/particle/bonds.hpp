@@ -12,8 +12,8 @@ template <int dim>
 using Tensors = Eigen::Matrix<double, dim * dim, Eigen::Dynamic>;  // one column-major tensor per particle
 
 /// The fixed neighbours of the reference lattice, rows sorted by index (CSR), with all that depends on them
-/// alone. Weight w⁰ = r_e/|r⁰| − 1 (structure/THEORY.md (S18)). Bonds do not reach across what is no body:
-/// between two neighbours there is a way through lattice cells that face one another.
+/// alone. Weight w⁰ = r_e/|r⁰| − 1 (structure/THEORY.md (S18)). Bonds do not cross gaps of the body: between
+/// two neighbours there is a path through lattice cells that share faces.
 template <int dim>
 struct Bonds {
   std::vector<Eigen::Index> start;      // n+1

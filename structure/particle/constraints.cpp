@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Index;
 
-/// A place of the body and the axes along which it is held.
+/// A place of the body and the axes along which it is constrained.
 template <int dim>
 struct Held {
   Eigen::Vector3d at;
@@ -51,8 +51,8 @@ Points crossings(const Lattice<dim>& lattice, const Solid& solid, const Supporte
   return points;
 }
 
-/// The middle line of a face, in space along the longer of its two directions: the same line that finite
-/// elements hold.
+/// The middle line of a face, in space along the longer of its two directions. It is the line that finite
+/// elements constrain.
 template <int dim>
 Points middle_line(const Solid& solid, const SupportedFace& face, Index normal, const Points& places,
                    Index& across) {
@@ -121,7 +121,7 @@ Constraints<dim>::Constraints(const Lattice<dim>& lattice, const Solid& solid, c
         size += std::abs(entry.value());
       }
       if (size > 1e-9)
-        of_frame.push_back(sum);  // else a clamp holds the place already
+        of_frame.push_back(sum);  // else a clamp constrains the place already
       else
         while (!entries.empty() && entries.back().row() == row) entries.pop_back();
     }

@@ -182,7 +182,7 @@ bool Failure<dim>::snap(const Vectors<dim>& u, State& state) const {
     for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b) {
       const auto k = static_cast<std::size_t>(b);
       const Eigen::Index j = bonds_.to(b);
-      if (j < i || state.broken[k]) continue;  // the lower one speaks for both
+      if (j < i || state.broken[k]) continue;  // the lower one counts for both
       const double length = bonds_.r0.col(b).norm();
       const double strain = (bonds_.r0.col(b) + u.col(j) - u.col(i)).norm() / length - 1;
       if (!(strain > critical_strain(i, b, state))) continue;

@@ -24,7 +24,7 @@ template <int dim>
 class Failure {
  public:
   struct State {
-    std::vector<std::uint8_t> broken;  // m, both directions of a bond; empty: no failure asked for
+    std::vector<std::uint8_t> broken;  // m, both directions of a bond; empty: no failure
     Eigen::VectorXd onset, peak;       // n y_0 (0: not yet) and the largest y [√Pa]; empty with bond_strain
     std::int64_t bonds = 0;            // broken so far, each once
     double released = 0;               // [J] ([J/m]) strain energy that went with them
@@ -34,13 +34,13 @@ class Failure {
   /// Refers to the lattice, and changes the bonds.
   Failure(const FailureKeys&, double hourglass, const Lattice<dim>&, Bonds<dim>&);
   State intact() const;
-  /// Whether a displacement adds damage; the state then holds it, and the bonds do not yet.
+  /// True if a displacement adds damage. The damage is then in the state, and not yet in the bonds.
   bool look(const Vectors<dim>& displacement, double time, State&) const;
   /// Gives the bonds the damage of a state.
   void apply(const State&);
   /// D_i = 1 − (1 − D of softening) Σ_alive w⁰/Σ w⁰ of each particle.
   Eigen::RowVectorXd damage(const State&) const;
-  /// What is asked for, and what it can and cannot represent.
+  /// Lines on the chosen criterion, and on what it can and cannot represent.
   std::vector<std::string> lines(bool wet_surface) const;
 
  private:
@@ -63,21 +63,22 @@ class Failure {
   std::vector<double> crack_constant_;  // of the parts
 };
 
-/// C of s_c = √(G_c/(C μ l0)): what it takes to draw two halves of the pair model's square lattice straight
-/// apart along an axis until every bond between them has broken. Lengths in spacings, opening Δ:
+/// Computes C of s_c = √(G_c/(C μ l0)). C is the energy that separates two halves of the pair model's square
+/// lattice along an axis, until every bond between them has broken. Lengths in spacings, opening Δ:
 ///   U(Δ)/(μ l0) = (4/n0) Σ_alive Δx w⁰ Δ²/|r⁰|² + (λ/μ) Σ_rows tr²,   tr_q = (2Δ/n0) Σ_alive,Δx>q w⁰
 ///   Δx/|r⁰|²
-/// and a bond breaks at Δ = s_c |r⁰|²/Δx. With |u_ij| = s |r⁰| throughout the first sum
-/// would leave out that bonds across the opening shear (1.33 in place of 1.92 at r_e = 2.1).
+/// and a bond breaks at Δ = s_c |r⁰|²/Δx. With |u_ij| = s |r⁰| throughout, the first sum would neglect the
+/// shear of bonds across the opening (1.33 in place of 1.92 at r_e = 2.1).
 double crack_constant(double radius /* [spacing] */, double lambda_over_mu);
 
-/// Width over which a crack smears what it takes [spacing]. An opening δ between two rows gives the particles
-/// of row q beside it the strain h_q δ/l0 and the hourglass residuals of the bonds that cross, in spacings
+/// Width of the band in which a crack dissipates energy [spacing]. An opening δ between two rows gives the
+/// particles of row q beside it the strain h_q δ/l0 and the hourglass residuals of the bonds that cross, in
+/// spacings
 ///   h_q = Σ_{Δx>q} w⁰ Δx/a,   Y_q/E = ½ h_q² + α/(4a) (Σ_{Δx>q} w⁰ − a h_q²),   a = Σ w⁰ Δx²
-/// With η_q = √(Y_q/Y_0), row 0 softens all the way and takes y_0 y_f; row q has y = η_q y_f by then, took
-/// η_q y_0 y_f in softening, and holds (1 − D) Y_q = η_q (1 − η_q) y_0 y_f, which goes with the bonds across
-/// the opening as they break (y_f ≫ y_0). The band is therefore 2 Σ_q η_q (2 − η_q): 2.48 at r_e = 2.1, α
-/// = 1.
+/// With η_q = √(Y_q/Y_0), row 0 softens completely and dissipates y_0 y_f. Row q then has y = η_q y_f; it
+/// dissipated η_q y_0 y_f in softening and stores (1 − D) Y_q = η_q (1 − η_q) y_0 y_f. The stored part is
+/// lost when the bonds across the opening break (y_f ≫ y_0). The band is therefore 2 Σ_q η_q (2 − η_q): 2.48
+/// at r_e = 2.1, α = 1.
 struct CrackBand {
   double width;    // [spacing]
   double opening;  // [spacing] of δ at which row 0 is through, in units of y_f/√E'

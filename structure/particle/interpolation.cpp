@@ -15,7 +15,8 @@ using Eigen::Index;
 
 constexpr double near = 1e-6;  // [spacing] decimals of a case file, not physics
 
-/// A lattice cell between 2^dim particles that a place is told from, and where in it the place lies.
+/// A lattice cell between 2^dim particles from which a place is interpolated, and the position of the place
+/// in it.
 template <int dim>
 struct Block {
   Eigen::Matrix<int, dim, 1> base;
@@ -33,8 +34,9 @@ bool is_complete(const Lattice<dim>& lattice, const Eigen::Matrix<int, dim, 1>& 
   return true;
 }
 
-/// The block that holds the place; if it misses a particle, those beside it that reach the place by half a
-/// spacing, along as few axes as that goes. At an inner corner of the body these are two of equal right.
+/// Finds the block of 2^dim lattice sites around a place. If it lacks a particle, finds the blocks beside it
+/// that reach the place by half a spacing, shifted along as few axes as possible. At an inner corner of the
+/// body there are two, of equal weight.
 template <int dim>
 std::vector<Block<dim>> blocks_at(const Lattice<dim>& lattice, const Eigen::Matrix<double, dim, 1>& s) {
   using Cell = Eigen::Matrix<int, dim, 1>;
@@ -55,8 +57,8 @@ std::vector<Block<dim>> blocks_at(const Lattice<dim>& lattice, const Eigen::Matr
 template <int dim>
 using Cells = std::vector<Eigen::Matrix<int, dim, 1>>;
 
-/// Cells with particles around a place that hang together over their sides with the nearest one, none further
-/// from it than two along any axis: none from another wall across a slot.
+/// Collects the cells with particles around a place, at most two from it along any axis. They are connected
+/// over their sides to the nearest one, so that none belongs to another wall across a slot.
 template <int dim>
 Cells<dim> cells_around(const Lattice<dim>& lattice, const Eigen::Matrix<double, dim, 1>& s) {
   constexpr int reach = 2;
@@ -84,10 +86,10 @@ Cells<dim> cells_around(const Lattice<dim>& lattice, const Eigen::Matrix<double,
   return found;
 }
 
-/// The value at a place of the linear field that fits those in the cells best, by weights that fall with the
+/// Weights of the least-squares linear field through the values in the cells, at a place; w_k decreases with
 /// distance:
 ///   w_k pᵀ_k M⁻¹ p(s),  M = Σ w_k p_k pᵀ_k,  p_k = (1, s_k − s),  w_k = (1 − |s_k − s|²/R²)²
-/// The identity reproduced at the place itself is its first component.
+/// The value at the place itself is the first component of the fit.
 template <int dim>
 Eigen::VectorXd fitted(const Cells<dim>& cells, const Eigen::Matrix<double, dim, 1>& s) {
   constexpr int terms = dim + 1;

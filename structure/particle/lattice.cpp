@@ -51,8 +51,8 @@ Placement<dim> filled(const Solid& solid, double spacing) {
   return placement;
 }
 
-/// The clamp rule of structure/THEORY.md, section 5.3, on one facet: along each line of cells that crosses it
-/// the last one inside, and `beyond` cells in front of that.
+/// Applies the clamp rule of structure/THEORY.md, section 5.3, to one facet. Along each line of cells that
+/// crosses it, it fixes the last cell inside and `beyond` cells in front of that.
 template <int dim>
 void clamp_facet(const Solid& solid, int facet, double spacing, int beyond, bool hold_inside,
                  Placement<dim>& placement) {
@@ -201,7 +201,7 @@ SolidFault fault_of_boxes(const Solid& solid, double spacing) {
   const double thin = thinnest(solid), measure = common_measure(solid);
   const double fitting =
       measure / std::ceil(std::max(measure / spacing, layers * measure / thin) * (1 - near));
-  // Planes without a common measure to speak of: no lattice of a size that can be run fits them.
+  // Planes without a practical common measure: no lattice of a feasible size fits them.
   const std::string fix = fitting > 0.02 * thin
                               ? fmt::format("spacing = {:.6g}", fitting)
                               : fmt::format("move the planes to whole multiples of {:.6g}", thin / 4);

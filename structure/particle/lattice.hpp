@@ -17,14 +17,15 @@ template <int dim>
 using Vectors = Eigen::Matrix<double, dim, Eigen::Dynamic>;
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// A body as a square or cubic lattice: a particle where at least half of a lattice cell lies in the body,
-/// numbered with x slowest. Bodies of boxes fill their cells exactly. Of other bodies a particle at the
-/// boundary has the volume that its cell shares with the body, and what lies in cells without a particle is
-/// its neighbours', so that mass and moment of inertia are the body's. A clamped face goes on beyond the
-/// body, far enough to complete every bond of a free particle. With ClampColumn::inside the last particles
-/// inside are fixed too (their centres half a spacing from the face), so that the clamp stands where the face
-/// is (structure/THEORY.md, section 5.3); with `outside` each clamp gives way by nearly a spacing. Particles
-/// outside are no part of the wet body.
+/// A body as a square or cubic lattice of particles, numbered with x slowest. A particle stands where at
+/// least half of a lattice cell lies in the body. Bodies of boxes fill their cells exactly. In other bodies a
+/// particle at the boundary has the volume that its cell shares with the body. Volume in cells without a
+/// particle is added to their neighbours, so that mass and moment of inertia are the body's.
+///
+/// A clamped face continues beyond the body, far enough to complete every bond of a free particle. With
+/// ClampColumn::inside the last particles inside are fixed too (their centres half a spacing from the face).
+/// The clamp then acts at the face (structure/THEORY.md, section 5.3); with `outside` each clamp is too long
+/// by nearly a spacing. Particles outside are no part of the loaded body.
 template <int dim>
 struct Lattice {
   using Cell = Eigen::Matrix<int, dim, 1>;
@@ -93,19 +94,19 @@ template <int dim>
 Lattice<dim> make_lattice(const Solid&, double spacing, double radius /* [spacing] */,
                           ClampColumn = ClampColumn::inside);
 
-/// Why a lattice of this spacing does not stand for a body; an empty problem: it does. A body of boxes it
-/// must fill exactly; of others it must have mass and moment of inertia within 1 %. The fix is a spacing.
+/// Why a lattice of this spacing cannot represent a body; an empty problem: it can. A body of boxes it must
+/// fill exactly. For other bodies mass and moment of inertia must be within 1 %. The fix is a spacing.
 SolidFault lattice_fault(const Solid&, double spacing);
 
 /// Of the particles within the body, each a square or cube with an inertia of its own, m d²/6.
 template <int dim>
 MassProperties mass_of(const Lattice<dim>&);
 
-/// m×n: values at places of the body from values on the particles, linear along each axis between the corners
-/// of a lattice cell all of whose corners have particles, extrapolated by half a spacing to the faces; beyond
-/// that, at the oblique faces of a mesh, by the linear field that fits the particles around best. Rows sum to
-/// 1 and are exact for linear fields, so that with its transpose for forces sum, moment and virtual work are
-/// kept. Throws Error(case_file) for a place that is not in the body.
+/// Interpolates values on the particles to places in the body, m×n. Between the corners of a lattice cell
+/// that all have particles it is linear along each axis. Towards the faces it extrapolates by half a spacing.
+/// Beyond that, at the oblique faces of a mesh, it uses the least-squares linear field of the particles
+/// around. Rows sum to 1 and are exact for linear fields. So the transpose, for forces, keeps sum, moment and
+/// virtual work. Throws Error(case_file) for a place that is not in the body.
 template <int dim>
 SparseRows interpolation(const Lattice<dim>&, const Points& at);
 

@@ -14,8 +14,8 @@
 namespace strake::structure {
 namespace {
 
-// Step of the central differences in spacings: the forces are smooth on the scale of a bond, so that
-// truncation (1e-12) and round-off (1e-16/1e-5) are both far below what is asked of K.
+// Step of the central differences in spacings. The forces are smooth on the scale of a bond, so that
+// truncation (1e-12) and round-off (1e-16/1e-5) are far below the accuracy that K needs.
 constexpr double difference_step = 1e-5;
 
 /// Number of a free particle's first unknown, or -1.
@@ -100,8 +100,8 @@ class Factors {
 
 }  // namespace
 
-// Particles further apart than twice the influence along any axis do not meet in any force, so they are
-// disturbed together.
+// Computes K by differences, many particles at once. Particles further apart than twice the influence along
+// any axis have no force in common.
 template <int dim>
 Eigen::SparseMatrix<double> stiffness(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
                                       const Vectors<dim>& u) {

@@ -30,7 +30,8 @@ std::vector<double> natural_frequencies(const ElasticModel<dim>&, const Lattice<
                                         int count);
 
 /// Largest stable step of leapfrog about the reference, 2/ω_max [s], by power iteration. `frame_mass` [kg]
-/// along each axis, of what all fixed particles move as one with: infinite where they are held.
+/// along each axis: mass of the frame with which all fixed particles move; infinite where its motion is
+/// prescribed.
 template <int dim>
 double elastic_limit(const ElasticModel<dim>&, const Lattice<dim>&, const Eigen::VectorXd& mass,
                      const Eigen::Matrix<double, dim, 1>& frame_mass =

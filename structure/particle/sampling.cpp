@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Where the lattice stands along an axis: on the plane that most of the boundary lies in, so that flat faces
-/// are met exactly; without such a plane in the middle of the body.
+/// Position of the lattice along an axis. It is the plane that has most of the boundary, so that flat faces
+/// are met exactly. Without such a plane it is the middle of the body.
 double plane_of_lattice(const Solid& solid, int axis, double spacing) {
   constexpr double flat = 1e-9;  // 1 − cosine of the angle to the axis
   const double low = solid.node.row(axis).minCoeff(), high = solid.node.row(axis).maxCoeff();
@@ -31,8 +31,8 @@ double plane_of_lattice(const Solid& solid, int axis, double spacing) {
   return plane;
 }
 
-/// Samples of a body's volume on a lattice `fineness` times as fine as that of the particles: the part that
-/// each lies in, or -1.
+/// Samples a body's volume on a lattice `fineness` times as fine as that of the particles. Each sample has
+/// the index of its part, or -1 outside.
 template <int dim>
 class Samples {
  public:
@@ -95,8 +95,8 @@ class Samples {
   std::vector<std::int16_t> part_;
 };
 
-/// Gives the volume of a cell that has no particle to those beside it: over a side if there are any, else
-/// over a corner.
+/// Adds the volume of a cell without a particle to its neighbours. These are the ones over a side, or else
+/// those over a corner.
 template <int dim>
 void give_away(const Eigen::Matrix<int, dim, 1>& cell, double share, Sites<dim>& sites) {
   using Cell = Eigen::Matrix<int, dim, 1>;

@@ -35,8 +35,8 @@ struct Placement {
 template <int dim>
 Placement<dim> sampled(const Solid&, double spacing);
 
-/// Calls `visit` with each line of lattice cells along an axis whose middle crosses a facet, as a cell of it
-/// (0 along the axis), and with the crossing in spacings from the origin.
+/// Calls `visit` with each line of lattice cells along an axis whose middle crosses a facet. A line is given
+/// as a cell of it (0 along the axis); the crossing is in spacings from the origin.
 template <int dim, class Visit>
 void for_each_line(const Solid& solid, int facet, int axis, const Eigen::Matrix<double, dim, 1>& origin,
                    double spacing, Visit visit) {

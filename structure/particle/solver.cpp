@@ -76,7 +76,7 @@ SparseRows volume_selection(const Lattice<dim>& lattice) {
   return N;
 }
 
-/// The wet surface with points as near to one another as the particles, for the case's own load.
+/// The loaded surface with points as near to one another as the particles, for the case's own load.
 InterfaceMesh fine_surface(const Parameters& p) {
   Parameters fine = p;
   fine.surface_spacing = p.particle.spacing;
@@ -91,7 +91,7 @@ std::unique_ptr<ElasticModel<dim>> make_model(const ParticleKeys& keys, const La
   return std::make_unique<TotalLagrangian<dim>>(lattice, bonds, keys.hourglass);
 }
 
-/// A plate as long as the body and as thin as its thinnest part: its first frequency is of the body's order.
+/// A plate as long as the body and as thin as its thinnest part. Its first frequency estimates the body's.
 template <int dim>
 Plate slenderest(const Parameters& p, const Lattice<dim>& lattice) {
   if (p.shape.kind == ShapeKind::plate) return p.plate;
@@ -274,14 +274,14 @@ bool ParticleSolver<dim>::is_sound(const Energy& before) const {
   return made <= most * std::max(there, std::abs(work)) + std::pow(unseen_strain * speed, 2) * mass_.sum();
 }
 
-// The partner's force is held over a window: F̄ = −m_a (v_{n+1} − v_n)/dt for an added mass m_a. On a mode of
-// frequency ω it does the work F̄ Δx, and with the particles' own end velocities Δx/dt = v̄ tan(z)/z, z = ½ω
-// dt: beyond z = ½π the work has the wrong sign and the mode grows. The velocity told is therefore that of
-// the places at the ends of the windows,
+// The partner's force is constant over a window: F̄ = −m_a (v_{n+1} − v_n)/dt for an added mass m_a. On a
+// mode of frequency ω it does the work F̄ Δx, and with the particles' own end velocities Δx/dt = v̄ tan(z)/z,
+// z = ½ω dt: beyond z = ½π the work has the wrong sign and the mode grows. The velocity sent to the partner
+// therefore follows from the places at the ends of the windows,
 //   v_{n+1} = w + (w − w')·dt/(dt + dt'),   w = Δx/dt of this window, w' of the one before   (BDF2; equal dt:
 //   (3w − w')/2)
-// second order, and the work is then a difference of squares less a square: energy is never made, whatever ω
-// dt.
+// It is of second order. The work is then a difference of squares less a square, so that no energy is
+// produced for any ω dt.
 template <int dim>
 void ParticleSolver<dim>::follow_interface(const Points& before, double dt) {
   if (mesh_.faces.cols() == 0) {  // volume coupling: the fluid places the particles themselves

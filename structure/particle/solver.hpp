@@ -14,9 +14,9 @@
 
 namespace strake::structure {
 
-/// Elastic particles of a body, integrated by leapfrog in sub-steps below the elastic limit. Fixed particles,
-/// those of clamps and held parts, move as one with the frame of the supports; along axes in which that is
-/// free it is one more mass, their own and the lumped one, that leapfrog moves like any other.
+/// Elastic particles of a body, integrated by leapfrog in sub-steps below the elastic limit. Fixed particles
+/// (those of clamps and of held parts) move with the frame of the supports. Along free axes the frame is one
+/// more mass, its own and the lumped one, which leapfrog moves like any other.
 template <int dim>
 class ParticleSolver final : public Solver {
  public:
@@ -27,8 +27,9 @@ class ParticleSolver final : public Solver {
   const InterfaceMesh& interface() const override { return mesh_; }
   void advance(double t, double dt, const Load&) override;
   Points displacement() const override;
-  /// Volume coupling: of the particles. Surface coupling: of the interface as its end places tell, so that
-  /// windows longer than half a period of a mode feed it no energy (see solver.cpp).
+  /// Volume coupling: velocity of the particles. Surface coupling: velocity of the interface from its places
+  /// at window ends, so that windows longer than half a period of a mode add no energy to it (see
+  /// solver.cpp).
   Points velocity() const override;
   bool sends_velocity() const override { return true; }
   double stable_dt() const override { return largest_step_; }  // its own sub-step: windows may be longer
@@ -55,8 +56,8 @@ class ParticleSolver final : public Solver {
   /// the supports.
   void set_velocity(const Vectors<dim>&);
   const FrameState& frame_of_supports() const { return state_.frame; }
-  /// Of the body's particles and a free frame [kg m/s]; the angular one about the origin, their spins
-  /// included, without the frame [kg m²/s].
+  /// Momentum of the body's particles and a free frame [kg m/s]. The angular momentum [kg m²/s] is about the
+  /// origin and includes the spins, not the frame.
   Eigen::Vector3d momentum() const;
   Eigen::Vector3d angular_momentum() const;
 
@@ -70,7 +71,7 @@ class ParticleSolver final : public Solver {
     Vectors<dim> velocity;                               // [m/s]
     Vectors<dim> elastic_force;                          // [N] ([N/m]) at `displacement`
     Eigen::VectorXd turn, spin, torque;  // n [rad], [rad/s], [N m/m]; empty unless particles spin
-    Points interface_velocity;           // 3×m [m/s] at the end of the last window, as the partner is told
+    Points interface_velocity;           // 3×m [m/s] at the end of the last window, as sent to the partner
     Points window_velocity;              // 3×m [m/s] mean over the last window
     double window = 0;                   // [s] its length; 0: none yet
     typename Failure<dim>::State failure;

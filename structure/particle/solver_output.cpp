@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-// What a particle solver tells: checkpoints, frames, the lines of a run, columns of its own.
+// Output of a particle solver: checkpoints, frames, the lines of a run, columns of its own.
 
 namespace strake::structure {
 namespace {

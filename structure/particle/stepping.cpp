@@ -13,14 +13,15 @@ typename ParticleSolver<dim>::Vector ParticleSolver<dim>::frame_mass() const {
   return mass;
 }
 
-// Leapfrog (velocity Verlet), second order and symplectic; external force held over the step, c
-// mass-proportional damping of the motion relative to the supports:
+// Leapfrog (velocity Verlet), second order and symplectic. The external force is constant over the step; c is
+// the mass-proportional damping of the motion relative to the supports:
 //   v_½ = v + ½h (f(u)/m + a),  u⁺ = u + h v_½,  v⁺ = v_½ + ½h (f(u⁺)/m + a)
-// So does a free frame of mass M and the fixed particles' own, on which act their forces and the drag's
-// reaction. Supports that are equations between particles keep them after each half (RATTLE).
+// A free frame moves in the same way. Its mass is M and that of the fixed particles; their forces and the
+// drag's reaction act on it. Supports that are equations between particles keep them after each half
+// (RATTLE).
 //
-// The work of the loads is f_ext·(u⁺ − u). Along an axis whose motion is prescribed the supports' force on
-// the fixed particles, of mass m_f, is m_f dV/dt − (f + f_ext); its work added to that of the loads leaves
+// The work of the loads is f_ext·(u⁺ − u). Along an axis whose motion is prescribed, the supports' force on
+// the fixed particles, of mass m_f, is m_f dV/dt − (f + f_ext). Its work and that of the loads sum to
 //   Δ½m_f V² − ½(f(u) + f(u⁺))·(u⁺ − u).
 template <int dim>
 void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const Vector& gravity) {
@@ -164,8 +165,9 @@ typename ParticleSolver<dim>::Vector ParticleSolver<dim>::pull_on_frame(const Ve
   return sum;
 }
 
-// The spins of R2 in the same way: ω_½ = ω + ½h (M/I − c ω), θ⁺ = θ + h ω_½, and once more with the new
-// torque. Returns the damping's work −c I ω_½ · hω_½.
+// Turns the spins of R2 by half a step, in the same way:
+//   ω_½ = ω + ½h (M/I − c ω), θ⁺ = θ + h ω_½
+// The second call uses the new torque. Returns the damping's work −c I ω_½ · hω_½.
 template <int dim>
 double ParticleSolver<dim>::turn_half(double h, bool first) {
   const double c = parameters_.damping.mass;

@@ -13,8 +13,8 @@
 namespace strake::structure {
 namespace {
 
-/// Weights of a triangle's corners at the point of it that is nearest to x: inside by the normal equations of
-/// x ≈ a + s (b − a) + t (c − a), otherwise on the nearest edge.
+/// Weights of a triangle's corners at its point nearest to x. Inside they follow from the normal equations of
+/// x ≈ a + s (b − a) + t (c − a), otherwise from the nearest edge.
 Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corner, const Eigen::Vector3d& x) {
   const Eigen::Vector3d u = corner.col(1) - corner.col(0), v = corner.col(2) - corner.col(0),
                         w = x - corner.col(0);
@@ -37,7 +37,7 @@ Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corner, const Eigen::
   return best;
 }
 
-/// The value at X from the corners of the nearest face: what is known of a point is what its surface did.
+/// Interpolates a value at X from the corners of the nearest face. The record has values on the surface only.
 Eigen::Vector3d on_surface(const InterfaceMesh& mesh, const Points& value, const Eigen::Vector3d& X) {
   double nearest = std::numeric_limits<double>::infinity();
   Eigen::Vector3d result = Eigen::Vector3d::Zero();

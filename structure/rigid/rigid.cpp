@@ -23,8 +23,9 @@ Eigen::Vector3d turn_vector(const RigidState& state, int dimension) {
   return turn.angle() * turn.axis();
 }
 
-/// Added mass of a flat plate at the surface, as long and wide as the body seen from below: ½πρa² per length,
-/// a half the shorter side (fluid/THEORY.md (F64)). The yardstick for how hard the coupling must iterate.
+/// Added mass of a flat plate at the surface, as long and wide as the body seen from below. It is ½πρa² per
+/// length, with a half the shorter side (fluid/THEORY.md (F64)). It estimates how hard the coupling must
+/// iterate.
 double plate_added_mass(const Parameters& p) {
   const Eigen::Vector3d size = bounds(p).max - bounds(p).min;
   if (p.dimension == 2) return 0.5 * std::numbers::pi * p.fluid_density * 0.25 * size.x() * size.x();

@@ -45,7 +45,8 @@ RigidState RigidBody::start() const {
   return state;
 }
 
-// The motions that are not free, at a time: constant speeds, or the table counted from its place at t = 0.
+// Sets the motions that are prescribed at a time. They have constant speeds, or follow the table relative to
+// its place at t = 0.
 void RigidBody::prescribe(RigidState& state, double time) const {
   RigidMotion place;
   place.displacement = velocity_ * time;
@@ -102,7 +103,7 @@ RigidState RigidBody::advance(const RigidState& from, double dt, const Wrench& l
   }
   if (turns_freely()) turn(from, to, dt, all);
 
-  // What drives the prescribed motions does the rest of the work: the kinetic energy that they hold.
+  // The drive of the prescribed motions does the rest of the work: their kinetic energy.
   if (!free_.any()) {
     to.work += kinetic_energy(to) - kinetic_energy(from);
     return to;
@@ -116,7 +117,7 @@ RigidState RigidBody::advance(const RigidState& from, double dt, const Wrench& l
 }
 
 void RigidBody::turn(const RigidState& from, RigidState& to, double dt, const Wrench& loads) const {
-  // A pivot that is moved: in its frame the body feels −m a at its centre of gravity.
+  // A moved pivot: in its frame the inertia force −m a acts at the centre of gravity.
   Wrench all = loads;
   if (arm_.squaredNorm() > 0) all.add(arm_, -mass_.mass / dt * (to.velocity - from.velocity));
 

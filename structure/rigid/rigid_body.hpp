@@ -19,8 +19,8 @@ struct RigidState {
   double work = 0;                                           // [J] done on the body so far
 };
 
-/// Forces on a body's points, held over a window: their sum and Σ r⊗f, r = X − C in the reference
-/// configuration, from which follows the moment in every orientation.
+/// Forces on a body's points, constant over a window. Stored are their sum and Σ r⊗f with r = X − C in the
+/// reference configuration, which gives the moment in every orientation.
 struct Wrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // [N]
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();  // [N m]

@@ -23,7 +23,8 @@ FrameState SupportFrame::start() const {
   return state;
 }
 
-// A table is counted from its place at t = 0; a direction that it does not give has the constant speed.
+// The prescribed motion at a time. A table is relative to its place at t = 0; a direction that it does not
+// give has the constant speed.
 FrameState SupportFrame::prescribed(double time) const {
   FrameState state{.displacement = velocity_ * time, .velocity = velocity_, .acceleration = {0, 0, 0}};
   if (!motion_) return state;

@@ -13,8 +13,8 @@
 
 namespace strake::structure {
 
-/// Where the frame is that a body's supports stand in, and how it moves: of its pivot, and its turn about the
-/// z axis through that, counter-clockwise.
+/// Position and motion of the frame in which a body's supports stand. They are those of its pivot, and its
+/// turn about the z axis through the pivot, counter-clockwise.
 struct FrameState {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  // [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      // [m/s]
@@ -22,11 +22,11 @@ struct FrameState {
   double angle = 0, angular_velocity = 0;                  // [rad], [rad/s]
 };
 
-/// What the supports of an elastic body stand in. Along each axis its motion is prescribed, by a constant
-/// speed or a table, or free: a lumped mass M, to which the body is fixed, under its weight and the reaction
-/// R of the supports,
+/// The frame in which the supports of an elastic body stand. Along each axis its motion is prescribed, by a
+/// constant speed or a table, or free: a lumped mass M, to which the body is fixed, under its weight and the
+/// reaction R of the supports,
 ///   M dV/dt = R + M g
-/// A body without supports has no frame to speak of: it moves by its own inertia.
+/// A body without supports needs no frame: it moves by its own inertia.
 class SupportFrame {
  public:
   explicit SupportFrame(const Parameters&);
@@ -35,11 +35,12 @@ class SupportFrame {
   FrameState prescribed(double time) const;
   bool is_free(Eigen::Index axis) const { return free_[static_cast<std::size_t>(axis)]; }
   bool is_free() const { return free_[0] || free_[1] || free_[2]; }
-  /// Along an axis in which no support holds the body there is nothing to move.
+  /// Removes an axis from the free ones if no support constrains the body along it: the frame has nothing to
+  /// move there.
   void stays_out(Eigen::Index axis) { free_[static_cast<std::size_t>(axis)] = false; }
   bool by_table() const { return motion_.has_value(); }
   bool turns() const { return motion_ && motion_->turns(); }
-  /// What the turn adds to the displacement and the velocity of a held place: (R − 1)(X − pivot), ω × R (X −
+  /// Displacement and velocity that the turn adds to a constrained place: (R − 1)(X − pivot) and ω × R (X −
   /// pivot).
   Eigen::Vector3d turned(const FrameState&, const Eigen::Vector3d& X) const;
   Eigen::Vector3d turning(const FrameState&, const Eigen::Vector3d& X) const;
@@ -52,14 +53,14 @@ class SupportFrame {
   std::optional<MotionTable> motion_;
 };
 
-/// What a driven or free frame tells: place, velocity, and the force of the supports on the body, columns for
-/// history.csv; nothing where it moves at a constant speed.
+/// Columns of a driven or free frame for history.csv: place, velocity, and the force of the supports on the
+/// body. Empty if the frame moves at a constant speed.
 std::vector<Column> frame_columns(const SupportFrame&, int dimension);
 std::map<std::string, double> frame_monitor(const SupportFrame&, int dimension, const FrameState&,
                                             const Eigen::Vector3d& reaction);
 std::string frame_line(const SupportFrame&, int dimension);
 
-/// Velocity [m/s] at t = 0 of a place that is not held, relative to the supports.
+/// Velocity [m/s] at t = 0 of an unconstrained place, relative to the supports.
 Eigen::Vector3d velocity_at_start(const InitialVelocity&, int part, const Eigen::Vector3d& X);
 
 }  // namespace strake::structure

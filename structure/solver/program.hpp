@@ -16,16 +16,16 @@ struct DeckRequest;
 
 namespace strake::structure {
 
-/// What tells one structure program from another. main.cpp is the same in all of them; each links the one
-/// file that defines `this_program`.
+/// What distinguishes one structure program from another. All have the same main.cpp; each links the one file
+/// that defines `this_program`.
 struct SolverProgram {
   std::string kind;  // "fem" | "particle" | "ccx" | "rigid" | "replay"
   std::function<std::unique_ptr<Solver>(const Parameters&)> build;
   /// What the body makes in this program, before it is built.
   std::function<SizeEstimates(const Parameters&)> sizes;
   double properties_cost = 1;  // of the natural frequencies, in times of the building
-  /// Of a solver with a mesh that other programs can take: writes an input file of theirs; returns what the
-  /// user is told of it.
+  /// Writes an input file for other programs, if the solver has a mesh that they can take. Returns the text
+  /// for the user.
   std::function<std::string(const Parameters&, const CommonKeys&, const DeckRequest&)> export_deck = nullptr;
 };
 SolverProgram this_program();

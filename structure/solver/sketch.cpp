@@ -169,7 +169,7 @@ void draw_supports(Svg& svg, const View& view, const Solid& solid, double top) {
               path(view, walk(solid.node, solid.facet, f), solid.dimension == 3), line ? 1.5 : 4,
               face.support == Support::symmetry ? " stroke-dasharray='6 4'" : "");
     if (line) svg.add("<circle cx='{:.2f}' cy='{:.2f}' r='5' fill='#c1440e'/>", middle.x(), middle.y());
-    // Names stand above the body, those of one half below one another.
+    // Names stand above the body; names of one half stand below each other.
     const bool right = middle.x() > 0.5 * width;
     int& line_number = lines[right ? 1 : 0];
     svg.add("<text x='{:.1f}' y='{:.1f}' text-anchor='{}' fill='#c1440e'>{}: {}</text>",
@@ -185,7 +185,7 @@ void draw_supports(Svg& svg, const View& view, const Solid& solid, double top) {
   }
 }
 
-/// A length of 1, 2 or 5 times a power of ten, between a tenth and a third of the drawing.
+/// A length of 1, 2 or 5 times a power of ten, about an eighth of the drawing or more.
 double round_length(double whole) {
   const double raw = 0.12 * whole, power = std::pow(10, std::floor(std::log10(raw)));
   for (const double m : {1.0, 2.0, 5.0})

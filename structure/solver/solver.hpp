@@ -25,8 +25,8 @@ class Load {
  public:
   Load() = default;
   explicit Load(std::vector<Sample> samples, Interpolation = Interpolation::linear);
-  /// Force on the interface points at a time, 3×n [N]; one sample: the window mean, held. Zero if there is
-  /// none.
+  /// Force on the interface points at a time, 3×n [N]. A single sample is the window mean and applies to the
+  /// whole window. Zero if there is none.
   Points at(double time, Eigen::Index n_points) const;
   /// Its mean over a step, which keeps the impulse.
   Points mean(double begin, double end, Eigen::Index n_points) const;
@@ -65,7 +65,7 @@ class Solver {
   virtual bool sends_velocity() const = 0;
   virtual double stable_dt() const = 0;  // [s]; infinity if implicit
   virtual Energy energy() const = 0;
-  /// Whether `external` holds all work, so that energies balance.
+  /// True if `external` contains all work, so that energies balance.
   virtual bool follows_work() const { return true; }
   virtual int steps() const = 0;  // own steps so far
   /// Displacement [m] and velocity [m/s] of the material point that was at X.

@@ -40,7 +40,7 @@ void soften(Local& local, const EnhancedStrain<dim, n>& enhanced, const CellView
   local.noalias() -= L_alpha * right;
 }
 
-/// σ = F S Fᵀ / det F [Pa]; out of the plane F = 1 and S_zz = λ tr E, neo-Hookean λ ln J.
+/// Cauchy stress σ = F S Fᵀ / det F [Pa]. Out of the plane F = 1 and S_zz = λ tr E, neo-Hookean λ ln J.
 template <int dim>
 Eigen::Matrix3d cauchy_stress(const Material& m, const Tensor<dim>& H, const Tensor<dim>& E) {
   Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
@@ -167,10 +167,11 @@ Matrix Assembly<dim>::scatter(const Visit& cell_matrix) const {
   return result;
 }
 
-// With g_a = ∇N_a and F_i the row i of F, the derivative of F_α S_α g_a by component j of node b is
+// Computes the derivative of F_α S_α g_a by component j of node b. With g_a = ∇N_a and F_i the row i of F it
+// is
 //   δ_ij g_a·S_α g_b + λ (F_αi·g_a)(F_1j·g_b) + μ [(F_αi·F_1j)(g_a·g_b) + (F_αi·g_b)(F_1j·g_a)].
-// Neo-Hookean: ∂S/∂E = λ B⊗B + 2(μ − λ ln J) B⊙B with B = C_α⁻¹ stands in place of λ 1⊗1 + 2μ 1⊙1, which puts
-// B between each F and g, and what balances its energy adds its own; with added strains that is left out.
+// Neo-Hookean: ∂S/∂E = λ B⊗B + 2(μ − λ ln J) B⊙B with B = C_α⁻¹ replaces λ 1⊗1 + 2μ 1⊙1, so that B stands
+// between each F and g. The term that balances its energy is added; with enhanced strains it is left out.
 template <int dim>
 Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const {
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) {

@@ -53,14 +53,14 @@ class Assembly {
   /// ∫ ψ dV [J].
   double strain_energy(const Eigen::VectorXd& u) const;
 
-  /// Smallest det F in the quadrature points; linear elasticity knows no F and counts as 1.
+  /// Smallest det F in the quadrature points; for linear elasticity 1.
   double smallest_jacobian(const Eigen::VectorXd& u) const;
 
   /// Consistent mass ∫ ρ N_a N_b dV [kg] on each component.
   Matrix mass() const;
 
-  /// In the points of quadrature of a cell, n_state × n: Cauchy stress xx, xy, xz, yy, yz, zz [Pa] and strain
-  /// energy per reference volume [J/m³].
+  /// State in the quadrature points of a cell, n_state × n. Components: Cauchy stress xx, xy, xz, yy, yz, zz
+  /// [Pa], then strain energy per reference volume [J/m³].
   static constexpr int n_state = 7;
   Eigen::MatrixXd cell_state(const Eigen::VectorXd& u, int cell) const;
 

@@ -54,9 +54,9 @@ double Damage<dim>::extent(int cell, const Eigen::Vector3d& n) const {
   return most - least;
 }
 
-// l_c = 1/(∇φ·n) in the middle of the cell, where φ is 1 in the corners that lie beyond it along the crack's
-// normal n, 0 in the others, and multilinear between them: ∂φ/∂ξ = Σ s/2^dim over the corners beyond, with s
-// their places in the reference cell, −1 or 1.
+// Computes l_c = 1/(∇φ·n) in the middle of the cell. φ is 1 in the corners beyond the middle along the
+// crack's normal n, 0 in the others, and multilinear between them. Hence ∂φ/∂ξ = Σ s/2^dim over the corners
+// beyond, with s their places in the reference cell, −1 or 1.
 template <int dim>
 double Damage<dim>::band(int cell, const Eigen::Vector3d& normal) const {
   using Vector = Eigen::Matrix<double, dim, 1>;

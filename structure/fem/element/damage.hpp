@@ -12,16 +12,18 @@
 
 namespace strake::structure::fem {
 
-/// Failure of finite elements (structure/THEORY.md (S32)–(S35)). A cell softens as a whole, from where the
-/// mean of its Cauchy stress reaches the strength, with Y the mean of its energy density (softening.hpp). The
-/// band of a crack is the length over which it opens in the cell, along the normal n that the largest
-/// principal stress of that moment gives: 1/(∇φ·n) with φ = 1 in the corners beyond the cell's middle (Oliver
-/// 1989, recalled): across a square of side h h/max(|n_x|, |n_y|), across a column of leaning cells its width
-/// along n. A crack that follows the columns of a mesh takes G_c so; it follows them even where stresses
-/// would turn it, and two that miss each other take it twice.
+/// Computes the failure of finite elements (structure/THEORY.md (S32)–(S35)). A cell softens as a whole, once
+/// the mean of its Cauchy stress reaches the strength. Y is the mean of its energy density (softening.hpp).
 ///
-/// A cell that has lost all is eroded: `residual` of its stiffness stays, linear, so that nodes of its own
-/// keep to their neighbours, and all of its mass.
+/// The crack band l_c is the length over which a crack opens in the cell, along its normal n. n is the
+/// direction of the largest principal stress at that moment:
+///   l_c = 1/(∇φ·n), φ = 1 in the corners beyond the cell's middle (Oliver 1989, recalled)
+/// Across a square of side h it is h/max(|n_x|, |n_y|), across a column of leaning cells its width along n.
+/// So a crack that follows the columns of a mesh dissipates G_c. It follows the columns even where stresses
+/// would turn it, and two cracks that miss each other dissipate G_c twice.
+///
+/// A cell without remaining strength is eroded. It keeps the share `residual` of its stiffness, linear, so
+/// that nodes that only it has stay near their neighbours, and all of its mass.
 template <int dim>
 class Damage {
  public:
@@ -30,14 +32,14 @@ class Damage {
     Eigen::VectorXd onset, peak, end;  // cells: y_0 (0: not yet), largest y, y_f [√Pa]; empty: no failure
                                        // asked for
     std::int64_t eroded = 0;           // cells
-    double released = 0;               // [J] ([J/m])
+    double released = 0;               // cells: y_0 (0: not yet), largest y, y_f [√Pa]; empty: no failure
     FailureRecord record;
   };
 
   /// Throws Error(case_file) where a cell is too wide for the softening.
   Damage(const FailureKeys&, const Mesh<dim>&, const Assembly<dim>&);
   State intact() const;
-  /// Whether a displacement adds damage; the state then holds it.
+  /// True if a displacement adds damage, which is then in the state.
   bool look(const Eigen::VectorXd& displacement, double time, State&) const;
   /// Share of its stiffness that each cell still has, 1 − D.
   Eigen::VectorXd held(const State&) const;

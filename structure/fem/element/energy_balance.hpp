@@ -49,11 +49,12 @@ struct EnergyBalance {
     size = std::max(size, std::numeric_limits<double>::min());
     part = missing / size;
   }
-  /// With added strains, S being that of their sum with the mean of E0 and E1, and these with their own.
+  /// With enhanced strains. S is the stress of the mean of E0 and E1 with its own enhanced strain; E0 and E1
+  /// include theirs.
   EnergyBalance(const Strains<dim, n>& S, const Material& m, const Strains<dim, n>& change,
                 const Strains<dim, n>& E0, const Strains<dim, n>& E1, const double* weight) {
-    // ψ carries a round-off of ε |E| μ, so that the quotient is noise where ΔE is small; the addition is of
-    // third order and nothing there.
+    // ψ carries a round-off of ε |E| μ, so that the quotient is noise if ΔE is small. The addition is of
+    // third order and negligible there.
     constexpr double noise = 1e-10;  // ΔE:ΔE
     double missing = 0;
     for (std::size_t q = 0; q < S.size(); ++q) {
@@ -65,7 +66,7 @@ struct EnergyBalance {
   }
 };
 
-/// The derivative of that addition's force Σ w F_α (m/s ΔE) g_a by component j of node b, over 1 − α = ½:
+/// Adds the derivative of the force Σ w F_α (m/s ΔE) g_a by component j of node b, over ½:
 ///   2 A ⊗ (R − 2 m/s Σ w F_1 ΔE g)/s + m/s Σ w {δ_ij g_a·ΔE g_b + (F_αi·F_1j)(g_a·g_b) +
 ///   (F_αi·g_b)(F_1j·g_a)}, A = Σ w F_α ΔE g,  R = ∂m/∂u = Σ w F_1 (S_1 − S − ½ ∂S/∂E:ΔE) g.
 template <int dim, int n, class Local>

@@ -51,7 +51,7 @@ Tensor<dim> strain_tensor(Components<dim> c) {
   return stress_tensor<dim>(c);
 }
 
-/// ∂S/∂E in components: λ B⊗B + 2μ B⊙B with B = 1; neo-Hookean with B = C⁻¹ and μ − λ ln J in place of μ.
+/// Components of ∂S/∂E = λ B⊗B + 2μ B⊙B with B = 1. Neo-Hookean: B = C⁻¹, and μ − λ ln J replaces μ.
 template <int dim>
 Eigen::Matrix<double, components<dim>, components<dim>> moduli(const Material& m, const Tensor<dim>& E) {
   Eigen::Matrix<double, components<dim>, components<dim>> D;
@@ -69,12 +69,13 @@ Eigen::Matrix<double, components<dim>, components<dim>> moduli(const Material& m
   return D;
 }
 
-/// Strains that a cell adds to those of its displacement, so that it neither locks in bending nor where the
-/// material keeps its volume (enhanced assumed strains, Simo & Rifai 1990, with Green-Lagrange's strain):
+/// Enhanced assumed strains (Simo & Rifai 1990), here with Green-Lagrange's strain. A cell adds them to the
+/// strains of its displacement, so that it locks neither in bending nor where the material keeps its volume:
 ///   Ê = E(u) + Σ_k α_k G_k,   the amplitudes from   Σ_q w_q G_k:S(Ê_q) = 0   for each k.
-/// They are a minimum of the cell's energy and no unknowns: forces stay the gradient of an energy of u, which
-/// a rotation leaves as it is since E(u) does. For a quadratic energy α is linear in E, hence the mean strain
-/// of a step gets the mean of the amplitudes, and its force works exactly the change of energy.
+/// The amplitudes minimise the cell's energy and are no unknowns of the system. So forces stay the gradient
+/// of an energy of u, which is invariant under rotation since E(u) is. For a quadratic energy α is linear in
+/// E. Hence the mean strain of a step gets the mean of the amplitudes, and the work of its force is exactly
+/// the change of energy.
 ///
 /// With ξ, η, ζ in [−1, 1], V/j the cell's volume over the Jacobian and J_0 the map's gradient at its centre:
 ///   Q1  J_0⁻ᵀ M J_0⁻¹ V/j: M = ξ in xx, η in yy, ξ and η in xy (and their like in z): the strains of bending
@@ -181,8 +182,8 @@ class EnhancedStrain {
     return energy;
   }
 
-  /// H⁻¹ r, with the magnitudes of H's eigenvalues where one is negative: −λ ln J stands in the shear's place
-  /// of a neo-Hookean's stiffness, and where it is stretched by far there is a saddle beside the minimum.
+  /// Computes H⁻¹ r; if an eigenvalue of H is negative, with the magnitudes of the eigenvalues. A
+  /// neo-Hookean's shear stiffness is μ − λ ln J, so a large stretch makes a saddle beside the minimum.
   static Amplitudes downhill(const Eigen::MatrixXd& H, const Amplitudes& r) {
     const auto factors = H.ldlt();
     if (factors.isPositive()) return factors.solve(r);

@@ -89,8 +89,8 @@ class ConjugateGradients final : public LinearSolver::Method {
     matrix_->FillComplete();
     matrix_->OptimizeStorage();
 
-    // The bound of ‖A‖ for the damping, not an iteration from a random start, and Gauss–Seidel: the same
-    // matrix gives the same bits, whenever it comes.
+    // Uses a bound of ‖A‖ for the damping, and Gauss–Seidel, instead of an iteration from a random start. The
+    // same matrix then gives the same bits in every call.
     Teuchos::ParameterList keys;
     ML_Epetra::SetDefaults("SA", keys);
     keys.set("ML output", 0);

@@ -13,9 +13,11 @@ namespace {
 using ColumnMatrix = Eigen::SparseMatrix<double>;
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// A = L Lᵀ by CHOLMOD, supernode by supernode, in an order of nested dissection (METIS) where that fills
-/// less: dense blocks for BLAS. A body in space of 128 547 unknowns, one thread: 5.2 s and 0.6 GiB, against
-/// 37 s and 1.7 GiB of UMFPACK; a solve takes 0.08 s against 0.7 s.
+/// Factorises A = L Lᵀ by CHOLMOD, supernodal, with dense blocks for BLAS. It orders by nested dissection
+/// (METIS) if that fills less.
+///
+/// A body in space of 128 547 unknowns, one thread: 5.2 s and 0.6 GiB, against 37 s and 1.7 GiB of UMFPACK; a
+/// solve takes 0.08 s against 0.7 s.
 class Cholesky {
  public:
   /// False: not positive definite.

@@ -9,8 +9,8 @@ namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-// Iterations: of one that the user asked for, and of one that has factors behind it. A cube takes 24, a bar
-// of four widths 80, a plate of a hundredth of its width in thickness some hundreds to thousands.
+// Largest number of iterations: if the user chose the method, and if factors can replace it. A cube takes 24,
+// a bar of four widths 80, a plate of a hundredth of its width in thickness some hundreds to thousands.
 constexpr int patience = 2000, patience_with_factors_behind = 300;
 
 /// Conjugate gradients, and factors of the same matrix where they do not come to an end.
@@ -97,9 +97,10 @@ int LinearSolver::iterations() const {
   return method_->iterations();
 }
 
-// One thread, 108 000 unknowns: a cube takes 6.3 s and 0.7 GiB of factors, and 0.1 s for each solve; 24
-// iterations of conjugate gradients take 7 s. Factors grow with the power 4/3 of the unknowns, their work
-// with the square: 2.1 GiB and a minute at the size from which an iteration is tried first.
+// Chooses a method by size. Measured with one thread on a cube of 108 000 unknowns: 6.3 s and 0.7 GiB of
+// factors, and 0.1 s for each solve. 24 iterations of conjugate gradients take 7 s. Factors grow with the
+// power 4/3 of the unknowns, their work with the square: 2.1 GiB and a minute at the size from which an
+// iteration is tried first.
 LinearMethod chosen(LinearMethod asked, int dimension, int unknowns) {
   constexpr int too_many_for_factors = 250000;
   if (asked != LinearMethod::automatic) return asked;

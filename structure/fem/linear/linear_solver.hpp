@@ -11,19 +11,19 @@
 
 namespace strake::structure::fem {
 
-/// What a method can be told of the unknowns.
+/// Properties of the unknowns that a method can use.
 struct NodalUnknowns {
   int per_node = 1;               // 3: a body in space
   Eigen::MatrixXd rigid_motions;  // one per column
 };
 
-/// How often factors took the place of conjugate gradients that nobody had asked for, and why the first time.
+/// How often factors replaced conjugate gradients that were chosen automatically, and why the first time.
 struct GivenUp {
   int times = 0;
   std::string why;
 };
 
-/// Solves A x = b for matrices of one pattern, some of whose unknowns are held.
+/// Solves A x = b for matrices of one pattern, some of whose unknowns are constrained.
 class LinearSolver {
  public:
   /// `direct`: Cholesky factors where A is symmetric and positive definite and there are three unknowns per
@@ -72,8 +72,8 @@ bool has_conjugate_gradients();
 /// From here on what costs the most in a body of three dimensions are its factors.
 inline constexpr int many_unknowns = 60000;
 
-/// What `automatic` means for a mesh: by its size and dimension alone, so that it is the same on every
-/// machine; `automatic` itself where conjugate gradients are worth a try.
+/// Resolves `automatic` by the size and dimension of a mesh alone. So the choice is the same on every
+/// machine. It stays `automatic` where conjugate gradients are tried first.
 LinearMethod chosen(LinearMethod, int dimension, int unknowns);
 
 }  // namespace strake::structure::fem

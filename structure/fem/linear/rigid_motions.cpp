@@ -24,8 +24,8 @@ Eigen::MatrixXd rigid_motions(const Mesh<dim>& mesh) {
   return motions;
 }
 
-// The motions u = a + ω × (X − X̄)/L restricted to the fixed unknowns: as many are stopped as that matrix has
-// rank.
+// Counts the rigid motions that the supports leave. It subtracts from their number the rank of u = a + ω × (X
+// − X̄)/L, restricted to the fixed unknowns.
 template <int dim>
 int rigid_motions_left(const Mesh<dim>& mesh) {
   constexpr int motions = dim == 2 ? 3 : 6;

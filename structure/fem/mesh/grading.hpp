@@ -11,9 +11,9 @@ struct Grading {
   bool left = false, right = false;  // ends to which the cells become small
 };
 
-/// Sizes [m] of the cells that divide `length`, from left to right, as near to the wanted sizes as a whole
-/// number of cells goes. Even in number and symmetric when both ends are graded, so that the middle is a
-/// vertex.
+/// Sizes [m] of the cells that divide `length`, from left to right. They are the wanted sizes, scaled so that
+/// a whole number of cells fits. Even in number and symmetric when both ends are graded, so that the middle
+/// is a vertex.
 std::vector<double> graded_cells(double length, const Grading&);
 /// How many those are, without making them: no integer, since there may be too many for one.
 double graded_count(double length, const Grading&);

@@ -78,8 +78,8 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
   const auto n_cells = static_cast<Eigen::Index>(parts.triangulation.n_active_cells());
   const auto n_nodes = static_cast<Eigen::Index>(parts.dofs.n_dofs());
 
-  // 3. Shape values and gradients: Gauss with degree + 1 points is exact for the mass matrix and for Saint
-  //    Venant–Kirchhoff up to the quartic terms, which vanish with the strain.
+  // 3. Shape values and gradients. Gauss with degree + 1 points is exact for the mass matrix. For Saint
+  // Venant–Kirchhoff it is exact up to the quartic terms, which vanish with the strain.
   const dealii::QGauss<dim> quadrature(static_cast<unsigned int>(degree) + 1);
   const dealii::Quadrature<dim> nodes(parts.element.get_unit_support_points());
   using namespace dealii;  // the update flags' operator|
@@ -131,7 +131,7 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
     ++c;
   }
 
-  // 4. Supports, and parts that are held as a whole.
+  // 4. Supports, and parts whose nodes are all constrained.
   const double near = 1e-6 * std::ldexp(thinnest(solid), -refinement);
   for (const SupportedFace& face : solid.supported)
     if (face.support != Support::free) hold(face, near);
@@ -143,8 +143,8 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
   mesh_.fixed.erase(std::unique(mesh_.fixed.begin(), mesh_.fixed.end()), mesh_.fixed.end());
 }
 
-// A pinned or rolling face is held along the line at its middle: in space the line along the longer of its
-// two directions.
+// Constrains a pinned or rolling face along the line at its middle. In space this is the line along the
+// longer of its two directions.
 template <int dim>
 void Discretisation<dim>::hold(const SupportedFace& face, double near) {
   const auto on_face = [&](const Eigen::Vector3d& X) {
@@ -226,7 +226,7 @@ typename Discretisation<dim>::Place Discretisation<dim>::locate(const Eigen::Vec
   double least = std::numeric_limits<double>::infinity();
   for (const auto& cell : parts.dofs.active_cell_iterators()) {
     if (cell->barycenter().distance(x) - cell->diameter() > least) continue;
-    // Far from a distorted cell its map has no inverse; its middle then stands for it.
+    // Far from a distorted cell its map has no inverse; its middle is then used.
     dealii::Point<dim> candidate;
     for (int axis = 0; axis < dim; ++axis) candidate[static_cast<unsigned>(axis)] = 0.5;
     try {

@@ -26,15 +26,15 @@ struct Mesh {
   Eigen::VectorXd reference_weight;                  // n_quadrature, sum 1
   Eigen::MatrixXd centre_inverse;  // (dim·dim) × m [1/m]: inverse of ∂X/∂ξ at the centre of the corners
   std::vector<int> part;           // m, of the solid
-  std::vector<int> fixed;          // unknowns that the supports hold, ascending
+  std::vector<int> fixed;          // unknowns that the supports constrain, ascending
 
   int n_nodes() const { return static_cast<int>(node.cols()); }
   int n_cells() const { return static_cast<int>(cell.cols()); }
   int n_unknowns() const { return dim * n_nodes(); }
 };
 
-/// The body's rigid motions, one per column, zero in fixed unknowns: three translations and three rotations
-/// about its middle, in units of its size; in the plane two and one.
+/// The body's rigid motions, one per column, zero in fixed unknowns. In space these are three translations
+/// and three rotations about its middle, in units of its size; in the plane two and one.
 template <int dim>
 Eigen::MatrixXd rigid_motions(const Mesh<dim>&);
 
@@ -57,7 +57,7 @@ class Discretisation {
   Discretisation(const Solid&, int degree, int refinement);
   ~Discretisation();
   const Mesh<dim>& mesh() const { return mesh_; }
-  /// Shape values at the material point X [m]; a point outside is taken to the nearest place of the nearest
+  /// Shape values at the material point X [m]. A point outside is moved to the nearest place of the nearest
   /// cell.
   NodeWeights shape_values(const Eigen::Vector3d& X) const { return locate(X).weights; }
   /// The same, and the cell.

@@ -8,9 +8,9 @@
 
 namespace strake::structure::fem {
 
-/// Values of the finite-element field in chosen points, N u, and forces in those points on the nodes, Nᵀ f:
-/// the work is the same on both sides, and so are the total force and (N being exact for linear fields) its
-/// moment.
+/// Interpolates the finite-element field at chosen points, N u, and distributes forces in those points to the
+/// nodes, Nᵀ f. The work is the same on both sides, and so is the total force. N is exact for linear fields,
+/// so that the moment is the same too.
 template <int dim>
 class Transfer {
  public:

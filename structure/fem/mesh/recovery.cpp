@@ -8,8 +8,10 @@
 namespace strake::structure::fem {
 namespace {
 
-// Along one axis of the cell [0, 1] a point of Gauss has an interval as long as its weight, a node all that
-// is nearer to it than to its neighbours: part(a, q) = |interval_q ∩ interval_a| / weight_q.
+// Weights along one axis of the cell [0, 1]:
+//   part(a, q) = |interval_q ∩ interval_a| / weight_q
+// The interval of a Gauss point is as long as its weight. The interval of a node is all that is nearer to it
+// than to its neighbours.
 Eigen::MatrixXd nearest_along_an_axis(const Eigen::VectorXd& weight) {
   const Eigen::Index n = weight.size();  // of points, and of nodes
   Eigen::MatrixXd part(n, n);

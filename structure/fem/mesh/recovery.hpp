@@ -8,10 +8,10 @@
 
 namespace strake::structure::fem {
 
-/// Carries values from the points of quadrature to the nodes. In each cell it takes the polynomial of degree
-/// one in each direction that is nearest to them in L2: for Q2 that is the one through the 2×2(×2) points
-/// where stresses are most exact (Barlow 1976). A node gets the mean over the cells of one part that meet
-/// there; one between parts has a value for each, so that a jump of the material stays a jump.
+/// Extrapolates values from the quadrature points to the nodes. In each cell it fits, in the L2 norm, the
+/// polynomial of degree one in each direction. For Q2 that is the one through the 2×2(×2) points where
+/// stresses are most exact (Barlow 1976). A node gets the mean over the cells of one part that meet there. A
+/// node between parts has a value for each part, so that a jump of the material stays a jump.
 template <int dim>
 class Recovery {
  public:
@@ -22,10 +22,10 @@ class Recovery {
   /// components × (m · n_quadrature) → components × size().
   Eigen::MatrixXd on_nodes(const Eigen::MatrixXd& at_quadrature) const;
 
-  /// The same shapes, of a density: a node gets the mean over the volume nearest to it, so that what is
-  /// nowhere negative at the points of quadrature is nowhere negative in the nodes, and its integral over the
-  /// pieces of the cells that a frame shows, linear in each direction between nodes, is the sum over the
-  /// points (of bodies whose cells are boxes; else nearly).
+  /// Averages a density over the volume nearest to each node; same shapes. If no quadrature point is
+  /// negative, no node is. A frame shows the pieces of cells between nodes, linear in each direction. The
+  /// integral over these pieces equals the sum over the quadrature points, exactly for bodies whose cells are
+  /// boxes, else nearly.
   Eigen::MatrixXd means_on_nodes(const Eigen::MatrixXd& at_quadrature) const;
   /// Volume of each pair's share [m^dim].
   Eigen::VectorXd shares_of_volume() const;

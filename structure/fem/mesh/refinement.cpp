@@ -36,7 +36,7 @@ Eigen::Vector3d middle_of_cell(const Solid& solid, Index c) {
   return sum / static_cast<double>(solid.cell.rows());
 }
 
-/// Whether a support that holds stands in this plane: cells become small towards it.
+/// True if a constraining support lies in this plane: cells become small towards it.
 bool held_at(const Solid& solid, Index axis, double plane, double near) {
   for (const SupportedFace& face : solid.supported) {
     if (face.support == Support::symmetry || face.support == Support::free) continue;
