@@ -101,8 +101,8 @@ int report(const Error& error) {
   return static_cast<int>(error.code());
 }
 
-/// The three streams are open: a file of a run must not take the place of one that was closed. What is
-/// written to a closed one fails, as it should.
+/// Opens the three standard streams if they are closed. Else a file of the run would get the number of a
+/// closed one. Writes to a closed standard output still fail, as they should.
 void hold_streams() {
   for (const int stream : {0, 1, 2})
     if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 1 ? O_RDONLY : O_RDWR);
@@ -124,7 +124,8 @@ int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");  // numbers are read and written with a point
   hold_streams();
   const strake::StopRequest stop;
-  // A limit on the size of files, and a pipe that was closed, are errors of the write, told like a full disk.
+  // Ignores the signals of a file-size limit and a closed pipe. The write then fails and is reported like a
+  // full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   std::function<ExitCode()> action;

@@ -54,11 +54,11 @@ struct AcceleratorStep {
 class Accelerator {
  public:
   virtual ~Accelerator() = default;
-  /// The fields of the vector in their order, before the first call of `next`; without it the vector is one
-  /// interface motion. Fields of different units weigh alike in what is made small over the whole vector.
+  /// Sets the fields of the vector in their order, before the first call of `next`. Without it the vector is
+  /// one interface motion. Fields of different units have equal weight in the least-squares problem.
   void set_blocks(std::vector<AcceleratorBlock>);
-  /// x, hx: what went in and what came out, any length, the same in all calls. Throws Error(solver_fault)
-  /// when either is not finite.
+  /// x: input of the coupled map, hx: its output, of any length, the same in all calls. Throws
+  /// Error(solver_fault) when either is not finite.
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& hx);
   /// The last iteration of a window, after which no next iterate is wanted: its secant serves the windows to
   /// come.
@@ -70,7 +70,7 @@ class Accelerator {
   void set_state(AcceleratorState state) { state_ = std::move(state); }
 
  protected:
-  /// Takes note of an iteration; from the second of a window on, state_ holds the previous one.
+  /// Records an iteration; from the second of a window on, state_ has the previous one.
   virtual void learn(const Eigen::VectorXd& residual, const Eigen::VectorXd& image);
   virtual Eigen::VectorXd iterate(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) = 0;
   AcceleratorState state_;

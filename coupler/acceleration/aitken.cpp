@@ -6,13 +6,13 @@
 namespace strake {
 namespace {
 
-// The last factor of a window serves the first iteration of the next unless it is bolder than the first of
-// all: a last secant taken from two residuals at round-off may be any number.
+// The last factor of a window starts the next, unless it is larger than the first factor of all. A last
+// secant from two residuals at round-off may be any number.
 constexpr double smallest = 1e-3;
 
-// One factor speaks for a vector only as far as its residual moves along itself. Where the cosine between the
-// residual and its change is smaller than the root of this, a sign or a vanishing factor comes from other
-// directions, and following it the iteration stalls far from the solution.
+// One factor suits a vector only if its residual changes along itself. If the cosine between the residual and
+// its change is smaller than the root of this, other directions determine the sign and size of the factor.
+// With such a factor the iteration stalls far from the solution.
 constexpr double aligned = 0.8;
 
 }  // namespace

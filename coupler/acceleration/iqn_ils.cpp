@@ -14,8 +14,9 @@ constexpr double slack = 2;
 
 }  // namespace
 
-// Were H linear, the step would leave r_(k+1) = e + M e, e = r_k + ΔR α what the columns did not explain and
-// M the slope of the residual, of which |Δr|/|Δx| of the other steps gives the size.
+// Detects columns that mislead, by the bound of a linear H. There r_(k+1) = e + M e: e = r_k + ΔR α is the
+// unexplained residual, and M the slope of the residual. |Δr|/|Δx| of the other steps estimates the size of
+// M.
 void IqnIls::learn(const VectorXd& residual, const VectorXd& image) {
   const bool by_columns = state_.secants.columns() > 0;
   QuasiNewton::learn(residual, image);

@@ -19,8 +19,8 @@ void IqnImvj::start_window() {
   if (secants.columns() > 0) {
     const Index n = secants.image.front()->size();
     const std::vector<Index> lengths = sizes(n);
-    // What is carried on is filtered as columns of an earlier window are: of a fine column the error of the
-    // linear model, divided by its new part, would stay in J.
+    // Carried columns are filtered as those of earlier windows are. For a fine column the linear model's
+    // error, divided by the column's new part, would stay in J.
     const LeastSquares problem = factorise(parameters_.filter);
     state_.jacobian.add(secants.images(problem), secants.pseudo_inverse(problem, lengths, weights()));
     if (static_cast<int>(state_.jacobian.left.size()) > parameters_.max_columns) {

@@ -37,8 +37,8 @@ void LowRank::add(const TallColumns& more_left, const TallColumns& more_right) {
   right.insert(right.end(), more_right.begin(), more_right.end());
 }
 
-// D L = Q_l T_l and D⁻¹ Z = Q_z T_z, hence D J D⁻¹ = Q_l (T_l T_zᵀ) Q_zᵀ: the singular values are those of
-// the small matrix between the two bases.
+// Truncates the singular values of the small matrix T_l T_zᵀ, which are those of
+//   D J D⁻¹ = Q_l (T_l T_zᵀ) Q_zᵀ, with D L = Q_l T_l and D⁻¹ Z = Q_z T_z
 void LowRank::truncate(Index rank, double smallest, const VectorXd& scale) {
   const VectorXd inverse = scale.cwiseInverse();
   const OrthonormalBasis l = basis_of(left, scale), z = basis_of(right, inverse);

@@ -15,8 +15,8 @@ struct LowRank {
 
   Eigen::VectorXd times(const Eigen::VectorXd& v) const;
   void add(const TallColumns& more_left, const TallColumns& more_right);
-  /// Its best approximation by at most `rank` columns in the scaled space D J D⁻¹, without singular values
-  /// below `smallest` of the largest. scale: the diagonal of D.
+  /// Replaces J by its best approximation by at most `rank` columns in the scaled space D J D⁻¹. Singular
+  /// values below `smallest` of the largest are dropped. scale: the diagonal of D.
   void truncate(Eigen::Index rank, double smallest, const Eigen::VectorXd& scale);
 
   void save(Archive&, const std::string& name) const;

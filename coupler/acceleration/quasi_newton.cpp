@@ -13,13 +13,15 @@ using Eigen::VectorXd;
 // A difference of residuals this small beside the iterates is their round-off.
 constexpr double round_off = 1e-15;
 
-// The map as this window shows it is worth finer columns than what an earlier window remembers: a linear map
-// of n unknowns is solved in n + 2 iterations.
+// Filter of this window's columns, finer than that of columns of earlier windows. A linear map of n unknowns
+// is then solved in n + 2 iterations.
 constexpr double fine = 1e-4;
-// While columns may mislead: the filter of this window's columns, and the part of what they do not explain
-// that is followed. Measured on the light plate of cases/plate_entry.toml (1000 kg/m³) in incompressible
-// water, the first 23 windows of contact, without columns of earlier windows: 0.3 and 0.5 take 8.8
-// iterations per window and at most 13; 0.1 and 1, 10.2 and 20; with 1e-4 and 1 three do not converge in 20.
+// Values while columns may mislead: the filter of this window's columns, and the factor of the unexplained
+// residual.
+//
+// Measured on the light plate of cases/plate_entry.toml (1000 kg/m³) in incompressible water, in the first 23
+// windows of contact, without columns of earlier windows. 0.3 and 0.5 take 8.8 iterations per window and at
+// most 13; 0.1 and 1, 10.2 and 20; with 1e-4 and 1 three windows do not converge in 20.
 constexpr double coarse = 0.3, followed = 0.5;
 
 }  // namespace
@@ -70,10 +72,10 @@ VectorXd QuasiNewton::iterate(const VectorXd& x, const VectorXd& hx) {
   return next;
 }
 
-// w_b = 1/Σ_k |r_b^k| over the iterations k of the window. With the shares |r_b^k|/|r^k| in the sum, as the
-// residual-sum preconditioner has it (Uekermann 2016), an iteration in which only one field has a residual (a
-// load not yet asked for, or all but converged) would count as much as the first, and the fields would lose
-// each other's scale.
+// Weights w_b = 1/Σ_k |r_b^k| over the iterations k of the window. The residual-sum preconditioner (Uekermann
+// 2016) sums the shares |r_b^k|/|r^k| instead. Then an iteration in which only one field has a residual would
+// count as much as the first. This happens with a load that is not yet requested, or that has nearly
+// converged. The fields would lose each other's scale.
 void QuasiNewton::weigh(const VectorXd& residual) {
   const std::vector<Index> lengths = sizes(residual.size());
   if (state_.iteration == 1) state_.residual_sum = VectorXd::Zero(static_cast<Index>(lengths.size()));

@@ -18,8 +18,8 @@ class QuasiNewton : public Accelerator {
   void learn(const Eigen::VectorXd& residual, const Eigen::VectorXd& image) override;
   Eigen::VectorXd iterate(const Eigen::VectorXd& x, const Eigen::VectorXd& hx) override;
   std::vector<Eigen::Index> sizes(Eigen::Index whole) const;  // of the blocks
-  /// w_b = 1 / Σ_k |r_b^k| over the iterations of this window: what a field leaves weighs alike in
-  /// every field, whatever its unit.
+  /// Weights w_b = 1 / Σ_k |r_b^k| over the iterations of this window. With them the remaining residual
+  /// counts alike in every field, whatever its unit.
   Eigen::VectorXd weights() const;
   double weighted_norm(const Eigen::VectorXd&) const;
   /// Whether columns of this window may mislead, see IqnIls.

@@ -22,9 +22,9 @@ struct SecantFilter {
   double own_limit = 1e-4;  // the same for the current window's columns
 };
 
-/// min over α of |D (ΔR α + r)| over the columns that the filter leaves, D the weights of the blocks.
-/// With the bases ΔR_b = Q_b T_b of the blocks it is the small problem min |S α + g|, S the w_b T_b and
-/// g the w_b Q_bᵀ r_b one below the other, solved by S = U R with unit columns.
+/// Solves min over α of |D (ΔR α + r)| over the columns that the filter keeps. D are the weights of the
+/// blocks. With the bases ΔR_b = Q_b T_b of the blocks it is the small problem min |S α + g|, S the w_b T_b
+/// and g the w_b Q_bᵀ r_b one below the other, solved by S = U R with unit columns.
 struct LeastSquares {
   std::vector<Eigen::Index> kept;  // indices of columns, newest first
   Eigen::MatrixXd u, r;
@@ -32,8 +32,8 @@ struct LeastSquares {
   Eigen::VectorXd alpha(const Eigen::VectorXd& g) const;
 };
 
-/// Differences between successive iterations, oldest first: ΔR of the residual H(x) − x, block by block, and
-/// ΔH of what goes with it.
+/// Differences between successive iterations, oldest first. ΔR is that of the residual H(x) − x, block by
+/// block, ΔH that of the image.
 struct Secants {
   std::vector<OrthonormalBasis> residual;  // one for each block
   TallColumns image;

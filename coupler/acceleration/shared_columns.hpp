@@ -34,8 +34,8 @@ struct OrthonormalBasis {
 
   void append(Eigen::VectorXd vector);
   void drop_oldest(Eigen::Index n);
-  /// Q for the span of the vectors that are left, once it has become half as large again as needed: the work
-  /// is spread over the vectors that were dropped, O(columns·n) for each.
+  /// Rebuilds Q for the span of the remaining vectors, once it is half as large again as needed. Spread over
+  /// the vectors that were dropped, the work is O(columns·n) for each.
   void compress();
 };
 

@@ -4,7 +4,8 @@ namespace strake {
 
 namespace {
 
-// A wet point farther than this from the structure's surface [fluid.spacing] belongs to another shape.
+// A point of the fluid's wetted surface farther than this from the structure's surface [fluid.spacing]
+// belongs to another shape.
 constexpr double farthest_wet_point = 2.0;
 // A converged residual, where the case gives none [fluid.spacing].
 constexpr double absolute_residual = 1e-6;

@@ -101,7 +101,7 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
     side.program = solver;
   else
     side.program = find_program(program_name(name, solver), file.folder());
-  if (users) return side;  // it knows its own table; nobody else does
+  if (users) return side;  // only the program itself can check its own table
   std::istringstream lines(ask(side.program, {"--check"}, file.path(), sets, stop));
   for (std::string line; std::getline(lines, line);)
     if (!line.empty()) side.lines.push_back(line);
@@ -109,7 +109,8 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
   return side;
 }
 
-/// A window has a row of the history and a number: more of them than that no disk and no integer holds.
+/// Refuses more windows than a disk or an integer can take. Each window has a line of the history and a
+/// number.
 void check_windows(CaseFile& file, const CommonKeys& common) {
   constexpr double most = 2e9;
   const double windows = common.end_time / common.window;
@@ -121,7 +122,7 @@ void check_windows(CaseFile& file, const CommonKeys& common) {
                   common.interface));
 }
 
-/// What no single key can tell.
+/// Checks that need several keys.
 void check_across(CaseFile& file, const CommonKeys& common) {
   if (common.fluid_solver == "none" && common.structure_solver == "none")
     throw file.root().table("fluid").error("solver", "a fluid, or a structure with structure.solver",

@@ -48,7 +48,7 @@ struct CaseView {
   bool coupled() const { return fluid && structure; }
 };
 
-/// Reads the case with the coupler's keys and asks each side's program to check its own; so everything that
+/// Reads the case with the coupler's keys, and lets each side's program check its own. So everything that
 /// `run` would refuse is refused here, before a run folder exists. Throws Error. by_hand: sides that the user
 /// starts; a program of the user's need not be on this machine then.
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
@@ -60,8 +60,8 @@ std::string ask(const std::filesystem::path& program, std::vector<std::string> a
                 const std::filesystem::path& case_file, const std::vector<std::string>& sets,
                 const StopRequest* stop = nullptr);
 
-/// What a mode of a program of ours says ("--properties") of the case with another solver in the side's place
-/// ("particle"); nothing where the program is not installed. What it refuses is thrown with its own words.
+/// Returns the output of a program's mode ("--properties") for the case with another solver on that side
+/// ("particle"). Nothing if the program is not installed. A refusal is thrown with the program's own words.
 std::optional<std::string> ask_solver(const CaseView&, const std::string& side, const std::string& solver,
                                       const std::string& mode, const StopRequest* stop);
 

@@ -45,7 +45,7 @@ std::string list(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Refuses a reference that holds anything but finite numbers, with its line.
+/// Refuses a reference with anything but finite numbers, with its line.
 void check_reference(const CompareBlock& block) {
   const std::filesystem::path& path = block.file;
   const Table table = read_table(path, largest_table);

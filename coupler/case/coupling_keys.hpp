@@ -27,7 +27,7 @@ struct CouplingKeys {
   std::string predictor = "quadratic";  // constant | linear | quadratic
   double relative = 1e-4;  // converged when rms(H(x) − x) <= max(absolute, relative · rms(H(x) − x_n))
   double absolute = 0;     // [m]; 0: 1e-6 of the fluid's spacing
-  double residual_relative = 0;  // of the window's first residual; 0: not asked for
+  double residual_relative = 0;  // of the window's first residual; 0: not tested
   Measure measure = Measure::increment;
   Limits load;  // of the fluid's force, or what else it sends
   int min_iterations = 1, max_iterations = 20;

@@ -100,8 +100,8 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
 
 }  // namespace
 
-/// Everything that `run` would refuse, the set-up of both solvers included where it does not take long; no
-/// window is advanced, nothing stays.
+/// Checks everything that `run` would refuse, and sets up both solvers if that does not take long. No window
+/// is advanced, no file is left.
 ExitCode check(const CheckOptions& options, const StopRequest& stop) {
   const CaseView view = read_case(options.case_file, options.sets, &stop);
   const bool built = can_be_built(view);

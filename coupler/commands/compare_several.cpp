@@ -39,7 +39,8 @@ Limit read_limit(const std::string& text) {
   return limit;
 }
 
-/// Those asked for; else what every record holds, without the columns that belong to another (p.mean, p.max).
+/// The requested columns; without a request those of every record, without columns that belong to another
+/// (p.mean, p.max).
 std::vector<std::string> choose(const std::vector<RecordSource>& sources,
                                 const std::vector<std::string>& asked) {
   if (!asked.empty()) return asked;

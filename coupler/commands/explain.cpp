@@ -82,7 +82,7 @@ void print_list(const std::vector<KeyInfo>& keys) {
     if (key.type != "table") fmt::print("{:<{}}  {}\n", key.path, width, key.help);
 }
 
-/// A cell of a Markdown table may hold no bar of its own.
+/// Escapes bars, which a cell of a Markdown table may not contain.
 std::string cell(std::string text) {
   for (auto bar = text.find('|'); bar != std::string::npos; bar = text.find('|', bar + 2))
     text.replace(bar, 1, "\\|");

@@ -71,7 +71,8 @@ void widen(picture::Range& range, const picture::Range& other) {
   range.add(other.hi);
 }
 
-/// Colours and view of a whole film: what a few of its frames, the first and last among them, span together.
+/// Sets colours and view of a whole film to the range of a few of its frames. The first and last are among
+/// them.
 void settle(const PictureOptions& options, const picture::RunFrames& run,
             const std::vector<FrameFile>& frames, picture::DrawingOptions& drawing, const StopRequest& stop) {
   constexpr std::size_t looked_at = 24;

@@ -6,8 +6,8 @@ namespace strake {
 
 namespace {
 
-/// The side that the record plays: the one asked for, else the structure where the case has none, else the
-/// fluid, so that recorded loads meet another structure.
+/// The side that the record replaces. It is the requested one, else the structure if the case has none, else
+/// the fluid, so that recorded loads act on another structure.
 std::string playing_side(const ReplayOptions& options) {
   if (!options.side.empty()) return options.side;
   const CommonKeys keys = common_keys_of(options.run.case_file, options.run.sets);

@@ -118,7 +118,7 @@ ExitCode write_report(const ReportOptions& options) {
     std::vector<Recorded> runs;
     for (const std::filesystem::path& folder : options.what) {
       runs.push_back(report::read_run(folder));
-      // Runs of one name from two folders are told apart by the whole path.
+      // Runs of one name from two folders are named by their whole paths.
       for (std::size_t i = 0; i + 1 < runs.size(); ++i)
         if (runs[i].name == runs.back().name) runs.back().name = folder.string();
     }

@@ -213,7 +213,7 @@ class Run {
 
   void save(const RunLoop& loop) {
     summary_.wall_seconds = elapsed();
-    files_->flush();  // what a resume goes on from
+    files_->flush();  // state from which a resume continues
     checkpoints_.write(*session_, loop, summary_);
     saved_ = loop.state();
   }
@@ -289,7 +289,8 @@ class Run {
   }
 
   void fail(const Error& error) noexcept {
-    // What stopped the run is thrown on; that a trace of it could not be written either is the lesser news.
+    // The error that stopped the run is rethrown. A trace that cannot be written is less important than that
+    // error.
     const auto attempt = [](const auto& write) {
       try {
         write();
@@ -301,8 +302,8 @@ class Run {
       if (log_) log_->error(to_text(error));
       reporter_.error(error);
     });
-    // A case that was refused while its participants were set up leaves no folder: the corrected one may
-    // take its name.
+    // Removes the folder of a case that was refused while its participants were set up. The corrected case
+    // may then take its name.
     if (!started_ && !options_.folder.resume &&
         (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
       log_.reset();
@@ -318,7 +319,8 @@ class Run {
     attempt([&] { write_end(error.code()); });
   }
 
-  /// A side that the user starts. The line holds the token, so that it stands where nobody else can read it.
+  /// Shows the line that starts a side by hand. It contains the token, so it is written where only the user
+  /// can read it.
   void invite(const std::string& side, const std::string& command) {
     programs_[side]["start_by_hand"] = command;
     record_.set("participants", programs_);

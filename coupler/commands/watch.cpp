@@ -128,13 +128,13 @@ ExitCode in_pipe(watch::WatchedRun& run, const StopRequest& stop) {
     ::poll(nullptr, 0,
            static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(pipe_look).count()));
     run.look();
-    if (std::ferror(stdout) != 0) return ExitCode::done;  // nobody reads any more
+    if (std::ferror(stdout) != 0) return ExitCode::done;  // the reader of the pipe has gone
   }
   lines.end(run);
   return stop.requested() ? stop.code() : code_of(run.last());
 }
 
-/// Serves the page until Ctrl-C: a run that has ended may still be looked through.
+/// Serves the page until Ctrl-C; a run that has ended can still be inspected.
 ExitCode on_page(const WatchOptions& options, const std::filesystem::path& folder, const StopRequest& stop) {
   watch::Answers answers(folder);
   watch::Server server(answers, {.bind = options.bind, .port = options.port, .token = random_token()});

@@ -24,8 +24,8 @@ std::optional<double> known(const RunData& data, const std::string& name) {
   return found->second;
 }
 
-/// Contact is one moment of the whole body: a probe that does not feel it itself takes the earliest that one
-/// did.
+/// Contact time of a probe. Contact is one moment of the whole body: a probe without its own takes the
+/// earliest of the others.
 std::optional<double> contact_time(const RunData& data, const std::string& probe) {
   if (const auto own = known(data, probe + ":contact")) return own;
   std::optional<double> earliest;
@@ -52,7 +52,7 @@ Curve column(const Table& table, const std::string& name) {
   return curve;
 }
 
-/// Mean over [from, to] of a column that holds the mean since the row before.
+/// Mean over [from, to] of a column whose values are means since the line before.
 double mean_of_means(const Curve& c, double from, double to) {
   double sum = 0, length = 0, before = std::min(from, c.time.front());
   for (std::size_t k = 0; k < c.size(); ++k) {

@@ -9,8 +9,8 @@
 
 namespace strake {
 
-/// The resolved value of a case key as text ("fem", "inf", "0.01", "[0, -6.26, 0]"); none when there is no
-/// such key.
+/// Returns the resolved value of a case key as text ("fem", "inf", "0.01", "[0, -6.26, 0]"). None if there is
+/// no such key.
 using CaseLookup = std::function<std::optional<std::string>(const std::string& key)>;
 
 /// One [[compare]] table: what a case expects of itself.
@@ -42,7 +42,7 @@ struct CompareBlock {
   std::string where;  // "case.toml:40:1: compare", for messages
 };
 
-/// True when every condition of the block holds: numbers compare as numbers (inf too), lists of numbers item
+/// True if every condition of the block is met. Numbers compare as numbers (inf too), lists of numbers item
 /// by item, the rest as text.
 bool applies(const CompareBlock&, const CaseLookup&);
 

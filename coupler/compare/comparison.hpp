@@ -8,7 +8,7 @@
 
 namespace strake {
 
-/// One metric of several records of one quantity; the first record is what the others are held against.
+/// One metric of several records of one quantity; the others are compared with the first record.
 struct MetricRow {
   std::string name;  // first_peak, peak, impulse, mean, rms, frequency, final, l2, dtw …
   std::string unit;  // of `value`
@@ -21,7 +21,7 @@ struct MetricRow {
 struct Comparison {
   std::vector<MetricRow> rows;
   double from = 0, to = 0;  // [s] the span that all of them cover
-  /// [s] where times of peaks are counted from, by record: contact where every record knows it, else `from`.
+  /// [s] origin for times of peaks, by record: contact if every record has it, else `from`.
   std::vector<double> origin;
   bool after_contact = false;
   std::size_t points = 0;  // equal steps at which dtw pairs the records
@@ -36,14 +36,14 @@ struct ComparisonSpan {
 /// the records share no span or their units differ.
 Comparison compare_records(const std::vector<Record>&, const std::string& quantity, const ComparisonSpan&);
 
-/// Unit of a metric of a quantity that has `unit`: "impulse" of "Pa" is in "Pa s", "l2" of anything in "1".
+/// Unit of a metric of a quantity in `unit`. "impulse" of "Pa" is in "Pa s", "l2" of anything in "1".
 std::string metric_unit(const std::string& metric, const std::string& unit);
 
 /// The metrics that `compare_records` gives.
 const std::vector<std::string>& record_metrics();
 
-/// What to add to the times of a record so that it meets the first in time: "0.0012" in s, "contact" (both
-/// met water), or "peak" (its first peak). Throws Error(command_line).
+/// Shift of a record's times so that it matches the first record. how: "0.0012" in s, "contact" (both met
+/// water), or "peak" (its first peak). Throws Error(command_line).
 double shift_onto(const Record& first, const Record& other, const std::string& how);
 
 }  // namespace strake

@@ -5,7 +5,7 @@
 
 namespace strake {
 
-/// Samples of a quantity over time, times ascending; linear between samples, held outside.
+/// Samples of a quantity over time, times ascending; linear between samples, constant beyond the ends.
 struct Curve {
   std::vector<double> time;  // [s]
   std::vector<double> value;
@@ -22,8 +22,8 @@ Curve resample(const Curve&, const std::vector<double>& times);
 Curve clip(const Curve&, double from, double to);
 /// Largest |q|, with its sign; the first of equals. None for an empty curve.
 std::optional<CurvePoint> peak(const Curve&);
-/// cases/VALIDATION.md, "Definitions": the running maximum M of |q| after `contact`, M >= 5 % of the record's
-/// maximum, that |q| falls below 0.8 M before exceeding M.
+/// First peak (cases/VALIDATION.md, "Definitions"). It is the running maximum M of |q| after `contact`, M >=
+/// 5 % of the record's maximum, after which |q| falls below 0.8 M before exceeding M.
 std::optional<CurvePoint> first_peak(const Curve&, double contact);
 double impulse(const Curve&, double from, double to);  // ∫ q dt, trapezoidal
 double mean(const Curve&, double from, double to);     // impulse / (to − from)
@@ -32,13 +32,13 @@ double noise(const Curve&, double from, double to);  // rms of q less its mean
 /// Slope of the least-squares line through the samples within [from, to] and the interpolated ends. NaN for
 /// fewer than two.
 double slope(const Curve&, double from, double to);
-/// Mean time between rises through the mean of the part within [from, to]; one that does not reach half the
-/// rms about that mean on either side of it is noise. None for fewer than two rises.
+/// Mean time between upward crossings of the mean within [from, to]. A crossing is noise if the curve does
+/// not reach half the rms about that mean on either side of it. None for fewer than two crossings.
 std::optional<double> period(const Curve&, double from, double to);
-/// When |q| first reaches half of its mean over [from, to], counted from the curve's first sample: the front
-/// of a plateau. None if that never happens.
+/// Time from the curve's first sample at which |q| first reaches half of its mean over [from, to]. It marks
+/// the front of a plateau. None if that never happens.
 std::optional<double> onset(const Curve&, double from, double to);
-/// |a − b| at the samples of b, the reference; a must reach as far as b for them to mean anything.
+/// Deviation |a − b| at the samples of the reference b. It has a meaning only if a reaches as far as b.
 struct Deviation {
   double largest = 0, mean = 0;
 };
@@ -48,9 +48,9 @@ Deviation deviation(const Curve& a, const Curve& reference);
 std::optional<CurvePoint> peak_of_mean(const Curve&, double width);
 /// ‖a − b‖ / ‖b‖ over the common time span, b the reference, at the union of both sample times.
 double l2_difference(const Curve&, const Curve& reference);
-/// Dynamic time warping: the smallest sum of |a_i − b_j| over monotone pairings of samples, divided by the
-/// number of pairs and by the largest |b|. Blind to shifts in time, so that two noisy runs can be told from a
-/// wrong one.
+/// Dynamic time warping: the smallest sum of |a_i − b_j| over monotone pairings of samples. It is divided by
+/// the number of pairs and by the largest |b|. Shifts in time do not change it, so that it separates a wrong
+/// run from two noisy ones.
 double time_warping(const Curve&, const Curve& reference);
 
 }  // namespace strake

@@ -62,7 +62,7 @@ std::optional<double> contact_of(const fs::path& run) {
 std::size_t index_of(const Table& table, const std::string& name) {
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (table.columns[c].name == name) return c;
-  table.column(name);  // tells what the file has
+  table.column(name);  // its error lists what the file has
   return 0;
 }
 

@@ -21,15 +21,15 @@ struct Record {
   void shift(double);
 };
 
-/// A run folder, or a CSV file whose header holds a name and a unit for each column, time first:
-/// "time [ms],uy [mm]". "FILE:COLUMN" chooses one column of it, whatever the quantity is called there.
+/// A run folder, or a CSV file. The header of the file has a name and a unit for each column, time first
+/// ("time [ms],uy [mm]"). "FILE:COLUMN" chooses one column of it, whatever the quantity is called there.
 class RecordSource {
  public:
   /// Throws Error(case_file) when it is neither, with what was expected.
   explicit RecordSource(const std::string& operand);
   const std::string& name() const { return name_; }
   bool is_run() const { return is_run_; }
-  /// What it holds over time: probes and columns of a run, columns of a file.
+  /// Its quantities over time: probes and columns of a run, columns of a file.
   std::vector<std::string> quantities() const;
   /// A file with one column beside the time, or with a chosen one, has that for every quantity.
   bool has(const std::string& quantity) const;

@@ -148,7 +148,7 @@ std::string grouped(long long number) {
 
 std::string duration_text(double seconds) {
   if (seconds < 59.95) return fmt::format("{:.1f} s", seconds);
-  constexpr double longest = 1e15;  // beyond it a whole number holds no seconds
+  constexpr double longest = 1e15;  // beyond it seconds do not fit a whole number
   const auto whole = static_cast<long>(std::lround(std::min(seconds, longest)));
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);

@@ -34,7 +34,7 @@ struct RunHeader {
   std::vector<ProbeKeys> probes;  // their columns come first
   std::vector<Column> history;    // of history.csv
   double end_time = 0;            // [s] simulated
-  long windows = 0;               // of the whole run, if no solver asks for shorter ones
+  long windows = 0;               // of the whole run, if no solver requests shorter ones
   LoopState from = {};            // of a resumed run
 };
 
@@ -71,7 +71,7 @@ class Reporter {
   virtual void wait(const RunWait&) {}  // several times a second while an answer is awaited
   virtual void verdict(const Verdict&) = 0;
   virtual void note(const std::string& line) = 0;     // what has happened
-  virtual void warning(const std::string& line) = 0;  // what somebody should know of, or do
+  virtual void warning(const std::string& line) = 0;  // notes for the user: facts to know, or steps to take
   virtual void error(const Error&) {}                 // that ends the run; main prints it
   virtual void end(const RunEnd&) = 0;
 };
@@ -85,29 +85,28 @@ struct Style {
 /// Of a stream, as NO_COLOR and the terminal have it.
 Style style_of(std::FILE*);
 
-/// Writes a text to a console, at once. What cannot be written is left out: what is told is worth less than
-/// what is done.
+/// Writes a text to a console, at once. A failed write is ignored: the run matters more than its messages.
 void put(std::FILE*, const std::string&);
 /// errno of the first text that `put` could not write to the standard output; 0: all were.
 int console_failure();
 
-/// Characters in a row of the stream's terminal at this moment; where it cannot tell, the style's, else 80.
+/// Characters in a line of the stream's terminal at this moment. If it cannot be found out, the style's
+/// width, else 80.
 int width_of(std::FILE*, const Style&);
 
-/// The table: header, one line per field frame, verdicts, what came of it. On a terminal a bar of progress
-/// stands below the lines, drawn anew at most five times a second; in a pipe there is a line at least every
-/// 10 s.
+/// The table: header, one line per output frame, results of comparisons, the end. On a terminal a progress
+/// bar stands below the lines, drawn again at most five times a second; in a pipe there is a line at least
+/// every 10 s.
 std::unique_ptr<Reporter> table_reporter(std::FILE*, const Style&);
 /// One JSON object per line, with its "kind" (proto/RESULTS.md).
 std::unique_ptr<Reporter> json_reporter(std::FILE*);
 /// Warnings and verdicts alone; with --profile its lines.
 std::unique_ptr<Reporter> quiet_reporter(std::FILE*, const Style&);
 
-/// Of the columns of a run those worth a place: the y component of each probe (the whole of a scalar), then
-/// what else there is.
+/// Chooses the columns of a run to show: the y component of each probe (or the scalar), then the others.
 std::vector<Column> telling_columns(const RunHeader&, std::size_t most);
-/// How a run ended and what came of it: windows, time, probes, checks, files, the next commands; lines
-/// without a newline.
+/// Lines on how a run ended: windows, time, probes, checks, files, the next commands. No newline at their
+/// ends.
 std::vector<std::string> closing_lines(const RunEnd&, const RunHeader&, const Style&);
 /// In that colour (SGR code) where the style has colours.
 std::string painted(const Style&, const char* code, const std::string&);

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <optional>
 
-// The last lines of a run: what came out, where it is, and what to do with it.
+// The last lines of a run: results, their files, and the next commands.
 
 namespace strake {
 
@@ -24,7 +24,7 @@ std::string counted(long number, const std::string& what) {
   return fmt::format("{} {}{}", grouped(number), what, number == 1 ? "" : "s");
 }
 
-/// What a specialist asks first of a run; what is not known is left out.
+/// The first things that a specialist wants from a run; unknown ones are left out.
 std::string checks_text(const Json& checks) {
   std::string text;
   const auto add = [&](const char* key, auto&& words) {
@@ -48,7 +48,7 @@ std::string value_text(double value, const std::string& unit, const Style& style
   return fmt::format("{:.4g}{}", prefix.factor * value, words.empty() ? "" : " " + words);
 }
 
-/// "first peak 1.742 mm at 2.35 ms   peak -3.1 mm at 21 ms   at the end 0.2 mm": what the run knows of them.
+/// The known results of a probe: "first peak 1.742 mm at 2.35 ms   peak -3.1 mm at 21 ms".
 std::string found_text(const Json& probe, const Style& style) {
   const std::string unit = probe["unit"].is_string() ? probe["unit"].get<std::string>() : "1";
   const auto number = [&](const char* key) {

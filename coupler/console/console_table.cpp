@@ -94,8 +94,8 @@ std::vector<TableColumn> table_of(const RunHeader& header) {
   return table;
 }
 
-/// Without the columns that a row of so many characters has no room for, the least needed first and of
-/// those the last.
+/// Removes columns until a line of the table has at most so many characters. The least needed go first, of
+/// these the last.
 void fit(std::vector<TableColumn>& table, int room) {
   const auto taken = [&] {
     int width = 0;
@@ -198,8 +198,8 @@ class TableReporter final : public Reporter {
     if (style_.terminal) line = cut_to_width(line, width_of(stream_, style_) - 1);
     return row.window->report.converged ? line : painted(style_, "33", line);
   }
-  /// Lines of a run under way are held back until the bar is drawn anew, which is soon: so it neither
-  /// flickers nor stands between them.
+  /// Delays lines of a run under way until the bar is drawn again, which is soon. So the bar neither flickers
+  /// nor stands between the lines.
   void put(const std::string& line) {
     if (!bar_.empty()) {
       pending_ += line + "\n";

@@ -12,7 +12,7 @@ namespace strake {
 namespace {
 
 constexpr double shortest_look = 5, share_looked_at = 0.25;  // [s], part of the run
-constexpr double least_known = 0.5;                          // [s] before anything is told
+constexpr double least_known = 0.5;                          // [s] before anything is shown
 constexpr std::size_t samples_kept = 200;
 constexpr int shortest_bar = 8, longest_bar = 30;  // characters within the brackets
 

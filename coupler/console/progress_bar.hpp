@@ -10,8 +10,8 @@
 
 namespace strake {
 
-/// How fast a run goes of late: over the last quarter of it, and at least 5 s, since water that is met costs
-/// more than water that is awaited.
+/// Recent speed of a run: over its last quarter, and at least 5 s. Windows after contact take longer than
+/// those before.
 class Pace {
  public:
   /// elapsed: wall clock [s]; time: simulated [s]; steps: of a solver, since its start.
@@ -37,13 +37,13 @@ struct Progress {
   std::string waiting;              // for whom, and what that one does; stands in the probes' place
 };
 
-/// The rows of the bar, none wider than `width` - 1 characters: what finds no room is left out, the least
+/// Lines of the progress bar, none wider than `width` - 1 characters. What has no room is left out, the least
 /// important first. unicode: blocks instead of number signs.
 std::vector<std::string> progress_rows(const Progress&, int width, bool unicode);
 
 /// Characters that a UTF-8 text takes on a terminal.
 int display_width(const std::string& text);
-/// As much of it as `width` characters hold.
+/// As much of it as fits `width` characters.
 std::string cut_to_width(const std::string& text, int width);
 
 /// Rows that stand below all other lines of a terminal and are drawn anew in place.

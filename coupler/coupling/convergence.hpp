@@ -17,7 +17,7 @@ enum class Measure {
 };
 enum class Unconverged {
   accept,  // keep the window, count it
-  halve,   // ask for a smaller window: WindowReport::retry
+  halve,   // request a smaller window: WindowReport::retry
   stop     // Error(solver_fault)
 };
 
@@ -25,17 +25,20 @@ enum class Unconverged {
 struct Limits {
   double relative = 0;           // of the field's increment in the window, or of its value
   double absolute = 0;           // in the field's unit
-  double residual_relative = 0;  // of the window's first residual
+  double residual_relative = 0;  // Limits below which a residual is small enough; a limit of zero is not
+                                 // tested.
   bool any() const { return relative > 0 || absolute > 0 || residual_relative > 0; }
 };
 
 /// A field has settled when its residual, rms per point, is at most the largest of
 ///   absolute, relative · rms(increment or value), residual_relative · first residual of the window.
-/// A window has converged when every measured field has settled: all that the structure sends (the residual
-/// is what it answers less what the fluid was given), and what the fluid sends where `load` has a limit,
-/// the measure is by value or the scheme is parallel (its change since the last iteration; in a parallel
-/// scheme, where the structure may settle under a load that is not the fluid's, what it answers less what the
-/// structure was given).
+/// A window has converged when every measured field has settled.
+///
+/// Fields of the structure are always measured. Their residual is the structure's result less the motion that
+/// the fluid was given. Fields of the fluid are measured if `load` has a limit, the measure is by value, or
+/// the scheme is parallel. Their residual is the change since the last iteration. In a parallel scheme it is
+/// the fluid's result less the load that the structure was given, since the structure may settle under a load
+/// that is not the fluid's.
 struct Convergence {
   double relative = 1e-4;
   double absolute = 1e-8;  // [m], or the unit of the structure's first field
@@ -59,8 +62,9 @@ double rms(const Eigen::MatrixBase<Derived>& a) {
   return a.cols() == 0 ? 0 : std::sqrt(a.squaredNorm() / static_cast<double>(a.cols()));
 }
 
-/// residual: rms of a field's change; scale: rms of what `relative` refers to; first: the residual of the
-/// window's first iteration, which is this one where it is negative.
+/// Compares a residual with its threshold. residual: rms of a field's change; scale: rms of the quantity to
+/// which `relative` refers; first: residual of the window's first iteration. A negative `first` means that
+/// this is the first iteration.
 FieldResidual judge(const Field&, double residual, double scale, const Limits&, double first);
 
 struct Place;

@@ -9,11 +9,12 @@
 
 namespace strake {
 
-/// The fields that a participant sends with each window, as Description::initial announces them: quantity,
-/// unit, components, conservative or not, and the values at the start. A structure that announces none, or a
-/// motion, sends displacement [m]; its velocity [m/s] then stands beside it, zero where it gives none, and
-/// may be left out of the windows. A fluid that announces none sends force [N]. Throws Error(solver_fault)
-/// for what does not fit the mesh.
+/// The fields that a participant sends with each window, as Description::initial announces them. Each has
+/// quantity, unit, components, conservative or not, and its values at the start.
+///
+/// A structure that announces none, or a motion, sends displacement [m]. Its velocity [m/s] is then added,
+/// zero if it gives none; windows may leave it out. A fluid that announces none sends force [N]. Throws
+/// Error(solver_fault) for fields that do not fit the mesh.
 std::vector<Field> fields_of_structure(const Participant&);
 std::vector<Field> fields_of_fluid(const Participant&);
 
@@ -37,7 +38,7 @@ std::vector<Field> take_fields(std::vector<Field>&& answer, const std::vector<Fi
 /// consistent fields the other way, so that sums are kept and f·u is the same on both sides.
 class Transfer {
  public:
-  /// The mapping back, from the fluid's points to the structure's, is needed only where the fluid sends a
+  /// The mapping from the fluid's points to the structure's is optional. It is needed if the fluid sends a
   /// consistent field (a pressure), or the structure a conservative one.
   Transfer(Mapping to_fluid, std::optional<Mapping> to_structure = {});
   static bool needs_way_back(const std::vector<Field>& of_structure, const std::vector<Field>& of_fluid);

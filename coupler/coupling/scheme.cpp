@@ -93,9 +93,9 @@ void Scheme::set_state(CouplingState state) {
   state_ = std::move(state);
 }
 
-// H: what the structure sends → fluid → load → structure. The fluid is given x, the structure answers H(x); a
-// window is done when H(x) − x is small enough. In a parallel scheme x holds the load as well, and each side
-// answers to the other's part of x.
+// The coupled map H: motion of the structure → fluid → load → structure. The fluid is given x, the structure
+// returns H(x); a window is done when H(x) − x is small enough. In a parallel scheme x contains the load as
+// well, and each side computes from the other's part of x.
 WindowReport Scheme::advance(const Window& window) {
   assert(!open_);
   const Convergence& convergence = parameters_.convergence;

@@ -21,14 +21,14 @@ struct SchemeParameters {
   AcceleratorParameters accelerator;
 };
 
-/// All that the coupling remembers from window to window: what coupler.h5 of a checkpoint holds.
+/// All that the coupling keeps from window to window: the content of coupler.h5 in a checkpoint.
 struct CouplingState {
   int windows = 0;  // committed
   double velocity_scale =
       0;  // [s] half the first window: velocities stand in the accelerated vector as lengths
   bool sends_velocity = false;  // the structure, with each window
   Samples structure;            // its fields at the ends of committed windows, last is now
-  Samples fluid;    // likewise the fluid's, on the structure's mesh; none where no window looks back
+  Samples fluid;    // likewise the fluid's, on the structure's mesh; none if no window uses earlier ones
   Samples history;  // the last three of the fluid's samples before now, where the structure takes histories
   AcceleratorState accelerator;
 
@@ -44,9 +44,9 @@ struct CouplingState {
 /// rewind ride on the next message. After an exception the scheme and its participants are only destroyed.
 class Scheme {
  public:
-  /// What is exchanged follows from the Description::initial of both (fields_of_structure, fields_of_fluid);
-  /// a structure that sends velocity with each window has it there as well. Throws Error(case_file) when the
-  /// mapping does not fit the meshes, or the way back is missing.
+  /// The exchanged fields follow from the Description::initial of both (fields_of_structure,
+  /// fields_of_fluid). A structure that sends velocity with each window has it there as well. Throws
+  /// Error(case_file) when the mapping does not fit the meshes, or the mapping back is missing.
   Scheme(Participant& fluid, Participant& structure, Transfer, SchemeParameters, double start_time = 0);
 
   WindowReport advance(const Window&);
@@ -57,7 +57,7 @@ class Scheme {
   const Transfer& transfer() const { return transfer_; }
   /// What is measured in each iteration, as IterationReport::fields has it: quantity and unit.
   std::vector<Column> measured() const;
-  /// Whether displacement and force cross the interface: WindowReport holds them by name then.
+  /// True if displacement and force cross the interface: WindowReport then has them by name.
   bool is_mechanical() const;
   const CouplingState& state() const { return state_; }  // committed
   void set_state(CouplingState);                         // resume: after both participants have resumed
@@ -85,7 +85,7 @@ class Scheme {
   bool holds_last() const;
   const Sample& guess_of(const Iterate&) const;  // x
   Limits limits_of_load() const;
-  /// Whether a window asks what the load was in the one before: else nobody keeps it.
+  /// True if a window uses the load of the one before; only then it is kept.
   bool looks_back_at_load() const;
   IterationReport measure(const Window&, int iteration, const Iterate&, const IterationReport* first) const;
   std::vector<AcceleratorBlock> blocks(const Iterate&) const;

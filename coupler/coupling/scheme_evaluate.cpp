@@ -1,4 +1,4 @@
-// One evaluation of the coupled map: who is asked when, and what crosses the interface.
+// One evaluation of the coupled map: the order of the calls, and the exchanged fields.
 
 #include "coupler/coupling/scheme_iterate.hpp"
 #include "proto/error.hpp"

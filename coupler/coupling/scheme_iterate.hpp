@@ -5,7 +5,7 @@
 /// What the files of Scheme share, for scheme.cpp and evaluation.cpp alone.
 namespace strake {
 
-/// One evaluation of H. All but `wet` stands on the structure's mesh.
+/// One evaluation of H. All but `wet`, the fluid's points, is on the structure's mesh.
 struct Scheme::Iterate {
   Sample guess, answer;             // x, which the fluid is given (see guess_of), and H(x), the structure's
   std::vector<Field> load_guess;    // parallel: what the structure is given

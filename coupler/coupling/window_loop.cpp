@@ -14,7 +14,7 @@ namespace strake {
 namespace {
 // Times are compared up to this part of a window: multiples of a decimal step are not exact in binary.
 constexpr double slack = 1e-6;
-// A window this many times shorter than asked for means that a solver will not go on.
+// A window this many times shorter than requested means that a solver cannot continue.
 constexpr double shortest = 1e-6;
 
 double smallest(const RunPlan& plan) {
@@ -23,7 +23,7 @@ double smallest(const RunPlan& plan) {
 }  // namespace
 
 long RunPlan::n_windows() const {
-  constexpr double most = 1e18;  // a whole number holds as many; nobody waits for the last of them
+  constexpr double most = 1e18;  // largest count of a whole number; no run reaches it
   return static_cast<long>(std::clamp(std::ceil(end / window - slack), 1.0, most));
 }
 

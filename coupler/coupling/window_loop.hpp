@@ -9,8 +9,8 @@
 
 namespace strake {
 
-/// How windows are shortened and grow again, where a solver asks for shorter ones or an iteration does not
-/// converge (Unconverged::halve).
+/// Limits for shorter windows. A window is shortened if a solver requests it or an iteration does not
+/// converge (Unconverged::halve), and grows again.
 struct WindowControl {
   double smallest = 0;  // [s] below it the run ends; 0: a millionth of the window
   double growth = 2;    // factor, at least 1
@@ -40,7 +40,7 @@ struct RunPlan {
   WindowControl control = {};
   std::string remedy = {};  // a line of what else the case lets a user change where no window is short enough
 
-  long n_windows() const;  // of the whole run, if no solver asks for shorter ones
+  long n_windows() const;  // of the whole run, if no solver requests shorter ones
 };
 
 /// What became of one window.
@@ -64,9 +64,9 @@ class RunLoop {
   const LoopState& state() const { return state_; }
   double time() const { return state_.time; }
   long number() const { return state_.windows; }  // committed
-  /// Advances and commits one window: up to the next multiple of the plan's, or an equal part of what is left
-  /// to it. Throws what the participants throw, and Error(solver_fault) when windows shrink below the
-  /// smallest.
+  /// Advances and commits one window. It ends at the next multiple of the plan's window, or is an equal part
+  /// of the time that is left to it. Throws what the participants throw, and Error(solver_fault) when windows
+  /// shrink below the smallest.
   CommittedWindow next();
 
  private:

@@ -27,7 +27,7 @@ struct WindowReport {
   int iterations = 0;
   double residual = 0, threshold = 0;  // of the structure's first field, [m] for a displacement
   bool converged = false;              // every measured field settled; volume coupling has none: true
-  /// A solver, or Unconverged::halve, wants a shorter window: both solvers have been taken back, call
+  /// A solver, or Unconverged::halve, requests a shorter window. Both solvers have been rewound; call
   /// `advance` again with at most `dt_limit`. Everything below is empty then.
   bool retry = false;
   std::string why, fix;  // a retry: who wants it and why, and what a user may change
@@ -37,8 +37,8 @@ struct WindowReport {
          work_structure = 0;    // [J] f·Δu of the committed increment on each side of the mapping
   double work_unconverged = 0;  // [J] f·(hx − x): what the accepted residual gave to the structure
   double work_gap() const;      // |W_f − W_s| / max(|W_f|, |W_s|); 0 when both are
-  /// 3×n on the structure's mesh; velocity 3×0 where the structure sends none, and all of them where other
-  /// fields are exchanged.
+  /// 3×n on the structure's mesh. velocity is 3×0 if the structure sends none; all are 3×0 if other fields
+  /// are exchanged.
   Values displacement = Points(), velocity = Points(), force = Points();
   std::vector<Field> from_structure, from_fluid;   // all else that is exchanged, on the structure's mesh
   std::map<std::string, double> fluid, structure;  // Advanced::monitor of each

@@ -25,7 +25,7 @@ struct Foot {
   bool inside = true;                        // of the face, not beyond an edge
 };
 
-/// x = (1 − t) a + t b, t = (p − a)·(b − a)/|b − a|² held in [0, 1].
+/// x = (1 − t) a + t b, t = (p − a)·(b − a)/|b − a|² limited to [0, 1].
 Foot on_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
   const Vector3d ab = b - a;
   const double free = (p - a).dot(ab) / ab.squaredNorm();
@@ -36,8 +36,8 @@ Foot on_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
       {1 - t, t, 0}, {1 - free, free, 0}, (p - a - t * ab).norm(), free > -round_off && free < 1 + round_off};
 }
 
-/// Barycentric coordinates of the foot of the perpendicular from the two edge vectors' normal equations;
-/// where one is negative the nearest point lies on an edge.
+/// Barycentric coordinates of the foot of the perpendicular, from the normal equations of the two edge
+/// vectors. If one is negative, the nearest point lies on an edge.
 Foot on_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d e1 = b - a, e2 = c - a, d = p - a;
   const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), d1 = d.dot(e1), d2 = d.dot(e2);
@@ -163,7 +163,7 @@ void check_faces(const InterfaceMesh& structure, const InterfaceMesh& fluid) {
         "faces are segments in 2-D and triangles in 3-D");
 }
 
-/// beyond: the largest overhang [parts of a face] for which the face's linear function goes on.
+/// beyond: the largest overhang [parts of a face] over which the face's linear function is extended.
 Mapping by_faces(const InterfaceMesh& structure, const InterfaceMesh& fluid, double limit, double beyond) {
   check_faces(structure, fluid);
   FaceSearch search(structure);

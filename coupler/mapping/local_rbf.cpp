@@ -22,8 +22,9 @@ using Eigen::VectorXd;
 
 // Sources that extend less than this in a direction, relative to their largest extent, are flat in it.
 constexpr double flat = 1e-6;
-// In a direction in which the sources are thin (relative to their largest extent) a linear function is only
-// followed to targets at most so many of their extents away: farther out it magnifies what it was fitted to.
+// Limits the linear polynomial in a direction in which the sources are thin (relative to their largest
+// extent). It is used for targets at most `farthest` of their extents away; beyond, it amplifies errors of
+// the fit.
 constexpr double thin = 0.2, farthest = 2;
 
 /// 1 and the linear functions along the axes in which the sources have an extent, about their centre.
@@ -104,7 +105,7 @@ ArrayXd radial_values(RadialFunction function, double support, const ArrayXd& sq
 // s(x) = Σ_j a_j φ(|x − x_j|) + b·p(x),  s(x_j) = u_j,  Pᵀa = 0 with P_jk = p_k(x_j) = (Q₁ Q₂)(R; 0).
 // a = Q₂ z turns this into Q₂ᵀΦQ₂ z = Q₂ᵀu, a positive definite system, and s(x) = w(x)·u with
 //   w = Q₁ g + Q₂ (Q₂ᵀΦQ₂)⁻¹ (Q₂ᵀφ(x) − Q₂ᵀΦQ₁ g),  g = R⁻ᵀ p(x).
-// Pᵀw = p(x) holds whatever the second term is: the polynomial is exact however bad the condition.
+// Pᵀw = p(x) for every second term: the polynomial is exact for any condition.
 LocalWeights local_weights(RadialFunction function, double support, bool linear, const Points& sources,
                            const Points& targets) {
   const Polynomial polynomial(linear || !has_support(function), sources, targets);

@@ -15,8 +15,8 @@ enum class RadialFunction { wendland_c2, wendland_c4, wendland_c6, thin_plate };
 /// "thin-plate".
 RadialFunction radial_function(const std::string& name);
 bool has_support(RadialFunction);
-/// The support that is taken where none is given, in spacings of the points: wider gains little, and the
-/// systems keep some six digits or more.
+/// The default support, in spacings of the points. A wider one gains little; with this one the systems keep
+/// some six digits or more.
 constexpr double usual_support = 40;
 
 /// φ at squared distances [any unit], `support` in that unit (no matter for a function without).
@@ -29,10 +29,10 @@ struct LocalWeights {
   int directions = 0;       // in which linear fields are reproduced: fewer where the sources are flat
 };
 
-/// Interpolation by one set of radial basis functions centred in the sources, with a constant or linear
-/// polynomial that is reproduced exactly. In a direction in which the sources have no extent, or much less
-/// than the targets, the polynomial is constant. Sources must not coincide. A condition above
-/// `1/ε` says that the weights have no digits.
+/// Interpolation by radial basis functions centred in the sources, with a constant or linear polynomial that
+/// is reproduced exactly. In a direction in which the sources have no extent, or much less than the targets,
+/// the polynomial is constant. Sources must not coincide. With a condition above `1/ε` the weights have no
+/// correct digits.
 LocalWeights local_weights(RadialFunction, double support, bool linear, const Points& sources,
                            const Points& targets);
 

@@ -94,8 +94,8 @@ Mapping plain_mapping(const MappingParameters& p, const InterfaceMesh& structure
               "nearest-projection, nearest-neighbour, linear-cell or radial-basis");
 }
 
-/// f_s = A_s V A_f⁻¹ f_f: the force per area of the fluid's points, interpolated by V at the structure's
-/// points and taken on the area of those.
+/// Computes f_s = A_s V A_f⁻¹ f_f. V interpolates the force per area from the fluid's points to the
+/// structure's points, where it is multiplied by their areas.
 Mapping::Matrix force_by_area(Mapping::Matrix to_structure, const Eigen::VectorXd& of_structure,
                               const Eigen::VectorXd& of_fluid) {
   for (Index i = 0; i < to_structure.rows(); ++i)

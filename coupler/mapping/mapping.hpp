@@ -18,7 +18,7 @@ struct MappingQuality {
   Eigen::Index farthest = -1;   // that fluid point
   Eigen::Index outside =
       0;  // fluid points beyond every face (projection, linear cell) or patch (radial basis)
-  Eigen::Index without_load = 0;  // structure points that no fluid point uses: they feel no force
+  Eigen::Index without_load = 0;  // structure points that no fluid point uses: they get no force
   double row_sum_error = 0;       // largest |Σ_j W_ij − 1|
   double row_size = 0;            // mean number of structure points behind a fluid point
   double condition = 0;           // of the worst system that was solved; 0: none was (radial basis alone)
@@ -68,7 +68,7 @@ class Mapping {
   /// The force goes with a matrix of its own from now on (n_structure × n_fluid). `scaled`: each component is
   /// then scaled until Σ f_s = Σ f_f.
   void set_force(Matrix&& weights, bool scaled);
-  /// What the points stand for [m², m in 2-D].
+  /// Area that belongs to each point [m², m in 2-D].
   void set_areas(Eigen::VectorXd of_structure, Eigen::VectorXd of_fluid);
 
  private:
@@ -78,17 +78,17 @@ class Mapping {
   bool scaled_ = false;
 };
 
-/// Each throws Error(case_file) when a mesh is empty, the dimensions differ, a position is not finite, or a
-/// fluid point lies farther than `limit` [m] from where it would be mapped from.
+/// Each mapping throws Error(case_file) when a mesh is empty, the dimensions differ, or a position is not
+/// finite. It also throws when a fluid point lies farther than `limit` [m] from its source on the structure.
 Mapping nearest_neighbour(const InterfaceMesh& structure, const InterfaceMesh& fluid,
                           double limit = std::numeric_limits<double>::infinity());
-/// The nearest point of the nearest face (segment in 2-D, triangle in 3-D); falls back to an edge or a
-/// vertex.
+/// Projects to the nearest point of the nearest face: a segment in 2-D, a triangle in 3-D. Falls back to an
+/// edge or a vertex.
 Mapping nearest_projection(const InterfaceMesh& structure, const InterfaceMesh& fluid,
                            double limit = std::numeric_limits<double>::infinity());
-/// The linear function of the nearest face, which goes on beyond the surface's border for one face's length:
-/// fields linear on a plane are exact on a fluid that overhangs, too. Farther out as by projection. Needs
-/// faces: through a volume of points there are no cells, only radial_basis and nearest_neighbour.
+/// Evaluates the linear function of the nearest face, also beyond the surface's border for one face's length.
+/// So fields linear on a plane are exact on a fluid that overhangs, too. Farther out it is the projection.
+/// Needs faces: a volume of points has none and only takes radial_basis and nearest_neighbour.
 Mapping linear_cell(const InterfaceMesh& structure, const InterfaceMesh& fluid,
                     double limit = std::numeric_limits<double>::infinity());
 /// Interpolation by radial basis functions with a polynomial, through all points at once or patch by patch.

@@ -15,8 +15,7 @@ using Eigen::Vector3d;
 
 using Iterator = std::vector<Index>::iterator;
 
-/// Moves what lies on the low side of the box of the sources [begin, end), across its longest side, before
-/// `middle`.
+/// Sorts the sources [begin, end) across the longest side of their box. The lower ones come before `middle`.
 void part(const Points& sources, Iterator begin, Iterator middle, Iterator end) {
   Vector3d low = sources.col(*begin), high = low;
   for (auto i = begin; i != end; ++i) {
@@ -34,7 +33,7 @@ void part(const Points& sources, Iterator begin, Iterator middle, Iterator end) 
 
 using Cell = std::vector<Index>;
 
-/// Parts the sources until each cell counts one patch; a side's share of patches is its share of sources, so
+/// Divides the sources into cells of one patch each. A half gets patches in proportion to its sources, so
 /// that all cells are of one size.
 void split(const Points& sources, Iterator begin, Iterator end, Index count, std::vector<Cell>& cells) {
   if (count <= 1) {
@@ -49,7 +48,7 @@ void split(const Points& sources, Iterator begin, Iterator end, Index count, std
 }
 
 // The cell that a patch serves takes so many of its sources; the rest is overlap. A disc of radius √½ a about
-// a square of side a holds π/2 times its points, 2.1 times with the usual overlap.
+// a square of side a contains π/2 times its points, 2.1 times with the usual overlap.
 constexpr double share_of_cell = 0.48;
 
 /// The smallest ball about the box of the cell's sources, half a spacing wider all round.
@@ -69,12 +68,12 @@ Patch ball_around(const std::vector<Index>& cell, const Points& sources, const s
   return patch;
 }
 
-// A ball holds at most so many times the sources that it is meant for; a cell of fewer sources than this is
-// not halved for it.
+// A ball contains at most `most` times the sources that a patch is planned for. Cells of fewer sources than
+// `smallest_cell` are not halved for it.
 constexpr std::size_t most = 4, smallest_cell = 8;
 
-/// The patch of a cell; of a cell whose ball holds too much the patches of its halves, since one half may lie
-/// among dense sources and the other not.
+/// Makes the patch of a cell. If its ball contains too many sources, it makes the patches of both halves,
+/// since one half may lie among dense sources and the other not.
 void make_patches(Cell cell, const Points& sources, const PointTree& tree, const std::vector<double>& spacing,
                   const PatchParameters& parameters, std::vector<Patch>& patches, std::vector<Cell>& cells) {
   Patch patch = ball_around(cell, sources, spacing, parameters.overlap);
@@ -91,8 +90,8 @@ void make_patches(Cell cell, const Points& sources, const PointTree& tree, const
   cells.push_back(std::move(cell));
 }
 
-/// A coarse cell's ball that reaches among dense sources: keeps the cell's own and, of the others, those that
-/// stand `apart` from all kept ones, no denser than the cell itself.
+/// Selects sources for a coarse cell whose ball reaches among dense sources. It keeps the cell's own and
+/// those of the others that are `apart` from all kept ones, no denser than the cell itself.
 std::vector<Index> thinned(const std::vector<Index>& source, const Cell& cell, const Points& sources,
                            double apart, std::size_t room) {
   std::vector<Index> kept;
@@ -109,8 +108,8 @@ std::vector<Index> thinned(const std::vector<Index>& source, const Cell& cell, c
   return kept;
 }
 
-/// The patch that a point outside all balls lies the least beyond, in radii: a small dense one carries less
-/// far.
+/// Finds the patch for a point outside all balls: the one with the smallest distance in radii. A small dense
+/// ball so extends less far.
 Index least_beyond(const std::vector<Patch>& patches, const Vector3d& p) {
   Index best = 0;
   double least = std::numeric_limits<double>::infinity();

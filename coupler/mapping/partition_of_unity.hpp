@@ -8,8 +8,8 @@
 
 namespace strake {
 
-/// One of the overlapping balls that cover a cloud of sources and divide the targets among them: a partition
-/// of unity. A large ball that reaches into a dense part of the cloud takes only some of the sources there.
+/// One of the overlapping balls that cover a cloud of sources and share the targets: a partition of unity. A
+/// large ball that reaches into a dense part of the cloud takes only some of the sources there.
 struct Patch {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // [m]
   double radius = 0;                                 // [m]
@@ -30,8 +30,8 @@ struct Partition {
 
 Partition divide(const Points& sources, const Points& targets, const PatchParameters&);
 
-/// Shares of the patches in the target i, in the order of of_target[i]; they sum to 1 and fall to 0 at a
-/// ball's border. Of a large and a small ball the small one, where the sources are dense, has the say.
+/// Weights of the patches at the target i, in the order of of_target[i]. They sum to 1 and fall to 0 at a
+/// ball's border. Where patches overlap, the smaller one, with denser sources, gets the larger weight.
 std::vector<double> shares(const Partition&, Eigen::Index i, const Eigen::Vector3d& position);
 
 }  // namespace strake

@@ -29,10 +29,10 @@ constexpr double coincident = 1e-9;
 constexpr Index most_points = 2000, most_weights = 8'000'000;
 // Beyond this the weights' digits are gone.
 constexpr double worst_condition = 1e15;
-// Patches whose weights are held at a time, before they are added to the rows in order.
+// Patches whose weights are kept at a time, before they are added to the rows in order.
 constexpr Index batch = 128;
 
-/// The structure's points without repetition, and which points each stands for.
+/// The structure's points without repetition, and the points that each replaces.
 struct Sources {
   Points position;
   std::vector<std::vector<Index>> members;
@@ -186,8 +186,9 @@ void check_size(Index n_structure, Index n_fluid, const InterfaceMesh& structure
               "coupling.surface.mapping.radial_basis.solve = \"partition\"");
 }
 
-/// From the nearest structure point; where that is too far and there are faces, from the nearest face:
-/// between coarse points a fluid point may lie on the surface and yet far from all of them.
+/// Records the distance from the nearest structure point. If that is too far and there are faces, it is the
+/// distance from the nearest face. Between coarse points a fluid point may lie on the surface and yet far
+/// from all of them.
 void note_distances(MappingQuality& quality, const Points& sources, double limit,
                     const InterfaceMesh& structure, const InterfaceMesh& fluid) {
   const PointTree tree(sources);

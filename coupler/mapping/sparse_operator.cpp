@@ -11,8 +11,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Matrix = SparseOperator::Matrix;
 
-// Fewer entries than this are multiplied sooner than a thread wakes and, afterwards, waits awake for more to
-// do: that time is lost to the solvers on a machine that they share.
+// Matrices with fewer entries than this are multiplied by one thread. Waking threads takes longer, and they
+// then wait actively for more work: that time is lost to the solvers on the same machine.
 constexpr Index entries_for_threads = 2'000'000;
 
 /// With the number of components known to the compiler where it is.
@@ -45,8 +45,9 @@ void gather(const Matrix& weights, const double* value, double* mapped, Index n_
   }
 }
 
-/// The same where each row is a single 1: a copy, of many points at once where they follow one another. A sum
-/// that begins with 0 makes 0 of −0, and so does this. Whether all is finite is seen while it passes by.
+/// Multiplies by a matrix whose rows are a single 1. This is a copy, of many points at once where they follow
+/// one another. A sum that begins with 0 turns −0 into 0, and so does this. The test whether all values are
+/// finite is done in the same pass.
 bool select(const Matrix& weights, const double* value, double* mapped, Index c) {
   constexpr Index in_cache = 512, few = 4;  // points
   const auto* column = weights.innerIndexPtr();

@@ -21,7 +21,7 @@ double measure(const InterfaceMesh& mesh, Index f) {
   return 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
 }
 
-/// Centres of the equal parts of a segment or triangle whose edges are cut into n, as weights of the corners.
+/// Centres of the equal parts of a segment or triangle, with edges divided into n, as weights of the corners.
 std::vector<Vector3d> centres_of_parts(Index corners, int n) {
   std::vector<Vector3d> centres;
   for (int i = 0; i < n; ++i) {

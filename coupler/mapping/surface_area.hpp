@@ -6,19 +6,19 @@
 
 namespace strake {
 
-/// The area that each point of a mesh stands for: a face's length (2-D, per metre of depth) or area, divided
-/// evenly among its corners [m, m²]. Zero where no face names the point.
+/// The area that belongs to each point of a mesh [m, m²]. A face's length (2-D, per metre of depth) or area
+/// is divided evenly among its corners. Zero for a point without faces.
 Eigen::VectorXd point_areas(const InterfaceMesh&);
 
-/// The same for points without faces of their own that lie on a surface: the part of it that is nearer to the
-/// point than to any other, to within a `fineness`-th of its faces.
+/// The area that belongs to points without faces that lie on a surface. It is the part of the surface nearer
+/// to the point than to any other, to within a `fineness`-th of its faces.
 Eigen::VectorXd nearest_areas(const Points&, const InterfaceMesh& surface, int fineness = 8);
 
 /// Changes each component (row) of `value` until its sum is the wanted one.
 void match_sums(Eigen::Ref<Eigen::MatrixXd> value, const Eigen::VectorXd& wanted);
 
-/// A field per area (pressure, traction) that was mapped from one mesh to another: changed until
-/// Σ_i A_i v_i = wanted, the integral over the mesh it came from.
+/// Corrects a field per area (pressure, traction) after mapping, so that Σ_i A_i v_i = wanted. wanted: the
+/// integral over the source mesh.
 void match_integral(Eigen::Ref<Eigen::MatrixXd> value, const Eigen::VectorXd& area,
                     const Eigen::VectorXd& wanted);
 

@@ -277,7 +277,7 @@ void InterfaceRecorder::keep(std::size_t n) {
 }
 
 void InterfaceRecorder::write_block(std::size_t block) {
-  // The part of a block that `flush` wrote gives way only to bytes that are on the disk as well.
+  // The part of a block that `flush` wrote is replaced only by bytes that are on the disk as well.
   std::error_code ignored;
   const bool replaces = std::filesystem::exists(file(block), ignored);
   write_archive(file(block), to_archive(record_), units_of(record_), replaces);

@@ -16,8 +16,8 @@ struct InterfaceRecord {
   std::vector<Window> windows;                    // ascending, without gaps
   std::vector<Points> displacement, velocity;     // at the end of each window
   std::vector<Points> force;                      // 3×n [N] mean over each window
-  /// Every other field that crossed the interface, or all where these were no motion and force; by side and
-  /// quantity, "structure.area", "fluid.pressure".
+  /// Every other exchanged field, or all if there is no motion and force. The key is side and quantity:
+  /// "structure.area", "fluid.pressure".
   struct Other {
     std::string unit;
     std::vector<Eigen::MatrixXd> value;  // components×n, one per window, as displacement or force
@@ -50,7 +50,7 @@ class InterfaceRecorder {
   void append(const Window&, const Values& displacement, const Values& velocity, const Values& force,
               const std::vector<Field>& from_structure = {}, const std::vector<Field>& from_fluid = {});
   void flush();
-  /// Drops what lies after `time` (resume) and goes on from there. Throws Error(case_file) when the record
+  /// Drops entries after `time` (resume) and continues from there. Throws Error(case_file) when the record
   /// does not reach `time`.
   void resume(double time);
 
@@ -64,8 +64,8 @@ class InterfaceRecorder {
   std::size_t on_disk_ = 0;  // blocks for whose bytes `flush` has waited
 };
 
-/// Reads a whole run back. Throws Error(case_file) when there is no record, or its parts do not fit together,
-/// or it holds no motion and force, which is what can be played.
+/// Reads a whole run back. Throws Error(case_file) when there is no record, its parts do not fit together, or
+/// it has no motion and force to replay.
 InterfaceRecord read_interface_record(const std::filesystem::path& run_folder);
 
 }  // namespace strake

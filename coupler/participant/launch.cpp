@@ -39,13 +39,13 @@ std::set<pid_t>& owned() {
   return pids;
 }
 
-constexpr milliseconds beat{5};  // between two looks at a process that is about to end
+constexpr milliseconds beat{5};  // between two tests of a process that is about to end
 
 /// The variable that every program started here has in its environment, and so has what it starts in turn.
 constexpr const char* started_by = "STRAKE_STARTED_BY";
 
-/// Its value: 128 random bits of this process. It tells our descendants from all other children: a shell that
-/// became this process by `exec` leaves its background jobs to us, and they are not ours to end.
+/// Its value: 128 random bits of this process. It separates our descendants from all other children. A shell
+/// that became this process by `exec` leaves its background jobs to us, and we must not end them.
 const std::string& own_mark() {
   static const std::string mark = std::string(started_by) + "=" + random_token();
   return mark;
@@ -147,8 +147,8 @@ std::filesystem::path folder_of_this_program() {
   return std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
 }
 
-/// PYTHONPATH with the folder of coupling_pb2.py in front, in a build or in an installation: a participant in
-/// Python then imports the messages as they are here.
+/// Returns PYTHONPATH with the folder of coupling_pb2.py in front, in a build or an installation. A
+/// participant in Python then imports the messages of this version.
 std::string python_path() {
   const char* given = std::getenv("PYTHONPATH");
   const std::string path = given ? given : "";

@@ -15,8 +15,9 @@ class StopRequest;
 /// 128 random bits as 32 hexadecimal digits.
 std::string random_token();
 
-/// `name` with a '/': a program of the user's, relative to `case_folder`. Else looked for beside the running
-/// executable, then on PATH. Error(case_file) if there is none, naming the places.
+/// Finds a program. `name` with a '/': a program of the user's, relative to `case_folder`. Else it is
+/// searched beside the running executable, then on PATH. Error(case_file) if there is none, with the searched
+/// places.
 std::filesystem::path find_program(const std::string& name, const std::filesystem::path& case_folder = {});
 
 struct Launch {
@@ -25,7 +26,7 @@ struct Launch {
   std::filesystem::path log;                       // standard output and error; empty: /dev/null
   int threads = 1;                                 // OMP_NUM_THREADS
   std::map<std::string, std::string> environment;  // added to (and replacing) that of this process
-  bool keep_log = false;                           // go on behind what the log holds
+  bool keep_log = false;                           // append to the existing log
   std::filesystem::path folder = {};               // its current folder; empty: that of this process
 };
 

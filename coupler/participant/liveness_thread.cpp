@@ -21,8 +21,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-/// What the last moments need, prepared beforehand: they may come inside a signal handler, in the middle of a
-/// factorisation, so that nothing but plain system calls is allowed.
+/// Data for the end of the process, prepared beforehand. The end may come inside a signal handler during a
+/// factorisation, where only plain system calls are allowed.
 struct LastMoments {
   std::array<char, 512> gone{}, terminated{};  // lines for the log
   std::array<char, 128> socket{},
@@ -96,7 +96,8 @@ void take_signals() {
   action.sa_handler = on_sigterm;
   sigemptyset(&action.sa_mask);
   sigaction(SIGTERM, &action, nullptr);
-  signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write, told like a full disk
+  signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write, reported like a full
+                             // disk
   if (last_moments.coupler == 0) return;
   action.sa_handler = on_death_of_parent;
   sigaction(death_of_parent, &action, nullptr);
@@ -109,7 +110,7 @@ void prepare_last_moments(const std::string& name, const std::string& endpoint) 
   const std::string whose = parent != 0 ? fmt::format("the coupler (process {})", parent) : "the coupler";
   set_text(last_moments.gone, fmt::format("{}: {} is gone, so this process ends (exit 5)\n", name, whose));
   set_text(last_moments.terminated, fmt::format("{}: ended by SIGTERM\n", name));
-  // Only what the coupler made for itself goes with it: an endpoint of the user's stands in a folder of the
+  // Removes only folders that the coupler made for itself. The endpoint of a user lies in a folder of the
   // user's.
   const char* own = std::getenv("STRAKE_COUPLER_FOLDER");
   const std::string folder = own ? own : "", path = path_of(endpoint);

@@ -10,14 +10,15 @@
 #include <string>
 #include <thread>
 
-/// How a participant notices that it works for nobody, for serve.cpp alone.
+/// Detects that the coupler of a participant is gone, for serve.cpp alone.
 namespace strake {
 
 /// From here on the death of the process that started this program ends it. For the first moments of a
 /// program and for its modes (--check); `prepare_last_moments` then says it with a line in the log.
 void end_with_starter();
 
-/// From here on SIGTERM, and the death of a coupler that started this process, end it with a line in the log.
+/// From this call on, SIGTERM ends the process with a line in the log. So does the end of a coupler that
+/// started it.
 void prepare_last_moments(const std::string& name, const std::string& endpoint);
 
 /// Whether the coupler started this process, so that both are on one machine.

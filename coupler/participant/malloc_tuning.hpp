@@ -2,10 +2,10 @@
 
 namespace strake {
 
-/// For a process that exchanges fields: what it frees stays with it, up to 64 MB, and the next window has it
-/// again. Otherwise the C library may give the memory of each field back to the system, and be given it anew,
-/// page by page and cleared, at as much time as all the copies of a window take. Where MALLOC_TRIM_THRESHOLD_
-/// or GLIBC_TUNABLES is set, the user has decided.
+/// Keeps freed memory in the process, up to 64 MB, so that the next window reuses it. Otherwise, in a process
+/// that exchanges fields, the C library may return the memory of each field to the system and request it
+/// again, page by page and cleared. This takes as much time as all the copies of a window. If
+/// MALLOC_TRIM_THRESHOLD_ or GLIBC_TUNABLES is set, the user has decided.
 void keep_freed_memory();
 
 }  // namespace strake

@@ -25,8 +25,8 @@ struct DeckRequest {
   std::string origin;            // --origin: which run and which program, for the heading
 };
 
-/// The command line of a participant: --connect ENDPOINT --name N --case FILE [--set K=V]… [--case-hash HEX],
-/// or one of the modes --check, --properties, --picture, --echo, --export FORMAT, --keys, --version.
+/// The command line of a participant: --connect ENDPOINT --name N --case FILE [--set K=V]… [--case-hash HEX].
+/// Other modes: --check, --properties, --picture, --echo, --export FORMAT, --keys, --version.
 struct ParticipantOptions {
   enum class Mode { serve, check, properties, picture, echo, export_deck, keys, version };
   Mode mode = Mode::serve;
@@ -53,10 +53,10 @@ struct Program {
   std::function<std::unique_ptr<Participant>(CaseFile&, const ParticipantOptions&, const Setup&)> build;
   /// Optional, for --properties: one line of a table that compares discretisations; for --picture: an SVG.
   std::function<std::string(CaseFile&)> properties = {}, picture = {};
-  /// Optional, for --export: writes the input file; returns what the user is told of it.
+  /// Optional, for --export: writes the input file; returns the text for the user.
   std::function<std::string(const DeckRequest&)> export_deck = nullptr;
-  /// Optional: what the case will make, told from its keys; every mode refuses what this machine cannot hold.
-  /// `declare` has run on the same file.
+  /// Optional: estimates the size of the case from its keys; every mode refuses what this machine's memory
+  /// cannot take. `declare` has run on the same file.
   std::function<SizeEstimates()> sizes = {};
   double properties_cost = 1;  // how many times as long as to build it the line of --properties takes
 };

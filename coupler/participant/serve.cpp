@@ -59,8 +59,8 @@ std::string raw_bytes(const std::string& hexadecimal) {
   return bytes;
 }
 
-/// The coupler writes its checkpoints into the folder, and this participant writes into them: it must be the
-/// same folder, and is not made here.
+/// Checks that coupler and participant use the same run folder. Both write checkpoints into it. The
+/// participant does not make it.
 void check_run_folder(const std::filesystem::path& folder, const std::string& name) {
   if (folder.empty()) return;
   const std::filesystem::path probe = folder / fmt::format(".{}-{}.part", name, getpid());
@@ -72,8 +72,8 @@ void check_run_folder(const std::filesystem::path& folder, const std::string& na
   unlink(probe.c_str());
 }
 
-/// What cannot be written on another machine than the coupler's, with the machine's name: there the user
-/// looks for it.
+/// Names the machine with a path that cannot be written, if it is not the coupler's. The user looks there
+/// then.
 Error with_machine(const Error& e) {
   if (e.code() != ExitCode::cannot_write || started_by_coupler()) return e;
   const std::string shared =
@@ -134,7 +134,7 @@ void Server::say_hello() {
       options_.name));
 }
 
-/// After a new connection the coupler knows us by another routing id, and what was under way is lost.
+/// After a new connection the coupler has another routing id for us, and messages under way are lost.
 void Server::renew() {
   if (!watch_.take_renewed()) return;
   say_hello();
@@ -226,7 +226,7 @@ wire::Reply Server::reply(const wire::Stop& stop) {
 }
 
 wire::Reply Server::reply(const wire::Refused& refused) {
-  refused_ = true;  // nobody listens to this participant
+  refused_ = true;  // no coupler listens to this participant
   throw Error(ExitCode::participant_lost, options_.name,
               "the coupler refused this participant: " + refused.problem, refused.fix);
 }

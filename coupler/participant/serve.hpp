@@ -28,8 +28,8 @@ using ParticipantFactory = std::function<std::unique_ptr<Participant>(const Setu
 /// a second of the coupler's death, whatever the numerics do; a coupler that is only suspended is waited for.
 int serve(const ServeOptions&, const ParticipantFactory&);
 
-/// For a solver inside a long computation: tells the coupler that work goes on, at most once a second, which
-/// restarts its deadline. Call it from the thread that serves; does nothing elsewhere.
+/// Reports progress of a long computation to the coupler, at most once a second, which restarts its deadline.
+/// Call it from the thread that serves; does nothing elsewhere.
 void working(double fraction, const std::string& what);
 
 }  // namespace strake

@@ -42,7 +42,7 @@ void on_signal(int number) {
   errno = before;
 }
 
-/// A second after the first signal: what does not look at it ends here, or says so.
+/// Runs a second after the first signal. If the flag was not tested, it ends the process or writes a line.
 void on_alarm(int) {
   constexpr std::string_view line =
       "strake: the signal was heard; what is under way is finished first, one more ends at once\n";

@@ -7,12 +7,13 @@
 
 namespace strake {
 
-/// Ctrl-C, SIGTERM, or SIGHUP (the terminal is gone, unless nohup has it ignored), as a flag that loops and
-/// waits look at. A second signal but SIGHUP (0.2 s later or more) ends the process at once (exit 130 or 143;
-/// the participants notice that the coupler is gone). Make one in main, before any other thread.
+/// A flag that Ctrl-C, SIGTERM or SIGHUP sets, which loops and waits test. (SIGHUP: the terminal is closed,
+/// unless nohup ignores it.) A second signal except SIGHUP (0.2 s later or more) ends the process at once,
+/// with exit 130 or 143; the participants detect that the coupler is gone. Make one in main, before any other
+/// thread.
 ///
-/// Nobody waits in vain: where the flag has not been looked at for a second, the process ends by itself, or,
-/// after end_in_order, a line on the standard error says that the signal was heard.
+/// If the flag is not tested for a second, the process ends by itself. After end_in_order, a line on the
+/// standard error says instead that the signal was received.
 class StopRequest {
  public:
   StopRequest();   // installs the handlers
@@ -24,7 +25,7 @@ class StopRequest {
   ExitCode code() const;         // interrupted, terminated or hung_up; done while not requested
   std::string in_words() const;  // "interrupted by Ctrl-C", "ended by SIGTERM"
   std::chrono::steady_clock::duration elapsed() const;  // since the first signal; zero while not requested
-  /// From here on there is something to save: the process is ended by nobody but its own loops.
+  /// From this call on there is data to save: only the process's own loops end it.
   void end_in_order() const;
 };
 

@@ -9,7 +9,7 @@
 
 namespace strake::picture {
 
-/// Draws in pixels, y downwards, and becomes a PNG or an SVG. Cairo is known to canvas.cpp alone.
+/// Draws in pixels, y downwards, and becomes a PNG or an SVG. Only canvas.cpp uses Cairo.
 class Canvas {
  public:
   enum class Kind { png, svg };
@@ -37,8 +37,8 @@ class Canvas {
   /// What follows shows inside this rectangle only, until `unclip`.
   void clip(double x, double y, double width, double height);
   void unclip();
-  /// What follows is drawn as one image even in an SVG, until `end_image`: a hundred thousand dots are a
-  /// picture, not text.
+  /// Draws what follows as one image even in an SVG, until `end_image`. A hundred thousand dots are too many
+  /// for elements of their own.
   void begin_image(double x, double y, double width, double height);
   void end_image();
 

@@ -25,7 +25,7 @@ constexpr double line_width = 2, swatch = 34;                         // [px]
 const Colour ink = {0.11, 0.13, 0.16}, grid = {0.90, 0.92, 0.93}, frame = {0.31, 0.35, 0.40},
              band = {0.93, 0.94, 0.88};
 
-/// The report's styles: colours of equal weight, and dashes for those who cannot tell them apart.
+/// The report's styles: colours of equal weight, and dashes for readers who cannot distinguish them.
 struct Look {
   Colour colour;
   std::vector<double> dashes;

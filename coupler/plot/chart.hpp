@@ -13,9 +13,9 @@ struct ChartOptions {
   double ratio = 1;                       // pixels of a PNG per unit of width and height
 };
 
-/// Plots one below the other as the bytes of a PNG or SVG file: axes with units, curves told apart by colour
-/// and dashes, references dashed with the band of their tolerance, first peaks as rings, and a legend. Plots
-/// without a point in their window are left out; empty where that leaves none.
+/// Draws plots one below the other, as the bytes of a PNG or SVG file. They have axes with units, curves in
+/// different colours and dashes, and a legend. References are dashed, with the band of their tolerance; first
+/// peaks are rings. Plots without a point in their window are left out; empty if none is left.
 std::string chart(const std::vector<report::Plot>&, const ChartOptions&, Canvas::Kind);
 
 }  // namespace strake::picture

@@ -45,7 +45,7 @@ std::string unit_of(const Table& table, const std::string& name) {
   return {};
 }
 
-/// "deflection" of "mid.y", as the case asks for it; empty where it does not.
+/// "deflection" of "mid.y", if the case requests it; otherwise empty.
 std::string quantity_of(const std::string& column, const std::vector<ProbeKeys>& probes) {
   for (const ProbeKeys& probe : probes)
     if (column == probe.name || column.starts_with(probe.name + ".")) return probe.quantity;

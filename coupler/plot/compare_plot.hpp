@@ -19,9 +19,9 @@ void write_plots(const std::filesystem::path&, const std::vector<report::Plot>&)
 /// All records of one quantity over the span of their comparison, with the first peak of each.
 report::Plot overlay_plot(const std::string& quantity, const std::vector<Record>&, const Comparison&);
 
-/// A run against what its case expects of it: a plot for each probe of the blocks, with the values of peaks,
-/// means and final values as references, and the points of reference curves. Named after what the case calls
-/// them.
+/// Plots a run against the expectations of its case, one plot for each probe of the blocks. Values of peaks,
+/// means and final values are references, beside the points of reference curves. Plots are named as the case
+/// names them.
 std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>&, const RunData&,
                                           const std::string& run_name, const std::vector<ProbeKeys>&);
 

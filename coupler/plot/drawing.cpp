@@ -62,8 +62,8 @@ Colour colour_of(double value, const Range& range, bool solid) {
 
 void draw_marks(Canvas& canvas, const Frame& f, const std::vector<Mark>& marks, double spacing,
                 const Range& range, bool solid) {
-  // Large discs are particles, of which each is seen; smaller ones cover the square around each, so that the
-  // field has no gaps; the smallest are squares, which cost less and look the same.
+  // Large discs are single particles. Smaller ones cover the square around each, so that the field has no
+  // gaps; the smallest are squares, which cost less and look the same.
   constexpr double seen_alone = 6, covering = 1.42;  // [px], √2 of the radius
   const double radius = std::max(0.7, 0.5 * spacing * f.scale);
   for (const Mark& mark : marks) {
@@ -92,7 +92,7 @@ void draw_cells(Canvas& canvas, const Frame& f, const Scene& scene, const Range&
   }
 }
 
-/// About so many round numbers, but two at least: one tick tells no scale.
+/// About so many round numbers, but at least two: one tick shows no scale.
 std::vector<double> ticks(double lo, double hi, double wanted) {
   std::vector<double> found;
   for (int more = 0; found.size() < 2 && more < 4; ++more)
@@ -130,7 +130,7 @@ std::string words(const std::string& field, bool solid) {
   return name + (solid ? " of the structure" : " of the water");
 }
 
-/// A bar of colours with the range that they stand for; what lies outside is said beside the name.
+/// A bar of colours with their range; values outside are noted beside the name.
 void draw_bar(Canvas& canvas, double x, double y, double width, const Quantity& quantity, const Range& range,
               bool solid) {
   const double largest = std::max(std::abs(range.lo), std::abs(range.hi));

@@ -14,7 +14,7 @@ struct View {
 };
 
 struct DrawingOptions {
-  int width = 1120, height = 0;                   // [px]; height 0: as high as the view asks for
+  int width = 1120, height = 0;                   // [px]; height 0: as high as the view needs
   double ratio = 1;                               // pixels of a PNG per unit of width and height
   std::optional<View> view;                       // all of water and structure
   std::optional<Range> range;                     // of the named field; else the scene's own
@@ -22,9 +22,9 @@ struct DrawingOptions {
   std::string field;                              // whose colours `range` fixes
 };
 
-/// The picture of a scene as the bytes of a PNG or SVG file: particles and cells in the colours of their
-/// fields, walls, axes in metres, colour bars with unit and range, title, time, section and scale of
-/// deformation.
+/// Draws a scene as the bytes of a PNG or SVG file. It shows particles and cells in the colours of their
+/// fields, and walls. It adds axes in metres, colour bars with unit and range, title, time, section and scale
+/// of deformation.
 std::string draw(const Scene&, const DrawingOptions&, Canvas::Kind);
 
 }  // namespace strake::picture

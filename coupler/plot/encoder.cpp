@@ -20,7 +20,7 @@ extern char** environ;
 namespace strake::picture {
 namespace {
 
-/// What ffmpeg is told for each kind of film: players want even sizes and 4:2:0; a GIF its own palette.
+/// Options of ffmpeg for each kind of film: players want even sizes and 4:2:0; a GIF its own palette.
 const std::map<std::string, std::vector<std::string>>& recipes() {
   static const std::map<std::string, std::vector<std::string>> known = {
       {".mp4",

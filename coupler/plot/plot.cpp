@@ -13,7 +13,7 @@ namespace strake::report {
 namespace {
 
 constexpr double width = 480, height = 300, right = 14, top = 14, bottom = 46;
-constexpr int styles = 8;  // that the page's style sheet knows
+constexpr int styles = 8;  // that the page's style sheet defines
 
 std::string path(const Curve& curve, const Axis& x, const Axis& y, bool logarithmic) {
   std::string d;

@@ -18,7 +18,7 @@ struct Series {
   bool dots = false;                      // a dot at each sample (convergence, measured points)
 };
 
-/// A value that a curve should meet: a dashed line across the plot, or over the part of x that it is about.
+/// An expected value of a curve: a dashed line across the plot, or over its own part of x.
 struct ReferenceLine {
   std::string name = {};
   double value = 0;

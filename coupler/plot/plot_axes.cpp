@@ -34,8 +34,8 @@ double Axis::operator()(double value) const {
 
 std::vector<std::pair<double, std::string>> Axis::ticks(int wanted) const {
   std::vector<std::pair<double, std::string>> marks;
-  // Powers of ten where there are enough of them, else 1, 2 and 5 times those; over less than that, round
-  // numbers as on a straight axis.
+  // Marks of a logarithmic axis are powers of ten. If these are too few, they are also 2 and 5 times those.
+  // Over a smaller range they are round numbers as on a linear axis.
   for (const auto& steps : {std::vector<double>{1}, std::vector<double>{1, 2, 5}}) {
     if (!logarithmic || marks.size() > 2) break;
     marks.clear();

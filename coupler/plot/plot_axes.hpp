@@ -30,8 +30,8 @@ struct Box {
 struct Axes {
   Axis x, y;
 };
-/// The axes that show all curves, references and markers of a plot inside the box; none where no curve has a
-/// point in the plot's window.
+/// The axes for all curves, references and markers of a plot inside the box. None if no curve has a point in
+/// the plot's window.
 std::optional<Axes> axes_of(const Plot&, const Box&);
 
 /// Finite, and positive on a logarithmic axis.

@@ -69,7 +69,7 @@ struct SceneOptions {
   double scale = 1;  // of the structure's displacement beyond that of its driven supports
 };
 
-/// The frames of a run and what its case says of them, looked up once for many scenes.
+/// The frames of a run and the settings of its case, read once for many scenes.
 struct RunFrames {
   std::filesystem::path folder;
   std::map<std::string, std::string> keys;  // of case.toml
@@ -79,8 +79,8 @@ struct RunFrames {
 RunFrames find_frames(const std::filesystem::path& run_folder);
 /// Throws Error(command_line) for a field that no frame has, Error(case_file) for a damaged one.
 Scene read_scene(const RunFrames&, const SceneOptions&);
-/// One number per point of a field of the frame: the field itself, or the length of a vector ("speed" is that
-/// of the velocity); name and unit go to `quantity`. Nothing where the frame has no such field.
+/// One number per point of a field of the frame. It is the field itself, or the length of a vector ("speed":
+/// velocity). Name and unit go to `quantity`. Nothing if the frame has no such field.
 std::optional<Eigen::VectorXd> scalar(const Frame&, const std::string& name, Quantity& quantity);
 /// How far the driven supports have come by that time [m]; no part of a deformation.
 Eigen::Vector3d motion_of_supports(const std::map<std::string, std::string>& keys, double time);

@@ -7,8 +7,8 @@
 namespace strake::picture {
 namespace {
 
-/// Pairs of corners that an edge joins; of four corners every pair (a tetrahedron), of eight those of a
-/// hexahedron whose two faces are walked alike.
+/// Pairs of corners that an edge joins. Of four corners (a tetrahedron) these are all pairs. Of eight they
+/// are those of a hexahedron whose two faces are numbered alike.
 std::vector<std::pair<int, int>> edges(Eigen::Index corners) {
   if (corners != 8) {
     std::vector<std::pair<int, int>> all;

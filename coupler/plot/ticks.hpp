@@ -12,11 +12,11 @@ struct Prefix {
   double factor = 1;  // shown = factor · value
   std::string text;   // before the unit: "k", "M", "m", "µ" …
 };
-/// The prefix that shows `largest` as a number from 1 to 1000; none for a unit that takes none ("1", "m^2").
+/// The prefix that shows `largest` as a number from 1 to 1000. None for a unit without prefixes ("1", "m^2").
 Prefix prefix_for(double largest, const std::string& unit);
 /// "MPa" of "Pa" with its prefix; "–" words for the unit "1".
 std::string with_prefix(const Prefix&, const std::string& unit);
-/// The value as a tick of that distance: as many places as it takes to tell neighbours apart.
+/// The value as a tick of that distance, with as many decimals as distinguish neighbours.
 std::string tick_text(double value, double distance);
 
 }  // namespace strake

@@ -15,7 +15,7 @@ struct Exchange {
   long window = 0;                          // from 1; 0: none has begun
   std::uint32_t iteration = 0;              // 0: between two windows
   std::int64_t sent = 0, heard = 0;         // [ns] coupler
-  std::int64_t received = 0, answered = 0;  // [ns] participant; 0: it does not tell
+  std::int64_t received = 0, answered = 0;  // [ns] participant; 0: not reported
 };
 
 /// How far a participant's clock is ahead of the coupler's. A question is received after it was sent, and an
@@ -26,7 +26,8 @@ class ClockOffset {
  public:
   void learn(const Exchange&);
   std::int64_t offset() const;  // [ns] participant − coupler
-  /// On the coupler's clock, when the participant computed; the whole exchange where it does not tell.
+  /// Time in which the participant computed, on the coupler's clock; the whole exchange if it is not
+  /// reported.
   struct Span {
     std::int64_t begin = 0, end = 0;  // [ns]
   };

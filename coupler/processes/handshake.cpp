@@ -73,10 +73,10 @@ void Roster::State::greet(const Hub::Message& message) {
   m->refusal.clear();
 }
 
-/// Nobody takes the place of one whose connection stands. One that was frozen may be back before its old
-/// connection has ended: its word waits until then.
+/// A participant with a live connection is not replaced. One that was frozen may return before its old
+/// connection has ended; its message waits until then.
 void Roster::State::put_aside(Member& m, const Hub::Message& message, std::uint64_t last_received) {
-  hub.admit(message.peer);  // it knows the token: what it says next is heard
+  hub.admit(message.peer);  // it has the token: its next message is read
   returning.push_back({&m, message, last_received, Clock::now(), {}});
 }
 
@@ -100,8 +100,8 @@ void Roster::State::look_after_returning() {
   }
 }
 
-/// Of a process that is not ours, only the connection tells whether it lives. Of any, how its connection
-/// ends.
+/// For a process that we did not start, only the connection shows whether it lives. For any process, the way
+/// its connection ends is used.
 void Roster::State::take_connection(Member& m, const std::string& peer) {
   m.peer = peer;
   hub.admit(peer);

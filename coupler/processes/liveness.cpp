@@ -37,7 +37,8 @@ void Roster::State::look_after(Member& m) {
   if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
   const auto silence = Clock::now() - *m.silent_since;
   check_cut_short(m, silence);
-  // One that is alive makes a new connection at once, but inside a step it has no time to say Hello on it.
+  // A participant that is alive reconnects at once. But inside a step it has no time to send Hello on the
+  // connection.
   const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
   if (has_left && silence > to_come_back && !perhaps_back) left(m);
   const std::string state = has_left                        ? "has closed its connection"
@@ -75,7 +76,7 @@ void Roster::State::check_cut_short(Member& m, Clock::duration silence) const {
       "a coarser interface mesh; " + m.see_log());
 }
 
-/// One that was started by hand: whether it ended or was killed, only its own shell knows.
+/// A participant started by hand: only its own shell knows whether it ended or was killed.
 void Roster::State::left(Member& m) {
   m.broken = true;
   throw Error(ExitCode::participant_lost, m.place(),
@@ -95,7 +96,7 @@ void Roster::State::died(Member& m, const Exit& exit) {
                            : !m.greeted       ? " before it said Hello"
                            : m.asked.empty()  ? " between two requests"
                                               : fmt::format(" while {} was awaited", m.asked);
-  // Before Hello a program can only speak by its exit code.
+  // Before Hello a program can report only by its exit code.
   ExitCode code = ExitCode::participant_lost;
   for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
     if (!m.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own)) code = own;

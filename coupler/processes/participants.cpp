@@ -16,8 +16,8 @@ namespace {
 using std::chrono::milliseconds;
 using Seconds = std::chrono::duration<double>;
 
-constexpr milliseconds beat{50};           // between two looks at the processes, while nothing arrives
-constexpr milliseconds stop_to_tell{500};  // until a line says for what an end that was asked for waits
+constexpr milliseconds beat{50};           // between two tests of the processes, while nothing arrives
+constexpr milliseconds stop_to_tell{500};  // until a line says what a requested end waits for
 
 }  // namespace
 
@@ -134,7 +134,8 @@ void Roster::State::tell_wait(const Member& m, Clock::duration waited) const {
   if (options.on_wait) options.on_wait({m.name, m.asked, m.doing, m.part, Seconds(waited).count()});
 }
 
-/// One line after a while, then ever less often, so that nobody wonders for whom all are waiting.
+/// Writes one line after a while, then less and less often. The user so knows which participant the run waits
+/// for.
 void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
   constexpr Seconds longest{60};
   if (waited < m.tell_after) return;
@@ -149,7 +150,8 @@ void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
   else
     line += fmt::format(": {} was asked {} ago ({}{})", m.asked, in_seconds(waited), alive,
                         m.doing.empty() ? "" : ", last: " + m.said());
-  // Who is to be started by hand needs somebody's hand; a computation needs time, until its deadline nears.
+  // A participant to be started by hand needs the user now; a computation only needs time, until its deadline
+  // nears.
   const Seconds silent = m.asked.empty() ? waited : Clock::now() - m.last_heard;
   const Seconds limit = m.asked.empty() ? options.deadlines.hello : options.deadlines.answer_within;
   if (options.note && !by_hand && silent < limit / 2)
@@ -240,7 +242,7 @@ void Roster::State::answered(Member& m, wire::Reply reply) {
   }
   if (const auto* fault = std::get_if<wire::Fault>(&reply.what)) {
     std::string where = fault->where;
-    // A solver does not know the window; a fault in a file or an option has its own place.
+    // A solver does not know the window; an error in a file or an option has its own place.
     if (fault->code == ExitCode::solver_fault || where.empty()) where = with_place(where, m.name, m.place());
     throw Error(fault->code, where, fault->problem, fault->fix);
   }

@@ -17,12 +17,12 @@ namespace strake {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds silence_to_tell{1000};  // until a line says that somebody is silent
+constexpr std::chrono::milliseconds silence_to_tell{1000};  // until a line says that a participant is silent
 
 std::string in_seconds(Clock::duration);               // "1.25 s"
 std::string bytes_of(const std::string& hexadecimal);  // empty if it is not
 
-/// One participant as the coupler knows it.
+/// State of one participant in the coupler.
 struct Roster::Member {
   std::string name;
   std::optional<Child> child;  // none: started by hand

@@ -42,16 +42,17 @@ struct Awaited {
   double waited = 0;  // [s]
 };
 
-/// All participants of a run: starts them, awaits them, hears them, ends them. Whatever one of them does, a
-/// wait for any of them ends with an Error that names the one at fault: participant_lost (died, froze, never
-/// spoke, broke the protocol), the code of its own Fault, solver_fault (not finite), interrupted or
-/// terminated (StopRequest).
+/// All participants of a run: starts them, waits for them, receives their messages, ends them. A wait for any
+/// participant ends with an Error that names the one at fault, whatever it did. Codes: participant_lost
+/// (died, froze, never spoke, broke the protocol), the code of its own Fault, solver_fault (not finite),
+/// interrupted or terminated (StopRequest).
 class Roster {
  public:
   struct Options {
     std::string endpoint;                      // empty: ipc:// in a private folder; or "tcp://127.0.0.1:*"
     std::optional<CouplerKeys> keys;           // encrypted, and only for holders of a listed key
-    bool unencrypted = false;                  // an endpoint beyond this machine without keys is meant so
+    bool unencrypted = false;                  // an endpoint beyond this machine without encryption keys is
+                                               // intended
     std::array<std::uint8_t, 32> case_hash{};  // CaseFile::hash()
     Deadlines deadlines;
     std::function<void(const std::string&)> say;  // one line (no newline) for console and log; may be empty
@@ -74,19 +75,19 @@ class Roster {
   void launch(const std::string& name, Launch launch);
   /// Expects a participant started by hand (--attach).
   void attach(const std::string& name);
-  /// The line for a shell that starts that participant, here or on another machine; it holds the token.
+  /// The line for a shell that starts that participant, here or on another machine; it contains the token.
   std::string command(const std::string& name, const Launch&) const;
   /// Awaits its Hello, sends Setup, awaits Ready. Launch all, then connect the structure first.
   RemoteParticipant& connect(const std::string& name, const Setup&);
   /// Regular end: Stop (with the last commit) to each in turn, Done, exit 0, reaped. Error if one of them
   /// fails.
   void finish();
-  /// After Ctrl-C or SIGTERM in the middle of a window: awaits the answers under way, and takes the window
-  /// back, so that what is committed can be saved. False when somebody does not answer within the grace, or
-  /// is lost.
+  /// Waits for the answers under way after Ctrl-C or SIGTERM in a window, and rewinds the window. The
+  /// committed state can then be saved. False when a participant does not answer within the grace, or is
+  /// lost.
   bool come_to_rest() noexcept;
-  /// After an error: Stop with the last commit to those that are idle, at most 0.5 s, then SIGTERM, SIGKILL;
-  /// reaped. Does nothing after finish().
+  /// Ends the participants after an error. It sends Stop with the last commit to idle ones, at most 0.5 s,
+  /// then SIGTERM, SIGKILL; all are reaped. Does nothing after finish().
   void end() noexcept;
 
  private:
@@ -96,8 +97,8 @@ class Roster {
   std::unique_ptr<State> state_;
 };
 
-/// The place of a solver's fault, which does not know the window: "fluid, pressure" in window 3 is "fluid,
-/// window 3 (t = 2e-05 s), iteration 1, pressure".
+/// Adds the window to the place of a solver's fault. "fluid, pressure" in window 3 becomes "fluid, window 3
+/// (t = 2e-05 s), iteration 1, pressure".
 std::string with_place(std::string where, const std::string& name, const std::string& place);
 
 /// A participant in another process. `commit` and `rewind` ride on the next request, so they cost no round

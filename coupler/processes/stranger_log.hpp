@@ -7,8 +7,8 @@
 
 namespace strake {
 
-/// What strangers did at the port, for console and log: each kind of thing at once when it first happens,
-/// then its number at growing intervals. A flood costs lines, not a disk.
+/// Counts what strangers did at the port, for console and log. Each kind is reported when it first happens,
+/// then its number at growing intervals. A flood makes lines, and does not fill a disk.
 class StrangerLog {
  public:
   using Clock = std::chrono::steady_clock;
@@ -26,8 +26,7 @@ class StrangerLog {
   std::map<std::string, Kind> kinds_;
 };
 
-/// Text of a stranger as it may stand in a log: one line, no control characters (`visible`), of its first 200
-/// bytes.
+/// Text of a stranger for a log: one line, without control characters (`visible`), of its first 200 bytes.
 std::string harmless(const std::string&);
 
 }  // namespace strake

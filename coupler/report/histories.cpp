@@ -22,7 +22,7 @@ std::optional<std::size_t> index_of(const Table& table, const std::string& name)
   return std::nullopt;
 }
 
-/// The column over time, without rows that it does not know.
+/// The column over time, without lines in which it has no value.
 Curve curve_of(const Recorded& run, const std::string& column) {
   Curve curve;
   const auto at = index_of(run.history, column), time = index_of(run.history, "time");

@@ -7,8 +7,8 @@
 
 namespace strake::report {
 
-// Members of JSON that a kill or another program may have left in any state: what is not there, or is of
-// another kind, is none.
+// Members of JSON that a kill or another program may have left in any state. A member that is missing or of
+// another kind is none.
 
 /// null where `json` is no object or has no such member.
 const nlohmann::ordered_json& member(const nlohmann::ordered_json& json, const std::string& key);

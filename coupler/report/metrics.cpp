@@ -12,7 +12,7 @@
 namespace strake::report {
 namespace {
 
-/// A reference that some run was held against; its place in the list is its footnote.
+/// A reference with which some run was compared; its place in the list is its footnote.
 struct Reference {
   std::string probe, metric, kind, source;
   double value = 0;
@@ -76,7 +76,7 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
     if (const ProbeResult* result = run.probe(probe))
       for (const auto& [metric, value] : result->metrics)
         if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) metrics.push_back(metric);
-  std::erase_if(metrics, [&](const std::string& metric) {  // what no run knows
+  std::erase_if(metrics, [&](const std::string& metric) {  // metrics that no run has
     return std::none_of(runs.begin(), runs.end(), [&](const Recorded& run) {
       const ProbeResult* result = run.probe(probe);
       return result != nullptr && result->metric(metric);

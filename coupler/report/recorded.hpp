@@ -38,8 +38,8 @@ struct FailureEvent {
   std::optional<double> time, x, y, z;
 };
 
-/// A run folder as it lies on disk, whole or not: what cannot be read is said in `problems`, and the rest
-/// still shows.
+/// A run folder as it lies on disk, complete or not. Unreadable files are listed in `problems`; the rest is
+/// shown.
 struct Recorded {
   std::filesystem::path folder;
   std::string name;   // of the folder; a study gives its own

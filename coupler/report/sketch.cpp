@@ -51,8 +51,8 @@ std::string text(const Place& p, const std::string& words, const char* anchor = 
                      escape(words));
 }
 
-/// The probes of one place share a label, which stands below them in the order of x, so that none hides
-/// another.
+/// Draws the probes. Those of one place share a label; labels stand below in the order of x, so that none
+/// covers another.
 std::string probes(const Recorded& run, const View& view) {
   struct Label {
     Place at;
@@ -92,7 +92,7 @@ std::string probes(const Recorded& run, const View& view) {
   return svg;
 }
 
-/// A side of a body that is held, hatched by a heavy line.
+/// A supported side of a body, hatched by a heavy line.
 std::string support(const View& view, const Place& a, const Place& b, const std::string& how) {
   const Place p = view(a), q = view(b);
   return fmt::format("<path class=\"support {}\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n",

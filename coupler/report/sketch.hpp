@@ -7,8 +7,8 @@
 
 namespace strake::report {
 
-/// Tank, water at rest, structure, supports, entry speed and probes as inline SVG; from the settings, and the
-/// structure's outline from the first frame (`start`: nullptr where no frame can be read).
+/// Draws tank, water at rest, structure, supports, entry speed and probes as inline SVG, from the settings.
+/// The structure's outline is that of the first frame (`start`: nullptr if no frame can be read).
 std::string sketch(const Recorded&, const picture::Scene* start);
 
 /// "[[-1, 0, 0], [1, 0.5, 0]]" → the first two numbers of each point.

@@ -101,7 +101,7 @@ std::string study_histories(const StudyData& study, const RunsByName& runs) {
     for (const StudyData::Run& run : study.runs)
       if (const auto found = runs.find(run.name); belongs(run) && found != runs.end()) {
         members.push_back(found->second);
-        std::string name;  // what tells it from the others of its group
+        std::string name;  // labels that distinguish it from the others of its group
         for (std::size_t a = 1; a < study.axes.size(); ++a)
           name += (name.empty() ? "" : ", ") + label_of(run, study.axes[a].name);
         members.back().name = name.empty() || heading.empty() ? run.name : name;

@@ -8,7 +8,7 @@
 
 namespace strake::report {
 
-/// The parts of a study's page; `runs` holds what could be read of its run folders, by the run's name.
+/// The parts of a study's page; `runs` has the readable content of its run folders, by the run's name.
 using RunsByName = std::map<std::string, Recorded>;
 
 std::string study_summary(const StudyData&);

@@ -129,7 +129,7 @@ fs::path Checkpoints::latest() const {
 fs::path Checkpoints::choose(const std::function<void(const std::string&)>& say) const {
   const fs::path last = latest();
   std::vector<fs::path> found = checkpoints_in(folder_);
-  // What lies after `latest` was never finished; without the link nothing is known to lie after it.
+  // Folders after `latest` were never finished; without the link none can be judged.
   if (!last.empty()) std::erase_if(found, [&](const fs::path& path) { return earlier(last, path); });
   const auto named = [&](const fs::path& path) {
     return (folder_.parent_path().filename() / "checkpoint" / path.filename()).string();

@@ -11,10 +11,11 @@
 
 namespace strake {
 
-/// checkpoint/000420/{fluid,structure,coupler}.h5 of a run with their `checksums`, and the link `latest`,
-/// which is renamed into place last: a checkpoint that `latest` names is whole, also after a power cut. Two
-/// are kept, so that there is another when a disk damages one. In a copied run `latest` may be a folder: a
-/// copy of one that stands beside it, which is never read and gives way to the next link.
+/// Checkpoints of a run: checkpoint/000420/{fluid,structure,coupler}.h5 with their `checksums`, and the link
+/// `latest`. The link is renamed into place last, so that a checkpoint that `latest` names is complete, also
+/// after a power cut. Two are kept, so that there is another when a disk damages one. In a copied run
+/// `latest` may be a folder, a copy of the checkpoint beside it. It is never read, and the next link replaces
+/// it.
 class Checkpoints {
  public:
   explicit Checkpoints(const std::filesystem::path& run_folder);  // absolute
@@ -23,10 +24,10 @@ class Checkpoints {
   void write(Session&, const RunLoop&, const Summary&);
   /// Seals the checkpoint of that number, waits until it is on the disk, and names it `latest` in one step.
   void complete(const std::string& number) const;
-  /// The checkpoint to go on from: the latest, or the one before where that is damaged, which `say` is told.
-  /// Throws Error(command_line) when there is none, Error(case_file) when none is whole.
+  /// The checkpoint to resume from: the latest, or the one before if that is damaged, which `say` reports.
+  /// Throws Error(command_line) when there is none, Error(case_file) when none is complete.
   std::filesystem::path choose(const std::function<void(const std::string&)>& say) const;
-  /// Takes everybody back to that checkpoint and drops those after it; returns the plan that goes on from
+  /// Resumes all participants from that checkpoint and drops later ones; returns the plan that continues from
   /// there.
   RunPlan resume(const std::filesystem::path& chosen, Session&, Summary&);
   /// After which window that checkpoint was taken.

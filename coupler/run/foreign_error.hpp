@@ -7,8 +7,8 @@
 
 namespace strake {
 
-/// An exception that no code of ours threw: what the system refused to do with a file (exit 6), else a bug of
-/// ours at that place (exit 70).
+/// Converts an exception that our code did not throw. If the system refused an operation on a file it is exit
+/// 6, else a bug of ours at that place (exit 70).
 Error error_of(const std::exception&, const std::string& where);
 
 }  // namespace strake

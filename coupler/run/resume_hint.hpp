@@ -8,8 +8,8 @@
 
 namespace strake {
 
-/// The error that stopped a run, with the place to go on from, where there is one, and what is lost.
-/// checkpoint: the latest, as the user would type it; empty: none. saved: what it holds.
+/// Adds to the error that stopped a run the checkpoint to resume from, if there is one, and the loss.
+/// checkpoint: the latest, as the user would type it; empty: none. saved: its content.
 Error with_way_on(const Error&, const std::filesystem::path& checkpoint, const LoopState& saved,
                   const Summary&);
 

@@ -46,8 +46,8 @@ std::vector<Column> iteration_columns(const RunFiles::Options& options) {
   return columns;
 }
 
-/// A column file, or one that goes on: the rows of the windows before are kept as they are, byte for byte,
-/// and the file is cut behind them in one step, so that a resume that is interrupted loses nothing.
+/// Opens a column file, or continues one. It keeps the lines of earlier windows byte for byte, and cuts the
+/// file behind them in one step. So an interrupted resume loses nothing.
 std::unique_ptr<History> open(const std::filesystem::path& path, const std::vector<Column>& columns,
                               const std::optional<LoopState>& resumed, Table* table) {
   if (!resumed || resumed->windows == 0) return std::make_unique<History>(path, columns);
@@ -125,7 +125,8 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
   append_timing(window, wall);
 }
 
-/// timing.csv says only what a clock said: one that cannot be gone on with is set aside, and the run goes on.
+/// Opens timing.csv. It contains clock times only: if it cannot be continued, it is set aside and the run
+/// continues.
 std::unique_ptr<History> RunFiles::open_timing(const std::vector<Column>& columns) const {
   const std::filesystem::path path = options_.folder / "timing.csv";
   try {

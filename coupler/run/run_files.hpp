@@ -26,14 +26,14 @@ class RunFiles {
     std::vector<Field> initial;                   // its motion at t = 0
     std::vector<Column> measured;                 // fields with a residual, Scheme::measured
     std::optional<LoopState> resumed;             // rows after it are dropped
-    std::function<void(const std::string&)> say;  // hears what a user should know of; may be empty
+    std::function<void(const std::string&)> say;  // receives messages for the user; may be empty
   };
   explicit RunFiles(Options);
 
   /// values: of Options::columns. wall: seconds this window took.
   void append(const CommittedWindow&, const std::vector<double>& values, double wall);
-  /// Writes what is still held back, and waits until all that a resume goes on from is on the disk. Files
-  /// stay usable.
+  /// Writes all buffered data, and waits until everything that a resume needs is on the disk. Files stay
+  /// usable.
   void flush();
   /// history.csv so far.
   const Table& table() const { return table_; }

@@ -30,7 +30,7 @@ Error cannot_create(const fs::path& path, const std::string& reason) {
                "choose a folder that you may write to with --runs DIR");
 }
 
-/// What stands at a place, the place itself where that is a link. Throws Error(command_line) where the system
+/// Type of the entry at a path, of the link itself if it is one. Throws Error(command_line) if the system
 /// cannot tell.
 fs::file_type what_stands_at(const fs::path& path) {
   std::error_code error;
@@ -45,14 +45,15 @@ bool is_empty_folder(const fs::path& path) {
   return fs::is_empty(path, error) && !error;
 }
 
-/// Whether a folder holds what RunRecord writes. A case.toml says nothing: a user's own folder may hold one.
+/// True if a folder contains what RunRecord writes. A case.toml is no sign: a user's own folder may contain
+/// one.
 bool is_a_run(const fs::path& path) {
   std::ifstream stream(path / "run.json");
   const nlohmann::json record = nlohmann::json::parse(stream, nullptr, false);
   return record.is_object() && record.contains("strake") && record.contains("command");
 }
 
-/// Throws Error(command_line) unless --force may take the place of what stands there.
+/// Throws Error(command_line) unless --force may replace the existing entry.
 void check_replaceable(const fs::path& path) {
   const fs::file_type type = what_stands_at(path);
   const bool folder = type == fs::file_type::directory;
@@ -136,7 +137,7 @@ RunFolder create_run_folder(const fs::path& case_file, const RunFolderOptions& o
     if (error) throw cannot_create(folder.path, error.message());
     const bool created = fs::create_directory(folder.path, error);
     if (error) throw cannot_create(folder.path, error.message());
-    if (created) return folder;  // else another run has just taken the name: look again
+    if (created) return folder;  // else another run has just taken the name: test again
   }
 }
 
@@ -150,7 +151,8 @@ void remove_unfinished(const fs::path& run_folder) {
 
 FolderLock::FolderLock(const fs::path& path)
     : folder_(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  constexpr int tries = 5;  // who only looks whether a run is under way (strake watch) holds it for a moment
+  constexpr int tries = 5;  // a program that only tests whether a run is under way (strake watch) locks it
+                            // for a moment
   for (int k = 0; k < tries; ++k) {
     if (folder_ < 0 || ::flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
       return;  // some disks have no locks

@@ -34,8 +34,8 @@ RunFolder create_run_folder(const std::filesystem::path& case_file, const RunFol
 /// What a killed run was writing.
 void remove_unfinished(const std::filesystem::path& run_folder);
 
-/// Says that a run is under way in a folder, until it is destroyed or the process ends, however it ends. It
-/// leaves no file. Throws Error(command_line) when another process says so.
+/// Marks a folder as in use by a run, until it is destroyed or the process ends in any way. It leaves no
+/// file. Throws Error(command_line) when another process uses it.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path&);

@@ -8,7 +8,7 @@
 
 namespace strake {
 
-/// What the console and the log tell of a run before its first window. history: the columns of its file.
+/// The head of console and log, before the first window. history: the columns of its file.
 RunHeader header_of(const CaseView&, const Session&, const RunPlan&, const std::filesystem::path& folder,
                     const std::vector<Column>& history, bool resumed);
 

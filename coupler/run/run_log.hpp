@@ -14,8 +14,8 @@ namespace strake {
 /// coupler.log of a run. Throws Error(cannot_write).
 std::shared_ptr<spdlog::logger> open_run_log(const std::filesystem::path&);
 
-/// Where the console has gone (a pipe that was closed, a full disk) a run goes on. Its log says so once, and,
-/// but for a pipe, so does a line on the standard error.
+/// A run continues when its console is gone (a closed pipe, a full disk). Its log says so once. Except for a
+/// pipe, so does a line on the standard error.
 class ConsoleLoss {
  public:
   void look(spdlog::logger&, const std::filesystem::path& log);
@@ -24,8 +24,8 @@ class ConsoleLoss {
   bool told_ = false;
 };
 
-/// What a participant does that answers late, as lines for the log: the first after 10 s, then one every
-/// 10 s, so that whoever reads the log knows how far it is.
+/// Reports what a slow participant does, as lines for the log. The first comes after 10 s, then one every 10
+/// s, so that a reader of the log knows the progress.
 class WaitLog {
  public:
   /// The line for now; empty while none is due.

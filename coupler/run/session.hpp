@@ -36,7 +36,7 @@ class Session {
     std::function<void(const Awaited&)> on_wait = {};       // while one is not; may be empty
   };
   /// Starts both programs, sets up the structure, then the fluid with the structure's mesh and initial
-  /// motion, and builds the mapping. Throws Error; the processes are then ended and reaped.
+  /// motion. Then builds the mapping. Throws Error; the processes are then ended and reaped.
   Session(const CaseView&, const Options&);
 
   /// The time loop over these participants.
@@ -82,8 +82,8 @@ class Session {
 
 /// The window of a case: of its coupling, or the whole time of an analysis without one (static, modal).
 double window_of(const CaseView&);
-/// ρ a / (ρ_s h) of a plate of half length a and thickness h: the added mass that one strip of structure
-/// carries, relative to its own. Nothing when the case does not say.
+/// Ratio ρ a / (ρ_s h) for a plate of half length a and thickness h. It is the added mass of a strip of
+/// structure relative to its own mass. Nothing when the case does not give it.
 std::optional<double> added_mass_ratio(const CaseView&);
 
 }  // namespace strake

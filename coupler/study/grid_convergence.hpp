@@ -29,7 +29,7 @@ struct GridConvergence {
 /// not converge.
 GridConvergence grid_convergence(std::vector<double> along, std::vector<double> value);
 
-/// Every convergence that the plan asks for, for each choice on the other axes.
+/// Every convergence that the plan requests, for each choice on the other axes.
 std::vector<GridConvergence> judge_convergence(const Results&);
 
 }  // namespace strake::study

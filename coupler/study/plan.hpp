@@ -28,17 +28,17 @@ struct PlannedRun {
   std::string source;  // name of the run whose loads it replays; empty: it runs its case
 };
 
-/// A number of a run: metric of a probe ("mid.y", "first_peak"), or of the run itself (no probe):
+/// A number of a run. It is the metric of a probe ("mid.y", "first_peak"), or of the run itself (no probe):
 /// "momentum_gap" and the other checks, "wall", "iterations".
 struct Quantity {
   std::string probe, metric;
   std::string name() const { return probe.empty() ? metric : probe + ":" + metric; }
 };
 
-/// Runs that hold these labels; an axis that is not named is free.
+/// Runs that have these labels; an axis that is not named is free.
 using Filter = std::map<std::string, std::string>;
 
-/// Two choices on one axis held against each other, for every choice on the others.
+/// Two choices on one axis that are compared, for every choice on the others.
 struct Check {
   std::string title, axis, of, against;
   Quantity quantity;  // its metric may be l2 or dtw, of the whole record
@@ -93,8 +93,8 @@ struct Plan {
   const Axis& axis(const std::string& name) const;
 };
 
-/// Throws Error(case_file) with file, line and fix: unknown keys, labels or axes, names that cannot be
-/// folders, two runs of one name.
+/// Reads a plan. Throws Error(case_file) with file, line and fix for unknown keys, labels or axes, names that
+/// cannot be folders, and two runs of one name.
 Plan read_plan(const std::filesystem::path&);
 
 }  // namespace strake::study

@@ -24,8 +24,8 @@ struct Results {
   std::map<std::string, Values> values;     // of the runs that are done
   std::map<std::string, std::string> unit;  // of the probes, "mid.y" → "m"
   std::optional<double> value(const PlannedRun&, const Quantity&) const;
-  std::string unit_of(const Quantity&) const;  // "1" where no run tells
-  /// Runs that are planned and hold these labels, in the plan's order.
+  std::string unit_of(const Quantity&) const;  // "1" if no run has one
+  /// Planned runs that have these labels, in the plan's order.
   std::vector<const PlannedRun*> runs(const Filter&) const;
 };
 Results collect(const Plan&, std::map<std::string, Outcome>);

@@ -54,8 +54,8 @@ std::string problem_in(const fs::path& log) {
   return joined({last.begin(), last.end()}, "\n");
 }
 
-/// Of a run without a window yet: what it waits for, as its log tells it (WaitLog), "CalculiX computes all
-/// 300 windows to 0.003 s, 34 % after 20 s".
+/// What a run without a window yet waits for, from its log (WaitLog). Example: "CalculiX computes all 300
+/// windows to 0.003 s, 34 % after 20 s".
 std::string before_first_window(const fs::path& folder) {
   std::ifstream stream(folder / "coupler.log");
   std::string last;

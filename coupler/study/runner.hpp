@@ -37,10 +37,10 @@ struct RunnerOptions {
 std::vector<std::string> arguments_of(const Plan&, const PlannedRun&, const std::filesystem::path& folder);
 std::filesystem::path folder_of(const Plan&, const PlannedRun&, const std::filesystem::path& study_folder);
 
-/// Starts every run that is not done, `jobs` at once, each a `strake run` of its own with one thread (or as
-/// many as its case says). What an earlier study of the same case and keys has finished is skipped, what it
-/// left unfinished goes on from its checkpoint. A run that fails does not stop the others; one that replays a
-/// failed run is left out. On Ctrl-C every run keeps its state and the outcomes so far are returned.
+/// Starts every run that is not done, `jobs` at once. Each is a `strake run` of its own with one thread (or
+/// as many as its case says). Runs that an earlier study of the same case and keys finished are skipped;
+/// unfinished ones resume from their checkpoint. A run that fails does not stop the others; one that replays
+/// a failed run is left out. On Ctrl-C every run keeps its state and the outcomes so far are returned.
 std::map<std::string, Outcome> perform(const Plan&, const RunnerOptions&, const StopRequest&);
 
 }  // namespace strake::study

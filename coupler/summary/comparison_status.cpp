@@ -6,8 +6,8 @@ namespace strake {
 
 namespace {
 
-/// Below this share of its reference a metric is still the tremble before the event that the block is about
-/// (the 5 % of the first peak in cases/VALIDATION.md, "Definitions"); it is judged at the end of the run.
+/// A metric below this share of its reference is noise before the event of its block. It is then judged at
+/// the end of the run. The share is the 5 % of the first peak in cases/VALIDATION.md, "Definitions".
 constexpr double too_early = 0.05;
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace strake {
 
-/// The compare blocks that apply to a case, judged as its run goes on.
+/// The compare blocks that apply to a case, evaluated during its run.
 class Verdicts {
  public:
   explicit Verdicts(const CaseView&);

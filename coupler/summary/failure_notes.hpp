@@ -8,12 +8,12 @@
 
 namespace strake {
 
-/// What a structure says of its failure, "failure.start.time", "failure.start.x" … for start, crack and
-/// parted: for the summary, and once for the console and the log.
+/// Reports of a structure on its failure, "failure.start.time", "failure.start.x" … for start, crack and
+/// parted. They go to the summary, and once to the console and the log.
 class FailureNotes {
  public:
-  /// `dry_faces`: the wet surface is that of the whole body. Events up to `since` [s] were told before a
-  /// resume.
+  /// `dry_faces`: the water does not load the faces of a crack, since the interface is the surface of the
+  /// whole body. Events up to `since` [s] were reported before a resume.
   FailureNotes(bool dry_faces, double since) : dry_faces_(dry_faces), since_(since) {}
   /// Lines for what has happened since the last call.
   std::vector<std::string> look(const std::map<std::string, double>& monitor);

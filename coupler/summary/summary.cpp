@@ -100,9 +100,8 @@ void Summary::add(const CommittedWindow& window) {
   drop_peaks_before_contact();
 }
 
-/// A first peak is one after contact (cases/VALIDATION.md, "Definitions"). The fluid alone knows contact:
-/// what a structure's probe met before it, or while the fluid still waits for it, is the ringing of a body in
-/// the air.
+/// A first peak is one after contact (cases/VALIDATION.md, "Definitions"), which only the fluid detects.
+/// Values of a structure's probe before contact are vibrations of a body in the air.
 void Summary::drop_peaks_before_contact() {
   double contact = fluid_.contains("count.awaiting_contact") ? std::numeric_limits<double>::infinity() : 0;
   if (contact == 0)

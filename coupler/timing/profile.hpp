@@ -13,11 +13,15 @@
 
 namespace strake {
 
-/// Where the time of a run's windows went, from the clocks of its processes: `strake run --profile`.
+/// Divides the time of a run's windows into shares, from the clocks of its processes: `strake run --profile`.
 ///
-/// The wall time of the windows and their files is told apart moment by moment: a participant computes, or
-/// two at once (parallel coupling), or a message is on its way (or a process waking up), or the coupler
-/// works, or files are written. The shares add up to one.
+/// At each moment the wall time of the windows and their files belongs to one of these shares; they add up to
+/// one:
+/// - a participant computes;
+/// - two compute at once (parallel coupling);
+/// - a message is under way, or a process wakes up;
+/// - the coupler works;
+/// - files are written.
 class Profile {
  public:
   struct Seconds {

@@ -11,7 +11,7 @@
 
 namespace strake {
 
-/// Who watches where the time of a run goes: its trace, its profile, or nobody.
+/// Records where the time of a run goes: for its trace, its profile, or not at all.
 class RunClocks {
  public:
   struct Options {
@@ -21,7 +21,7 @@ class RunClocks {
   RunClocks(std::filesystem::path run_folder, const Options&);
 
   void open();  // the trace begins
-  /// Hears each question that is answered; empty where nobody asks.
+  /// Called for each answered request; empty if no record is wanted.
   std::function<void(const Exchange&)> observer();
   /// A window and its files are done; begin and end [ns] of the window alone, Trace::now().
   void end_window(const CommittedWindow&, std::int64_t begin, std::int64_t end);

@@ -66,8 +66,8 @@ Trace::~Trace() {
   ::close(file_);
 }
 
-/// Puts a file of that size in the place of the present one, with its events, blanks and the closing bracket.
-/// Where that fails, what stands there is left alone.
+/// Replaces the file by one of that size, with its events, blanks and the closing bracket. If that fails, the
+/// present file stays unchanged.
 bool Trace::replace(std::int64_t size) {
   const std::string aside = path_.string() + ".part";
   const int fresh = ::open(aside.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);

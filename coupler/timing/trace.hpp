@@ -9,17 +9,17 @@
 
 namespace strake {
 
-/// trace.json: who computed and who waited, on the coupler's clock, in the Chrome trace format (an array of
-/// events with begin `ts` and length `dur` in microseconds since the run began).
+/// trace.json: which process computed and which waited, on the coupler's clock. It has the Chrome trace
+/// format: an array of events with begin `ts` and length `dur` in microseconds since the run began.
 ///
 /// The file is valid JSON whenever a kill or a full disk ends the writing. Blanks stand between the events
-/// and the closing bracket, which never moves: whole events take their place, and no write and no event
-/// crosses the border of a page, within which a kill does not cut a write. Where the blanks are used up, a
-/// file twice as long is written aside and renamed; the last one has none. It holds back at most 50 ms of
-/// events. A trace never ends a run: what cannot be written is left out.
+/// and the closing bracket, which never moves; complete events replace blanks. No write and no event crosses
+/// the border of a page, within which a kill does not cut a write. When the blanks are used up, a file twice
+/// as long is written aside and renamed; the last one has none. At most 50 ms of events are not yet written.
+/// A trace never ends a run: what cannot be written is left out.
 ///
-/// Its size is bounded: every window up to `octave` bytes, then every second one for as many bytes, every
-/// fourth, and so on, up to `most` bytes in all; a window is in whole or not at all.
+/// Its size is bounded. Every window is recorded up to `octave` bytes, then every second one for as many
+/// bytes, every fourth, and so on, up to `most` bytes in all. A window is in completely or not at all.
 class Trace {
  public:
   struct Limits {

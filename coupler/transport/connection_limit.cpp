@@ -26,9 +26,9 @@ constexpr std::size_t least_places = 4, most_places = 64;
 constexpr milliseconds to_speak{30};       // [ms] a connection that has sent nothing may be replaced then
 constexpr milliseconds to_introduce{200};  // [ms] any other
 constexpr milliseconds between_looks{2};
-// Of bytes on a Unix socket the kernel keeps no count, only of those unread. Whoever sends on at so many
-// looks, all connections together, has done so for 16 ms without a pause.
-constexpr int most_sending = 8, greeting = 2;  // [looks]; those of anybody who introduces himself
+// The kernel counts only the unread bytes of a Unix socket. A peer that has unread bytes at so many tests,
+// over all connections, has sent for 16 ms without a pause.
+constexpr int most_sending = 8, greeting = 2;  // [tests]; those of a peer that introduces itself
 constexpr int little = 4096;                   // [bytes]
 
 /// The limits of this process, for accept4.
@@ -110,7 +110,7 @@ std::map<std::string, int> ConnectionLimit::take_refused() {
 }
 
 void ConnectionLimit::note(const std::string& what) {
-  constexpr std::size_t enough = 100;  // between two looks
+  constexpr std::size_t enough = 100;  // between two tests
   ++refused_[refused_.size() < enough || refused_.contains(what) ? what : "others were refused too"];
 }
 
@@ -219,9 +219,9 @@ int accept_within(ConnectionLimit& limit, int listening, sockaddr* address, sock
 }  // namespace
 }  // namespace strake
 
-/// The dynamic linker gives every library of this process the program's own accept4 in place of the C
-/// library's. It is the only place where one can hold a connection back from ZeroMQ: its filters know
-/// addresses and users alone, and its monitor reports a connection when it has already been taken.
+/// Replaces the C library's accept4 for every library of this process: the dynamic linker takes the program's
+/// own. Only here can a connection be kept back from ZeroMQ. Its filters see addresses and users alone, and
+/// its monitor reports a connection that is already accepted.
 extern "C" int accept4(int listening, sockaddr* address, socklen_t* size, int flags) {
   using namespace strake;
   {

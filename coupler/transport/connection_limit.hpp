@@ -13,10 +13,10 @@
 namespace strake {
 
 /// Limits the connections that have not yet said who they are. ZeroMQ accepts all that come, and has no limit
-/// of its own: a crowd would use up the descriptors of the whole process, and its memory. ZeroMQ's calls of
-/// accept4 therefore come to this program's own accept4, which asks this class.
-/// Where all places are taken, the one that had the longest time to introduce itself makes room for the next.
-/// A connection that sends far more than an introduction is cut.
+/// of its own: a crowd would use up the descriptors and the memory of the whole process. Therefore this
+/// program's own accept4 replaces that of the C library and calls this class. If all places are taken, the
+/// connection with the longest time to introduce itself is closed for the next. A connection that sends far
+/// more than an introduction is cut.
 class ConnectionLimit {
  public:
   /// Whoever is accepted anywhere counts, until `guard` says where.
@@ -44,7 +44,7 @@ class ConnectionLimit {
     int socket = -1;
     ino_t file = 0;  // of that socket: the number may be another's by now
     Clock::time_point since;
-    int unread = 0;   // bytes at the last look
+    int unread = 0;   // bytes at the last test
     int sending = 0;  // how often it was seen to send on
     bool cut = false;
   };

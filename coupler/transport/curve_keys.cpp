@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t z85_length = 40;  // characters of a key of 32 bytes
-constexpr mode_t others = 077;          // what nobody but the owner may do
+constexpr mode_t others = 077;          // rights that only the owner may have
 
 const char* const another = "make keys anew: strake keys DIR";
 

@@ -33,8 +33,9 @@ struct ParticipantKeys {
 /// Error(cannot_write).
 void make_keys(const std::filesystem::path& folder, const std::vector<std::string>& participants);
 
-/// Both refuse, with Error(case_file) and Error(command_line), a file that is missing, damaged or that others
-/// may read, a folder that others may enter, and an owner who is neither this user nor root.
+/// Read the encryption keys. Both throw Error(case_file) or Error(command_line) for a file that is missing,
+/// damaged or readable by others. So they do for a folder that others may enter, and for an owner who is
+/// neither this user nor root.
 CouplerKeys read_coupler_keys(const std::filesystem::path& folder);
 ParticipantKeys read_participant_keys(const std::filesystem::path& file);
 

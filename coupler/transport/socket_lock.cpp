@@ -77,7 +77,7 @@ void SocketLock::take() {
   throw Error(ExitCode::command_line, endpoint_key(path_), "another run starts there", "another path");
 }
 
-/// The file comes into being with its words and its lock: nobody ever sees it without them.
+/// The file is created with its content and its lock: it is never visible without them.
 bool SocketLock::make() {
   const std::string own = fmt::format(".{}-{}", lock_, getpid());
   file_ = openat(folder_, own.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mine);

@@ -7,11 +7,11 @@
 namespace strake {
 
 /// The file PATH.lock beside a socket at PATH, locked while its run lives (flock). It names the socket that
-/// the run has bound, so that the next run knows what a dead one has left. All goes by the folder as it was
-/// when it was opened, so that a link put in between leads nowhere else.
+/// the run has bound, so that the next run knows what a dead one has left. All operations use the folder that
+/// was opened, so that a link placed in between has no effect.
 class SocketLock {
  public:
-  /// Throws Error(command_line) where another run holds it, or a file of that name is not Strake's.
+  /// Throws Error(command_line) if another run has locked it, or a file of that name is not Strake's.
   explicit SocketLock(const std::string& path);
   ~SocketLock();  // removes the socket that it names, and itself
   SocketLock(const SocketLock&) = delete;
@@ -35,7 +35,7 @@ class SocketLock {
   std::string path_, socket_, lock_;  // the whole path; the names in its folder
   int folder_ = -1, file_ = -1;
   bool made_ = false, bound_ = false;
-  std::string named_;  // how the socket is told from any other
+  std::string named_;  // identifies the socket
 };
 
 /// "coupling.endpoint = ipc://PATH", for errors.

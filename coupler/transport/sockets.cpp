@@ -83,7 +83,7 @@ void Hub::Sockets::stranger(const std::string& text, int times) {
   strangers[strangers.size() < enough ? text : "others were refused too"] += times;
 }
 
-/// What happened to the connections since the last look.
+/// Events of the connections since the last call.
 void Hub::Sockets::look() {
   while (const auto event = monitor.next(milliseconds(0))) switch (event->kind) {
       case ZMQ_EVENT_ACCEPTED:

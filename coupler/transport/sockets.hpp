@@ -20,7 +20,8 @@ bool belong_together(const KeyPair&);
 /// Who may join.
 struct Admission {
   std::optional<CouplerKeys> keys;  // CURVE: all is encrypted, and only holders of a listed key come in
-  bool unencrypted = false;         // without keys, an endpoint that other machines can reach is meant so
+  bool unencrypted = false;         // without encryption keys, an endpoint that other machines can reach is
+                                    // intended
 };
 
 /// The coupler's end: a ROUTER, bound. One thread uses it.
@@ -50,7 +51,7 @@ class Hub {
   bool connected(const std::string& peer);
   /// That peer takes part. Who does not is cut once it has sent more than an introduction needs.
   void admit(const std::string& peer);
-  /// From here on `left` can tell how that peer's connection ends.
+  /// From this call on `left` reports how that peer's connection ends.
   void keep_witness(const std::string& peer);
   /// Whether its connection has ended because it was closed at the other end, as the end of a process does.
   bool left(const std::string& peer);
@@ -73,7 +74,8 @@ enum class LinkEvent {
   ready,           // greeted by ZeroMQ
   key_refused,     // the coupler does not admit our key
   no_greeting,     // it was cut before it was ready; ZeroMQ tries again
-  other_greeting,  // it does not speak ZeroMQ, or keys stand on one side only; ZeroMQ does not try again
+  other_greeting,  // it does not speak ZeroMQ, or only one side has encryption keys; ZeroMQ does not try
+                   // again
   disconnected,
   other
 };

@@ -21,9 +21,9 @@ class PrivateFolder {
   std::filesystem::path path_;
 };
 
-/// A Unix socket that listens at a path, or at @NAME, which has no file. ZeroMQ's own bind removes whatever
-/// stands at the path; this one removes only the socket that a dead run of Strake has left. Such a socket is
-/// known by the file PATH.lock beside it: a run that lives holds it locked, and it names the socket.
+/// A Unix socket that listens at a path, or at @NAME, which has no file. ZeroMQ's own bind removes any file
+/// at the path; this one removes only the socket of a dead run of Strake. The file PATH.lock beside it
+/// identifies such a socket: it names the socket, and a live run keeps it locked.
 class UnixListener {
  public:
   /// `in_private`: the folder is the caller's alone and new, so that nothing is to be known about the path.

@@ -62,7 +62,7 @@ void Doorkeeper::answer(const std::vector<std::string>& request) {
   const auto found = name_of_.find(key);
   const bool known = request[5] == "CURVE" && found != name_of_.end();
   if (!known) {
-    constexpr std::size_t enough = 1000;  // between two looks
+    constexpr std::size_t enough = 1000;  // between two tests
     const std::lock_guard lock(mutex_);
     if (refused_.size() < enough) refused_.push_back(request[3]);
   }

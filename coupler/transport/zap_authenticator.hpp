@@ -12,8 +12,8 @@
 
 namespace strake {
 
-/// Answers ZeroMQ's question who may join (its request is described in RFC 27/ZAP) in a thread of its own,
-/// since the coupler may be computing: whoever holds one of the admitted keys.
+/// Admits to ZeroMQ whoever has one of the admitted encryption keys (the request is described in RFC 27/ZAP).
+/// It runs in a thread of its own, since the coupler may be computing.
 class Doorkeeper {
  public:
   /// admitted: participant → public key in Z85.

@@ -14,8 +14,9 @@
 /// What both ends of a connection do with ZeroMQ's sockets, for link.cpp alone.
 namespace strake::zmq_parts {
 
-// ZeroMQ makes room for a part as soon as its size is announced, by whoever has greeted as ZeroMQ does, and
-// fixes the limit when it binds: before any mesh is known. Room for 3 components on 1.1e7 points.
+// Limit for a part of a message. ZeroMQ allocates a part as soon as its size is announced, by anyone who has
+// greeted as ZeroMQ does. It fixes the limit when it binds, before any mesh is known. Room for 3 components
+// on 1.1e7 points.
 inline constexpr std::int64_t largest_part = std::int64_t{Hub::most_megabytes} << 20;  // [bytes]
 
 /// Error(case_file) for a part that no message carries; it starts with `what` it is: "one field of …".
@@ -49,8 +50,8 @@ class Monitor {
   zmq::socket_t socket_;
 };
 
-/// The first part of a message; nothing after `limit` or when a signal arrived. A receive that waits by
-/// itself asks the kernel once where a poll before it asks three times.
+/// The first part of a message; nothing after `limit` or when a signal arrived. A receive that waits itself
+/// needs one system call; with a poll before it there are three.
 bool await_part(zmq::socket_t&, zmq::message_t& into, std::chrono::milliseconds limit);
 /// Adds the rest of a message, each part where ZeroMQ put it.
 void receive_rest(zmq::socket_t&, bool more, wire::Parts& parts);

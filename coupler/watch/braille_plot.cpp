@@ -11,7 +11,8 @@
 namespace strake::watch {
 namespace {
 
-/// U+2800 with dots 1 to 8 as bits (Unicode, "Braille Patterns"): the dot in column c and row r of 2×4.
+/// The bit of the dot in column c and row r of 2×4. U+2800 has dots 1 to 8 as bits (Unicode, "Braille
+/// Patterns").
 constexpr std::array<std::array<std::uint8_t, 4>, 2> dot = {
     {{0x01, 0x02, 0x04, 0x40}, {0x08, 0x10, 0x20, 0x80}}};
 

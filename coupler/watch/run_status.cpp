@@ -157,8 +157,8 @@ void WatchedRun::read_case() {
   }
 }
 
-/// A run holds a lock of its folder while it is under way (FolderLock); to ask for a shared one, and give it
-/// back at once, tells whether somebody does. Some disks have no locks: there the processes are looked for.
+/// True if a run is under way: it then has a lock on its folder (FolderLock). A shared lock is tried and
+/// released at once. Some disks have no locks; there the processes are searched.
 bool WatchedRun::under_way() const {
   if (!glance_.processes.empty()) return true;
   const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -251,7 +251,7 @@ void WatchedRun::judge() {
     set(any ? State::running : State::starting, any ? "running" : "starting: no window is done yet");
 }
 
-/// Those that are known are asked for alone; all of the machine are looked through now and then.
+/// Known processes are read alone; all processes of the machine are searched now and then.
 void WatchedRun::find_processes() {
   constexpr std::chrono::seconds between{2};
   constexpr std::size_t most = 3;  // coupler, fluid, structure
@@ -290,7 +290,7 @@ const Glance& WatchedRun::look() {
                        : open(g.state) ? clock
                                        : std::max(written, g.started.value_or(written));
   g.elapsed = g.started ? std::max(0.0, until - *g.started) : 0;
-  // Whole seconds are all that run.json tells; the summary of a short run knows better.
+  // run.json has whole seconds only; the summary of a short run is more exact.
   if (const auto wall = number_of(member(summary_, "seconds"), "wall"); ended && wall) g.elapsed = *wall;
   g.left = g.state == State::running || g.state == State::silent ? time_left() : std::nullopt;
   return g;

@@ -22,8 +22,8 @@ enum class State {
   finished,
   stopped,  // by Ctrl-C or SIGTERM
   failed,   // with an error of its own
-  killed,   // nobody is at it any more, and no end was recorded
-  away      // on another machine: whether it lives cannot be told from here
+  killed,   // no process runs it any more, and no end was recorded
+  away      // on another machine: its processes cannot be tested from here
 };
 /// "running" …
 std::string name_of(State);
@@ -49,8 +49,8 @@ struct Glance {
   std::vector<Process> processes;  // on this machine
 };
 
-/// A run as its files tell it, looked at again and again. Reads only what has changed; asks the run for
-/// nothing and writes nothing.
+/// State of a run from its files, updated again and again. Reads only what has changed; sends nothing to the
+/// run and writes nothing.
 class WatchedRun {
  public:
   /// Throws Error(command_line) where there is no such folder, Error(case_file) where it is not a run's.

@@ -7,15 +7,15 @@
 
 namespace strake::watch {
 
-/// The columns of history.csv that are shown first: of each probe the value itself, or its y component; then
-/// the force along y of a coupled run; then what else there is. At most `most`.
+/// Chooses the columns of history.csv that are shown first, at most `most`. Of each probe it takes the value
+/// itself, or its y component; then the force along y of a coupled run; then the others.
 std::vector<std::size_t> chosen_columns(const WatchedRun&, std::size_t most);
 
 /// Whose logarithm is drawn: residuals.
 bool is_logarithmic(const std::string& column);
 
-/// What one stage of the work took [s], largest first: "fluid.pressure", "structure.solve", and what the
-/// coupler and the exchange took beside them. Of the windows in timing.csv.
+/// Time of one stage of the work [s], largest first: "fluid.pressure", "structure.solve", and coupler and
+/// exchange beside them. Sums over the windows in timing.csv.
 struct Stage {
   std::string name;
   double seconds = 0;

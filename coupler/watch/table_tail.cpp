@@ -11,7 +11,7 @@
 namespace strake::watch {
 namespace {
 
-constexpr std::size_t kept = 256;       // [bytes] of what was read, to know the file again
+constexpr std::size_t kept = 256;       // [bytes] of the part read before, to recognise the file
 constexpr std::size_t piece = 1 << 20;  // [bytes] read at once
 
 /// A file that closes itself.

@@ -12,9 +12,9 @@
 
 namespace strake::watch {
 
-/// A column file (proto/files/history.hpp) that somebody else appends to. Each look reads what has come since
-/// the last one; a line counts once its newline is written. A file that was cut (a resumed run) or replaced
-/// (a forced one) is read from its beginning. Never throws: a run may be looked at while it is being made.
+/// A column file (proto/files/history.hpp) to which another process appends. Each update reads the new lines;
+/// a line counts once its newline is written. A file that was cut (a resumed run) or replaced (a forced one)
+/// is read from its beginning. Never throws: a run may be read while its files are made.
 class GrowingTable {
  public:
   explicit GrowingTable(std::filesystem::path);

@@ -13,12 +13,13 @@ struct Screen {
   int width = 80, height = 24;  // [characters]
   bool colour = false;
 };
-/// A run as lines that fill at most such a screen: state, progress, curves with their latest value and
-/// extremes, processes, and where the time goes. Without colour the lines hold no control characters.
+/// A run as lines that fill at most the given screen. They show state, progress, curves with their latest
+/// value and extremes, processes, and where the time goes. Without colour the lines contain no control
+/// characters.
 std::vector<std::string> screen_lines(const WatchedRun&, const Screen&);
 
-/// A run as plain lines, for a pipe: a head, then one line per call of `more` where there are new windows,
-/// then how it ended.
+/// A run as plain lines, for a pipe. There is a head, then one line per call of `more` with new windows, then
+/// the end.
 class PlainLines {
  public:
   explicit PlainLines(std::FILE* stream) : stream_(stream) {}

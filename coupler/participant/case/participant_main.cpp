@@ -32,7 +32,7 @@ void require(bool condition, const std::string& option) {
                 "strake starts this program itself: strake run CASE; --help lists the modes");
 }
 
-/// Everything that this program declares, and whether the machine can hold it.
+/// Declares all keys of this program, and checks that the machine's memory suffices.
 void declare(CaseFile& file, const Program& program) {
   program.declare(file);
   file.refuse_unknown(program.prefix);

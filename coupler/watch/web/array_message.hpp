@@ -13,8 +13,8 @@ namespace strake::watch {
 ///   n bytes   JSON, {"arrays": {name: {"type": "f32" | "f64" | "u32" | "u8", "at": offset [bytes], "count":
 ///   …}}, …},
 ///             with blanks behind it, so that 4 + n is a multiple of 8
-///   the arrays, little-endian, each at its offset from the block's first byte, a multiple of 8: a page looks
-///   at them in place.
+///   the arrays, little-endian, each at its offset from the block's first byte, a multiple of 8: a page uses
+///   them in place.
 class ArrayMessage {
  public:
   nlohmann::ordered_json head;

@@ -73,9 +73,9 @@ nlohmann::ordered_json range_json(const picture::Range& range) {
 nlohmann::ordered_json field_names(const Frame& frame) {
   nlohmann::ordered_json names = nlohmann::ordered_json::array();
   for (const Frame::Array& array : frame.point_data) {
-    // One number, or a vector that is told by its length; a tensor's has no meaning of its own.
+    // One number, or the length of a vector; that of a tensor has no meaning.
     if (is_label(array.name) || (array.value.rows() != 1 && array.value.rows() != 3)) continue;
-    // A velocity is told by its length, which has a name of its own.
+    // A velocity is shown by its length, which has a name of its own.
     names.push_back({{"name", array.name == "velocity" ? "speed" : array.name}, {"unit", array.unit}});
   }
   return names;

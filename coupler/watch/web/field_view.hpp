@@ -34,9 +34,9 @@ nlohmann::ordered_json point_values(const Frame&, Eigen::Index index);
 /// Where the point with that id stands in a frame. Throws Error(case_file) where it is not among its points.
 Eigen::Index place_of(const Frame&, std::int64_t id);
 
-/// The outer faces of cells: in the plane every cell, in space the faces that only one cell has, as
-/// triangles, and the lines between the cells' corners. Two corners are a line, eight a hexahedron whose two
-/// faces are walked alike, four a quadrilateral in the plane and a tetrahedron in space.
+/// The outer faces of cells, as triangles, and the lines between the cells' corners. In the plane these are
+/// all cells, in space the faces that only one cell has. Two corners are a line, eight a hexahedron whose two
+/// faces are numbered alike, four a quadrilateral in the plane and a tetrahedron in space.
 struct Surface {
   std::vector<std::uint32_t> triangle, edge;
 };

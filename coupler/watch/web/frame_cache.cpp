@@ -52,8 +52,7 @@ void FrameShelf::look() {
   if (changed == looked_) return;
   timespec clock{};
   clock_gettime(CLOCK_REALTIME, &clock);
-  // The clock of a file system ticks coarsely: what came in the same tick as the last file may still be
-  // missing.
+  // The clock of a file system has coarse ticks. Files of the same tick as the last one may still be missing.
   constexpr std::int64_t tick = 100'000'000;  // [ns]
   const std::int64_t now = static_cast<std::int64_t>(clock.tv_sec) * 1'000'000'000 + clock.tv_nsec;
   looked_ = now - changed > tick ? changed : -1;
@@ -79,7 +78,7 @@ void FrameShelf::look() {
       const auto bad = damaged_.find(path.string());
       if (bad != damaged_.end() && bad->second == when) continue;
       if (const auto time = time_of_frame(path)) {
-        any = any || known != series.entries.end();  // it belongs between others that were told already
+        any = any || known != series.entries.end();  // it belongs between others that were already reported
         series.entries.insert(known, {number, *time});
       } else {
         damaged_[path.string()] = when;

@@ -14,7 +14,7 @@
 
 namespace strake::watch {
 
-/// The frames of a run, while they come: each file is opened once for its time, and the last ones that were
+/// The output frames of a run under way. Each file is opened once for its time, and the last ones that were
 /// read are kept.
 class FrameShelf {
  public:
@@ -45,7 +45,7 @@ class FrameShelf {
   };
   std::filesystem::path path_of(const Key&) const;
   std::filesystem::path folder_;
-  std::int64_t looked_ = -1;  // [ns] when the folder was last changed, as of the last look
+  std::int64_t looked_ = -1;  // [ns] when the folder was last changed, as of the last update
   std::map<std::string, Series> series_;
   std::map<std::string, std::int64_t> damaged_;  // file name → [ns] when it was written
   std::list<Kept> kept_;                         // the latest first

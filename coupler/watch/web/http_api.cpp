@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::chrono::milliseconds between_looks{200};  // however many pages ask
+constexpr std::chrono::milliseconds between_looks{200};  // for any number of pages
 constexpr std::size_t most_rows = 20'000;                // of a table in one answer
 constexpr std::int64_t most_log = 64 << 10;              // [bytes] of a log in one answer
 constexpr int colours = 64;                              // of a palette
@@ -33,7 +33,7 @@ Answers::Answer refusal(int status, const std::string& sentence) {
   return {status, "text/plain; charset=utf-8", sentence + "\n"};
 }
 
-/// A question that is not of the form that is told in answers.hpp.
+/// A request of another form than http_api.hpp describes.
 Error wrong(const std::string& key, const std::string& value, const std::string& expected) {
   return {ExitCode::command_line, fmt::format("{}={}", key, value), "expected " + expected};
 }

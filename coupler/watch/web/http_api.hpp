@@ -10,8 +10,7 @@
 
 namespace strake::watch {
 
-/// What the page is told of a run, question by question; all of it is read from the run's files. May be asked
-/// by several threads.
+/// Answers the page's requests on a run, all from the run's files. Several threads may call it.
 ///   ""            the page                "page.js"  "page.css"
 ///   api/run       what the run is: title, sides, probes, palette
 ///   api/news      state, clocks, processes, stages, sizes of everything that grows
@@ -43,7 +42,7 @@ class Answers {
   Answer log(const Query&);
   void look();
 
-  std::mutex run_mutex_, shelf_mutex_;  // in this order where both are held
+  std::mutex run_mutex_, shelf_mutex_;  // in this order if both are locked
   WatchedRun run_;
   FrameShelf shelf_;
   std::chrono::steady_clock::time_point looked_{};

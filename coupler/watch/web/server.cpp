@@ -34,7 +34,7 @@ bool is_any(const std::string& address) {
   return address == "0.0.0.0" || address == "::";
 }
 
-/// How long the comparison takes does not tell where the first difference is.
+/// The comparison takes equal time, wherever the first difference is.
 bool equal(const std::string& a, const std::string& b) {
   return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
 }
@@ -102,7 +102,7 @@ struct Server::State {
       return refuse(response, 403,
                     "this address holds no valid token; use the whole address that strake watch printed, up "
                     "to its last /");
-    if (path == "/") {  // without it the page's own files would be looked for beside it
+    if (path == "/") {  // without it the page's own files would be searched beside it
       response.set_redirect("/" + options.token + "/");
       return;
     }

@@ -7,10 +7,9 @@ namespace strake::watch {
 
 class Answers;
 
-/// Serves a page to who knows its token, and to nobody else: the token is the first part of every path, so
-/// that an address is all that a reader needs. Only GET and HEAD; a request whose Host is a name that this
-/// server was not bound to is refused, so that no foreign page can reach it by a name that it points here
-/// (DNS rebinding).
+/// Serves a page to readers who know its token. The token is the first part of every path, so that an address
+/// is all that a reader needs. Only GET and HEAD. A request whose Host is a name that this server was not
+/// bound to is refused. So no foreign page can reach it by a name that it points here (DNS rebinding).
 class Server {
  public:
   struct Options {
@@ -35,8 +34,9 @@ class Server {
   std::unique_ptr<State> state_;
 };
 
-/// Whether a Host header ("localhost:8137") names what was bound: the bound name itself, a name or address of
-/// loopback, or, bound to every interface, any numeric address and this machine's own name; with that port.
+/// True if a Host header ("localhost:8137") has the port and names what was bound. This is the bound name
+/// itself, or a name or address of loopback. If the server is bound to every interface, it is also any
+/// numeric address and this machine's own name.
 bool host_is_ours(const std::string& host, const std::string& bind, int port);
 /// Whether an address leaves this machine.
 bool is_loopback(const std::string& address);

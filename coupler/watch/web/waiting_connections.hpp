@@ -47,8 +47,8 @@ class Crew final : public httplib::TaskQueue {
   bool over_ = false;
 };
 
-/// httplib's server, but for connections that send no request or half of one: httplib gives each of them a
-/// thread, for as long as a byte comes now and then.
+/// httplib's server, with protection against connections that send no request or half of one. httplib gives
+/// each of them a thread, for as long as a byte comes now and then.
 class PatientServer final : public httplib::Server {
  public:
   PatientServer();

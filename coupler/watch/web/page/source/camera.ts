@@ -1,6 +1,6 @@
 /**
- * An orthographic view of the world: first turned by `yaw` about the y axis, then by `pitch` about the x axis of the
- * screen; `scale` pixels to a metre, `target` in the middle.
+ * An orthographic view of the world. It is first turned by `yaw` about the y axis, then by `pitch` about the x axis of
+ * the screen. `scale`: pixels to a metre; `target`: the point in the middle.
  */
 export class Camera {
   target: [number, number, number] = [0, 0, 0];

@@ -15,7 +15,7 @@ interface Chart { group: Group; plot: uPlot; box: HTMLElement; title: HTMLElemen
 /** Histories of the run: one chart for each group that is chosen. */
 export class Curves {
   readonly table = new Table('history');
-  onTime: (time: number) => void = () => { /* nobody asks yet */ };
+  onTime: (time: number) => void = () => { /* no listener yet */ };
   private groups: Group[] = [];
   private chosen: string[] | null = null;
   private charts: Chart[] = [];
@@ -65,7 +65,7 @@ export class Curves {
     }
   }
 
-  /** Without a pointer on the curves, the legend tells the latest values. */
+  /** Without a pointer on the curves, the legend shows the latest values. */
   private sayLast(plot: uPlot): void {
     if ((plot.cursor.left ?? -1) < 0) plot.setLegend({ idx: this.table.rows - 1 }, false);
   }

@@ -1,4 +1,4 @@
-/** The element of that id; the page is built so that it is there, and is what the caller takes it for. */
+/** The element of that id. The page is built so that it is there, and has the type that the caller expects. */
 // eslint-disable-next-line @typescript-eslint/no-unnecessary-type-parameters -- as querySelector does
 export function el<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);

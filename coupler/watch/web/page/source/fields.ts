@@ -21,7 +21,7 @@ function rgb(name: string): number[] {
 /** The picture of one frame: what is shown of it, from where, and what the reader does with it. */
 export class Fields {
   readonly frames = new Frames();
-  onTime: (time: number) => void = () => { /* nobody asks yet */ };
+  onTime: (time: number) => void = () => { /* no listener yet */ };
   private readonly canvas = el<HTMLCanvasElement>('canvas');
   private readonly overlay = el<HTMLCanvasElement>('overlay');
   private readonly camera = new Camera();
@@ -99,7 +99,7 @@ export class Fields {
       if (request !== this.wanted) return;
       for (const part of parts) if (part !== null) this.take(part.side, part.number, part.arrays);
     } catch (error) {
-      if (error instanceof Refused && error.status === 404) return;  // gone with a resumed run: the next news tell
+      if (error instanceof Refused && error.status === 404) return;  // gone with a resumed run: the next news report it
       throw error;
     }
     if (!this.fitted) this.fit();
@@ -193,7 +193,7 @@ export class Fields {
   fit(): void {
     const box = this.bounds();
     if (box === null) return;
-    if (this.flat) {  // as high as what is shown asks for
+    if (this.flat) {  // as high as its content needs
       const across = box[1][0]! - box[0][0]!, over = box[1][1]! - box[0][1]!;
       const high = across > 0 ? 1.06 * this.camera.width * over / across + 24 : this.camera.width;
       const ideal = `${Math.round(high + axisBelow + axisAbove)}px`, stage = el('stage');

@@ -3,7 +3,7 @@ import type { FrameArrays, FrameHead, FrameList, News, Side } from './api';
 
 const mostBytes = 200 * 2 ** 20;  // of frames that are kept
 
-/** The frames of a run as the page knows them, and the last ones that were fetched. */
+/** The list of a run's frames, and the last ones that were fetched. */
 export class Frames {
   private readonly lists: Record<Side, FrameList> = {
     fluid: { generation: -1, from: 0, numbers: [], times: [] },
@@ -20,7 +20,7 @@ export class Frames {
       if (told.generation === list.generation && told.count === list.numbers.length) continue;
       const from = told.generation === list.generation ? Math.min(list.numbers.length, told.count) : 0;
       const more = await json<FrameList>(`api/frames?side=${side}&from=${from}`);
-      if (more.generation !== list.generation && from > 0) continue;  // changed meanwhile: the next news tell
+      if (more.generation !== list.generation && from > 0) continue;  // changed meanwhile: the next news report it
       if (from === 0) { this.kept.clear(); this.sizes.clear(); }
       list.generation = more.generation;
       list.numbers = [...list.numbers.slice(0, from), ...more.numbers];

@@ -7,7 +7,7 @@ export function words(field: string): string {
   return field === 'von_mises' ? 'von Mises stress' : field.replace(/_/g, ' ');
 }
 
-/** A bar of the palette's colours with the range that they stand for. */
+/** A bar of the palette's colours with their range. */
 export function drawLegend(figure: HTMLElement, side: Side, field: FieldFacts | undefined, low: number, high: number, palette: number[]): void {
   const told = field === undefined ? '' : [side, field.name, field.unit, low, high, String(field.all)].join();
   if (figure.dataset['told'] === told) return;  // drawn as it is: a picture may be drawn many times a second

@@ -1,4 +1,4 @@
-// The page of `strake watch --web`: asks for news, and shows what has changed.
+// The page of `strake watch --web`: requests news, and shows what has changed.
 import { json, Refused } from './api';
 import type { News, RunFacts } from './api';
 import { Curves } from './curves';
@@ -101,7 +101,7 @@ async function begin(): Promise<void> {
   document.addEventListener('keydown', keyboard);
   document.addEventListener('visibilitychange', () => { if (!document.hidden) ask(0); });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { fields.redraw(); });
-  // What a test or a measurement asks of the page.
+  // The functions that tests and measurements call.
   Object.assign(window, { strake: { fields, curves } });
   ask(0);
 }

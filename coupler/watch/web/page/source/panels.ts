@@ -57,7 +57,7 @@ export function showStages(news: News): void {
 
 let before: { at: number; seconds: Map<number, number> } | null = null;
 
-/** What the run's processes do; the load since the last look. */
+/** State of the run's processes; the load since the last update. */
 export function showProcesses(news: News): void {
   const now = performance.now();
   const load = (p: ProcessFacts): string => {

@@ -3,7 +3,7 @@ import type { TableHead } from './api';
 
 export interface TableColumn { name: string; unit: string; logarithmic: boolean }
 
-/** A column file of the run as the page knows it: grows with the run's. */
+/** A column file of the run, as far as the page has read it. */
 export class Table {
   columns: TableColumn[] = [];
   chosen: number[] = [];

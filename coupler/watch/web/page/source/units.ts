@@ -72,7 +72,7 @@ export function roundTicks(low: number, high: number, wanted: number): number[] 
   return ticks;
 }
 
-/** As many places as it takes to tell ticks that far apart. */
+/** As many decimals as distinguish ticks of that distance. */
 export function tickText(value: number, distance: number): string {
   const size = Math.max(Math.abs(value), Math.abs(distance));
   if (size >= 1e6 || (size > 0 && size < 1e-4)) return value.toExponential(1).replace(/-/g, '−');
