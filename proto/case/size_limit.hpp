@@ -30,7 +30,7 @@ double seconds_of(const SizeEstimates&);
 /// Memory that one program of a run may take [bytes]: four fifths of what this machine has.
 double usable_memory();
 
-/// True if a case is too large to build for `strake check`: it takes too much memory, or `times` its building
+/// True if a case is too large to build for `strake check`. It takes too much memory, or `times` its building
 /// time is too long.
 bool is_large(const SizeEstimates&, double times = 1);
 
