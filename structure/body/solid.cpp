@@ -52,7 +52,7 @@ double corner_jacobian(const Solid& solid, Index c, int corner) {
   return J.determinant();
 }
 
-/// Finds the cells that are connected over whole faces: for each cell the number of the first cell of its
+/// Finds the cells that are connected over whole faces. Each cell gets the number of the first cell of its
 /// group.
 std::vector<int> groups_of_cells(const Solid& solid) {
   std::vector<int> group(static_cast<std::size_t>(solid.cell.cols()));

@@ -37,7 +37,7 @@ void start_at_lower_left(std::vector<Vector2d>& polygon) {
   std::rotate(polygon.begin(), first, polygon.end());
 }
 
-/// Finds the facets that are connected over their edges: for each facet the number of the first facet of its
+/// Finds the facets that are connected over their edges. Each facet gets the number of the first facet of its
 /// group.
 std::vector<int> groups_of_facets(const Solid& solid) {
   std::vector<int> group(solid.facet_cell.size());

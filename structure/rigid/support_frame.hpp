@@ -35,7 +35,7 @@ class SupportFrame {
   FrameState prescribed(double time) const;
   bool is_free(Eigen::Index axis) const { return free_[static_cast<std::size_t>(axis)]; }
   bool is_free() const { return free_[0] || free_[1] || free_[2]; }
-  /// Removes an axis from the free ones if no support constrains the body along it: the frame has nothing to
+  /// Removes an axis from the free ones if no support constrains the body along it. The frame has nothing to
   /// move there.
   void stays_out(Eigen::Index axis) { free_[static_cast<std::size_t>(axis)] = false; }
   bool by_table() const { return motion_.has_value(); }

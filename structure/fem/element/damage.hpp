@@ -30,9 +30,8 @@ class Damage {
   static constexpr double residual = Assembly<dim>::residual;
   struct State {
     Eigen::VectorXd onset, peak, end;  // cells: y_0 (0: not yet), largest y, y_f [√Pa]; empty: no failure
-                                       // asked for
     std::int64_t eroded = 0;           // cells
-    double released = 0;               // cells: y_0 (0: not yet), largest y, y_f [√Pa]; empty: no failure
+    double released = 0;               // [J] ([J/m])
     FailureRecord record;
   };
 
