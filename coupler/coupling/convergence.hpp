@@ -21,12 +21,11 @@ enum class Unconverged {
   stop     // Error(solver_fault)
 };
 
-/// When a residual is small enough; a limit of zero asks for nothing.
+/// Limits below which a residual is small enough; a limit of zero is not tested.
 struct Limits {
   double relative = 0;           // of the field's increment in the window, or of its value
   double absolute = 0;           // in the field's unit
-  double residual_relative = 0;  // Limits below which a residual is small enough; a limit of zero is not
-                                 // tested.
+  double residual_relative = 0;  // of the window's first residual
   bool any() const { return relative > 0 || absolute > 0 || residual_relative > 0; }
 };
 

@@ -12,7 +12,7 @@ namespace strake {
 /// parted. They go to the summary, and once to the console and the log.
 class FailureNotes {
  public:
-  /// `dry_faces`: the water does not load the faces of a crack, since the interface is the surface of the
+  /// `dry_faces`: the water does not load the faces of a crack. The interface is then the surface of the
   /// whole body. Events up to `since` [s] were reported before a resume.
   FailureNotes(bool dry_faces, double since) : dry_faces_(dry_faces), since_(since) {}
   /// Lines for what has happened since the last call.
