@@ -1,4 +1,4 @@
-"""A run in ParaView as the papers show it: water particles coloured by pressure, the structure by its von Mises stress.
+"""Shows a run in ParaView: water particles coloured by pressure, the structure by its von Mises stress.
 
 In the window, with all time steps and every property at hand:
     STRAKE_RUN=runs/plate_entry paraview --script=cases/paraview/show.py
@@ -116,7 +116,7 @@ def show(run, options):
             high = water.GetDataInformation().GetBounds()[3]  # walls may stand far above it
             box = [*box[:3], high + 0.15 * (high - box[2]), *box[4:]]
             size = spacing or (box[1] - box[0]) / 200
-            if three:  # the front half is taken away, so that one looks into the water
+            if three:  # the front half is removed, so that the inside of the water is visible
                 half = pv.Clip(registrationName="half of the water", Input=water)
                 half.ClipType = "Plane"
                 half.ClipType.Origin = [0, 0, 0.5 * (box[4] + box[5])]

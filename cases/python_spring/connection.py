@@ -12,7 +12,7 @@ from zmq.utils.monitor import recv_monitor_message
 import coupling_pb2 as pb  # made of proto/coupling.proto by the build; strake puts its folder on PYTHONPATH
 
 GONE = 5  # exit code of a solver whose coupler has ended
-LOOK = 100  # [ms] between two looks at the connection while no question comes
+LOOK = 100  # [ms] between two tests of the connection while no request comes
 
 
 class Connection:
@@ -55,7 +55,7 @@ class Connection:
         self.socket.send(pb.Reply(sequence=self.sequence, hello=self.hello).SerializeToString())
 
     def look(self):
-        """Sees what happened to the connection. On a new one the coupler knows us only after a Hello."""
+        """Processes the events of the connection. On a new one the coupler identifies us only after a Hello."""
         while self.monitor.poll(0):
             event = recv_monitor_message(self.monitor)["event"]
             if event == zmq.EVENT_CONNECTED:
