@@ -22,7 +22,7 @@ CASE = ROOT / "cases" / "plate_entry.toml"
 QUICK = ["structure.solver=rigid", "fluid.scheme.time_step=1e-5", "fluid.spacing=0.02"]
 RESULTS = ("history.csv", "iterations.csv")
 MEMORY = 200 * 1024  # [KiB] a crowd may add at most
-BATCH = 400          # connections that each part of the crowd holds open at once
+BATCH = 400          # connections that each part of the crowd keeps open at once
 READY = b"\x04\x1c\x05READY\x0bSocket-Type\0\0\0\x06DEALER"  # ZMTP 3.0 (RFC 23)
 GREETING = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(48)
 
@@ -61,7 +61,7 @@ KINDS = {"silence": silence, "garbage": garbage, "web": web, "half greeting": ha
 
 
 class Crowd:
-    """Comes in batches, and holds one while it opens the next; `storm` closes each connection at once."""
+    """Connects in batches, and keeps one open while it opens the next; `storm` closes each connection at once."""
     GATES = 4
 
     def __init__(self, endpoint, kind, number):

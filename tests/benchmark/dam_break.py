@@ -2,17 +2,17 @@
 
 usage: tests/benchmark/dam_break.py [BIN_DIR] [--particles N]… [--threads N]… [--units T] [--set KEY=VALUE]…
        (default: build/bin, 10 000 particles, 1 and 2 threads, 8 units)
-The column is 2 m wide and H = 1 m high, the tank 5.366 m long and open at 4 m, walls are smooth, the water is
-incompressible: the well-known case of SPHinXsys, with g = 9.81 m/s^2 in place of 1 and the tank's length rounded to
-whole particles. Every frame of 0.1 units is written. Other machines differ: beside each figure stands the time of a
-particle-step as so many plain sparse products per row, and as the bytes that STREAM triad would have moved.
-Shortest of --repeats runs, since what else runs on the machine only ever adds."""
+The case is that of SPHinXsys, with g = 9.81 m/s^2 in place of 1 and the tank's length rounded to whole particles. The
+column is 2 m wide and H = 1 m high, the tank 5.366 m long and open at 4 m; walls are smooth, the water is
+incompressible. Every frame of 0.1 units is written. Other machines differ: beside each figure stands the time of a
+particle-step as so many plain sparse products per row, and as the bytes that STREAM triad would have moved. Shortest of
+--repeats runs, since what else runs on the machine only ever adds."""
 import math
 import subprocess
 
 import runs
 
-# seconds per sqrt(H/g) with 1 and 2 threads, on 2 virtual cores of 3.9 GHz with triad 29 and 58 GB/s (48 MB)
+# seconds per sqrt(H/g) with 1 and 2 threads, on 2 virtual cores of 3.9 GHz. Triad 29 and 58 GB/s (48 MB)
 PEERS = {
     10_000: {"SPHinXsys": (9.7, 5.1), "DualSPHysics 5.4 Verlet": (73, 38), "MPS-Basic (dt 2.5e-4, 12.6k)": (195, 146)},
     100_000: {"SPHinXsys": (424, 221), "DualSPHysics 5.4 Verlet": (1985, 1021)},

@@ -1,9 +1,10 @@
-"""Extreme values of every key of the case file, drawn at random: `strake check` must answer each of them soon, in
-little memory, and with an exit code that says what is wrong.
+"""Draws extreme values of every key of the case file at random, and runs `strake check` on each.
 
-Keys, their kinds and their defaults come from `strake explain --markdown`. A draw changes one key of a case (one in
-five changes two), in the file itself or by --set. An answer is a finding where a program crashes or reports a bug of
-ours (exit 70), a participant that was waited for is lost (exit 5), it comes later than --seconds, or a process takes more than --memory.
+`strake check` must answer soon, in little memory, and with an exit code that says what is wrong.
+
+Keys, their kinds and their defaults come from `strake explain --markdown`. A draw changes one key of a case (one in five changes two),
+in the file itself or by --set. A finding is a crash, a report of a bug of ours (exit 70), or the loss of an awaited participant (exit
+5). So is an answer later than --seconds, or a process with more memory than --memory.
 
   python3 tests/benchmark/extreme_values.py build/bin --count 200 --seed 1
 """
@@ -134,7 +135,7 @@ def written(table, path=""):
 
 
 def place(case, path):
-    """The table that holds a key, made where it is not there, and the key's last name."""
+    """The table that contains a key, made if it is missing, and the key's last name."""
     steps, table = path.split("."), case
     for step in steps[:-1]:
         if step.endswith("[]"):

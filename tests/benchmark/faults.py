@@ -1,5 +1,6 @@
-"""What goes wrong on purpose, and what a run makes of it: time to the message, the message, the exit code, whether the run
-can be resumed to the very result of one that nothing befell, and what is left behind (processes, zombies, sockets).
+"""Injects faults into runs, and checks how they end. For each fault the table has the time to the message, the message,
+the exit code, and what is left behind (processes, zombies, sockets). It also says whether a resumed run has exactly the
+result of an undisturbed one.
 
 Two small programs that misbehave on request (tests/system/toy_participant.cpp) are coupled by the real `strake run`,
 explicit and implicit, serial and parallel. A dead participant must be named within a second, a frozen one after
@@ -8,7 +9,8 @@ the table says which. Exits 1 when an exit code, a resume, a text, or what is le
 
     tests/benchmark/faults.py [BIN_DIR] [--toys DIR] [--scheme NAME]... [--only WORD] [--texts FILE]
 
-With --texts what the run says is held against the block of that name in FILE; STRAKE_WRITE_TEXTS=1 writes the blocks anew.
+With --texts the output of the run is compared with the block of that name in FILE; STRAKE_WRITE_TEXTS=1 writes the
+blocks anew.
 """
 import os
 import pathlib
@@ -42,7 +44,8 @@ def awaited_in_vain(run):
 
 
 def strike(name, number, toy=f"structure:sleep:{AT}", when=in_its_step):
-    """A signal to one process as soon as `when` holds of the run; without one, while the structure is inside a step of a minute."""
+    """Sends a signal to one process as soon as `when` is true for the run. Without `when`, sends it while the structure is inside a
+    step of a minute."""
     def act(place, sets):
         run = Run(place, sets=sets, toy=toy)
         run.wait_for(lambda: when(run))
@@ -83,7 +86,7 @@ def suspended_for_a_while(name):
 
 
 def stranger(place, sets):
-    """Noise on the socket of a run that is under way, and one who knows the protocol but not the token."""
+    """Sends noise to the socket of a run under way. Then connects a client that has the protocol but not the token."""
     run, _ = napping(place, sets)
     hub = next(place.sockets.glob("strake-*/*"))
     for noise in (b"GET / HTTP/1.1\r\n\r\n", bytes(64), b"\xff" * 4096):
@@ -142,7 +145,7 @@ def stale_socket(place, sets):
     return run, struck
 
 
-# ---- a full disk: a small tmpfs in a name space of this process, or a limit on the size of files
+# ---- a full disk: a small tmpfs in a name space of this process, or a limit on file sizes
 
 PLATE = runs.ROOT / "cases" / "plate_entry.toml"
 QUICK_PLATE = ["structure.solver=rigid", "fluid.spacing=0.02", "structure.plate.bottom=[0,0.024,0]", "end_time=4e-4",

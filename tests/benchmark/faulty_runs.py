@@ -1,5 +1,5 @@
-"""What tests/benchmark/faults.py has things happen to: `strake run` of two small programs that misbehave on request
-(tests/system/toy_participant.cpp) in a folder of its own, what is left of it, and disks that are soon full."""
+"""Runs for tests/benchmark/faults.py, in a folder of their own, with what they leave and disks that are soon full. A run
+is `strake run` of two small programs that misbehave on request (tests/system/toy_participant.cpp)."""
 import ctypes
 import os
 import pathlib
@@ -29,7 +29,7 @@ checkpoint_windows = 5
 
 
 def processes(word):
-    """pid → state of every process whose command line or environment holds `word`, and of zombies of ours."""
+    """pid → state of every process whose command line or environment contains `word`, and of zombies of ours."""
     found = {}
     for entry in pathlib.Path("/proc").iterdir():
         if not entry.name.isdigit() or int(entry.name) == os.getpid():

@@ -3,8 +3,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-// What a figure of speed stands beside, for whole commands: machine_benchmark PARTICLES THREADS prints the
-// STREAM triad [GB/s] and the milliseconds of one product of a plain sparse matrix with so many rows.
+// Measures the machine, as a reference for the speed of whole commands. machine_benchmark PARTICLES THREADS
+// prints the STREAM triad [GB/s] and the milliseconds of one product of a plain sparse matrix with so many
+// rows.
 int main(int argc, char** argv) {
   if (argc != 3) {
     std::fprintf(stderr, "usage: machine_benchmark PARTICLES THREADS\n");

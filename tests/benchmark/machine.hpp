@@ -10,8 +10,9 @@
 #include <memory>
 #include <vector>
 
-/// Two measures of the machine that every figure of speed stands beside, since machines differ: STREAM triad
-/// and a plain product of a sparse matrix in compressed rows, both with the threads of the work itself.
+/// Two measures of the machine, since machines differ; every figure of speed is compared with them. They are
+/// STREAM triad and a plain product of a sparse matrix in compressed rows, both with the threads of the work
+/// itself.
 namespace strake::benchmark_machine {
 
 /// Shortest of `repeats` runs of `work` [s]: what others do on the machine only ever makes a run longer.
@@ -46,9 +47,9 @@ class Array {
   std::unique_ptr<double[]> data_;
 };
 
-/// STREAM triad a = b + s c over arrays of `bytes` in all [B/s]; three doubles moved per element (the line
-/// fetched before a is written is not counted, as STREAM does). 48 MB: between cache and memory; 600 MB:
-/// memory.
+/// Bandwidth of STREAM triad a = b + s c over arrays of `bytes` in all [B/s]. Three doubles are moved per
+/// element (the line fetched before a is written is not counted, as in STREAM). 48 MB: between cache and
+/// memory; 600 MB: memory.
 inline double triad_bandwidth(int threads, double bytes = 48e6, int repeats = 15) {
   const auto n = static_cast<std::size_t>(bytes / (3 * sizeof(double)));
   Array a(n, 0, threads), b(n, 1, threads), c(n, 2, threads);
@@ -64,8 +65,8 @@ inline double triad_bandwidth(int threads, double bytes = 48e6, int repeats = 15
   return 3.0 * static_cast<double>(n * sizeof(double)) / seconds;
 }
 
-/// Compressed rows of the lattice's own graph: cells of a square (2-D) or cube (3-D) with all neighbours
-/// within `radius` cells, numbered row by row; the matrix that a pressure equation on n particles would have.
+/// The matrix of a pressure equation on n particles, in compressed rows. It is the lattice's own graph: cells
+/// of a square (2-D) or cube (3-D) with all neighbours within `radius` cells, numbered row by row.
 struct CompressedRows {
   std::vector<std::int64_t> begin;
   std::vector<std::int32_t> column;

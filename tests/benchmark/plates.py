@@ -7,12 +7,13 @@ Each run is cases/plate_entry.toml, coupled at every fluid step, from a gap of 1
   spacing     6.26 m/s at each spacing: c = inf at steps of 1e-4 and 1e-5 s, c = 1500 m/s at 2e-6 s
   steps       c = 1500 m/s at the finest spacing: every speed at steps of 5e-6, 2e-6 and 5e-7 s
   turbulence  fem plate, 6.26 m/s, l0 = 0.01 m: model none, static and k up to the first peak of the deflection
-Measured at the middle of the plate's lower face over a sensor of 2 l0 (cases/VALIDATION.md): t_c is the first step in which the
-pressure exceeds rho V^2/2; the impulse is the integral of p over every step since t_c; the peak is the largest mean over 50 us.
-References are theory, not experiment: potential flow in this tank (1.0338 rho V a); linear acoustics of a rigid plate in it
-(0.99 rho V a after 133 us, 1.27 rho V a after 300 us; rho c V until a/c = 133 us); 0.2596 mm per m/s of mid deflection
-(modal Galerkin, incompressible, cases/VALIDATION.md). Potential flow's impulse is that of the contact itself: what comes in the 300 us
-after it grows as the free surface rises beside the edges over some (V t)^(2/3) a^(1/3), a twentieth of a by then. 4.43 m/s is the fall of 1 m that the paper's 4.23 probably stands for."""
+Measured at the middle of the plate's lower face over a sensor of 2 l0 (cases/VALIDATION.md). t_c is the first step in which the pressure
+exceeds rho V^2/2. The impulse is the integral of p over every step since t_c; the peak is the largest mean over 50 us. References are
+theory, not experiment: potential flow in this tank (1.0338 rho V a); linear acoustics of a rigid plate in it (0.99 rho V a after 133 us,
+1.27 rho V a after 300 us; rho c V until a/c = 133 us); 0.2596 mm per m/s of mid deflection (modal Galerkin, incompressible,
+cases/VALIDATION.md). Potential flow's impulse is that of the contact itself. The impulse of the 300 us after it grows as the free surface
+rises beside the edges over some (V t)^(2/3) a^(1/3), a twentieth of a by then. 4.43 m/s is the speed after a fall of 1 m; the paper's 4.23
+is probably a misprint of it."""
 import math
 
 import drawing
@@ -27,7 +28,7 @@ def entry(l0, speed, sound, step, after=3.3e-4, solver="rigid"):
     """A run of plate_entry that ends so long after contact [s], as a case and its settings."""
     gap = 1.2 * l0
     window = step if solver == "rigid" else 5 * step
-    # The first row of the water may rise by a few hundredths of the gap before the plate comes, or yield by as much.
+    # Before contact the first layer of the water may rise, or yield, by a few hundredths of the gap.
     end = math.ceil((1.03 * gap / speed + after) / window) * window
     return CASE, [f"fluid.spacing={l0!r}", f"fluid.sound_speed={sound!r}", f"fluid.scheme.time_step={step!r}",
                   f"structure.solver={solver}", f"structure.velocity=[0,{-speed!r},0]", f"structure.plate.bottom=[0,{gap!r},0]",
@@ -36,7 +37,7 @@ def entry(l0, speed, sound, step, after=3.3e-4, solver="rigid"):
 
 
 class Impact:
-    """What the sensor at mid-span saw, in rho V a and rho c V; `series` is time since contact [s] and pressure [Pa]."""
+    """Pressure of the sensor at mid-span, in rho V a and rho c V. `series`: time since contact [s] and pressure [Pa]."""
 
     def __init__(self, run, speed):
         scale = DENSITY * speed * HALF

@@ -20,7 +20,8 @@ import runs
 
 CASE = runs.ROOT / "cases" / "plate_entry.toml"
 WINDOW = 4e-5  # s
-# 300 particles and a soft plate, so that a run takes seconds: 24 mm at 6.26 m/s, it touches the water after 96 windows.
+# 300 particles and a soft plate, so that a run takes seconds. At 6.26 m/s over 24 mm it touches the water after 96
+# windows.
 COARSE = ["fluid.spacing=0.02", "fluid.tank=[[-0.3,-0.2,0],[0.3,0.3,0]]", "fluid.water=[[-0.3,-0.2,0],[0.3,0,0]]",
           f"coupling.surface.window={WINDOW}", "structure.plate.bottom=[0,0.024,0]", "structure.plate.length=0.2",
           "structure.material.young=5e9", "output.probe[0].at=[0,0.024,0]", "output.probe[1].at=[0,0.024,0]",

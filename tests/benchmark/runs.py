@@ -1,4 +1,4 @@
-"""What the scripts of this folder share: their commands, runs of `strake` in a folder that goes away, tables, sums over series."""
+"""Functions that the scripts of this folder share: commands, runs of `strake` in a temporary folder, tables, sums over series."""
 import argparse
 import concurrent.futures
 import csv
@@ -75,7 +75,7 @@ def fit_slope(times, values):
 
 
 def slope_error(times, values):
-    """Standard error of that slope, where what the line leaves is as random from sample to sample as it looks."""
+    """Standard error of that slope, if the deviations from the line are random from sample to sample."""
     slope, mt, mv = fit_slope(times, values), sum(times) / len(times), sum(values) / len(values)
     left = sum((v - mv - slope * (t - mt)) ** 2 for t, v in zip(times, values)) / (len(times) - 2)
     return math.sqrt(left / sum((t - mt) ** 2 for t in times))

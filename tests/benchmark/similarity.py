@@ -1,8 +1,9 @@
 """Wedge at constant speed into still water without gravity: the exact self-similar flow.
 
-usage: tests/benchmark/similarity.py [DEADRISE]…   (default: 4 5 7.5 10 15 20 30 40 45 60 degrees; needs numpy)
+usage: tests/benchmark/similarity.py [DEADRISE]… (default: 4 5 7.5 10 15 20 30 40 45 60 degrees; needs numpy)
+
 Prints K = F/(rho V^3 t), the largest Cp = p/(rho V^2/2) and its height over the still level, Cp at the apex, the jet's tip
-(heights in V t) and the contact angle, beside the same figures of Dobrovol'skaya 1969 as Zhao & Faltinsen 1993 tabulate them.
+(heights in V t) and the contact angle. The same figures of Dobrovol'skaya 1969 stand beside, as Zhao & Faltinsen 1993 tabulate them.
 
 All lengths in V t, velocities in V, complex velocity W'. On walls W'' dz^2 is real, on the free surface (constant pressure,
 so acceleration is normal to it) it is imaginary: dh = sqrt(W'') dz maps the water on a right isosceles triangle (Wagner),
@@ -12,8 +13,8 @@ The direction of z' is known on axis and face and turns by -pi f dl on the free 
     |z'| = B g,   g = |l|^(-3/2) |l - 1|^(c/pi - 1) exp int f(m) ln|l - m| dm,   int f = 1 - (deadrise + c)/pi, c contact angle.
 Water moves along the surface at the arc length S from the tip in similarity coordinates, and turns with it:
     pi f = k [l (1 - l)]^(-3/2) / (g S),   S = int_l^1 g dm,   k = C^2/B^2.
-The water stays with the face's end: int_face |h'|^2/|z'| = int_face |z'| gives k, velocity V at the apex gives B.
-Solved by Newton in ln f over even steps of ln(l/(1 - l)), where all decays exponentially; ends are powers, taken exactly."""
+The water stays at the face's end: int_face |h'|^2/|z'| = int_face |z'| gives k, velocity V at the apex gives B. Solved by
+Newton in ln f over even steps of ln(l/(1 - l)), where all decays exponentially; ends are powers, taken exactly."""
 import sys
 
 try:
@@ -37,8 +38,8 @@ def integrals_from_right(h, n):
 
 
 class SimilarFlow:
-    """The flow about a wedge: `force`, `largest` (Cp and its height), `apex` Cp, `tip` height, `contact` [rad], and the curve
-    `height`, `pressure` (Cp) along the face from the tip to the apex."""
+    """The flow about a wedge. Members: `force`, `largest` (Cp and its height), `apex` Cp, `tip` height, `contact` [rad], and the
+    curve `height`, `pressure` (Cp) along the face from the tip to the apex."""
 
     def __init__(self, deadrise, h=0.1):
         start = None
@@ -60,7 +61,7 @@ class SimilarFlow:
         return x, low, high, h * near, y, numpy.logaddexp(0, y)
 
     def _face(self, deadrise, contact, f, h):
-        """Per step of y: |z'|/B and |h'|^2/(B k |z'|); the powers with which they decay to the tip and to the apex."""
+        """|z'|/B and |h'|^2/(B k |z'|) per step of y, and the powers of their decay to tip and apex."""
         _, _, high, _, y, sum_y = self._grid(h)
         reach = h * numpy.logaddexp(y[:, None], high[None, :])
         ln_g = -1.5 * sum_y + (contact / numpy.pi - 1) * y + reach @ f
@@ -125,7 +126,8 @@ class SimilarFlow:
         right = integrals_from_right(h, len(y))
         s = right @ length + length[-1] / p1  # from the apex
         u = right @ speed + speed[-1] / q1    # along the face, over that at the apex
-        # Bernoulli along the face: dp = rho (s - u) du; no pressure at the tip, where s - u and its rest are powers.
+        # Bernoulli along the face: dp = rho (s - u) du. The pressure is zero at the tip, where s - u and its rest are
+        # powers.
         ds, du = length[0] / p0, speed[0] / q0
         rises = right @ ((s - u) * speed)
         at_apex = -(rises[0] - ds * du * q0 / (p0 + q0) + 0.5 * du**2)

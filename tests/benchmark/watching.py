@@ -1,6 +1,6 @@
-"""What watching costs a run: the same run alone, beside `strake watch` on a terminal, and beside a page that asks as a browser
-does (news, rows and the newest frames), in turn. By hand:  watching.py BIN [pairs] [case and options]
-Processor seconds are those of the run's own processes; what the watcher takes is told beside them."""
+"""Measures what watching costs a run. The same run goes alone, beside `strake watch` on a terminal, and beside a page, in
+turn. The page requests news, lines and the newest frames as a browser does. By hand: watching.py BIN [pairs] [case and
+options] Processor seconds are those of the run's own processes; those of the watcher are printed beside them."""
 import json
 import os
 import pathlib

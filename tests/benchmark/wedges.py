@@ -7,16 +7,16 @@ Prints for each angle, over the last 20 % of growth:
   +-       its standard error from the scatter about that line, over the exact K: what one run can tell
   F/t      mean of F/(rho V^3 t), t from the moment the apex meets the still level
   rms      of F/(rho V^3 t) about its mean, over the mean
-  Cp       largest mean of p/(rho V^2/2) over bins of z/(V t), without 3 l0 at the apex, and its place; where theory has it at the
-           apex (above 40 degrees), the line through the bins of the lower half carried to the apex, over s^(2 pi/angle - 2) as the
-           flow in the water's corner has it, s from the apex, angle = deadrise + 90 degrees
+  Cp       largest mean of p/(rho V^2/2) over bins of z/(V t), without 3 l0 at the apex, and its place. Above 40 degrees theory
+           has it at the apex. There the line through the bins of the lower half is extrapolated to the apex over
+           s^(2 pi/angle - 2), as in the flow in the water's corner; s from the apex, angle = deadrise + 90 degrees
   flank    length of the exact pressure's fall from 0.9 to 0.1 of its largest, in spacings, at the end: below 3 no Cp is resolved
   sides    difference of the mean force on the two faces' horizontal parts over the vertical force
   gap      |momentum of water - impulses| over the vertical impulse on the body
-and writes to DIR the table (wedges.csv), the distribution of pressure (wedge-DEG.csv: z/Vt [1], Cp [1], Cp of theory at the same
-height [1]) and its picture over the similarity curve (wedge-DEG.svg), the force against time (wedge-DEG-force.csv).
-Reference: theory, exact similarity flow (similarity.py, which needs numpy: Dobrovol'skaya's problem; cases/VALIDATION.md), for water without bounds; the
-tank is twelve half wetted widths long each side of the wedge and ten deep: half of that adds 4 % to the force at 40 degrees."""
+and writes to DIR the table (wedges.csv), the distribution of pressure (wedge-DEG.csv: z/Vt [1], Cp [1], Cp of theory at the same height
+[1]) and its picture over the similarity curve (wedge-DEG.svg), the force against time (wedge-DEG-force.csv). Reference: theory, exact
+similarity flow for water without bounds (similarity.py, which needs numpy: Dobrovol'skaya's problem; cases/VALIDATION.md). The tank is
+twelve half wetted widths long each side of the wedge and ten deep; half of that adds 4 % to the force at 40 degrees."""
 import math
 
 import similarity  # first: it says what is missing where numpy is
@@ -85,7 +85,8 @@ def probe_heights(slope):
 
 
 def pressure_curve(run, heights, kept, met, lowest):
-    """Means of Cp over bins of z/(V t), from the rows kept; probes lower than `lowest` over the apex are left out."""
+    """Means of Cp over bins of z/(V t), from the kept lines of the history. Probes lower than `lowest` over the apex are
+    left out."""
     bins = {}
     for k, height in enumerate(heights):
         if height < lowest:

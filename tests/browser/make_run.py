@@ -1,5 +1,5 @@
-"""A finished run of N particles of water and a block of hexahedra in space, or in the plane, as `strake run` would leave it:
-make_run.py FOLDER N [2|3] [FRAMES]. For what takes too long to compute: how the page draws many particles, and space."""
+"""Makes a finished run of N particles of water and a block of hexahedra, as `strake run` would leave it. Usage: make_run.py
+FOLDER N [2|3] [FRAMES]. For tests that would take too long to compute: drawing many particles, and space."""
 import json
 import math
 import pathlib

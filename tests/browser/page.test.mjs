@@ -39,7 +39,7 @@ async function saved(page, id) {
 /** The picture that is drawn now, as it may be compared. @param {Page} page */
 const picture = async (page) => (await page.locator('#stage').screenshot()).toString('base64');
 
-/** What axe-core holds against a page. @param {Page} page @param {string} what */
+/** The problems that axe-core finds in a page. @param {Page} page @param {string} what */
 async function accessible(page, what) {
   await page.evaluate(axe);
   const violations = await page.evaluate(async () => {

@@ -41,8 +41,8 @@ inline InterfaceMesh sheet(int m) {
   return patchwork("sheet", m, [](double a, double b) { return Eigen::Vector3d(a, 2 * b, 0.5 * a); });
 }
 
-/// z = 0.1 sin 2πx cos 2πy over the unit square, spacing h = 1/m; the points moved by `shift` · h along x and
-/// y, as the meshes of two solvers lie that know nothing of one another.
+/// z = 0.1 sin 2πx cos 2πy over the unit square, spacing h = 1/m. The points are moved by `shift` · h along x
+/// and y, so that the meshes of two solvers do not match.
 inline InterfaceMesh wavy(int m, double shift = 0) {
   return patchwork(shift == 0 ? "structure" : "fluid", m, [&](double a, double b) {
     const double x = a + shift / m, y = b + shift / m, turn = 2 * std::numbers::pi;

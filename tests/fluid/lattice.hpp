@@ -8,8 +8,8 @@
 
 namespace strake::fluid {
 
-/// A block of side^dim particles with the given spacing around the origin, each moved at random by up to
-/// `disorder` spacings per axis; the same block for the same arguments.
+/// A block of side^dim particles with the given spacing around the origin. Each is moved at random by up to
+/// `disorder` spacings per axis. The same arguments give the same block.
 template <int dim>
 Vectors<dim> block(int side, double spacing, double disorder = 0, unsigned seed = 7) {
   std::int64_t n = 1;

@@ -325,7 +325,7 @@ TEST(FluidParticipant, steps_follow_the_flow_inside_a_long_window) {
   for (int k = 0; k < 6; ++k) {
     const auto monitor = participant.advance(nth(k, 0.02), {}).monitor;
     participant.commit(false);
-    // The limit is taken before a step: in one step gravity adds at most g dt = 0.25 √(g l0) to a speed.
+    // The limit is taken before a step. In one step gravity adds at most g dt = 0.25 √(g l0) to a speed.
     EXPECT_LE(monitor.at("cfl"), c.parameters.scheme.cfl * 1.5) << k;
     last = monitor.at("count.steps") - before;
     before = monitor.at("count.steps");

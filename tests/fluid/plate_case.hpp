@@ -45,8 +45,8 @@ inline Parameters tank_case(double width, double depth, double spacing, double a
   return p;
 }
 
-/// The rigid plate of the paper, 0.4 × 0.02 m, over its tank of 2.0 × 0.5 m of water; gap: face to surface
-/// [m].
+/// The rigid plate of the paper, 0.4 × 0.02 m, over its tank of 2.0 × 0.5 m of water. gap: from face to
+/// surface [m].
 struct PlateEntry {
   static constexpr double half_width = 0.2, density = 1000;
   double speed = 6.26, gap = 0;

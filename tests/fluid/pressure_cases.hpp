@@ -14,7 +14,8 @@
 
 namespace strake::fluid {
 
-/// Particles and the pressure equation on them, of places and of who holds P = 0 alone: spacing 1 m.
+/// Particles and the pressure equation on them, given by their places and the particles with P = 0: spacing 1
+/// m.
 template <int dim>
 struct PressureCase {
   Vectors<dim> position;
@@ -58,8 +59,8 @@ Vectors<dim> shuffled(const Vectors<dim>& places, unsigned seed = 3) {
   return out;
 }
 
-/// A tank of side^dim particles, moved by up to a tenth of the spacing; P = 0 on its top row alone, which is
-/// the hardest: only there is pressure held.
+/// A tank of side^dim particles, moved by up to a tenth of the spacing. P = 0 is prescribed on its top row
+/// alone, which is the hardest case.
 template <int dim>
 PressureCase<dim> tank(int side, double radius) {
   PressureCase<dim> c(block<dim>(side, 1, 0.1));

@@ -8,8 +8,8 @@
 
 namespace strake::fluid {
 
-/// Water that turns about a point 0.15 m down, u = 3.14 m/s (1 − exp(−r²/a²)) a/r, a = 0.025 m: 2 m/s at
-/// 1.1 a. Returns how many particles of water there are; they come first.
+/// Water that turns about a point 0.15 m down, 2 m/s at 1.1 a. u = 3.14 m/s (1 − exp(−r²/a²)) a/r, a = 0.025
+/// m. Returns how many particles of water there are; they come first.
 inline std::int64_t set_turning(State<2>& state) {
   constexpr double radius = 0.025;
   const Vector<2> centre(0, -0.15);

@@ -1,5 +1,5 @@
-// A case file of any bytes must be read, or refused with an Error that names the place; what was read can be
-// written as a case and read again.
+// A case file of any bytes must be read, or refused with an Error that names the place. A case that was read
+// can be written and read again.
 //
 // Bytes → case: the TOML text up to the first zero byte, then up to four --set strings, each up to the next.
 

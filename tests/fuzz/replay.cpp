@@ -1,4 +1,4 @@
-// Runs a fuzz target on its own seeds and on the files of a folder: replay FOLDER; or writes the seeds there
+// Runs a fuzz target on its own seeds and on the files of a folder: replay FOLDER. Or writes the seeds there
 // for libFuzzer to start from: replay --seeds FOLDER.
 
 #include "tests/fuzz/fuzz.hpp"

@@ -1,4 +1,4 @@
-"""Results open in ParaView with every field and every time step: what pvpython reads is what h5py finds in the frames.
+"""Results open in ParaView with every field and every time step. pvpython reads the same values as h5py in the frames.
 
 tests/run.sh --paraview; or by hand: /usr/bin/python3 tests/paraview/open_results.py SOURCES build/bin [FOLDER for the pictures]
 """
@@ -55,7 +55,7 @@ def close(one, other, scale):
     return abs(one - other) <= 1e-6 * scale + 1e-300  # ParaView's ranges of single steps are double; bounds are too
 
 
-# A symmetric tensor, xx xy xz yy yz zz in the file, is a whole one for the older reader: xx xy xz yx yy yz zx zy zz.
+# In the file a symmetric tensor is xx xy xz yy yz zz. The older reader makes a whole one: xx xy xz yx yy yz zx zy zz.
 WHOLE_TENSOR = [0, 1, 2, 1, 3, 4, 2, 4, 5]
 
 

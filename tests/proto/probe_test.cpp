@@ -138,8 +138,8 @@ TEST(ProbeRecord, ImpulseIsKnownAfterExactlyThreeStepsOfAHundredMicroseconds) {
 }
 
 TEST(ProbeRecord, LargestMeanIsFoundBetweenTheEndsOfSteps) {
-  // 40 µs of 1 across the boundary of long steps of 30 µs of 0: best window holds the 40 and any 10 beside
-  // it.
+  // 40 µs of 1 across the boundary of long steps of 30 µs of 0. The best window contains the 40 and any 10
+  // beside it.
   ProbeRecord record;
   record.add(0, 33 * micro, 0);
   record.add(33 * micro, 73 * micro, 1);

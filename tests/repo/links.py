@@ -1,4 +1,4 @@
-"""Every link of a page and every citation of a page in a source leads somewhere: relative links exist, with their headings;
+"""Every link of a page and every citation of a page in a source leads somewhere. Relative links exist, with their headings.
 `cases/VALIDATION.md, "Sloshing"` and `(cases/VALIDATION.md, Sloshing)` name a heading, `fluid/THEORY.md (F12)` an equation."""
 import pathlib
 import re

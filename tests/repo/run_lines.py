@@ -1,5 +1,5 @@
-"""Every `# run` line of a case file is a command that `strake check` accepts, of a study file one that lists runs whose first
-and last `strake check` accepts; the README's commands exist."""
+"""Every `# run` line of a case file is a command that `strake check` accepts; the README's commands exist. In a study file it is
+a command that lists runs, of which `strake check` accepts the first and last."""
 import pathlib
 import re
 import shlex

@@ -12,12 +12,13 @@
 
 namespace strake::structure {
 
-/// A bar 20 mm long and high (E 2 GPa, ρ 1000) of `layers` × `layers` cells between two blocks that are four
-/// hundred times as heavy and a hundred times as stiff, notched from above and below in its middle, down to a
-/// ligament of 10 mm. Its columns of cells lean by `lean` [rad] where the crack runs; the notches stand one
-/// above the other, or in one column of cells (`in_line`), which a crack then has before it. All of it is
-/// turned by `turn` [rad] about the origin, which is nothing to its cells, and turns a lattice of particles
-/// against it.
+/// A bar 20 mm long and high (E 2 GPa, ρ 1000) of `layers` × `layers` cells between two blocks. The blocks
+/// are four hundred times as heavy and a hundred times as stiff. The bar is notched from above and below in
+/// its middle, down to a ligament of 10 mm.
+///
+/// Its columns of cells lean by `lean` [rad] where the crack runs. The notches stand one above the other, or
+/// in one column of cells (`in_line`), which a crack can then follow. All of it is turned by `turn` [rad]
+/// about the origin. This has no effect on its cells, and turns a lattice of particles against it.
 inline Parameters notched_cells(FailureCriterion criterion, int layers, double lean = 0, double turn = 0,
                                 bool in_line = false) {
   Parameters p;
@@ -102,8 +103,8 @@ inline Solid squares_in(const Solid& solid, double size) {
   return squares;
 }
 
-/// Velocity along the bar at x [m] of the bar as it is before it is turned: the blocks fly apart with
-/// `speed`, and the bar stretches evenly between them.
+/// Velocity along the bar at x [m] of the bar before it is turned. The blocks fly apart with `speed`, and the
+/// bar stretches evenly between them.
 inline double pulled(double speed, double x) {
   return speed * std::clamp(100 * x - 1, -1.0, 1.0);
 }

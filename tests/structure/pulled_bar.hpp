@@ -11,8 +11,8 @@ inline double ligament(int layers) {
   return 0.02 * (layers - 4) / layers;
 }
 
-/// A bar 20 mm long and high (E 2 GPa, ρ 1000) between two blocks that are a hundred times as heavy and
-/// stiff: they draw it apart at a speed that hardly changes. Two rows in its middle are notched by two
+/// A bar 20 mm long and high (E 2 GPa, ρ 1000) between two blocks. They are a hundred times as heavy and
+/// stiff, and draw it apart at a speed that hardly changes. Two rows in its middle are notched by two
 /// particles on either side.
 inline Parameters pulled_bar(FailureCriterion criterion, int layers = 8, double poisson = 0.3) {
   Parameters p;
@@ -48,7 +48,7 @@ inline Parameters pulled_bar(FailureCriterion criterion, int layers = 8, double 
     p.particle.model = ParticleModel::pair;
     p.particle.rotation = Rotation::dynamic;
     p.failure.strength = 0;
-    p.particle.safety = 0.2;  // a bond that snaps leaves the shortest waves, whose energy leapfrog tells ill
+    p.particle.safety = 0.2;  // a snapping bond leaves the shortest waves, whose energy leapfrog gives poorly
   }
   return p;
 }

@@ -1,6 +1,6 @@
-"""A run whose participants are started by hand over tcp with keys, as on several machines, all on loopback: strangers
-at the port disturb nobody, who comes with a wrong key or token is told so and ends, and the results are those of an
-ordinary run."""
+"""A run whose participants are started by hand over tcp with encryption keys, as on several machines, all on loopback.
+Strangers at the port disturb no participant. A client with a wrong key or token gets a message and ends. The results
+are those of an ordinary run."""
 import json
 import re
 import shlex
@@ -28,7 +28,7 @@ def words_of(text, place):
 
 
 def commands(run, sides, process):
-    """Side → command line, once run.json holds them all."""
+    """Side → command line, once run.json contains them all."""
     def read():
         try:
             participants = json.loads((run / "run.json").read_text()).get("participants", {})

@@ -1,5 +1,5 @@
-"""CalculiX as the structure of a run: in step with the finite elements, window by window and once for a recorded load;
-resumed to the bit; and what is said where it is missing, fails, is slow or finds the disk full."""
+"""CalculiX as the structure of a run. It agrees with the finite elements, window by window and once for a recorded load,
+and resumes bit-equal. Messages are checked if it is missing, fails, is slow or finds the disk full."""
 import shutil
 
 from processes import *  # noqa: F403: the test's own vocabulary

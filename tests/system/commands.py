@@ -1,4 +1,4 @@
-"""The commands as a person uses them: what they print, what they leave, and what a second look finds."""
+"""The commands as a user types them: their output, their files, and a second call."""
 import json
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""What `strake run` prints: a bar on a terminal, plain lines in a pipe, JSON for programs, little when asked to be quiet."""
+"""Output of `strake run`: a bar on a terminal, plain lines in a pipe, JSON for programs, little with --quiet."""
 import csv
 import fcntl
 import json
@@ -18,7 +18,7 @@ BAR = re.compile(r"^ *\d+ % \[")
 
 
 class Screen:
-    """A terminal of some width that knows what the bar uses: new lines, cursor up, erase below, colours."""
+    """A terminal of some width that understands what the bar uses: new lines, cursor up, erase below, colours."""
 
     def __init__(self, width):
         self.width, self.rows, self.row, self.column = width, [""], 0, 0
@@ -72,7 +72,7 @@ def resize(terminal, width):
 
 
 def on_terminal(words, width, cwd, then=None):
-    """Exit code and screen of a command; `then(process, screen, terminal)` looks at it while it runs."""
+    """Exit code and screen of a command; `then(process, screen, terminal)` is called while it runs."""
     terminal, end_of_process = pty.openpty()
     resize(terminal, width)
     environment = dict(ENV, TERM="xterm", LANG="C.UTF-8", LC_ALL="C.UTF-8")

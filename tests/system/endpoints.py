@@ -1,5 +1,5 @@
-"""Endpoints as a user writes them: nothing of the user's is removed, one path serves one run, a dead run's socket is
-replaced, and what is no endpoint is refused by its key."""
+"""Endpoints of a user: no file of the user's is removed, and one path serves one run. The socket of a dead run is
+replaced, and a text that is no endpoint is refused by its key."""
 import signal
 import socket
 

@@ -1,5 +1,5 @@
-"""Values far beyond any case are refused by the key that has them, soon and in little memory; what is no file is not
-read. The long version draws values at random: tests/benchmark/extreme_values.py."""
+"""Values far beyond any case are refused by their key, soon and in little memory. A path that is no file is not read.
+The long version draws values at random: tests/benchmark/extreme_values.py."""
 import os
 import resource
 import shutil

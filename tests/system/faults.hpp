@@ -35,7 +35,8 @@ inline bool runs(pid_t pid) {
   return name_end != std::string::npos && stat[name_end + 2] != 'Z';
 }
 
-/// A roster and its toys as processes, in a folder of their own; nothing may be left when a test is over.
+/// Participants and their toys as processes, in a folder of their own. Nothing may be left when a test is
+/// over.
 class Faults : public testing::Test {
  protected:
   void SetUp() override {

@@ -1,5 +1,5 @@
-"""kill -9 of each of the three processes in the middle of a run, and Ctrl-C: the others end within a second, the exit
-code and the message say who died, nothing is left running, and the files written so far can be read."""
+"""Sends kill -9 to each of the three processes in the middle of a run, and Ctrl-C. The others end within a second, and the
+exit code and the message say which died. No process is left, and the files written so far can be read."""
 import json
 import signal
 import time

@@ -1,5 +1,5 @@
-"""What becomes of a command whose lines nobody takes: a full disk, a closed stream, a reader that leaves; and of places
-that the system cannot look at."""
+"""Commands whose output cannot be written: a full disk, a closed stream, a reader that leaves. Also places that the system
+cannot inspect."""
 import json
 
 from processes import *  # noqa: F403: the test's own vocabulary

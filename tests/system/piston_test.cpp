@@ -1,5 +1,5 @@
-// cases/VALIDATION.md, "Piston and column" as two processes over ipc, up to a column a hundred times as heavy
-// as the piston.
+// cases/VALIDATION.md, "Piston and column" as two processes over ipc. The column is up to a hundred times as
+// heavy as the piston.
 
 #include "coupler/coupling/scheme.hpp"
 #include "coupler/processes/remote.hpp"

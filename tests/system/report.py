@@ -1,5 +1,5 @@
-"""Pictures and the report: what they show is what the run wrote, the page is whole by itself, and a damaged run still
-gives one."""
+"""Pictures and the report. They show what the run wrote, the page is complete by itself, and a damaged run still gives
+one."""
 import html.parser
 import json
 import math

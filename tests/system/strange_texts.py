@@ -1,4 +1,4 @@
-"""Texts that a case, a participant or a table brings: none moves the cursor of a terminal, and none ends a program."""
+"""Texts from a case, a participant or a table. None moves the cursor of a terminal, and none ends a program."""
 import csv
 import json
 import shutil

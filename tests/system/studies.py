@@ -1,4 +1,4 @@
-"""A study from its file to its table: what is run, skipped, gone on with and refused; records held against each other."""
+"""A study from its file to its table: runs done, skipped, resumed and refused, and records compared with each other."""
 import json
 import os
 import signal

@@ -1,6 +1,6 @@
-// A participant of three points that misbehaves on request: --fault KIND [--at WINDOW], or
-// STRAKE_TOY=NAME:KIND:WINDOW in the environment, for the participant of that name. Its displacement is the
-// number of its committed windows, so that rewind and commit can be seen from outside.
+// A participant of three points that misbehaves on request: --fault KIND [--at WINDOW].
+// STRAKE_TOY=NAME:KIND:WINDOW in the environment does the same for the participant of that name. Its
+// displacement is the number of its committed windows, so that rewind and commit can be seen from outside.
 
 #include "coupler/participant/serve.hpp"
 #include "coupler/transport/sockets.hpp"

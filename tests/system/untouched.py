@@ -1,5 +1,5 @@
-"""Processes and files that are not ours stay as they are, whatever command runs: jobs that the shell had before it became
-`strake`, files in the current folder, beside the case and under runs/."""
+"""Processes and files that are not ours stay as they are, with every command. These are jobs that the shell had before it
+became `strake`, and files in the current folder, beside the case and under runs/."""
 import hashlib
 import shutil
 
@@ -37,7 +37,7 @@ with folder() as place:
         (place / other).write_text("mine\n")
     before = sums(place)
     for words in COMMANDS:
-        # The shell's two jobs, one of them in a session of its own, are children of the process that strake becomes.
+        # The shell's two jobs are children of the process that becomes strake. One of them is in a session of its own.
         script = f"sleep 333 & echo $!; setsid sleep 334 & echo $!; exec {BIN / 'strake'} {words} >log.txt 2>&1"
         shell = subprocess.Popen(["bash", "-c", script], cwd=place, env=ENV, stdout=subprocess.PIPE, text=True)
         jobs = [int(shell.stdout.readline()) for _ in range(2)]

@@ -1,5 +1,5 @@
-"""`strake watch` beside a run: in a pipe it ends with the run, on a terminal it gives the screen back, its page is for
-those alone who have its address, and neither touches the run."""
+"""`strake watch` beside a run. In a pipe it ends with the run; on a terminal it restores the screen. Its page is only for
+readers with its address, and neither disturbs the run."""
 import json
 import os
 import pty

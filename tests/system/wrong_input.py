@@ -1,5 +1,5 @@
-"""What a person types wrongly is answered before the first step: where it stands, what was expected, how to fix it,
-and the exit code of its kind; no run folder is left behind by a refused run."""
+"""Wrong input is answered before the first step. The message says where it stands, what was expected and how to fix it;
+the exit code is that of its kind. A refused run leaves no run folder."""
 import shutil
 
 from processes import *  # noqa: F403: the test's own vocabulary

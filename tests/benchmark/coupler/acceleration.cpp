@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-// One coupling iteration's acceleration of three components on N points, with residuals that have nothing in
-// common, so that every column is new and the oldest of 20 is dropped each time. Windows of ten iterations,
-// with the copies of the state that a scheme makes to be able to go back.
-// Arguments: points; fields stacked. Counters: columns in use; what the accelerator and both copies of its
-// state hold of the heap at most, as MB and as so many vectors of all values.
+// Time of one acceleration step for three components on N points. The residuals are independent, so that
+// every column is new and the oldest of 20 is dropped each time. Windows of ten iterations, with the copies
+// of the state that a scheme makes to be able to rewind. Arguments: points; fields stacked. Counters: columns
+// in use; largest heap memory of the accelerator and both copies of its state, in MB and in vectors of all
+// values.
 
 namespace {
 

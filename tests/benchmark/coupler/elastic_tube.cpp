@@ -1,6 +1,6 @@
-// The elastic tube of tests/method/coupling/elastic_tube.hpp as two processes through ZeroMQ: iterations per
-// window and time per iteration beside what preCICE 3.4.1 needs for the same work (constant first guess; its
-// figures are quoted). Called with --connect this program is one of the two processes.
+// The elastic tube of tests/method/coupling/elastic_tube.hpp as two processes through ZeroMQ. Measures
+// iterations per window and time per iteration. Figures of preCICE 3.4.1 for the same work are quoted beside
+// (constant first guess). Called with --connect this program is one of the two processes.
 
 #include "coupler/participant/serve.hpp"
 #include "coupler/processes/remote.hpp"

@@ -1,6 +1,6 @@
-// Time per exchange: one explicit window of two solver processes through the coupler, each solver one memcpy,
-// beside a floor with the same hops and the same bytes and nothing but ZeroMQ; and the same with the coupling
-// in the fluid's process, which asks the structure alone.
+// Time per exchange: one explicit window of two solver processes through the coupler, each solver one memcpy.
+// The floor has the same hops and bytes with ZeroMQ alone. Both are also measured with the coupling in the
+// fluid's process, which calls the structure alone.
 //   coupling_exchange [POINTS]...                 the table
 //   coupling_exchange --hub POINTS WINDOWS        one row's coupler:  p50 [us], peak memory [MB]
 //   coupling_exchange --floor POINTS WINDOWS      one row's floor:    p50 [us]

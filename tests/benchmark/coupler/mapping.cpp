@@ -15,10 +15,10 @@
 #include <string>
 
 // Mappings between two meshes of a wavy surface, the fluid's shifted by 0.3 spacings. Arguments: points of
-// each mesh (the next square); threads. Time of an iteration: displacement with W. Beside it the shortest of
-// W and of Wᵀ (three components), the time to build (by the wall and of the processors), what building adds
-// to the memory at most and what stays, and the bytes of W against what STREAM triad moves in the time of one
-// product.
+// each mesh (the next square); threads. Time of an iteration: displacement with W. Counters: the shortest
+// time of W and of Wᵀ (three components); the time to build, wall and processors; the memory that building
+// adds, at most and in the end. The last one is the bytes of W over those that STREAM triad moves in the time
+// of one product.
 
 namespace {
 using namespace strake;

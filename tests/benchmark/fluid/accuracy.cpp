@@ -31,8 +31,8 @@ std::int64_t water_of(const State<2>& state) {
   return std::count(state.kind.begin(), state.kind.end(), strake::fluid::Kind::fluid);
 }
 
-/// cases/VALIDATION.md, "Standing wave": period of a standing wave, depth 0.5 m, length 1 m; its height a
-/// makes it slower by (ka)²/8.
+/// Error of the period of a standing wave, depth 0.5 m, length 1 m (cases/VALIDATION.md, "Standing wave").
+/// Its height a makes it slower by (ka)²/8.
 double wave_period_error(double spacing) {
   constexpr double depth = 0.5, amplitude = 0.01, k = 2 * pi;
   Parameters p = laminar(spacing, 1e-6);

@@ -9,11 +9,12 @@
 #include <memory>
 #include <tuple>
 
-// The pressure equation of the hardest tank: uniform particles moved by up to a tenth of the spacing, P = 0
-// on the top row alone, noise as right side; set-up and solve to ‖b − A p‖ = tolerance ‖b‖ from p = 0.
-// Arguments: unknowns in thousands; reach in tenths of the spacing; threads; exponent of the tolerance.
-// Counters: iterations; memory of the solver per unknown; the time as so many products of the same matrix in
-// plain compressed rows, and as the bytes per unknown that STREAM triad would have moved in it.
+// Solves the pressure equation of the hardest tank: P = 0 on the top row alone, noise as right side.
+// Particles are uniform, moved by up to a tenth of the spacing. Times are of set-up and of the solve to ‖b −
+// A p‖ = tolerance ‖b‖ from p = 0. Arguments: unknowns in thousands; reach in tenths of the spacing; threads;
+// exponent of the tolerance. Counters: iterations; memory of the solver per unknown; the time in units of one
+// product of the same matrix in plain compressed rows; the bytes per unknown that STREAM triad moves in that
+// time.
 
 namespace {
 

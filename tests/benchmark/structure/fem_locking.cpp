@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-// Tables of how finite elements lock, and do not: fem_locking_benchmark. Tests hold the figures that matter.
+// Tables of the locking of finite elements: fem_locking_benchmark. Tests check the important figures.
 
 namespace {
 

@@ -9,12 +9,12 @@
 #include <numbers>
 #include <sys/resource.h>
 
-// What finite elements cost: a step, and what it takes to make ready for steps; and the clamped square plate
-// of cases/VALIDATION.md, "Finite elements: locking, and plates in space", against its references. Arguments:
+// Time and memory of finite elements: set-up, and one step. Also compares the clamped square plate of
+// cases/VALIDATION.md, "Finite elements: locking, and plates in space", with its references. Arguments:
 // dimension; refinement; 1 factors, 2 conjugate gradients with multigrid, 0 what `auto` chooses. Counters:
-// unknowns; seconds to build the solver (mesh, matrices, first frequency); milliseconds of a step, all its
-// Newton corrections included, with the factors at hand; MiB of heap that the solver holds, and peak MiB of
-// the process (run one at a time: --benchmark_filter).
+// unknowns; seconds to build the solver (mesh, matrices, first frequency); milliseconds of a step with all
+// its Newton corrections, with existing factors; MiB of the solver's heap; peak MiB of the process (one case
+// at a time: --benchmark_filter).
 
 namespace {
 

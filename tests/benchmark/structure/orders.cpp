@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
-// How errors fall with the distance of nodes and particles: one line per figure, "series,size,error", where
-// size is the number of cells or layers through the body. orders.py draws them.
+// Measures how errors fall with the distance of nodes and particles. Each output line is "series,size,error",
+// where size is the number of cells or layers through the body. orders.py draws them.
 
 namespace {
 

@@ -8,12 +8,11 @@
 #include <memory>
 #include <tuple>
 
-// Sub-steps of elastic particles: leapfrog and the forces of all bonds.
-// Arguments: 0 total Lagrangian, 1 pair model; dimension; layers through the plate; threads.
-// Counters: nanoseconds per bond (each is met from both its ends) and step; bytes per particle that lattice,
-// bonds, model and state hold; and how far that is from the memory: `streams`, the time in units of one pass
-// over those bytes at the bandwidth of STREAM triad, measured in the same run. 1 is the limit of a step that
-// reads each byte once; `share of limit` is how near a step comes to it.
+// Sub-steps of elastic particles: leapfrog and the forces of all bonds. Arguments: 0 total Lagrangian, 1 pair
+// model; dimension; layers through the plate; threads. Counters: nanoseconds per bond and step (each bond
+// counts from both ends); bytes per particle of lattice, bonds, model and state; `streams`. `streams` is the
+// time in units of one pass over those bytes at the bandwidth of STREAM triad, measured in the same run. 1 is
+// the limit of a step that reads each byte once; `share of limit` is how near a step comes to it.
 
 namespace {
 

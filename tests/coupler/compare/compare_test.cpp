@@ -238,7 +238,7 @@ TEST(Compare, TakesTheDeviationAtThePointsOfTheReferenceInItsOwnUnits) {
   TemporaryFolder folder;
   put(folder / "reference.csv", "T [1],Z [1],raw [1]\n1,1.5,0\n4,2.9,0\n");
   const Table table = history();
-  // T in units of 0.2 s, Z in −0.5 m from 0.45 m on: −0.4 m wants Z = 1.7, −1.6 m wants 4.1
+  // T in units of 0.2 s, Z in −0.5 m from 0.45 m on. −0.4 m corresponds to Z = 1.7, −1.6 m to 4.1
   CompareBlock block = block_of("u.y", "largest_deviation", 0, 0.1);
   block.file = folder / "reference.csv";
   block.axes = {.time = 0.2, .time_zero = 0, .value = -0.5, .value_zero = 0.45};

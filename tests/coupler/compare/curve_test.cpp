@@ -42,7 +42,7 @@ TEST(Curve, HasThePeakWithItsSign) {
   EXPECT_FALSE(peak({}));
 }
 
-// Two pulses, the second twice the first: the first peak is that of the first pulse, since q falls below 0.8
+// Two pulses, the second twice the first. The first peak is that of the first pulse, since q falls below 0.8
 // of it.
 TEST(Curve, FindsTheFirstPeakThatFallsBelowFourFifthsOfItself) {
   const auto pulses = [](double t) {
@@ -64,7 +64,8 @@ TEST(Curve, PassesOverRipplesAndOverPeaksBelowFivePercentOfTheRecord) {
 }
 
 TEST(Curve, SlidesAMeanOverARectangularPulse) {
-  // A pulse of height 4 and length 1 under a window of length 2: mean 2, up to the ramps of one sample.
+  // A pulse of height 4 and length 1 under a window of length 2. The mean is 2, up to the ramps of one
+  // sample.
   const Curve c = sampled([](double t) { return t > 1 && t < 2 ? 4.0 : 0.0; }, 0, 5, 5000);
   EXPECT_NEAR(peak_of_mean(c, 2)->value, 2, 4e-3);
   EXPECT_NEAR(peak_of_mean(c, 0.5)->value, 4, 4e-3);

@@ -139,7 +139,7 @@ TEST(ConsoleTable, PrintsInAPipeOneLinePerFieldFrameAndOneEveryTenSeconds) {
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 11) << rows;
 }
 
-/// A terminal that understands what the bar asks of one: what stands on the screen after a text.
+/// A terminal that understands the control sequences of the bar; it returns the screen after a text.
 std::string screen_after(const std::string& text) {
   std::vector<std::string> rows(1);
   std::size_t row = 0;

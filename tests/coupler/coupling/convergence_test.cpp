@@ -90,7 +90,7 @@ TEST(Convergence, IteratesAtLeastAndAtMostAsOftenAsAsked) {
   EXPECT_FALSE(report.converged);
 }
 
-/// A spring of 200 N/m in the fluid under a free mass of 1 kg: plain iteration multiplies its error by 200
+/// A spring of 200 N/m in the fluid under a free mass of 1 kg. Plain iteration multiplies its error by 200
 /// dt².
 class Spring final : public models::Model<double> {
  public:

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 constexpr double dt = 0.01;
 
-/// Answers with a linear function of what it is told, and keeps a record of how it was called.
+/// Returns a linear function of its input, and records its calls.
 class Scripted : public models::Model<double> {
  public:
   std::string calls;  // A advance, R rewind, C commit
@@ -240,8 +240,8 @@ TEST(Scheme, MovesVelocityWithTheDisplacementThroughTheAccelerator) {
   EXPECT_LE((end[0] - end[1]).norm(), 1e-8 * end[0].norm());
 }
 
-// A loose tolerance leaves the fluid behind the structure by the residual r of each window, hence its
-// velocity by 2 r/dt. Followed from the fluid's own past, v' = 2(x' − x)/dt − v would add up every residual
+// A loose tolerance leaves the fluid behind the structure by the residual r of each window. Its velocity then
+// differs by 2 r/dt. Computed from the fluid's own past, v' = 2(x' − x)/dt − v would add up every residual
 // since the start.
 TEST(Scheme, DoesNotLetTheResidualsOfWindowsAddUpInTheFluidsVelocity) {
   Heavy heavy;

@@ -13,7 +13,7 @@
 namespace strake {
 namespace {
 
-/// Remembers what it was asked.
+/// Records its calls.
 class Listener final : public Participant {
  public:
   const InterfaceMesh& mesh() const override { return mesh_; }

@@ -71,8 +71,8 @@ TEST(Mapping, ReproducesLinearFieldsByProjectionOnFlatFaces) {
   }
 }
 
-// On a plane the linear function of a border face goes on for a face's length; a projection takes the
-// border's value.
+// Beyond a border on a plane the linear function of the border face continues for a face's length. A
+// projection takes the border's value.
 TEST(Mapping, ReproducesLinearFieldsByCellsWhereTheFluidOverhangs) {
   const InterfaceMesh line = strip("structure", 13, 0.4), plane = sheet(5);
   const InterfaceMesh below =
@@ -161,7 +161,7 @@ TEST(Mapping, GivesFieldsOfAnyNumberOfComponents) {
   }
 }
 
-// The fluid is coarser than the structure: the transpose of a nearest neighbour loads a third of its points,
+// The fluid is coarser than the structure. The transpose of a nearest neighbour loads a third of its points,
 // a force per area loads all.
 TEST(Mapping, LoadsEveryStructurePointByTheForcePerArea) {
   const InterfaceMesh structure = strip("structure", 30, 0.4), fluid = strip("fluid", 11, 0.4);
@@ -224,7 +224,7 @@ TEST(Mapping, AddsUpTheAreaOfASurface) {
   EXPECT_NEAR(point_areas(strip("line", 4, 0.4))[0], 0.05, 1e-15);
 }
 
-// Points without faces of their own stand for the part of the other's surface that is nearest to them.
+// Points without faces of their own get the part of the other's surface that is nearest to them.
 TEST(Mapping, TakesAreasFromTheOtherSurfaceWhereAMeshHasNoFaces) {
   const InterfaceMesh plane = sheet(8), line = strip("structure", 10, 0.4);
   EXPECT_NEAR(nearest_areas(wavy(5).position, plane).sum(), point_areas(plane).sum(), 1e-13);

@@ -45,8 +45,8 @@ InterfaceMesh bow(int n, double shift = 0) {
   return mesh;
 }
 
-// 1e-12 and not 1e-14: the weights have both signs and the sum of their sizes is above 1; each carries the
-// round-off of a solved system.
+// The tolerance is 1e-12 and not 1e-14. The weights have both signs and the sum of their magnitudes is above
+// 1; each carries the round-off of a solved system.
 TEST(RadialBasis, ReproducesConstantsAndDoesTheSameVirtualWork) {
   for (const auto& [structure, fluid] :
        {std::pair{wavy(24), wavy(31, 0.3)}, std::pair{bow(90), bow(70, 0.3)}})
@@ -106,8 +106,8 @@ TEST(RadialBasis, ReproducesLinearFieldsOnPlanesAndLines) {
       }
 }
 
-// Sources that are all but flat, targets far off their plane: a slope across the plane, fitted to the little
-// extent there is, would magnify everything a thousandfold.
+// Sources that are almost flat, with targets far off their plane. A slope across the plane, fitted to the
+// small extent there, would be amplified a thousandfold.
 TEST(RadialBasis, DoesNotFollowASlopeThatThePointsBarelyShow) {
   const auto nearly_flat = [](double height) {
     return patchwork("plate", 20,
@@ -137,9 +137,9 @@ struct Convergence {
   double least;  // order that the method promises
 };
 
-// Spacing halved twice, the largest error anywhere, borders included, where the fluid overhangs by 0.3 h: a
-// projection holds the border's value there, the others go on. The order is that over both halvings: where
-// the patches lie on the border differs from mesh to mesh.
+// The spacing is halved twice; the error is the largest anywhere, including borders, where the fluid
+// overhangs by 0.3 h. There a projection keeps the border's value, the others extrapolate. The order is that
+// over both halvings: where the patches lie on the border differs from mesh to mesh.
 TEST(RadialBasis, ConvergesOnAWavySurfaceWithTheOrderOfTheMethod) {
   for (const Convergence& c :
        {Convergence{"nearest-neighbour", "", 0.9}, Convergence{"nearest-projection", "", 0.9},
@@ -261,7 +261,7 @@ TEST(RadialBasis, DividesEveryTargetAmongItsPatches) {
   EXPECT_EQ(divide(structure.position, far.position, {}).beyond, far.position.cols());
 }
 
-// A coarse sheet with a patch a hundred times as dense in its middle: no ball may take all of that.
+// A coarse sheet with a patch a hundred times as dense in its middle. No ball may contain all of that patch.
 TEST(RadialBasis, KeepsItsSystemsSmallWhereThePointsAreGraded) {
   const auto graded = [](int coarse, int fine, double shift) {
     InterfaceMesh mesh = wavy(coarse, shift);

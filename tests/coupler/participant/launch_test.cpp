@@ -63,8 +63,7 @@ TEST_F(Launching, TheDestructorEndsAProgramThatIgnoresSigterm) {
 }
 
 TEST_F(Launching, ASuspendedProgramIsRecognisedAndEnds) {
-  // exec: a shell that has just split off a program waits for it inside the kernel, where it cannot be
-  // stopped.
+  // Uses exec: a shell that has just started a program waits for it inside the kernel and cannot be stopped.
   Child child(shell("exec sleep 30"));
   child.signal(SIGSTOP);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(5);

@@ -1,4 +1,4 @@
-// Which checkpoint a run goes on from, and what its files must hold: without processes.
+// The checkpoint from which a run resumes, and the content of its files: without processes.
 
 #include "coupler/run/checkpoint.hpp"
 

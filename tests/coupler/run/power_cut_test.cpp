@@ -1,5 +1,5 @@
-// What is on the disk when: this program has an fsync, a rename and a symlink of its own, which write down
-// what is asked of the system and do it.
+// Tests what is on the disk at each moment. This program has an fsync, a rename and a symlink of its own,
+// which record the calls and perform them.
 
 #include "coupler/run/checkpoint.hpp"
 #include "coupler/run/checksums.hpp"
@@ -122,7 +122,7 @@ TEST_F(PowerCut, LeavesTheRowsThatACheckpointGoesOnFrom) {
        {std::string("history.csv"), std::string("iterations.csv"), std::string("000001.h5"),
         std::string("000002.h5"), std::string("interface"), name()})
     EXPECT_GE(place_of("fsync " + file), 0);
-  // The block that was written in part gives way to one that is on the disk.
+  // A block that was written in part is replaced by one that is on the disk.
   asked.clear();
   for (int number = 111; number <= 200; ++number) append(number);
   EXPECT_LT(place_of("fsync 000002.h5.part"), place_of("rename 000002.h5"));

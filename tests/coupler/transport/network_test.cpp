@@ -54,7 +54,7 @@ class Network : public testing::Test {
     sockets_.push_back(s);
     return s;
   }
-  /// Whether the hub comes to tell that of a stranger; where it came from may be unknown by then.
+  /// True if the socket reports that event of a stranger; its origin may be unknown by then.
   static bool tells(Hub& hub, const std::vector<std::string>& one_of) {
     for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
          std::chrono::steady_clock::now() < end;) {
@@ -160,8 +160,8 @@ TEST_F(Network, ARequestForAWebPageIsNoParticipant) {
   EXPECT_FALSE(hub.receive(milliseconds(50)));
 }
 
-/// What a ZeroMQ socket without keys says first (its RFC 23): signature, version 3.0, NULL, as a client; then
-/// the command READY with the kind of socket.
+/// The first bytes of a ZeroMQ socket without encryption keys (its RFC 23). They are signature, version 3.0,
+/// NULL, as a client; then the command READY with the kind of socket.
 std::string greeting() {
   std::string text = "\xff" + std::string(8, '\0') + "\x7f\x03" + std::string(1, '\0') + "NULL";
   return text + std::string(64 - text.size(), '\0');
@@ -202,7 +202,7 @@ TEST_F(Network, AFieldThatNoMessageCarriesIsRefusedWhereItComesFrom) {
   Hub hub;
   Line line(hub.endpoint());
   const std::byte one{};
-  const std::span<const std::byte> large(&one, (std::size_t{1} << 28) + 1);  // only its size is looked at
+  const std::span<const std::byte> large(&one, (std::size_t{1} << 28) + 1);  // only its size is tested
   EXPECT_THROW(line.send({{large, nullptr}}), Error);
   EXPECT_THROW(hub.send("nobody", {{large, nullptr}}), Error);
 }
@@ -283,7 +283,7 @@ TEST_F(Network, ACrowdAtThePortDisturbsNobody) {
   const auto first = hub.receive(std::chrono::seconds(5));
   ASSERT_TRUE(first);
   constexpr int crowd = 1000;
-  for (int i = 0; i < crowd; ++i) {  // more events than a queue of ZeroMQ holds by default, and nobody looks
+  for (int i = 0; i < crowd; ++i) {  // more events than a queue of ZeroMQ takes by default, and none is read
     close(knock(hub.endpoint(), "nonsense"));
     sockets_.pop_back();
     if (i % 20 == 0) std::this_thread::sleep_for(milliseconds(2));  // a full backlog is tried again after 1 s

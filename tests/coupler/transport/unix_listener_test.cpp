@@ -1,4 +1,4 @@
-// What an ipc endpoint does with what stands at its path: nothing but the socket of a dead run is removed.
+// An ipc endpoint removes only the socket of a dead run at its path, and nothing else.
 
 #include "coupler/transport/unix_listener.hpp"
 

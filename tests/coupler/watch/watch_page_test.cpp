@@ -1,4 +1,4 @@
-// What the page of a run is told, and whom its server answers.
+// The data that the page of a run gets, and the clients that its server answers.
 #include "coupler/watch/web/array_message.hpp"
 #include "coupler/watch/web/field_view.hpp"
 #include "coupler/watch/web/frame_cache.hpp"
@@ -43,7 +43,7 @@ Frame water(double time) {
   return frame;
 }
 
-/// A square of one cell that has come down by a tenth of a metre and bent by a hundredth at one corner.
+/// A square of one cell, moved down by a tenth of a metre, one corner bent by a hundredth.
 Frame plate(double time) {
   Frame frame;
   frame.time = time;
@@ -296,7 +296,7 @@ TEST_F(Served, AnswersWhoKnowsTheToken) {
   EXPECT_EQ(client().Get("/0123456789abcdef/api/news")->status, 200);
   EXPECT_EQ(client().Get("/0123456789abcdef/api/table?name=history&from=2")->status, 200);
   EXPECT_EQ(client().Head("/0123456789abcdef/page.js")->status, 200);
-  EXPECT_EQ(client().Get("/0123456789abcdef")->status, 302);  // the page's own files are looked for beside it
+  EXPECT_EQ(client().Get("/0123456789abcdef")->status, 302);  // the page's own files are searched beside it
   EXPECT_EQ(server.address(), fmt::format("http://127.0.0.1:{}/0123456789abcdef/", server.port()));
 }
 

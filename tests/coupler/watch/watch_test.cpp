@@ -1,4 +1,4 @@
-// What is read of a run's files while it goes on, and how a terminal shows it.
+// Reading a run's files while it goes on, and their display on a terminal.
 #include "coupler/watch/braille_plot.hpp"
 #include "coupler/watch/run_status.hpp"
 #include "coupler/watch/select_run.hpp"
@@ -55,7 +55,7 @@ TEST(GrowingTable, BeginsAnewWhenTheFileWasCutOrReplaced) {
   EXPECT_TRUE(table.look());
   EXPECT_EQ(table.rows(), 3U);
   EXPECT_EQ(table.generation(), 1U);
-  put(path, "window [1],time [s]\n1,1\n2,9\n3,9\n4,9\n");  // cut and grown beyond, between two looks
+  put(path, "window [1],time [s]\n1,1\n2,9\n3,9\n4,9\n");  // cut and grown beyond, between two updates
   EXPECT_TRUE(table.look());
   EXPECT_EQ(table.generation(), 2U);
   EXPECT_EQ(table.value()[1], (std::vector<double>{1, 9, 9, 9}));
@@ -142,7 +142,7 @@ State state_of(const RunFiles& files) {
 TEST(WatchedRun, TellsEndsApart) {
   const RunFiles files;
   files.windows(3);
-  EXPECT_EQ(state_of(files), State::killed);  // nobody is at it
+  EXPECT_EQ(state_of(files), State::killed);  // no process runs it
   files.record("\"2025-11-21T02:01:40Z\"", "0");
   EXPECT_EQ(state_of(files), State::finished);
   files.record("\"2025-11-21T02:01:40Z\"", "130");

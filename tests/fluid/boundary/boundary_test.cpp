@@ -119,8 +119,8 @@ InterfaceMesh polygon(const std::vector<Eigen::Vector2d>& corner) {
   return mesh;
 }
 
-/// A body over the water with one corner of that angle [deg] at its lowest (convex) or uppermost (concave)
-/// place of its lower side.
+/// A body over the water with one corner of that angle [deg]. The corner is at the lowest (convex) or highest
+/// (concave) place of its lower side.
 std::vector<Eigen::Vector2d> with_corner(double angle) {
   const double half = 0.5 * angle * std::numbers::pi / 180, side = 0.12;
   const Eigen::Vector2d apex(0, 0.12), right(side * std::sin(half), side * std::cos(half));
@@ -143,8 +143,8 @@ TEST(Outline, CornersAreFoundFromTheSharpToTheNearlyFlatAndCirclesHaveNone) {
   EXPECT_EQ(Outline(polygon(circle), l0).runs().size(), 1u);
 }
 
-// A wedge of 60 degrees is thinner than a spacing over the first piece of its faces; one of 120 parts water
-// at once, and both do behind that.
+// A wedge of 60 degrees is thinner than a spacing over its faces' first piece, one of 120 is not. Thicker
+// parts separate the water on both sides.
 TEST(Outline, ATipThinnerThanASpacingDoesNotPartWaterAndABluntOneDoes) {
   for (const double angle : {60.0, 120.0}) {
     const auto corners = with_corner(angle);
@@ -171,8 +171,9 @@ TEST(Outline, HowFarAPlaceLiesOverAFaceIsCountedFromItsNearerEnd) {
   }
 }
 
-// What water sees behind a corner is as full as what it sees behind a flat face: the sum of the weights of
-// the rows it is paired with against the integral of the weight over the inside of the body, in units of n0.
+// Behind a corner the dummy layers are as full as behind a flat face. The test compares the sum of the
+// weights of a water particle's dummy particles with the integral of the weight over the inside of the body,
+// in units of n0.
 TEST(Boundary, BehindACornerOfAnyAngleTheBodyIsFilledOnce) {
   const LatticeConstants far = lattice_constants<2>(3.1, l0);
   for (const double angle : {60.0, 90.0, 120.0, 140.0, 160.0, 175.0, 200.0, 240.0, 270.0}) {
@@ -199,9 +200,8 @@ TEST(Boundary, BehindACornerOfAnyAngleTheBodyIsFilledOnce) {
             full += weight(std::hypot(a, b), far.radius) * 0.01;
       worst = std::max(worst, std::abs(seen - full) / far.n0);
     }
-    // Particles against the integral over their cells, at the seam of two lattices that stand at an angle: up
-    // to 0.086. Rows that end at the corner leave out so much that it is 0.10 from 160 degrees and 0.13 at
-    // 270.
+    // Particles against the integral over their cells, at the seam of two lattices at an angle: up to 0.086.
+    // Layers that end at the corner leave out so much that it is 0.10 from 160 degrees and 0.13 at 270.
     EXPECT_LT(worst, 0.09) << angle;
   }
 }

@@ -107,7 +107,7 @@ TEST(TankShape, FacesOfAPolygonAreCoveredByTheirRowsArea) {
     sum += particle.area;
     total += particle.area.norm();
   }
-  // ∮ n dA of the closed polygon is zero: the walls have what the lid from (1.2, 0.5) to (-0.2, 0.5) lacks.
+  // ∮ n dA of the closed polygon is zero. The walls lack the lid from (1.2, 0.5) to (-0.2, 0.5).
   EXPECT_NEAR(sum.x(), 0, 1e-9);
   EXPECT_NEAR(sum.y(), 1.4, 1e-9);
   const double faces =
@@ -156,8 +156,8 @@ TEST(TankShape, WaterOnASlopeHasNearlyFullSupport) {
   }
 }
 
-// At 45 degrees the slope goes through the middles of cells: half of them are water, whichever side of it
-// round-off puts them on.
+// At 45 degrees the slope goes through the middles of cells. Half of them are water, whichever way round-off
+// decides.
 TEST(TankShape, RoundOffDecidesOfNoParticle) {
   const auto counts = [](double nudge) {
     Parameters p = sloping(45);

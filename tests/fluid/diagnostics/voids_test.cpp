@@ -77,7 +77,7 @@ TEST(Voids, the_skin_of_a_hole_in_the_water_is_counted_but_not_that_of_a_bay) {
   }
 }
 
-/// The state after so many looks with those flags.
+/// The state after so many evaluations with those flags.
 void follow(State<2>& state, int times) {
   NeighbourSearch<2> search(2.1 * l0, 0.1 * l0);
   const auto count = static_cast<std::int64_t>(water(state).size());

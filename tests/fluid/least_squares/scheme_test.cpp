@@ -39,12 +39,12 @@ struct Column {
         scheme(p, boundary, state),
         gravity(p.gravity.head<2>()) {
     state.surface.assign(state.kind.size(), 1);
-    measure();  // on the lattice, where all of the walls is wet
+    measure();  // on the lattice, where water touches all of the walls
     std::mt19937 random(7);
     std::uniform_real_distribution<double> move(-disorder * p.spacing, disorder * p.spacing);
     for (std::int64_t i = 0; i < boundary.water(); ++i) {
       state.velocity.col(i) = dt * gravity;
-      // The surface's condition speaks of a lattice; the rows that see it stay in order.
+      // The surface's condition assumes a lattice; the layers next to it stay in order.
       if (state.position(1, i) > -5 * p.spacing) continue;  // between two rows
       state.position(0, i) += move(random);
       state.position(1, i) += move(random);

@@ -52,7 +52,7 @@ TEST(LatticeFilter, KeepsMomentum) {
   EXPECT_LT(change.rowwise().sum().norm(), 1e-12 * change.norm());
 }
 
-// Rows that slide one way and the other: each feels those of the other way, β l0 √(P/ρ) a pair.
+// Layers that slide in opposite directions: each gets a force from the other of β l0 √(P/ρ) a pair.
 TEST(LatticeFilter, DampsRowsThatSlideAndOnlyUnderPressure) {
   constexpr int side = 15;
   Block<2> water(side, 0);
@@ -75,7 +75,7 @@ TEST(LatticeFilter, DampsRowsThatSlideAndOnlyUnderPressure) {
   EXPECT_EQ(water.filtered(u, -pressure).norm(), 0);
 }
 
-// A column twice as high as wide under its own weight: without the filter the lattice gives way to shear.
+// A column twice as high as wide under its own weight: without the filter the lattice shears.
 double speed_of_a_column_at_rest(double filter) {
   Parameters p = tank_case(0.2, 0.4, 0.02, 0.5);
   p.scheme = with_gradient(p.scheme, Gradient::pairwise);

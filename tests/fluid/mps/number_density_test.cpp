@@ -102,8 +102,8 @@ TEST(SurfaceFlags, the_arc_test_does_not_make_a_surface_of_a_missing_particle) {
   EXPECT_EQ(water.flags(inner)[beside], 0);
 }
 
-// A row that approaches the surface from above closes it late; a crack of the same width between two rows of
-// water opens late. Distances of row centres in l0.
+// A layer that approaches the surface from above closes it late. A crack of the same width between two layers
+// of water opens late. Distances of layer centres in l0.
 TEST(SurfaceFlags, a_crack_opens_wider_than_an_approaching_row_closes) {
   const auto gap = [](double distance, bool before) {
     Block<2> water(20);

@@ -56,7 +56,7 @@ TEST(Reorder, what_is_in_order_stays_as_it_is) {
   EXPECT_TRUE(std::is_sorted(again.begin(), again.end()));
 }
 
-// Whatever a checkpoint holds with one entry per particle must move along.
+// Every array of a checkpoint with one entry per particle must be permuted as well.
 TEST(Reorder, every_array_of_the_state_goes_along) {
   constexpr Eigen::Index n = 90, water = 70;
   State<2> blank;

@@ -251,8 +251,8 @@ TEST(Hypre, AgreesWithTheDirectSolverWhereItIsBuilt) {
   }
 #ifdef __SANITIZE_ADDRESS__
   {
-    // MPI starts with the first system; its plug-ins never give back all they took, and are gone when leaks
-    // are named.
+    // MPI starts with the first system. Its plug-ins never release all their memory, and are unloaded when
+    // leaks are listed.
     const __lsan::ScopedDisabler unwatched;
     solve(system, c, scheme);
     std::atexit(__lsan_disable);  // comes before MPI's own end

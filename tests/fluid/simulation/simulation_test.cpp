@@ -238,8 +238,8 @@ TEST(Simulation, VolumeCouplingWetsTheFacesOfACrack) {
   }
 }
 
-// The rows of the tank's walls beside the plate have the water's corner particle one spacing above them: were
-// they wet by it, each of its small moves would knock on the plate.
+// The layers of the tank's walls beside the plate have the water's corner particle one spacing above them. If
+// they were wetted by it, each of its small moves would load the plate.
 TEST(Simulation, WallsBehindABodyThatCoversThemStayDry) {
   constexpr double spacing = 0.025, width = 0.5, depth = 0.5, thick = 2 * spacing;
   Parameters p = tank_case(width, depth, spacing, 4 * spacing);

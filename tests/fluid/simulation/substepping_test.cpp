@@ -17,7 +17,7 @@ namespace {
 
 constexpr double spacing = 0.01;  // [m]
 
-// How many of so many equal steps of a window begin a hold.
+// Number of steps of a window that begin a frozen configuration, out of so many equal steps.
 int beginnings(int steps, double dt, double longest, double fastest, std::int64_t number = 0) {
   Hold hold;
   int count = 0;
@@ -50,7 +50,8 @@ TEST(Hold, EndsWhereTheParticlesAreSorted) {
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0, reorder_interval - 5), 1);
 }
 
-/// A small plate that strikes a small tank, in windows of so many steps; held: the steps know of one another.
+/// A small plate that strikes a small tank, in windows of so many steps. held: the steps share a frozen
+/// configuration.
 struct Entry {
   static constexpr double speed = 6, gap = 0.0002;
   Simulation<2> simulation;
@@ -144,7 +145,7 @@ TEST(Hold, GoingBackToAWindowsBeginGivesTheSameBitsWithAnyNumberOfThreads) {
   entry.simulation.set_state(saved);
   entry.windows(14);
   EXPECT_TRUE(same_bits(first, entry.simulation.state()));
-  // From the middle of a hold as well, as after a fault.
+  // From the middle of a frozen configuration as well, as after a fault.
   entry.simulation.set_state(saved);
   entry.in_window = 14 * 5;
   entry.taken = 0;
@@ -161,8 +162,8 @@ TEST(Hold, GoingBackToAWindowsBeginGivesTheSameBitsWithAnyNumberOfThreads) {
   EXPECT_TRUE(same_bits(first, other.simulation.state()));
 }
 
-// What the places of water that turns do to ∇·u in two steps of 0.02 l0 each. If a hold's first step met all
-// of it particles would feel a pressure that comes and goes with the holds.
+// Effect of the places of turning water on ∇·u in two steps of 0.02 l0 each. If the first step of a frozen
+// configuration corrected all of it, the pressure would fluctuate with the frozen configurations.
 TEST(Hold, TurningWaterFeelsNoPressureThatComesAndGoesWithTheHolds) {
   const auto turning = [](bool held) {
     constexpr double dt = 1e-4;

@@ -7,8 +7,8 @@
 
 namespace strake::fluid {
 
-/// Water between two walls, y from 0 to 1 m, that repeats itself along x: a lattice whose particles are moved
-/// at random by up to `disorder` spacings, with three rows of particles behind each wall.
+/// Water between two walls, y from 0 to 1 m, periodic along x. It is a lattice whose particles are moved at
+/// random by up to `disorder` spacings, with three layers of particles behind each wall.
 struct Channel {
   static constexpr int along = 16, rows = 3;
   double l0;

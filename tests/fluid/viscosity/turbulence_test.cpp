@@ -81,9 +81,9 @@ TEST(Sps, a_linear_shear_has_no_force_inside_the_lattice) {
   linear_shear<3>(SpsForm::stress_pair);
 }
 
-// u = a y², v = 0: S = a y off-diagonal, Pr = (2 a y)², ν_t = (C_s Δ)² 2 a y, τ_xy = (C_s Δ)² (2 a y)²,
-// ∂τ_xy/∂y = 8 (C_s Δ)² a² y, and −(2/3)∂k/∂y = −(16/3)(C_ν/C_ε) Δ² a² y. Quadratic stresses are summed
-// exactly by symmetric differences on the lattice; the velocity gradient of a parabola is exact there too.
+// Parabolic profile u = a y², v = 0. S = a y off-diagonal, Pr = (2 a y)², ν_t = (C_s Δ)² 2 a y, τ_xy = (C_s
+// Δ)² (2 a y)², ∂τ_xy/∂y = 8 (C_s Δ)² a² y, and −(2/3)∂k/∂y = −(16/3)(C_ν/C_ε) Δ² a² y. Symmetric differences
+// on the lattice sum quadratic stresses exactly; the velocity gradient of a parabola is exact there too.
 TEST(Sps, a_parabolic_profile_has_the_analytic_force) {
   Flow<2> flow(21, 0);
   flow.position.row(1).array() += 1.0;  // y > 0 everywhere, so |S| does not change sign
@@ -131,8 +131,9 @@ TEST(Sps, wall_damping_takes_the_eddy_viscosity_to_zero_at_the_wall_and_leaves_i
   EXPECT_NEAR(damped.eddy_viscosity[1], free.eddy_viscosity[1], 1e-12);
 }
 
-// Steady shear: k rises from zero to production = dissipation, (C_ν/C_ε) Δ² Pr, the static closure's value,
-// in some 1/(½ √(C_ν C_ε Pr)) = 0.07 s; uniform away from the edges, where diffusion finds no difference.
+// Steady shear: k rises from zero to the value of the static closure, (C_ν/C_ε) Δ² Pr, where production
+// equals dissipation. This takes about 1/(½ √(C_ν C_ε Pr)) = 0.07 s. Away from the edges k is uniform, so
+// that diffusion is zero.
 TEST(SpsEnergy, steady_shear_takes_the_k_model_to_the_static_closure) {
   Channel channel(20, 0.1, true);
   channel.parameters.scheme.turbulence = Turbulence::k;

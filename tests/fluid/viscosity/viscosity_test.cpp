@@ -56,8 +56,8 @@ TEST(Viscosity, a_parabola_feels_its_curvature_exactly_on_the_lattice_and_within
   }
 }
 
-// The antisymmetric sums pay for exact momentum with an error of ν |∇u| disorder/l0: of order zero, and so it
-// must vanish with the disorder. This is what they are off by, so that nobody takes them for consistent.
+// The antisymmetric sums conserve momentum exactly and have an error of ν |∇u| disorder/l0. It is of order
+// zero and vanishes only with the disorder. This test records the error: the sums are not consistent.
 TEST(Viscosity, the_antisymmetric_sum_keeps_momentum_with_the_walls_to_round_off_and_is_off_by_the_disorder) {
   Channel channel(20, 0.1);
   channel.parameters.scheme.gradient = Gradient::pairwise;
@@ -73,15 +73,16 @@ TEST(Viscosity, a_smooth_wall_mirrors_the_flow_and_feels_no_shear) {
     Channel channel(20, 0, true);
     channel.parameters.scheme.gradient = form;
     for (std::int64_t i = 0; i < channel.water; ++i) channel.velocity(0, i) = std::cos(pi * channel.y(i));
-    // 0.19 of 9.87 with corrected sums: the mirror at the mean of the water beside it, not at its own image.
+    // 0.19 of 9.87 with corrected sums. The mirror stands at the mean of the water beside it, not at its own
+    // image.
     EXPECT_LT(error(channel, 0, [](double y) { return -pi * pi * std::cos(pi * y); }), 0.02 * pi * pi);
     EXPECT_EQ(channel.stage.acceleration.rightCols(channel.walls.size()).row(0).cwiseAbs().maxCoeff(), 0);
   }
 }
 
-// u = ½ y (1 − y) − Σ 4/m³ sin(m y) e^{−m² t}, m = (2n + 1)π: a unit force on water at rest, ν = 1
-// (cases/VALIDATION.md, "Viscous flows"). On places that do not move, to the steady state; the walls then
-// carry the weight of the water.
+// A unit force acts on water at rest, ν = 1 (cases/VALIDATION.md, "Viscous flows"): u = ½ y (1 − y) − Σ 4/m³
+// sin(m y) e^{−m² t}, m = (2n + 1)π. Places are fixed, up to the steady state; the walls then carry the
+// weight of the water.
 TEST(Viscosity, a_row_of_drops_on_the_very_face_of_a_wall_is_not_thrown_off) {
   Channel channel(16, 0, true);
   for (std::int64_t i = 0; i < channel.water; ++i)
@@ -160,7 +161,7 @@ TEST(Viscosity, a_rigid_rotation_has_no_force_at_the_free_surface_either) {
   rigid_rotation<3>(Gradient::corrected);
 }
 
-// Half of u = sin kx cos ky's vortices: the rate −F·u/u² of the analytic velocity on the lattice is 2 ν k².
+// Vortices of u = sin kx cos ky. The rate −F·u/u² of the analytic velocity on the lattice is 2 ν k².
 TEST(Viscosity, a_taylor_green_vortex_decays_at_its_rate_on_the_lattice) {
   constexpr int side = 64;
   constexpr double l0 = 1.0 / side, nu = 0.01, wave = 2 * pi;

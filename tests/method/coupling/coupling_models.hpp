@@ -65,7 +65,7 @@ enum class Rule {
   backward      // v' = (x' − x)/dt, a' = (v' − v)/dt (BDF1)
 };
 
-/// An incompressible fluid as its added mass: f = −M_a a on points that move as the interface tells.
+/// An incompressible fluid as its added mass: f = −M_a a on points that move with the interface.
 class AddedMass : public Model<Motions> {
  public:
   AddedMass(Eigen::MatrixXd mass, const Eigen::VectorXd& v0, Rule rule)

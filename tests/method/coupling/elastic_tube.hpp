@@ -9,9 +9,9 @@
 
 namespace strake::models {
 
-/// Flow through a straight elastic tube, one-dimensional: n cells over 10 m, unit density, wall stiffness
-/// 1e4, radius 1/√π, outlet without reflection. Area a [m²], velocity u [m/s] and pressure p [Pa] at the
-/// nodes; steps of 0.01 s by the implicit Euler rule.
+/// Flow through a straight elastic tube, one-dimensional, with n cells over 10 m. Unit density, wall
+/// stiffness 1e4, radius 1/√π, outlet without reflection. Area a [m²], velocity u [m/s] and pressure p [Pa]
+/// at the nodes; steps of 0.01 s by the implicit Euler rule.
 struct Tube {
   static constexpr int cells = 100, nodes = cells + 1;
   static constexpr double dx = 0.1, dt = 0.01;

@@ -27,8 +27,8 @@ void expect_solution(const TubeRun& run, double times) {
   }
 }
 
-// A fluid of the same density as its wall is light: plain iteration grows by two orders of magnitude each
-// time. Figures beside: the same work in preCICE 3.4.1, constant first guess.
+// A fluid as dense as its wall: plain iteration grows by two orders of magnitude each time. Figures beside:
+// the same work in preCICE 3.4.1, constant first guess.
 TEST(ElasticTube, ConvergesInFewIterations) {
   fmt::print("{:34} {:>10} {:>11}\n", "", "iterations", "unconverged");
   const auto show = [](const char* what, const TubeRun& run) {
@@ -57,7 +57,7 @@ TEST(ElasticTube, ConvergesInFewIterations) {
   expect_solution(serial, 1);
 }
 
-// Aitken's one factor for all wave lengths; the same work in preCICE takes 63 to 75 iterations with 2 to 8
+// Aitken has one factor for all wave lengths. The same work in preCICE takes 63 to 75 iterations, with 2 to 8
 // windows that do not converge.
 TEST(ElasticTube, ConvergesWithAitkenFromAnyInitialRelaxation) {
   for (const double relaxation : {0.5, 0.01}) {

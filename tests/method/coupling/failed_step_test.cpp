@@ -45,7 +45,7 @@ class Blow : public models::Model<double> {
 };
 
 constexpr double end = 0.012, blow_until = 1e-3;  // [s]
-constexpr double hard = 6e4;                      // [Pa] a blow that asks for more than windows of 4 ms
+constexpr double hard = 6e4;                      // [Pa] an impact that needs shorter windows than 4 ms
 
 Parameters rubber_strip() {
   Parameters p;
@@ -82,7 +82,7 @@ Input force_on(const InterfaceMesh& mesh, double size) {
   return {{{0, {{"force", "N", true, force}}}}};
 }
 
-/// What a run of the strip under a blow gives.
+/// Result of a run of the strip under an impact.
 struct Outcome {
   double deepest = 0, drift = 0;  // [m], 1
   int taken_back = 0;

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Water as an added mass on every wet point of a body, f_k = −m_k a_k in all directions.
+/// Water as an added mass on every loaded point of a body, f_k = −m_k a_k in all directions.
 class ClingingWater : public models::Model<Points> {  // state: velocity of the points
  public:
   ClingingWater(const InterfaceMesh& body, Eigen::VectorXd mass, const Points& velocity)
@@ -57,7 +57,8 @@ struct Result {
   double work_gap = 0;
 };
 
-/// A fall of 0.1 s, `ratio` times the body's mass in water on its surface; `aside`: all of it on the right.
+/// A fall of 0.1 s with `ratio` times the body's mass in water on its surface. `aside`: all of it is on the
+/// right.
 Result fall(double ratio, const std::string& kind, bool aside) {
   structure::Parameters p = wedge();
   p.free.x = p.free.y = p.free.angle = true;

@@ -18,8 +18,8 @@ using Eigen::VectorXd;
 constexpr int points = 40;
 constexpr double length = 0.4, spacing = length / points, window = 1e-5, speed = 6.26;
 
-/// Half a space of incompressible water under a strip, as the added mass of its waves, ρ/k per area of the
-/// wave number k; it pushes and does not pull.
+/// Half a space of incompressible water under a strip, as the added mass of its waves. It is ρ/k per area at
+/// the wave number k. It pushes and does not pull.
 struct Touch {
   VectorXd place, face, water;  // of the strip, its velocity, the water's under it
 };

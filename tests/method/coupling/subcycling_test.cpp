@@ -109,8 +109,8 @@ double error_of(Interpolation interpolation, int windows, bool parallel) {
   SecondMass second(5, interpolation);
   SchemeParameters parameters;
   parameters.parallel = parallel;
-  // So near to round-off that the compiler's choice of instructions decides whether a window gets there: one
-  // may stay above it (2e-12 m was seen under the sanitizers), far below the smallest error that is measured.
+  // So near to round-off the compiler's choice of instructions decides whether a window converges. One may
+  // stay above it (2e-12 m was seen under the sanitizers), far below the smallest measured error.
   constexpr double round_off = 5e-12;  // m
   parameters.convergence = {0, 1e-13, Measure::increment, 1, 60, Unconverged::accept};
   Scheme scheme(first, second, nearest_neighbour(second.mesh(), first.mesh()), parameters);

@@ -18,7 +18,7 @@ struct Column {
 
 enum class Below { bottom, absorbing_bottom, incompressible };
 
-/// A column 0.5 m deep, all of it or the upper half with sound, under a plate as wide as its tank, which is
+/// A column 0.5 m deep under a plate as wide as its tank. All of it or the upper half has sound. The plate is
 /// pushed down once by V sin²(πt/T), T = H/(2c). Its sound is back at 2H/c.
 Column push(Below below) {
   constexpr double depth = 0.5, c = 100, speed = 0.05, spacing = 0.01, width = 0.1;

@@ -25,8 +25,8 @@ struct OneStep {
   double centre, total;  // ∫p dt of the two middle rows over ρVa; Σ over the face over ½πρVa²
 };
 
-// cases/VALIDATION.md, "Impulse of one pressure solution": the plate's row touches the top row of the water,
-// one step of the pressure equation.
+// The plate's layer touches the top layer of the water, for one step of the pressure equation. See
+// cases/VALIDATION.md, "Impulse of one pressure solution".
 OneStep one_step(double dt) {
   Parameters p = incompressible();
   p.gravity.setZero();
@@ -99,8 +99,8 @@ TEST(FlatPlate, ImpulseOfOneStepDoesNotDependOnTheTimeStep) {
   EXPECT_NEAR(fine.total / coarse.total, 1, 1e-6);
 }
 
-// The edge's singularity costs an amount that shrinks with the spacing to 0.55 with each
-// halving: 1.081, 1.047, 1.027 of the 1.0338 ρVa with 20, 10 and 5 mm.
+// The edge's singularity costs an amount that shrinks with the spacing, to 0.55 with each halving. It is
+// 1.081, 1.047, 1.027 of the 1.0338 ρVa with 20, 10 and 5 mm.
 TEST(FlatPlate, LeastSquaresImpulseOfOneStepGoesToThatOfPotentialFlow) {
   const auto centre = [](double spacing) {
     Parameters p = tank_case(2.0, 0.5, spacing, 0.5);
@@ -121,8 +121,8 @@ TEST(FlatPlate, LeastSquaresImpulseOfOneStepGoesToThatOfPotentialFlow) {
 TEST(FlatPlate, IncompressibleImpulseIsThatOfPotentialFlowWhileThePeakGrowsAsTheStepShrinks) {
   Parameters p = incompressible();
   p.scheme.pressure_tolerance = 1e-6;
-  // With a step that carries the plate over 6 % of a spacing, rows meet at any distance: the symmetric
-  // gradient turns that into an impulse of its own, the others do not.
+  // With a step that carries the plate over 6 % of a spacing, layers meet at any distance. The symmetric
+  // gradient turns that into an additional impulse, the others do not.
   const double potential = 1.0338 * p.density * 6.26 * PlateEntry::half_width;
   const Impact coarse = impact(p, 0.0008, 1e-4, 3e-4);
   const Impact fine = impact(p, 0.0008, 1e-5, 3e-4);
@@ -153,8 +153,8 @@ TEST(FlatPlate, CompressibleImpulseAndFirstPeakAreThoseOfLinearAcoustics) {
   ASSERT_TRUE(fine.at_133 && fine.at_300);
   EXPECT_NEAR(*fine.at_133 / scale, 0.99, 0.08 * 0.99);
   EXPECT_NEAR(*fine.at_300 / scale, 1.27, 0.08 * 1.27);
-  // The centre feels the edges after 133 microseconds. Single steps ring behind the front: 1.11 ρcV at 2e-6
-  // s, 1.06 at 5e-7 s.
+  // The wave from the edges reaches the centre after 133 microseconds. Single steps ring behind the front:
+  // 1.11 ρcV at 2e-6 s, 1.06 at 5e-7 s.
   EXPECT_NEAR(fine.first_mean / water_hammer, 1, 0.05);
   // The rise is over after 40 microseconds: that is all the finer run needs.
   const Impact finer = impact(p, 0.0003, 5e-7, 4.5e-5);

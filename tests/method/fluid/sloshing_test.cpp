@@ -133,8 +133,8 @@ TEST(Sloshing, TheResponseNearsLinearTheoryAsTheSpacingShrinks) {
   EXPECT_LT(fine.error, 0.03);
 }
 
-// Turned slowly, the surface stays level: in the tank it is tilted by −θ, and the centre lies −tan θ L²/(12
-// H) aside.
+// The tank is turned slowly, so that the surface stays level. In the tank it is tilted by −θ, and the centre
+// lies −tan θ L²/(12 H) aside.
 TEST(Sloshing, ATankThatIsTurnedSlowlyKeepsALevelSurface) {
   constexpr double angle = 4 * pi / 180;
   Parameters p = tank_case(length, depth, 0.02, 0.2);

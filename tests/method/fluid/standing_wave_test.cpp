@@ -21,8 +21,8 @@ double theory() {
   return 2 * pi / std::sqrt(g * k * std::tanh(k * depth)) * (1 + std::pow(k * amplitude, 2) / 8);
 }
 
-/// Period between the first and the third time that the wave's part of the water's place,
-/// Σ cos(kx) cosh(ky), is zero. The water starts at rest, displaced as the linear wave displaces it.
+/// Period of the wave, from the first and the third zero of Σ cos(kx) cosh(ky) over the water. The water
+/// starts at rest, displaced as the linear wave displaces it.
 double period(double spacing) {
   Parameters p;
   p.spacing = spacing;
@@ -58,8 +58,8 @@ double period(double spacing) {
   return zero.size() == 3 ? zero[2] - zero[0] : 0;
 }
 
-// The water's own place is what the surface's condition depends on: where p = 0 lies over a row that the wave
-// has stretched decides whether the error falls with the spacing or with its square.
+// The surface condition depends on the water's own place. Where p = 0 lies over a row that the wave has
+// stretched decides whether the error falls with the spacing or with its square.
 TEST(StandingWave, PeriodConvergesWithMoreThanTheOrderThreeHalves) {
   const double coarse = period(0.05) / theory() - 1, middle = period(0.025) / theory() - 1,
                fine = period(0.0125) / theory() - 1;

@@ -53,7 +53,7 @@ void expect_weight(const Tank& tank) {
   EXPECT_NEAR(mean.bottom, 1, 0.01);
 }
 
-// Noise far below the 1 % that is asked for, no drift of the surface, no growth of motion.
+// Noise far below the required 1 %, no drift of the surface, no growth of motion.
 TEST(StillTank, RestsWithTheLeastSquaresScheme) {
   Parameters p = tank_case(1.0, 0.5, 0.02);
   Simulation<2> simulation(p, {}, {});
@@ -92,7 +92,7 @@ TEST(StillTank, FloorCarriesTheWeightWithTheMinimumPressureGradient) {
 TEST(StillTank, FloorCarriesTheWeightWithTheCorrectedGradient) {
   expect_weight({Gradient::corrected, 0.3, 0.6, 0.01, 5e-4, 0.05, 0.25});
 }
-// The square lattice gives way under the symmetric gradient, and the water heaves until it has settled.
+// The square lattice deforms under the symmetric gradient, and the water heaves until it has settled.
 TEST(StillTank, FloorCarriesTheWeightWithTheSymmetricGradientOnceTheLatticeHasSettled) {
   expect_weight({Gradient::pairwise, 1.0, 0.5, 0.02, 1e-3, 0.5, 1.0});
 }
@@ -102,9 +102,10 @@ TEST(StillTank, SymmetricGradientClosesTheMomentumAccountToRoundOff) {
   EXPECT_LT(still_tank({Gradient::pairwise, 0.4, 0.4, 0.02, 5e-4, 0.1, 0.15}).gap, 1e-11);
 }
 
-// Nothing stands for what lies behind both the body and the wall that it touches: the particle in that corner
-// lacks neighbours. The water settles there within 4 ms; pulled at whenever the corner showed for a surface
-// or not, it would fall freely for some steps and meet the floor with ten times its weight, from 45 ms on.
+// The body touches the wall, and no dummy particle stands in the corner behind both. So the water particle in
+// that corner lacks neighbours. The water settles there within 4 ms. If pressure acted on it only while it
+// was no surface particle, it would fall freely for some steps. It would meet the floor with ten times its
+// weight, from 45 ms on.
 TEST(StillTank, ABodyThatIsItsFloorFromWallToWallCarriesTheWeight) {
   constexpr double depth = 1, thickness = 0.05, dt = 2.5e-4;
   Parameters p = tank_case(1.0, depth, 0.05);

@@ -58,8 +58,8 @@ Parameters moving_tank(double width, double depth, double spacing, double accele
   return p;
 }
 
-// In the first step the tank falls ½ g Δt² and the water, from rest, g Δt²: a push of half a step's fall, of
-// which nothing is left after a few steps.
+// In the first step the tank falls ½ g Δt² and the water, from rest, g Δt². This is a push of half a step's
+// fall, of which nothing is left after a few steps.
 TEST(Tank, WaterInAFallingTankHasNoPressure) {
   const Bottom bottom =
       bottom_of<2>(moving_tank(0.4, 0.4, 0.02, -g), 0.4, 1e-3, 0.02, 0.3, 0.4, {0, -0.4, 0}, 0.2);
@@ -89,7 +89,7 @@ TEST(Tank, StillWaterInSpaceWeighsOnItsFloor) {
   EXPECT_LT(bottom.noise, 0.01);
 }
 
-// A basin of slopes: p = ρ g (H − z) on the flat floor, and the walls carry the weight of all the water.
+// A basin of slopes. p = ρ g (H − z) on the flat floor, and the walls carry the weight of all the water.
 TEST(Tank, WaterBetweenSlopesWeighsOnThem) {
   Parameters p = tank_case(1.0, 0.4, 0.01);
   p.tank_polygon = {{-0.5, 0.1, 0}, {-0.2, -0.4, 0}, {0.1, -0.4, 0}, {0.5, 0.1, 0}};

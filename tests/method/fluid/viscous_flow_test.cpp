@@ -94,8 +94,8 @@ TEST(ViscousFlow, taylor_green_vortices_keep_the_box_full_and_decay_without_gain
   }
 }
 
-// The models in a whole run: k and the distance to the walls pass through the steps, and the threads do not
-// show.
+// The models in a whole run. k and the distance to the walls are carried through the steps, and the result
+// does not depend on the number of threads.
 TEST(ViscousFlow, every_model_runs_in_a_tank_and_gives_the_same_bits_on_two_threads) {
   for (const Turbulence model : {Turbulence::statics, Turbulence::k}) {
     Parameters p = closed_box(16, 1e-4);

@@ -12,8 +12,8 @@
 namespace strake::fluid {
 namespace {
 
-// The pressure in water that turns with U = 2 m/s falls below the air's by more than the depth adds, ρU²
-// against ρg 0.15 m. No air can get there.
+// The pressure in water that turns with U = 2 m/s falls below the air's. ρU² is larger than the depth's ρg
+// 0.15 m. No air can get there.
 TEST(Vortex, ACoreBelowThePressureOfTheAirStaysClosed) {
   Parameters p = tank_case(0.4, 0.3, 0.01, 0.2);
   p.sound_speed = std::numeric_limits<double>::infinity();

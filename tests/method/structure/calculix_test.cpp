@@ -1,4 +1,4 @@
-// CalculiX as the umpire: a solver that nobody here wrote, on the same mesh under the same load.
+// CalculiX as an independent reference, on the same mesh under the same load.
 #include "tests/method/structure/calculix.hpp"
 
 #include "structure/body/surface.hpp"
@@ -111,8 +111,8 @@ TEST(Calculix, ASlabInSpaceBendsAlike) {
   EXPECT_LT(solve(p, {1, 0.05, 0.2}).gap(), 5e-3);
 }
 
-// A hull's cross-section, 0.3 × 0.08 m: bottom, sides and deck of 5 mm, held by the upper ends of its sides,
-// and none, one or three ribs between bottom and deck.
+// A ship's cross-section, 0.3 × 0.08 m, with bottom, sides and deck of 5 mm. It is supported at the upper
+// ends of its sides, and has none, one or three ribs between bottom and deck.
 TEST(Calculix, ABoxWithRibsBendsAlikeAndLessWithEachRib) {
   STRAKE_NEEDS_CALCULIX();
   constexpr double t = 0.005;
@@ -136,8 +136,8 @@ TEST(Calculix, ABoxWithRibsBendsAlikeAndLessWithEachRib) {
   EXPECT_LT(deflection[2], deflection[1]);
 }
 
-/// A recorded load as of a plate's water entry: from `contact` on a pressure on the lower face that decays,
-/// in the middle stronger than at the ends.
+/// A recorded load like that of a plate's water entry. From `contact` on a pressure on the lower face decays;
+/// it is larger in the middle than at the ends.
 struct Recorded {
   std::vector<Window> windows;
   std::vector<Points> force;

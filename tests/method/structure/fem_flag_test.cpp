@@ -62,8 +62,8 @@ TEST(Flag, OfRubberKeepsItsEnergy) {
   EXPECT_LT(least, 0.2 * first) << "it swings out";
 }
 
-// In a step that changes strains by tenths Newton's method sees what balances the energy, and the round-off
-// of that is far below what is asked.
+// In a step that changes strains by tenths, Newton's method includes the energy-balance term. Its round-off
+// is far below the tolerance.
 TEST(Flag, OfRubberTakesABlowInFewIterations) {
   Parameters p = flag(20, 2);
   p.solid.parts[0].material.model = MaterialModel::neo_hookean;

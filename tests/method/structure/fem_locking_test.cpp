@@ -27,8 +27,8 @@ TEST(Locking, CooksPanelRisesAsItsReferenceWithSixteenEnhancedCells) {
       << "what the cure does on a coarse mesh";
 }
 
-// Of the finest, 18.526 and 18.505: 16 × 16 enhanced Q1 has 0.987, 4 × 4 enhanced Q2 0.999, Q1 without 0.48
-// and 0.31.
+// Deflection over that of the finest mesh, 18.526 and 18.505. 16 × 16 enhanced Q1 has 0.987, 4 × 4 enhanced
+// Q2 0.999, Q1 without enhancement 0.48 and 0.31.
 TEST(Locking, CooksPanelOfConstantVolumeDoesNotLock) {
   for (const double poisson : {0.499, 0.4999}) {
     const Material m = almost_incompressible(poisson);
@@ -47,8 +47,9 @@ TEST(Locking, AStripOfFourEnhancedCellsThroughItBendsAsTheReference) {
   EXPECT_LT(strip_deflection(q1_plain, 2, true) / 2.0822e-3, 0.98) << "it locks without";
 }
 
-// Two cells through it have 0.980 of Q2's deflection at 0.3 and 0.938 at 0.499, four 0.992 and 0.974: at the
-// edges of the clamped face, which holds the volume too, stresses have no bound. Without 0.86 and 0.28.
+// Two cells through it have 0.980 of Q2's deflection at 0.3 and 0.938 at 0.499, four 0.992 and 0.974. At the
+// edges of the clamped face, which constrains the volume too, stresses have no bound. Without enhanced
+// strains 0.86 and 0.28.
 TEST(Locking, ABarOfThreeDimensionsNeitherLocksInBendingNorAtConstantVolume) {
   for (const auto& [poisson, gate, locked] : {std::array{0.3, 0.03, 0.9}, {0.499, 0.07, 0.4}}) {
     const Material m = almost_incompressible(poisson);

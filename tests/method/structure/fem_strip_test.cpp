@@ -278,8 +278,8 @@ TEST(FemTime, ASpinningFreePlateKeepsEnergyAndAngularMomentum) {
 }
 
 // The coupling of cases/VALIDATION.md, "Piston and column", with the simplest fluid, a mass m on each
-// interface point: it follows the interface with v1 = 2(x1 − x0)/dt − v0 and returns the window mean −m (v1 −
-// v0)/dt. Together that is the trapezoidal rule: no energy is made or lost.
+// interface point. It follows the interface with v1 = 2(x1 − x0)/dt − v0 and returns the window mean −m (v1 −
+// v0)/dt. Together that is the trapezoidal rule, which conserves energy.
 TEST(FemTime, AnAddedMassOnTheInterfaceKeepsTheEnergyOfTheWhole) {
   Parameters p = parameters(strips[0]);
   p.fem.refinement = 1;

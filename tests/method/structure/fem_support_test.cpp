@@ -22,7 +22,8 @@ TEST(FemFrame, ADropKeepsMomentumAndEnergy) {
     }
 }
 
-// With rho_inf < 1 the same but for the first step, whose load comes at once: a tenth of dt later or earlier.
+// With rho_inf < 1 the result is the same except for the first step. Its load comes at once: a tenth of dt
+// later or earlier.
 TEST(FemFrame, ADropWithNumericalDampingFallsAlike) {
   Parameters p = dropped_plate();
   FemSolver<2> exact(p);
@@ -74,10 +75,10 @@ TEST(FemFrame, CheckpointsAndRewindsAreBitEqual) {
   EXPECT_EQ(second.momentum(), first.momentum());
 }
 
-// cases/VALIDATION.md, "Elastic plate: first bending", dry. The references are of Euler-Bernoulli's beam,
-// from which shear takes 1.6 % of the plate's stiffness and shifts the ripple of modes 3 and 5; a strip of a
-// sixteenth of the thickness is that beam, sixteen times as far and as long. Of pinned ends there are two
-// peaks alike, at 0.691 and 0.931 ms.
+// cases/VALIDATION.md, "Elastic plate: first bending", dry. The references are of Euler-Bernoulli's beam.
+// Shear takes 1.6 % of the plate's stiffness and shifts the ripple of modes 3 and 5. A strip of a sixteenth
+// of the thickness is close to that beam, with sixteen times its deflection and time. With pinned ends there
+// are two equal peaks, at 0.691 and 0.931 ms.
 TEST(FemStart, AStoppedStripBendsAsFarAsTheBeamWithinOnePercent) {
   constexpr double slender = 16;
   for (const auto& [support, peak_at, time_at] :

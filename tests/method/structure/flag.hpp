@@ -6,8 +6,8 @@
 
 namespace strake::structure {
 
-/// Turek and Hron's flag, 0.35 m × 0.02 m behind a cylinder of radius 0.05 m at (0.2, 0.2): along × through
-/// cells, its left end on the cylinder, smaller cells towards it.
+/// Turek and Hron's flag, 0.35 m × 0.02 m behind a cylinder of radius 0.05 m at (0.2, 0.2). It has along ×
+/// through cells, its left end on the cylinder, with smaller cells towards it.
 inline Parameters flag(int along, int through) {
   Parameters p;
   p.shape.kind = ShapeKind::solid;

@@ -16,8 +16,8 @@ struct Kind {
 inline constexpr Kind q1_plain{1, StrainField::compatible}, q1_cured{1, StrainField::enhanced},
     q2_plain{2, StrainField::compatible}, q2_cured{2, StrainField::enhanced};
 
-/// Cook's tapered panel (Cook 1974): corners (0, 0), (48, 44), (48, 60), (0, 44), held on the left, a shear
-/// force of `force` per depth spread over the right; n × n cells.
+/// Cook's tapered panel (Cook 1974): corners (0, 0), (48, 44), (48, 60), (0, 44), clamped on the left. A
+/// shear force of `force` per depth is spread over the right; n × n cells.
 inline Parameters cooks_panel(int n, const Material& material, Kind kind, double force = 1) {
   Parameters p;
   p.shape.kind = ShapeKind::solid;
@@ -53,8 +53,8 @@ inline double cooks_rise(int n, const Material& material, Kind kind, double forc
   return solver.displacement_at({48, 52, 0}).y();
 }
 
-/// cases/VALIDATION.md, "Strips: deflection and frequencies": mid deflection [m] of the clamped strip under
-/// 1e5 Pa, or that of the cantilever's tip.
+/// Mid deflection [m] of the clamped strip under 1e5 Pa, or of the cantilever's tip (cases/VALIDATION.md,
+/// "Strips: deflection and frequencies").
 inline double strip_deflection(Kind kind, int refinement, bool cantilever) {
   Parameters p;
   p.plate = {.length = 0.4,
@@ -72,9 +72,9 @@ inline double strip_deflection(Kind kind, int refinement, bool cantilever) {
   return -solver.displacement_at({cantilever ? 0.2 : 0.0, 0.01, 0}).y();
 }
 
-/// A bar of three dimensions, `length` × 1 × 1, clamped at x = 0 and sheared down at its end; n cells through
-/// it, distorted inside so that no two are alike. Deflection of the end's middle over that of Timoshenko's
-/// beam F L³/(3EI) + 6 F L/(5 G A).
+/// A bar of three dimensions, `length` × 1 × 1, clamped at x = 0 and sheared down at its end. It has n cells
+/// through it, distorted inside so that no two are alike. Deflection of the end's middle over that of
+/// Timoshenko's beam F L³/(3EI) + 6 F L/(5 G A).
 inline double bar_over_beam(double length, int n, const Material& material, Kind kind, double distortion = 0,
                             double mean_strain = 1e-4) {
   const int along = static_cast<int>(length) * n;

@@ -89,8 +89,8 @@ void expect_acceleration_to_bend_like_weight(Parameters p) {
   EXPECT_NEAR(body.monitor().at("support.fy") / (62.4 * g), 1, 0.1) << "what accelerates the plate";
 }
 
-// A strip that is clamped to a hub and spun up stretches as centrifugal forces have it, ρω²L³/(3E'); the work
-// of the hub is what it gains, and a checkpoint goes on bit-equal.
+// A strip that is clamped to a hub and spun up stretches by centrifugal forces, ρω²L³/(3E'). The work of the
+// hub is the strip's gain of energy, and a resumed run is bit-equal.
 template <class Body>
 void expect_a_turning_clamp_to_stretch_the_strip(Parameters p, double energy_tolerance, double tolerance) {
   constexpr double rate = 200, rise = 0.03, end = 0.042, dt = 5e-5, length = 0.4;

@@ -1,5 +1,5 @@
-// Elastic particles in time, against beam and wave theory: cases/VALIDATION.md, "Oscillating plate" and "Wave
-// in a bar"; and convergence with the layers.
+// Elastic particles in time, against beam and wave theory (cases/VALIDATION.md, "Oscillating plate" and "Wave
+// in a bar"). Also convergence with the layers.
 #include "structure/particle/solver.hpp"
 #include "tests/structure/notched_cells.hpp"
 #include "tests/structure/paper_plate.hpp"
@@ -93,7 +93,7 @@ TEST(ParticleMotion, OscillatingPlateHasItsPeriodAndLosesNothing) {
   ASSERT_EQ(crossing.size(), 11U);
   const double period = (crossing.back() - crossing.front()) / 5;
   RecordProperty("period", std::to_string(period));
-  EXPECT_NEAR(period, 0.2552, 0.02 * 0.2552);  // asked: 5 %; measured: -0.4 %
+  EXPECT_NEAR(period, 0.2552, 0.02 * 0.2552);  // required: 5 %; measured: -0.4 %
   // 250 samples a period, and higher modes that come and go; a loss would add up.
   EXPECT_GT(amplitude.back(), 0.98 * amplitude[1]);
 }
@@ -136,8 +136,8 @@ TEST(ParticleMotion, DampingByMassTakesItsLogarithmicDecrement) {
   EXPECT_NEAR(decrement / (2 * std::numbers::pi * ratio / std::sqrt(1 - ratio * ratio)), 1, 0.01);
 }
 
-// cases/VALIDATION.md, "Wave in a bar": a step of pressure on the end of a steel bar, ν = 0: the front runs
-// with √(E/ρ), behind it the steel moves with σ/(ρc), and the far end with twice that. Then 1e4 steps under
+// A step of pressure on the end of a steel bar, ν = 0 (cases/VALIDATION.md, "Wave in a bar"). The front runs
+// with √(E/ρ); behind it the steel moves with σ/(ρc), and the far end with twice that. Then 1e4 steps under
 // that load.
 TEST(ParticleMotion, AStepOfPressureRunsThroughABarAndIsReflected) {
   constexpr double length = 0.4, stress = 1e6, dt = 1e-7;
@@ -211,9 +211,9 @@ TEST(ParticleMotion, ANotchedBarTakesItsFractureEnergyInOneStraightCrack) {
     }
 }
 
-// The pair model has no softening, so that the bar holds three times G_c when its crack runs. What the crack
-// takes until it has parted the bar is G_c (0.95 and 1.05 at 8 and 12 layers); the rest rings on, undamped,
-// and chips the faces of the crack later at 12 layers.
+// The pair model has no softening, so that the bar stores three times G_c when its crack runs. Until the bar
+// has parted, the crack dissipates G_c (0.95 and 1.05 at 8 and 12 layers). The rest vibrates on, undamped,
+// and later damages the faces of the crack at 12 layers.
 TEST(ParticleMotion, ThePairModelsCrackTakesItsFractureEnergy) {
   for (const int layers : {8, 12}) {
     const Parameters p = pulled_bar(FailureCriterion::bond_strain, layers);
@@ -228,8 +228,8 @@ TEST(ParticleMotion, ThePairModelsCrackTakesItsFractureEnergy) {
   }
 }
 
-// The lattice turned against the bar: energy and largest load within 20 % of one another (measured 5 %), and
-// a crack that stays in the notch, 2.5 mm wide. Steps in the sides and notches of the turned bar are the
+// The lattice is turned against the bar. Energy and largest load stay within 20 % of one another (measured 5
+// %), and the crack stays in the notch, 2.5 mm wide. Steps in the sides and notches of the turned bar are the
 // lattice's.
 TEST(ParticleMotion, ACrackDoesNotCareForTheLatticesOrientation) {
   double least[2] = {1e9, 1e9}, most[2] = {0, 0};

@@ -59,9 +59,9 @@ TEST(ParticleStrip, FreeStripConvergesToTheBeamFromBelow) {
   }
 }
 
-// structure/THEORY.md, section 5.2: pair model, r_e 2.1, θ by n_i, stress by n0, clamps outside:
-// 0.999, 1.097, 1.080 of 4.482e-5 m at 2, 4, 8 layers. Two layers are right by cancelling errors; the others
-// show it.
+// Static deflections of structure/THEORY.md, section 5.2: 0.999, 1.097, 1.080 of 4.482e-5 m at 2, 4, 8
+// layers. Pair model, r_e 2.1, θ by n_i, stress by n0, clamps outside. Two layers are right by cancelling
+// errors; the others show it.
 TEST(ParticleStrip, PairModelHasTheStaticDeflectionsOfItsTable) {
   const double timoshenko = 4.33333e-5 + 1.4857e-6;
   for (const auto& [layers, ratio] : {std::pair{2, 0.999}, {4, 1.097}, {8, 1.080}}) {
@@ -71,8 +71,8 @@ TEST(ParticleStrip, PairModelHasTheStaticDeflectionsOfItsTable) {
   }
 }
 
-// A steel cantilever of square section, L = 10 h: w = F L³/(3 E I) + 6 F L/(5 G A), and Euler-Bernoulli's
-// first frequency, which shear lowers by 1 %.
+// A steel cantilever of square section, L = 10 h. References: w = F L³/(3 E I) + 6 F L/(5 G A), and
+// Euler-Bernoulli's first frequency, which shear lowers by 1 %.
 TEST(ParticleStrip, SolidCantileverBendsAsTheBeamDoes) {
   constexpr double length = 0.2, width = 0.02, force = 100;
   Parameters p;
@@ -105,7 +105,7 @@ TEST(ParticleStrip, SolidCantileverBendsAsTheBeamDoes) {
   EXPECT_NEAR(f1 / euler, 1, 0.05);
 }
 
-// The integrator has the frequency of the eigenvalue problem: the plate starts with a mode-like velocity, and
+// The integrator has the frequency of the eigenvalue problem. The plate starts with a mode-like velocity, and
 // the middle is followed over two periods.
 TEST(ParticleStrip, VibrationInTimeHasTheFrequencyOfTheMode) {
   ParticleSolver<2> solver(paper_plate(4));
@@ -129,8 +129,8 @@ TEST(ParticleStrip, VibrationInTimeHasTheFrequencyOfTheMode) {
   EXPECT_NEAR(1.5 / (crossings[3] - crossings[0]) / f1, 1, 0.01);  // third mode ripples the crossings by less
 }
 
-// cases/VALIDATION.md, "Elastic plate: first bending", dry: uniform initial velocity V, ends held: first peak
-// 0.3049 mm per m/s at 0.444 ms (beam modes).
+// Uniform initial velocity V, clamped ends (cases/VALIDATION.md, "Elastic plate: first bending", dry). The
+// first peak is 0.3049 mm per m/s at 0.444 ms (beam modes).
 TEST(ParticleStrip, HeldAgainstItsSpeedItBendsAsTheBeamDoes) {
   Parameters p = paper_plate(4);
   ParticleSolver<2> solver(p);
@@ -150,9 +150,9 @@ TEST(ParticleStrip, HeldAgainstItsSpeedItBendsAsTheBeamDoes) {
   EXPECT_NEAR(time, 0.444e-3, 0.05e-3);
 }
 
-// A plate that carries water as heavy as itself, in windows as long as 40 sub-steps: modes of less than two
-// windows' period must not be fed by the held force. The work that the water takes from the plate is never
-// negative in sum.
+// A plate carries water as heavy as itself, in windows as long as 40 sub-steps. The constant force of a
+// window must not add energy to modes of less than two windows' period. The work that the water takes from
+// the plate is never negative in sum.
 TEST(ParticleStrip, HeldForceOfAnAddedMassFeedsNoEnergyInLongWindows) {
   ParticleSolver<2> solver(paper_plate(2));
   const InterfaceMesh& mesh = solver.interface();

@@ -81,8 +81,8 @@ TEST(ParticleSupports, APinnedStripHasItsFrequencyAndDeflection) {
   EXPECT_NEAR(solver.displacement_at({-0.2, 0.01, 0}).norm(), 0, 1e-9 * w) << "the pin holds";
 }
 
-// Half of a strip whose other half is its mirror image; a strip of which one end rolls bends as if both were
-// pinned, since the load draws nothing.
+// Half of a strip whose other half is its mirror image. A strip of which one end rolls bends as if both were
+// pinned, since there is no membrane force.
 TEST(ParticleSupports, SymmetryAndRollersStandForTheWholeStrip) {
   Parameters p = paper_plate(4);
   const double whole = ParticleSolver<2>(p).frequencies(1).at(0);

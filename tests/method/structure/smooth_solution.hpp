@@ -10,8 +10,8 @@
 
 namespace strake::structure::fem {
 
-/// Error in L2 of linear elasticity in a unit square that is held all around, u = (cos πx sin 2πy, cos πx sin
-/// πy) with F = −(λ+μ) ∇(∇·u) − μ ∇²u. The 32 cells along x stay; 2^refinement along y set the error.
+/// Error in L2 of linear elasticity in a unit square clamped all around. u = (cos πx sin 2πy, cos πx sin πy)
+/// with F = −(λ+μ) ∇(∇·u) − μ ∇²u. The 32 cells along x stay; 2^refinement along y set the error.
 inline double error_of_smooth_solution(int degree, int refinement) {
   using std::numbers::pi;
   const Material material{.model = MaterialModel::linear, .density = 1, .young = 1, .poisson = 0.3};

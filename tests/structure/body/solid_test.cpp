@@ -17,7 +17,7 @@ SolidBox light_box(const std::string& name, const Vector3d& min, const Vector3d&
   return box(name, min, max, {.density = 1000});
 }
 
-/// A closed hull of 0.3 × 0.08 m with walls of 10 mm and one rib in its middle, in the plane.
+/// A closed box section in the plane, 0.3 × 0.08 m, walls of 10 mm, one rib in its middle.
 std::vector<SolidBox> hull() {
   return {light_box("bottom", {-0.15, 0, 0}, {0.15, 0.01, 0}),
           light_box("deck", {-0.15, 0.07, 0}, {0.15, 0.08, 0}),

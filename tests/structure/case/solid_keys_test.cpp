@@ -45,7 +45,7 @@ void refuses(const std::string& structure, const std::string& part, const std::v
   }
 }
 
-// The case.toml of a run holds every key, the tables of rigid bodies with their defaults too.
+// The case.toml of a run contains every key, the tables of rigid bodies with their defaults too.
 TEST(BodyKeys, TheResolvedCaseOfAnElasticBodyIsACase) {
   const std::string plate = "plate = { length = 0.4, thickness = 0.02 }\n";
   for (const std::string kind : {"fem", "particle"}) {

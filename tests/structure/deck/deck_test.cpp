@@ -40,8 +40,8 @@ std::size_t count(const std::string& text, const std::string& word) {
   return n;
 }
 
-// The weights of each point reproduce linear fields, so that forces put on nodes keep sum and moment, though
-// nodes in the middle of faces and cells are gone.
+// The weights of each point reproduce linear fields. So forces on nodes keep sum and moment, though nodes in
+// the middle of faces and cells are removed.
 TEST(Deck, EdgeNodesCarryLoadsWithTheirSumAndMoment) {
   for (const int dimension : {2, 3})
     for (const int degree : {1, 2}) {

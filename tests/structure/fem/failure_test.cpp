@@ -41,15 +41,15 @@ TEST(FemFailure, ANotchedBarTakesItsFractureEnergyAndKeepsItsBooks) {
   }
 }
 
-// A bar that holds more elastic energy at its strength than its crack takes has no static way on: it snaps
-// back. Inertia takes the rest, and every step finds its equilibrium.
+// A bar that stores more elastic energy at its strength than its crack dissipates cannot continue statically:
+// it snaps back. Inertia takes the rest, and every step finds its equilibrium.
 TEST(FemFailure, ABarThatSnapsBackGoesOnByItsInertia) {
   Parameters p = bar(8);
   p.failure.fracture_energy = 5;
   FemSolver<2> solver(p);
   pull_apart(solver, 0.2);
   const Energy start = solver.energy();
-  double stored = 0;  // most that the bar has held
+  double stored = 0;  // largest strain energy of the bar
   for (int k = 0; k < 60; ++k) {
     solver.advance(k * 1e-5, 1e-5, {});
     stored = std::max(stored, solver.energy().strain);

@@ -4,8 +4,8 @@
 
 namespace strake::structure::fem {
 
-/// The paper's plate with two cells through the thickness: quick, and as exact in what is tested here as any
-/// other.
+/// The paper's plate with two cells through the thickness. It is fast, and exact enough for what is tested
+/// here.
 inline Parameters plate(Support left, Support right, MaterialModel model) {
   Parameters p;
   p.plate.length = 0.4;

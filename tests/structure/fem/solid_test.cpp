@@ -106,7 +106,7 @@ TEST(FemSolid, AFaceOfSymmetryStandsForTheOtherHalf) {
               1e-4);  // the grids differ
 }
 
-// Simply supported with one end that can draw in: no membrane force, the linear deflection of the beam; both
+// Simply supported with one end that can draw in: no membrane force, the linear deflection of the beam. Both
 // pinned ends of a linear strip give the same.
 TEST(FemSolid, ARollerHoldsAcrossTheSpanOnly) {
   SolidBox b = soft_box("strip", {0, 0, 0}, {1, 0.05, 0});

@@ -162,7 +162,7 @@ TEST(FemStress, TheClampedStripHasItsBendingStressAtMidSpan) {
     FemSolver<2> solver(p);
     solver.solve_static();
     const Stress below = solver.stress_at({0, 0, 0}), above = solver.stress_at({0, 0.02, 0});
-    // 1.5 %: a load on one side, which the beam does not know, is 1 % of the bending stress there.
+    // 1.5 %: a load on one side, which the beam theory neglects, is 1 % of the bending stress there.
     EXPECT_NEAR(below[0] / 10e6, 1, 0.015) << "Q" << degree;
     EXPECT_NEAR(above[0] / -10e6, 1, 0.015) << "Q" << degree;
     EXPECT_NEAR(below[5] / (0.3 * below[0]), 1, 0.02) << "Q" << degree;

@@ -10,8 +10,8 @@
 namespace strake::structure {
 namespace {
 
-// Two halves of a strip, periodic in effect (its ends are left out of the sum), are drawn straight apart:
-// what the pair model's own energy loses as its bonds break is G_c per area.
+// Two halves of a strip are drawn straight apart. Its ends are left out of the sum, so that it is periodic in
+// effect. The pair model's energy loses G_c per area as its bonds break.
 TEST(Failure, ABondStrainFromTheFractureEnergyTakesThatEnergyOfAStraightCrack) {
   for (const double radius : {2.1, 3.1})
     for (const double poisson : {0.0, 0.3}) {
@@ -85,7 +85,7 @@ TEST(Failure, ABarPulledApartKeepsItsMomentumAndItsBooks) {
     const Energy end = solver.energy();
     EXPECT_GE(solver.monitor().at("failure.bonds"), 18) << "4 + 6 + 8 bonds cross the notch";
     EXPECT_NEAR(end.released / (100 * ligament(8)), 1, 0.10) << static_cast<int>(criterion);
-    // Leapfrog tells the energy of the short waves that a snapping bond leaves to a few per cent.
+    // Leapfrog gives the energy of the short waves that a snapping bond leaves to a few per cent.
     EXPECT_NEAR(end.kinetic + end.strain + end.released, start.kinetic, 0.05 * end.released);
     EXPECT_LT(solver.momentum().norm(), 1e-10 * 40);  // [kg m/s] a block has 80 kg/m at 0.5 m/s
     // In two pieces that move steadily.
@@ -132,7 +132,7 @@ TEST(Failure, FramesShowTheDamageAndLinesWhatItCannotDo) {
   const Eigen::MatrixXd& damage = frame.point_data.back().value;
   EXPECT_EQ(damage.maxCoeff(), 1);
   for (Eigen::Index i = 0; i < damage.cols(); ++i)
-    // F of the blocks' first row feels the bar, which is a hundred times as soft.
+    // F of the blocks' first layer depends on the bar too, which is a hundred times as soft.
     if (std::abs(solver.lattice().position(0, i) - 0.01) > 0.0125) {
       EXPECT_EQ(damage(0, i), 0) << "the blocks stay whole";
     }

@@ -225,7 +225,7 @@ TEST(ParticleLattice, AnyShapeHasItsMassAndMomentWithinOnePercent) {
     const MassProperties particles = mass_of(lattice);
     EXPECT_NEAR(particles.mass / body.mass, 1, 0.01);
     EXPECT_NEAR(particles.inertia(2, 2) / body.inertia(2, 2), 1, 0.01);
-    // The wet surface is told from the particles around it, exactly where motion is linear.
+    // The loaded surface is interpolated from the particles around it, exactly where motion is linear.
     const Points at = outline_of(disc, 0.004);
     const SparseRows N = interpolation<2>(lattice, at);
     EXPECT_LT((N * lattice.position.transpose() - at.topRows<2>().transpose()).norm(), 1e-14);

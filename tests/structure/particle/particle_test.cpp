@@ -147,11 +147,11 @@ TEST(PairModel, ForceIsTheNegativeGradientOfItsEnergyForSmallStrains) {
   EXPECT_LT(std::abs(torque(block.lattice.position, f)), 1e-5 * f.cwiseAbs().sum() * 0.06);
 }
 
-// A uniform strain must carry its exact uniform stress: no force inside, and the left half pulls at the right
-// one with the resultant that the continuum has, P·N times the area.
+// A uniform strain must carry its exact uniform stress. There is no force inside, and the left half pulls at
+// the right one with the resultant of the continuum, P·N times the area.
 TEST(TotalLagrangian, PassesThePatchTest) {
   const double d = 0.005;
-  constexpr int n = 16, reach = 4;  // two bonds: the faces are felt no deeper
+  constexpr int n = 16, reach = 4;  // two bonds: the faces have no effect deeper inside
   const Material material;
   const Lattice<2> lattice = lattice_of({.length = n * d, .thickness = n * d}, d);
   const Bonds<2> bonds = make_bonds<2>(lattice, 2.1);
@@ -184,7 +184,7 @@ TEST(PairModel, UniformStrainInsideTheLatticeIsInEquilibrium) {
   const double scale = material.young * 1e-6 * d;
   for (int c = 6; c < 10; ++c)
     for (int l = 6; l < 10; ++l) EXPECT_LT(f.col(lattice.index({c, l})).norm(), 1e-6 * scale);
-  EXPECT_GT(f.col(lattice.index({0, 8})).norm(), 0.1 * scale);  // the faces do feel it
+  EXPECT_GT(f.col(lattice.index({0, 8})).norm(), 0.1 * scale);  // the faces do have an effect there
 }
 
 TEST(BothModels, RigidMotionMakesNoStressAtAnyAngle) {
@@ -285,7 +285,8 @@ TEST(BothModels, ElasticLimitIsThatOfTheLargestEigenvalue) {
     const Eigen::MatrixXd K = stiffness<2>(*model, lattice, Eigen::Matrix2Xd::Zero(2, lattice.size()));
     EXPECT_LT((K - K.transpose()).norm(), 1e-9 * K.norm());
     const double omega2 = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K / mass).eigenvalues().maxCoeff();
-    // A power iteration comes from below in ω: the step may be up to 2 % long, far inside the safety of 0.8.
+    // A power iteration approaches ω from below. The step may be up to 2 % too long, far inside the safety of
+    // 0.8.
     EXPECT_NEAR(elastic_limit<2>(*model, lattice, Eigen::VectorXd::Constant(lattice.size(), mass)) /
                     (2 / std::sqrt(omega2)),
                 1.01, 0.0101);

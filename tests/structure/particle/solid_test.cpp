@@ -156,7 +156,7 @@ TEST(ParticleSolid, CheckpointAndRewindAreBitEqual) {
   EXPECT_EQ(first.frame().point_data.at(2).value.rows(), 6);
 }
 
-/// A bar of boxes whose sides are held as given: left, right, bottom, top, back, front.
+/// A bar of boxes whose sides are supported as given: left, right, bottom, top, back, front.
 Parameters held_bar(const std::array<Support, 6>& support) {
   Parameters p = bar(12 * d, 4 * d, Support::free);
   SolidBox box;
@@ -168,7 +168,7 @@ Parameters held_bar(const std::array<Support, 6>& support) {
   return p;
 }
 
-// Pinned on the line at mid-height of an end, a roller at the other, symmetric at the back: the lines stay,
+// Pinned on the line at mid-height of an end, a roller at the other, symmetric at the back. The lines stay,
 // and the bar's end faces turn about them.
 TEST(ParticleSolid, SupportsHoldTheirLinesAndPlanes) {
   ParticleSolver<3> solver(held_bar(

@@ -23,8 +23,8 @@ double total(const Energy& e) {
   return e.kinetic + e.strain;
 }
 
-/// A smooth velocity like the first clamped mode's, 1 at the middle: leapfrog's energy oscillates with (ω
-/// dt)², which is large for the shortest waves only (1e-5 for this mode).
+/// A smooth velocity like that of the first clamped mode, 1 at the middle. Leapfrog's energy oscillates with
+/// (ω dt)², which is large for the shortest waves only (1e-5 for this mode).
 Eigen::Matrix2Xd bending(const Lattice<2>& lattice, double length) {
   Eigen::Matrix2Xd v = Eigen::Matrix2Xd::Zero(2, lattice.size());
   for (Eigen::Index i = 0; i < v.cols(); ++i) {
@@ -114,7 +114,7 @@ TEST(ParticleSolver, CheckpointInAnotherSolverGoesOnBitEqual) {
 }
 
 TEST(ParticleSolver, VirtualWorkIsTheSameOnInterfaceAndParticles) {
-  // One sub-step from rest with a force f on the interface: N Nᵀ/m f h²/2 moves the interface, so that the
+  // One sub-step from rest with a force f on the interface. N Nᵀ/m f h²/2 moves the interface, so that the
   // work on the interface, f · u, is the work that the solver booked on its particles.
   Parameters p = paper_plate(4);
   p.plate.left = p.plate.right = Support::free;

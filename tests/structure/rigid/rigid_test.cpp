@@ -33,7 +33,7 @@ Parameters crooked_solid() {
   return p;
 }
 
-/// A load on the interface points that has a sum and a moment, held over the window.
+/// A load on the interface points that has a sum and a moment, constant over the window.
 Load push(const InterfaceMesh& mesh, double size, double t = 0) {
   Eigen::MatrixXd force = Eigen::MatrixXd::Zero(3, mesh.position.cols());
   for (Eigen::Index k = 0; k < force.cols(); ++k) {
