@@ -11,10 +11,10 @@
 
 namespace strake {
 
-/// 3×n, one column per point. Two-dimensional cases keep z = 0 and speak per metre of depth.
+/// 3×n, one column per point. In two dimensions z = 0, and values are per metre of depth.
 using Points = Eigen::Matrix3Xd;
 
-/// The wet surface (or, for volume coupling, all solid points) of one participant in its reference
+/// The loaded surface (or, for volume coupling, all solid points) of one participant in its reference
 /// configuration.
 struct InterfaceMesh {
   std::string name;
@@ -42,8 +42,8 @@ struct Sample {
   std::vector<Field> fields;
 };
 struct Input {
-  /// One: held (force) or end value (motion). More: a history, ascending, that ends with the window and may
-  /// begin before it.
+  /// One: constant (force) or end value (motion). More: a history, ascending, that ends with the window and
+  /// may begin before it.
   std::vector<Sample> samples;
 };
 struct Window {

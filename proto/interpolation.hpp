@@ -23,7 +23,7 @@ Interpolation interpolation_kind(const std::string&);
 /// key, for another name.
 int degree_of(const std::string& name, const std::string& key, const std::vector<std::string>& more = {});
 
-/// A field at a time; held outside the samples. 0×0 where there are none, or they do not have it.
+/// A field at a time; constant outside the samples. 0×0 if there are no samples, or they do not have it.
 Eigen::MatrixXd value_at(const std::vector<Sample>&, const std::string& quantity, double time, Interpolation);
 /// Its mean over [begin, end], exact for the interpolant.
 Eigen::MatrixXd mean_over(const std::vector<Sample>&, const std::string& quantity, double begin, double end,

@@ -5,8 +5,8 @@
 
 namespace strake {
 
-// The limits keep squares, products and quotients of such numbers within what a double holds. They lie many
-// orders of magnitude beyond what has been built or measured, so that they hinder nobody.
+// The limits keep squares, products and quotients of such numbers within the range of a double. They lie many
+// orders of magnitude beyond what has been built or measured, so that they exclude no real case.
 Magnitude magnitude_of(const std::string& unit) {
   struct Known {
     const char* unit;

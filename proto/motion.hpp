@@ -15,7 +15,7 @@ struct RigidMotion {
   double angle = 0, angular_velocity = 0, angular_acceleration = 0;  // [rad], [rad/s], [rad/s^2]
 };
 
-/// What one column of a motion table holds: a place (or angle), or its rate.
+/// Content of one column of a motion table: a place (or angle), or its rate.
 enum class MotionColumn { absent, place, rate };
 
 /// A motion given at some times, twice continuously differentiable between them. Places are joined by the
@@ -34,7 +34,7 @@ class MotionTable {
   RigidMotion at(double t) const;
   double start() const { return time_.front(); }  // [s]
   double end() const { return time_.back(); }     // [s]
-  /// Whether it says anything of a channel: 0 x, 1 y, 2 z, 3 angle. What it does not, stands still.
+  /// True if it gives a channel: 0 x, 1 y, 2 z, 3 angle. A channel that is not given stands still.
   bool gives(std::size_t channel) const { return channel_.at(channel).kind != MotionColumn::absent; }
   bool turns() const { return gives(3); }
 

@@ -11,7 +11,7 @@
 
 namespace strake {
 
-/// What a participant is told once, before its mesh exists.
+/// Data that a participant gets once, before its mesh exists.
 struct Setup {
   std::filesystem::path run_folder;    // where frames, checkpoints and logs go; empty: write nothing
   std::string interface;               // "surface" | "volume" | "none"
@@ -20,7 +20,7 @@ struct Setup {
   bool history = false;                // the structure takes a load with its history: send Advanced::history
 };
 
-/// What a participant says once it is built.
+/// Data that a participant returns once it is built.
 struct Description {
   /// The fields that the participant sends with each window, with their values at t = 0 on mesh(). A field
   /// says its quantity, unit, components, and whether it is conservative. None: displacement [m] of a
@@ -38,7 +38,7 @@ struct Description {
 struct Advanced {
   std::vector<Field> output;  // displacement, velocity: at t + dt; force: mean over the window; on mesh()
   /// The same fields at times in (t, t + dt], ascending, the last at t + dt. They are sent if Setup::history
-  /// asks for them. A force is the mean since the sample before.
+  /// requests them. A force is the mean since the sample before.
   std::vector<Sample> history;
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest next window this solver accepts
   /// Named scalars. Names in Description::columns go to history.csv. Reserved prefixes go elsewhere:

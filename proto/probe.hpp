@@ -22,8 +22,8 @@ class ProbeRecord {
   ProbeRecord() = default;
   static ProbeRecord waiting_for_contact();
 
-  /// One step from t0 to t1 [s] with mean value q over it (pressure) or end value (motion). Steps follow one
-  /// another; t0 = t1 records a value that holds at an instant (the state at t = 0).
+  /// One step from t0 to t1 [s] with mean value q over it (pressure) or end value (motion). Steps are
+  /// consecutive; t0 = t1 records a value at an instant (the state at t = 0).
   void add(double t0, double t1, double q);
   /// Sets the contact time t_c [s], the start of the step in which contact was found. It is called before or
   /// after that step's `add`. First peak, impulse and 50-µs mean then leave out what came before t_c. Later
@@ -47,7 +47,7 @@ class ProbeRecord {
   /// "<name>:first_peak" … for Advanced::monitor; what is not known yet is left out.
   void report(const std::string& name, std::map<std::string, double>& monitor) const;
   void save(const std::string& name, Archive&) const;
-  void load(const std::string& name, const Archive&);  // Error(case_file) if the archive holds no such record
+  void load(const std::string& name, const Archive&);  // Error(case_file) if the archive has no such record
 
  private:
   struct Step {

@@ -18,7 +18,7 @@ class Values : public Eigen::Map<const Eigen::MatrixXd> {
   Values(Eigen::MatrixXd matrix) : Values(std::make_shared<Eigen::MatrixXd>(std::move(matrix))) {}
   template <class Derived>
   Values(const Eigen::EigenBase<Derived>& expression) : Values(Eigen::MatrixXd(expression)) {}
-  /// Numbers at a multiple of 8 bytes, which `owner` keeps alive and nobody changes.
+  /// Numbers at a multiple of 8 bytes, which `owner` keeps alive and which do not change.
   static Values lent(const double* numbers, Eigen::Index rows, Eigen::Index columns,
                      std::shared_ptr<const void> owner) {
     Values values;
@@ -71,7 +71,7 @@ class Values : public Eigen::Map<const Eigen::MatrixXd> {
   explicit Values(std::shared_ptr<Eigen::MatrixXd> own) : Map(own->data(), own->rows(), own->cols()) {
     owner_ = std::move(own);
   }
-  /// As Eigen's reference has a map look elsewhere.
+  /// Sets the map to other numbers, as Eigen's reference does.
   void point_to(const double* numbers, Eigen::Index rows, Eigen::Index columns) {
     new (static_cast<Map*>(this)) Map(numbers, rows, columns);
   }

@@ -1,4 +1,4 @@
-// Keys that nobody declared.
+// Reports keys that no program declared.
 #include "proto/case/case_document.hpp"
 
 #include <fmt/format.h>
@@ -58,7 +58,8 @@ class Search {
   const Document& document_;
 };
 
-/// What the user may have meant: a near name in the same table, else the same name in another one.
+/// The key that the user may have meant. It is a near name in the same table, else the same name in another
+/// one.
 std::string advice(const Document& document, const std::string& path) {
   const std::pair<std::string, std::string> split = parent_and_name(path);
   const auto &parent = split.first, &name = split.second;  // a lambda of clang 14 takes no structured binding

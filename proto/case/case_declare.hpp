@@ -16,11 +16,12 @@ class Declaration {
   /// The characters of a --set value that TOML took for something else than text, else empty.
   std::string raw_text() const;
   Error wrong(const std::string& what, const std::string& fix = {}, const toml::node* part = nullptr) const;
-  /// True if there is a value; throws if there is none and one is needed. sample: what the fix tells to add.
+  /// True if there is a value; throws if there is none and one is needed. sample: the line that the fix
+  /// proposes.
   bool given(bool required, const std::string& sample) const;
   /// True if the value shall come from preset "paper".
   bool takes_paper(bool has_paper);
-  /// echoed = false: the value would not pass its own checks; it stands for "not given".
+  /// echoed = false: the value would not pass its own checks; it means "not given".
   void record(std::string value, bool echoed = true);
 
   KeyInfo info;

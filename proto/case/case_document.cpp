@@ -235,7 +235,8 @@ Error CaseFile::Document::missing(const std::string& path, const std::string& ex
                                   const std::string& sample) const {
   const auto [parent, key] = parent_and_name(path);
   const toml::node* table = parent.empty() ? nullptr : at(parent);
-  // A key that is required and misspelt is missing and unknown at once; the second says more.
+  // A required key with a misspelt name is both missing and unknown. The error on the unknown key is more
+  // helpful.
   for (auto&& [there, node] : table && table->is_table() ? *table->as_table() : toml::table()) {
     const std::string stranger = parent + "." + quoted_key(std::string(there.str()));
     if (index.contains(stranger) || did_you_mean(std::string(there.str()), {key}).empty()) continue;

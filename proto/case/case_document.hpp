@@ -50,7 +50,7 @@ struct CaseFile::Document {
   toml::table root;
   std::vector<Set> sets;
   bool only_declares = false;
-  bool explained = true;  // `strake explain` knows its keys
+  bool explained = true;  // `strake explain` lists its keys
   std::string preset = "improved";
 
   std::vector<KeyInfo> keys;  // one per declaration, in order
@@ -67,7 +67,8 @@ struct CaseFile::Document {
   const toml::node* at(const std::string& path) const { return find(path).node; }
   /// The path of `name` in a table. A name that stands in the table as it is wins; else dots separate keys.
   std::string join(const std::string& table, const std::string& name) const;
-  /// The --set string that gave this path or a table around it; nullptr if the file (or nobody) did.
+  /// The --set string that gave this path or a table around it. nullptr if the file gave it, or it is not
+  /// given.
   const Set* set_of(const std::string& path) const;
   std::filesystem::path folder() const;
 

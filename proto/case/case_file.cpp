@@ -65,7 +65,7 @@ bool is_toml_text(const std::string& text) {
   }
 }
 
-/// The table that shall hold the last step of a --set path; tables on the way are made.
+/// The table for the last step of a --set path; missing tables of the path are made.
 toml::table* table_for(toml::table& root, const std::vector<PathStep>& steps, const std::string& where) {
   toml::node* node = &root;
   std::string so_far;

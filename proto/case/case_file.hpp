@@ -66,8 +66,7 @@ struct PointsKey {
 
 class CaseTable;
 
-/// A case file with positions. Reading a key declares it; `refuse_unknown` then names every key nobody
-/// declared.
+/// A case file with positions. Reading a key declares it; `refuse_unknown` then lists every undeclared key.
 class CaseFile {
  public:
   /// Reads FILE and applies the --set strings in order (V is read as TOML, else as text). Throws

@@ -30,7 +30,7 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   table.number(
       "diameter", probe.diameter,
       {.unit = "m", .min = 0, .exclusive = true, .help = "of a pressure sensor; not given: 2 fluid.spacing"});
-  if (!table.has("name")) return probe;  // a list of declarations holds no probe to check
+  if (!table.has("name")) return probe;  // a list of declarations contains no probe to check
 
   // The name becomes part of a column name "mid.y" and of a result "mid.y:first_peak".
   constexpr std::size_t longest_name = 100;

@@ -12,7 +12,7 @@ namespace strake {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// In one list: each is held against all the others.
+// In one list: each is compared with all the others.
 constexpr std::size_t most_tables = 2000, most_points = 2000;
 
 std::string range_text(double min, double max, bool exclusive) {

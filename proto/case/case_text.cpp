@@ -15,7 +15,7 @@ std::string one_of(const std::vector<std::string>& choices) {
   return choices.size() == 1 ? text : "one of " + text;
 }
 
-/// The text of a value, or nothing. What --set gave is text if a text is wanted, whatever it looks like.
+/// The text of a value, or nothing. A --set value is text if the key is a text, in any form.
 std::optional<std::string> as_text(const Declaration& d) {
   if (const auto* text = d.node->as_string()) return text->get();
   if (const std::string raw = d.raw_text(); !raw.empty()) return raw;

@@ -5,7 +5,7 @@
 
 namespace strake {
 
-/// What one declaration says: `explain`, the resolved echo and the reference are made from these.
+/// The data of one declaration: `explain`, the resolved echo and the reference are made from these.
 struct KeyInfo {
   std::string path = {};  // "fluid.scheme.radius.density"; tables of an array: "output.probe[0].name",
                           // without a case file "output.probe[].name"

@@ -7,7 +7,7 @@ namespace strake {
 
 class CaseFile;
 
-/// A number of items that a case makes, told from its keys before anything is built.
+/// A number of items that a case makes, estimated from its keys before anything is built.
 struct SizeEstimate {
   /// A key that the number follows from: count ~ value^power.
   struct Key {

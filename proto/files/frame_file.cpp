@@ -19,7 +19,7 @@ Error damaged(const std::filesystem::path& path, const std::string& problem) {
   return {ExitCode::case_file, path.string(), problem, "run the case again"};
 }
 
-/// /point or /cell: a file holds n×components, row after row; a frame components×n.
+/// /point or /cell: a file has n×components, line by line; a frame components×n.
 std::vector<Frame::Array> read_arrays(const hdf5::Reader& file, const std::string& group, Eigen::Index n,
                                       const std::filesystem::path& from) {
   std::vector<Frame::Array> arrays;

@@ -34,7 +34,7 @@ class FrameWriter {
  private:
   static constexpr std::size_t most_waiting = 2;  // frames; more would only cost memory
   void work();
-  void rethrow() const;  // with the lock held
+  void rethrow() const;  // the caller has locked the mutex
 
   FrameSeries series_;  // of the thread, while it is busy
   std::mutex mutex_;

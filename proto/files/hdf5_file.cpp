@@ -169,7 +169,7 @@ Handle Reader::dataset(const std::string& path, H5T_class_t wanted,
     refuse("dataset " + path + " is not a table of rows and columns");
   std::array<hsize_t, 2> size{};
   H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
-  // A file cannot hold more numbers than bytes: a damaged count must not become an allocation.
+  // A file cannot have more numbers than bytes: a damaged count must not become an allocation.
   const std::uintmax_t most = size_ / 8;
   if (size[0] > most || size[1] > most || (size[1] > 0 && size[0] > most / size[1]))
     refuse("dataset " + path + " claims to be larger than the file");

@@ -40,8 +40,7 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// While it lives, HDF5 belongs to this thread alone, which the library asks for, and prints nothing of its
-/// own.
+/// While it lives, only this thread may use HDF5, as the library requires. HDF5 prints nothing meanwhile.
 class Session {
  public:
   Session();
@@ -78,7 +77,7 @@ class Writer {
   Handle file_;
 };
 
-/// A file that somebody wrote; whatever is wrong with it throws Error(case_file) naming the file.
+/// A file of any origin; every fault of it throws Error(case_file) with the file.
 class Reader {
  public:
   /// format: the attribute "format" of the root that makes the file ours.

@@ -11,21 +11,21 @@
 
 namespace strake {
 
-/// A column file: one header line `name [unit],…`, then rows; flushed after each row. Numbers in the C
-/// locale, the shortest text that reads back to the same double, so that equal results are equal bytes.
+/// A column file: one header line `name [unit],…`, then lines of numbers; flushed after each line. Numbers in
+/// the C locale, the shortest text that reads back to the same double, so that equal results are equal bytes.
 /// Throws Error(cannot_write).
 class History {
  public:
   History(const std::filesystem::path&, std::vector<Column> columns);
-  /// Continues a file: keeps the header, which must name these columns, and its first `rows` rows (resume).
-  /// Throws Error(case_file) if the file is not there, has other columns or fewer rows.
+  /// Continues a file: keeps the header, which must name these columns, and its first `rows` lines (resume).
+  /// Throws Error(case_file) if the file is not there, has other columns or fewer lines.
   History(const std::filesystem::path&, std::vector<Column> columns, std::size_t rows);
   ~History();
   History(const History&) = delete;
   History& operator=(const History&) = delete;
   void append(const std::vector<double>& row);  // one value per column; NaN is written as an empty cell
   const std::vector<Column>& columns() const { return columns_; }
-  /// Waits until the rows so far are on the disk.
+  /// Waits until the lines so far are on the disk.
   void sync();
 
  private:
@@ -45,7 +45,7 @@ struct Table {
   const std::vector<double>& column(const std::string& name) const;
 };
 /// Lines that begin with # are notes (origin, licence). Throws Error(case_file) with file:line for a bad
-/// header, a bad number or a row of wrong length. A table of a user's is read up to `largest_table`.
+/// header, a bad number or a line of wrong length. A user's table is read up to `largest_table`.
 Table read_table(const std::filesystem::path&, std::uintmax_t largest = any_size);
 
 }  // namespace strake

@@ -184,7 +184,7 @@ void FrameSeries::truncate(double time) {
     const bool is_frame = path.extension() == ".h5" && number.size() == 6 &&
                           number.find_first_not_of("0123456789") == std::string::npos;
     if (!is_frame) continue;
-    // One that a power cut damaged is no loss to what goes on from here: it is not listed.
+    // A frame that a power cut damaged is not listed; a resumed run does not need it.
     const std::optional<Entry> entry = entry_of(path);
     if (!entry) continue;
     if (entry->time > time) {

@@ -34,7 +34,7 @@ void require_file(const struct stat& found, std::uintmax_t largest, const std::s
 /// A file that is open to be read.
 class Opened {
  public:
-  // Without waiting: a pipe that nobody writes to would hold the program here.
+  // Opens without waiting: a pipe without a writer would block the program here.
   explicit Opened(const std::filesystem::path& path)
       : file_(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
   Opened(const Opened&) = delete;

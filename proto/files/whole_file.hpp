@@ -10,7 +10,7 @@
 
 namespace strake {
 
-/// Largest files that are read [bytes]. A file of a user's that is larger is not what its key asks for.
+/// Largest files that are read [bytes]. A larger file of a user cannot be what its key expects.
 inline constexpr std::uintmax_t largest_case = std::uintmax_t{16} << 20,
                                 largest_table = std::uintmax_t{1} << 30,
                                 largest_mesh = std::uintmax_t{1} << 29,

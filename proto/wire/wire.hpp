@@ -71,7 +71,7 @@ struct Request {
   std::uint64_t sequence = 0;
   std::variant<Setup, Advance, Checkpoint, Stop, Refused> what;
 };
-/// When a participant received the question and when its answer goes, on its own steady clock. 0: not told.
+/// When a participant received the request and when its reply is sent, on its own steady clock. 0: not given.
 struct Times {
   std::int64_t received = 0, answered = 0;  // [ns]
 };

@@ -17,9 +17,9 @@
 /// The checks of a message and the raw arrays behind its header, for wire.cpp alone.
 namespace strake::wire {
 
-// ---- rules that hold on both sides
+// ---- rules of both sides
 
-/// Checks of one message, told in the name of its sender.
+/// Checks one message; errors name its sender.
 struct Rules {
   const std::string& who;
   const char* message;
@@ -55,7 +55,7 @@ struct Rules {
     for (const unsigned char c : text)
       if (c < 0x20 || c == 0x7f) broken(fmt::format("gives a {} that holds the character {:#04x}", what, c));
   }
-  /// The columns of history.csv are told apart by their names.
+  /// The columns of history.csv are identified by their names.
   void columns(const std::vector<Column>& all) const {
     std::set<std::string> names;
     for (const Column& column : all) {
@@ -186,7 +186,7 @@ class Reader {
   }
 
  private:
-  /// The next part, which holds that many numbers.
+  /// The next part, which must have that many numbers.
   template <class Number>
   const Part& part(std::uint64_t rows, std::uint64_t columns, const std::string& name) {
     if (next_ == parts_.size())
