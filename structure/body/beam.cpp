@@ -15,7 +15,7 @@ struct Element {
   Eigen::Matrix4d stiffness, mass;
 };
 
-// Cubic deflection w = Σ a_k x^k with the rotation that its own equilibrium asks for:
+// Cubic deflection w = Σ a_k x^k with the rotation that follows from its own equilibrium:
 //   EI θ'' + κGA (w' − θ) = 0   ⇒   θ = w' + Φ a_3,  Φ = 6 EI / (κGA)   (Φ = 0: Euler-Bernoulli)
 //   U = ½∫(EI θ'² + κGA (w' − θ)²) dx,   T = ½∫(ρA ẇ² + ρI θ̇²) dx
 Element element(double length, double EI, double kGA, double rhoA, double rhoI) {

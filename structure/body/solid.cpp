@@ -184,7 +184,7 @@ void find_facets(Solid& solid) {
   };
   std::map<std::vector<int>, Seen> faces;
   std::vector<std::vector<int>>
-      order;  // in which they were met first, so that the numbering is that of the cells
+      order;  // in the order of their first use, so that the numbering is that of the cells
   const auto local = sides(solid.dimension);
   for (int c = 0; c < solid.cell.cols(); ++c)
     for (const auto& side : local) {

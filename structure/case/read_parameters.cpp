@@ -28,7 +28,7 @@ void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
            {.unit = "m", .min = 0, .exclusive = true, .help = "initial particle distance l0"});
   t.number("density", p.fluid_density,
            {.unit = "kg/m^3", .min = 0, .exclusive = true, .help = "of the fluid"});
-  // A structure without a fluid has no gravity unless the case says so.
+  // A structure without a fluid has no gravity unless the case gives one.
   p.gravity = common.fluid_solver == "none" ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0, -9.81, 0);
   t.vector("gravity", p.gravity,
            {.unit = "m/s^2", .help = "body force on the structure too; zero when fluid.solver is none"});
@@ -114,7 +114,7 @@ void read_ccx(CaseTable t, CalculixKeys& ccx) {
       {.unit = "s", .min = 0, .exclusive = true, .help = "wall clock that CalculiX has for an increment"});
 }
 
-/// What the coupler's tables and the fluid's say of the load that will come.
+/// Reads from the coupler's and the fluid's tables what the load will be.
 void read_load_to_come(CaseFile& file, const CommonKeys& common, Parameters& p) {
   p.fluid_none = common.fluid_solver == "none";
   p.end_time = common.end_time;

@@ -182,7 +182,7 @@ void check_frame(CaseTable t, const Parameters& p) {
     throw lumped.error("mass", "0: the supports are driven, whatever their mass", "structure.free.y = true");
 }
 
-/// Keys that have their defaults, as in the resolved case of a run, say nothing.
+/// Keys with their default values, as in the resolved case of a run, count as not given.
 bool says_something(std::string_view key, const Parameters& p) {
   if (key == "angular_velocity") return p.angular_velocity != 0;
   return true;

@@ -27,7 +27,7 @@ constexpr const char* deck_name = "deck";
 constexpr std::uintmax_t enough_space = 1
                                         << 20;  // bytes; less than that: the disk is why something is missing
 
-/// The last lines of a log that say something.
+/// The last lines of a log that are not empty.
 std::string last_lines(const fs::path& log) {
   constexpr std::size_t n_lines = 12;
   std::ifstream stream(log);

@@ -8,7 +8,7 @@ namespace strake::structure::ccx {
 
 /// The program; throws Error(case_file) that names the package where it is not installed.
 std::filesystem::path installed_program();
-/// "2.20"; empty where it does not say.
+/// "2.20"; empty if it is not printed.
 std::string installed_version();
 
 /// Starts CalculiX on decks in a temporary folder of its own. The folder is removed with this object; after a
@@ -21,9 +21,9 @@ class Runner {
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
 
-  /// Runs a deck to its end; `restart`: the content of the restart file that it reads, if any. `what` says in
-  /// an error what was computed. Throws Error(solver_fault) with the last lines of CalculiX when it fails or
-  /// needs longer for an increment than it may; Error(cannot_write) without room on the disk.
+  /// Runs a deck to its end. `restart`: content of the restart file that it reads, if any. `what` names the
+  /// computation in errors. Throws Error(solver_fault) with the last lines of CalculiX when it fails or
+  /// exceeds the time for an increment; Error(cannot_write) without room on the disk.
   void run(const std::string& deck, const std::string& restart, std::size_t increments,
            const std::string& what);
   /// Files of the last run: "dat", "frd", "rout".

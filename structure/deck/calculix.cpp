@@ -97,8 +97,8 @@ void put_output(Buffer& out, const Model& m, bool whole_field) {
   if (whole_field) put(out, "*NODE FILE\nU\n");
 }
 
-/// Fields come out in the nodes that went in: plane elements are solids inside. Requests go on from step to
-/// step until there is another one, which may be empty.
+/// Requests fields in the nodes of the model: CalculiX expands plane elements to solids. Requests stay valid
+/// from step to step until there is another one, which may be empty.
 void put_wanted(Buffer& out, const Model& m, bool fields) {
   const bool dynamic = m.analysis == Analysis::dynamic;
   put(out, "*NODE PRINT, NSET=WANTED\nU{0}\n*EL PRINT, ELSET=BODY, TOTALS=ONLY\nELSE{1}\n",

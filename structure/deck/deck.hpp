@@ -9,7 +9,7 @@
 
 namespace strake::structure::deck {
 
-/// What a deck says besides its model.
+/// Content of a deck besides its model.
 struct Story {
   std::string title;   // of the case
   std::string origin;  // the run it comes from

@@ -20,7 +20,7 @@ struct LoadHistory {
   double end() const { return time.back(); }
 };
 
-/// A run's windows of equal length in a row.
+/// Consecutive windows of equal length of a run.
 struct Stretch {
   std::size_t windows = 0;
   double dt = 0;   // [s] of each

@@ -58,7 +58,7 @@ Model with_edge_nodes(Model lagrange);
 /// Length of the shortest edge of a cell [m].
 double shortest_edge(const Model&);
 
-/// What none of the decks can say: throws Error(case_file).
+/// Throws Error(case_file) for what no deck can describe.
 void require_plain_materials(const Model&);
 
 }  // namespace strake::structure::deck

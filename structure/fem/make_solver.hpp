@@ -7,7 +7,7 @@
 
 namespace strake::structure::fem {
 
-/// The finite-element solver for a case, behind its interface: who uses it compiles nothing of it.
+/// Makes the finite-element solver of a case, behind its interface, so that callers compile nothing of it.
 std::unique_ptr<Solver> make_solver(const Parameters&);
 
 }  // namespace strake::structure::fem

@@ -69,7 +69,7 @@ template <int dim>
   return m.lame_mu() * (Matrix::Identity() - inverse) + m.lame_lambda() * log_jacobian<dim>(E) * inverse;
 }
 
-/// Second Piola-Kirchhoff stress S = ∂ψ/∂E [Pa]: λ tr(E) 1 + 2μ E, or that of neo-Hookean above.
+/// Second Piola-Kirchhoff stress S = ∂ψ/∂E [Pa]: λ tr(E) 1 + 2μ E, or the neo-Hookean stress above.
 template <int dim>
 Eigen::Matrix<double, dim, dim> second_piola_kirchhoff(const Material& m,
                                                        const Eigen::Matrix<double, dim, dim>& E) {

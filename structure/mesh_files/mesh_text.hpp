@@ -8,7 +8,7 @@
 
 namespace strake::structure {
 
-/// What a mesh file says, as it says it: nodes and elements by their numbers.
+/// Content of a mesh file in its own form: nodes and elements by their numbers.
 struct MeshText {
   struct Element {
     long number = 0;

@@ -138,8 +138,8 @@ Constraints<dim>::Constraints(const Lattice<dim>& lattice, const Solid& solid, c
       const Eigen::MatrixXd shared = a->of_frame * a->of_frame.transpose() / a->frame_mass;
       G += Eigen::SparseMatrix<double>(shared.sparseView());
     }
-    // Two supports may say the same of the same particles, as a pinned line that meets a plane of symmetry.
-    // Both say nothing new then, and a little more on the diagonal shares the reaction out between them.
+    // Two supports may give the same equation for the same particles. A pinned line that meets a plane of
+    // symmetry does so. A small addition on the diagonal then divides the reaction between them.
     constexpr double shared_out = 1e-12;
     const double largest = G.diagonal().maxCoeff();
     for (Index k = 0; k < m; ++k) G.coeffRef(k, k) += shared_out * largest;

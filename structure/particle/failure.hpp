@@ -55,7 +55,7 @@ class Failure {
 
   FailureKeys keys_;
   double hourglass_;
-  double band_, opening_;  // [m] l_c, and the opening of a row that is through per y_f/√E'
+  double band_, opening_;  // [m] l_c, and the opening at which a layer has lost all strength, per y_f/√E'
   const Lattice<dim>& lattice_;
   Bonds<dim>& bonds_;
   Eigen::VectorXd weight_;              // m, of the intact bonds
@@ -71,17 +71,17 @@ class Failure {
 /// shear of bonds across the opening (1.33 in place of 1.92 at r_e = 2.1).
 double crack_constant(double radius /* [spacing] */, double lambda_over_mu);
 
-/// Width of the band in which a crack dissipates energy [spacing]. An opening δ between two rows gives the
-/// particles of row q beside it the strain h_q δ/l0 and the hourglass residuals of the bonds that cross, in
+/// Width of the band in which a crack dissipates energy [spacing]. An opening δ between two layers gives the
+/// particles of layer q beside it the strain h_q δ/l0 and the hourglass residuals of the bonds that cross, in
 /// spacings
 ///   h_q = Σ_{Δx>q} w⁰ Δx/a,   Y_q/E = ½ h_q² + α/(4a) (Σ_{Δx>q} w⁰ − a h_q²),   a = Σ w⁰ Δx²
-/// With η_q = √(Y_q/Y_0), row 0 softens completely and dissipates y_0 y_f. Row q then has y = η_q y_f; it
+/// With η_q = √(Y_q/Y_0), layer 0 softens completely and dissipates y_0 y_f. Layer q then has y = η_q y_f; it
 /// dissipated η_q y_0 y_f in softening and stores (1 − D) Y_q = η_q (1 − η_q) y_0 y_f. The stored part is
 /// lost when the bonds across the opening break (y_f ≫ y_0). The band is therefore 2 Σ_q η_q (2 − η_q): 2.48
 /// at r_e = 2.1, α = 1.
 struct CrackBand {
   double width;    // [spacing]
-  double opening;  // [spacing] of δ at which row 0 is through, in units of y_f/√E'
+  double opening;  // [spacing] of δ at which layer 0 has lost all strength, in units of y_f/√E'
 };
 CrackBand crack_band(int dimension, double radius /* [spacing] */, double hourglass);
 

@@ -77,7 +77,7 @@ class Factors {
         entries.emplace_back(row, column, largest * entry.value());
         entries.emplace_back(column, row, largest * entry.value());
       }
-    // As in Constraints: equations that say the same twice share their reaction.
+    // As in Constraints: equal equations share their reaction.
     constexpr double shared_out = 1e-12;
     for (Eigen::Index r = n_; r < n_ + m; ++r)
       entries.emplace_back(static_cast<int>(r), static_cast<int>(r), -shared_out * largest);

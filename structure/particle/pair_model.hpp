@@ -39,7 +39,8 @@ class PairModel final : public ElasticModel<2> {
   double volume_;                    // V [m²] per metre of depth
   double lambda_;                    // λ_s [Pa] of the first particle, 1 where it has none
   Eigen::VectorXd relative_lambda_;  // n λ_s over that
-  Eigen::VectorXd mu_;               // m μ_s of each bond [Pa]: between two materials that of both in series
+  Eigen::VectorXd mu_;               // m μ_s of each bond [Pa]; between two materials it is that of both in
+                                     // series
   Rotation rotation_;
   int influence_;
 };

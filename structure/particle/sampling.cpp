@@ -136,7 +136,7 @@ Placement<dim> sampled(const Solid& solid, double spacing) {
     else
       rest.emplace(at, whole);
   });
-  // Shares as the cells had them decide who gets the rest, not the order in which it is given away.
+  // Only cells that have a particle before this loop receive a rest, so that the order has no influence.
   for (const auto& [at, share] : rest) give_away<dim>(at, share, placement.sites);
   return placement;
 }

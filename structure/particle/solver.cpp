@@ -270,7 +270,7 @@ bool ParticleSolver<dim>::is_sound(const Energy& before) const {
   const Energy after = energy();
   const double work = after.external - before.external, there = before.kinetic + before.strain;
   const double made = after.kinetic + after.strain + after.released - there - before.released - work;
-  const double speed = lattice_.spacing / elastic_limit_;  // [m/s] about that of sound
+  const double speed = lattice_.spacing / elastic_limit_;  // [m/s] about the speed of sound
   return made <= most * std::max(there, std::abs(work)) + std::pow(unseen_strain * speed, 2) * mass_.sum();
 }
 

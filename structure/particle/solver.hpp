@@ -52,7 +52,7 @@ class ParticleSolver final : public Solver {
   Properties properties() override;
 
   const Lattice<dim>& lattice() const { return lattice_; }
-  /// The velocity of all particles [m/s]: for tests that start in motion. Fixed particles keep that of
+  /// Sets the velocity of all particles [m/s], for tests that start in motion. Fixed particles keep that of
   /// the supports.
   void set_velocity(const Vectors<dim>&);
   const FrameState& frame_of_supports() const { return state_.frame; }

@@ -97,7 +97,7 @@ std::string frame_line(const SupportFrame& frame, int dimension) {
   return line;
 }
 
-// Profiles are joined by the cubic spline of motion tables and go on as at their ends.
+// Profiles are interpolated by the cubic spline of motion tables; beyond their ends they continue likewise.
 Eigen::Vector3d velocity_at_start(const InitialVelocity& initial, int part, const Eigen::Vector3d& X) {
   Eigen::Vector3d velocity = initial.value;
   if (!initial.of_part.empty()) velocity += initial.of_part.at(static_cast<std::size_t>(part));

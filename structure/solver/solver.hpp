@@ -79,8 +79,8 @@ class Solver {
   virtual void read(const Archive&) = 0;
   virtual Frame frame() const = 0;
   virtual std::vector<std::string> lines() const = 0;  // what it understood: headline first
-  /// How far X has moved with the supports [m]: what a deflection is counted from. Default: as
-  /// structure.velocity says.
+  /// Displacement of X by the supports [m], the reference of a deflection. Default: that of
+  /// structure.velocity.
   virtual std::optional<Eigen::Vector3d> support_displacement(const Eigen::Vector3d& /*X*/) const {
     return std::nullopt;
   }

@@ -26,7 +26,7 @@ struct CellMean {
 ///
 ///   F = I + ∇u,  E = ½(FᵀF − I),  S(E) and ψ(E) of material.hpp;  linear: F = I and E = ½(∇u + ∇uᵀ)
 ///
-/// Vectors hold u [m] in unknown dim·node + component.
+/// Vectors have u [m] in unknown dim·node + component.
 template <int dim>
 class Assembly {
  public:

@@ -24,7 +24,7 @@ namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// ML speaks MPI, with itself alone, from its first use to the end of the process.
+/// ML uses MPI, with this process alone, from its first use to the end of the process.
 class Session {
  public:
   Session() {

@@ -23,7 +23,7 @@ class Cholesky {
   /// False: not positive definite.
   bool factorise(const ColumnMatrix& matrix) {
     cholmod_common& cholmod = factors_.cholmod();
-    cholmod.print = 0;  // it tells by its status
+    cholmod.print = 0;  // its status reports errors
     if (!analysed_) factors_.analyzePattern(matrix);
     analysed_ = true;
     require(cholmod, matrix);

@@ -34,12 +34,11 @@ class LinearSolver {
   ~LinearSolver();
   LinearSolver(LinearSolver&&) noexcept;
   LinearSolver& operator=(LinearSolver&&) noexcept;
-  /// Makes ready for a matrix with the rows and columns of `fixed` unknowns taken out. False when it is
-  /// singular. Throws Error(solver_fault) where there is no room for its factors.
+  /// Factorises a matrix without the rows and columns of `fixed` unknowns. False when it is singular. Throws
+  /// Error(solver_fault) where there is no room for its factors.
   bool factorise(const Eigen::SparseMatrix<double, Eigen::RowMajor>&, const std::vector<int>& fixed);
-  /// x of A x = b, zero in the fixed unknowns, whatever b says there. An iteration stops at
-  /// ‖b − A x‖₂ ≤ tolerance ‖b‖₂ over the free unknowns; `cg_amg` throws Error(solver_fault) where it does
-  /// not come there.
+  /// Solves A x = b; x is zero in the fixed unknowns for any b. An iteration stops at ‖b − A x‖₂ ≤ tolerance
+  /// ‖b‖₂ over the free unknowns; `cg_amg` throws Error(solver_fault) if it does not converge.
   Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance = 1e-12) const;
   /// `automatic`: the next solve iterates again, so that what follows does not depend on what was solved
   /// before.
