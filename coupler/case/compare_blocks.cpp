@@ -58,7 +58,7 @@ void check_reference(const CompareBlock& block) {
                 fmt::format("its first column ({}) is in \"{}\", not in seconds", table.columns[0].name,
                             table.columns[0].unit),
                 "give the compare block the unit: axes = { time = … }, in seconds");
-  // Lines of numbers follow the header; comments and empty lines are not rows.
+  // Lines of numbers follow the header; comments and empty lines do not count.
   std::vector<std::size_t> line_of_row;
   std::ifstream in(path);
   std::string line;

@@ -95,7 +95,7 @@ void print_table(const std::string& quantity, const std::vector<Record>& records
   }
 }
 
-/// All records at the rows of all, linear between: a column for each.
+/// All records at the times of all, linear between: a column for each.
 void write_overlay(const std::filesystem::path& path, const std::vector<std::string>& quantities,
                    const std::vector<std::vector<Record>>& records, const std::vector<Comparison>& made) {
   std::vector<double> times;

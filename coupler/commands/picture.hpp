@@ -15,7 +15,7 @@ struct PictureOptions {
   std::filesystem::path run, out;  // out: .png or .svg; empty: RUN/<field>.png, of a film RUN/<field>.mp4
   std::optional<double> at;        // [s]; none: the last frame
   std::string field = "pressure";
-  std::string size, view, range;  // "1280x720", "x0,y0,x1,y1" [m], "lo,hi"; empty: as the run asks for
+  std::string size, view, range;  // "1280x720", "x0,y0,x1,y1" [m], "lo,hi"; empty: the run's own
   double scale = 1;
 };
 /// Draws one frame of a run.

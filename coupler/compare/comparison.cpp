@@ -21,7 +21,7 @@ Curve at_equal_steps(const Curve& c, double from, double to, std::size_t n) {
   return resample(c, times);
 }
 
-/// ∫ of the window means where a run has them (steps within a window count), else of the rows.
+/// ∫ of the window means if a run has them (steps within a window count), else of the history's lines.
 double impulse_of(const Record& r, double from, double to) {
   if (r.means.size() == 0) return impulse(r.curve, from, to);
   double sum = 0, before = from;

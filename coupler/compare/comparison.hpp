@@ -31,9 +31,9 @@ struct ComparisonSpan {
   std::optional<double> from, to;  // [s]; none: as far as all records reach
 };
 
-/// Metrics over the span that all records cover. Values between rows are linear; l2 is taken at the rows of
-/// both, dtw at equal steps (time warping costs the product of both lengths). Throws Error(command_line) when
-/// the records share no span or their units differ.
+/// Metrics over the span that all records cover. Values between samples are linear; l2 is taken at the
+/// samples of both, dtw at equal steps (time warping costs the product of both lengths). Throws
+/// Error(command_line) when the records share no span or their units differ.
 Comparison compare_records(const std::vector<Record>&, const std::string& quantity, const ComparisonSpan&);
 
 /// Unit of a metric of a quantity in `unit`. "impulse" of "Pa" is in "Pa s", "l2" of anything in "1".

@@ -14,8 +14,8 @@ namespace strake {
 struct Record {
   std::string name;  // where it comes from: "runs/plate_entry", "ansys.csv:uy"
   std::string unit;  // "m", "Pa", …
-  Curve curve;       // rows of history.csv or of the file; rows without a value are left out
-  Curve means;       // mean since the row before, where the run recorded it ("p_mid.mean"); else empty
+  Curve curve;       // lines of history.csv or of the file; those without a value are left out
+  Curve means;       // mean since the line before, if the run recorded it ("p_mid.mean"); else empty
   std::optional<double> contact = {};  // [s], of a run that met water
   /// Moves it in time [s].
   void shift(double);

@@ -43,7 +43,7 @@ struct RunRow {
   const CommittedWindow* window = nullptr;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // [N] on the structure
   double elapsed = 0;                               // [s] since the run began
-  const Table* history = nullptr;                   // its last row is this window; may be null
+  const Table* history = nullptr;                   // its last line is this window; may be null
 };
 
 /// An answer that has not come yet.

@@ -98,7 +98,7 @@ std::vector<std::string> progress_rows(const Progress& p, int width, bool unicod
   if (room < 1) return {};
   const double part = p.end_time > 0 ? std::clamp(p.time / p.end_time, 0.0, 1.0) : 0;
   const std::string percent = fmt::format("{:3.0f} %", std::floor(100 * part + 1e-9));
-  // In the order of their places on the row, which is that of their importance as well.
+  // In the order of their places on the line, which is that of their importance as well.
   std::vector<std::string> parts = {fmt::format("t {:.6f} of {:g} s", p.time, p.end_time)};
   if (p.remaining) parts.push_back(duration_text(*p.remaining) + " left");
   if (p.iterations > 0)

@@ -53,14 +53,15 @@ class LiveRows {
   ~LiveRows() { show("", {}, 0); }
   LiveRows(const LiveRows&) = delete;
   LiveRows& operator=(const LiveRows&) = delete;
-  /// Takes the rows away, prints `above` (whole lines) where they stood, and draws `rows`; in one write.
-  /// width: of the terminal now; rows of before that a narrower one has broken are taken away whole.
+  /// Removes the lines of the bar, prints `above` (whole lines) in their place, and draws `rows`, in one
+  /// write. width: of the terminal now. Earlier lines that a narrower terminal has broken are removed
+  /// completely.
   void show(const std::string& above, const std::vector<std::string>& rows, int width);
   bool empty() const { return drawn_.empty(); }
 
  private:
   std::FILE* stream_;
-  std::vector<int> drawn_;  // widths of the rows on the screen
+  std::vector<int> drawn_;  // widths of the bar's lines on the screen
 };
 
 }  // namespace strake

@@ -10,7 +10,7 @@
 
 namespace strake {
 
-/// One coupling iteration: a row of iterations.csv.
+/// One coupling iteration: a line of iterations.csv.
 struct IterationReport {
   int iteration = 0;
   double residual = 0, threshold = 0;               // of the structure's first field, [m] for a displacement

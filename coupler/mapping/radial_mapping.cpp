@@ -59,7 +59,7 @@ Sources distinct(const Points& points) {
   return sources;
 }
 
-/// Rows over the distinct points become rows over all: what coincides shares its weight evenly.
+/// Expands the weights over the distinct points to all points: coincident ones share a weight evenly.
 void spread(Matrix& weights, const Sources& sources, Index n_structure) {
   if (static_cast<Index>(sources.members.size()) == n_structure) return;
   std::vector<Eigen::Triplet<double>> entries;
@@ -96,7 +96,7 @@ void check_condition(const LocalWeights& local, const Patch& patch, const Radial
                   basis.support > 0 ? "a smaller coupling.surface.mapping.radial_basis.support, or " : ""));
 }
 
-/// The pattern of W: a row names all sources of its target's patches, ascending.
+/// The pattern of W: a row has all sources of its target's patches, ascending.
 Matrix empty_rows(const Partition& partition, Index n_sources, Index n_targets) {
   Matrix weights(n_targets, n_sources);
   std::vector<Index> row, merged;
@@ -128,7 +128,7 @@ Matrix empty_rows(const Partition& partition, Index n_sources, Index n_targets) 
   return weights;
 }
 
-/// Adds what one patch says to the rows of its targets.
+/// Adds the weights of one patch to the rows of its targets.
 void add(Matrix& weights, const Partition& partition, Index k, const MatrixXd& local, const Points& targets) {
   const Patch& patch = partition.patches[static_cast<std::size_t>(k)];
   for (std::size_t t = 0; t < patch.target.size(); ++t) {

@@ -15,7 +15,8 @@ using Matrix = SparseOperator::Matrix;
 // then wait actively for more work: that time is lost to the solvers on the same machine.
 constexpr Index entries_for_threads = 2'000'000;
 
-/// With the number of components known to the compiler where it is.
+/// Multiplies by the matrix. The number of components is a template argument where it is known at compile
+/// time; 0: it is not.
 template <int components>
 void gather(const Matrix& weights, const double* value, double* mapped, Index n_components) {
   const Index c = components > 0 ? components : n_components;

@@ -294,7 +294,7 @@ void Child::signal(int number) {
 void Child::end(milliseconds term) {
   if (exit()) return;
   signal(SIGTERM);
-  signal(SIGCONT);  // a suspended process hears nothing else
+  signal(SIGCONT);  // a suspended process reacts to nothing else
   if (wait(term)) return;
   signal(SIGKILL);
   wait(milliseconds(5000));  // a process inside the kernel (a dead network disk) may outlast even this

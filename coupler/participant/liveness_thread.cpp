@@ -101,7 +101,7 @@ void take_signals() {
   if (last_moments.coupler == 0) return;
   action.sa_handler = on_death_of_parent;
   sigaction(death_of_parent, &action, nullptr);
-  signal(SIGINT, SIG_IGN);  // the coupler hears Ctrl-C and ends us in order
+  signal(SIGINT, SIG_IGN);  // the coupler receives Ctrl-C and ends us in order
 }
 
 void prepare_last_moments(const std::string& name, const std::string& endpoint) {
@@ -164,7 +164,7 @@ void Watch::run(Line& line) {
   const auto start = Clock::now();
   bool was_ready = false, accepted = false, told = false;
   Clock::time_point last_accepted;
-  int failed = 0;  // greetings in a row
+  int failed = 0;  // consecutive greetings
   Clock::time_point first_failed;
   std::optional<Clock::time_point> lost;
   while (!stop_) {

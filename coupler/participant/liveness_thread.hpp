@@ -41,12 +41,12 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// Whether the connection has been made anew since the last call: the other side must hear Hello again.
+  /// True if the connection was made anew since the last call: the other side needs Hello again.
   bool take_renewed() { return renewed_.exchange(false); }
 
  private:
   void run(Line& line);
-  /// Ends the process where the coupler will never hear it.
+  /// Ends the process if the coupler will never receive its messages.
   void judge(LinkEvent, int in_a_row, std::chrono::steady_clock::duration since_first) const;
   [[noreturn]] void give_up(ExitCode, const std::string& problem, const std::string& fix) const;
 

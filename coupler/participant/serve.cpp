@@ -280,7 +280,7 @@ int serve(const ServeOptions& options, const ParticipantFactory& factory) {
                getpid(), options.endpoint);
   try {
     return Server(options, factory).run();
-  } catch (const Error& e) {  // before anybody could hear it
+  } catch (const Error& e) {  // before the coupler could receive it
     spdlog::error("{}", to_text(e));
     return static_cast<int>(e.code());
   }

@@ -70,7 +70,7 @@ std::vector<Entry> entries_of(const Plot& plot) {
   return entries;
 }
 
-/// The entries in rows that are not wider than the picture.
+/// The entries in lines that are not wider than the picture.
 std::vector<std::vector<Entry>> in_rows(Canvas& canvas, const std::vector<Entry>& entries, double width) {
   std::vector<std::vector<Entry>> rows;
   double taken = width;

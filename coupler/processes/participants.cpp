@@ -1,4 +1,4 @@
-// Questions and answers: the wait loop that hears all participants of a run.
+// Requests and replies: the wait loop that receives the messages of all participants of a run.
 
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"

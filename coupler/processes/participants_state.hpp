@@ -37,7 +37,7 @@ struct Roster::Member {
   std::string peer;
   std::optional<Clock::time_point> silent_since;
   bool silence_told = false;
-  int cut_short = 0;  // connections in a row that ended in the middle of what it sent
+  int cut_short = 0;  // consecutive connections that ended inside a message
 
   // the request under way
   std::uint64_t sequence = 0;

@@ -78,7 +78,7 @@ std::vector<Setting> settings_of(const std::string& echo) {
   return settings;
 }
 
-/// "# physics    flat-bottom slamming: …", and the lines that go on beneath it.
+/// "# physics    flat-bottom slamming: …", and the lines that continue it.
 std::vector<std::pair<std::string, std::string>> notes_of(const std::string& case_text) {
   std::vector<std::pair<std::string, std::string>> notes;
   std::istringstream lines(case_text);

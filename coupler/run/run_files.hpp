@@ -25,7 +25,7 @@ class RunFiles {
     InterfaceMesh mesh;                           // the structure's
     std::vector<Field> initial;                   // its motion at t = 0
     std::vector<Column> measured;                 // fields with a residual, Scheme::measured
-    std::optional<LoopState> resumed;             // rows after it are dropped
+    std::optional<LoopState> resumed;             // lines after it are dropped
     std::function<void(const std::string&)> say;  // receives messages for the user; may be empty
   };
   explicit RunFiles(Options);

@@ -24,7 +24,7 @@ class Session {
   struct Options {
     std::filesystem::path run_folder;     // absolute; empty: the participants write nothing (`check`)
     std::filesystem::path log_folder;     // absolute
-    std::optional<long> resumed_at = {};  // the window that a resumed run begins with: logs go on there
+    std::optional<long> resumed_at = {};  // the window that a resumed run begins with: logs continue there
     bool patient = false;
     std::vector<std::string> by_hand = {};  // sides that are not started but waited for
     /// Side and command line of each of those; called before the wait.

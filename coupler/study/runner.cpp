@@ -69,7 +69,7 @@ std::string before_first_window(const fs::path& folder) {
   return "(" + (name == std::string::npos ? said : said.substr(name + 2)) + ")";
 }
 
-/// How far a run has come, from the last whole row of its history: "34 %".
+/// Progress of a run, from the last whole line of its history: "34 %".
 std::string progress_of(const fs::path& folder, double end_time) {
   std::ifstream stream(folder / "history.csv", std::ios::binary | std::ios::ate);
   const std::streamoff size = stream ? static_cast<std::streamoff>(stream.tellg()) : 0;
@@ -139,7 +139,7 @@ class Performance {
       : plan_(plan), options_(options), stop_(stop), ledger_(options.folder) {}
 
   std::map<std::string, Outcome> execute() {
-    stop_.end_in_order();  // the runs under way would go on without this process
+    stop_.end_in_order();  // the runs under way would continue without this process
     for (const PlannedRun& run : plan_.runs) look_back(run);
     while (!(waiting_.empty() && running_.empty())) {
       if (stop_.requested()) {

@@ -19,7 +19,7 @@ struct StudyOptions {
   bool quiet = false;
 };
 
-/// Runs a study and writes runs/<study>/study.csv (a row for each run) and study.json (that, checks, orders
+/// Runs a study and writes runs/<study>/study.csv (a line for each run) and study.json (that, checks, orders
 /// of convergence, claims). Exit code of the first run that failed, else done (or 1 under `strict`).
 ExitCode study_command(const StudyOptions&, const StopRequest&);
 

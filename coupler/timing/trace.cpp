@@ -18,7 +18,7 @@ constexpr std::int64_t longest_held = 50 * 1000 * 1000;  // [ns]
 constexpr std::int64_t page = 4096;                      // [bytes] or a part of one, where they are larger
 constexpr std::int64_t first_size = 16 * page;           // [bytes]
 constexpr std::string_view closing = "\n]\n";
-constexpr int coupler = 1;  // the rows of a trace: process and thread numbers
+constexpr int coupler = 1;  // the tracks of a trace: process and thread numbers
 constexpr int windows_row = 1, first_await_row = 2;
 
 /// All of the text, or false.

@@ -31,9 +31,9 @@ class GrowingTable {
   std::optional<std::size_t> find(std::string_view name) const;
   /// The last value of a column; nothing where there is none.
   std::optional<double> last(std::string_view name) const;
-  /// Grows whenever the file is read anew: rows that were read before are void then.
+  /// Grows whenever the file is read anew: lines that were read before are void then.
   std::uint32_t generation() const { return generation_; }
-  /// Lines that are no rows of this table, left out.
+  /// Lines that are not of this table, left out.
   std::size_t damaged() const { return damaged_; }
 
  private:

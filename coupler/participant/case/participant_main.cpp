@@ -79,7 +79,7 @@ int serve_case(const ParticipantOptions& options, const Program& program) {
   const ServeOptions serving{options.endpoint, options.name,    token ? token : "",
                              program.solver,   program.version, file.hash()};
   return serve(serving, [&](const Setup& setup) {
-    declare(file, program);  // late, so that the coupler hears of an error
+    declare(file, program);  // late, so that the coupler receives an error
     return program.build(file, options, setup);
   });
 }

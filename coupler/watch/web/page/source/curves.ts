@@ -32,7 +32,7 @@ export class Curves {
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { this.build(); });
   }
 
-  /** New rows are there. */
+  /** Called for new lines of the table. */
   update(): void {
     const groups = groupsOf(this.table);
     const other = groups.map((g) => g.key).join() !== this.groups.map((g) => g.key).join();
