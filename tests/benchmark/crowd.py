@@ -120,7 +120,7 @@ def limited(descriptors):
 
 
 def endpoint_of(run, process):
-    """As run.json tells it."""
+    """The value in run.json."""
     for _ in range(1000):
         try:
             found = re.search(r'"coupling": "((?:tcp|ipc)://[^"]+)"', (run / "run.json").read_text())

@@ -122,7 +122,7 @@ def killed_then_resumed(spoil):
 
 
 def stale_files(folder):
-    """What a killed run may leave: an unfinished file, an unfinished checkpoint, a row cut short."""
+    """What a killed run may leave: an unfinished file, an unfinished checkpoint, a line cut short."""
     (folder / "summary.json.part").write_text("{")
     (folder / "checkpoint" / "000011").mkdir()
     (folder / "checkpoint" / "latest.new").symlink_to("000011")
@@ -159,7 +159,7 @@ FULL = [  # name, case, sets, bytes of the disk, largest file
 
 
 def full_disk(options, sets, mounts):
-    """The rows of FULL: name, run, place, the untouched history."""
+    """The lines of FULL: name, run, place, the untouched history."""
     for name, case, more, size, largest in FULL:
         if options.only not in name:
             continue
@@ -228,7 +228,7 @@ FAULTS = [  # name, what happens, exit code, resumable (None: there is nothing t
 
 
 def judge(name, run, place, since, code, resumable, most, whole, texts):
-    """One row: what was measured, and what is wrong with it."""
+    """One line of the table: what was measured, and what is wrong with it."""
     got = run.end()
     wrong = run.wrong + texts.wrong(name, run, place)
     wrong += [] if got == code else [f"exit {got}, expected {code}"]
@@ -237,7 +237,7 @@ def judge(name, run, place, since, code, resumable, most, whole, texts):
         wrong.append("left: " + left)
     if since is None:
         since = run.fault_time()
-    # An error is on standard error; a run that goes on says what it met on standard output.
+    # An error is on standard error; a run that continues reports a fault on standard output.
     said = run.lines or [(when, line) for when, line in run.notes if any(word in line for word in NOTES)]
     message = said[0] if said else None
     delay = message[0] - since if run.lines and since else None
@@ -288,7 +288,7 @@ class Texts:
 
 
 class Table:
-    """Prints rows as they come, and counts what is wrong."""
+    """Prints lines as they come, and counts what is wrong."""
 
     def __init__(self, scheme):
         self.failed = 0

@@ -110,7 +110,7 @@ class Run:
         return self.process.returncode
 
     def fault_time(self):
-        """When a toy did what it was asked to do."""
+        """Time at which a toy carried out its fault."""
         times = [float(line.split()[-1]) for name in ("fluid", "structure") for line in self.log(name).splitlines()
                  if "fault at " in line]
         return min(times, default=None)

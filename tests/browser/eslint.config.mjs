@@ -8,7 +8,7 @@ const root = fileURLToPath(new URL('../..', import.meta.url));
 export default defineConfig(
   { ignores: ['**/vendor/**', '**/bundle/**', '**/node_modules/**', '**/output/**', 'build*/**'] },
   js.configs.recommended,
-  { rules: { 'no-undef': 'off', eqeqeq: 'error' } },  // the type checker knows names better
+  { rules: { 'no-undef': 'off', eqeqeq: 'error' } },  // the type checker checks names better
   {
     files: ['coupler/watch/page/source/*.ts'],
     extends: [tseslint.configs.strictTypeChecked],

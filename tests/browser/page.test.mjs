@@ -272,7 +272,7 @@ describe('a run that goes on', () => {
   test('can be held and goes on', async () => {
     await page.locator('#pause').click();
     assert.equal(await text(page, 'pause'), 'Go on');
-    await wait(2000);  // what was asked before is answered
+    await wait(2000);  // earlier requests are answered
     let asked = 0;
     page.on('request', () => { ++asked; });
     await wait(6000);

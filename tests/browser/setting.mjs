@@ -71,7 +71,7 @@ export function makeRun(folder, ...words) {
   if (made.status !== 0) throw new Error(made.stderr);
 }
 
-/** Debian's Chromium, drawing WebGL by software, speaking to nobody but the page's server. */
+/** Debian's Chromium, drawing WebGL by software, connected only to the page's server. */
 export function launch() {
   return chromium.launch({
     executablePath: process.env['STRAKE_CHROMIUM'] ?? '/usr/bin/chromium',

@@ -59,7 +59,7 @@ Vectors<dim> shuffled(const Vectors<dim>& places, unsigned seed = 3) {
   return out;
 }
 
-/// A tank of side^dim particles, moved by up to a tenth of the spacing. P = 0 is prescribed on its top row
+/// A tank of side^dim particles, moved by up to a tenth of the spacing. P = 0 is prescribed on its top layer
 /// alone, which is the hardest case.
 template <int dim>
 PressureCase<dim> tank(int side, double radius) {

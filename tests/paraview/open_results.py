@@ -41,7 +41,7 @@ def decoded(link):
 
 
 def in_frames(run, side):
-    """Time → what a frame holds, in the order of time."""
+    """Time → content of a frame, in the order of time."""
     frames = {}
     for path in sorted((run / "frames").glob(f"{side}-*.h5")):
         with h5py.File(path) as file:

@@ -21,7 +21,7 @@ inline std::string text_of_error(const std::function<void()>& act, ExitCode code
   return {};
 }
 
-/// `act` asks for what no case may ask for, and the error says so with these words.
+/// `act` attempts what no case may contain, and the error says so with these words.
 inline void expect_refused(const std::function<void()>& act, const std::string& words) {
   const std::string text = text_of_error(act, ExitCode::case_file);
   EXPECT_NE(text.find(words), std::string::npos) << "expected: " << words << "\n" << text;

@@ -67,7 +67,7 @@ TEST(Values, LentNumbersLiveAsLongAsSomebodyReadsThem) {
   message.reset();
   Values b = a;
   EXPECT_EQ(b.data(), numbers);
-  b.edit()(0, 0) = 9;  // what was lent is never changed, though nobody else reads it
+  b.edit()(0, 0) = 9;  // lent numbers are never changed, even without another reader
   EXPECT_EQ(a(0, 0), 1);
   a.edit()(0, 0) = 8;
   EXPECT_NE(a.data(), numbers);

@@ -12,7 +12,7 @@ inline double ligament(int layers) {
 }
 
 /// A bar 20 mm long and high (E 2 GPa, ρ 1000) between two blocks. They are a hundred times as heavy and
-/// stiff, and draw it apart at a speed that hardly changes. Two rows in its middle are notched by two
+/// stiff, and draw it apart at a speed that hardly changes. Two layers in its middle are notched by two
 /// particles on either side.
 inline Parameters pulled_bar(FailureCriterion criterion, int layers = 8, double poisson = 0.3) {
   Parameters p;

@@ -11,7 +11,7 @@ BIN = BIN.resolve()
 LIMIT = 1 << 30  # bytes that one program may take before it refuses
 PATIENCE = 10  # seconds
 
-# (case, what is set, words that the message must hold)
+# (case, what is set, words that the message must contain)
 SIZES = [
     ("plate_entry", ["structure.plate.length=400000"], ["structure.plate.length", "fix: structure.plate.length ="]),
     ("plate_entry", ["structure.plate.thickness=2e-9"], ["structure.plate.thickness", "at most", "or more"]),

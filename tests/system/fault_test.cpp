@@ -1,5 +1,5 @@
-// Real processes over ipc that die, freeze, lie or never speak. A step lasts 5 s: whatever ends earlier was
-// noticed inside it. Times are printed, not judged.
+// Real processes over ipc that die, freeze, lie or never speak. A step lasts 5 s: an earlier end was detected
+// inside the step. Times are printed, not judged.
 
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/transport/host_name.hpp"

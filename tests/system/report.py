@@ -109,7 +109,7 @@ def pictures(place, run):
 
 
 def films(place, run):
-    """ffmpeg is told what to do and given every frame; without it the error names the package."""
+    """ffmpeg gets its options and every frame; without it the error names the package."""
     none = dict(ENV, PATH=str(place))
     words = [str(BIN / "strake"), "film", str(run), "--from", "1.5e-3", "--size", "400x300", "-o", "f.mp4"]
     result = subprocess.run(words, cwd=place, env=none, capture_output=True, text=True, timeout=60)

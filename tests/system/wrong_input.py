@@ -6,7 +6,7 @@ from processes import *  # noqa: F403: the test's own vocabulary
 
 TEXT = (ROOT / "cases" / "plate_entry.toml").read_text()
 
-# (what, text to replace, replacement, exit code, words that the message must hold)
+# (what, text to replace, replacement, exit code, words that the message must contain)
 CASES = [
     ("a misspelt key", "spacing = 0.01 ", "spacng = 0.01 ", 3, ["spacng", "did you mean spacing", "wrong.toml:"]),
     ("a misspelt table", "[structure.material]", "[structure.materiel]", 3, ["materiel", "material"]),

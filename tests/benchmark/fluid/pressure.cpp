@@ -9,7 +9,7 @@
 #include <memory>
 #include <tuple>
 
-// Solves the pressure equation of the hardest tank: P = 0 on the top row alone, noise as right side.
+// Solves the pressure equation of the hardest tank: P = 0 on the top layer alone, noise as right side.
 // Particles are uniform, moved by up to a tenth of the spacing. Times are of set-up and of the solve to ‖b −
 // A p‖ = tolerance ‖b‖ from p = 0. Arguments: unknowns in thousands; reach in tenths of the spacing; threads;
 // exponent of the tolerance. Counters: iterations; memory of the solver per unknown; the time in units of one

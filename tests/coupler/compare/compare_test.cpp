@@ -200,7 +200,7 @@ TEST(Compare, JudgesAWindowFromTheHistoryOnceItIsOver) {
   EXPECT_EQ(judge(block, data).front().result, Result::pass);
   data.monitor.clear();  // no contact
   EXPECT_EQ(judge(block, data).front().result, Result::not_reached);
-  data.monitor = {{"q:contact", 0.25}};  // felt by another sensor of the same body
+  data.monitor = {{"q:contact", 0.25}};  // detected by another sensor of the same body
   EXPECT_EQ(judge(block, data).front().result, Result::pass);
 
   CompareBlock mean = block_of("u.y", "mean", -0.9, 1e-12);

@@ -106,7 +106,7 @@ TEST(Record, OfAFileIsInSiUnitsWhateverItsColumnIsCalled) {
       file_with(folder, "ansys.csv", "# exported\ntime [ms],uy [mm]\n0,0\n1,2.5\n2,\n3,5\n");
   const Record r = RecordSource(path).record("mid.y");
   EXPECT_EQ(r.unit, "m");
-  ASSERT_EQ(r.curve.size(), 3u);  // the row without a value is left out
+  ASSERT_EQ(r.curve.size(), 3u);  // the line without a value is left out
   EXPECT_DOUBLE_EQ(r.curve.time[2], 3e-3);
   EXPECT_DOUBLE_EQ(r.curve.value[1], 2.5e-3);
 }

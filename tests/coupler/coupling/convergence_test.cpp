@@ -71,7 +71,7 @@ TEST(Convergence, MeasuresTheLoadAgainstWhatTheStructureWasGivenInAParallelSchem
   limits.relative = 1e-6;
   const WindowReport parallel = one_window(limits, true), serial = one_window(limits);
   EXPECT_TRUE(parallel.converged);
-  ASSERT_EQ(parallel.log.back().fields.size(), 2u);  // without being asked
+  ASSERT_EQ(parallel.log.back().fields.size(), 2u);  // without a request
   EXPECT_NEAR(parallel.force(1, 0), serial.force(1, 0), 1e-5 * std::abs(serial.force(1, 0)));
   EXPECT_EQ(serial.log.back().fields.size(), 1u);
   for (const WindowReport& report : {parallel, serial})

@@ -280,7 +280,7 @@ TEST(Scheme, GoesOnBitEqualFromASavedState) {
     other.state().save(archive);
     CouplingState state;
     state.load(archive);
-    EXPECT_EQ(state.fluid.empty(), !load_settles);  // kept where a window looks back at it
+    EXPECT_EQ(state.fluid.empty(), !load_settles);  // kept if a window uses it later
     Scheme resumed = half.scheme(parameters);
     resumed.set_state(state);
     for (int w = 6; w < 12; ++w) {

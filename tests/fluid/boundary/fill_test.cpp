@@ -36,7 +36,7 @@ TEST(Fill, the_papers_tank_has_ten_thousand_water_particles_at_cell_centres) {
   const auto count = [&](Kind kind) { return std::count(state.kind.begin(), state.kind.end(), kind); };
   EXPECT_EQ(count(Kind::fluid), 10000);
   EXPECT_EQ(count(Kind::wall), 202 + 2 * 100);            // floor with its corners, two sides
-  EXPECT_EQ(count(Kind::dummy_wall), 3 * 208 + 6 * 101);  // three rows behind: floor, both sides
+  EXPECT_EQ(count(Kind::dummy_wall), 3 * 208 + 6 * 101);  // three layers behind: floor, both sides
   EXPECT_NEAR(state.position(0, 0), -0.995, 1e-12);
   EXPECT_NEAR(state.position(1, 0), -0.495, 1e-12);
   EXPECT_NEAR(state.position.leftCols(10000).row(1).maxCoeff(), -0.005, 1e-12);

@@ -146,7 +146,7 @@ TEST(TankShape, WaterInAPolygonOfRightAnglesHasFullSupportAroundItsSteps) {
   }
 }
 
-// Rows of the lattice end where a slope cuts them; packing leaves the fraction of a row that fits nowhere.
+// Lines of the lattice end where a slope cuts them; packing leaves the fraction of a line that fits nowhere.
 TEST(TankShape, WaterOnASlopeHasNearlyFullSupport) {
   for (const double degrees : {20.0, 30.0, 45.0, 60.0, 75.0}) {
     const Density near = density_at_the_slope(sloping(degrees), 2.1);
@@ -267,7 +267,7 @@ TEST(Tank, CornersOfASpaceBoxHaveMastersOnTheirOwnSide) {
   for (std::int64_t i = tank.first(); i < tank.last(); ++i) {
     const std::int32_t w = tank.master_of(i);
     if (w < 0) continue;
-    for (int d = 0; d < 3; ++d) {  // the nearest is the foot on the box of the first rows
+    for (int d = 0; d < 3; ++d) {  // the nearest is the foot on the box of the first layers
       const double high = d == 1 ? p.tank.max[d] - 0.05 : p.tank.max[d] + 0.05;
       EXPECT_NEAR(state.position(d, w), std::clamp(state.position(d, i), p.tank.min[d] - 0.05, high), 1e-9);
     }

@@ -91,7 +91,7 @@ TEST(TankKeys, three_dimensions_are_read) {
       "dimension = 3\ntank = [[0.0, 0.0, 0.0], [0.4, 0.4, 0.2]]\n"
       "water = [[0.0, 0.0, 0.0], [0.4, 0.2, 0.2]]\nperiodic = [\"z\"]\n");
   EXPECT_TRUE(p.periodic[2]);
-  EXPECT_EQ(fill<3>(p).kind.size() % 10, 0u);  // every row of ten along z
+  EXPECT_EQ(fill<3>(p).kind.size() % 10, 0u);  // every line of ten along z
 }
 
 TEST(TankKeys, walls_that_absorb_sound_are_named) {

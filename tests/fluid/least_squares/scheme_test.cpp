@@ -45,7 +45,7 @@ struct Column {
     for (std::int64_t i = 0; i < boundary.water(); ++i) {
       state.velocity.col(i) = dt * gravity;
       // The surface's condition assumes a lattice; the layers next to it stay in order.
-      if (state.position(1, i) > -5 * p.spacing) continue;  // between two rows
+      if (state.position(1, i) > -5 * p.spacing) continue;  // between two layers
       state.position(0, i) += move(random);
       state.position(1, i) += move(random);
     }
@@ -76,7 +76,8 @@ TEST(FittedScheme, HydrostaticPressureSolvesTheEquationHoweverTheParticlesLie) {
                  system.particle[static_cast<std::size_t>(system.column[static_cast<std::size_t>(e)])]);
     largest = std::max(largest, std::abs(sum - system.right[k]));
   }
-  // Corners of surface and wall see a row of the wall above the water: a thousandth of the largest entry.
+  // A thousandth of the largest entry: at corners of surface and wall, a wall layer above the water is a
+  // neighbour.
   EXPECT_LT(largest, 2e-3 * scale);
 }
 
@@ -90,7 +91,7 @@ TEST(FittedScheme, PressureGradientOfStillWaterCarriesItsWeightAtWallsAndSurface
   const Vector<2> weight = column.p.density * column.gravity;
   for (std::int64_t i = 0; i < column.boundary.water(); ++i) {
     const bool at_surface = column.state.position(1, i) > -2 * column.p.spacing;
-    // Round-off of sums over a dozen neighbours; beside the surface the depth is that of a lattice's row.
+    // Round-off of sums over a dozen neighbours; beside the surface the depth is that of a lattice's layer.
     const double tolerance = at_surface ? 0.05 : 1e-9;
     EXPECT_LT((gradient.col(i) - weight).norm(), tolerance * weight.norm())
         << "at " << column.state.position.col(i).transpose();

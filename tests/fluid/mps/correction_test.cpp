@@ -198,7 +198,7 @@ TEST(FaceLevel, UniformPressureMovesNoWaterAlongTheNormalOfAFaceAtAnyDistance) {
     int checked = 0;
     for (std::int64_t i = 0; i < scene.boundary.water(); ++i) {
       const Eigen::Vector2d x = scene.state.position.col(i);
-      if (std::abs(x[0]) > 0.07 || x[1] < -l0) continue;  // the first row, away from the plate's ends
+      if (std::abs(x[0]) > 0.07 || x[1] < -l0) continue;  // the first layer, away from the plate's ends
       ++checked;
       EXPECT_LT(std::abs(levelled(1, i)), 1e-9 * 1e6 / l0);
       if (gap != 0) {

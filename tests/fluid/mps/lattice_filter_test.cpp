@@ -60,7 +60,7 @@ TEST(LatticeFilter, DampsRowsThatSlideAndOnlyUnderPressure) {
   for (Eigen::Index i = 0; i < u.cols(); ++i)
     u(0, i) = std::lround((water.position(1, i) - water.position.row(1).minCoeff()) / l0) % 2 ? 1.0 : -1.0;
   const Vectors<2> change = water.filtered(u);
-  double opposite = 0;  // Σ w of the neighbours in rows that slide the other way
+  double opposite = 0;  // Σ w of the neighbours in layers that slide the other way
   for (int y = -2; y <= 2; ++y)
     for (int x = -2; x <= 2; ++x)
       if (y % 2 != 0) opposite += std::max(0.0, 2.1 / std::hypot(x, y) - 1);

@@ -34,7 +34,8 @@ struct Block {
 };
 
 TEST(NumberDensity, inside_a_lattice_it_is_n0_and_in_a_flat_surface_row_the_share_of_the_table) {
-  // n/n0 of the surface row and of the row beneath it (computed on the lattice), printed to three decimals.
+  // n/n0 of the surface layer and of the layer beneath it (computed on the lattice), printed to three
+  // decimals.
   const double table[][3] = {
       {1.8, 0.686, 1.000}, {2.1, 0.676, 0.992}, {3.1, 0.641, 0.918}, {4.1, 0.621, 0.863}};
   for (const auto& [radius, surface, second] : table) {
@@ -121,7 +122,7 @@ TEST(SurfaceFlags, a_crack_opens_wider_than_an_approaching_row_closes) {
 TEST(SurfaceFlags, dummies_are_never_surface_and_a_dry_wall_row_is) {
   Block<2> tank(9);
   tank.test.second = SecondCriterion::arc;
-  // Three rows of tank floor, the lower two dummies, nothing above.
+  // Three layers of tank floor, the lower two dummies, nothing above.
   for (Eigen::Index i = 27; i < 81; ++i) tank.position(1, i) += 1.0;
   for (std::size_t i = 0; i < 18; ++i) tank.kind[i] = Kind::dummy_wall;
   for (std::size_t i = 18; i < 27; ++i) tank.kind[i] = Kind::wall;

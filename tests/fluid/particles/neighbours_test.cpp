@@ -90,7 +90,7 @@ TEST(Neighbours, parts_of_the_rows_follow_them_whether_known_before_an_update_or
   auto position = block<3>(8, 0.01, 0.2);
   NeighbourSearch<3> search(0.031, 0.002);
   for (unsigned step = 0; step < 4; ++step) {
-    search.update(position);  // rows of more than 64 pairs
+    search.update(position);  // particles with more than 64 pairs
     expect_rows(search.within(0.021), every_pair<3>(position, 0.021));
     if (step > 1) expect_rows(search.within(0.027), every_pair<3>(position, 0.027));
     jiggle<3>(position, 5e-4, step);

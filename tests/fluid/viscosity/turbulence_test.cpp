@@ -139,7 +139,7 @@ TEST(SpsEnergy, steady_shear_takes_the_k_model_to_the_static_closure) {
   channel.parameters.scheme.turbulence = Turbulence::k;
   channel.parameters.kinematic_viscosity = 1e-6;
   for (std::int64_t i = 0; i < channel.water; ++i) channel.velocity(0, i) = 100 * channel.y(i);
-  for (std::int64_t w = 0; w < channel.walls.size(); ++w) {  // smooth for k, but the shear goes on
+  for (std::int64_t w = 0; w < channel.walls.size(); ++w) {  // smooth for k, but the shear continues
     channel.walls.normal.col(w).setZero();
     channel.walls.velocity(0, w) = 100 * channel.y(channel.water + w);
   }

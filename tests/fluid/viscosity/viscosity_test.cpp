@@ -29,8 +29,8 @@ double error(Channel& channel, double margin, Exact&& exact) {
   return std::sqrt(sum / count);
 }
 
-// A moving lid over a wall at rest. The wall rows carry the line on, so every neighbourhood is linear; with
-// the corrected sums the places of the particles do not matter. Round-off of u/l0².
+// A moving lid over a wall at rest. The wall layers continue the linear profile, so every neighbourhood is
+// linear; with the corrected sums the places of the particles do not matter. Round-off of u/l0².
 TEST(Viscosity, a_linear_shear_between_no_slip_walls_has_no_force_anywhere_however_the_particles_lie) {
   for (const double disorder : {0.0, 0.2}) {
     Channel channel(20, disorder);

@@ -130,7 +130,7 @@ TEST(FailedStep, AWindowThatNewtonCannotTakeIsHalvedAndTheRunReachesItsEnd) {
   }
 }
 
-// The numbers of what was tried and rewound are nobody's business but the account of costs.
+// Results of rewound iterations appear only in the account of costs.
 TEST(FailedStep, LeavesNoTraceInTheState) {
   for (const char* kind : {"fem", "particle"}) {
     const auto tried = strip(kind, rubber_strip()), untouched = strip(kind, rubber_strip());
@@ -180,7 +180,7 @@ TEST(FailedStep, EndsTheRunWithWhatWasTriedWhereNoWindowIsShortEnough) {
   }
 }
 
-// Twice the stable step: the solver halves its sub-steps itself, and the coupling hears nothing of it.
+// Twice the stable step: the solver halves its sub-steps itself, without the coupling.
 TEST(FailedStep, SubStepsThatAreUnstableAreHalvedInsideTheWindow) {
   const Outcome stable = run("particle", 2e4, 1e-3);
   const Outcome unstable = run("particle", 2e4, 1e-3, Coupling::serial, {}, 2);

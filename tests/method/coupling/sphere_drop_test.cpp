@@ -87,7 +87,7 @@ TEST(SphereDrop, AFreeSphereGivesItsMomentumToTheWaterAsAddedMassHasIt) {
   EXPECT_GT(-now.y(), wagner);
   EXPECT_LT((s.body.mass * (now - start - end * s.gravity) - state.impulse_on_bodies).norm(),
             1e-4 * momentum);
-  // The rim of the wetted disc is one row of particles: 0.045 here, 0.019 at half the spacing.
+  // The rim of the wetted disc is one layer of particles: 0.045 here, 0.019 at half the spacing.
   EXPECT_LT(fluid::momentum_gap(state, p.density * std::pow(spacing, 3)).norm(), 0.06 * momentum);
   EXPECT_LT(std::hypot(now.x(), now.z()), 0.005 * speed);  // the mesh has no symmetry of the lattice
   EXPECT_LT((body.velocity_at(centre + Vector3d(radius, 0, 0)) - now).norm(), 0.005 * speed);

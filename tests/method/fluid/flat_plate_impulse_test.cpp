@@ -17,12 +17,12 @@ Parameters incompressible() {
   Parameters p = PlateEntry::parameters();
   p.sound_speed = infinity;
   p.scheme.tau = p.scheme.gamma = 0;
-  p.scheme = with_gradient(p.scheme, Gradient::corrected);  // walls as rows with an unknown
+  p.scheme = with_gradient(p.scheme, Gradient::corrected);  // walls as layers with an unknown
   return p;
 }
 
 struct OneStep {
-  double centre, total;  // ∫p dt of the two middle rows over ρVa; Σ over the face over ½πρVa²
+  double centre, total;  // ∫p dt of the two middle particles over ρVa; Σ over the face over ½πρVa²
 };
 
 // The plate's layer touches the top layer of the water, for one step of the pressure equation. See
@@ -88,7 +88,8 @@ Impact impact(const Parameters& p, double gap, double dt, double after_contact) 
 
 TEST(FlatPlate, OnePressureStepGivesTheDiscreteImpulseOfThisStencil) {
   const OneStep step = one_step(1e-4);
-  // 1 %: the rows see the same neighbours as the reference but for the corner pairs of the plate's end faces.
+  // 1 %: the layers have the same neighbours as the reference but for the corner pairs of the plate's end
+  // faces.
   EXPECT_NEAR(step.centre, 1.008, 0.01 * 1.008);
   EXPECT_NEAR(step.total, 1.025, 0.01 * 1.025);
 }

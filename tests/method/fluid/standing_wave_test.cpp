@@ -58,7 +58,7 @@ double period(double spacing) {
   return zero.size() == 3 ? zero[2] - zero[0] : 0;
 }
 
-// The surface condition depends on the water's own place. Where p = 0 lies over a row that the wave has
+// The surface condition depends on the water's own place. Where p = 0 lies over a layer that the wave has
 // stretched decides whether the error falls with the spacing or with its square.
 TEST(StandingWave, PeriodConvergesWithMoreThanTheOrderThreeHalves) {
   const double coarse = period(0.05) / theory() - 1, middle = period(0.025) / theory() - 1,

@@ -85,7 +85,7 @@ TEST(StillTank, RestsWithTheLeastSquaresScheme) {
   EXPECT_LT(kinetic, head * 0.01 * p.spacing);
 }
 
-// The pressure is zero in the middle of the surface row, half a spacing below the surface: l0/2H = 0.8 %.
+// The pressure is zero in the middle of the surface layer, half a spacing below the surface: l0/2H = 0.8 %.
 TEST(StillTank, FloorCarriesTheWeightWithTheMinimumPressureGradient) {
   expect_weight({Gradient::min_pressure, 0.3, 0.6, 0.01, 5e-4, 0.05, 0.25});
 }

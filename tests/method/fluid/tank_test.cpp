@@ -165,7 +165,7 @@ TEST(Tank, WaterSlidesBetweenSmoothPlatesThatGoOnForEver) {
   start.velocity.leftCols(water).row(0).setConstant(1.0);
   for (int step = 0; step < 600; ++step) simulation.step(5e-4, {});  // one and a half times around
   const auto velocity = simulation.state().velocity.leftCols(water);
-  // The lattice trembles a little as it passes the rows; nothing holds it back.
+  // The lattice vibrates a little as it passes the wall layers; nothing damps it.
   EXPECT_NEAR(velocity.row(0).mean(), 1, 1e-3);
   EXPECT_LT((velocity.row(0).array() - 1).abs().maxCoeff(), 0.01);
   EXPECT_LT(velocity.row(1).cwiseAbs().maxCoeff(), 0.01);

@@ -11,7 +11,7 @@
 namespace strake::structure::fem {
 namespace {
 
-// CSM1 of Turek & Hron 2006, FeatFlow's finest rows: (−7.1878, −66.1029) mm.
+// CSM1 of Turek & Hron 2006, finest lines of FeatFlow's table: (−7.1878, −66.1029) mm.
 TEST(Flag, HangsUnderItsWeightAsTheBenchmarkHasIt) {
   FemSolver<2> solver(flag(100, 8));
   solver.solve_static();

@@ -55,7 +55,7 @@ TEST(ParticleConvergence, ClampedStripConvergesWithItsLayers) {
   }
 }
 
-// cases/VALIDATION.md, "Oscillating plate": 0.2 × 0.02 m held at x = 0, K = 3.25 MPa, G = 0.715 MPa, v_y =
+// cases/VALIDATION.md, "Oscillating plate": 0.2 × 0.02 m clamped at x = 0, K = 3.25 MPa, G = 0.715 MPa, v_y =
 // 0.01 c0 f(x)/f(L), f the first mode of a cantilever. Period 0.2552 s of plane strain (thin theory 0.25413),
 // no loss.
 TEST(ParticleMotion, OscillatingPlateHasItsPeriodAndLosesNothing) {
@@ -205,7 +205,7 @@ TEST(ParticleMotion, ANotchedBarTakesItsFractureEnergyInOneStraightCrack) {
       RecordProperty("released_" + std::to_string(layers) + (speed < 0.4 ? "_slow" : "_fast"),
                      std::to_string(ratio));
       EXPECT_NEAR(ratio, 1, 0.10) << layers << " layers, " << speed << " m/s";
-      // (1, 0), (1, ±1) and (2, 0) bonds over the ligament's rows: no other broke.
+      // (1, 0), (1, ±1) and (2, 0) bonds over the ligament's layers: no other broke.
       const int rows = layers - 4;
       EXPECT_EQ(solver.monitor().at("failure.bonds"), rows + 2 * (rows - 1) + 2 * rows);
     }

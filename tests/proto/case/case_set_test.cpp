@@ -69,7 +69,7 @@ TEST(Set, LaterWinsOverEarlier) {
   EXPECT_EQ(read(head, {"fluid.scheme.cfl=0.9", "fluid.scheme={negative_pressure=false}"}).cfl, 0.2);
 }
 
-// What is not UTF-8 could be stored in the resolved case, which nobody could read again.
+// What is not UTF-8 could be stored in the resolved case, which could then not be read again.
 TEST(CaseFile, ASetThatIsNoTextIsRefused) {
   EXPECT_THROW(CaseFile::parse("end_time = 1", "case.toml", {"title=\xc9\xc9"}), Error);
   EXPECT_NO_THROW(CaseFile::parse("end_time = 1", "case.toml", {"title=Zürich"}));

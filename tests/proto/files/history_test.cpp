@@ -61,7 +61,7 @@ TEST(History, ContinuesAfterARowAsIfNothingHadCome) {
     History history(folder / "cut.csv", columns);
     for (int i = 0; i < 5; ++i) history.append({i * 0.1, i < 3 ? 1.0 / i : -1, nothing});
   }
-  put(folder / "cut.csv", content(folder / "cut.csv") + "0.5,0.3");  // killed in the middle of a row
+  put(folder / "cut.csv", content(folder / "cut.csv") + "0.5,0.3");  // killed in the middle of a line
   {
     const auto history = std::make_unique<History>(folder / "cut.csv", columns, 3);
     for (int i = 3; i < 6; ++i) history->append({i * 0.1, 1.0 / i, nothing});

@@ -1,4 +1,4 @@
-// The golden messages of tests/proto/golden, read and written again. golden.py holds the same files against
+// The golden messages of tests/proto/golden, read and written again. golden.py compares the same files with
 // Python.
 #include "proto/wire/wire.hpp"
 

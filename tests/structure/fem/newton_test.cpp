@@ -7,7 +7,7 @@
 namespace strake::structure::fem {
 namespace {
 
-/// r(x) = −f(x) of one unknown, with the tangent f' taken where the method asks for one.
+/// r(x) = −f(x) of one unknown, with the tangent f' computed when the method requests one.
 struct Scalar {
   double (*f)(double), (*slope)(double);
   double tangent_at = 0;

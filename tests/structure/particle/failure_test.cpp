@@ -55,7 +55,7 @@ TEST(Failure, ABondStrainFromTheFractureEnergyTakesThatEnergyOfAStraightCrack) {
 
 TEST(Failure, TheBandOfACrackIsALittleMoreThanTwoRows) {
   EXPECT_NEAR(crack_band(2, 2.1, 1).width, 2.48, 0.005);
-  EXPECT_NEAR(crack_band(2, 1.5, 1).width, 2, 1e-12);  // bonds to the next row only
+  EXPECT_NEAR(crack_band(2, 1.5, 1).width, 2, 1e-12);  // bonds to the next layer only
   EXPECT_GT(crack_band(2, 3.1, 1).width, crack_band(2, 2.1, 1).width);
   EXPECT_GT(crack_band(3, 2.1, 1).width, 2);
 }

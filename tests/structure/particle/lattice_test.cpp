@@ -142,7 +142,7 @@ TEST(ParticleLattice, ASpacingThatDoesNotFitIsAnsweredByOneThatDoes) {
   EXPECT_NE(layers.fix.find("spacing = 0.003"), std::string::npos) << layers.fix;
 }
 
-/// A bar of two materials in series, held at its left end and pulled at its right one, ν = 0:
+/// A bar of two materials in series, clamped at its left end and pulled at its right one, ν = 0:
 ///   Δ = σ (L_1/E_1 + L_2/E_2), to within two spacings of the softer one: the strain jumps between two
 ///   particles.
 TEST(ParticleLattice, ABarOfTwoMaterialsStretchesAsSpringsInSeries) {
