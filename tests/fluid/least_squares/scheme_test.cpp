@@ -76,7 +76,7 @@ TEST(FittedScheme, HydrostaticPressureSolvesTheEquationHoweverTheParticlesLie) {
                  system.particle[static_cast<std::size_t>(system.column[static_cast<std::size_t>(e)])]);
     largest = std::max(largest, std::abs(sum - system.right[k]));
   }
-  // A thousandth of the largest entry: at corners of surface and wall, a wall layer above the water is a
+  // A thousandth of the largest entry. At corners of surface and wall, a wall layer above the water is a
   // neighbour.
   EXPECT_LT(largest, 2e-3 * scale);
 }
