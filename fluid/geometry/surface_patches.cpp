@@ -83,11 +83,8 @@ std::vector<Edge> edges_of(const InterfaceMesh& mesh) {
   return edges;
 }
 
-}  // namespace
-
-SurfacePatches find_patches(const InterfaceMesh& mesh) {
-  if (mesh.faces.rows() != 3) fail(mesh, "its faces are no triangles", "give a closed surface of triangles");
-  std::vector<Edge> edges = edges_of(mesh);
+/// Area vectors of the triangles [m²]. Refuses a triangle without area and a surface turned inside out.
+std::vector<Vector3> areas_of(const InterfaceMesh& mesh) {
   const auto triangles = static_cast<std::size_t>(mesh.faces.cols());
   std::vector<Vector3> area(triangles);
   double volume = 0;
@@ -103,13 +100,21 @@ SurfacePatches find_patches(const InterfaceMesh& mesh) {
   if (!(volume > 0))
     fail(mesh, fmt::format("the surface encloses {} m^3", volume),
          "turn its triangles around, so that their normals point into the fluid");
+  return area;
+}
 
+/// edge.turn: angle between the normals of both triangles, positive where the surface is convex [rad].
+void measure_turns(const InterfaceMesh& mesh, const std::vector<Vector3>& area, std::vector<Edge>& edges) {
   for (Edge& edge : edges) {
     const Vector3 one = area[static_cast<std::size_t>(edge.left)].normalized(),
                   two = area[static_cast<std::size_t>(edge.right)].normalized();
     const Vector3 along = (mesh.position.col(edge.to) - mesh.position.col(edge.from)).normalized();
     edge.turn = std::atan2(one.cross(two).dot(along), one.dot(two));
   }
+}
+
+/// Marks the edges that are corners; returns the sets of triangles that no corner divides.
+Sets mark_corners(std::vector<Edge>& edges, std::size_t triangles) {
   // Flat faces, and the largest and second largest turn over their edges that are no corners by themselves.
   Sets flat(triangles);
   for (const Edge& edge : edges)
@@ -141,6 +146,18 @@ SurfacePatches find_patches(const InterfaceMesh& mesh) {
     }
     if (!edge.corner) smooth.join(edge.left, edge.right);
   }
+  return smooth;
+}
+
+}  // namespace
+
+SurfacePatches find_patches(const InterfaceMesh& mesh) {
+  if (mesh.faces.rows() != 3) fail(mesh, "its faces are no triangles", "give a closed surface of triangles");
+  std::vector<Edge> edges = edges_of(mesh);
+  const std::vector<Vector3> area = areas_of(mesh);
+  const std::size_t triangles = area.size();
+  measure_turns(mesh, area, edges);
+  Sets smooth = mark_corners(edges, triangles);
 
   SurfacePatches patches;
   patches.of_triangle.resize(triangles);

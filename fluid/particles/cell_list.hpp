@@ -44,6 +44,13 @@ struct Candidates {
   std::size_t first_bits(std::int64_t i) const { return bits_start[static_cast<std::size_t>(i)]; }
 };
 
+/// Coordinates of a cell's list about its middle, one array per direction, filled up to whole lanes.
+template <int dim>
+struct CellScreen {
+  std::array<std::vector<float>, dim> all, without_fillers;
+  std::vector<std::int32_t> member;  // places in the list of the cell's own particles
+};
+
 /// Cells no smaller than the reach, so that all partners of a particle are in its own or an adjacent cell.
 /// Each cell gets one list of the particles in and around it, in the order of their indices: particle after
 /// particle is appended to the lists of the cells around it. Rows cut out of such a list are sorted without
@@ -72,6 +79,9 @@ class CellList {
   template <class Body>
   void around(const Place&, Body&&) const;
   void fill_lists(const Vectors<dim>& position, Candidates&);
+  void append_to_lists(Candidates&);
+  bool fill_screen(const Vectors<dim>& position, std::span<const std::uint8_t> tag, const Periodic<dim>&,
+                   std::int64_t occupied_cell, const Candidates&, CellScreen<dim>&) const;
 
   std::array<double, 3> origin_{}, size_{1, 1, 1};
   std::array<std::int32_t, 3> count_{1, 1, 1};

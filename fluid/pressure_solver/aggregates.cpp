@@ -9,21 +9,21 @@ namespace strake::fluid {
 namespace {
 /// Below this many rows threads cost more than they bring.
 constexpr std::int64_t rows_for_threads = 4000;
-}  // namespace
 
-/// Cells of a box around the unknowns. Where a few far flyers would make it much larger than the water, the
-/// box is one around the median, and whoever is outside counts as at its edge: clamping moves no two
-/// particles apart, so rows still reach only adjacent cells.
+/// The box of the unknowns, from `low` to `high`, and `most` cells that it may have.
 template <int dim>
-void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& position, double cell_size,
-                           double full) {
+struct UnknownsBox {
+  std::array<double, dim> low, high;
+  double most;
+};
+
+template <int dim>
+UnknownsBox<dim> bounds(const PressureSystem& system, const Vectors<dim>& position) {
   const std::int64_t n = system.size();
   const std::int32_t* particle = system.particle.data();
-  std::array<double, dim> low, high;
-  low.fill(std::numeric_limits<double>::max());
-  high.fill(std::numeric_limits<double>::lowest());
+  UnknownsBox<dim> box{.low = {}, .high = {}, .most = 4 * static_cast<double>(n) + 10000};
   for (std::size_t d = 0; d < dim; ++d) {
-    double least = low[d], largest = high[d];
+    double least = std::numeric_limits<double>::max(), largest = std::numeric_limits<double>::lowest();
 #pragma omp parallel for schedule(static) reduction(min                    \
                                                     : least) reduction(max \
                                                                        : largest) if (n >= rows_for_threads)
@@ -32,24 +32,46 @@ void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
       least = std::min(least, x);
       largest = std::max(largest, x);
     }
-    low[d] = least;
-    high[d] = largest;
+    box.low[d] = least;
+    box.high[d] = largest;
   }
-  const double most = 4 * static_cast<double>(n) + 10000;  // cells
+  return box;
+}
+
+/// Cuts the box to one around the median of each coordinate.
+template <int dim>
+void cut_to_median(const PressureSystem& system, const Vectors<dim>& position, double cell_size,
+                   UnknownsBox<dim>& box) {
+  const std::int64_t n = system.size();
+  const double reach = 0.5 * std::pow(box.most, 1.0 / dim) * cell_size;
+  std::vector<double> coordinate(static_cast<std::size_t>(n));
+  for (std::size_t d = 0; d < dim; ++d) {
+    for (std::int64_t k = 0; k < n; ++k)
+      coordinate[static_cast<std::size_t>(k)] =
+          position(static_cast<Eigen::Index>(d), system.particle.data()[k]);
+    const auto middle_one = coordinate.begin() + n / 2;
+    std::nth_element(coordinate.begin(), middle_one, coordinate.end());
+    box.low[d] = std::max(box.low[d], *middle_one - reach);
+    box.high[d] = std::min(box.high[d], *middle_one + reach);
+  }
+}
+
+}  // namespace
+
+/// Cells of a box around the unknowns. Where a few far particles would make it much larger than the water,
+/// the box is one around the median, and particles outside are sorted into its edge cells: clamping moves no
+/// two particles apart, so rows still reach only adjacent cells.
+template <int dim>
+void Aggregates<dim>::sort(const PressureSystem& system, const Vectors<dim>& position, double cell_size,
+                           double full) {
+  const std::int64_t n = system.size();
+  const std::int32_t* particle = system.particle.data();
+  UnknownsBox<dim> box = bounds<dim>(system, position);
+  const std::array<double, dim>&low = box.low, &high = box.high;
+  const double most = box.most;
   double cells = 1;
   for (std::size_t d = 0; d < dim; ++d) cells *= (high[d] - low[d]) / cell_size + 3;
-  if (!(cells < most)) {
-    const double reach = 0.5 * std::pow(most, 1.0 / dim) * cell_size;
-    std::vector<double> coordinate(static_cast<std::size_t>(n));
-    for (std::size_t d = 0; d < dim; ++d) {
-      for (std::int64_t k = 0; k < n; ++k)
-        coordinate[static_cast<std::size_t>(k)] = position(static_cast<Eigen::Index>(d), particle[k]);
-      const auto middle_one = coordinate.begin() + n / 2;
-      std::nth_element(coordinate.begin(), middle_one, coordinate.end());
-      low[d] = std::max(low[d], *middle_one - reach);
-      high[d] = std::min(high[d], *middle_one + reach);
-    }
-  }
+  if (!(cells < most)) cut_to_median<dim>(system, position, cell_size, box);
   std::array<double, dim> extent{};
   std::int64_t all = 1;
   for (std::size_t d = 0; d < dim; ++d) {
@@ -86,7 +108,7 @@ void CellPieces<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
 }
 
 template <int dim>
-void CellPieces<dim>::find_sparse(double full) {
+void Aggregates<dim>::find_sparse(double full) {
   const auto cells = static_cast<std::int64_t>(cell_start_.size()) - 1;
   density_.assign(static_cast<std::size_t>(cells), 0);
   for (std::int64_t c = 0; c < cells; ++c) {
@@ -104,7 +126,7 @@ void CellPieces<dim>::find_sparse(double full) {
 }
 
 template <int dim>
-std::int64_t CellPieces<dim>::cell_of(std::int64_t unknown) const {
+std::int64_t Aggregates<dim>::cell_of(std::int64_t unknown) const {
   std::int64_t c = 0;
   for (std::size_t d = dim; d-- > 0;)
     c = c * count_[d] + static_cast<std::int64_t>(at[d][static_cast<std::size_t>(unknown)]) + 1;
@@ -112,7 +134,7 @@ std::int64_t CellPieces<dim>::cell_of(std::int64_t unknown) const {
 }
 
 template <int dim>
-void CellPieces<dim>::split(const PressureSystem& system, CoarseLevel<dim>& level) {
+void Aggregates<dim>::split(const PressureSystem& system, CoarseLevel<dim>& level) {
   split_cells(system);
   link_pieces(system);
   gather_vertices(level);
@@ -120,7 +142,7 @@ void CellPieces<dim>::split(const PressureSystem& system, CoarseLevel<dim>& leve
 
 /// One unknown that touches all others of its cell proves that they are one piece.
 template <int dim>
-bool CellPieces<dim>::is_whole(std::int64_t begin, std::int64_t end) const {
+bool Aggregates<dim>::is_whole(std::int64_t begin, std::int64_t end) const {
   for (std::int64_t s = begin; s < end; ++s)
     if (own_cell_entries[static_cast<std::size_t>(order[static_cast<std::size_t>(s)])] >= end - begin - 1)
       return true;
@@ -128,7 +150,7 @@ bool CellPieces<dim>::is_whole(std::int64_t begin, std::int64_t end) const {
 }
 
 template <int dim>
-void CellPieces<dim>::split_cells(const PressureSystem& system) {
+void Aggregates<dim>::split_cells(const PressureSystem& system) {
   const auto cells = static_cast<std::int64_t>(cell_start_.size()) - 1;
   first_piece_.resize(cell_start_.size());
   piece_start.clear();
@@ -163,7 +185,7 @@ void CellPieces<dim>::split_cells(const PressureSystem& system) {
 
 /// Sorts one cell's stretch of `order` into parts that touch one another through rows inside the cell.
 template <int dim>
-void CellPieces<dim>::find_parts(const PressureSystem& system, std::int64_t begin, std::int64_t end) {
+void Aggregates<dim>::find_parts(const PressureSystem& system, std::int64_t begin, std::int64_t end) {
   std::int32_t* const stretch = order.data();
   const std::int32_t cell = cell_[static_cast<std::size_t>(stretch[begin])];
   std::int64_t found = begin;
@@ -183,7 +205,7 @@ void CellPieces<dim>::find_parts(const PressureSystem& system, std::int64_t begi
 }
 
 template <int dim>
-void CellPieces<dim>::link_pieces(const PressureSystem& system) {
+void Aggregates<dim>::link_pieces(const PressureSystem& system) {
   links_.clear();
   for (std::int32_t p = 0; p < pieces(); ++p) {
     if (!shared_cell_[static_cast<std::size_t>(p)]) continue;
@@ -203,18 +225,47 @@ void CellPieces<dim>::link_pieces(const PressureSystem& system) {
 }
 
 template <int dim>
-bool CellPieces<dim>::linked(std::int32_t p, std::int32_t q, int direction) const {
+bool Aggregates<dim>::linked(std::int32_t p, std::int32_t q, int direction) const {
   if (!shared_cell_[static_cast<std::size_t>(p)] && !shared_cell_[static_cast<std::size_t>(q)])
     return (piece_touches_[static_cast<std::size_t>(p)] >> direction & 1u) != 0;
   return std::binary_search(links_.begin(), links_.end(), Link{p, q});
 }
 
+/// Direction from the cell at which a vertex is corner a to that at which it is corner b: minus the step
+/// between the corners, in the numbering of `touched`.
 template <int dim>
-void CellPieces<dim>::gather_vertices(CoarseLevel<dim>& level) {
-  struct Member {
-    std::int32_t piece;
-    int corner, part;
-  };
+int direction_between(int a, int b) {
+  int code = 0, scale = 1;
+  for (int d = 0; d < dim; ++d, scale *= 3) code += scale * (1 + (a >> d & 1) - (b >> d & 1));
+  return code;
+}
+
+template <int dim>
+int Aggregates<dim>::join_members(std::vector<Member>& members) const {
+  int parts = 0;
+  for (std::size_t seed = 0; seed < members.size(); ++seed) {
+    if (members[seed].part >= 0) continue;
+    members[seed].part = parts;
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (Member& m : members) {
+        if (m.part >= 0) continue;
+        for (const Member& other : members)
+          if (other.part == parts &&
+              linked(other.piece, m.piece, direction_between<dim>(other.corner, m.corner))) {
+            m.part = parts;
+            grown = true;
+            break;
+          }
+      }
+    }
+    ++parts;
+  }
+  return parts;
+}
+
+template <int dim>
+void Aggregates<dim>::gather_vertices(CoarseLevel<dim>& level) {
   std::vector<Member> members;
   node.assign(static_cast<std::size_t>(pieces()) * corners, -1);
   meeting_start.assign(1, 0);
@@ -222,13 +273,6 @@ void CellPieces<dim>::gather_vertices(CoarseLevel<dim>& level) {
   level.place.clear();
   level.first.assign(1, 0);
   for (std::size_t d = 0; d < 3; ++d) level.size[d] = d < dim ? count_[d] - 1 : 1;
-  // Direction from the cell at which a vertex is corner a to that at which it is corner b: minus the step
-  // between the corners, in the numbering of `touched`.
-  const auto direction = [](int a, int b) {
-    int code = 0, scale = 1;
-    for (int d = 0; d < dim; ++d, scale *= 3) code += scale * (1 + (a >> d & 1) - (b >> d & 1));
-    return code;
-  };
   for (std::int32_t z = 0; z < level.size[2]; ++z)
     for (std::int32_t y = 0; y < level.size[1]; ++y)
       for (std::int32_t x = 0; x < level.size[0]; ++x) {
@@ -240,40 +284,25 @@ void CellPieces<dim>::gather_vertices(CoarseLevel<dim>& level) {
               static_cast<std::size_t>((static_cast<std::int64_t>(k) * count_[1] + j) * count_[0] + i);
           for (std::int32_t p = first_piece_[c]; p < first_piece_[c + 1]; ++p) members.push_back({p, a, -1});
         }
-        int parts = 0;
-        for (std::size_t seed = 0; seed < members.size(); ++seed) {
-          if (members[seed].part >= 0) continue;
-          members[seed].part = parts;
-          for (bool grown = true; grown;) {
-            grown = false;
-            for (Member& m : members) {
-              if (m.part >= 0) continue;
-              for (const Member& other : members)
-                if (other.part == parts && linked(other.piece, m.piece, direction(other.corner, m.corner))) {
-                  m.part = parts;
-                  grown = true;
-                  break;
-                }
-            }
-          }
-          typename CoarseLevel<dim>::Place here{};
-          const std::array<std::int32_t, 3> xyz{x, y, z};
-          for (std::size_t d = 0; d < dim; ++d) here[d] = xyz[d];
+        typename CoarseLevel<dim>::Place here{};
+        const std::array<std::int32_t, 3> xyz{x, y, z};
+        for (std::size_t d = 0; d < dim; ++d) here[d] = xyz[d];
+        const int parts = join_members(members);
+        for (int part = 0; part < parts; ++part) {
           for (const Member& m : members) {
-            if (m.part != parts) continue;
+            if (m.part != part) continue;
             node[static_cast<std::size_t>(m.piece * corners + m.corner)] = level.unknowns();
             meeting.push_back(m.piece * corners + m.corner);
           }
           level.place.push_back(here);
           meeting_start.push_back(static_cast<std::int32_t>(meeting.size()));
-          ++parts;
         }
         level.first.push_back(level.unknowns());
       }
 }
 
 template <int dim>
-std::size_t CellPieces<dim>::bytes() const {
+std::size_t Aggregates<dim>::bytes() const {
   std::size_t numbers = touched.capacity() + own_cell_entries.capacity() + order.capacity() +
                         piece_start.capacity() + node.capacity() + meeting_start.capacity() +
                         meeting.capacity() + cell_.capacity() + cell_start_.capacity() +
@@ -282,7 +311,7 @@ std::size_t CellPieces<dim>::bytes() const {
   return 4 * numbers + shared_cell_.capacity() + density_.capacity() + sizeof(Link) * links_.capacity();
 }
 
-template class CellPieces<2>;
-template class CellPieces<3>;
+template class Aggregates<2>;
+template class Aggregates<3>;
 
 }  // namespace strake::fluid

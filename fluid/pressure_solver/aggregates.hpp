@@ -31,7 +31,7 @@ inline std::array<float, std::size_t{1} << dim> corner_weights(const std::array<
 /// another; water on both sides of a plate in one cell makes two. The vertices of the cells carry the coarse
 /// unknowns: one for each part of the pieces around a vertex that touch one another.
 template <int dim>
-class CellPieces {
+class Aggregates {
  public:
   static constexpr int corners = 1 << dim;  // of a cell; bit d of a corner's number: upper along axis d
   static constexpr int around = dim == 2 ? 9 : 27;  // a cell and those adjacent to it
@@ -71,7 +71,15 @@ class CellPieces {
   bool is_whole(std::int64_t begin, std::int64_t end) const;
   void find_parts(const PressureSystem&, std::int64_t begin, std::int64_t end);
   void link_pieces(const PressureSystem&);
+  /// A piece at a vertex, the corner of its cell that the vertex is, and the part that it belongs to; −1:
+  /// none.
+  struct Member {
+    std::int32_t piece;
+    int corner, part;
+  };
   void gather_vertices(CoarseLevel<dim>& level);
+  /// Numbers the parts of the pieces around one vertex that touch one another; returns how many there are.
+  int join_members(std::vector<Member>&) const;
   bool linked(std::int32_t p, std::int32_t q, int direction) const;
 
   std::array<std::int32_t, 3> count_{1, 1, 1};   // cells per axis, with an empty ring around

@@ -79,64 +79,55 @@ void CoarseLevel<dim>::prepare() {
 }
 
 template <int dim>
-bool CoarseLevel<dim>::coarsen(CoarseLevel& next, int threads) {
-  next.place.clear();
-  next.first.assign(1, 0);
-  for (std::size_t d = 0; d < 3; ++d) next.size[d] = d < dim ? size[d] / 2 + 1 : 1;
-  restriction.clear();
-  // Around each vertex of the coarser grid, the parts of the unknowns it reaches.
-  std::vector<std::int32_t> reached, part;
-  std::vector<std::int32_t> slot(place.size(), -1);
-  for (std::int32_t z = 0; z < next.size[2]; ++z)
-    for (std::int32_t y = 0; y < next.size[1]; ++y)
-      for (std::int32_t x = 0; x < next.size[0]; ++x) {
-        const std::array<std::int32_t, 3> centre{2 * x, 2 * y, dim == 3 ? 2 * z : 0};
-        std::array<std::int32_t, 3> low{}, high{};
-        for (std::size_t d = 0; d < 3; ++d) {
-          low[d] = std::max(centre[d] - 1, 0);
-          high[d] = std::min(centre[d] + 1, size[d] - 1);
-        }
-        reached.clear();
-        for (std::int32_t k = low[2]; k <= high[2]; ++k)
-          for (std::int32_t j = low[1]; j <= high[1]; ++j) {
-            const std::size_t row = static_cast<std::size_t>((k * size[1] + j) * size[0]);
-            for (std::int32_t i = first[row + static_cast<std::size_t>(low[0])];
-                 low[0] <= high[0] && i < first[row + static_cast<std::size_t>(high[0]) + 1]; ++i)
-              reached.push_back(i);
-          }
-        for (const std::int32_t i : reached) slot[static_cast<std::size_t>(i)] = 0;
-        for (const std::int32_t seed : reached) {
-          if (slot[static_cast<std::size_t>(seed)] != 0) continue;
-          part.assign(1, seed);
-          slot[static_cast<std::size_t>(seed)] = 1;
-          for (std::size_t at = 0; at < part.size(); ++at) {
-            const auto i = static_cast<std::size_t>(part[at]);
-            for (std::int32_t e = matrix.start[i]; e < matrix.start[i + 1]; ++e) {
-              const std::int32_t j = matrix.column[static_cast<std::size_t>(e)];
-              if (slot[static_cast<std::size_t>(j)] != 0) continue;
-              slot[static_cast<std::size_t>(j)] = 1;
-              part.push_back(j);
-            }
-          }
-          Place at{};
-          const std::array<std::int32_t, 3> here{x, y, z};
-          for (std::size_t d = 0; d < dim; ++d) at[d] = here[d];
-          next.place.push_back(at);
-          for (const std::int32_t i : part) {
-            float weight = 1;
-            for (std::size_t d = 0; d < dim; ++d)
-              if (place[static_cast<std::size_t>(i)][d] != centre[d]) weight *= 0.5f;
-            restriction.column.push_back(i);
-            restriction.value.push_back(weight);
-          }
-          restriction.start.push_back(static_cast<std::int32_t>(restriction.column.size()));
-        }
-        for (const std::int32_t i : reached) slot[static_cast<std::size_t>(i)] = -1;
-        next.first.push_back(next.unknowns());
+void CoarseLevel<dim>::add_vertex(const std::array<std::int32_t, 3>& vertex, CoarseLevel& next,
+                                  Search& search) {
+  auto& [slot, reached, part] = search;
+  const std::array<std::int32_t, 3> centre{2 * vertex[0], 2 * vertex[1], dim == 3 ? 2 * vertex[2] : 0};
+  std::array<std::int32_t, 3> low{}, high{};
+  for (std::size_t d = 0; d < 3; ++d) {
+    low[d] = std::max(centre[d] - 1, 0);
+    high[d] = std::min(centre[d] + 1, size[d] - 1);
+  }
+  reached.clear();
+  for (std::int32_t k = low[2]; k <= high[2]; ++k)
+    for (std::int32_t j = low[1]; j <= high[1]; ++j) {
+      const std::size_t row = static_cast<std::size_t>((k * size[1] + j) * size[0]);
+      for (std::int32_t i = first[row + static_cast<std::size_t>(low[0])];
+           low[0] <= high[0] && i < first[row + static_cast<std::size_t>(high[0]) + 1]; ++i)
+        reached.push_back(i);
+    }
+  for (const std::int32_t i : reached) slot[static_cast<std::size_t>(i)] = 0;
+  for (const std::int32_t seed : reached) {
+    if (slot[static_cast<std::size_t>(seed)] != 0) continue;
+    part.assign(1, seed);
+    slot[static_cast<std::size_t>(seed)] = 1;
+    for (std::size_t at = 0; at < part.size(); ++at) {
+      const auto i = static_cast<std::size_t>(part[at]);
+      for (std::int32_t e = matrix.start[i]; e < matrix.start[i + 1]; ++e) {
+        const std::int32_t j = matrix.column[static_cast<std::size_t>(e)];
+        if (slot[static_cast<std::size_t>(j)] != 0) continue;
+        slot[static_cast<std::size_t>(j)] = 1;
+        part.push_back(j);
       }
-  if (next.unknowns() > 0.8 * unknowns()) return false;
-  transpose(restriction, unknowns(), prolongation);
+    }
+    Place at{};
+    for (std::size_t d = 0; d < dim; ++d) at[d] = vertex[d];
+    next.place.push_back(at);
+    for (const std::int32_t i : part) {
+      float weight = 1;
+      for (std::size_t d = 0; d < dim; ++d)
+        if (place[static_cast<std::size_t>(i)][d] != centre[d]) weight *= 0.5f;
+      restriction.column.push_back(i);
+      restriction.value.push_back(weight);
+    }
+    restriction.start.push_back(static_cast<std::int32_t>(restriction.column.size()));
+  }
+  for (const std::int32_t i : reached) slot[static_cast<std::size_t>(i)] = -1;
+  next.first.push_back(next.unknowns());
+}
 
+template <int dim>
+void CoarseLevel<dim>::multiply_out(CoarseLevel& next, int threads) const {
   const std::int32_t n = next.unknowns();
   next.diagonal.resize(static_cast<std::size_t>(n));
   std::vector<SparseRows> parts(static_cast<std::size_t>(threads));
@@ -167,6 +158,21 @@ bool CoarseLevel<dim>::coarsen(CoarseLevel& next, int threads) {
     }
   }
   join(parts, next.matrix);
+}
+
+template <int dim>
+bool CoarseLevel<dim>::coarsen(CoarseLevel& next, int threads) {
+  next.place.clear();
+  next.first.assign(1, 0);
+  for (std::size_t d = 0; d < 3; ++d) next.size[d] = d < dim ? size[d] / 2 + 1 : 1;
+  restriction.clear();
+  Search search{.slot = std::vector<std::int32_t>(place.size(), -1)};
+  for (std::int32_t z = 0; z < next.size[2]; ++z)
+    for (std::int32_t y = 0; y < next.size[1]; ++y)
+      for (std::int32_t x = 0; x < next.size[0]; ++x) add_vertex({x, y, z}, next, search);
+  if (next.unknowns() > 0.8 * unknowns()) return false;
+  transpose(restriction, unknowns(), prolongation);
+  multiply_out(next, threads);
   next.prepare();
   return true;
 }

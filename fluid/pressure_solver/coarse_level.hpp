@@ -84,6 +84,17 @@ struct CoarseLevel {
   /// Multilinear interpolation from the vertices with even numbers, and the Galerkin operator on them.
   /// Returns false when that would not make the level much smaller.
   bool coarsen(CoarseLevel& next, int threads);
+
+ private:
+  /// slot: of each unknown, −1 not reached, 0 reached, 1 in a part; reached, part: unknowns.
+  struct Search {
+    std::vector<std::int32_t> slot, reached = {}, part = {};
+  };
+  /// One vertex of the next level: an unknown for each connected part of the unknowns that it reaches, and
+  /// its row of the restriction.
+  void add_vertex(const std::array<std::int32_t, 3>& vertex, CoarseLevel& next, Search&);
+  /// next.matrix and next.diagonal: the Galerkin product R A Rᵀ.
+  void multiply_out(CoarseLevel& next, int threads) const;
 };
 
 /// Levels from the finest grid to one that is solved directly.

@@ -45,6 +45,104 @@ inline double times(const PressureSystem& system, const double* x, std::int64_t 
          row_sum(system.value.data(), system.column.data(), x, system.start.data()[k], system.stop.data()[k]);
 }
 
+/// What one thread computes with: its blocks of rows, and the vectors and partial sums that all threads
+/// share.
+struct ThreadShare {
+  const PressureSystem& system;
+  const Blocks& blocks;
+  const Team& team;
+  double *x, *r, *p, *q, *inverse;  // pressure, residual, direction, A p (before: z), 1/diagonal
+  double *first, *second, *third;   // partial sums of each block
+  std::int64_t first_block, last_block, begin, end;
+};
+
+/// r = b − A p₀, z = D⁻¹ r, and the partial sums b·b, r·r, r·z.
+void first_residual(const ThreadShare& s) {
+  const double* b = s.system.right.data();
+  for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
+    const std::int64_t from = s.blocks.begin(block), to = s.blocks.end(block);
+    for (std::int64_t k = from; k < to; ++k) {
+      s.inverse[k] = 1.0 / s.system.diagonal[k];
+      s.r[k] = b[k] - times(s.system, s.x, k);
+      s.q[k] = s.inverse[k] * s.r[k];
+    }
+    s.first[block] = dot(b, b, from, to);
+    s.second[block] = dot(s.r, s.r, from, to);
+    s.third[block] = dot(s.r, s.q, from, to);
+  }
+}
+
+/// p = z + β p, in the first iteration p = z.
+template <class Real>
+void new_direction(const ThreadShare& s, const Real* z, double beta, bool is_first) {
+  if (is_first)
+    for (std::int64_t k = s.begin; k < s.end; ++k) s.p[k] = z[k];
+  else
+    for (std::int64_t k = s.begin; k < s.end; ++k) s.p[k] = z[k] + beta * s.p[k];
+}
+
+/// z = M⁻¹ r by the multilevel preconditioner, in single precision, and the partial sums r·z. relative:
+/// 1/|b|, which keeps single precision away from its limits.
+template <int dim>
+void precondition(const ThreadShare& s, Multilevel<dim>& preconditioner, double relative) {
+  float *right = preconditioner.right(), *swept = preconditioner.swept();
+  const float* damped = preconditioner.inverse();
+  for (std::int64_t k = s.begin; k < s.end; ++k) {
+    right[k] = static_cast<float>(s.r[k] * relative);
+    swept[k] = damped[k] * right[k];
+  }
+  s.team.wait();
+  preconditioner.apply(s.system, s.team);
+  s.team.wait();
+  for (std::int64_t block = s.first_block; block < s.last_block; ++block)
+    s.third[block] = dot(s.r, preconditioner.solution(), s.blocks.begin(block), s.blocks.end(block));
+  s.team.wait();
+}
+
+/// z from the preconditioner, or D⁻¹ r where there is none; p = z + β p with β = r·z / (r·z of the iteration
+/// before), which is 0 before the first. Returns r·z.
+template <int dim>
+double next_direction(const ThreadShare& s, Multilevel<dim>* preconditioner, double relative,
+                      const std::vector<double>& third, double rz_before) {
+  if (preconditioner) precondition(s, *preconditioner, relative);
+  const double rz = ordered_sum(third);
+  if (preconditioner)
+    new_direction(s, preconditioner->solution(), rz / rz_before, rz_before == 0);
+  else
+    new_direction(s, s.q, rz / rz_before, rz_before == 0);
+  return rz;
+}
+
+/// q = A p, and the partial sums p·q.
+void multiply(const ThreadShare& s) {
+  for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
+    const std::int64_t from = s.blocks.begin(block), to = s.blocks.end(block);
+    for (std::int64_t k = from; k < to; ++k) s.q[k] = times(s.system, s.p, k);
+    s.first[block] = dot(s.p, s.q, from, to);
+  }
+}
+
+/// x += α p, r −= α q, and the partial sums r·r; with the diagonal alone also z = D⁻¹ r (in q) and r·z.
+void advance(const ThreadShare& s, double alpha, bool diagonal_alone) {
+  for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
+    const std::int64_t from = s.blocks.begin(block), to = s.blocks.end(block);
+    if (diagonal_alone) {
+      for (std::int64_t k = from; k < to; ++k) {
+        s.x[k] += alpha * s.p[k];
+        s.r[k] -= alpha * s.q[k];
+        s.q[k] = s.inverse[k] * s.r[k];
+      }
+      s.third[block] = dot(s.r, s.q, from, to);
+    } else {
+      for (std::int64_t k = from; k < to; ++k) {
+        s.x[k] += alpha * s.p[k];
+        s.r[k] -= alpha * s.q[k];
+      }
+    }
+    s.second[block] = dot(s.r, s.r, from, to);
+  }
+}
+
 }  // namespace
 
 double row_times(const PressureSystem& system, const double* x, std::int64_t k) {
@@ -61,95 +159,45 @@ void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* pr
   solution.iterations = 0;
   double* const inverse = memory_.of<double>(4 * static_cast<std::size_t>(n)).data();
   double *const x = solution.pressure.data(), *const r = inverse + n, *const p = r + n, *const q = p + n;
-  const double* b = system.right.data();
   Barrier barrier(threads);
 
 #pragma omp parallel num_threads(threads) if (threads > 1)
   {
     const Team team{omp_get_thread_num(), omp_get_num_threads(), &barrier};
     const auto [first_block, last_block] = team.share(blocks.count);
-    const std::int64_t begin = blocks.begin(first_block), end = std::min(n, blocks.begin(last_block));
-
-    for (std::int64_t block = first_block; block < last_block; ++block) {
-      const std::int64_t from = blocks.begin(block), to = blocks.end(block);
-      for (std::int64_t k = from; k < to; ++k) {
-        inverse[k] = 1.0 / system.diagonal[k];
-        r[k] = b[k] - times(system, x, k);
-        q[k] = inverse[k] * r[k];
-      }
-      const auto at = static_cast<std::size_t>(block);
-      first_[at] = dot(b, b, from, to);
-      second_[at] = dot(r, r, from, to);
-      third_[at] = dot(r, q, from, to);
-    }
+    const ThreadShare share{.system = system,
+                            .blocks = blocks,
+                            .team = team,
+                            .x = x,
+                            .r = r,
+                            .p = p,
+                            .q = q,
+                            .inverse = inverse,
+                            .first = first_.data(),
+                            .second = second_.data(),
+                            .third = third_.data(),
+                            .first_block = first_block,
+                            .last_block = last_block,
+                            .begin = blocks.begin(first_block),
+                            .end = std::min(n, blocks.begin(last_block))};
+    first_residual(share);
     team.wait();
     const double b_norm = std::sqrt(ordered_sum(first_));
     double r_norm = std::sqrt(ordered_sum(second_));
     double rz = 0;
     int iterations = 0;
     if (b_norm == 0) {
-      for (std::int64_t k = begin; k < end; ++k) x[k] = 0;
+      for (std::int64_t k = share.begin; k < share.end; ++k) x[k] = 0;
       r_norm = 0;
     }
-    const double relative = b_norm > 0 ? 1 / b_norm : 1;  // keeps single precision away from its limits
+    const double relative = b_norm > 0 ? 1 / b_norm : 1;
     // The negated form also ends the loop when the residual is not a number.
     while (r_norm > tolerance * b_norm && iterations < max_iterations) {
-      double rz_new = 0;
-      if (preconditioner) {
-        float *right = preconditioner->right(), *swept = preconditioner->swept();
-        const float* damped = preconditioner->inverse();
-        for (std::int64_t k = begin; k < end; ++k) {
-          right[k] = static_cast<float>(r[k] * relative);
-          swept[k] = damped[k] * right[k];
-        }
-        team.wait();
-        preconditioner->apply(system, team);
-        team.wait();
-        const float* z = preconditioner->solution();
-        for (std::int64_t block = first_block; block < last_block; ++block)
-          third_[static_cast<std::size_t>(block)] = dot(r, z, blocks.begin(block), blocks.end(block));
-        team.wait();
-        rz_new = ordered_sum(third_);
-        const double beta = iterations == 0 ? 0 : rz_new / rz;
-        if (iterations == 0)
-          for (std::int64_t k = begin; k < end; ++k) p[k] = z[k];
-        else
-          for (std::int64_t k = begin; k < end; ++k) p[k] = z[k] + beta * p[k];
-      } else {
-        rz_new = ordered_sum(third_);
-        const double beta = rz_new / rz;
-        if (iterations == 0)
-          for (std::int64_t k = begin; k < end; ++k) p[k] = q[k];
-        else
-          for (std::int64_t k = begin; k < end; ++k) p[k] = q[k] + beta * p[k];
-      }
-      rz = rz_new;
+      rz = next_direction(share, preconditioner, relative, third_, iterations == 0 ? 0 : rz);
       team.wait();
-      for (std::int64_t block = first_block; block < last_block; ++block) {
-        const std::int64_t from = blocks.begin(block), to = blocks.end(block);
-        for (std::int64_t k = from; k < to; ++k) q[k] = times(system, p, k);
-        first_[static_cast<std::size_t>(block)] = dot(p, q, from, to);
-      }
+      multiply(share);
       team.wait();
-      const double alpha = rz / ordered_sum(first_);
-      for (std::int64_t block = first_block; block < last_block; ++block) {
-        const std::int64_t from = blocks.begin(block), to = blocks.end(block);
-        const auto at = static_cast<std::size_t>(block);
-        if (preconditioner) {
-          for (std::int64_t k = from; k < to; ++k) {
-            x[k] += alpha * p[k];
-            r[k] -= alpha * q[k];
-          }
-        } else {
-          for (std::int64_t k = from; k < to; ++k) {
-            x[k] += alpha * p[k];
-            r[k] -= alpha * q[k];
-            q[k] = inverse[k] * r[k];
-          }
-          third_[at] = dot(r, q, from, to);
-        }
-        second_[at] = dot(r, r, from, to);
-      }
+      advance(share, rz / ordered_sum(first_), !preconditioner);
       team.wait();
       r_norm = std::sqrt(ordered_sum(second_));
       ++iterations;

@@ -34,7 +34,7 @@ class Multilevel {
   std::size_t bytes() const;
 
  private:
-  static constexpr int corners = CellPieces<dim>::corners;
+  static constexpr int corners = Aggregates<dim>::corners;
   static constexpr int moments = dim * (dim + 1) / 2;
   using Element = std::array<double, static_cast<std::size_t>(corners) * corners>;
 
@@ -46,7 +46,7 @@ class Multilevel {
   void add_exact_entries(std::int32_t piece, std::int32_t corner, RowGatherer&) const;
   void assemble_grid(int threads);
 
-  CellPieces<dim> pieces_;
+  Aggregates<dim> pieces_;
   GridCycle<dim> grids_;
   std::vector<Element> elements_;                   // of each piece
   std::vector<SparseRows> parts_;                   // of the grid's rows, one per thread

@@ -21,6 +21,13 @@ constexpr float square(float x) {
   return x * x;
 }
 
+/// Writes half of each sum Σ_j w_ij r_ij r_ijᵀ of one row.
+template <std::size_t entries>
+void store(std::array<std::vector<float>, entries>& moment, std::size_t row,
+           const std::array<float, entries>& sum) {
+  for (std::size_t m = 0; m < entries; ++m) moment[m][row] = 0.5f * sum[m];
+}
+
 }  // namespace
 
 /// One pass over the rows: what the row holds beyond differences (P = 0 around it,
@@ -70,22 +77,16 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
         code += 9 * static_cast<int>(std::floor(z) - cell[dim - 1]);
       }
       own += code == 0 ? 1 : 0;
-      touched |= 1u << ((code + CellPieces<dim>::middle) & 31);
+      touched |= 1u << ((code + Aggregates<dim>::middle) & 31);
     }
     const double diagonal = system.diagonal[k];
     diagonal_[row] = static_cast<float>(diagonal);
     inverse_[row] = static_cast<float>(damped_inverse(diagonal, -sum, damping));
     excess_[row] = static_cast<float>(std::max(0.0, diagonal + sum));
-    moment_[0][row] = 0.5f * xx;
-    moment_[1][row] = 0.5f * xy;
-    if constexpr (dim == 2) {
-      moment_[2][row] = 0.5f * yy;
-    } else {
-      moment_[2][row] = 0.5f * xz;
-      moment_[3][row] = 0.5f * yy;
-      moment_[4][row] = 0.5f * yz;
-      moment_[5][row] = 0.5f * zz;
-    }
+    if constexpr (dim == 2)
+      store<3>(moment_, row, {xx, xy, yy});
+    else
+      store<6>(moment_, row, {xx, xy, xz, yy, yz, zz});
     pieces_.touched[row] = touched;
     pieces_.own_cell_entries[row] = own;
     if (far > 0 || pieces_.is_near_sparse(k)) read_scattered_row(system, k);

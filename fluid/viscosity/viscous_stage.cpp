@@ -77,6 +77,17 @@ inline void invert(const Tensor<dim>& m, double determinant, Tensor<dim>& invers
   }
 }
 
+/// product = left · right
+template <int dim>
+inline void multiply(const double (&left)[dim][dim], const Tensor<dim>& right, Tensor<dim>& product) {
+  for (int a = 0; a < dim; ++a)
+    for (int b = 0; b < dim; ++b) {
+      double entry = left[a][0] * right(0, b);
+      for (int c = 1; c < dim; ++c) entry += left[a][c] * right(c, b);
+      product(a, b) = entry;
+    }
+}
+
 }  // namespace
 
 template <int dim>
@@ -108,12 +119,11 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
   }
 }
 
-// G = (d/n0) Σ (u_j − u_i)⊗r_ij w/r² · C_i, C_i = [(d/n0) Σ r⊗r w/r²]⁻¹ of the same neighbours.
+/// Room for the stage, and place and velocity of each particle side by side.
 template <int dim>
-void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::VectorXd& k) {
+void ViscousStage<dim>::take_samples(const ViscousFlow<dim>& flow) {
   const auto n = flow.position.cols();
   const std::int64_t water = flow.walls.first;
-  const bool seams = flow.periodic.any();
   sample_ = samples_.of<Sample>(static_cast<size_t>(n));
   stress_ = stresses_.of<Stress>(static_cast<size_t>(water));
   correction_.resize(static_cast<size_t>(water));
@@ -130,6 +140,14 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
       sample_[static_cast<size_t>(i)].lanes =
           Lanes8{place[0], place[1], place[2], 0, moves[0], moves[1], moves[2], 0};
   }
+}
+
+// G = (d/n0) Σ (u_j − u_i)⊗r_ij w/r² · C_i, C_i = [(d/n0) Σ r⊗r w/r²]⁻¹ of the same neighbours.
+template <int dim>
+void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::VectorXd& k) {
+  take_samples(flow);
+  const std::int64_t water = flow.walls.first;
+  const bool seams = flow.periodic.any();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     const auto here = sample_[static_cast<size_t>(i)].lanes;
@@ -170,12 +188,7 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
       neighbours_[static_cast<size_t>(i)] = count;
       Tensor<dim>& correction = correction_[static_cast<size_t>(i)];
       invert<dim>(m, determinant, correction);
-      for (int a = 0; a < dim; ++a)
-        for (int b = 0; b < dim; ++b) {
-          double entry = raw[a][0] * correction(0, b);
-          for (int c = 1; c < dim; ++c) entry += raw[a][c] * correction(c, b);
-          g(a, b) = entry;
-        }
+      multiply<dim>(raw, correction, g);
       for (int a = 0; a < dim; ++a)
         for (int b = 0; b < dim; ++b) pr += 0.5 * (g(a, b) + g(b, a)) * (g(a, b) + g(b, a));  // 2 S:S
     } else {

@@ -63,6 +63,7 @@ class ViscousStage {
     double tau(int a, int b) const { return part[(a * width + b) / 8][(a * width + b) % 8]; }
     double g(int a, int b) const { return part[((dim + a) * width + b) / 8][((dim + a) * width + b) % 8]; }
   };
+  void take_samples(const ViscousFlow<dim>&);
   void gather_gradient(const ViscousFlow<dim>&, Eigen::VectorXd& k);
   void close(std::int64_t i, const Tensor<dim>& gradient, double energy, double production,
              const ViscousFlow<dim>&);
