@@ -10,10 +10,9 @@ namespace strake::fluid {
 
 namespace {
 
-/// Two particles inside the water nearer than this are too near in the least-squares scheme [l0]. Its
-/// operators bear disorder, and the shear of any flow brings particles past one another at 0.7 to 0.85 l0: to
-/// part those takes energy that no viscosity does (Taylor–Green vortices at Re 100 then decay 6 % too fast on
-/// 100²).
+/// Distance below which the least-squares scheme separates two water particles [l0]. Its operators tolerate
+/// disorder, and shear brings particles past one another at 0.7 to 0.85 l0. Separating those as well removes
+/// energy: Taylor–Green vortices at Re 100 then decay 6 % too fast on 100².
 constexpr double water_to_water = 0.7;
 
 struct Pair {

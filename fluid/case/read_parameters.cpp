@@ -171,10 +171,9 @@ void read_turbulence(CaseTable t, Scheme& s) {
 
 void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, Scheme& s) {
   read_radii(t.table("radius", "reach of each operator, in spacings"), s);
-  // A window shorter than the usual step is the step, unless the case asks for one. Without sound it is the
-  // step in any case: what stops a body is one blow, which shorter steps would give it at the speed that it
-  // has before, and which of them first finds its face wet would hang on the motion that the coupling is
-  // about to find.
+  // A window shorter than the usual step is the step, unless the case asks for one. Without sound the window
+  // always is the step: the impact is one impulse. Shorter steps would apply it at the speed before impact,
+  // and the step of first contact would depend on the motion that the coupling still iterates.
   if (common.window > 0 && std::isinf(sound_speed) && common.preset != "paper")
     s.time_step = common.window;
   else if (common.window > 0)

@@ -21,8 +21,8 @@ template <int dim>
 WaterAccount<dim> account_of(const State<dim>&, std::span<const std::int64_t> water, double mass,
                              const Vector<dim>& gravity, const Vector<dim>& corner);
 
-/// Where the layer of water along a floor ends [m]: from `at`, which lies on the floor, particles within 2 l0
-/// above it are followed towards +x until a gap of more than 2 l0; the farthest one's x and l0/2. At `at`
+/// Front of the water layer along a floor, x [m]. From `at`, on the floor, particles within 2 l0 above it are
+/// followed towards +x until a gap of more than 2 l0. The front is the x of the last one plus l0/2; `at`
 /// itself where there is none. Drops that fly ahead do not count.
 template <int dim>
 double front(const Vectors<dim>& position, std::span<const std::int64_t> water, const Vector<dim>& at,

@@ -9,11 +9,11 @@
 
 namespace strake::fluid {
 
-/// Water particles that are flagged as surface deeper than 5 l0 below the outer surface: around air that
-/// waves have shut in, and, `openings`, where water has come apart inside. The outer surface borders on the
-/// air, which is the space farther than 1.5 l0 or so from every particle (water, walls and bodies) that hangs
-/// together with what lies above the tank, or, under a lid, the largest such space. On cells of l0, so that
-/// the depth is known to within one. water: numbers of the particles that have not left the tank.
+/// Water particles flagged as surface deeper than 5 l0 below the outer surface: around air that waves have
+/// enclosed, and (`openings`) where water has separated inside. The outer surface borders on the air: the
+/// space farther than about 1.5 l0 from every particle (water, walls and bodies) and connected with the space
+/// above the tank. Under a lid it is the largest such space. On cells of l0, so that the depth is known to
+/// within one. water: numbers of the particles that have not left the tank.
 struct Voids {
   std::int64_t all = 0, openings = 0;
 };

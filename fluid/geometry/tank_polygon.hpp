@@ -6,9 +6,9 @@
 
 namespace strake::fluid {
 
-/// Why that polygon can be no tank: a clockwise walk, edges that cross, a corner too sharp, an edge too short
-/// for rows of particles, or a wall so thin that the water on both sides would meet within `reach` [m].
-/// Empty: it can.
+/// Why a polygon cannot be a tank; empty where it can. Refused are a clockwise order, edges that cross, a
+/// corner too sharp, an edge too short for the dummy particles, and a wall so thin that the water on both
+/// sides would be within `reach` [m].
 std::string polygon_fault(const Parameters&, double reach);
 
 }  // namespace strake::fluid

@@ -12,11 +12,10 @@
 
 namespace strake::fluid {
 
-/// A symmetric positive definite approximation of A⁻¹, made of one sweep of damped Jacobi on the particles, a
-/// correction from a grid as wide as the reach of A, where pressure is interpolated linearly between the
-/// vertices, and a second sweep; the grid's equation is solved by the same scheme on ever coarser grids. It
-/// is a pure function of system and places, made anew for each solve. Single precision: it only
-/// preconditions.
+/// A symmetric positive definite approximation of A⁻¹: one sweep of damped Jacobi on the particles, a
+/// correction from a grid, and a second sweep. The grid is as wide as the reach of A; pressure is linear
+/// between its vertices. The grid's equation is solved by the same scheme on ever coarser grids. It is a pure
+/// function of system and places, built anew for each solve. Single precision: it only preconditions.
 template <int dim>
 class Multilevel {
  public:

@@ -93,9 +93,9 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
   }
 }
 
-/// Entries whose part in the grid's equation is taken as it is, w (P_i − P_j)(P_i − P_j)ᵀ with P the corners'
-/// weights, since a linear pressure around i says little of p_j: where unknowns are sparse, and over the seam
-/// of a periodic direction.
+/// Whether an entry enters the grid's equation without approximation, as w (P_i − P_j)(P_i − P_j)ᵀ with P the
+/// corners' weights. This is so where unknowns are sparse and over the seam of a periodic direction: a linear
+/// pressure around i does not represent p_j there.
 template <int dim>
 bool Multilevel<dim>::is_exact(std::int64_t i, std::int64_t j) const {
   if (pieces_.is_sparse(i) || pieces_.is_sparse(j)) return true;
