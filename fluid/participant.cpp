@@ -73,18 +73,18 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
       end_time_(common.end_time),
       initial_volume_(volume()),
       sends_history_(setup.history && has_body_) {
-  auto& probes = simulation_.mutable_state().probes;
   // A body that enters is measured from its contact, anything else from the first step (cases/VALIDATION.md,
   // "Definitions").
   for (const ProbeKeys& probe : parameters_.probes)
-    probes.push_back(is_sensor(probe) && entry_speed_ > 0 ? ProbeRecord::waiting_for_contact()
-                                                          : ProbeRecord{});
+    measurements_.probes.push_back(is_sensor(probe) && entry_speed_ > 0 ? ProbeRecord::waiting_for_contact()
+                                                                        : ProbeRecord{});
   check_sensors();
   description_.lines = describe(parameters_, common, speed_, body_length_);
   description_.columns = columns();
   if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
   force_ = Points::Zero(3, mesh().position.cols());
-  committed_ = simulation_.state();
+  committed_.state = simulation_.state();
+  committed_.measurements = measurements_;
 }
 
 /// A sensor that covers nothing would read zero for ever.
@@ -149,7 +149,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
       held.acceleration.setZero();
     }
   }
-  for (auto& probe : simulation_.mutable_state().probes) probe.new_window();
+  for (auto& probe : measurements_.probes) probe.new_window();
   history_.clear();
   force_.setZero();
   floor_.setZero();
@@ -182,30 +182,29 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   }
   measures_water_ = frame_due(window);
   if (!measures_water_) return;
-  State<dim>& reached = simulation_.mutable_state();
-  const Voids voids = count_voids<dim>(reached, water(), parameters_.spacing, parameters_.open_top);
-  reached.voids = std::max(reached.voids, voids.all);
-  reached.openings = std::max(reached.openings, voids.openings);
+  const Voids voids = count_voids<dim>(state, water(), parameters_.spacing, parameters_.open_top);
+  measurements_.voids = std::max(measurements_.voids, voids.all);
+  measurements_.openings = std::max(measurements_.openings, voids.openings);
 }
 
 /// Contact is the first step in which any sensor exceeds ½ρV² (cases/VALIDATION.md, "Definitions").
 template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
-  State<dim>& state = simulation_.mutable_state();
+  std::vector<ProbeRecord>& records = measurements_.probes;
   std::vector<std::int64_t> particles;
   if (!std::all_of(parameters_.probes.begin(), parameters_.probes.end(), is_sensor)) particles = water();
   const double threshold = 0.5 * parameters_.density * entry_speed_ * entry_speed_;
   bool contact = false;
-  for (std::size_t i = 0; i < state.probes.size(); ++i) {
+  for (std::size_t i = 0; i < records.size(); ++i) {
     const ProbeKeys& probe = parameters_.probes[i];
     const double value = pressure_or_place(probe, particles);
     contact = contact || (is_sensor(probe) && value > threshold);
-    state.probes[i].add(t0, t1, value);
+    records[i].add(t0, t1, value);
   }
-  if (!contact || entry_speed_ == 0 || state.contact_time >= 0) return;
-  state.contact_time = t0;
-  for (std::size_t i = 0; i < state.probes.size(); ++i)
-    if (is_sensor(parameters_.probes[i])) state.probes[i].contact(t0);
+  if (!contact || entry_speed_ == 0 || measurements_.contact_time >= 0) return;
+  measurements_.contact_time = t0;
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if (is_sensor(parameters_.probes[i])) records[i].contact(t0);
 }
 
 template <int dim>
@@ -271,13 +270,15 @@ Advanced FluidParticipant<dim>::finish() {
 
 template <int dim>
 void FluidParticipant<dim>::rewind() {
-  simulation_.set_state(committed_);
+  simulation_.set_state(committed_.state);
+  measurements_ = committed_.measurements;
 }
 
 template <int dim>
 void FluidParticipant<dim>::commit(bool write_output) {
-  committed_ = simulation_.state();
-  committed_steps_ = steps_;
+  committed_.state = simulation_.state();
+  committed_.measurements = measurements_;
+  committed_.steps = steps_;
   if (!frames_) return;
   frames_->check();
   if (write_output) frames_->write(frame());
@@ -322,8 +323,9 @@ template <int dim>
 void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
   flush();  // what a resume goes on from
   Archive archive;
-  save<dim>(committed_, archive);
-  archive.integer["participant.steps"] = {committed_steps_};
+  save(committed_.state, archive);
+  save(committed_.measurements, archive);
+  archive.integer["participant.steps"] = {committed_.steps};
   write_archive(folder / "fluid.h5", archive);
 }
 
@@ -331,8 +333,9 @@ template <int dim>
 void FluidParticipant<dim>::resume(const std::filesystem::path& folder) {
   flush();
   const std::filesystem::path file = folder / "fluid.h5";
-  const Archive archive = read_archive(file);
-  State<dim> state = load<dim>(archive, parameters_.probes.size());
+  const Archive archive = with_names(read_archive(file));
+  State<dim> state = load<dim>(archive);
+  Measurements measurements = load_measurements(archive, parameters_.probes.size());
   if (state.position.cols() != simulation_.state().position.cols())
     throw Error(ExitCode::case_file, file.string(),
                 fmt::format("holds {} particles, the case makes {}", state.position.cols(),
@@ -340,10 +343,9 @@ void FluidParticipant<dim>::resume(const std::filesystem::path& folder) {
                 "resume with the case the run was started with");
   const auto steps = archive.integer.find("participant.steps");
   steps_ = steps != archive.integer.end() && !steps->second.empty() ? steps->second.front() : state.step;
-  committed_steps_ = steps_;
-  committed_ = std::move(state);
-  simulation_.set_state(committed_);
-  if (frames_) frames_->truncate(committed_.time);
+  committed_ = {std::move(state), std::move(measurements), steps_};
+  rewind();
+  if (frames_) frames_->truncate(committed_.state.time);
 }
 
 template class FluidParticipant<2>;

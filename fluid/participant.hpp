@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/diagnostics/measurements.hpp"
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/simulation/simulation.hpp"
 #include "fluid/window_motion.hpp"
@@ -65,9 +66,14 @@ class FluidParticipant final : public Participant {
   double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;
   std::optional<FrameWriter> frames_;
-  State<dim> committed_;
-  std::int64_t steps_ = 0;            // with those that were rewound
-  std::int64_t committed_steps_ = 0;  // steps_ at the last commit
+  Measurements measurements_;
+  std::int64_t steps_ = 0;  // with those that were rewound
+  struct Committed {
+    State<dim> state;
+    Measurements measurements;
+    std::int64_t steps = 0;
+  };
+  Committed committed_;
 
   bool sends_history_;
 

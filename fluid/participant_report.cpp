@@ -34,7 +34,7 @@ std::vector<Column> FluidParticipant<dim>::columns() const {
 
 template <int dim>
 void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monitor) const {
-  const auto& records = simulation_.state().probes;
+  const auto& records = measurements_.probes;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const std::string& name = parameters_.probes[i].name;
     monitor[name] = records[i].last();
@@ -82,13 +82,13 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.solid"] = static_cast<double>(solid);
   monitor["count.steps"] = static_cast<double>(steps_);
   // A body with an entry speed and sensors on it has a contact to wait for.
-  if (entry_speed_ > 0 && !state.probes.empty() && state.contact_time < 0)
+  if (entry_speed_ > 0 && !measurements_.probes.empty() && measurements_.contact_time < 0)
     monitor["count.awaiting_contact"] = 1;
   monitor["count.steps_committed"] = static_cast<double>(state.step);
   for (const char* prefix : {"count.", "check."}) {
     monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);
-    monitor[prefix + std::string("voids")] = static_cast<double>(state.voids);
-    monitor[prefix + std::string("openings")] = static_cast<double>(state.openings);
+    monitor[prefix + std::string("voids")] = static_cast<double>(measurements_.voids);
+    monitor[prefix + std::string("openings")] = static_cast<double>(measurements_.openings);
     monitor[prefix + std::string("penetrations")] = static_cast<double>(state.penetrations);
   }
   monitor["count.behind_walls"] = static_cast<double>(state.behind_walls);

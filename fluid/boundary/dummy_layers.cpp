@@ -1,4 +1,5 @@
 #include "fluid/boundary/boundary.hpp"
+#include "fluid/particles/columns.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -6,29 +7,21 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace strake::fluid {
 
 namespace {
 
+/// Adds particles of one kind after the others: at rest, dry, and numbered on.
 template <int dim>
-void append(State<dim>& state, std::int64_t count) {
-  const auto n = state.position.cols();
-  state.position.conservativeResize(dim, n + count);
-  state.velocity.conservativeResize(dim, n + count);
-  state.pressure.conservativeResize(n + count);
-  state.sps_k.conservativeResize(n + count);
-  state.residual_divergence.conservativeResize(n + count);
-  state.residual_approach.conservativeResize(Eigen::NoChange, n + count);
-  state.position.rightCols(count).setZero();
-  state.velocity.rightCols(count).setZero();
-  state.pressure.tail(count).setZero();
-  state.sps_k.tail(count).setZero();
-  state.residual_divergence.tail(count).setZero();
-  state.residual_approach.rightCols(count).setZero();
-  for (std::int64_t k = 0; k < count; ++k) state.id.push_back(n + k);
-  state.surface.resize(static_cast<std::size_t>(n + count), 1);
-  state.aired.resize(static_cast<std::size_t>(n + count), 0);
+void append(State<dim>& state, Kind kind, std::size_t count) {
+  const std::size_t n = state.kind.size();
+  resize_particles(state, static_cast<Eigen::Index>(n + count));
+  const auto first = static_cast<std::ptrdiff_t>(n);
+  std::fill(state.kind.begin() + first, state.kind.end(), kind);
+  std::iota(state.id.begin() + first, state.id.end(), first);
+  std::fill(state.surface.begin() + first, state.surface.end(), std::uint8_t{1});
 }
 
 }  // namespace
@@ -39,9 +32,8 @@ void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
     outline_ = Hull(partner, spacing_, reach_);
     mesh_ = outline_.mesh();
     const auto m = static_cast<std::size_t>(outline_.points()), rows = outline_.rows().size();
-    append(state, static_cast<std::int64_t>(rows));
-    state.kind.insert(state.kind.end(), m, Kind::interface);
-    state.kind.insert(state.kind.end(), rows - m, Kind::dummy_interface);
+    append(state, Kind::interface, m);
+    append(state, Kind::dummy_interface, rows - m);
     for (const Hull::Row& row : outline_.rows()) point_of_.push_back(row.point);
     const Points zero = Points::Zero(3, mesh_.position.cols());
     move(state, zero, zero, true);
@@ -55,9 +47,8 @@ void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
       go_beyond(run, true);
     }
     const std::size_t fillers = static_cast<std::size_t>((rows_ - 1) * m) + beyond_.size();
-    append(state, m + static_cast<std::int64_t>(fillers));
-    state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::interface);
-    state.kind.insert(state.kind.end(), fillers, Kind::dummy_interface);
+    append(state, Kind::interface, static_cast<std::size_t>(m));
+    append(state, Kind::dummy_interface, fillers);
     for (int row = 0; row < rows_; ++row)
       for (int k = 0; k < m; ++k) point_of_.push_back(k);
     for (const BeyondCorner& filler : beyond_) point_of_.push_back(filler.point);
@@ -107,8 +98,7 @@ void Boundary<dim>::add_solids(const InterfaceMesh& partner, const Points& initi
   mesh_ = partner;
   mesh_.name = "fluid";
   const auto m = partner.position.cols();
-  append(state, m);
-  state.kind.insert(state.kind.end(), static_cast<std::size_t>(m), Kind::solid);
+  append(state, Kind::solid, static_cast<std::size_t>(m));
   for (Eigen::Index k = 0; k < m; ++k) point_of_.push_back(static_cast<int>(k));
   state.position.rightCols(m) = partner.position.template topRows<dim>();
   if (initial_velocity.cols() == m) state.velocity.rightCols(m) = initial_velocity.template topRows<dim>();

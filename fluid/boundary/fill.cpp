@@ -3,6 +3,7 @@
 #include "fluid/boundary/packing.hpp"
 #include "fluid/geometry/tank_polygon.hpp"
 #include "fluid/geometry/tank_shape.hpp"
+#include "fluid/particles/columns.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 
 namespace strake::fluid {
@@ -180,20 +182,13 @@ State<dim> fill(const Parameters& parameters) {
 
   State<dim> state;
   const auto n = static_cast<Eigen::Index>(water.size() + walls.wall.size() + walls.dummy.size());
-  state.position.resize(dim, n);
-  state.velocity = Vectors<dim>::Zero(dim, n);
-  state.pressure = Eigen::VectorXd::Zero(n);
-  state.sps_k = Eigen::VectorXd::Zero(n);
-  state.residual_divergence = Eigen::VectorXd::Zero(n);
-  state.residual_approach = Vectors<dim>::Zero(dim, n);
-  state.surface.assign(static_cast<size_t>(n), 0);
+  resize_particles(state, n);
   state.aired.assign(static_cast<size_t>(n), 1);
+  std::iota(state.id.begin(), state.id.end(), 0);
   Eigen::Index i = 0;
   const auto add = [&](const Vector<dim>& place, Kind kind) {
-    state.position.col(i) = place;
-    state.kind.push_back(kind);
-    state.id.push_back(i);
-    ++i;
+    state.kind[static_cast<size_t>(i)] = kind;
+    state.position.col(i++) = place;
   };
   for (const auto& place : water) add(place, Kind::fluid);
   for (const auto& particle : walls.wall) add(particle.position, Kind::wall);

@@ -2,7 +2,9 @@
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/boundary/fill.hpp"
+#include "fluid/particles/columns.hpp"
 
+#include <numeric>
 #include <vector>
 
 namespace strake::fluid {
@@ -11,30 +13,6 @@ namespace {
 
 /// Water nearer to a face than this would be pushed off it at once [l0]; on a lattice it stands at 0.5.
 constexpr double least_distance = 0.25;
-
-template <int dim>
-void take_out(State<dim>& state, const std::vector<Eigen::Index>& kept) {
-  State<dim> rest = state;
-  const auto n = static_cast<Eigen::Index>(kept.size());
-  rest.position = state.position(Eigen::all, kept).eval();
-  rest.velocity = state.velocity(Eigen::all, kept).eval();
-  rest.pressure = state.pressure(kept).eval();
-  rest.sps_k = state.sps_k(kept).eval();
-  rest.residual_divergence = state.residual_divergence(kept).eval();
-  rest.residual_approach = state.residual_approach(Eigen::all, kept).eval();
-  rest.kind.clear();
-  rest.surface.clear();
-  rest.aired.clear();
-  rest.id.clear();
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const auto i = static_cast<std::size_t>(kept[static_cast<std::size_t>(k)]);
-    rest.kind.push_back(state.kind[i]);
-    rest.surface.push_back(state.surface[i]);
-    rest.aired.push_back(state.aired[i]);
-    rest.id.push_back(k);
-  }
-  state = std::move(rest);
-}
 
 }  // namespace
 
@@ -47,15 +25,16 @@ State<dim> fill_around(const Parameters& p, const InterfaceMesh& body) {
     surface = Outline(body, p.spacing);
   else
     surface = Hull(body, p.spacing, p.spacing);
-  std::vector<Eigen::Index> kept;
+  std::vector<std::int32_t> kept;
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     const Vector<dim> x = state.position.col(i);
     if (state.kind[static_cast<std::size_t>(i)] == Kind::fluid &&
         (surface.inside(x) || surface.nearest(x).distance < least_distance * p.spacing))
       continue;
-    kept.push_back(i);
+    kept.push_back(static_cast<std::int32_t>(i));
   }
-  take_out<dim>(state, kept);
+  select_particles<dim>(state, kept);
+  std::iota(state.id.begin(), state.id.end(), 0);
   return state;
 }
 

@@ -1,9 +1,12 @@
 #include "fluid/particles/reorder.hpp"
 
+#include "fluid/particles/columns.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 namespace strake::fluid {
 namespace {
@@ -46,30 +49,6 @@ void sort_by_key(std::vector<std::uint64_t>& key, std::vector<std::int32_t>& ord
   }
 }
 
-template <class T>
-void permute(std::vector<T>& values, std::span<const std::int32_t> order) {
-  if (values.empty()) return;
-  std::vector<T> moved(order.size());
-  for (size_t k = 0; k < order.size(); ++k) moved[k] = values[static_cast<size_t>(order[k])];
-  std::copy(moved.begin(), moved.end(), values.begin());
-}
-
-template <class Columns>
-void permute_columns(Columns& values, std::span<const std::int32_t> order) {
-  if (values.size() == 0) return;
-  const auto n = static_cast<Eigen::Index>(order.size());
-  Columns moved(values.rows(), n);
-  for (Eigen::Index k = 0; k < n; ++k) moved.col(k) = values.col(order[static_cast<size_t>(k)]);
-  values.leftCols(n) = moved;
-}
-
-void permute(Eigen::VectorXd& values, std::span<const std::int32_t> order) {
-  if (values.size() == 0) return;
-  Eigen::VectorXd moved(static_cast<Eigen::Index>(order.size()));
-  for (size_t k = 0; k < order.size(); ++k) moved[static_cast<Eigen::Index>(k)] = values[order[k]];
-  values.head(moved.size()) = moved;
-}
-
 }  // namespace
 
 template <int dim>
@@ -96,16 +75,10 @@ std::vector<std::int32_t> cell_order(const Eigen::Ref<const Vectors<dim>>& posit
 template <int dim>
 void reorder(State<dim>& state, std::span<const std::int32_t> order) {
   assert(static_cast<Eigen::Index>(order.size()) <= state.position.cols());
-  permute_columns(state.position, order);
-  permute_columns(state.velocity, order);
-  permute(state.pressure, order);
-  permute(state.sps_k, order);
-  permute(state.residual_divergence, order);
-  permute_columns(state.residual_approach, order);
-  permute(state.kind, order);
-  permute(state.id, order);
-  permute(state.surface, order);
-  permute(state.aired, order);
+  std::vector<std::int32_t> places(static_cast<size_t>(state.position.cols()));
+  std::iota(places.begin(), places.end(), 0);
+  std::copy(order.begin(), order.end(), places.begin());
+  select_particles<dim>(state, places);
 }
 
 template std::vector<std::int32_t> cell_order<2>(const Eigen::Ref<const Vectors<2>>&, double);

@@ -1,11 +1,12 @@
 #pragma once
 
-#include "proto/probe.hpp"
+#include "fluid/particles/member_list.hpp"
 
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace strake::fluid {
@@ -28,7 +29,7 @@ inline bool has_pressure(Kind kind) {
 }
 
 /// Everything of the fluid that changes in time: rewind is an assignment, a checkpoint is this struct on
-/// disk.
+/// disk. What the participant measures of it stands in diagnostics/measurements.hpp.
 template <int dim>
 struct State {
   double time = 0;                      // [s]
@@ -48,8 +49,6 @@ struct State {
   Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
   Vectors<dim> interface_velocity;      // dim×m [m/s]
 
-  std::vector<ProbeRecord> probes;                      // accumulate at every step
-  double contact_time = -1;                             // [s] t_c (proto/probe.hpp); < 0: none yet
   Vector<dim> impulse_on_bodies = Vector<dim>::Zero();  // [N s] momentum account, since t = 0
   Vector<dim> impulse_on_walls = Vector<dim>::Zero();
   Vector<dim> impulse_of_gravity = Vector<dim>::Zero();
@@ -58,10 +57,54 @@ struct State {
   Vector<dim> initial_momentum = Vector<dim>::Zero();  // of the water at t = 0
   double inner_fraction_min = 1;                       // smallest share of fluid particles not on the surface
   std::int64_t lost = 0;                               // particles that left the domain
-  std::int64_t voids = 0;         // largest count of surface particles deeper than 5 l0, of the frames
-  std::int64_t openings = 0;      // the same of those that are not aired
   std::int64_t penetrations = 0;  // largest count of fluid particles inside a body's outline
   std::int64_t behind_walls = 0;  // times that water was put back from behind a wall of the tank
+
+  /// Lists the members that hold one entry per particle, by their names in a checkpoint.
+  static constexpr auto columns() {
+    return std::tuple(std::pair("position", &State::position),                        //
+                      std::pair("velocity", &State::velocity),                        //
+                      std::pair("pressure", &State::pressure),                        //
+                      std::pair("residual_divergence", &State::residual_divergence),  //
+                      std::pair("residual_approach", &State::residual_approach),      //
+                      std::pair("sps_k", &State::sps_k),                              //
+                      std::pair("kind", &State::kind),                                //
+                      std::pair("id", &State::id),                                    //
+                      std::pair("surface", &State::surface),                          //
+                      std::pair("aired", &State::aired));
+  }
+  /// Lists all other members likewise.
+  static constexpr auto values() {
+    return std::tuple(std::pair("time", &State::time),                                      //
+                      std::pair("step", &State::step),                                      //
+                      std::pair("residual_step", &State::residual_step),                    //
+                      std::pair("interface_displacement", &State::interface_displacement),  //
+                      std::pair("interface_velocity", &State::interface_velocity),          //
+                      std::pair("impulse_on_bodies", &State::impulse_on_bodies),            //
+                      std::pair("impulse_on_walls", &State::impulse_on_walls),              //
+                      std::pair("impulse_of_gravity", &State::impulse_of_gravity),          //
+                      std::pair("impulse_of_collisions", &State::impulse_of_collisions),    //
+                      std::pair("initial_momentum", &State::initial_momentum),              //
+                      std::pair("inner_fraction_min", &State::inner_fraction_min),          //
+                      std::pair("lost", &State::lost),                                      //
+                      std::pair("penetrations", &State::penetrations),                      //
+                      std::pair("behind_walls", &State::behind_walls));
+  }
 };
+// A new member needs one line in one of the lists. In three dimensions no member needs padding, so that the
+// sizes add up.
+static_assert(listed_bytes(State<3>::columns()) + listed_bytes(State<3>::values()) == sizeof(State<3>),
+              "a member of State is listed neither in columns() nor in values()");
+
+/// Calls visit(name, column...) for each column of a state, or of several side by side.
+template <class Visit, class State, class... More>
+void for_each_column(Visit&& visit, State& state, More&... more) {
+  for_each_member(State::columns(), visit, state, more...);
+}
+/// Calls visit(name, value...) for each other member.
+template <class Visit, class State, class... More>
+void for_each_value(Visit&& visit, State& state, More&... more) {
+  for_each_member(State::values(), visit, state, more...);
+}
 
 }  // namespace strake::fluid

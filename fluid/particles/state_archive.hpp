@@ -5,12 +5,16 @@
 
 namespace strake::fluid {
 
-/// The whole State under names of its own: what a checkpoint writes.
+/// Writes each member of the state under its own name.
 template <int dim>
 void save(const State<dim>&, Archive&);
-/// Back again, to the last bit. Throws Error(case_file) naming what is missing or of another size;
-/// `n_probes`: as many as the case has.
+/// Reads it back, to the last bit. Throws Error(case_file) naming what is missing or of another size.
 template <int dim>
-State<dim> load(const Archive&, std::size_t n_probes);
+State<dim> load(const Archive&);
+
+/// Gives the values of a checkpoint of version 0.1.0 their names: it held them by position, in the arrays
+/// `scalars` and `counts`. Others stay as they are. Throws Error(case_file) where those arrays are not of
+/// 0.1.0.
+Archive with_names(Archive);
 
 }  // namespace strake::fluid

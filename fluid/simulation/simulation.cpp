@@ -103,11 +103,6 @@ bool Simulation<dim>::parked(std::int64_t i) const {
 }
 
 template <int dim>
-State<dim>& Simulation<dim>::mutable_state() {
-  return work_->state;
-}
-
-template <int dim>
 const std::map<std::string, double>& Simulation<dim>::seconds() const {
   return work_->seconds;
 }

@@ -54,7 +54,6 @@ class Simulation {
   const State<dim>& state() const;
   void set_state(const State<dim>&);  // invalidates neighbour lists and factorisations
   bool parked(std::int64_t i) const;  // particle i has left the tank
-  State<dim>& mutable_state();        // for probes and accounts kept by the participant
   /// Wall seconds per stage since construction: neighbours, predictor, density, pressure, corrector, load.
   const std::map<std::string, double>& seconds() const;
   /// Pressure of a sensor: −(force · n)/area over the interface points within diameter/2 of X (reference),

@@ -3,12 +3,14 @@
 #include "fluid/case/read_parameters.hpp"
 #include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
+#include "proto/files/result_file.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 namespace strake::fluid {
 namespace {
@@ -180,7 +182,8 @@ TEST(FluidParticipant, the_result_does_not_depend_on_the_number_of_threads) {
   }
 }
 
-void resume_from_checkpoint(const Case& c) {
+void resume_from_checkpoint(
+    const Case& c, const std::function<void(const std::filesystem::path&)>& edit = [](const auto&) {}) {
   const TemporaryFolder folder;
   FluidParticipant<2> first(c.parameters, c.common, entering()), second(c.parameters, c.common, entering());
   for (int k = 0; k < contact_window + 5; ++k) {
@@ -188,6 +191,7 @@ void resume_from_checkpoint(const Case& c) {
     first.commit(false);
   }
   first.checkpoint(folder.path());
+  edit(folder / "fluid.h5");
   second.resume(folder.path());
   for (int k = contact_window + 5; k < contact_window + 15; ++k) {
     const auto expected = first.advance(nth(k), at_speed(nth(k)));
@@ -203,6 +207,54 @@ TEST(FluidParticipant, a_checkpoint_continues_bit_equal_where_the_steps_of_a_win
 
 TEST(FluidParticipant, a_checkpoint_continues_bit_equal) {
   resume_from_checkpoint(Case());
+}
+
+/// Puts the values of a checkpoint where version 0.1.0 had them, the first `counts` of its counts.
+void as_version_0_1_0(const std::filesystem::path& file, std::size_t counts = 6) {
+  Archive archive = read_archive(file);
+  Eigen::Vector4d scalars;
+  Eigen::Index k = 0;
+  for (const char* name : {"time", "contact_time", "inner_fraction_min", "residual_step"}) {
+    scalars[k++] = archive.real.at(name).value();
+    archive.real.erase(name);
+  }
+  auto& old = archive.integer["counts"];
+  for (const char* name : {"step", "lost", "voids", "penetrations", "behind_walls", "openings"}) {
+    if (old.size() < counts) old.push_back(archive.integer.at(name).at(0));
+    archive.integer.erase(name);
+  }
+  archive.real["scalars"] = scalars;
+  write_archive(file, archive);
+}
+
+TEST(FluidParticipant, a_checkpoint_of_version_0_1_0_continues_bit_equal) {
+  resume_from_checkpoint(Case(), [](const std::filesystem::path& file) { as_version_0_1_0(file); });
+}
+
+TEST(FluidParticipant, a_checkpoint_of_an_earlier_version_is_refused_by_name) {
+  try {
+    resume_from_checkpoint(Case(), [](const std::filesystem::path& file) { as_version_0_1_0(file, 5); });
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::case_file);
+    EXPECT_NE(e.problem().find("before 0.1.0"), std::string::npos) << e.problem();
+    EXPECT_FALSE(e.fix().empty());
+  }
+}
+
+TEST(FluidParticipant, a_checkpoint_holds_each_value_under_its_own_name) {
+  const Case c;
+  const TemporaryFolder folder;
+  FluidParticipant<2> participant(c.parameters, c.common, entering());
+  participant.advance(nth(0), at_speed(nth(0)));
+  participant.commit(false);
+  participant.checkpoint(folder.path());
+  const Archive archive = read_archive(folder / "fluid.h5");
+  EXPECT_EQ(archive.real.at("time").value(), window);
+  EXPECT_EQ(archive.real.at("contact_time").value(), -1);
+  EXPECT_EQ(archive.integer.at("step"), std::vector<std::int64_t>{2});
+  EXPECT_EQ(archive.integer.at("openings"), std::vector<std::int64_t>{0});
+  EXPECT_FALSE(archive.real.contains("scalars") || archive.integer.contains("counts"));
 }
 
 TEST(FluidParticipant, a_checkpoint_of_another_case_is_refused) {

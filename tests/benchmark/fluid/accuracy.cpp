@@ -39,14 +39,16 @@ double wave_period_error(double spacing) {
   p.tank.max[1] = 0.8;
   p.water.max[1] = depth;
   Simulation<2> simulation(p, {}, {});
-  State<2>& state = simulation.mutable_state();
-  const std::int64_t water = water_of(state);
+  State<2> displaced = simulation.state();
+  const std::int64_t water = water_of(displaced);
   for (std::int64_t i = 0; i < water; ++i) {
-    auto x = state.position.col(i);
+    auto x = displaced.position.col(i);
     const double along = k * x[0], up = k * x[1], size = amplitude / std::sinh(k * depth);
     x[0] -= size * std::sin(along) * std::cosh(up);
     x[1] += size * std::cos(along) * std::sinh(up);
   }
+  simulation.set_state(displaced);
+  const State<2>& state = simulation.state();
   const auto wave = [&] {
     double sum = 0;
     for (std::int64_t i = 0; i < water; ++i)
@@ -91,14 +93,16 @@ void vortices() {
     p.gravity.setZero();
     p.scheme.turbulence = Turbulence::none;
     Simulation<2> simulation(p, {}, {});
-    State<2>& state = simulation.mutable_state();
+    const State<2>& state = simulation.state();
     const std::int64_t water = water_of(state);
     const auto exact = [](const Vector<2>& x, double t) {
       const double size = std::exp(-8 * pi * pi * viscosity * t);
       return Vector<2>(size * std::sin(2 * pi * x[0]) * std::cos(2 * pi * x[1]),
                        -size * std::cos(2 * pi * x[0]) * std::sin(2 * pi * x[1]));
     };
-    for (std::int64_t i = 0; i < water; ++i) state.velocity.col(i) = exact(state.position.col(i), 0);
+    State<2> turning = state;
+    for (std::int64_t i = 0; i < water; ++i) turning.velocity.col(i) = exact(state.position.col(i), 0);
+    simulation.set_state(turning);
     const double start = state.velocity.leftCols(water).squaredNorm();
     while (state.time < 1) simulation.step(simulation.stable_dt(), {});
     double off = 0, all = 0;

@@ -32,13 +32,15 @@ double period(double spacing) {
   p.sound_speed = std::numeric_limits<double>::infinity();
   p.threads = 1;
   Simulation<2> simulation(p, {}, {});
-  State<2>& state = simulation.mutable_state();
-  for (std::size_t i = 0; i < state.kind.size() && state.kind[i] == Kind::fluid; ++i) {
-    auto x = state.position.col(static_cast<Eigen::Index>(i));
+  State<2> displaced = simulation.state();
+  for (std::size_t i = 0; i < displaced.kind.size() && displaced.kind[i] == Kind::fluid; ++i) {
+    auto x = displaced.position.col(static_cast<Eigen::Index>(i));
     const double along = k * x[0], up = k * x[1], size = amplitude / std::sinh(k * depth);
     x[0] -= size * std::sin(along) * std::cosh(up);
     x[1] += size * std::cos(along) * std::sinh(up);
   }
+  simulation.set_state(displaced);
+  const State<2>& state = simulation.state();
   const auto wave = [&] {
     double sum = 0;
     for (std::size_t i = 0; i < state.kind.size() && state.kind[i] == Kind::fluid; ++i) {

@@ -18,8 +18,10 @@ TEST(Vortex, ACoreBelowThePressureOfTheAirStaysClosed) {
   Parameters p = tank_case(0.4, 0.3, 0.01, 0.2);
   p.sound_speed = std::numeric_limits<double>::infinity();
   Simulation<2> simulation(p, {}, {});
-  State<2>& state = simulation.mutable_state();
-  const std::int64_t water = set_turning(state);
+  State<2> start = simulation.state();
+  const std::int64_t water = set_turning(start);
+  simulation.set_state(start);
+  const State<2>& state = simulation.state();
   double lowest = 0;
   std::int64_t inside = 0;
   while (state.time < 0.1) {
