@@ -203,6 +203,7 @@ def main():
     parser.add_argument("bin", help="folder of the programs")
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="number of the first draw that is asked: to go on with a seed")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=10.0, help="an answer later than this is a finding")
     parser.add_argument("--memory", type=float, default=1e9, help="bytes of one process above which it is a finding")
@@ -223,9 +224,12 @@ def main():
             return draw, answer
 
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-            draws = (Draw(n, keys, dice, folder) for n in range(options.count))
+            draws = (Draw(n, keys, dice, folder) for n in range(options.first + options.count))
             batch = []
-            for draw in draws:
+            for number, draw in enumerate(draws):
+                if number < options.first:
+                    draw.file.unlink()
+                    continue
                 batch.append(pool.submit(one, draw))
                 if len(batch) < 4 * options.jobs and draw is not None and len(batch) + 1 <= options.count:
                     continue
@@ -234,7 +238,7 @@ def main():
                 batch = batch[options.jobs:]
             for future in batch:
                 report(future.result(), options, findings, codes)
-    print(f"{options.count} draws over {len(keys)} keys, seed {options.seed}; exit codes "
+    print(f"{options.count} draws over {len(keys)} keys, seed {options.seed} from draw {options.first}; exit codes "
           + ", ".join(f"{code}: {n}" for code, n in sorted(codes.items())))
     print(f"slowest {worst['seconds']:.1f} s, largest {worst['memory'] / 1e6:.0f} MB; {len(findings)} findings")
     sys.exit(bool(findings))
