@@ -1,22 +1,13 @@
 #include "structure/particle/linearised.hpp"
 
 #include "proto/error.hpp"
-
-#include <Eigen/Dense>
-#include <Eigen/SparseLU>
-#include <fmt/format.h>
+#include "structure/particle/linear/frequencies.hpp"
+#include "structure/particle/linear/saddle_point_solver.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <numbers>
 
 namespace strake::structure {
 namespace {
-
-// Step of the central differences in spacings. The forces are smooth on the scale of a bond, so that
-// truncation (1e-12) and round-off (1e-16/1e-5) are far below the accuracy that K needs.
-constexpr double difference_step = 1e-5;
 
 /// Number of a free particle's first unknown, or -1.
 template <int dim>
@@ -56,47 +47,6 @@ Vectors<dim> scatter(const Lattice<dim>& lattice, const Eigen::VectorXd& x) {
     }
   return full;
 }
-
-/// Factors of K x + Cᵀλ = b, C x = 0: the supports' equations beside those of the particles.
-class Factors {
- public:
-  void compute(const Eigen::SparseMatrix<double>& K, const SparseRows& C) {
-    n_ = K.rows();
-    const Eigen::Index m = C.rows();
-    Eigen::SparseMatrix<double> whole(n_ + m, n_ + m);
-    std::vector<Eigen::Triplet<double>> entries;
-    double largest = 0;
-    for (Eigen::Index c = 0; c < n_; ++c)
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(K, c); entry; ++entry) {
-        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(c), entry.value());
-        largest = std::max(largest, std::abs(entry.value()));
-      }
-    for (Eigen::Index r = 0; r < m; ++r)  // as large as K, for the pivots' sake
-      for (SparseRows::InnerIterator entry(C, r); entry; ++entry) {
-        const int row = static_cast<int>(n_ + r), column = static_cast<int>(entry.col());
-        entries.emplace_back(row, column, largest * entry.value());
-        entries.emplace_back(column, row, largest * entry.value());
-      }
-    // As in Constraints: equal equations share their reaction.
-    constexpr double shared_out = 1e-12;
-    for (Eigen::Index r = n_; r < n_ + m; ++r)
-      entries.emplace_back(static_cast<int>(r), static_cast<int>(r), -shared_out * largest);
-    whole.setFromTriplets(entries.begin(), entries.end());
-    lu_.compute(whole);
-    if (lu_.info() != Eigen::Success)
-      throw Error(ExitCode::solver_fault, "structure, particle", "the stiffness matrix is singular",
-                  "hold the body: structure.plate.supports, or supports of a structure.box");
-  }
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const {
-    Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(lu_.rows(), b.cols());
-    whole.topRows(n_) = b;
-    return Eigen::MatrixXd(lu_.solve(whole)).topRows(n_);
-  }
-
- private:
-  Eigen::Index n_ = 0;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
-};
 
 }  // namespace
 
@@ -155,10 +105,10 @@ Vectors<dim> equilibrium(const ElasticModel<dim>& model, const Lattice<dim>& lat
   constexpr double tolerance = 1e-9;  // of the increment, relative to the displacement
   Vectors<dim> u = Vectors<dim>::Zero(dim, lattice.size());
   const SparseRows C = supports.rows(unknowns<dim>(lattice), count_unknowns<dim>(lattice));
-  Factors factors;
+  SaddlePointSolver solver;
   for (int k = 0; k < max_iterations; ++k) {
-    factors.compute(stiffness<dim>(model, lattice, u), C);
-    const Eigen::VectorXd increment = factors.solve(gather<dim>(lattice, model.force(u) + force));
+    solver.factorise(stiffness<dim>(model, lattice, u), C);
+    const Eigen::VectorXd increment = solver.solve(gather<dim>(lattice, model.force(u) + force));
     if (!increment.allFinite()) break;
     u += scatter<dim>(lattice, increment);
     if (increment.lpNorm<Eigen::Infinity>() <= tolerance * u.template lpNorm<Eigen::Infinity>()) return u;
@@ -167,129 +117,16 @@ Vectors<dim> equilibrium(const ElasticModel<dim>& model, const Lattice<dim>& lat
               "lower structure.load.value, or structure.analysis = \"dynamic\" with structure.load.ramp");
 }
 
-// Orthogonal (subspace) iteration with (M^-½ K M^-½ + σ)⁻¹: eigenvalues 1/(ω² + σ), the largest first. σ > 0
-// lets a free body with its rigid motions be factorised. Supports' equations take their directions out: 0.
 template <int dim>
 std::vector<double> natural_frequencies(const ElasticModel<dim>& model, const Lattice<dim>& lattice,
                                         const Constraints<dim>& supports, const Eigen::VectorXd& mass,
                                         double scale, int count) {
-  constexpr int max_iterations = 200;
-  constexpr double tolerance = 1e-8;  // change of the eigenvalues between iterations; round-off leaves 1e-10
-  constexpr int rigid_motions = dim == 2 ? 3 : 6, guard = 4;
-  const double sigma = std::pow(2 * std::numbers::pi * scale, 2);
-  Eigen::SparseMatrix<double> K = stiffness<dim>(model, lattice, Vectors<dim>::Zero(dim, lattice.size()));
-  const Eigen::VectorXd m = gather<dim>(lattice, mass.transpose().template replicate<dim, 1>());
-  for (Eigen::Index c = 0; c < K.outerSize(); ++c)
-    for (Eigen::SparseMatrix<double>::InnerIterator entry(K, c); entry; ++entry)
-      entry.valueRef() /= m[entry.row()] == m[c] ? m[c] : std::sqrt(m[entry.row()] * m[c]);
-  for (Eigen::Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) += sigma;
-  SparseRows C = supports.rows(unknowns<dim>(lattice), count_unknowns<dim>(lattice));
-  C = C * m.cwiseSqrt().cwiseInverse().asDiagonal() * std::sqrt(m.maxCoeff());
-  Factors factors;
-  factors.compute(K, C);
-
-  const Eigen::Index n = K.rows(), width = std::min<Eigen::Index>(n, count + rigid_motions + guard);
-  Eigen::MatrixXd Q(n, width);
-  for (Eigen::Index c = 0; c < width; ++c)  // smooth, independent start vectors: cosines along the unknowns
-    for (Eigen::Index r = 0; r < n; ++r)
-      Q(r, c) = std::cos(std::numbers::pi * static_cast<double>(c / 2 + 1) * static_cast<double>(r) /
-                         static_cast<double>(n)) *
-                (r % 2 == c % 2 ? 1.0 : 0.1);
-  Eigen::VectorXd value = Eigen::VectorXd::Zero(width);
-  for (int k = 0; k < max_iterations; ++k) {
-    Q = Eigen::HouseholderQR<Eigen::MatrixXd>(Q).householderQ() * Eigen::MatrixXd::Identity(n, width);
-    const Eigen::MatrixXd Z = factors.solve(Q);
-    Eigen::VectorXd next = Eigen::EigenSolver<Eigen::MatrixXd>(Q.transpose() * Z, false).eigenvalues().real();
-    std::sort(next.begin(), next.end(), std::greater<>());
-    Q = Z;
-    const Eigen::Index wanted = std::min<Eigen::Index>(width, count + rigid_motions);
-    const double change = (next - value).head(wanted).cwiseAbs().maxCoeff();
-    value = next;
-    if (change <= tolerance * value[wanted - 1]) break;
-  }
-  std::vector<double> frequency;
-  for (const double v : value) {
-    const double omega2 = 1 / v - sigma;
-    // A rigid motion has ω² = 0 up to the round-off of the differences.
-    if (omega2 > 1e-4 * sigma && static_cast<int>(frequency.size()) < count)
-      frequency.push_back(std::sqrt(omega2) / (2 * std::numbers::pi));
-  }
-  return frequency;
-}
-
-// In y = M^½ v, so that the operator is symmetric. Where particles turn as unknowns of their own they count
-// with I^½ θ, I = m l0²/6. A free frame is one more unknown along each axis, on which the forces of all fixed
-// particles act. The supports' equations are left out: they can only lower ω_max.
-template <int dim>
-double elastic_limit(const ElasticModel<dim>& model, const Lattice<dim>& lattice, const Eigen::VectorXd& mass,
-                     const Eigen::Matrix<double, dim, 1>& frame_mass) {
-  constexpr int iterations = 150;  // Rayleigh quotient within 1 % of ω²_max (tested against the exact value)
-  const Eigen::Index n = lattice.size();
-  Vectors<dim> v(dim, n);
-  Eigen::VectorXd spin = Eigen::VectorXd::Zero(model.spins() ? n : 0);
-  // The shortest waves are the stiffest: alternate signs, and break every symmetry a little.
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const int c = lattice.cell(0, i), l = lattice.cell(1, i);
-    v(0, i) = ((c + l) % 2 ? 1 : -1) * (1 + 0.1 * std::sin(3.7 * c + 1.3 * l));
-    v(1, i) = (c % 2 ? 1 : -1) * (1 + 0.1 * std::cos(2.9 * c - 0.7 * l));
-    if constexpr (dim == 3) {
-      const int k = lattice.cell(2, i);
-      v.col(i) *= (k % 2 ? 1 : -1) * (1 + 0.1 * std::sin(2.3 * k));
-      v(2, i) = ((l + k) % 2 ? 1 : -1) * (1 + 0.1 * std::cos(3.1 * k + 0.9 * c));
-    }
-    if (model.spins()) spin[i] = 1 + 0.1 * std::sin(1.9 * c + 2.7 * l);  // all alike is the stiffest
-  }
-  using Vector = Eigen::Matrix<double, dim, 1>;
-  const double heaviest = mass.maxCoeff();
-  const Vector frame_root = (frame_mass / heaviest).cwiseSqrt();
-  Vector frame = Vector::Ones();
-  // Takes fixed particles out; what stood in them is the frame's when it is free.
-  const auto hold = [&](Vectors<dim>& x, Eigen::VectorXd& turn) {
-    Vector sum = Vector::Zero();
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (lattice.fixed[static_cast<std::size_t>(i)]) {
-        sum += x.col(i);
-        x.col(i).setZero();
-        if (model.spins()) turn[i] = 0;
-      }
-    return sum;
-  };
-  hold(v, spin);
-  const Eigen::RowVectorXd root = (mass / heaviest).cwiseSqrt().transpose();  // 1 throughout for one material
-  const Eigen::VectorXd arm = root.transpose() * (lattice.spacing / std::sqrt(6.0));
-  const double step = difference_step * lattice.spacing;
-  double omega2 = 0;
-  for (int k = 0; k < iterations; ++k) {
-    for (int axis = 0; axis < dim; ++axis)
-      if (!std::isfinite(frame_mass[axis])) frame[axis] = 0;
-    const double size = std::sqrt(v.squaredNorm() + frame.squaredNorm() + spin.squaredNorm());
-    v /= size;
-    frame /= size;
-    spin /= size;
-    Vectors<dim> disturbed = step * (v.array().rowwise() / root.array()).matrix();
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (lattice.fixed[static_cast<std::size_t>(i)])
-        disturbed.col(i) = step * frame.cwiseQuotient(frame_root);
-    Vectors<dim> Kv;
-    Eigen::VectorXd K_spin;
-    if (model.spins()) {
-      const Eigen::VectorXd turned = step * spin.cwiseQuotient(arm);
-      Eigen::VectorXd ahead, back;
-      Kv = model.force(-disturbed, -turned, back);
-      Kv = (Kv - model.force(disturbed, turned, ahead)) / (2 * step * heaviest);
-      K_spin = ((back - ahead) / (2 * step * heaviest)).cwiseQuotient(arm);
-    } else {
-      Kv = (model.force(-disturbed) - model.force(disturbed)) / (2 * step * heaviest);
-    }
-    const Vector K_frame = hold(Kv, K_spin).cwiseQuotient(frame_root);
-    Kv.array().rowwise() /= root.array();
-    omega2 = v.cwiseProduct(Kv).sum() + frame.dot(K_frame);
-    if (model.spins()) omega2 += spin.dot(K_spin);
-    v = Kv;
-    frame = K_frame;
-    if (model.spins()) spin = K_spin;
-  }
-  return 2 / std::sqrt(omega2);
+  return lowest_frequencies(
+      {.stiffness = stiffness<dim>(model, lattice, Vectors<dim>::Zero(dim, lattice.size())),
+       .mass = gather<dim>(lattice, mass.transpose().template replicate<dim, 1>()),
+       .equations = supports.rows(unknowns<dim>(lattice), count_unknowns<dim>(lattice)),
+       .rigid_motions = dim == 2 ? 3 : 6},
+      scale, count);
 }
 
 template Eigen::SparseMatrix<double> stiffness<2>(const ElasticModel<2>&, const Lattice<2>&,
@@ -306,9 +143,5 @@ template std::vector<double> natural_frequencies<2>(const ElasticModel<2>&, cons
 template std::vector<double> natural_frequencies<3>(const ElasticModel<3>&, const Lattice<3>&,
                                                     const Constraints<3>&, const Eigen::VectorXd&, double,
                                                     int);
-template double elastic_limit<2>(const ElasticModel<2>&, const Lattice<2>&, const Eigen::VectorXd&,
-                                 const Eigen::Matrix<double, 2, 1>&);
-template double elastic_limit<3>(const ElasticModel<3>&, const Lattice<3>&, const Eigen::VectorXd&,
-                                 const Eigen::Matrix<double, 3, 1>&);
 
 }  // namespace strake::structure

@@ -11,6 +11,10 @@
 
 namespace strake::structure {
 
+/// Step of the central differences in spacings. The forces are smooth on the scale of a bond, so that
+/// truncation (1e-12) and round-off (1e-16/1e-5) are both far below what is asked of K.
+inline constexpr double difference_step = 1e-5;
+
 /// K = −∂f/∂u at a displacement, over the free particles (their components in lattice order) [N/m].
 template <int dim>
 Eigen::SparseMatrix<double> stiffness(const ElasticModel<dim>&, const Lattice<dim>&,

@@ -16,6 +16,11 @@
 
 namespace strake::structure::fem {
 
+/// Whether the stress of the mid-point alone does not work the change of energy.
+inline bool balances_energy(const Material& m, double alpha) {
+  return m.model == MaterialModel::neo_hookean && alpha == 0.5;
+}
+
 template <int dim, int n>
 using Strains = std::array<Tensor<dim>, static_cast<std::size_t>(n)>;  // of a cell's points
 

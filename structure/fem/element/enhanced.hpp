@@ -2,14 +2,9 @@
 
 #include "structure/fem/element/cell.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 
 namespace strake::structure::fem {
 
@@ -95,151 +90,31 @@ class EnhancedStrain {
   using Amplitudes = Eigen::VectorXd;
   using Strains = std::array<Tensor<dim>, static_cast<std::size_t>(n)>;
 
-  EnhancedStrain(const Mesh<dim>& mesh, int cell) : weight_(mesh.weight.data() + cell * n) {
-    double volume = 0;
-    for (int q = 0; q < n; ++q) volume += weight_[q];
-    const Tensor<dim> inverse = Eigen::Map<const Tensor<dim>>(mesh.centre_inverse.col(cell).data());
-    for (int q = 0; q < n; ++q) {
-      const double scale = volume * mesh.reference_weight(q) / weight_[q];
-      Modes& G = modes_[static_cast<std::size_t>(q)];
-      G.resize(components<dim>, modes);
-      if constexpr (n == (1 << dim))
-        fill_linear(G, inverse, mesh.point.col(q));
-      else
-        fill_quadratic(G, mesh.point.col(q));
-      G *= scale;
-    }
-  }
+  EnhancedStrain(const Mesh<dim>&, int cell);
 
   const Modes& at(int q) const { return modes_[static_cast<std::size_t>(q)]; }
 
   /// Σ w Gᵀ D G.
-  Eigen::MatrixXd stiffness(const Material& m, const Strains& E) const {
-    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(modes, modes);
-    for (int q = 0; q < n; ++q)
-      H.noalias() +=
-          weight_[q] * at(q).transpose() * (moduli<dim>(m, E[static_cast<std::size_t>(q)]) * at(q));
-    return H;
-  }
+  Eigen::MatrixXd stiffness(const Material&, const Strains&) const;
 
   /// Adds them to the strains of the displacement. Not finite where there is no such state.
-  void add_to(Strains& E, const Material& m) const {
-    if (m.model != MaterialModel::neo_hookean) {
-      E = sum(E, -stiffness(m, E).ldlt().solve(force(m, E)));
-      return;
-    }
-    // Newton's method for the minimum of the cell's energy, which must fall along each step.
-    Amplitudes alpha = Amplitudes::Zero(modes);
-    double energy = energy_of(m, E);
-    for (int i = 0; i < most_steps && std::isfinite(energy); ++i) {
-      const Strains here = sum(E, alpha);
-      const Amplitudes r = force(m, here);
-      Amplitudes step = -downhill(stiffness(m, here), r);
-      double largest = 0;
-      for (int q = 0; q < n; ++q) largest = std::max(largest, (at(q) * step).cwiseAbs().maxCoeff());
-      if (largest <= small_step) {
-        E = sum(E, alpha + step);
-        return;
-      }
-      double next = energy_of(m, sum(E, alpha + step));
-      const auto falls = [&] { return next <= energy + enough * r.dot(step) + round_off * std::abs(energy); };
-      for (int k = 0; k < most_halvings && !falls(); ++k) {
-        step /= 2;
-        next = energy_of(m, sum(E, alpha + step));
-      }
-      alpha += step;
-      energy = next;
-    }
-    for (Tensor<dim>& strain : E) strain.setConstant(std::numeric_limits<double>::quiet_NaN());
-  }
+  void add_to(Strains&, const Material&) const;
 
  private:
-  // Of the strain. Newton's method squares its error, so that what is left after such a step is round-off.
-  static constexpr double small_step = 1e-9;
-  static constexpr int most_steps = 60, most_halvings = 30;
-  static constexpr double enough = 1e-4;      // of the fall that the slope promises
-  static constexpr double round_off = 1e-14;  // of the energy
-
-  /// Σ w G:S.
-  Amplitudes force(const Material& m, const Strains& E) const {
-    Amplitudes r = Amplitudes::Zero(modes);
-    for (int q = 0; q < n; ++q)
-      r.noalias() += weight_[q] * at(q).transpose() *
-                     stress_components<dim>(second_piola_kirchhoff<dim>(m, E[static_cast<std::size_t>(q)]));
-    return r;
-  }
-
-  /// ∫ ψ; infinite where 2E + 1 is not positive definite.
-  double energy_of(const Material& m, const Strains& E) const {
-    double energy = 0;
-    for (int q = 0; q < n; ++q) {
-      const Tensor<dim>& strain = E[static_cast<std::size_t>(q)];
-      const Eigen::LLT<Tensor<dim>> factors(2 * strain + Tensor<dim>::Identity());
-      if (factors.info() != Eigen::Success || !strain.allFinite())
-        return std::numeric_limits<double>::infinity();
-      energy += weight_[q] * energy_of_strain<dim>(m, strain);
-    }
-    return energy;
-  }
-
-  /// Computes H⁻¹ r; if an eigenvalue of H is negative, with the magnitudes of the eigenvalues. A
-  /// neo-Hookean's shear stiffness is μ − λ ln J, so a large stretch makes a saddle beside the minimum.
-  static Amplitudes downhill(const Eigen::MatrixXd& H, const Amplitudes& r) {
-    const auto factors = H.ldlt();
-    if (factors.isPositive()) return factors.solve(r);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
-    const Amplitudes size =
-        eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6 * eigen.eigenvalues().cwiseAbs().maxCoeff());
-    return eigen.eigenvectors() *
-           Amplitudes(Amplitudes(eigen.eigenvectors().transpose() * r).cwiseQuotient(size));
-  }
-
-  Strains sum(const Strains& E, const Amplitudes& alpha) const {
-    Strains result;
-    for (int q = 0; q < n; ++q)
-      result[static_cast<std::size_t>(q)] =
-          E[static_cast<std::size_t>(q)] + strain_tensor<dim>(at(q) * alpha);
-    return result;
-  }
-
+  Amplitudes force(const Material&, const Strains&) const;
+  double energy_of(const Material&, const Strains&) const;
+  Strains sum(const Strains&, const Amplitudes&) const;
   template <class Place>
-  static void fill_linear(Modes& G, const Tensor<dim>& inverse, const Place& xi) {
-    int k = 0;
-    const auto add = [&](int i, int j, double value) {
-      Tensor<dim> M = Tensor<dim>::Zero();
-      M(i, j) += 0.5 * value;
-      M(j, i) += 0.5 * value;
-      G.col(k++) = strain_components<dim>(inverse.transpose() * M * inverse);
-    };
-    for (int i = 0; i < dim; ++i) add(i, i, xi(i));
-    for (int i = 0; i < dim; ++i)
-      for (int j = i + 1; j < dim; ++j) {
-        add(i, j, xi(i));
-        add(i, j, xi(j));
-      }
-    if constexpr (dim == 3)
-      for (int i = 0; i < dim; ++i)
-        G.col(k++) = strain_components<dim>(xi(i) * xi((i + 1) % dim) * Tensor<dim>::Identity());
-  }
-
+  static void fill_linear(Modes&, const Tensor<dim>& inverse, const Place& xi);
   template <class Place>
-  static void fill_quadratic(Modes& G, const Place& xi) {
-    const auto legendre = [](int degree, double x) {
-      return degree == 0 ? 1 : degree == 1 ? x : 0.5 * (3 * x * x - 1);
-    };
-    int k = 0;
-    for (int c = 0; c < (dim == 3 ? 3 : 1); ++c)
-      for (int b = 0; b < 3; ++b)
-        for (int a = 0; a < 3; ++a) {
-          if (a + b + c < 2) continue;
-          double p = legendre(a, xi(0)) * legendre(b, xi(1));
-          if constexpr (dim == 3) p *= legendre(c, xi(2));
-          G.col(k++) = strain_components<dim>(p * Tensor<dim>::Identity());
-        }
-  }
+  static void fill_quadratic(Modes&, const Place& xi);
 
   const double* weight_;
   std::array<Modes, static_cast<std::size_t>(n)> modes_;
 };
+
+/// x of A x = b for a symmetric A, by L D Lᵀ; of many right-hand sides at once.
+Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
 }  // namespace strake::structure::fem

@@ -1,0 +1,174 @@
+#include "structure/fem/element/enhanced.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strake::structure::fem {
+namespace {
+
+// Of the strain. Newton's method squares its error, so that what is left after such a step is round-off.
+constexpr double small_step = 1e-9;
+constexpr int most_steps = 60, most_halvings = 30;
+constexpr double enough = 1e-4;      // of the fall that the slope promises
+constexpr double round_off = 1e-14;  // of the energy
+
+/// H⁻¹ r, with the magnitudes of H's eigenvalues where one is negative: −λ ln J stands in the shear's place
+/// of a neo-Hookean's stiffness, and where it is stretched by far there is a saddle beside the minimum.
+Eigen::VectorXd downhill(const Eigen::MatrixXd& H, const Eigen::VectorXd& r) {
+  const auto factors = H.ldlt();
+  if (factors.isPositive()) return factors.solve(r);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
+  const Eigen::VectorXd size =
+      eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6 * eigen.eigenvalues().cwiseAbs().maxCoeff());
+  return eigen.eigenvectors() *
+         Eigen::VectorXd(Eigen::VectorXd(eigen.eigenvectors().transpose() * r).cwiseQuotient(size));
+}
+
+}  // namespace
+
+Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  return A.ldlt().solve(b);
+}
+Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+  return A.ldlt().solve(B);
+}
+
+template <int dim, int n>
+EnhancedStrain<dim, n>::EnhancedStrain(const Mesh<dim>& mesh, int cell)
+    : weight_(mesh.weight.data() + cell * n) {
+  double volume = 0;
+  for (int q = 0; q < n; ++q) volume += weight_[q];
+  const Tensor<dim> inverse = Eigen::Map<const Tensor<dim>>(mesh.centre_inverse.col(cell).data());
+  for (int q = 0; q < n; ++q) {
+    const double scale = volume * mesh.reference_weight(q) / weight_[q];
+    Modes& G = modes_[static_cast<std::size_t>(q)];
+    G.resize(components<dim>, modes);
+    if constexpr (n == (1 << dim))
+      fill_linear(G, inverse, mesh.point.col(q));
+    else
+      fill_quadratic(G, mesh.point.col(q));
+    G *= scale;
+  }
+}
+
+template <int dim, int n>
+Eigen::MatrixXd EnhancedStrain<dim, n>::stiffness(const Material& m, const Strains& E) const {
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(modes, modes);
+  for (int q = 0; q < n; ++q)
+    H.noalias() += weight_[q] * at(q).transpose() * (moduli<dim>(m, E[static_cast<std::size_t>(q)]) * at(q));
+  return H;
+}
+
+template <int dim, int n>
+void EnhancedStrain<dim, n>::add_to(Strains& E, const Material& m) const {
+  if (m.model != MaterialModel::neo_hookean) {
+    E = sum(E, -solve_symmetric(stiffness(m, E), force(m, E)));
+    return;
+  }
+  // Newton's method for the minimum of the cell's energy, which must fall along each step.
+  Amplitudes alpha = Amplitudes::Zero(modes);
+  double energy = energy_of(m, E);
+  for (int i = 0; i < most_steps && std::isfinite(energy); ++i) {
+    const Strains here = sum(E, alpha);
+    const Amplitudes r = force(m, here);
+    Amplitudes step = -downhill(stiffness(m, here), r);
+    double largest = 0;
+    for (int q = 0; q < n; ++q) largest = std::max(largest, (at(q) * step).cwiseAbs().maxCoeff());
+    if (largest <= small_step) {
+      E = sum(E, alpha + step);
+      return;
+    }
+    double next = energy_of(m, sum(E, alpha + step));
+    const auto falls = [&] { return next <= energy + enough * r.dot(step) + round_off * std::abs(energy); };
+    for (int k = 0; k < most_halvings && !falls(); ++k) {
+      step /= 2;
+      next = energy_of(m, sum(E, alpha + step));
+    }
+    alpha += step;
+    energy = next;
+  }
+  for (Tensor<dim>& strain : E) strain.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+/// Σ w G:S.
+template <int dim, int n>
+typename EnhancedStrain<dim, n>::Amplitudes EnhancedStrain<dim, n>::force(const Material& m,
+                                                                          const Strains& E) const {
+  Amplitudes r = Amplitudes::Zero(modes);
+  for (int q = 0; q < n; ++q)
+    r.noalias() += weight_[q] * at(q).transpose() *
+                   stress_components<dim>(second_piola_kirchhoff<dim>(m, E[static_cast<std::size_t>(q)]));
+  return r;
+}
+
+/// ∫ ψ; infinite where 2E + 1 is not positive definite.
+template <int dim, int n>
+double EnhancedStrain<dim, n>::energy_of(const Material& m, const Strains& E) const {
+  double energy = 0;
+  for (int q = 0; q < n; ++q) {
+    const Tensor<dim>& strain = E[static_cast<std::size_t>(q)];
+    const Eigen::LLT<Tensor<dim>> factors(2 * strain + Tensor<dim>::Identity());
+    if (factors.info() != Eigen::Success || !strain.allFinite())
+      return std::numeric_limits<double>::infinity();
+    energy += weight_[q] * energy_of_strain<dim>(m, strain);
+  }
+  return energy;
+}
+
+template <int dim, int n>
+typename EnhancedStrain<dim, n>::Strains EnhancedStrain<dim, n>::sum(const Strains& E,
+                                                                     const Amplitudes& alpha) const {
+  Strains result;
+  for (int q = 0; q < n; ++q)
+    result[static_cast<std::size_t>(q)] = E[static_cast<std::size_t>(q)] + strain_tensor<dim>(at(q) * alpha);
+  return result;
+}
+
+template <int dim, int n>
+template <class Place>
+void EnhancedStrain<dim, n>::fill_linear(Modes& G, const Tensor<dim>& inverse, const Place& xi) {
+  int k = 0;
+  const auto add = [&](int i, int j, double value) {
+    Tensor<dim> M = Tensor<dim>::Zero();
+    M(i, j) += 0.5 * value;
+    M(j, i) += 0.5 * value;
+    G.col(k++) = strain_components<dim>(inverse.transpose() * M * inverse);
+  };
+  for (int i = 0; i < dim; ++i) add(i, i, xi(i));
+  for (int i = 0; i < dim; ++i)
+    for (int j = i + 1; j < dim; ++j) {
+      add(i, j, xi(i));
+      add(i, j, xi(j));
+    }
+  if constexpr (dim == 3)
+    for (int i = 0; i < dim; ++i)
+      G.col(k++) = strain_components<dim>(xi(i) * xi((i + 1) % dim) * Tensor<dim>::Identity());
+}
+
+template <int dim, int n>
+template <class Place>
+void EnhancedStrain<dim, n>::fill_quadratic(Modes& G, const Place& xi) {
+  const auto legendre = [](int degree, double x) {
+    return degree == 0 ? 1 : degree == 1 ? x : 0.5 * (3 * x * x - 1);
+  };
+  int k = 0;
+  for (int c = 0; c < (dim == 3 ? 3 : 1); ++c)
+    for (int b = 0; b < 3; ++b)
+      for (int a = 0; a < 3; ++a) {
+        if (a + b + c < 2) continue;
+        double p = legendre(a, xi(0)) * legendre(b, xi(1));
+        if constexpr (dim == 3) p *= legendre(c, xi(2));
+        G.col(k++) = strain_components<dim>(p * Tensor<dim>::Identity());
+      }
+}
+
+template class EnhancedStrain<2, 4>;
+template class EnhancedStrain<2, 9>;
+template class EnhancedStrain<3, 8>;
+template class EnhancedStrain<3, 27>;
+
+}  // namespace strake::structure::fem
