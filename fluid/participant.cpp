@@ -6,13 +6,13 @@
 #include "fluid/geometry/tank_shape.hpp"
 #include "fluid/particles/state_archive.hpp"
 #include "proto/error.hpp"
+#include "proto/peak_memory.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <sys/resource.h>
 
 namespace strake::fluid {
 namespace {
@@ -50,12 +50,6 @@ Points in_space(const Vectors<dim>& value) {
   Points points = Points::Zero(3, value.cols());
   points.template topRows<dim>() = value;
   return points;
-}
-
-double peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux counts in KiB
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "structure/participant.hpp"
 
+#include "proto/peak_memory.hpp"
 #include "structure/body/loaded_faces.hpp"
 #include "structure/body/surface.hpp"
 
@@ -9,7 +10,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <sys/resource.h>
 #include <utility>
 
 namespace strake::structure {
@@ -36,12 +36,6 @@ std::vector<Sample> wet_part(std::vector<Sample> samples, const Eigen::VectorXd&
     for (Field& field : sample.fields)
       if (field.quantity == "force") field.value = field.value * share.asDiagonal();
   return samples;
-}
-
-double peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux counts in KiB
 }
 
 /// What the deflection of a rigid or replayed body is counted from. One that is free or driven by a table has

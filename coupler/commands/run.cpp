@@ -16,6 +16,7 @@
 #include "coupler/timing/run_clocks.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/files/result_file.hpp"
+#include "proto/peak_memory.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

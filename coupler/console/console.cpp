@@ -1,6 +1,7 @@
 #include "coupler/console/console.hpp"
 
 #include "coupler/timing/profile.hpp"
+#include "proto/number_text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
@@ -137,13 +138,6 @@ std::string verdict_text(const Verdict& verdict, const Style& style) {
   const auto end = line.find(' ');
   const char* code = verdict.result == Verdict::Result::pass ? "32" : "31";
   return painted(style, code, line.substr(0, end)) + line.substr(end);
-}
-
-std::string grouped(long long number) {
-  std::string digits = std::to_string(number < 0 ? -number : number);
-  for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > 0; place -= 3)
-    digits.insert(static_cast<std::size_t>(place), " ");
-  return (number < 0 ? "-" : "") + digits;
 }
 
 std::string duration_text(double seconds) {

@@ -115,8 +115,6 @@ std::string painted(const Style&, const char* code, const std::string&);
 /// participants: they are made visible.
 std::string block_text(const std::string& name, const std::vector<std::string>& lines);
 std::string verdict_text(const Verdict&, const Style&);
-/// 3000 → "3 000".
-std::string grouped(long long number);
 /// 760 → "12 min 40 s".
 std::string duration_text(double seconds);
 

@@ -4,6 +4,7 @@
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
 #include "proto/error.hpp"
+#include "proto/number_text.hpp"
 
 #include <fmt/format.h>
 

@@ -186,12 +186,6 @@ void Summary::load(const Archive& archive) {
   coupled_ = sums(3) > 0;
 }
 
-double peak_memory() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
 double cpu_seconds() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);

@@ -61,8 +61,6 @@ class Summary {
 /// As an entry of "compare" in summary.json.
 nlohmann::ordered_json json_of(const Verdict&);
 
-/// Peak memory of this process [bytes].
-double peak_memory();
 /// User and system time of this process [s].
 double cpu_seconds();
 

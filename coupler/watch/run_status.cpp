@@ -5,6 +5,7 @@
 #include "coupler/report/json_member.hpp"
 #include "coupler/transport/host_name.hpp"
 #include "proto/error.hpp"
+#include "proto/number_text.hpp"
 
 #include <fmt/format.h>
 

@@ -4,6 +4,7 @@
 #include "coupler/plot/ticks.hpp"
 #include "coupler/watch/braille_plot.hpp"
 #include "coupler/watch/select_run.hpp"
+#include "proto/number_text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>

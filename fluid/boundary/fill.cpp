@@ -5,6 +5,7 @@
 #include "fluid/geometry/tank_shape.hpp"
 #include "fluid/particles/columns.hpp"
 #include "proto/error.hpp"
+#include "proto/geometry/polygon.hpp"
 
 #include <fmt/format.h>
 
@@ -124,11 +125,9 @@ bool holds(const std::vector<Eigen::Vector3d>& shape, Vector<dim> x, double spac
   x[1] += lattice_tolerance * spacing;
   x[0] += 0.1 * lattice_tolerance * spacing;
   bool odd = false;
-  for (size_t k = 0; k < shape.size(); ++k) {
-    const Eigen::Vector3d &a = shape[k], &b = shape[(k + 1) % shape.size()];
-    if ((a.y() > x[1]) != (b.y() > x[1]) && x[0] < a.x() + (x[1] - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+  for (size_t k = 0; k < shape.size(); ++k)
+    if (ray_crosses(shape[k].head<2>(), shape[(k + 1) % shape.size()].head<2>(), x.template head<2>()))
       odd = !odd;
-  }
   return odd;
 }
 

@@ -1,6 +1,8 @@
 #include "fluid/geometry/body_surface_2d.hpp"
 
 #include "proto/error.hpp"
+#include "proto/geometry/corner.hpp"
+#include "proto/geometry/polygon.hpp"
 
 #include <fmt/format.h>
 
@@ -14,18 +16,10 @@ namespace {
 
 using Vector2 = Outline::Vector2;
 
-/// A turn of the outline sharper than this makes a corner.
-constexpr double corner_angle = 0.35;  // [rad], 20 degrees
-/// So does a smaller one that stands alone: a smooth outline turns about as much at the points beside it.
-constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
 /// A corner whose angle inside the body is smaller has a tip thinner than a spacing along its first piece.
 constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
 /// Round-off allowance along a piece, as a share of its length.
 constexpr double tie = 1e-9;
-
-double cross(const Vector2& a, const Vector2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 /// Into the fluid for a counter-clockwise walk along t.
 Vector2 right_of(const Vector2& t) {
@@ -94,16 +88,12 @@ Outline::Outline(const InterfaceMesh& partner, double spacing) {
 void Outline::add_runs(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing) {
   const std::size_t n = loop.size();
   const auto at = [&](std::size_t k) -> Vector2 { return partner.position.col(loop[k % n]).head<2>(); };
-  std::vector<double> turn(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vector2 before = at(k) - at(k + n - 1), after = at(k + 1) - at(k);
-    turn[k] = std::atan2(cross(before, after), before.dot(after));
-  }
+  std::vector<double> angle(n);
+  for (std::size_t k = 0; k < n; ++k) angle[k] = turn(at(k) - at(k + n - 1), at(k + 1) - at(k));
   std::vector<std::size_t> corners;
   for (std::size_t k = 0; k < n; ++k) {
-    const double size = std::abs(turn[k]);
-    const double beside = std::max(std::abs(turn[(k + n - 1) % n]), std::abs(turn[(k + 1) % n]));
-    if (size > corner_angle || (size > lone_angle && beside < lone_share * size)) corners.push_back(k);
+    const double beside = std::max(std::abs(angle[(k + n - 1) % n]), std::abs(angle[(k + 1) % n]));
+    if (is_corner(std::abs(angle[k]), beside)) corners.push_back(k);
   }
   const bool closed = corners.empty();
   if (closed) corners.push_back(0);
@@ -123,8 +113,8 @@ void Outline::add_runs(const InterfaceMesh& partner, const std::vector<int>& loo
     run.vertex = run.first + static_cast<int>(runs_.size());
     run.closed = closed;
     if (!closed) {
-      run.start_angle = std::numbers::pi - turn[begin];
-      run.end_angle = std::numbers::pi - turn[end % n];
+      run.start_angle = std::numbers::pi - angle[begin];
+      run.end_angle = std::numbers::pi - angle[end % n];
     }
     run.piece = length.back() / run.count;
     reference_.conservativeResize(2, run.first + run.count);
@@ -283,13 +273,9 @@ double Outline::within(int run, const Vector2& x) const {
 bool Outline::inside(const Vector2& x) const {
   if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any()) return false;
   bool odd = false;
-  for (const Run& run : runs_) {
-    for (int i = 0; i < run.count; ++i) {
-      const Vector2 a = vertex_.col(run.vertex + i), b = vertex_.col(run.vertex + i + 1);
-      if ((a.y() > x.y()) == (b.y() > x.y())) continue;
-      if (x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) odd = !odd;
-    }
-  }
+  for (const Run& run : runs_)
+    for (int i = 0; i < run.count; ++i)
+      if (ray_crosses(vertex_.col(run.vertex + i), vertex_.col(run.vertex + i + 1), x)) odd = !odd;
   return odd;
 }
 

@@ -1,5 +1,7 @@
 #include "fluid/geometry/body_surface_3d.hpp"
 
+#include "proto/geometry/polygon.hpp"
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -18,10 +20,6 @@ using Vector3 = Eigen::Vector3d;
 
 /// Round-off allowance at an edge, as a share of the way to it.
 constexpr double tie = 1e-9;
-
-double cross(const Vector2& a, const Vector2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #include "fluid/geometry/surface_patches.hpp"
 
 #include "proto/error.hpp"
+#include "proto/geometry/corner.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -18,9 +19,6 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-/// As of a plane outline: a turn sharper than this makes an edge, and a smaller one that stands alone.
-constexpr double corner_angle = 0.35;                   // [rad], 20 degrees
-constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
 /// Triangles that turn less than this lie in one plane.
 constexpr double flat_angle = 1e-4;  // [rad]
 
@@ -133,17 +131,13 @@ Sets mark_corners(std::vector<Edge>& edges, std::size_t triangles) {
   }
   Sets smooth(triangles);
   for (Edge& edge : edges) {
-    const double size = std::abs(edge.turn);
-    edge.corner = size > corner_angle;
-    if (!edge.corner && size > lone_angle) {
-      const int i = flat.root(edge.left), j = flat.root(edge.right);
-      double other = 0;
-      for (const auto& [face, turn] : beside[i])
-        if (face != j) other = std::max(other, turn);
-      for (const auto& [face, turn] : beside[j])
-        if (face != i) other = std::max(other, turn);
-      edge.corner = other < lone_share * size;
-    }
+    const int i = flat.root(edge.left), j = flat.root(edge.right);
+    double other = 0;
+    for (const auto& [face, turn] : beside[i])
+      if (face != j) other = std::max(other, turn);
+    for (const auto& [face, turn] : beside[j])
+      if (face != i) other = std::max(other, turn);
+    edge.corner = is_corner(std::abs(edge.turn), other);
     if (!edge.corner) smooth.join(edge.left, edge.right);
   }
   return smooth;

@@ -1,5 +1,7 @@
 #include "fluid/geometry/tank_polygon.hpp"
 
+#include "proto/geometry/polygon.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,30 +18,12 @@ using Vector2 = Eigen::Vector2d;
 constexpr double sharpest = 0.35;  // [rad], 20 degrees
 constexpr double shortest = 2;     // edge [l0]
 
-double cross(const Vector2& a, const Vector2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-double turn(const Vector2& before, const Vector2& after) {
-  return std::atan2(cross(before, after), before.dot(after));
-}
-
 bool segments_cross(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
   for (int axis = 0; axis < 2; ++axis)  // edges on one line cross only where they overlap
     if (std::max(a[axis], b[axis]) < std::min(c[axis], d[axis]) ||
         std::max(c[axis], d[axis]) < std::min(a[axis], b[axis]))
       return false;
   return cross(b - a, c - a) * cross(b - a, d - a) <= 0 && cross(d - c, a - c) * cross(d - c, b - c) <= 0;
-}
-
-bool is_inside(const std::vector<Vector2>& corners, const Vector2& x) {
-  bool odd = false;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const Vector2 &a = corners[k], &b = corners[(k + 1) % corners.size()];
-    if ((a.y() > x.y()) != (b.y() > x.y()) &&
-        x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      odd = !odd;
-  }
-  return odd;
 }
 
 /// Ends of the shortest way between two edges that do not cross: one of them is a corner.
@@ -61,7 +45,7 @@ std::pair<Vector2, Vector2> shortest_way(const Vector2& a, const Vector2& b, con
 }  // namespace
 
 std::string polygon_fault(const Parameters& p, double reach) {
-  std::vector<Vector2> corners;
+  Polygon corners;
   for (const auto& corner : p.tank_polygon) corners.emplace_back(corner.head<2>());
   const std::size_t n = corners.size();
   const auto name = [&](std::size_t k) {
@@ -88,7 +72,7 @@ std::string polygon_fault(const Parameters& p, double reach) {
         return fmt::format("edges that do not cross: those from {} and {} do", name(i), name(j));
       if (p.open_top && j == n - 1) continue;
       const auto [from, to] = shortest_way(a, b, c, d);
-      if ((to - from).norm() < reach && !is_inside(corners, 0.5 * (from + to)))
+      if ((to - from).norm() < reach && !inside_polygon(corners, 0.5 * (from + to)))
         return fmt::format(
             "walls at least {:.3g} m thick, or the water on both sides would meet: between the edges from {} "
             "and {} it is {:.3g} m",

@@ -1,5 +1,7 @@
 #include "fluid/geometry/tank_shape.hpp"
 
+#include "proto/geometry/corner.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,8 +14,6 @@ namespace {
 using Vector2 = Eigen::Vector2d;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double lattice_tolerance = 1e-6;  // [l0]
-/// A turn sharper than this makes a corner; a wall of many short edges with smaller turns is smooth.
-constexpr double corner_angle = 0.35;  // [rad], 20 degrees
 /// A place nearer than this to one that is taken stays empty, and one that is nearer to another face than to
 /// its own by this much is that face's [l0].
 constexpr double taken = 0.7, foreign = 0.25;

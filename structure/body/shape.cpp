@@ -11,16 +11,11 @@ namespace strake::structure {
 namespace {
 
 using Vector2 = Eigen::Vector2d;
-using Polygon = std::vector<Vector2>;
 
 /// A corner sharper than this encloses nothing that particles could fill.
 constexpr double sharpest_corner = 5 * std::numbers::pi / 180;  // [rad]
 /// Edges shorter than this share of the spacing are too short for the fluid to resolve.
 constexpr double shortest_edge = 0.5;
-
-double cross(const Vector2& a, const Vector2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 /// Whether the segments a–b and c–d have a point in common.
 bool meet(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
@@ -72,32 +67,6 @@ std::vector<Vector2> circle_polygon(const Vector2& centre, double radius, double
   for (int i = 0; i < n; ++i)
     p.emplace_back(centre.x() + outer * std::sin(i * turn), centre.y() - outer * std::cos(i * turn));
   return p;
-}
-
-double polygon_area(const Polygon& p) {
-  double area = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) area += 0.5 * cross(p[i] - p[0], following(p, i) - p[0]);
-  return area;
-}
-
-bool inside_polygon(const Polygon& p, const Vector2& x) {
-  bool odd = false;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const Vector2 &a = p[i], &b = following(p, i);
-    if ((a.y() > x.y()) == (b.y() > x.y())) continue;
-    if (x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) odd = !odd;
-  }
-  return odd;
-}
-
-double distance_to_polygon(const Polygon& p, const Vector2& x) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const Vector2 t = following(p, i) - p[i];
-    const double s = std::clamp((x - p[i]).dot(t) / t.squaredNorm(), 0.0, 1.0);
-    nearest = std::min(nearest, (x - p[i] - s * t).norm());
-  }
-  return nearest;
 }
 
 PolygonFault polygon_fault(const Polygon& p, double spacing) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/geometry/polygon.hpp"
+
 #include <Eigen/Core>
 
 #include <string>
@@ -35,11 +37,6 @@ std::vector<Eigen::Vector2d> wedge_polygon(const Wedge&);
 /// Approximates a circle by a polygon of the same area. Its corners are about `spacing` apart, their number
 /// is a multiple of four, and the first lies at the bottom.
 std::vector<Eigen::Vector2d> circle_polygon(const Eigen::Vector2d& centre, double radius, double spacing);
-
-double polygon_area(const std::vector<Eigen::Vector2d>&);  // [m²], positive when counter-clockwise
-bool inside_polygon(const std::vector<Eigen::Vector2d>&, const Eigen::Vector2d& x);
-double distance_to_polygon(const std::vector<Eigen::Vector2d>&,
-                           const Eigen::Vector2d& x);  // to its edges [m]
 
 /// What is wrong with a polygon as the outline of a body whose surface is resolved to `spacing` [m].
 struct PolygonFault {

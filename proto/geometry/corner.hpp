@@ -1,0 +1,17 @@
+#pragma once
+
+// Where the surface of a body or a tank has a corner (in the plane) or an edge (in space).
+
+namespace strake {
+
+/// A turn sharper than this makes a corner; a surface of many smaller turns is smooth.
+inline constexpr double corner_angle = 0.35;  // [rad], 20 degrees
+/// So does a smaller turn that stands alone: a smooth surface turns about as much beside it.
+inline constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
+
+/// Whether a turn makes a corner; `beside` is the largest turn next to it [rad, both positive].
+inline bool is_corner(double turn, double beside) {
+  return turn > corner_angle || (turn > lone_angle && beside < lone_share * turn);
+}
+
+}  // namespace strake

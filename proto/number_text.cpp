@@ -1,0 +1,14 @@
+#include "proto/number_text.hpp"
+
+#include <cstddef>
+
+namespace strake {
+
+std::string grouped(long long number) {
+  std::string digits = std::to_string(number < 0 ? -number : number);
+  for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > 0; place -= 3)
+    digits.insert(static_cast<std::size_t>(place), " ");
+  return (number < 0 ? "-" : "") + digits;
+}
+
+}  // namespace strake

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace strake {
+
+/// Peak memory of this process [bytes].
+double peak_memory();
+
+}  // namespace strake

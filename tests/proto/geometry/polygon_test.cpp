@@ -1,0 +1,45 @@
+#include "proto/geometry/polygon.hpp"
+
+#include "proto/geometry/corner.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace strake {
+namespace {
+
+// An L: the unit square without its upper right quarter.
+const Polygon l_shape = {{0, 0}, {1, 0}, {1, 0.5}, {0.5, 0.5}, {0.5, 1}, {0, 1}};
+
+TEST(Polygon, knows_its_inside_area_and_distance) {
+  EXPECT_TRUE(inside_polygon(l_shape, {0.25, 0.75}));
+  EXPECT_FALSE(inside_polygon(l_shape, {0.75, 0.75}));
+  EXPECT_FALSE(inside_polygon(l_shape, {-0.1, 0.5}));
+  EXPECT_NEAR(polygon_area(l_shape), 0.75, 1e-15);
+  EXPECT_NEAR(polygon_area({l_shape.rbegin(), l_shape.rend()}), -0.75, 1e-15);
+  EXPECT_NEAR(distance_to_polygon(l_shape, {0.75, 0.75}), 0.25, 1e-15);
+}
+
+TEST(Polygon, a_ray_through_corners_counts_each_edge_from_its_lower_end) {
+  EXPECT_TRUE(inside_polygon(l_shape, {0.25, 0.5}));   // through (0.5, 0.5) and (1, 0.5)
+  EXPECT_FALSE(inside_polygon(l_shape, {-0.5, 0.5}));  // and through the left side
+  EXPECT_FALSE(inside_polygon(l_shape, {-0.5, 1}));    // along the upper edge
+  EXPECT_TRUE(inside_polygon(l_shape, {0.25, 0}));     // on the lower edge: inside
+  EXPECT_FALSE(inside_polygon(l_shape, {0.25, 1}));    // on the upper edge: outside
+}
+
+TEST(Polygon, turns_are_positive_counter_clockwise) {
+  EXPECT_NEAR(turn({1, 0}, {0, 2}), std::numbers::pi / 2, 1e-15);
+  EXPECT_NEAR(turn({1, 0}, {1, -1}), -std::numbers::pi / 4, 1e-15);
+}
+
+TEST(Corner, a_small_turn_makes_one_only_where_it_stands_alone) {
+  EXPECT_TRUE(is_corner(0.4, 0.4));
+  EXPECT_FALSE(is_corner(0.3, 0.2));
+  EXPECT_TRUE(is_corner(0.3, 0.05));
+  EXPECT_FALSE(is_corner(0.02, 0));
+}
+
+}  // namespace
+}  // namespace strake
