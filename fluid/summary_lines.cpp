@@ -3,6 +3,7 @@
 #include "fluid/pressure_solver/poisson_solver.hpp"
 #include "fluid/simulation/simulation.hpp"
 #include "fluid/viscosity/turbulence.hpp"
+#include "proto/number_text.hpp"
 
 #include <fmt/format.h>
 
@@ -11,14 +12,6 @@
 
 namespace strake::fluid {
 namespace {
-
-/// 10000 → "10 000".
-std::string grouped(std::int64_t n) {
-  std::string text = std::to_string(n);
-  for (auto k = static_cast<std::ptrdiff_t>(text.size()) - 3; k > 0; k -= 3)
-    text.insert(static_cast<std::size_t>(k), " ");
-  return text;
-}
 
 /// 2.5e+06 → "2.5e6".
 std::string short_power(double value) {
@@ -48,14 +41,12 @@ std::string source_text(const Scheme& s) {
   if (s.source == Source::divergence) return "divergence";
   const std::string strength =
       s.tau > 0 ? fmt::format("tau {:g} s", s.tau) : fmt::format("gamma {:g}", s.gamma);
-  return s.source == Source::density ? "density" : "mixed, " + strength;
+  return "mixed, " + strength;
 }
 
 std::string surface_text(const Scheme& s) {
   if (s.gradient == Gradient::least_squares) return "by the first moment of its neighbours";
-  const char* second = s.second == SecondCriterion::arc         ? " and open arc"
-                       : s.second == SecondCriterion::asymmetry ? " and asymmetry"
-                                                                : "";
+  const char* second = s.second == SecondCriterion::arc ? " and open arc" : "";
   return fmt::format("n < {:g} n0{}", s.beta, second);
 }
 

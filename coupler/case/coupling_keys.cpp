@@ -153,9 +153,10 @@ CouplingKeys read_coupling(CaseFile& file) {
   read_surface(coupling.table("surface", "partitioned coupling over the wet surface"), keys);
 
   CaseTable volume = coupling.table("volume", "the unified loop: every solid particle is an interface point");
-  volume.choice(
-      "solid_velocity", keys.solid_velocity, {"replace", "add"},
-      {.help = "what the elastic update does to the velocity that the pressure gave a solid particle"});
+  std::string solid_velocity = "replace";
+  volume.choice("solid_velocity", solid_velocity, {"replace"},
+                {.help = "the elastic update replaces the velocity that the pressure gave a solid particle; "
+                         "\"add\", which did the same, was removed in version 0.2"});
 
   std::string placement = "coupler";
   coupling.choice("placement", placement, {"coupler"},

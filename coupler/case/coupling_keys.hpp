@@ -34,7 +34,6 @@ struct CouplingKeys {
   Unconverged unconverged = Unconverged::accept;
   WindowControl control;
   // [coupling.volume]
-  std::string solid_velocity = "replace";  // replace | add; read by the fluid
   // waiting
   double frozen_after = 10;      // [s] disconnected but alive
   double answer_within = 600;    // [s] of silence while busy

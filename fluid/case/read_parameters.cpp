@@ -3,7 +3,6 @@
 #include "fluid/boundary/fill.hpp"
 #include "fluid/case/tank_keys.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
-#include "fluid/pressure_solver/poisson_solver.hpp"
 #include "proto/case/case_file.hpp"
 
 #include <fmt/format.h>
@@ -62,9 +61,8 @@ void read_radii(CaseTable t, Scheme& s) {
 /// gamma and tau are two ways to give one strength; whichever is given sets the other's default to 0.
 void read_source(CaseTable t, Scheme& s) {
   t.choice(
-      "kind", s.source,
-      {{"mixed", Source::mixed}, {"divergence", Source::divergence}, {"density", Source::density}},
-      {.help = "right-hand side of the pressure equation: divergence with a share of density, or one alone"});
+      "kind", s.source, {{"mixed", Source::mixed}, {"divergence", Source::divergence}},
+      {.help = "right-hand side of the pressure equation: divergence with a share of density, or alone"});
   t.choice("density_at", s.density_at, {{"old", DensityAt::old}, {"star", DensityAt::star}},
            {.help = "number density of the source at the start of the step, or after the explicit stage"});
   NumberKey gamma{
@@ -88,11 +86,8 @@ void read_source(CaseTable t, Scheme& s) {
 void read_surface(CaseTable t, Scheme& s) {
   t.number("beta", s.beta,
            {.min = 0.5, .max = 1, .help = "a particle with n < beta n0 may be surface; `none`: it is"});
-  t.choice("second", s.second,
-           {{"arc", SecondCriterion::arc},
-            {"asymmetry", SecondCriterion::asymmetry},
-            {"none", SecondCriterion::none}},
-           {.paper = "none", .help = "what must hold as well: an uncovered arc, or one-sided neighbours"});
+  t.choice("second", s.second, {{"arc", SecondCriterion::arc}, {"none", SecondCriterion::none}},
+           {.paper = "none", .help = "what must hold as well: an uncovered arc"});
 }
 
 void read_anti_penetration(CaseTable t, Scheme& s) {
@@ -114,27 +109,21 @@ void read_anti_penetration(CaseTable t, Scheme& s) {
 }
 
 void read_pressure(CaseTable t, Scheme& s) {
-  t.choice(
-      "solver", s.pressure_solver,
-      {{"cg", PressureSolver::cg}, {"cholmod", PressureSolver::cholmod}, {"hypre", PressureSolver::hypre}},
-      {.help = "conjugate gradients; to check against: a direct solver, or hypre's algebraic multigrid"});
-  if (s.pressure_solver == PressureSolver::hypre && !has_hypre())
-    throw t.error("solver", "cg or cholmod: the library hypre was not there when Strake was built",
-                  "install libhypre-dev and build anew, or solver = \"cg\"");
+  std::string solver = "cg";
+  t.choice("solver", solver, {"cg"},
+           {.help = "conjugate gradients; \"cholmod\" and \"hypre\" were removed in version 0.2"});
   t.choice("preconditioner", s.preconditioner,
            {{"auto", Preconditioner::automatic},
             {"multilevel", Preconditioner::multilevel},
-            {"jacobi", Preconditioner::jacobi},
-            {"ic", Preconditioner::ic}},
-           {.paper = "ic",
-            .help = "of cg: grids over the particles' cells, diagonal, or incomplete Cholesky; auto: "
-                    "diagonal where compressibility makes it enough, else grids"});
+            {"jacobi", Preconditioner::jacobi}},
+           {.help = "of cg: grids over the particles' cells, or the diagonal; auto: diagonal where "
+                    "compressibility makes it enough, else grids; \"ic\" was removed in version 0.2"});
   t.number("tolerance", s.pressure_tolerance,
            {.min = 0,
             .max = 1e-2,
             .exclusive = true,
             .help = "residual over right-hand side, 2-norms |b - A p| / |b|"});
-  t.integer("max_iterations", s.pressure_max_iterations, {.min = 1, .help = "of cg and hypre, per step"});
+  t.integer("max_iterations", s.pressure_max_iterations, {.min = 1, .help = "of cg, per step"});
 }
 
 /// C_s = (C_ν³/C_ε)^¼: cs given sets the default of c_eps, and the other way round.
@@ -143,10 +132,8 @@ void read_turbulence(CaseTable t, Scheme& s) {
            {{"static", Turbulence::statics}, {"k", Turbulence::k}, {"none", Turbulence::none}},
            {.help = "sub-particle-scale model: local equilibrium, or an equation for its energy k"});
   t.choice(
-      "sps", s.sps,
-      {{"joint", SpsForm::joint}, {"stress_pair", SpsForm::stress_pair}, {"laplacian", SpsForm::laplacian}},
-      {.paper = "stress_pair",
-       .help = "viscous sum: one for nu and the model, stress pairs beside nu's, or all as Laplacian"});
+      "sps", s.sps, {{"joint", SpsForm::joint}, {"stress_pair", SpsForm::stress_pair}},
+      {.paper = "stress_pair", .help = "viscous sum: one for nu and the model, or stress pairs beside nu's"});
   t.number("c_nu", s.c_nu, {.min = 0, .exclusive = true, .help = "eddy viscosity = c_nu l0 sqrt(k)"});
   const NumberKey eps{.min = 0, .exclusive = true, .help = "dissipation = c_eps k^1.5 / l0"};
   const NumberKey smagorinsky{
@@ -273,9 +260,6 @@ void check_together(CaseFile& file, const CommonKeys& common, const Parameters& 
   if (std::isfinite(p.sound_depth)) check_sound_depth(fluid, scheme, p);
   if (p.scheme.gradient == Gradient::least_squares) {
     CaseTable source = scheme.table("source");
-    if (p.scheme.source == Source::density)
-      throw source.error("kind", "mixed or divergence with gradient = \"least-squares\"",
-                         "kind = \"mixed\", or gradient = \"pairwise\"");
     if (p.scheme.density_at == DensityAt::star)
       throw source.error("density_at", "old with gradient = \"least-squares\"",
                          "density_at = \"old\", or gradient = \"pairwise\"");
@@ -312,13 +296,6 @@ Parameters read(CaseFile& file, const CommonKeys& common) {
     if (probe.diameter == 0) probe.diameter = 2 * p.spacing;
   read_scheme(fluid.table("scheme", "the particle method; preset = paper | improved sets the defaults"),
               common, p.sound_speed, p.scheme);
-  file.root()
-      .table("coupling")
-      .table("volume")
-      .choice(
-          "solid_velocity", p.solid_velocity,
-          {{"replace", SolidVelocity::replace}, {"add", SolidVelocity::add}},
-          {.help = "what the elastic update does to the velocity that the pressure gave a solid particle"});
   if (!file.only_declares()) check_together(file, common, p);
   return p;
 }

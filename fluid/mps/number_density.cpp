@@ -16,8 +16,6 @@ using std::size_t;
 /// from outside closes the surface at 1.15 l0. The smaller one still covers itself on the lattice, where it
 /// needs 1/√2.
 constexpr double joining_radius = 1.05, leaving_radius = 0.72;
-/// The asymmetry of a flat surface row that makes a particle surface, and below which it leaves again.
-constexpr double joining_asymmetry = 0.9, leaving_asymmetry = 0.8;
 
 /// Directions from a particle, evenly spread: every 5 degrees in the plane, a spiral of equal areas on the
 /// sphere.
@@ -68,35 +66,6 @@ bool uncovered(const Vectors<dim>& position, const Neighbours& rows, Eigen::Inde
   return open >= Directions<dim>::open;
 }
 
-/// |F_i| = (d/n0) |Σ_j w (r_i − r_j)/r²| [1/m] (fluid/THEORY.md (F25)).
-template <int dim>
-double asymmetry(const Vectors<dim>& position, const Neighbours& rows, Eigen::Index i,
-                 const LatticeConstants& lattice) {
-  Vector<dim> sum = Vector<dim>::Zero();
-  const auto row = rows.row(i);
-  const auto inverse = rows.inverses(i);
-  for (size_t k = 0; k < row.size(); ++k) {
-    const double w = lattice.radius * inverse[k] - 1;
-    if (w > 0) sum += (position.col(i) - position.col(row[k])) * (w * inverse[k] * inverse[k]);
-  }
-  return dim / lattice.n0 * sum.norm();
-}
-
-/// The same for a row on top of a full half-space of lattice [1/m].
-template <int dim>
-double flat_surface_asymmetry(const LatticeConstants& lattice, double spacing) {
-  const int reach = static_cast<int>(std::ceil(lattice.radius / spacing));
-  const int reach_z = dim == 3 ? reach : 0;
-  double sum = 0;
-  for (int z = -reach_z; z <= reach_z; ++z)
-    for (int y = -reach; y < 0; ++y)
-      for (int x = -reach; x <= reach; ++x) {
-        const double r = spacing * std::sqrt(x * x + y * y + z * z);
-        sum += weight(r, lattice.radius) * -y * spacing / (r * r);
-      }
-  return dim / lattice.n0 * sum;
-}
-
 }  // namespace
 
 Eigen::VectorXd number_density(const Neighbours& rows, double radius) {
@@ -132,28 +101,14 @@ std::vector<std::uint8_t> surface_flags(const Vectors<dim>& position, std::span<
   assert(position.cols() == size && n.size() == size && kind.size() == static_cast<size_t>(size));
   assert(previous.empty() || previous.size() == static_cast<size_t>(size));
   assert(test.spacing > 0);
-  const double flat = flat_surface_asymmetry<dim>(test.lattice, test.spacing);
   std::vector<std::uint8_t> flags(static_cast<size_t>(size));
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < size; ++i) {
     const auto k = static_cast<size_t>(i);
     if (!has_pressure(kind[k]) || n[i] >= test.beta * test.lattice.n0) continue;
     const bool before = previous.empty() || previous[k];
-    bool surface = true;
-    switch (test.second) {
-      case SecondCriterion::none:
-        break;
-      case SecondCriterion::asymmetry:
-        surface = asymmetry<dim>(position, rows, i, test.lattice) >
-                  (before ? leaving_asymmetry : joining_asymmetry) * flat;
-        // Nothing around it is surface whatever its symmetry.
-        surface = surface || rows.row(i).size() < 4;
-        break;
-      case SecondCriterion::arc:
-        surface =
-            uncovered<dim>(position, rows, i, (before ? leaving_radius : joining_radius) * test.spacing);
-        break;
-    }
+    const double radius = (before ? leaving_radius : joining_radius) * test.spacing;
+    const bool surface = test.second == SecondCriterion::none || uncovered<dim>(position, rows, i, radius);
     flags[k] = surface ? 1 : 0;
   }
   return flags;

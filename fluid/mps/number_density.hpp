@@ -18,7 +18,7 @@ Eigen::VectorXd number_density(const Neighbours&, double radius);
 /// N_i: neighbours nearer than radius [m].
 std::vector<std::int32_t> neighbour_counts(const Neighbours&, double radius);
 
-/// What makes a particle part of the free surface (fluid/THEORY.md (F24), (F25)).
+/// What makes a particle part of the free surface (fluid/THEORY.md (F24)).
 struct SurfaceTest {
   double beta = 0.97;                              // n < beta n0 is needed, and with `none` enough
   SecondCriterion second = SecondCriterion::none;  // what must hold as well

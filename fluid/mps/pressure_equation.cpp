@@ -20,9 +20,6 @@ double right_side(const PressureTerms& terms, const Scheme& scheme, double scale
   const double compression = terms.old_pressure[i] / stiffness;                              // pⁿ/(ρc²)
   double f = 0;
   switch (scheme.source) {
-    case Source::density:
-      f = -terms.deviation[i] / (dt * dt);
-      break;
     case Source::divergence:
       f = terms.divergence[i] / dt - compression / (dt * dt);
       break;

@@ -13,16 +13,14 @@
 
 namespace strake::fluid {
 
-enum class Source { density, divergence, mixed };
+enum class Source { divergence, mixed };
 enum class DensityAt { star, old };
 enum class Gradient { min_pressure, pairwise, corrected, least_squares };
-enum class SecondCriterion { none, asymmetry, arc };
+enum class SecondCriterion { none, arc };
 enum class AntiPenetration { none, average, collision };
 enum class Turbulence { none, statics, k };
-enum class SpsForm { joint, stress_pair, laplacian };
-enum class PressureSolver { cg, cholmod, hypre };
-enum class Preconditioner { automatic, jacobi, multilevel, ic };
-enum class SolidVelocity { replace, add };
+enum class SpsForm { joint, stress_pair };
+enum class Preconditioner { automatic, jacobi, multilevel };
 enum class WallSlip { no_slip, free_slip };
 
 /// The scheme, fluid/THEORY.md (F13)–(F66). Defaults are preset "improved"; the paper's values stand in
@@ -45,7 +43,6 @@ struct Scheme {
   double collision_distance = 0.5;  // [l0]; 0.85 where pressure alone does not keep particles apart
   double restitution = 0.2;
   bool collision_conserve = true;
-  PressureSolver pressure_solver = PressureSolver::cg;
   Preconditioner preconditioner = Preconditioner::automatic;
   double pressure_tolerance = 1e-8;  // ‖b − A p‖₂ / ‖b‖₂
   int pressure_max_iterations = 5000;
@@ -92,7 +89,6 @@ struct Parameters {
   TankMotion motion;                                       // of the tank
   double end_time = 0;                                     // [s] of the run: how far the tank may move
   std::string interface = "surface";                       // surface | volume
-  SolidVelocity solid_velocity = SolidVelocity::replace;
   Scheme scheme;
   std::vector<ProbeKeys> probes;  // those of the fluid
   int threads = 2;

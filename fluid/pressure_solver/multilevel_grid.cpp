@@ -283,12 +283,11 @@ void Multilevel<dim>::assemble_grid(int threads) {
   grid.prepare();
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                  \
-  template void Multilevel<dim>::read_rows(const PressureSystem&, int);          \
-  template void Multilevel<dim>::read_exact_entries(const PressureSystem&, int); \
-  template void Multilevel<dim>::assemble_grid(int);
-STRAKE_INSTANTIATE(2)
-STRAKE_INSTANTIATE(3)
-#undef STRAKE_INSTANTIATE
+template void Multilevel<2>::read_rows(const PressureSystem&, int);
+template void Multilevel<2>::read_exact_entries(const PressureSystem&, int);
+template void Multilevel<2>::assemble_grid(int);
+template void Multilevel<3>::read_rows(const PressureSystem&, int);
+template void Multilevel<3>::read_exact_entries(const PressureSystem&, int);
+template void Multilevel<3>::assemble_grid(int);
 
 }  // namespace strake::fluid

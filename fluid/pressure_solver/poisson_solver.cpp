@@ -33,11 +33,11 @@ double compressible_share(const PressureSystem& system) {
 }
 
 bool is_open(const Scheme& scheme) {
-  return scheme.pressure_solver == PressureSolver::cg && scheme.preconditioner == Preconditioner::automatic;
+  return scheme.preconditioner == Preconditioner::automatic;
 }
 
 PressureChoice choose(double share, const Scheme& scheme) {
-  PressureChoice choice{scheme.pressure_solver, scheme.preconditioner, share, 0};
+  PressureChoice choice{scheme.preconditioner, share, 0};
   if (!is_open(scheme)) return choice;
   choice.jacobi_iterations = std::numeric_limits<double>::infinity();
   if (share > 0) {
@@ -65,11 +65,7 @@ PressureChoice expected_pressure_solver(const Parameters& p, double dt) {
 }
 
 std::string PressureChoice::text() const {
-  if (solver == PressureSolver::cholmod) return "cholmod, as the case asks";
-  if (solver == PressureSolver::hypre) return "hypre, as the case asks";
-  const char* name = preconditioner == Preconditioner::jacobi       ? "jacobi"
-                     : preconditioner == Preconditioner::multilevel ? "multilevel"
-                                                                    : "ic";
+  const char* name = preconditioner == Preconditioner::jacobi ? "jacobi" : "multilevel";
   if (jacobi_iterations == 0) return fmt::format("cg with {}, as the case asks", name);
   if (compressible_share == 0) return fmt::format("cg with {}: incompressible", name);
   return fmt::format(
@@ -81,25 +77,16 @@ template <int dim>
 const PressureSolution& PoissonSolver<dim>::solve(const PressureSystem& system, const Vectors<dim>& position,
                                                   const Eigen::VectorXd& guess, const Scheme& scheme) {
   const std::int64_t n = system.size();
-  const double tolerance = scheme.pressure_tolerance;
-  const int most = scheme.pressure_max_iterations;
   solution_.pressure = guess;
   solution_.iterations = 0;
   solution_.residual = 0;
   if (n == 0) return solution_;
   choice_ = choose_pressure_solver(system, scheme);
-  if (choice_.solver == PressureSolver::cholmod) {
-    solve_cholmod(system, solution_);
-  } else if (choice_.solver == PressureSolver::hypre) {
-    solve_hypre(system, tolerance, most, solution_);
-  } else if (choice_.preconditioner == Preconditioner::ic) {
-    solve_incomplete_cholesky(system, tolerance, most, solution_);
-  } else {
-    const int threads = n >= rows_for_threads ? omp_get_max_threads() : 1;
-    const bool grids = choice_.preconditioner == Preconditioner::multilevel;
-    if (grids) multilevel_.build(system, position, radius_, scheme.radius_laplacian, threads);
-    cg_.solve<dim>(system, grids ? &multilevel_ : nullptr, tolerance, most, threads, solution_);
-  }
+  const int threads = n >= rows_for_threads ? omp_get_max_threads() : 1;
+  const bool grids = choice_.preconditioner == Preconditioner::multilevel;
+  if (grids) multilevel_.build(system, position, radius_, scheme.radius_laplacian, threads);
+  cg_.solve<dim>(system, grids ? &multilevel_ : nullptr, scheme.pressure_tolerance,
+                 scheme.pressure_max_iterations, threads, solution_);
   return solution_;
 }
 

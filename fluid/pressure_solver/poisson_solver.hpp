@@ -14,8 +14,7 @@ namespace strake::fluid {
 
 /// What a pressure equation is solved with, and why.
 struct PressureChoice {
-  PressureSolver solver = PressureSolver::cg;
-  Preconditioner preconditioner = Preconditioner::jacobi;  // of cg; never automatic
+  Preconditioner preconditioner = Preconditioner::jacobi;  // never automatic
   double compressible_share = 0;  // smallest part of a diagonal that is not held by differences
   double jacobi_iterations = 0;   // at most so many would the diagonal need; infinity: no bound
   std::string text() const;       // "multilevel: …", for the log
@@ -29,11 +28,8 @@ PressureChoice choose_pressure_solver(const PressureSystem&, const Scheme&);
 template <int dim>
 PressureChoice expected_pressure_solver(const Parameters&, double dt);
 
-/// Whether hypre was there when this program was built.
-bool has_hypre();
-
-/// Solves the pressure equation again and again, with the method that scheme.pressure_solver and
-/// .preconditioner name, in memory that it keeps. A solution is a function of system, places, guess and
+/// Solves the pressure equation again and again, with the preconditioner that the scheme
+/// names, in memory that it keeps. A solution is a function of system, places, guess and
 /// scheme alone, to the last bit: nothing is carried from one solve to the next, and the number of threads
 /// does not show (sums run in fixed blocks).
 template <int dim>
@@ -58,13 +54,5 @@ class PoissonSolver {
   Multilevel<dim> multilevel_;
   ConjugateGradients cg_;
 };
-
-/// Solvers of libraries, to check against. From solution.pressure.
-void solve_incomplete_cholesky(const PressureSystem&, double tolerance, int max_iterations,
-                               PressureSolution&);
-void solve_cholmod(const PressureSystem&, PressureSolution&);
-/// Conjugate gradients of hypre with one BoomerAMG cycle. Throws Error(solver_fault) where hypre was not
-/// built.
-void solve_hypre(const PressureSystem&, double tolerance, int max_iterations, PressureSolution&);
 
 }  // namespace strake::fluid

@@ -120,26 +120,6 @@ Vectors<dim> sps_acceleration(const Vectors<dim>& position, std::span<const Tens
   return stress_divergence<dim>(position, tau, rows, gradient_lattice, masks);
 }
 
-// ∇·(2(ν+ν_t) S) = Σ ν_ij … + (∇u)ᵀ·∇ν_t for ∇·u = 0; gradients of ν_t and k by differences, (F16)
-// with φ̂_i = φ_i.
-template <int dim>
-Vectors<dim> sps_acceleration_laplacian(const Vectors<dim>& position, const Vectors<dim>& velocity,
-                                        std::span<const Tensor<dim>> velocity_gradient,
-                                        const SpsFields& fields, const SpsModel& model,
-                                        const Neighbours& rows, const LatticeConstants& gradient_lattice,
-                                        const LatticeConstants& laplacian_lattice, const Masks& masks) {
-  Vectors<dim> acceleration = viscous_acceleration<dim>(
-      velocity, rows, laplacian_lattice, model.kinematic_viscosity, fields.eddy_viscosity, masks);
-  const std::vector<Tensor<dim>> plain(velocity_gradient.size(), Tensor<dim>::Identity());
-  const auto slope =
-      gradient_corrected<dim>(position, fields.eddy_viscosity, rows, gradient_lattice, plain, masks);
-  const auto k_slope = gradient_corrected<dim>(position, fields.k, rows, gradient_lattice, plain, masks);
-  for (Eigen::Index i = 0; i < acceleration.cols(); ++i)
-    acceleration.col(i) +=
-        velocity_gradient[static_cast<size_t>(i)].transpose() * slope.col(i) - 2.0 / 3.0 * k_slope.col(i);
-  return acceleration;
-}
-
 template double production<2>(const Tensor<2>&);
 template double production<3>(const Tensor<3>&);
 template SpsFields sps_fields<2>(std::span<const Tensor<2>>, std::span<const std::int32_t>, const SpsModel&,
@@ -150,14 +130,6 @@ template Vectors<2> sps_acceleration<2>(const Vectors<2>&, std::span<const Tenso
                                         const Neighbours&, const LatticeConstants&, const Masks&);
 template Vectors<3> sps_acceleration<3>(const Vectors<3>&, std::span<const Tensor<3>>, const SpsFields&,
                                         const Neighbours&, const LatticeConstants&, const Masks&);
-template Vectors<2> sps_acceleration_laplacian<2>(const Vectors<2>&, const Vectors<2>&,
-                                                  std::span<const Tensor<2>>, const SpsFields&,
-                                                  const SpsModel&, const Neighbours&, const LatticeConstants&,
-                                                  const LatticeConstants&, const Masks&);
-template Vectors<3> sps_acceleration_laplacian<3>(const Vectors<3>&, const Vectors<3>&,
-                                                  std::span<const Tensor<3>>, const SpsFields&,
-                                                  const SpsModel&, const Neighbours&, const LatticeConstants&,
-                                                  const LatticeConstants&, const Masks&);
 template void advance_k<2>(const ViscousFlow<2>&, const SpsModel&, const LatticeConstants&,
                            const Eigen::VectorXd&, const Eigen::VectorXd&, double, Eigen::VectorXd&,
                            Eigen::VectorXd&);

@@ -72,13 +72,4 @@ Vectors<dim> sps_acceleration(const Vectors<dim>& position, std::span<const Tens
                               const SpsFields&, const Neighbours& rows,
                               const LatticeConstants& gradient_lattice, const Masks& = {});
 
-/// `laplacian`: Σ ν_ij (u_j − u_i) w … + (∇u)ᵀ·∇ν_t − (2/3)∇k [m/s²]. Contains ν as well: the explicit stage
-/// then adds no ν∇²u of its own.
-template <int dim>
-Vectors<dim> sps_acceleration_laplacian(const Vectors<dim>& position, const Vectors<dim>& velocity,
-                                        std::span<const Tensor<dim>> velocity_gradient, const SpsFields&,
-                                        const SpsModel&, const Neighbours& rows,
-                                        const LatticeConstants& gradient_lattice,
-                                        const LatticeConstants& laplacian_lattice, const Masks& = {});
-
 }  // namespace strake::fluid

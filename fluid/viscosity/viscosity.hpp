@@ -14,11 +14,4 @@ Vectors<dim> viscous_acceleration(const Vectors<dim>& velocity, const Neighbours
                                   const LatticeConstants& laplacian_lattice, double kinematic_viscosity,
                                   const Masks& = {});
 
-/// (2d/(n0 λ)) Σ_j ν_ij (u_j − u_i) w, ν_ij the harmonic mean of ν + ν_t at i and j [m/s²] (fluid/THEORY.md,
-/// section 2, `laplacian`). eddy_viscosity: ν_t per particle [m²/s].
-template <int dim>
-Vectors<dim> viscous_acceleration(const Vectors<dim>& velocity, const Neighbours& rows,
-                                  const LatticeConstants& laplacian_lattice, double kinematic_viscosity,
-                                  const Eigen::VectorXd& eddy_viscosity, const Masks& = {});
-
 }  // namespace strake::fluid

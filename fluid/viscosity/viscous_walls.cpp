@@ -105,12 +105,11 @@ void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
   }
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                                            \
-  template struct WallRows<dim>;                                                                           \
-  template void describe_rows<dim>(const Boundary<dim>&, const State<dim>&, bool, double, WallRows<dim>&); \
-  template struct VelocityBehind<dim>;
-STRAKE_INSTANTIATE(2)
-STRAKE_INSTANTIATE(3)
-#undef STRAKE_INSTANTIATE
+template struct WallRows<2>;
+template void describe_rows<2>(const Boundary<2>&, const State<2>&, bool, double, WallRows<2>&);
+template struct VelocityBehind<2>;
+template struct WallRows<3>;
+template void describe_rows<3>(const Boundary<3>&, const State<3>&, bool, double, WallRows<3>&);
+template struct VelocityBehind<3>;
 
 }  // namespace strake::fluid

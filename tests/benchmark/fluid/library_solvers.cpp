@@ -1,4 +1,4 @@
-#include "fluid/pressure_solver/poisson_solver.hpp"
+#include "tests/benchmark/fluid/library_solvers.hpp"
 
 #include <Eigen/CholmodSupport>
 #include <Eigen/IterativeLinearSolvers>

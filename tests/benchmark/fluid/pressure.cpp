@@ -1,3 +1,4 @@
+#include "tests/benchmark/fluid/library_solvers.hpp"
 #include "tests/benchmark/machine.hpp"
 #include "tests/fluid/pressure_cases.hpp"
 
@@ -5,6 +6,7 @@
 #include <omp.h>
 
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <tuple>
@@ -52,39 +54,70 @@ const Tank& tank_of(std::int64_t thousands, std::int64_t tenths) {
   return *one;
 }
 
-void solve(benchmark::State& state, PressureSolver solver, Preconditioner preconditioner) {
+/// One solve from p = 0; gives its iterations.
+using Solve = std::function<int(const Tank&, const Eigen::VectorXd& zero, double tolerance)>;
+
+/// `bytes`: memory of the solver after the solves, where it tells.
+void measure(benchmark::State& state, const Solve& solve, const std::function<std::size_t()>& bytes) {
   const Tank& tank = tank_of(state.range(0), state.range(1));
   const auto threads = static_cast<int>(state.range(2));
   const auto n = static_cast<double>(tank.system.size());
-  if (solver == PressureSolver::hypre && !has_hypre()) {
-    state.SkipWithError("hypre was not there when this was built");
-    return;
-  }
+  const double tolerance = std::pow(10.0, -static_cast<double>(state.range(3)));
   omp_set_num_threads(threads);
-  Scheme scheme;
-  scheme.pressure_solver = solver;
-  scheme.preconditioner = preconditioner;
-  scheme.radius_laplacian = tank.particles.radius;
-  scheme.pressure_tolerance = std::pow(10.0, -static_cast<double>(state.range(3)));
-  PoissonSolver<2> poisson(tank.particles.radius);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(tank.system.size());
   double best = std::numeric_limits<double>::infinity();
   int iterations = 0;
   for (auto _ : state) {
-    const double seconds = shortest(1, [&] {
-      iterations = poisson.solve(tank.system, tank.particles.position, zero, scheme).iterations;
-    });
+    const double seconds = shortest(1, [&] { iterations = solve(tank, zero, tolerance); });
     best = std::min(best, seconds);
     state.SetIterationTime(seconds);
   }
   const double spmv = spmv_seconds(tank.plain, threads), triad = triad_bandwidth(threads);
   state.counters["best ms"] = 1e3 * best;
   state.counters["iterations"] = iterations;
-  state.counters["bytes/unknown"] = static_cast<double>(poisson.bytes()) / n;
+  state.counters["bytes/unknown"] = static_cast<double>(bytes()) / n;
   state.counters["spmv ms"] = 1e3 * spmv;
   state.counters["in spmvs"] = best / spmv;
   state.counters["triad GB/s"] = 1e-9 * triad;
   state.counters["in triad bytes/unknown"] = best * triad / n;
+}
+
+void ours(benchmark::State& state, Preconditioner preconditioner) {
+  const Tank& tank = tank_of(state.range(0), state.range(1));
+  Scheme scheme;
+  scheme.preconditioner = preconditioner;
+  scheme.radius_laplacian = tank.particles.radius;
+  PoissonSolver<2> poisson(tank.particles.radius);
+  measure(
+      state,
+      [&](const Tank& one, const Eigen::VectorXd& zero, double tolerance) {
+        scheme.pressure_tolerance = tolerance;
+        return poisson.solve(one.system, one.particles.position, zero, scheme).iterations;
+      },
+      [&] { return poisson.bytes(); });
+}
+
+using LibrarySolver = void (*)(const PressureSystem&, double tolerance, int max_iterations,
+                               PressureSolution&);
+
+void library(benchmark::State& state, LibrarySolver solver) {
+  if (solver == &solve_hypre && !has_hypre()) {
+    state.SkipWithError("hypre was not there when this was built");
+    return;
+  }
+  measure(
+      state,
+      [&](const Tank& one, const Eigen::VectorXd& zero, double tolerance) {
+        PressureSolution solution;
+        solution.pressure = zero;
+        solver(one.system, tolerance, 5000, solution);
+        return solution.iterations;
+      },
+      [] { return std::size_t{0}; });
+}
+
+void cholmod(const PressureSystem& system, double, int, PressureSolution& solution) {
+  solve_cholmod(system, solution);
 }
 
 void sizes(benchmark::internal::Benchmark* b, std::int64_t largest) {
@@ -98,17 +131,9 @@ void sizes(benchmark::internal::Benchmark* b, std::int64_t largest) {
 
 }  // namespace
 
-BENCHMARK_CAPTURE(solve, multilevel, PressureSolver::cg, Preconditioner::multilevel)->Apply([](auto* b) {
-  sizes(b, 1000);
-});
-BENCHMARK_CAPTURE(solve, jacobi, PressureSolver::cg, Preconditioner::jacobi)->Apply([](auto* b) {
-  sizes(b, 100);
-});
-BENCHMARK_CAPTURE(solve, ic, PressureSolver::cg, Preconditioner::ic)->Apply([](auto* b) { sizes(b, 100); });
-BENCHMARK_CAPTURE(solve, hypre, PressureSolver::hypre, Preconditioner::jacobi)->Apply([](auto* b) {
-  sizes(b, 100);
-});
-BENCHMARK_CAPTURE(solve, cholmod, PressureSolver::cholmod, Preconditioner::jacobi)->Apply([](auto* b) {
-  sizes(b, 100);
-});
+BENCHMARK_CAPTURE(ours, multilevel, Preconditioner::multilevel)->Apply([](auto* b) { sizes(b, 1000); });
+BENCHMARK_CAPTURE(ours, jacobi, Preconditioner::jacobi)->Apply([](auto* b) { sizes(b, 100); });
+BENCHMARK_CAPTURE(library, ic, &solve_incomplete_cholesky)->Apply([](auto* b) { sizes(b, 100); });
+BENCHMARK_CAPTURE(library, hypre, &solve_hypre)->Apply([](auto* b) { sizes(b, 100); });
+BENCHMARK_CAPTURE(library, cholmod, &cholmod)->Apply([](auto* b) { sizes(b, 100); });
 BENCHMARK_MAIN();

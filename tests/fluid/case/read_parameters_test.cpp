@@ -1,7 +1,6 @@
 #include "fluid/case/read_parameters.hpp"
 
 #include "fluid/parameters/parameters.hpp"
-#include "fluid/pressure_solver/poisson_solver.hpp"
 #include "proto/case/case_file.hpp"
 
 #include <gtest/gtest.h>
@@ -67,8 +66,7 @@ TEST(FluidKeys, volume_coupling_takes_the_symmetric_gradient_and_refuses_least_s
             "pairwise");
 }
 
-TEST(FluidKeys, least_squares_refuses_sources_that_it_does_not_have) {
-  expect_in(error_of({"fluid.scheme.source.kind=density"}), "least-squares");
+TEST(FluidKeys, least_squares_refuses_a_source_that_it_does_not_have) {
   expect_in(error_of({"fluid.scheme.source.density_at=star"}), "least-squares");
 }
 
@@ -85,7 +83,7 @@ TEST(FluidKeys, the_paper_preset_is_the_papers_scheme) {
   EXPECT_FALSE(p.scheme.negative_pressure);
   EXPECT_EQ(p.scheme.anti_penetration, AntiPenetration::average);
   EXPECT_FALSE(p.scheme.collision_conserve);
-  EXPECT_EQ(p.scheme.preconditioner, Preconditioner::ic);
+  EXPECT_EQ(p.scheme.preconditioner, Preconditioner::automatic);
   EXPECT_EQ(p.scheme.time_step, 2e-6);
   EXPECT_EQ(p.scheme.turbulence, Turbulence::statics);
 }
@@ -130,12 +128,15 @@ TEST(FluidKeys, smagorinskys_constant_sets_the_dissipation) {
             "cs or c_eps, not both");
 }
 
-TEST(FluidKeys, hypre_is_refused_with_a_remedy_where_it_was_not_built) {
-  if (has_hypre())
-    EXPECT_EQ(read_with({"fluid.scheme.pressure.solver=hypre"}).scheme.pressure_solver,
-              PressureSolver::hypre);
-  else
-    expect_in(error_of({"fluid.scheme.pressure.solver=hypre"}), "libhypre-dev");
+TEST(FluidKeys, removed_choices_are_refused_with_those_that_remain) {
+  const std::string pressure = "fluid.scheme.pressure.";
+  for (const char* solver : {"cholmod", "hypre"})
+    expect_in(error_of({pressure + "solver=" + solver}), "\"cg\"");
+  expect_in(error_of({pressure + "preconditioner=ic"}), "\"jacobi\"");
+  expect_in(error_of({"fluid.scheme.source.kind=density"}), "\"divergence\"");
+  expect_in(error_of({"fluid.scheme.surface.second=asymmetry"}), "\"arc\"");
+  expect_in(error_of({"fluid.scheme.turbulence.sps=laplacian"}), "\"stress_pair\"");
+  EXPECT_NO_THROW(read_with({pressure + "solver=cg"}));  // an old case
 }
 
 TEST(FluidKeys, a_wrong_key_or_value_is_refused_with_its_name) {

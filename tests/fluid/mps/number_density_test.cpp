@@ -57,7 +57,7 @@ TEST(NumberDensity, counts_are_those_of_the_lattice) {
 }
 
 TEST(SurfaceFlags, every_criterion_finds_the_outer_row_of_a_block_and_nothing_inside) {
-  for (const auto second : {SecondCriterion::none, SecondCriterion::asymmetry, SecondCriterion::arc}) {
+  for (const auto second : {SecondCriterion::none, SecondCriterion::arc}) {
     Block<2> water(15);
     water.test.second = second;
     const auto first = water.flags();
@@ -71,26 +71,21 @@ TEST(SurfaceFlags, every_criterion_finds_the_outer_row_of_a_block_and_nothing_in
   }
 }
 
-TEST(SurfaceFlags, second_criteria_leave_the_second_row_alone_where_a_wide_radius_alone_would_flag_it) {
+TEST(SurfaceFlags, the_arc_test_leaves_the_second_row_alone_where_a_wide_radius_alone_would_flag_it) {
   Block<2> water(15, 3.1);
   const std::size_t second_row = 15 * 13 + 7;
   EXPECT_EQ(water.flags()[second_row], 1);
   water.test.second = SecondCriterion::arc;
   EXPECT_EQ(water.flags()[second_row], 0);
-  water.test.second = SecondCriterion::asymmetry;
-  EXPECT_EQ(water.flags()[second_row], 0);
 }
 
 TEST(SurfaceFlags, in_space_the_outer_layer_is_surface_and_the_inside_is_not) {
-  for (const auto second : {SecondCriterion::asymmetry, SecondCriterion::arc}) {
-    Block<3> water(9);
-    water.test.second = second;
-    const auto flags = water.flags();
-    const auto inside = interior<3>(9, 1);
-    EXPECT_EQ(std::count(flags.begin(), flags.end(), 1),
-              9 * 9 * 9 - static_cast<std::int64_t>(inside.size()));
-    for (const auto i : inside) EXPECT_EQ(flags[static_cast<std::size_t>(i)], 0);
-  }
+  Block<3> water(9);
+  water.test.second = SecondCriterion::arc;
+  const auto flags = water.flags();
+  const auto inside = interior<3>(9, 1);
+  EXPECT_EQ(std::count(flags.begin(), flags.end(), 1), 9 * 9 * 9 - static_cast<std::int64_t>(inside.size()));
+  for (const auto i : inside) EXPECT_EQ(flags[static_cast<std::size_t>(i)], 0);
 }
 
 TEST(SurfaceFlags, the_arc_test_does_not_make_a_surface_of_a_missing_particle) {
