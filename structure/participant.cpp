@@ -24,13 +24,13 @@ double total(const Energy& e) {
 }
 
 /// Surface that a point's force comes from; in volume coupling a particle's width.
-Eigen::VectorXd wetted_sizes(const InterfaceMesh& mesh, const Parameters& p) {
+Eigen::VectorXd point_sizes_or_spacing(const InterfaceMesh& mesh, const Parameters& p) {
   if (mesh.faces.cols() > 0) return point_sizes(mesh);
   return Eigen::VectorXd::Constant(mesh.position.cols(), p.fluid_spacing);
 }
 
-/// The part of a load that acts on the loaded faces.
-std::vector<Sample> wet_part(std::vector<Sample> samples, const Eigen::VectorXd& share) {
+/// What the loaded faces feel of a load.
+std::vector<Sample> loaded_part(std::vector<Sample> samples, const Eigen::VectorXd& share) {
   if (share.size() == 0) return samples;
   for (Sample& sample : samples)
     for (Field& field : sample.fields)
@@ -96,7 +96,8 @@ std::vector<std::string> describe(const Solver& solver, const Parameters& p, con
     lines.push_back(fmt::format("{:.0f} sub-steps in a window of {:.4g} s", steps_in_window(solver, common),
                                 common.window));
   if (common.fluid_solver != "none" && solver.interface().faces.cols() > 0)
-    lines.push_back(wet_surface(p, solver.interface()).line);
+    lines.push_back(loaded_faces(p, solver.interface()).line);
+  if (p.loaded_by_old_key) lines.push_back("structure.wet is called structure.loaded_faces now; both work");
   if (p.stays_intact)
     lines.push_back(fmt::format("failure: stays intact, {} structures know no [structure.failure]", p.kind));
   return lines;
@@ -108,7 +109,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
       analysis_(p.analysis),
       support_velocity_(support_velocity(p)),
       contact_pressure_(0.5 * p.fluid_density * solver_->velocity().colwise().squaredNorm().maxCoeff()),
-      point_size_(wetted_sizes(solver_->interface(), p)),
+      point_size_(point_sizes_or_spacing(solver_->interface(), p)),
       dimension_(p.dimension),
       first_energy_(total(solver_->energy())) {
   for (const ProbeKeys& probe : common.probes) {
@@ -121,7 +122,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   const bool enters = common.fluid_solver != "none" && contact_pressure_ > 0;
   state_.probes.assign(probe_columns_.size(), enters ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   state_.energy_scale = first_energy_;
-  if (solver_->interface().faces.cols() > 0) wet_ = wet_surface(p, solver_->interface()).share;
+  if (solver_->interface().faces.cols() > 0) loaded_share_ = loaded_faces(p, solver_->interface()).share;
 
   description_.initial = motion();
   const bool history = common.interpolation != "mean" && setup.interface == "surface";
@@ -158,7 +159,7 @@ void StructureParticipant::start(const Window& window, const Input& input) {
 void StructureParticipant::step(const Window& window, const Input& input) {
   const int before = solver_->steps();
   if (analysis_ == Analysis::dynamic) {
-    const Load load(wet_part(input.samples, wet_), interpolation_);
+    const Load load(loaded_part(input.samples, loaded_share_), interpolation_);
     look_for_contact(window, load);
     solver_->advance(window.t, window.dt, load);
   } else {

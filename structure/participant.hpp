@@ -57,7 +57,7 @@ class StructureParticipant final : public Participant {
   std::vector<ProbeKeys> probes_;  // those of the structure
   std::vector<Column> probe_columns_;
   Description description_;
-  Eigen::VectorXd wet_;  // n: share of each point that the water loads; empty: all of it
+  Eigen::VectorXd loaded_share_;  // n: share of each point that the water loads; empty: all of it
   std::optional<FrameSeries> frames_;
   double first_energy_;       // [J] at t = 0
   double seconds_ = 0;        // wall, in the solver

@@ -61,11 +61,12 @@ std::vector<double> beam_frequencies(const Plate& plate, const Material& m, Beam
     M.block<4, 4>(2 * i, 2 * i) += e.mass;
   }
   std::vector<int> free;
-  const auto held = [](Support support, int dof) {
+  const auto constrained = [](Support support, int dof) {
     return support == Support::clamped || (support == Support::pinned && dof == 0);
   };
   for (int i = 0; i < n; ++i)
-    if (!(i < 2 && held(plate.left, i)) && !(i >= n - 2 && held(plate.right, i - n + 2))) free.push_back(i);
+    if (!(i < 2 && constrained(plate.left, i)) && !(i >= n - 2 && constrained(plate.right, i - n + 2)))
+      free.push_back(i);
   const Eigen::MatrixXd Kf = K(free, free), Mf = M(free, free);
   const Eigen::VectorXd omega2 =
       Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(Kf, Mf, Eigen::EigenvaluesOnly).eigenvalues();

@@ -33,40 +33,40 @@ bool lies_in(const Solid& solid, const std::vector<int>& facets, const Interface
 
 }  // namespace
 
-WetSurface wet_surface(const Parameters& p, const InterfaceMesh& mesh) {
+LoadedFaces loaded_faces(const Parameters& p, const InterfaceMesh& mesh) {
   const char* unit = mesh.dimension == 3 ? "m^2" : "m";
-  WetSurface wet;
-  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) wet.whole += size_of(mesh, f);
-  if (p.wet.empty()) {
-    wet.size = wet.whole;
-    wet.line = fmt::format("wet: the whole outer surface, {:.5g} {}", wet.whole, unit);
-    return wet;
+  LoadedFaces loaded;
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) loaded.whole += size_of(mesh, f);
+  if (p.loaded_faces.empty()) {
+    loaded.size = loaded.whole;
+    loaded.line = fmt::format("wet: the whole outer surface, {:.5g} {}", loaded.whole, unit);
+    return loaded;
   }
   const Solid solid = elastic_solid(p);
   const Eigen::Vector3d extent = solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff();
   const double near = 1e-9 * extent.maxCoeff();  // [m] round-off of the coordinates, far below any spacing
   std::vector<int> facets;
   std::string names;
-  for (const std::string& name : p.wet) {
+  for (const std::string& name : p.loaded_faces) {
     const std::vector<int> named = facets_named(solid, name);
     facets.insert(facets.end(), named.begin(), named.end());
     names += (names.empty() ? "" : ", ") + name;
   }
-  wet.share = Eigen::VectorXd::Zero(mesh.position.cols());
+  loaded.share = Eigen::VectorXd::Zero(mesh.position.cols());
   for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
     if (!lies_in(solid, facets, mesh, f, near)) continue;
     const double size = size_of(mesh, f);
-    wet.size += size;
+    loaded.size += size;
     for (Eigen::Index k = 0; k < mesh.faces.rows(); ++k)
-      wet.share[mesh.faces(k, f)] += size / static_cast<double>(mesh.faces.rows());
+      loaded.share[mesh.faces(k, f)] += size / static_cast<double>(mesh.faces.rows());
   }
   const Eigen::VectorXd whole = point_sizes(mesh);
   for (Eigen::Index i = 0; i < whole.size(); ++i)
-    if (whole[i] > 0) wet.share[i] = std::min(1.0, wet.share[i] / whole[i]);
-  wet.line =
+    if (whole[i] > 0) loaded.share[i] = std::min(1.0, loaded.share[i] / whole[i]);
+  loaded.line =
       fmt::format("wet: {}, {:.5g} {} of {:.5g} {}; water that presses elsewhere is kept out and not felt",
-                  names, wet.size, unit, wet.whole, unit);
-  return wet;
+                  names, loaded.size, unit, loaded.whole, unit);
+  return loaded;
 }
 
 }  // namespace strake::structure

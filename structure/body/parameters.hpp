@@ -131,9 +131,10 @@ struct Parameters {
   double gravity_ramp = 0;      // [s]
   Shape shape;                  // plate: `plate` below
   Plate plate;
-  std::vector<std::string> wet;  // faces that the water loads; empty: all
-  Solid solid;                   // of elastic bodies whatever their shape, and of a rigid one made of boxes
-  Material material;             // of parts that have none of their own
+  std::vector<std::string> loaded_faces;  // by name, that the water loads; empty: all
+  bool loaded_by_old_key = false;         // structure.wet named them
+  Solid solid;        // of elastic bodies whatever their shape, and of a rigid one made of boxes
+  Material material;  // of parts that have none of their own
   BodyMass body;
   FreeMotion free;
   InitialVelocity initial;

@@ -113,7 +113,7 @@ double grid_count(int dimension, const std::vector<SolidBox>& boxes) {
 Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
   Solid solid;
   solid.dimension = dimension;
-  for (const SolidBox& box : boxes) solid.parts.push_back({box.name, box.material, box.held});
+  for (const SolidBox& box : boxes) solid.parts.push_back({box.name, box.material, box.constrained});
   if (boxes.empty()) return solid;
 
   // 1. The planes.
@@ -285,7 +285,8 @@ SolidFault fault_of(const Solid& solid) {
 bool has_supports(const Solid& solid) {
   return std::any_of(solid.supported.begin(), solid.supported.end(),
                      [](const SupportedFace& face) { return face.support != Support::free; }) ||
-         std::any_of(solid.parts.begin(), solid.parts.end(), [](const Part& part) { return part.held; });
+         std::any_of(solid.parts.begin(), solid.parts.end(),
+                     [](const Part& part) { return part.constrained; });
 }
 
 Eigen::Matrix4Xd half_spaces(const Solid& solid, int c) {

@@ -22,7 +22,7 @@ enum class Support { free, clamped, pinned, roller, symmetry };
 struct Part {
   std::string name;
   Material material;
-  bool held = false;  // all of it moves with the supports
+  bool constrained = false;  // all of it moves with the supports
 };
 
 /// Facets with a name, and the support that acts on them.
@@ -57,7 +57,7 @@ struct SolidBox {
   std::string name;
   Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  // [m]
   Material material;
-  bool held = false;
+  bool constrained = false;
   /// left, right (x), bottom, top (y), back, front (z).
   std::array<Support, 6> support = {};
 };

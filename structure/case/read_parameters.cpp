@@ -309,9 +309,9 @@ void check_probes(const CaseFile& file, const CommonKeys& common, const Paramete
   }
 }
 
-/// True if the supports leave a plate no rigid motion, or constrain another body at all. Finite elements look
-/// for rigid motions of other bodies themselves.
-bool is_held(const Parameters& p) {
+/// Whether anything holds the body: of a plate so that no rigid motion is left. Finite elements look for
+/// rigid motions of other bodies themselves.
+bool is_constrained(const Parameters& p) {
   if (!p.solid.empty()) return p.kind != "particle" || has_supports(p.solid);
   if (p.plate.left == Support::clamped || p.plate.right == Support::clamped) return true;
   return p.plate.left != Support::free && p.plate.right != Support::free;
@@ -335,7 +335,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
                    : "z",
         "false: statics and modes are those of a body whose supports are at rest",
         "leave structure.free out");
-  if (p.analysis == Analysis::statics && !is_held(p))
+  if (p.analysis == Analysis::statics && !is_constrained(p))
     throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
                           p.shape.kind == ShapeKind::plate
                               ? "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }"
@@ -381,7 +381,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   read_material(t.table("material"), p.material);
   read_solid(file, t, p);
   read_load(t.table("load"), p.load);
-  read_wet(t, file.only_declares(), p);
+  read_loaded_faces(t, file.only_declares(), p);
   CaseTable damping = t.table("damping", "Rayleigh");
   damping.number("mass", p.damping.mass, {.unit = "1/s", .min = 0, .help = "mass-proportional"});
   damping.number("stiffness", p.damping.stiffness, {.unit = "s", .min = 0, .help = "stiffness-proportional"});

@@ -172,12 +172,12 @@ void check_frame(CaseTable t, const Parameters& p) {
   if (p.free.angle) throw free.error("angle", no_turn, "leave it out, or structure.solver = \"rigid\"");
   if (p.free.rotation) throw free.error("rotation", no_turn, "leave it out, or structure.solver = \"rigid\"");
   if (p.motion && p.motion->turns()) check_turning(t, p);
-  const bool held = has_supports(elastic_solid(p));
+  const bool supported = has_supports(elastic_solid(p));
   const char* floats = "nothing: the body has no supports, it floats and moves by its own inertia";
-  const char* hold = "structure.plate.supports, or supports of its boxes or mesh";
-  if (p.motion && !held) throw t.table("motion").error("file", floats, hold);
+  const char* remedy = "structure.plate.supports, or supports of its boxes or mesh";
+  if (p.motion && !supported) throw t.table("motion").error("file", floats, remedy);
   if (p.body.lumped_mass == 0) return;
-  if (!held) throw lumped.error("mass", floats, hold);
+  if (!supported) throw lumped.error("mass", floats, remedy);
   if (!p.free.translates())
     throw lumped.error("mass", "0: the supports are driven, whatever their mass", "structure.free.y = true");
 }

@@ -33,7 +33,7 @@ SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>&
         {.help = side < 4 ? "clamped: all of the side; pinned: its middle line; roller: that line across "
                             "the side's normal; symmetry: all of it along the normal"
                           : "as left; three dimensions"});
-  supports.flag("all", box.held, {.help = "the whole part is held: a frame, a deck that is driven"});
+  supports.flag("all", box.constrained, {.help = "the whole part is held: a frame, a deck that is driven"});
   t.vector("initial_velocity", velocity, {.unit = "m/s", .help = initial_help});
   read_material(t.table("material", "of this part; keys that are not given: structure.material"),
                 box.material);
@@ -159,7 +159,7 @@ void read_parts(CaseTable t, bool all, Solid& solid, std::vector<Eigen::Vector3d
     const auto found = std::find_if(solid.parts.begin(), solid.parts.end(),
                                     [&](const Part& part) { return part.name == name; });
     Part spare, &part = found == solid.parts.end() ? spare : *found;
-    table.flag("held", part.held, {.help = "all of it moves with the supports"});
+    table.flag("held", part.constrained, {.help = "all of it moves with the supports"});
     Eigen::Vector3d initial = Eigen::Vector3d::Zero();
     table.vector("initial_velocity", initial, {.unit = "m/s", .help = initial_help});
     if (found != solid.parts.end())

@@ -12,9 +12,9 @@
 
 namespace strake::structure::ccx {
 
-/// CalculiX as a structure, on the mesh of the finite elements, as an independent reference. It has no
-/// interface for single steps; `ByWindow` and `Once` differ in how they call it. All values here are relative
-/// to the supports, which move at a constant velocity V, as in fem/solver.hpp.
+/// CalculiX as a structure, on the mesh of the finite elements: an umpire that nobody here wrote. It has no
+/// interface for single steps; how it is called is what `Stepwise` and `WholeHistory` differ in. All here is
+/// relative to the supports, which move at a constant velocity V, as in fem/solver.hpp.
 class CalculixSolver : public Solver {
  public:
   /// Throws Error(case_file) when CalculiX is not installed or has no such material.

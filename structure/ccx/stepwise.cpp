@@ -28,18 +28,18 @@ std::string as_bytes(const std::vector<std::int64_t>& numbers) {
 
 }  // namespace
 
-ByWindow::ByWindow(const Parameters& p, deck::Model model) : CalculixSolver(p, std::move(model)) {
+Stepwise::Stepwise(const Parameters& p, deck::Model model) : CalculixSolver(p, std::move(model)) {
   state_.now = at_rest();
   saved_ = state_;
 }
 
-void ByWindow::begin_at(Now found) {
+void Stepwise::begin_at(Now found) {
   state_ = State{};
   state_.now = std::move(found);
   saved_ = state_;
 }
 
-void ByWindow::advance(double t, double dt, const Load& load) {
+void Stepwise::advance(double t, double dt, const Load& load) {
   const std::string when = at_time(t + dt);
   deck::WindowLoad window = load_of({.t = t, .dt = dt}, load.mean(t, t + dt, interface().position.cols()));
   window.windows_before = state_.steps;
@@ -70,11 +70,11 @@ void ByWindow::advance(double t, double dt, const Load& load) {
   state_ = std::move(next);
 }
 
-Eigen::Vector3d ByWindow::momentum(const Now& at) const {
+Eigen::Vector3d Stepwise::momentum(const Now& at) const {
   return at.velocity * model_.node_mass;
 }
 
-Energy ByWindow::energy() const {
+Energy Stepwise::energy() const {
   const Eigen::Vector3d& v = model_.support_velocity;
   return {.kinetic =
               state_.kinetic + v.dot(momentum(state_.now)) + 0.5 * model_.node_mass.sum() * v.squaredNorm(),
@@ -82,7 +82,7 @@ Energy ByWindow::energy() const {
           .external = state_.external};
 }
 
-void ByWindow::write(Archive& archive) const {
+void Stepwise::write(Archive& archive) const {
   archive.real["ccx.displacement"] = saved_.now.displacement;
   archive.real["ccx.velocity"] = saved_.now.velocity;
   archive.real["ccx.body.displacement"] = saved_.now.body.displacement;
@@ -94,7 +94,7 @@ void ByWindow::write(Archive& archive) const {
   archive.integer["ccx.restart"] = as_numbers(saved_.restart ? *saved_.restart : std::string());
 }
 
-void ByWindow::read(const Archive& archive) {
+void Stepwise::read(const Archive& archive) {
   const auto real = [&](const std::string& name, Eigen::Index rows, Eigen::Index columns) {
     const auto found = archive.real.find(name);
     if (found == archive.real.end() || found->second.rows() != rows || found->second.cols() != columns)
@@ -124,7 +124,7 @@ void ByWindow::read(const Archive& archive) {
   saved_ = state_;
 }
 
-std::vector<std::string> ByWindow::lines() const {
+std::vector<std::string> Stepwise::lines() const {
   if (parameters_.analysis != Analysis::dynamic) return {headline()};
   return {headline(),
           "Newmark 1/4-1/2 with the mean load of a window; one call per window, each from the last one's "

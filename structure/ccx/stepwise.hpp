@@ -7,13 +7,13 @@
 
 namespace strake::structure::ccx {
 
-/// Calls CalculiX once per window, for any load. Each call continues from the restart file (*RESTART) of the
-/// last committed window and applies the window's mean force. That file is part of the state, so rewinds and
-/// checkpoints are exact. A call costs a start of the program, its reading and writing of the file, and two
-/// factorisations.
-class ByWindow final : public CalculixSolver {
+/// One call of CalculiX per window, whatever the load will be: each goes on from the restart file that the
+/// last committed window left (*RESTART), under the window's mean force. That file is part of the state, so
+/// going back and checkpoints are exact. A call costs a start of the program, its reading and writing of the
+/// file, and two factorisations.
+class Stepwise final : public CalculixSolver {
  public:
-  ByWindow(const Parameters&, deck::Model);
+  Stepwise(const Parameters&, deck::Model);
   void advance(double t, double dt, const Load&) override;
   /// As an observer at rest sees it.
   Energy energy() const override;

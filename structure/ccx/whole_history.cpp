@@ -56,7 +56,7 @@ InterfaceRecord no_load(const Parameters& p) {
   return record;
 }
 
-Once::Once(const Parameters& p, deck::Model model, const InterfaceRecord& record)
+WholeHistory::WholeHistory(const Parameters& p, deck::Model model, const InterfaceRecord& record)
     : CalculixSolver(p, std::move(model)) {
   require_same_mesh(record.mesh, interface(), p.load_run.string());
   for (std::size_t w = 0; w < record.windows.size(); ++w) {
@@ -75,12 +75,12 @@ Once::Once(const Parameters& p, deck::Model model, const InterfaceRecord& record
   saved_ = state_;
 }
 
-void Once::begin_at(Now found) {
+void WholeHistory::begin_at(Now found) {
   state_.now = std::move(found);
   saved_ = state_;
 }
 
-void Once::require_known(double t, double dt, const Load& load) const {
+void WholeHistory::require_known(double t, double dt, const Load& load) const {
   const std::string& source = parameters_.load_run.string();
   const double end = windows_.back().t + windows_.back().dt;
   if (t + dt > end + same_time * dt)
@@ -99,7 +99,7 @@ void Once::require_known(double t, double dt, const Load& load) const {
                 "structure.ccx.calls = \"window\" takes any load");
 }
 
-void Once::compute() {
+void WholeHistory::compute() {
   std::vector<deck::WindowLoad> loads;
   for (std::size_t w = 0; w < windows_.size(); ++w) loads.push_back(load_of(windows_[w], force_[w]));
   const double start = windows_.front().t;
@@ -128,7 +128,7 @@ void Once::compute() {
   std::move(fields.begin(), fields.end(), std::back_inserter(drawn_));
 }
 
-void Once::go_to(double time) {
+void WholeHistory::go_to(double time) {
   const auto [i, s] = place(computed_, time);
   const Printed &from = computed_[i], &to = computed_[i + 1];
   const Cubic between = Cubic::at(s, to.time - from.time);
@@ -148,23 +148,23 @@ void Once::go_to(double time) {
   now.body.von_mises = (1 - r) * before.von_mises + r * after.von_mises;
 }
 
-void Once::advance(double t, double dt, const Load& load) {
+void WholeHistory::advance(double t, double dt, const Load& load) {
   require_known(t, dt, load);
   if (computed_.empty()) compute();
   go_to(t + dt);
   ++state_.steps;
 }
 
-Energy Once::energy() const {
+Energy WholeHistory::energy() const {
   return {.kinetic = state_.kinetic, .strain = state_.strain, .external = 0};
 }
 
-void Once::write(Archive& archive) const {
+void WholeHistory::write(Archive& archive) const {
   archive.real["ccx.time"] = Eigen::MatrixXd::Constant(1, 1, saved_.now.time);
   archive.integer["ccx.steps"] = {saved_.steps};
 }
 
-void Once::read(const Archive& archive) {
+void WholeHistory::read(const Archive& archive) {
   state_.now = at_rest();
   state_.steps = static_cast<int>(archive.integer.at("ccx.steps").at(0));
   if (state_.steps > 0) {
@@ -174,7 +174,7 @@ void Once::read(const Archive& archive) {
   saved_ = state_;
 }
 
-std::vector<std::string> Once::lines() const {
+std::vector<std::string> WholeHistory::lines() const {
   const std::string load = parameters_.load_run.empty()
                                ? std::string("the case's own load")
                                : "the load recorded in " + parameters_.load_run.string();

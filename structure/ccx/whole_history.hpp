@@ -8,12 +8,12 @@
 
 namespace strake::structure::ccx {
 
-/// Calls CalculiX once for a whole run. Before the first window it computes the response to a load that is
-/// known; the windows then read it. The load that comes must be that one.
-class Once final : public CalculixSolver {
+/// One call of CalculiX for a whole run: before the first window it computes all of a load that is known,
+/// which windows then look up. The load that comes must be that one.
+class WholeHistory final : public CalculixSolver {
  public:
   /// The forces of a record on the case's own interface points, or, of the case's own load alone, none.
-  Once(const Parameters&, deck::Model, const InterfaceRecord&);
+  WholeHistory(const Parameters&, deck::Model, const InterfaceRecord&);
   void advance(double t, double dt, const Load&) override;
   /// In the frame of the supports; nothing is known of the load's work inside a window.
   Energy energy() const override;

@@ -6,7 +6,7 @@
 
 namespace strake::structure {
 
-double share_held(double first, double largest, double last) {
+double integrity_after(double first, double largest, double last) {
   if (first == 0) return 1;
   if (largest >= last) return 0;
   return first / largest * (last - largest) / (last - first);

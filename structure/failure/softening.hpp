@@ -15,7 +15,7 @@ namespace strake::structure {
 // G_c/(l_c y_0) dissipates G_c per area of a crack in a band of width l_c.
 
 /// 1 − D; y_0 = 0: not yet reached.
-double share_held(double first /* y_0 */, double largest /* y */, double last /* y_f */);
+double integrity_after(double first /* y_0 */, double largest /* y */, double last /* y_f */);
 
 /// max_principal or von_mises of a Cauchy stress [Pa].
 double equivalent_stress(FailureCriterion, const Eigen::Matrix3d& stress);

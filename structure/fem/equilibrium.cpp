@@ -27,7 +27,7 @@ double fastest_wave(const Solid& solid) {
 
 template <int dim>
 void FemSolver<dim>::solve_static() {
-  require_held(mesh());
+  require_constrained(mesh());
   constexpr double end_of_ramps = std::numeric_limits<double>::infinity();
   constexpr double smallest_part = 1.0 / 64;  // of the load
   const Eigen::VectorXd full = own_load(end_of_ramps);
@@ -41,7 +41,7 @@ void FemSolver<dim>::solve_static() {
     equilibrium.residual = [&](const Eigen::VectorXd& x) {
       const Eigen::VectorXd inside = internal_force(x, x, 0);
       Equilibrium::Residual r{.value = force - inside};
-      hold(r.value);
+      clear_constrained(r.value);
       r.scale = force.norm();
       r.floor = round_off(x, 0);
       return r;

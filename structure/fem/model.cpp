@@ -44,7 +44,7 @@ deck::Model model_of(const Parameters& p, const std::vector<ProbeKeys>& probes) 
   const Solid solid = elastic_solid(p);
   const Discretisation<dim> discretisation(solid, p.fem.degree, p.fem.refinement);
   const Mesh<dim>& mesh = discretisation.mesh();
-  if (p.analysis == Analysis::statics) require_held(mesh);
+  if (p.analysis == Analysis::statics) require_constrained(mesh);
 
   deck::Model m;
   m.dimension = dim;

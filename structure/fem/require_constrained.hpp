@@ -7,7 +7,7 @@ namespace strake::structure::fem {
 
 /// Statics need all rigid motions stopped: throws Error(case_file) otherwise.
 template <int dim>
-void require_held(const Mesh<dim>& mesh) {
+void require_constrained(const Mesh<dim>& mesh) {
   if (rigid_motions_left(mesh) > 0)
     throw Error(
         ExitCode::case_file, "structure.analysis = \"static\"",

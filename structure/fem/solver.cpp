@@ -44,12 +44,12 @@ FemSolver<dim>::FemSolver(const Parameters& p)
       recovery_(discretisation_.mesh()),
       method_(chosen(p.fem.linear_solver, dim, discretisation_.mesh().n_unknowns())),
       mass_(assembly_.mass()),
-      frame_(SupportFrame(p), mass_, discretisation_.mesh()),
+      support_motion_(SupportFrame(p), mass_, discretisation_.mesh()),
       interface_(surface(p)),
-      transfer_(discretisation_, interface_.position),
+      interpolation_(discretisation_, interface_.position),
       factors_(linear_solver()),
       fresh_factors_(linear_solver()) {
-  if (p.analysis == Analysis::statics) require_held(mesh());
+  if (p.analysis == Analysis::statics) require_constrained(mesh());
   const int n = mesh().n_unknowns();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
   stiffness_ = assembly_.tangent(zero);
@@ -62,7 +62,7 @@ FemSolver<dim>::FemSolver(const Parameters& p)
     for (int i = 0; i < mesh().n_nodes(); ++i)
       load_shape_.segment<dim>(dim * i) = area(i) * p.load.value.template head<dim>();
   } else if (p.load.kind == LoadKind::point) {
-    load_shape_ = Transfer<dim>(discretisation_, p.load.at).to_unknowns(p.load.value);
+    load_shape_ = PointInterpolation<dim>(discretisation_, p.load.at).to_unknowns(p.load.value);
   }
 
   first_frequency_ = frequencies(1, enough_for_a_line).front();
@@ -84,7 +84,7 @@ void FemSolver<dim>::start() {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(mesh().n_unknowns());
   state_ = {};
   state_.displacement = state_.velocity = state_.acceleration = state_.tangent_at = zero;
-  state_.frame = frame_.supports().start();
+  state_.frame = support_motion_.supports().start();
   Eigen::VectorXd met = zero;
   for (int c = 0; c < mesh().n_cells(); ++c)
     for (Eigen::Index a = 0; a < mesh().cell.rows(); ++a) {
@@ -97,30 +97,30 @@ void FemSolver<dim>::start() {
       met.template segment<dim>(dim * node).array() += 1;
     }
   state_.velocity = state_.velocity.cwiseQuotient(met);
-  hold(state_.velocity);
-  for (int i = 0; frame_.supports().turns() && i < mesh().n_nodes(); ++i)
+  clear_constrained(state_.velocity);
+  for (int i = 0; support_motion_.supports().turns() && i < mesh().n_nodes(); ++i)
     state_.velocity.template segment<dim>(dim * i) +=
-        frame_.supports().turning(state_.frame, place_of(i)).template head<dim>();
+        support_motion_.supports().turning(state_.frame, place_of(i)).template head<dim>();
   if (failure_) state_.damage = failure_->intact();
   if (!scheme_.mid_point) {
     const Eigen::VectorXd force = own_load(0);
-    const auto A = frame_.acceleration(scheme_, state_.frame, state_.frame, force, zero,
-                                       gravity_at(0).template head<dim>(), 1);
+    const auto A = support_motion_.acceleration(scheme_, state_.frame, state_.frame, force, zero,
+                                                gravity_at(0).template head<dim>(), 1);
     LinearSolver mass_factors = linear_solver();
     mass_factors.factorise(mass_, mesh().fixed);
-    Eigen::VectorXd r = force - frame_.inertia(A);
-    hold(r);
-    state_.acceleration = frame_.correction(mass_factors, 1)(mass_factors, r);
+    Eigen::VectorXd r = force - support_motion_.inertia(A);
+    clear_constrained(r);
+    state_.acceleration = support_motion_.correction(mass_factors, 1)(mass_factors, r);
     const auto at_start =
-        frame_.acceleration(scheme_, state_.frame, state_.frame, force, mass_ * state_.acceleration,
-                            gravity_at(0).template head<dim>(), 1);
+        support_motion_.acceleration(scheme_, state_.frame, state_.frame, force, mass_ * state_.acceleration,
+                                     gravity_at(0).template head<dim>(), 1);
     state_.frame.acceleration.template head<dim>() = at_start;
   }
   saved_ = state_;
 }
 
 template <int dim>
-void FemSolver<dim>::hold(Eigen::VectorXd& unknowns) const {
+void FemSolver<dim>::clear_constrained(Eigen::VectorXd& unknowns) const {
   for (const int i : mesh().fixed) unknowns(i) = 0;
 }
 
@@ -174,29 +174,29 @@ LinearSolver FemSolver<dim>::linear_solver() const {
 template <int dim>
 Eigen::Vector3d FemSolver<dim>::momentum() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  sum.head<dim>() = frame_.gained(state_.velocity, state_.frame.velocity);
+  sum.head<dim>() = support_motion_.gained(state_.velocity, state_.frame.velocity);
   return sum;
 }
 
 template <int dim>
 void FemSolver<dim>::restore() {
   state_ = saved_;
-  if (failure_) assembly_.damage(failure_->held(state_.damage));
+  if (failure_) assembly_.damage(failure_->integrity(state_.damage));
 }
 
 template <int dim>
 Points FemSolver<dim>::displacement() const {
-  return transfer_.at_points(state_.displacement).colwise() + state_.frame.displacement;
+  return interpolation_.at_points(state_.displacement).colwise() + state_.frame.displacement;
 }
 
 template <int dim>
 Points FemSolver<dim>::velocity() const {
-  return transfer_.at_points(state_.velocity).colwise() + state_.frame.velocity;
+  return interpolation_.at_points(state_.velocity).colwise() + state_.frame.velocity;
 }
 
 template <int dim>
 std::optional<Eigen::Vector3d> FemSolver<dim>::support_displacement(const Eigen::Vector3d& X) const {
-  return state_.frame.displacement + frame_.supports().turned(state_.frame, X);
+  return state_.frame.displacement + support_motion_.supports().turned(state_.frame, X);
 }
 
 template <int dim>
@@ -206,7 +206,8 @@ Energy FemSolver<dim>::energy() const {
     velocity.segment<dim>(dim * i) += state_.frame.velocity.template head<dim>();
   double lumped = 0;
   for (Eigen::Index axis = 0; axis < dim; ++axis)
-    lumped += 0.5 * frame_.lumped_mass(axis) * state_.frame.velocity[axis] * state_.frame.velocity[axis];
+    lumped +=
+        0.5 * support_motion_.lumped_mass(axis) * state_.frame.velocity[axis] * state_.frame.velocity[axis];
   return {.kinetic = 0.5 * velocity.dot(mass_ * velocity) + lumped,
           .strain = assembly_.strain_energy(state_.displacement),
           .external = state_.external,
@@ -214,10 +215,10 @@ Energy FemSolver<dim>::energy() const {
 }
 
 template <int dim>
-const Transfer<dim>& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
+const PointInterpolation<dim>& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
   const std::array<double, 3> key{X.x(), X.y(), X.z()};
   auto found = probes_.find(key);
-  if (found == probes_.end()) found = probes_.emplace(key, Transfer<dim>(discretisation_, X)).first;
+  if (found == probes_.end()) found = probes_.emplace(key, PointInterpolation<dim>(discretisation_, X)).first;
   return found->second;
 }
 
@@ -248,8 +249,8 @@ Stress FemSolver<dim>::stress_at(const Eigen::Vector3d& X) const {
 template <int dim>
 void FemSolver<dim>::set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd velocity) {
   assert(displacement.size() == mesh().n_unknowns() && velocity.size() == mesh().n_unknowns());
-  hold(displacement);
-  hold(velocity);
+  clear_constrained(displacement);
+  clear_constrained(velocity);
   state_.displacement = std::move(displacement);
   state_.velocity = std::move(velocity);
   saved_ = state_;

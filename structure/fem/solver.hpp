@@ -23,10 +23,10 @@ namespace strake::structure::fem {
 
 /// Dynamic elasticity of a body on driven supports by finite elements:
 ///   M ü + C u̇ + f(u) = F,  C = mass·M + stiffness·K(0)  (Rayleigh)
-/// The unknown is the displacement u relative to the supports, so that rounding acts on the deflection alone.
-/// The displacement D of the supports is added in all output. Where their frame is accelerated, by a table or
-/// as a lumped mass that is free, the inertia force −M 1 A acts on the body in it, see FrameMotion. The
-/// window's load is the mean force over the window; one window is one step.
+/// The unknown is the displacement u relative to the supports, so that rounding acts on the deflection alone;
+/// that of the supports, D, is added to what the outside sees. Where their frame is accelerated, by a table
+/// or as a lumped mass that is free, the body feels −M 1 A in it, see SupportMotion. The window's load is the
+/// mean force over the window; one window is one step.
 template <int dim>
 class FemSolver final : public Solver {
  public:
@@ -35,7 +35,7 @@ class FemSolver final : public Solver {
   void advance(double t, double dt, const Load&) override;
   Points displacement() const override;
   Points velocity() const override;
-  bool sends_velocity() const override { return !scheme_.mid_point || frame_.supports().by_table(); }
+  bool sends_velocity() const override { return !scheme_.mid_point || support_motion_.supports().by_table(); }
   double stable_dt() const override { return std::numeric_limits<double>::infinity(); }
   /// As an observer at rest sees it. `external` is the work of loads and supports, less what the damping
   /// took.
@@ -100,8 +100,8 @@ class FemSolver final : public Solver {
   void step(double t, double dt, const Load&, int halved);
   NewtonResult solve_softening(const State& old, const FrameState& told, const Eigen::VectorXd& force,
                                double dt, typename Damage<dim>::State& damage);
-  void hold(Eigen::VectorXd& unknowns) const;  // zero in the constrained unknowns
-  Eigen::Vector3d place_of(int node) const;    // in the reference [m]
+  void clear_constrained(Eigen::VectorXd& unknowns) const;
+  Eigen::Vector3d place_of(int node) const;  // in the reference [m]
   void turn_held(const FrameState&, Eigen::VectorXd& displacement) const;
   double work_of_turn(const State& old, const State& next, const Eigen::VectorXd& force,
                       const Eigen::VectorXd& inertia) const;
@@ -110,7 +110,7 @@ class FemSolver final : public Solver {
   std::string strain_line() const;
   std::string linear_systems_line() const;
   std::vector<double> frequencies(int count, double tolerance) const;
-  const Transfer<dim>& probe(const Eigen::Vector3d& X) const;
+  const PointInterpolation<dim>& probe(const Eigen::Vector3d& X) const;
 
   // Relative tolerance of an iterative solve for a correction. The rest is left to the next correction, since
   // Newton's method computes the residual anew.
@@ -131,9 +131,9 @@ class FemSolver final : public Solver {
   Matrix mass_, stiffness_;    // stiffness at u = 0
   Eigen::VectorXd node_mass_;  // [kg] row sums
   double largest_stiffness_ = 0;
-  FrameMotion<dim> frame_;
+  SupportMotion<dim> support_motion_;
   InterfaceMesh interface_;
-  Transfer<dim> transfer_;
+  PointInterpolation<dim> interpolation_;
   Eigen::VectorXd load_shape_;  // [N] of [structure.load] at full value
   double first_frequency_ = 0;  // [Hz]
   State state_, saved_;
@@ -142,7 +142,7 @@ class FemSolver final : public Solver {
   LinearSolver factors_, fresh_factors_;
   Eigen::VectorXd factors_at_;
   double factors_dt_ = 0;
-  mutable std::map<std::array<double, 3>, Transfer<dim>> probes_;
+  mutable std::map<std::array<double, 3>, PointInterpolation<dim>> probes_;
   mutable std::map<std::array<double, 3>, std::vector<typename Recovery<dim>::Share>> stress_probes_;
   int newton_iterations_ = 0, factorisations_ = 0;
 };

@@ -63,7 +63,7 @@ void FemSolver<dim>::read(const Archive& archive) {
   state_.tangent_dt = scalars(2);
   const Eigen::Matrix<double, 3, 4> frame = vector("fem.frame", 12).reshaped(3, 4);
   state_.frame = {.displacement = frame.col(0), .velocity = frame.col(1), .acceleration = frame.col(2)};
-  const FrameState told = frame_.supports().prescribed(state_.time);
+  const FrameState told = support_motion_.supports().prescribed(state_.time);
   state_.frame.angle = told.angle;
   state_.frame.angular_velocity = told.angular_velocity;
   state_.reaction = frame.col(3);
@@ -76,7 +76,7 @@ void FemSolver<dim>::read(const Archive& archive) {
     damage.record = FailureRecord::from(archive.real.at("fem.failure"));
     damage.released = archive.real.at("fem.released")(0);
     damage.eroded = archive.integer.at("fem.eroded").at(0);
-    assembly_.damage(failure_->held(damage));
+    assembly_.damage(failure_->integrity(damage));
   }
   saved_ = state_;
 }
@@ -177,7 +177,8 @@ std::vector<std::string> FemSolver<dim>::lines() const {
                   scheme_.mid_point
                       ? std::string("Newmark 1/4-1/2 with the mean load of a window")
                       : fmt::format("generalised-alpha, rho_infinity {:g}", parameters_.fem.rho_infinity))};
-  if (std::string line = frame_line(frame_.supports(), dim); !line.empty()) lines.push_back(std::move(line));
+  if (std::string line = frame_line(support_motion_.supports(), dim); !line.empty())
+    lines.push_back(std::move(line));
   if (std::string line = strain_line(); !line.empty()) lines.push_back(std::move(line));
   lines.push_back(linear_systems_line());
   if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
@@ -189,7 +190,7 @@ std::vector<std::string> FemSolver<dim>::lines() const {
 
 template <int dim>
 std::vector<Column> FemSolver<dim>::columns() const {
-  std::vector<Column> columns = frame_columns(frame_.supports(), dim);
+  std::vector<Column> columns = frame_columns(support_motion_.supports(), dim);
   if (failure_)
     for (const char* name : {"failure.energy", "failure.cells", "failure.damage"})
       columns.push_back({name, std::string(name) == "failure.energy" ? "J" : "1"});
@@ -199,13 +200,13 @@ std::vector<Column> FemSolver<dim>::columns() const {
 template <int dim>
 std::map<std::string, double> FemSolver<dim>::monitor() const {
   std::map<std::string, double> monitor =
-      frame_monitor(frame_.supports(), dim, state_.frame, state_.reaction);
+      frame_monitor(support_motion_.supports(), dim, state_.frame, state_.reaction);
   if (given_up_->times > 0) monitor["count.factors_for_iterations"] = given_up_->times;
   if (!failure_) return monitor;
   const auto& damage = state_.damage;
   monitor["failure.energy"] = damage.released;
   monitor["failure.cells"] = static_cast<double>(damage.eroded);
-  monitor["failure.damage"] = 1 - failure_->held(damage).minCoeff();
+  monitor["failure.damage"] = 1 - failure_->integrity(damage).minCoeff();
   damage.record.report(monitor);
   return monitor;
 }

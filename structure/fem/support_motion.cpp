@@ -8,13 +8,13 @@
 namespace strake::structure::fem {
 
 template <int dim>
-FrameMotion<dim>::FrameMotion(SupportFrame supports, const Matrix& mass, const Mesh<dim>& mesh)
+SupportMotion<dim>::SupportMotion(SupportFrame supports, const Matrix& mass, const Mesh<dim>& mesh)
     : supports_(std::move(supports)), carried_(mesh.n_unknowns(), dim) {
-  std::array<bool, 3> held{};
-  for (const int unknown : mesh.fixed) held[static_cast<std::size_t>(unknown % dim)] = true;
+  std::array<bool, 3> constrained{};
+  for (const int unknown : mesh.fixed) constrained[static_cast<std::size_t>(unknown % dim)] = true;
   std::vector<int> axes;
   for (int axis = 0; axis < dim; ++axis) {
-    if (!held[static_cast<std::size_t>(axis)]) supports_.stays_out(axis);
+    if (!constrained[static_cast<std::size_t>(axis)]) supports_.stays_out(axis);
     Eigen::VectorXd one = Eigen::VectorXd::Zero(mesh.n_unknowns());
     for (int i = 0; i < mesh.n_nodes(); ++i) one(dim * i + axis) = 1;
     carried_.col(axis) = mass * one;
@@ -33,11 +33,9 @@ FrameMotion<dim>::FrameMotion(SupportFrame supports, const Matrix& mass, const M
 
 // A prescribed axis has the mean of the step: of trapezoidal steps (V1 − V0)/dt, so that momentum is exact.
 template <int dim>
-typename FrameMotion<dim>::Vector FrameMotion<dim>::acceleration(const TimeScheme& scheme,
-                                                                 const FrameState& from, const FrameState& to,
-                                                                 const Eigen::VectorXd& force,
-                                                                 const Eigen::VectorXd& inertia,
-                                                                 const Vector& gravity, double dt) const {
+typename SupportMotion<dim>::Vector SupportMotion<dim>::acceleration(
+    const TimeScheme& scheme, const FrameState& from, const FrameState& to, const Eigen::VectorXd& force,
+    const Eigen::VectorXd& inertia, const Vector& gravity, double dt) const {
   Vector A;
   for (int axis = 0; axis < dim; ++axis) {
     if (supports_.is_free(axis)) {
@@ -54,7 +52,7 @@ typename FrameMotion<dim>::Vector FrameMotion<dim>::acceleration(const TimeSchem
 }
 
 template <int dim>
-FrameState FrameMotion<dim>::prescribed(const FrameState& from, double time) const {
+FrameState SupportMotion<dim>::prescribed(const FrameState& from, double time) const {
   FrameState to = supports_.prescribed(time);
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     if (!supports_.is_free(axis)) continue;
@@ -67,8 +65,8 @@ FrameState FrameMotion<dim>::prescribed(const FrameState& from, double time) con
 
 // The scheme's own formulas; by the trapezoidal rule A_m is all that a step leaves.
 template <int dim>
-void FrameMotion<dim>::advance(const TimeScheme& scheme, const FrameState& from, const Vector& A, double dt,
-                               FrameState& to) const {
+void SupportMotion<dim>::advance(const TimeScheme& scheme, const FrameState& from, const Vector& A, double dt,
+                                 FrameState& to) const {
   for (int axis = 0; axis < dim; ++axis) {
     if (!supports_.is_free(axis)) continue;
     const double V0 = from.velocity[axis], A0 = scheme.mid_point ? A[axis] : from.acceleration[axis];
@@ -81,14 +79,14 @@ void FrameMotion<dim>::advance(const TimeScheme& scheme, const FrameState& from,
 }
 
 template <int dim>
-typename FrameMotion<dim>::Vector FrameMotion<dim>::gained(const Eigen::VectorXd& velocity_change,
-                                                           const Eigen::Vector3d& frame_change) const {
+typename SupportMotion<dim>::Vector SupportMotion<dim>::gained(const Eigen::VectorXd& velocity_change,
+                                                               const Eigen::Vector3d& frame_change) const {
   return carried_.transpose() * velocity_change + mass_.cwiseProduct(frame_change.head<dim>());
 }
 
 template <int dim>
-typename FrameMotion<dim>::Correction FrameMotion<dim>::correction(const LinearSolver& A,
-                                                                   double kappa) const {
+typename SupportMotion<dim>::Correction SupportMotion<dim>::correction(const LinearSolver& A,
+                                                                       double kappa) const {
   Correction result;
   if (W_.cols() == 0) return result;
   result.W_ = &W_;
@@ -101,14 +99,14 @@ typename FrameMotion<dim>::Correction FrameMotion<dim>::correction(const LinearS
 }
 
 template <int dim>
-Eigen::VectorXd FrameMotion<dim>::Correction::operator()(const LinearSolver& A, const Eigen::VectorXd& r,
-                                                         double tolerance) const {
+Eigen::VectorXd SupportMotion<dim>::Correction::operator()(const LinearSolver& A, const Eigen::VectorXd& r,
+                                                           double tolerance) const {
   Eigen::VectorXd x = A.solve(r, tolerance);
   if (W_ != nullptr) x += Z_ * (S_inverse_ * (W_->transpose() * x));
   return x;
 }
 
-template class FrameMotion<2>;
-template class FrameMotion<3>;
+template class SupportMotion<2>;
+template class SupportMotion<3>;
 
 }  // namespace strake::structure::fem

@@ -15,11 +15,11 @@ namespace strake::structure::fem {
 /// The supports' forces on body and frame are opposite, so that only loads change the momentum of both. A_k
 /// depends on a alone and is eliminated. F has entries in constrained unknowns too.
 template <int dim>
-class FrameMotion {
+class SupportMotion {
  public:
   using Vector = Eigen::Matrix<double, dim, 1>;
 
-  FrameMotion(SupportFrame, const Matrix& mass, const Mesh<dim>&);
+  SupportMotion(SupportFrame, const Matrix& mass, const Mesh<dim>&);
   const SupportFrame& supports() const { return supports_; }
 
   /// Acceleration A_m of a step to `to`, whose prescribed axes are filled in. force: load F; inertia: M a_m
@@ -45,7 +45,7 @@ class FrameMotion {
     Eigen::VectorXd operator()(const LinearSolver&, const Eigen::VectorXd& r, double tolerance = 1e-12) const;
 
    private:
-    friend class FrameMotion;
+    friend class SupportMotion;
     const Eigen::MatrixXd* W_ = nullptr;
     Eigen::MatrixXd Z_, S_inverse_;  // A⁻¹ W; S = (m + M_L)/κ − Wᵀ Z
   };

@@ -60,7 +60,7 @@ Eigen::VectorXd FemSolver<dim>::load_of_window(double t, double dt, const Load& 
     throw Error(ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", time),
                 "the load on the interface is not finite",
                 "see the fluid's log; lower coupling.surface.window");
-  return own_load(time) + transfer_.to_unknowns(on_points);
+  return own_load(time) + interpolation_.to_unknowns(on_points);
 }
 
 // C v_α for the step from `old` to u1.
@@ -79,21 +79,23 @@ Eigen::Matrix<double, dim, 1> FemSolver<dim>::frame_acceleration(const State& ol
                                                                  const Eigen::VectorXd& inertia,
                                                                  double dt) const {
   const Eigen::Vector3d gravity = gravity_at(old.time + (1 - scheme_.alpha_f) * dt);
-  return frame_.acceleration(scheme_, old.frame, told, force, inertia, gravity.template head<dim>(), dt);
+  return support_motion_.acceleration(scheme_, old.frame, told, force, inertia, gravity.template head<dim>(),
+                                      dt);
 }
 
 // Held unknowns of turning supports are not zero: Newton's method leaves them as its start has them.
 template <int dim>
 void FemSolver<dim>::turn_held(const FrameState& frame, Eigen::VectorXd& u) const {
-  if (!frame_.supports().turns()) return;
-  for (const int i : mesh().fixed) u(i) = frame_.supports().turned(frame, place_of(i / dim))(i % dim);
+  if (!support_motion_.supports().turns()) return;
+  for (const int i : mesh().fixed)
+    u(i) = support_motion_.supports().turned(frame, place_of(i / dim))(i % dim);
 }
 
 // Work of the supports' forces on constrained unknowns, f + M a_m + M 1 A − F, along their displacement.
 template <int dim>
 double FemSolver<dim>::work_of_turn(const State& old, const State& next, const Eigen::VectorXd& force,
                                     const Eigen::VectorXd& inertia) const {
-  if (!frame_.supports().turns()) return 0;
+  if (!support_motion_.supports().turns()) return 0;
   const Eigen::VectorXd inside = internal_force(old.displacement, next.displacement, scheme_.alpha_f);
   double work = 0;
   for (const int i : mesh().fixed)
@@ -112,15 +114,15 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   equilibrium.residual = [&](const Eigen::VectorXd& u1) {
     const Eigen::VectorXd inside = internal_force(old.displacement, u1, scheme_.alpha_f);
     Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
-    inertia += frame_.inertia(frame_acceleration(old, told, force, inertia, dt));
+    inertia += support_motion_.inertia(frame_acceleration(old, told, force, inertia, dt));
     Equilibrium::Residual r{.value = force - inside - damping_force(old, u1, dt) - inertia};
-    hold(r.value);
+    clear_constrained(r.value);
     r.scale = std::max({force.norm(), inside.norm(), inertia.norm()});
     r.floor = round_off(u1, kappa);
     return r;
   };
   LinearSolver* factors = &factors_;
-  auto correction = frame_.correction(*factors, kappa);
+  auto correction = support_motion_.correction(*factors, kappa);
   equilibrium.correction = [&](const Eigen::VectorXd& r) {
     return correction(*factors, r, enough_of_a_correction);
   };
@@ -134,7 +136,7 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
                                ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
                                : assembly_.tangent(u1);
     if (!fresh_factors_.factorise(effective(tangent, dt), mesh().fixed)) return false;
-    correction = frame_.correction(fresh_factors_, kappa);
+    correction = support_motion_.correction(fresh_factors_, kappa);
     return true;
   };
   Eigen::VectorXd from = start;
@@ -155,7 +157,7 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
 template <int dim>
 void FemSolver<dim>::account(const State& old, const Eigen::VectorXd& force, double dt, State& next) const {
   const Eigen::Vector3d gained = next.frame.velocity - old.frame.velocity;
-  const auto momentum = frame_.gained(next.velocity - old.velocity, gained);
+  const auto momentum = support_motion_.gained(next.velocity - old.velocity, gained);
   const Eigen::Vector3d V = 0.5 * (old.frame.velocity + next.frame.velocity);
   next.external +=
       (force - damping_force(old, next.displacement, dt)).dot(next.displacement - old.displacement) +
@@ -164,7 +166,7 @@ void FemSolver<dim>::account(const State& old, const Eigen::VectorXd& force, dou
   for (int axis = 0; axis < dim; ++axis) {
     double loads = 0;
     for (Eigen::Index i = axis; i < force.size(); i += dim) loads += force[i];
-    next.reaction[axis] = (momentum[axis] - frame_.lumped_mass(axis) * gained[axis]) / dt - loads;
+    next.reaction[axis] = (momentum[axis] - support_motion_.lumped_mass(axis) * gained[axis]) / dt - loads;
   }
 }
 
@@ -187,13 +189,13 @@ void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
   use_tangent(next);
 
   const Eigen::VectorXd force = load_of_window(t, dt, load);
-  next.frame = frame_.prescribed(old.frame, t + dt);
+  next.frame = support_motion_.prescribed(old.frame, t + dt);
   const NewtonResult result =
       failure_ ? solve_softening(old, next.frame, force, dt, next.damage)
                : solve_step(old, next.frame, force, dt, old.displacement + dt * old.velocity);
   if (failure_ && halved < most_halvings &&
-      (failure_->held(old.damage) - failure_->held(next.damage)).maxCoeff() > largest_fall) {
-    assembly_.damage(failure_->held(old.damage));
+      (failure_->integrity(old.damage) - failure_->integrity(next.damage)).maxCoeff() > largest_fall) {
+    assembly_.damage(failure_->integrity(old.damage));
     step(t, 0.5 * dt, load, halved + 1);
     step(t + 0.5 * dt, 0.5 * dt, load, halved + 1);
     return;
@@ -204,9 +206,9 @@ void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
   next.acceleration = scheme_.acceleration(leap, old.acceleration, dt);
   const Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(leap, old.acceleration, dt);
   const auto A = frame_acceleration(old, next.frame, force, inertia, dt);
-  frame_.advance(scheme_, old.frame, A, dt, next.frame);
+  support_motion_.advance(scheme_, old.frame, A, dt, next.frame);
   account(old, force, dt, next);
-  next.external += work_of_turn(old, next, force, inertia + frame_.inertia(A));
+  next.external += work_of_turn(old, next, force, inertia + support_motion_.inertia(A));
   if (result.refreshed || result.iterations > iterations_of_a_good_tangent ||
       next.damage.released != old.damage.released)
     next.tangent_at = result.x;
@@ -226,7 +228,7 @@ NewtonResult FemSolver<dim>::solve_softening(const State& old, const FrameState&
                                              typename Damage<dim>::State& damage) {
   constexpr int most_passes = 40;
   constexpr double still = 1e-3;  // of a share
-  const Eigen::VectorXd before = failure_->held(old.damage);
+  const Eigen::VectorXd before = failure_->integrity(old.damage);
   Eigen::VectorXd carried = before;
   NewtonResult result;
   Eigen::VectorXd start = old.displacement + dt * old.velocity;
@@ -235,13 +237,13 @@ NewtonResult FemSolver<dim>::solve_softening(const State& old, const FrameState&
     result = solve_step(old, told, force, dt, start);
     damage = old.damage;
     if (!failure_->look(result.x, old.time + dt, damage)) break;
-    const Eigen::VectorXd mean = 0.5 * (before + failure_->held(damage));
+    const Eigen::VectorXd mean = 0.5 * (before + failure_->integrity(damage));
     const double change = (mean - carried).cwiseAbs().maxCoeff();
     if (change <= still || pass == most_passes) break;
     carried = mean;
     start = result.x;
   }
-  const Eigen::VectorXd after = failure_->held(damage);
+  const Eigen::VectorXd after = failure_->integrity(damage);
   if (after != before || carried != before) {
     const double work = assembly_.strain_energy(result.x) - assembly_.strain_energy(old.displacement);
     assembly_.damage(before);

@@ -74,7 +74,7 @@ Bonds<dim> make_bonds(const Lattice<dim>& lattice, double radius) {
   bonds.weight = Eigen::Map<const Eigen::VectorXd>(w.data(), m);
   bonds.shape_inverse.resize(dim * dim, n);
   bonds.inverse_moment.resize(n);
-  bonds.hold = Eigen::VectorXd::Ones(n);
+  bonds.integrity = Eigen::VectorXd::Ones(n);
   for (Eigen::Index i = 0; i < n; ++i) find_shape<dim>(bonds, i);
   return bonds;
 }

@@ -24,7 +24,7 @@ struct Bonds {
   double radius = 0;                    // [spacing]
   Tensors<dim> shape_inverse;           // [1/m²] A_i⁻¹ of A_i = Σ_j w⁰ r⁰⊗r⁰, column-major
   Eigen::VectorXd inverse_moment;       // n [1/m²] (dim/2)/Σ_j w⁰ |r⁰|²
-  Eigen::VectorXd hold;                 // n share of its stress that a particle still carries, 1: intact
+  Eigen::VectorXd integrity;            // n share of its stress that a particle still carries, 1: intact
 
   Eigen::Index size() const { return inverse_moment.size(); }
   Eigen::Index first(Eigen::Index i) const { return start[static_cast<std::size_t>(i)]; }

@@ -16,7 +16,7 @@ using Eigen::Index;
 
 /// A place of the body and the axes along which it is constrained.
 template <int dim>
-struct Held {
+struct ConstrainedPlace {
   Eigen::Vector3d at;
   std::array<bool, dim> along{};
 };
@@ -76,24 +76,24 @@ Points middle_line(const Solid& solid, const SupportedFace& face, Index normal, 
 }
 
 template <int dim>
-std::vector<Held<dim>> held_places(const Lattice<dim>& lattice, const Solid& solid) {
-  std::vector<Held<dim>> held;
+std::vector<ConstrainedPlace<dim>> constrained_places(const Lattice<dim>& lattice, const Solid& solid) {
+  std::vector<ConstrainedPlace<dim>> places;
   for (const SupportedFace& face : solid.supported) {
     if (face.support == Support::free || face.support == Support::clamped) continue;
     const Index normal = axis_of(solid, face);
-    Points places = crossings<dim>(lattice, solid, face, normal);
+    Points points = crossings<dim>(lattice, solid, face, normal);
     Index across = 0;
-    if (face.support != Support::symmetry) places = middle_line<dim>(solid, face, normal, places, across);
-    for (Index i = 0; i < places.cols(); ++i) {
-      Held<dim> place{.at = places.col(i)};
+    if (face.support != Support::symmetry) points = middle_line<dim>(solid, face, normal, points, across);
+    for (Index i = 0; i < points.cols(); ++i) {
+      ConstrainedPlace<dim> place{.at = points.col(i)};
       for (int axis = 0; axis < dim; ++axis)
         place.along[static_cast<std::size_t>(axis)] = face.support == Support::pinned ||
                                                       (face.support == Support::roller && axis == across) ||
                                                       (face.support == Support::symmetry && axis == normal);
-      held.push_back(place);
+      places.push_back(place);
     }
   }
-  return held;
+  return places;
 }
 
 }  // namespace
@@ -102,16 +102,16 @@ template <int dim>
 Constraints<dim>::Constraints(const Lattice<dim>& lattice, const Solid& solid, const Eigen::VectorXd& mass,
                               const Vector& frame_mass)
     : mass_(mass) {
-  const std::vector<Held<dim>> held = held_places<dim>(lattice, solid);
-  if (held.empty()) return;
-  Points at(3, static_cast<Index>(held.size()));
-  for (std::size_t k = 0; k < held.size(); ++k) at.col(static_cast<Index>(k)) = held[k].at;
+  const std::vector<ConstrainedPlace<dim>> places = constrained_places<dim>(lattice, solid);
+  if (places.empty()) return;
+  Points at(3, static_cast<Index>(places.size()));
+  for (std::size_t k = 0; k < places.size(); ++k) at.col(static_cast<Index>(k)) = places[k].at;
   const SparseRows N = interpolation<dim>(lattice, at);
   for (std::size_t axis = 0; axis < dim; ++axis) {
     std::vector<Eigen::Triplet<double>> entries;
     std::vector<double> of_frame;
-    for (std::size_t k = 0; k < held.size(); ++k) {
-      if (!held[k].along[axis]) continue;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      if (!places[k].along[axis]) continue;
       const auto row = static_cast<int>(of_frame.size());
       double sum = 0, size = 0;
       for (SparseRows::InnerIterator entry(N, static_cast<Index>(k)); entry; ++entry) {
@@ -166,9 +166,9 @@ std::array<Eigen::VectorXd, dim> Constraints<dim>::gap(const Vectors<dim>& displ
 
 //   (N M⁻¹ Nᵀ + b bᵀ/m) λ = −gap/dt − (N v − b V),   v += M⁻¹ Nᵀ λ,   V −= bᵀλ/m
 template <int dim>
-typename Constraints<dim>::Vector Constraints<dim>::hold(Vectors<dim>& velocity, Vector& frame_velocity,
-                                                         const std::array<Eigen::VectorXd, dim>* gap,
-                                                         double dt) const {
+typename Constraints<dim>::Vector Constraints<dim>::project(Vectors<dim>& velocity, Vector& frame_velocity,
+                                                            const std::array<Eigen::VectorXd, dim>* gap,
+                                                            double dt) const {
   Vector impulse = Vector::Zero();
   const auto now = this->gap(velocity, frame_velocity);
   for (std::size_t axis = 0; axis < dim; ++axis) {

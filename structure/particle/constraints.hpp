@@ -28,11 +28,11 @@ class Constraints {
 
   bool any() const;
   bool along(int axis) const { return axis_[static_cast<std::size_t>(axis)] != nullptr; }
-  /// Corrects velocities [m/s] so that they fulfil the equations up to `gap`/dt. It applies impulses on the
-  /// particles and on a free frame. `gap` is the result of `gap()`; without it only the derivative is
-  /// fulfilled. Returns the impulse [N s] of the supports on the body.
-  Vector hold(Vectors<dim>& velocity, Vector& frame_velocity, const std::array<Eigen::VectorXd, dim>* gap,
-              double dt) const;
+  /// Gives velocities [m/s] that fulfil the equations but for `gap`/dt, by impulses on the particles and on a
+  /// free frame; `gap` is what `gap()` says, or nothing for the derivative alone. The impulse [N s] of the
+  /// supports on the body comes back.
+  Vector project(Vectors<dim>& velocity, Vector& frame_velocity, const std::array<Eigen::VectorXd, dim>* gap,
+                 double dt) const;
   /// Σ_free N_j u_j − b D of each equation [m].
   std::array<Eigen::VectorXd, dim> gap(const Vectors<dim>& displacement, const Vector& frame) const;
   /// The equations as matrix rows over the unknowns that `first` numbers. Particle i has first[i] + axis, or

@@ -109,7 +109,7 @@ double Failure<dim>::last(double onset) const {
 
 template <int dim>
 double Failure<dim>::softening(Eigen::Index i, const State& state) const {
-  return 1 - share_held(state.onset[i], state.peak[i], state.onset[i] == 0 ? 0 : last(state.onset[i]));
+  return 1 - integrity_after(state.onset[i], state.peak[i], state.onset[i] == 0 ? 0 : last(state.onset[i]));
 }
 
 //   Y = ψ(F) + ½ α E (dim/2)/(Σ w⁰|r⁰|²) Σ_j w⁰ |e_ij|²,   e_ij = u_ij − H r⁰_ij
@@ -243,7 +243,7 @@ void Failure<dim>::apply(const State& state) {
     for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b)
       bonds_.weight[b] = state.broken[static_cast<std::size_t>(b)] ? 0 : weight_[b];
     find_shape<dim>(bonds_, i);
-    if (state.peak.size() > 0) bonds_.hold[i] = 1 - softening(i, state);
+    if (state.peak.size() > 0) bonds_.integrity[i] = 1 - softening(i, state);
   }
 }
 
@@ -263,7 +263,7 @@ Eigen::RowVectorXd Failure<dim>::damage(const State& state) const {
 }
 
 template <int dim>
-std::vector<std::string> Failure<dim>::lines(bool wet_surface) const {
+std::vector<std::string> Failure<dim>::lines(bool surface_coupling) const {
   std::vector<std::string> lines;
   if (keys_.criterion == FailureCriterion::bond_strain) {
     const std::string by = keys_.critical_strain > 0
@@ -288,7 +288,7 @@ std::vector<std::string> Failure<dim>::lines(bool wet_surface) const {
   lines.push_back(
       "failure has no plastic flow, no contact between the faces of a crack, and paths that follow the "
       "lattice; no mass is lost");
-  lines.push_back(wet_surface
+  lines.push_back(surface_coupling
                       ? "the wet surface stays closed over a crack: the faces of a crack are not wetted"
                       : "water sees the particles themselves, those at the faces of a crack too");
   return lines;

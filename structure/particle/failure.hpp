@@ -14,11 +14,12 @@ namespace strake::structure {
 ///   bond_strain    a bond breaks when s = (|r| − |r⁰|)/|r⁰| exceeds s_c
 ///   max_principal, von_mises
 ///                  a particle softens from where that stress first reaches the strength (softening.hpp), Y
-///                  with the energy of its hourglass form. The remaining share 1 − D is kept in Bonds::hold;
-///                  a bond of a particle that has lost all of it breaks when it is stretched by more than
-///                  ½√(2/E') y_f: all that cross the opening do by then (E' = E/(1 − ν²) in plane strain).
-///                  Bonds that neighbours have broken leave a particle a smaller F: so a bond breaks at the
-///                  latest when it is longer by the opening at which a whole row would be through.
+///                  with the energy of its hourglass form. The remaining share 1 − D is kept in
+///                  Bonds::integrity; a bond of a particle that has lost all of it breaks when it is
+///                  stretched by more than ½√(2/E') y_f: all that cross the opening do by then (E' = E/(1 −
+///                  ν²) in plane strain). Bonds that neighbours have broken leave a particle a smaller F: so
+///                  a bond breaks at the latest when it is longer by the opening at which a whole row would
+///                  be through.
 /// l_c: see crack_band.
 template <int dim>
 class Failure {
@@ -40,8 +41,8 @@ class Failure {
   void apply(const State&);
   /// D_i = 1 − (1 − D of softening) Σ_alive w⁰/Σ w⁰ of each particle.
   Eigen::RowVectorXd damage(const State&) const;
-  /// Lines on the chosen criterion, and on what it can and cannot represent.
-  std::vector<std::string> lines(bool wet_surface) const;
+  /// What is asked for, and what it can and cannot represent.
+  std::vector<std::string> lines(bool surface_coupling) const;
 
  private:
   double last(double onset) const;

@@ -43,9 +43,9 @@ Placement<dim> filled(const Solid& solid, double spacing) {
     Cell first, end;
     for (int axis = 0; axis < dim; ++axis) std::tie(first[axis], end[axis]) = grid.range(c, axis);
     const int part = solid.part_of[static_cast<std::size_t>(c)];
-    const bool held = solid.parts[static_cast<std::size_t>(part)].held;
+    const bool constrained = solid.parts[static_cast<std::size_t>(part)].constrained;
     for_each_cell<dim>(first, end, [&](const Cell& at) {
-      placement.sites[at] = {.part = part, .fixed = held, .inside = true, .share = 1};
+      placement.sites[at] = {.part = part, .fixed = constrained, .inside = true, .share = 1};
     });
   }
   return placement;

@@ -130,7 +130,7 @@ Placement<dim> sampled(const Solid& solid, double spacing) {
     }
     if (whole == 0) return;
     site.share = whole;
-    site.fixed = solid.parts[static_cast<std::size_t>(site.part)].held;
+    site.fixed = solid.parts[static_cast<std::size_t>(site.part)].constrained;
     if (whole >= 0.5)
       placement.sites.emplace(at, site);
     else

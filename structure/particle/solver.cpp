@@ -98,8 +98,8 @@ Plate slenderest(const Parameters& p, const Lattice<dim>& lattice) {
   Plate plate;
   plate.length = lattice.extent.maxCoeff() * lattice.spacing;
   plate.thickness = lattice.layers * lattice.spacing;
-  const bool held = std::count(lattice.fixed.begin(), lattice.fixed.end(), 1) > 0;
-  plate.left = plate.right = held ? Support::clamped : Support::free;
+  const bool clamped = std::count(lattice.fixed.begin(), lattice.fixed.end(), 1) > 0;
+  plate.left = plate.right = clamped ? Support::clamped : Support::free;
   return plate;
 }
 
@@ -167,7 +167,7 @@ void ParticleSolver<dim>::start() {
               .template head<dim>();
   for (Eigen::Index i = 0; frame_.turns() && i < lattice_.size(); ++i)
     state_.velocity.col(i) += frame_.turning(state_.frame, X.col(i)).template head<dim>();
-  constraints_.hold(state_.velocity, V, nullptr, 1);
+  constraints_.project(state_.velocity, V, nullptr, 1);
   state_.frame.velocity.template head<dim>() = V;
 }
 
@@ -181,7 +181,7 @@ void ParticleSolver<dim>::set_velocity(const Vectors<dim>& velocity) {
   for (Eigen::Index i = 0; i < lattice_.size(); ++i)
     if (!lattice_.fixed[static_cast<std::size_t>(i)]) state_.velocity.col(i) = velocity.col(i);
   Vector V = state_.frame.velocity.template head<dim>();
-  constraints_.hold(state_.velocity, V, nullptr, 1);
+  constraints_.project(state_.velocity, V, nullptr, 1);
   state_.frame.velocity.template head<dim>() = V;
   state_.interface_velocity = state_.window_velocity = interpolate<dim>(to_interface_, state_.velocity);
   saved_ = state_;

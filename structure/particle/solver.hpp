@@ -86,7 +86,7 @@ class ParticleSolver final : public Solver {
   void sub_step(double dt, const Vectors<dim>& external, const Vector& gravity);
   Vector kick(double dt, const Vectors<dim>& external, const Vector& frame_velocity, bool first);
   Vector held_place(const FrameState&, Eigen::Index particle) const;
-  Vector held_velocity(const FrameState&, Eigen::Index particle) const;
+  Vector constrained_velocity(const FrameState&, Eigen::Index particle) const;
   Vector pull_on_frame(const Vectors<dim>& external, const Vector& gravity) const;
   double turn_half(double dt, bool first);
   void find_elastic_force();

@@ -104,7 +104,7 @@ Eigen::MatrixXd ParticleSolver<dim>::cauchy_stress() const {
     const Material& material = lattice_.material(i);
     const Matrix F = Matrix::Identity() + Eigen::Map<const Matrix>(H.col(i).data());
     const Matrix s =
-        bonds_.hold[i] * first_piola_kirchhoff<dim>(material, F) * F.transpose() / F.determinant();
+        bonds_.integrity[i] * first_piola_kirchhoff<dim>(material, F) * F.transpose() / F.determinant();
     if constexpr (dim == 2)
       stress.col(i) << s(0, 0), s(0, 1), 0, s(1, 1), 0,
           material.plane_stress ? 0 : material.poisson * s.trace();

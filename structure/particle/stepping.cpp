@@ -38,7 +38,7 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
     V[axis] = frame_.is_free(axis) ? V[axis] + (0.5 * h * first_pull[axis] + first_drag[axis]) / mass[axis]
                                    : (told.displacement[axis] - D[axis]) / h;
   const auto gap = constraints_.gap(state_.displacement, D);
-  Vector impulse = constraints_.hold(state_.velocity, V, &gap, h);
+  Vector impulse = constraints_.project(state_.velocity, V, &gap, h);
   state_.frame.angle = told.angle;
   state_.frame.angular_velocity = told.angular_velocity;
   Vector way = h * V;
@@ -71,7 +71,7 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
       loads += external.col(i);
       if (frame_.turns()) {
         const double m = lattice_.inside[static_cast<std::size_t>(i)] ? mass_[i] : 0;
-        const Vector before_v = held_velocity(old, i), after_v = held_velocity(told, i);
+        const Vector before_v = constrained_velocity(old, i), after_v = constrained_velocity(told, i);
         turned += 0.5 * m * (after_v.squaredNorm() - before_v.squaredNorm()) -
                   0.5 * (before.col(i) + state_.elastic_force.col(i)).dot(moved.col(i));
         carried += m * (after_v - before_v);
@@ -87,10 +87,10 @@ void ParticleSolver<dim>::sub_step(double h, const Vectors<dim>& external, const
   for (int axis = 0; axis < dim; ++axis)
     V[axis] = frame_.is_free(axis) ? V[axis] + (0.5 * h * second_pull[axis] + second_drag[axis]) / mass[axis]
                                    : told.velocity[axis];
-  impulse += constraints_.hold(state_.velocity, V, nullptr, h);
+  impulse += constraints_.project(state_.velocity, V, nullptr, h);
   for (Eigen::Index i = 0; i < n; ++i)
     if (lattice_.fixed[static_cast<std::size_t>(i)])
-      state_.velocity.col(i) = frame_.turns() ? held_velocity(told, i) : V;
+      state_.velocity.col(i) = frame_.turns() ? constrained_velocity(told, i) : V;
   state_.frame.velocity.template head<dim>() = V;
   state_.frame.acceleration.template head<dim>() = (V - V0) / h;
   if (model_->spins()) turn_half(h, false);
@@ -126,7 +126,7 @@ typename ParticleSolver<dim>::Vector ParticleSolver<dim>::held_place(const Frame
 }
 
 template <int dim>
-typename ParticleSolver<dim>::Vector ParticleSolver<dim>::held_velocity(const FrameState& frame,
+typename ParticleSolver<dim>::Vector ParticleSolver<dim>::constrained_velocity(const FrameState& frame,
                                                                         Eigen::Index i) const {
   Eigen::Vector3d X = Eigen::Vector3d::Zero();
   X.head<dim>() = lattice_.position.col(i);

@@ -21,7 +21,7 @@ TotalLagrangian<dim>::TotalLagrangian(const Lattice<dim>& lattice, const Bonds<d
 /// κ_i [Pa] ([Pa m]), less what softening took.
 template <int dim>
 Eigen::VectorXd TotalLagrangian<dim>::penalties() const {
-  return stiffness_.array() * bonds_.inverse_moment.array() * bonds_.hold.array();
+  return stiffness_.array() * bonds_.inverse_moment.array() * bonds_.integrity.array();
 }
 
 //   f_i = Σ_j w⁰ [(V P_i A_i⁻¹ + V P_j A_j⁻¹) r⁰_ij + κ_i e_ij − κ_j e_ji]
@@ -39,7 +39,7 @@ Vectors<dim> TotalLagrangian<dim>::force(const Vectors<dim>& u) const {
                  A = Eigen::Map<const Matrix>(bonds_.shape_inverse.col(i).data());
     const Matrix F = Matrix::Identity() + H;
     Eigen::Map<Matrix>(T.col(i).data()) =
-        lattice_.volume(i) * bonds_.hold[i] * first_piola_kirchhoff<dim>(lattice_.material(i), F) * A -
+        lattice_.volume(i) * bonds_.integrity[i] * first_piola_kirchhoff<dim>(lattice_.material(i), F) * A -
         penalty[i] * H;
   }
 
@@ -72,7 +72,7 @@ double TotalLagrangian<dim>::energy(const Vectors<dim>& u) const {
     double hourglass = 0;
     for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b)
       hourglass += bonds_.weight[b] * (u.col(bonds_.to(b)) - u.col(i) - Hi * bonds_.r0.col(b)).squaredNorm();
-    total += lattice_.volume(i) * bonds_.hold[i] * energy_density<dim>(lattice_.material(i), F) +
+    total += lattice_.volume(i) * bonds_.integrity[i] * energy_density<dim>(lattice_.material(i), F) +
              0.5 * penalty[i] * hourglass;
   }
   return total;

@@ -9,10 +9,10 @@ namespace strake::structure {
 /// the exact negative gradient of
 ///   U = Σ_i V ψ(F_i) + ½ Σ_i κ_i Σ_j w⁰_ij |e_ij|²,   e_ij = r_ij − F_i r⁰_ij,   κ_i = α E V
 ///   (dim/2) / Σ_k w⁰_ik |r⁰_ik|²
-/// The factor dim/2 compensates the growth of the sum with the dimension, so that a given α acts on a bond as
-/// in the plane. Linear momentum, angular momentum and energy are conserved, also across parts of different
-/// materials. A softening particle keeps the share Bonds::hold of its whole energy. References: Suzuki &
-/// Koshizuka 2008 (Hamiltonian MPS); the hourglass form is derived in structure/THEORY.md, section 5.1.
+/// (the sum grows with the number of dimensions: dim/2 keeps what a given α does to a bond of the plane), so
+/// that linear momentum, angular momentum and energy are kept, across parts of different materials too.
+/// A particle that softens keeps Bonds::integrity of its whole energy. References: Suzuki & Koshizuka 2008
+/// (Hamiltonian MPS); the hourglass form is derived in structure/THEORY.md, section 5.1.
 template <int dim>
 class TotalLagrangian final : public ElasticModel<dim> {
  public:

@@ -143,7 +143,7 @@ std::string draw_discretisation(Svg& svg, const View& view, const Frame& frame, 
   return fmt::format("{} particles, those of the clamps included", points);
 }
 
-void draw_wet(Svg& svg, const View& view, const InterfaceMesh& mesh) {
+void draw_surface(Svg& svg, const View& view, const InterfaceMesh& mesh) {
   std::string all;
   for (Index f = 0; f < mesh.faces.cols(); ++f)
     all += path(view, walk(mesh.position, mesh.faces, f), mesh.faces.rows() > 2);
@@ -178,7 +178,7 @@ void draw_supports(Svg& svg, const View& view, const Solid& solid, double top) {
   }
   for (Index c = 0; c < solid.cell.cols(); ++c) {
     const auto part = static_cast<std::size_t>(solid.part_of[static_cast<std::size_t>(c)]);
-    if (!solid.parts[part].held || solid.dimension == 3) continue;
+    if (!solid.parts[part].constrained || solid.dimension == 3) continue;
     std::vector<Vector3d> corner;
     for (const Index k : {0, 1, 3, 2}) corner.emplace_back(solid.node.col(solid.cell(k, c)));
     svg.add("<path d='{}' fill='#c1440e' fill-opacity='0.3'/>", path(view, corner, true));
@@ -215,7 +215,7 @@ std::string picture(const Solver& solver, const Parameters& p) {
   svg.add("<rect width='100%' height='100%' fill='white'/>");
   draw_parts(svg, view, solid);
   const std::string what = draw_discretisation(svg, view, frame, p);
-  draw_wet(svg, view, solver.interface());
+  draw_surface(svg, view, solver.interface());
   if (!solid.empty()) draw_supports(svg, view, solid, view(box.max).y());
   svg.add("<text x='{}' y='24' font-size='16' font-weight='bold' fill='#222'>{}</text>", margin, p.kind);
   svg.add("<text x='{}' y='44' fill='#444'>{}; wet surface of {} points</text>", margin, what,

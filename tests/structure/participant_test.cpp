@@ -106,7 +106,7 @@ TEST(StructureParticipant, CheckpointGoesOnBitEqualAndFramesAreWritten) {
 TEST(StructureParticipant, FeelsTheLoadOfItsWetFacesAlone) {
   Parameters p = paper_plate(2);
   StructureParticipant all = particles(p);
-  p.wet = {"bottom"};
+  p.loaded_faces = {"bottom"};
   StructureParticipant below = particles(p), idle = particles(p);
   const auto row = [&](double y) {  // a force on the points at one height, but for the corners
     Input input = push(below.mesh(), 0);

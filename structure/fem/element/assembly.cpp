@@ -65,9 +65,9 @@ Matrix Assembly<dim>::mass() const {
 }
 
 template <int dim>
-void Assembly<dim>::damage(Eigen::VectorXd held) {
+void Assembly<dim>::damage(Eigen::VectorXd integrity) {
   assert(!any_enhanced());
-  held_ = std::move(held);
+  integrity_ = std::move(integrity);
 }
 
 template class Assembly<2>;

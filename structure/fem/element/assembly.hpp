@@ -77,8 +77,8 @@ class Assembly {
 
   /// Share of its stress that each cell still carries; for compatible strains. At 0 a cell keeps `residual`
   /// of its stiffness, linear: it may turn and close without F to be turned inside out.
-  void damage(Eigen::VectorXd held);
-  bool intact() const { return held_.size() == 0 || held_.minCoeff() == 1; }
+  void damage(Eigen::VectorXd integrity);
+  bool intact() const { return integrity_.size() == 0 || integrity_.minCoeff() == 1; }
   static constexpr double residual = 1e-5;
 
  private:
@@ -91,8 +91,10 @@ class Assembly {
                                                                                    int cell) const;
 
   const Mesh<dim>& mesh_;
-  bool eroded(int cell) const { return held_.size() > 0 && held_(cell) == 0; }
-  double share(int cell) const { return held_.size() == 0 ? 1 : held_(cell) == 0 ? residual : held_(cell); }
+  bool eroded(int cell) const { return integrity_.size() > 0 && integrity_(cell) == 0; }
+  double share(int cell) const {
+    return integrity_.size() == 0 ? 1 : integrity_(cell) == 0 ? residual : integrity_(cell);
+  }
   const Material& of(int cell) const {
     if (eroded(cell)) return eroded_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])];
     return material(cell);
@@ -100,7 +102,7 @@ class Assembly {
   std::vector<Part> part_;
   std::vector<Material> eroded_;  // of the parts: linear
   std::vector<char> enhanced_;    // of the parts
-  Eigen::VectorXd held_;          // empty: intact
+  Eigen::VectorXd integrity_;     // empty: intact
   Matrix pattern_;
   std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin
 };

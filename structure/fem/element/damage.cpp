@@ -145,15 +145,16 @@ void Damage<dim>::note_parting(double time, State& state) const {
 }
 
 template <int dim>
-Eigen::VectorXd Damage<dim>::held(const State& state) const {
-  Eigen::VectorXd held(mesh_.n_cells());
-  for (int c = 0; c < mesh_.n_cells(); ++c) held(c) = share_held(state.onset(c), state.peak(c), state.end(c));
-  return held;
+Eigen::VectorXd Damage<dim>::integrity(const State& state) const {
+  Eigen::VectorXd integrity(mesh_.n_cells());
+  for (int c = 0; c < mesh_.n_cells(); ++c)
+    integrity(c) = integrity_after(state.onset(c), state.peak(c), state.end(c));
+  return integrity;
 }
 
 template <int dim>
 Eigen::RowVectorXd Damage<dim>::in_nodes(const State& state) const {
-  const Eigen::VectorXd share = held(state);
+  const Eigen::VectorXd share = integrity(state);
   Eigen::RowVectorXd damage = Eigen::RowVectorXd::Zero(mesh_.n_nodes());
   for (int c = 0; c < mesh_.n_cells(); ++c)
     for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)

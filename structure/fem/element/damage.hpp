@@ -41,7 +41,7 @@ class Damage {
   /// True if a displacement adds damage, which is then in the state.
   bool look(const Eigen::VectorXd& displacement, double time, State&) const;
   /// Share of its stiffness that each cell still has, 1 − D.
-  Eigen::VectorXd held(const State&) const;
+  Eigen::VectorXd integrity(const State&) const;
   /// D in the nodes, the largest of the cells that meet there.
   Eigen::RowVectorXd in_nodes(const State&) const;
   std::vector<std::string> lines() const;

@@ -76,9 +76,9 @@ bool symmetric(const RowMatrix& rows, const ColumnMatrix& columns) {
   return (rows.coeffs() - columns.coeffs()).abs().maxCoeff() <= round_off * rows.coeffs().abs().maxCoeff();
 }
 
-class Direct final : public LinearSolver::Method {
+class DirectSolver final : public LinearSolver::Method {
  public:
-  explicit Direct(bool cholesky) : try_cholesky_(cholesky) {}
+  explicit DirectSolver(bool cholesky) : try_cholesky_(cholesky) {}
 
   bool factorise(const RowMatrix& matrix, const std::vector<char>& is_fixed) override {
     assert(matrix_.size() == 0 || matrix.nonZeros() == matrix_.nonZeros());
@@ -107,8 +107,8 @@ class Direct final : public LinearSolver::Method {
 
 }  // namespace
 
-std::unique_ptr<LinearSolver::Method> factors(const NodalUnknowns& unknowns) {
-  return std::make_unique<Direct>(unknowns.per_node == 3);
+std::unique_ptr<LinearSolver::Method> direct_solver(const NodalUnknowns& unknowns) {
+  return std::make_unique<DirectSolver>(unknowns.per_node == 3);
 }
 
 }  // namespace strake::structure::fem

@@ -9,22 +9,22 @@ namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-// Largest number of iterations: if the user chose the method, and if factors can replace it. A cube takes 24,
-// a bar of four widths 80, a plate of a hundredth of its width in thickness some hundreds to thousands.
-constexpr int patience = 2000, patience_with_factors_behind = 300;
+// Iterations: of one that the user asked for, and of one that has factors behind it. A cube takes 24, a bar
+// of four widths 80, a plate of a hundredth of its width in thickness some hundreds to thousands.
+constexpr int patience = 2000, patience_before_direct = 300;
 
 /// Conjugate gradients, and factors of the same matrix where they do not come to an end.
-class FactorsBehind final : public LinearSolver::Method {
+class IterationOrDirect final : public LinearSolver::Method {
  public:
-  FactorsBehind(const NodalUnknowns& unknowns, std::shared_ptr<GivenUp> given_up)
+  IterationOrDirect(const NodalUnknowns& unknowns, std::shared_ptr<GivenUp> given_up)
       : given_up_(given_up ? std::move(given_up) : std::make_shared<GivenUp>()),
-        iteration_(conjugate_gradients(unknowns, patience_with_factors_behind)),
-        factors_(factors(unknowns)) {}
+        iteration_(conjugate_gradients(unknowns, patience_before_direct)),
+        direct_(direct_solver(unknowns)) {}
 
   bool factorise(const RowMatrix& matrix, const std::vector<char>& is_fixed) override {
     matrix_ = matrix;
     is_fixed_ = is_fixed;
-    factors_at_hand_ = false;
+    direct_at_hand_ = false;
     iterates_ = multigrid_at_hand_ = iteration_->factorise(matrix, is_fixed);
     return iterates_ || give_up("multigrid cannot be set up");
   }
@@ -32,7 +32,7 @@ class FactorsBehind final : public LinearSolver::Method {
   void retry() override { iterates_ = multigrid_at_hand_; }
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance) override {
-    if (!iterates_) return factors_->solve(b, tolerance);
+    if (!iterates_) return direct_->solve(b, tolerance);
     try {
       return iteration_->solve(b, tolerance);
     } catch (const Error& error) {
@@ -41,7 +41,7 @@ class FactorsBehind final : public LinearSolver::Method {
                     "conjugate gradients: " + error.problem() + "; factors: the matrix is singular",
                     "hold the body by more supports, or lower the load");
     }
-    return factors_->solve(b, tolerance);
+    return direct_->solve(b, tolerance);
   }
 
   int iterations() const override { return iterates_ ? iteration_->iterations() : 0; }
@@ -50,23 +50,23 @@ class FactorsBehind final : public LinearSolver::Method {
   bool give_up(const std::string& why) {
     if (given_up_->times++ == 0) given_up_->why = why;
     iterates_ = false;
-    if (!factors_at_hand_) factors_at_hand_ = factors_->factorise(matrix_, is_fixed_);
-    return factors_at_hand_;
+    if (!direct_at_hand_) direct_at_hand_ = direct_->factorise(matrix_, is_fixed_);
+    return direct_at_hand_;
   }
 
   std::shared_ptr<GivenUp> given_up_;
-  std::unique_ptr<LinearSolver::Method> iteration_, factors_;
+  std::unique_ptr<LinearSolver::Method> iteration_, direct_;
   RowMatrix matrix_;
   std::vector<char> is_fixed_;
-  bool iterates_ = false, multigrid_at_hand_ = false, factors_at_hand_ = false;
+  bool iterates_ = false, multigrid_at_hand_ = false, direct_at_hand_ = false;
 };
 
 std::unique_ptr<LinearSolver::Method> make(LinearMethod method, const NodalUnknowns& unknowns,
                                            std::shared_ptr<GivenUp> given_up) {
   if (method == LinearMethod::cg_amg) return conjugate_gradients(unknowns, patience);
   if (method == LinearMethod::automatic)
-    return std::make_unique<FactorsBehind>(unknowns, std::move(given_up));
-  return factors(unknowns);
+    return std::make_unique<IterationOrDirect>(unknowns, std::move(given_up));
+  return direct_solver(unknowns);
 }
 
 }  // namespace

@@ -60,8 +60,8 @@ class LinearSolver {
   std::unique_ptr<Method> method_;
 };
 
-/// Sparse factors, in factors.cpp.
-std::unique_ptr<LinearSolver::Method> factors(const NodalUnknowns&);
+/// Sparse factors, in direct_solver.cpp.
+std::unique_ptr<LinearSolver::Method> direct_solver(const NodalUnknowns&);
 
 /// Conjugate gradients with smoothed aggregation, in amg.cpp, of at most so many iterations. Throws
 /// Error(case_file) where the program was built without Trilinos.

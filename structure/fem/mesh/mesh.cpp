@@ -134,9 +134,9 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
   // 4. Supports, and parts whose nodes are all constrained.
   const double near = 1e-6 * std::ldexp(thinnest(solid), -refinement);
   for (const SupportedFace& face : solid.supported)
-    if (face.support != Support::free) hold(face, near);
+    if (face.support != Support::free) constrain(face, near);
   for (int cell = 0; cell < mesh_.n_cells(); ++cell)
-    if (solid.parts[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].held)
+    if (solid.parts[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].constrained)
       for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
         for (int k = 0; k < dim; ++k) mesh_.fixed.push_back(dim * mesh_.cell(a, cell) + k);
   std::sort(mesh_.fixed.begin(), mesh_.fixed.end());
@@ -146,7 +146,7 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
 // Constrains a pinned or rolling face along the line at its middle. In space this is the line along the
 // longer of its two directions.
 template <int dim>
-void Discretisation<dim>::hold(const SupportedFace& face, double near) {
+void Discretisation<dim>::constrain(const SupportedFace& face, double near) {
   const auto on_face = [&](const Eigen::Vector3d& X) {
     return std::any_of(face.facet.begin(), face.facet.end(),
                        [&](int f) { return on_facet(solid_, f, X, near); });

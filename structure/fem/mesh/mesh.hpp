@@ -53,7 +53,7 @@ std::string library();
 template <int dim>
 class Discretisation {
  public:
-  /// `refinement`: see refined.hpp. Throws Error(case_file) where a support finds no node.
+  /// `refinement`: see refinement.hpp. Throws Error(case_file) where a support finds no node.
   Discretisation(const Solid&, int degree, int refinement);
   ~Discretisation();
   const Mesh<dim>& mesh() const { return mesh_; }
@@ -71,7 +71,7 @@ class Discretisation {
 
  private:
   struct Parts;
-  void hold(const SupportedFace&, double near);
+  void constrain(const SupportedFace&, double near);
 
   Solid solid_;
   std::unique_ptr<Parts> parts_;

@@ -6,7 +6,7 @@
 namespace strake::structure::fem {
 
 template <int dim>
-Transfer<dim>::Transfer(const Discretisation<dim>& discretisation, const Points& at)
+PointInterpolation<dim>::PointInterpolation(const Discretisation<dim>& discretisation, const Points& at)
     : shape_(at.cols(), discretisation.mesh().n_nodes()) {
   std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index i = 0; i < at.cols(); ++i)
@@ -16,7 +16,7 @@ Transfer<dim>::Transfer(const Discretisation<dim>& discretisation, const Points&
 }
 
 template <int dim>
-Points Transfer<dim>::at_points(const Eigen::VectorXd& unknowns) const {
+Points PointInterpolation<dim>::at_points(const Eigen::VectorXd& unknowns) const {
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, dim, Eigen::RowMajor>> nodes(
       unknowns.data(), shape_.cols(), dim);
   Points values = Points::Zero(3, shape_.rows());
@@ -25,7 +25,7 @@ Points Transfer<dim>::at_points(const Eigen::VectorXd& unknowns) const {
 }
 
 template <int dim>
-Eigen::VectorXd Transfer<dim>::to_unknowns(const Points& force) const {
+Eigen::VectorXd PointInterpolation<dim>::to_unknowns(const Points& force) const {
   assert(force.cols() == shape_.rows());
   Eigen::VectorXd unknowns(dim * shape_.cols());
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, dim, Eigen::RowMajor>> nodes(unknowns.data(),
@@ -34,7 +34,7 @@ Eigen::VectorXd Transfer<dim>::to_unknowns(const Points& force) const {
   return unknowns;
 }
 
-template class Transfer<2>;
-template class Transfer<3>;
+template class PointInterpolation<2>;
+template class PointInterpolation<3>;
 
 }  // namespace strake::structure::fem

@@ -12,9 +12,9 @@ namespace strake::structure::fem {
 /// nodes, Nᵀ f. The work is the same on both sides, and so is the total force. N is exact for linear fields,
 /// so that the moment is the same too.
 template <int dim>
-class Transfer {
+class PointInterpolation {
  public:
-  Transfer(const Discretisation<dim>&, const Points& at);
+  PointInterpolation(const Discretisation<dim>&, const Points& at);
   Points at_points(const Eigen::VectorXd& unknowns) const;  // 3×n
   Eigen::VectorXd to_unknowns(const Points& force) const;   // dim·nodes
 

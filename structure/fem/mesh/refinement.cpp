@@ -36,8 +36,8 @@ Eigen::Vector3d middle_of_cell(const Solid& solid, Index c) {
   return sum / static_cast<double>(solid.cell.rows());
 }
 
-/// True if a constraining support lies in this plane: cells become small towards it.
-bool held_at(const Solid& solid, Index axis, double plane, double near) {
+/// Whether a support that holds stands in this plane: cells become small towards it.
+bool supported_at(const Solid& solid, Index axis, double plane, double near) {
   for (const SupportedFace& face : solid.supported) {
     if (face.support == Support::symmetry || face.support == Support::free) continue;
     for (const int f : face.facet) {
@@ -89,8 +89,8 @@ std::vector<Division> divisions(const Solid& solid, Index axis, int refinement) 
     Grading& grading = division.grading;
     grading = {.smallest = sizes.smallest * std::ldexp(least, -refinement), .growth = sizes.growth};
     grading.largest = std::max(grading.smallest, std::min(sizes.largest * least, sizes.largest_part * along));
-    grading.left = i > 0 || held_at(solid, axis, plane[i], near);
-    grading.right = i + 2 < plane.size() || held_at(solid, axis, plane[i + 1], near);
+    grading.left = i > 0 || supported_at(solid, axis, plane[i], near);
+    grading.right = i + 2 < plane.size() || supported_at(solid, axis, plane[i + 1], near);
   }
   return all;
 }

@@ -60,14 +60,14 @@ double gap(const Solver& one, const Solver& other, const Parameters& p, double t
   return (one.displacement() - other.displacement()).norm() / (other.displacement() - rigid).norm();
 }
 
-std::unique_ptr<ccx::ByWindow> by_window(const Parameters& p) {
-  return std::make_unique<ccx::ByWindow>(p, fem::model(p, p.probes));
+std::unique_ptr<ccx::Stepwise> stepwise(const Parameters& p) {
+  return std::make_unique<ccx::Stepwise>(p, fem::model(p, p.probes));
 }
 
 TEST(CalculixSolver, GoesFromWindowToWindowAsFiniteElementsDo) {
   STRAKE_NEEDS_CALCULIX();
   const Parameters p = plate(CalculixCalls::window);
-  const auto solver = by_window(p);
+  const auto solver = stepwise(p);
   const auto fem = fem::make_solver(p);
   constexpr int n = 10;
   const double before = solver->energy().kinetic + solver->energy().strain;
@@ -91,7 +91,7 @@ TEST(CalculixSolver, GoesFromWindowToWindowAsFiniteElementsDo) {
 TEST(CalculixSolver, TakesAWindowAgainFromTheSameBits) {
   STRAKE_NEEDS_CALCULIX();
   const Parameters p = plate(CalculixCalls::window);
-  const auto solver = by_window(p);
+  const auto solver = stepwise(p);
   advance(*solver, p, 0);
   solver->save();
   Archive kept;
@@ -104,7 +104,7 @@ TEST(CalculixSolver, TakesAWindowAgainFromTheSameBits) {
   solver->restore();
   advance(*solver, p, 1);
   EXPECT_EQ(solver->displacement(), once);
-  const auto resumed = by_window(p);
+  const auto resumed = stepwise(p);
   resumed->read(kept);
   advance(*resumed, p, 1);
   EXPECT_EQ(resumed->displacement(), once);
@@ -120,7 +120,7 @@ TEST(CalculixSolver, ComputesAWholeRecordInOneCall) {
   InterfaceRecord record = ccx::no_load(p);
   ASSERT_EQ(record.windows.size(), n);
   for (int w = 0; w < n; ++w) record.force[static_cast<std::size_t>(w)] = force(p, w);
-  ccx::Once once(p, fem::model(p, p.probes), record);
+  ccx::WholeHistory once(p, fem::model(p, p.probes), record);
   const auto fem = fem::make_solver(p);
   double most = 0;
   for (int w = 0; w < n; ++w) {
@@ -137,11 +137,11 @@ TEST(CalculixSolver, ComputesAWholeRecordInOneCall) {
   once.save();
   Archive kept;
   once.write(kept);
-  ccx::Once resumed(p, fem::model(p, p.probes), record);
+  ccx::WholeHistory resumed(p, fem::model(p, p.probes), record);
   resumed.read(kept);
   EXPECT_EQ(resumed.displacement(), once.displacement());
   // Another load than the record's is refused.
-  ccx::Once other(p, fem::model(p, p.probes), record);
+  ccx::WholeHistory other(p, fem::model(p, p.probes), record);
   const Sample sample = {.time = dt, .fields = {{"force", "N", true, force(p, 5)}}};
   EXPECT_THROW(other.advance(0, dt, Load({sample})), Error) << "the load of window 5 in window 0";
 }
@@ -152,7 +152,7 @@ TEST(CalculixSolver, FindsEquilibriumAndFrequenciesAsFiniteElementsDo) {
   p.analysis = Analysis::statics;
   p.fem.refinement = 1;
   p.load = {.kind = LoadKind::traction, .value = {0, -1e5, 0}, .face = "top", .at = {}, .ramp = 0};
-  const auto solver = by_window(p);
+  const auto solver = stepwise(p);
   const auto fem = fem::make_solver(p);
   solver->solve_static();
   fem->solve_static();
@@ -167,7 +167,7 @@ TEST(CalculixSolver, QuotesAProgramThatFailsAndKeepsItsFiles) {
   const TemporaryFolder folder;
   Parameters p = plate(CalculixCalls::window);
   p.run_folder = folder.path();
-  const auto solver = by_window(p);
+  const auto solver = stepwise(p);
   const Points absurd = 1e12 * force(p, 4);
   try {
     solver->advance(0, dt, Load({{.time = dt, .fields = {{"force", "N", true, absurd}}}}));

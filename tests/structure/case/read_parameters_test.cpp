@@ -102,8 +102,11 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
   EXPECT_EQ(complaint("particle", {"structure.plate.supports.left=pinned"}), "");
   says(complaint("particle", {"structure.damping.stiffness=1e-5"}), "mass-proportional");
   says(complaint("rigid", {"coupling.interface=volume"}), "structure.solver = \"particle\"");
-  EXPECT_EQ(complaint("fem", {"structure.wet=[\"bottom\",\"left\"]"}), "");
-  says(complaint("fem", {"structure.wet=[\"botom\"]"}), "did you mean \"bottom\"?");
+  for (const std::string key : {"structure.loaded_faces", "structure.wet"}) {  // its older name
+    EXPECT_EQ(complaint("fem", {key + "=[\"bottom\",\"left\"]"}), "");
+    says(complaint("fem", {key + "=[\"botom\"]"}), "did you mean \"bottom\"?");
+  }
+  says(complaint("fem", {"structure.wet=[\"left\"]", "structure.loaded_faces=[\"bottom\"]"}), "older name");
   says(complaint("particle", {"structure.wet=[\"bottom\"]", "coupling.interface=volume"}),
        "every particle of the body meets the water");
   says(complaint("rigid", {"structure.analysis=modal"}), "no modes");

@@ -224,7 +224,7 @@ TEST(Transfer, KeepsWorkTotalForceAndMoment) {
   const FemSolver<2> solver(p);
   const Discretisation<2> d(elastic_solid(p), 2, 1);
   const InterfaceMesh& mesh = solver.interface();
-  const Transfer<2> transfer(d, mesh.position);
+  const PointInterpolation<2> transfer(d, mesh.position);
   const Eigen::Index n = mesh.position.cols();
   Points force = Points::Random(3, n);
   force.row(2).setZero();

@@ -81,7 +81,7 @@ TEST(FemSolid, EachPartHasItsOwnStiffness) {
 TEST(FemSolid, AHeldPartMovesWithTheSupportsAlone) {
   std::vector<SolidBox> boxes = {soft_box("frame", {0, 0, 0}, {0.1, 0.1, 0}),
                                  soft_box("arm", {0.1, 0, 0}, {1, 0.1, 0})};
-  boxes[0].held = true;
+  boxes[0].constrained = true;
   Parameters p = of(2, boxes);
   p.load = {.kind = LoadKind::traction, .value = {0, -1, 0}, .face = "arm.top", .at = {}, .ramp = 0};
   FemSolver<2> solver(p);

@@ -106,7 +106,7 @@ TEST(ParticleLattice, AnInnerCornerIsToldFromBothItsSidesAlike) {
 TEST(ParticleLattice, AClampHoldsItsOwnSideAndAHeldPartAllOfIt) {
   std::vector<SolidBox> parts = hull();
   parts[1].support[0] = Support::clamped;  // the left wall's outer side, not the bottom's
-  parts[3].held = true;
+  parts[3].constrained = true;
   const auto lattice = make_lattice<2>(solid_of_boxes(2, parts), d, reach);
   for (Eigen::Index i = 0; i < lattice.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
