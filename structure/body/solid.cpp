@@ -101,22 +101,9 @@ std::array<std::vector<double>, 3> planes_of(int dimension, const std::vector<So
   return planes;
 }
 
-}  // namespace
-
-double grid_count(int dimension, const std::vector<SolidBox>& boxes) {
-  double count = boxes.empty() ? 0 : 1;
-  for (const std::vector<double>& plane : planes_of(dimension, boxes))
-    if (!plane.empty()) count *= static_cast<double>(plane.size() - 1);
-  return count;
-}
-
-Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
-  Solid solid;
-  solid.dimension = dimension;
-  for (const SolidBox& box : boxes) solid.parts.push_back({box.name, box.material, box.constrained});
-  if (boxes.empty()) return solid;
-
-  // 1. The planes.
+/// Nodes and cells of the grid that the planes of all sides make, those in no box left out.
+void add_grid(Solid& solid, const std::vector<SolidBox>& boxes) {
+  const int dimension = solid.dimension;
   solid.plane = planes_of(dimension, boxes);
   const auto count = [&](std::size_t axis) {
     return axis < static_cast<std::size_t>(dimension) ? static_cast<int>(solid.plane[axis].size()) : 1;
@@ -124,7 +111,7 @@ Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
   const std::array<int, 3> planes = {count(0), count(1), count(2)};
   const std::array<int, 3> intervals = {planes[0] - 1, planes[1] - 1, std::max(1, planes[2] - 1)};
 
-  // 2. A cell belongs to the first box that contains its middle.
+  // The first box that contains an interval's middle owns the cell.
   const auto middle = [&](std::size_t axis, int k) {
     if (axis >= static_cast<std::size_t>(dimension)) return 0.0;
     const auto& plane = solid.plane[axis];
@@ -165,9 +152,26 @@ Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
   solid.cell = Eigen::Map<Eigen::MatrixXi>(cells.data(), corners, static_cast<Index>(solid.part_of.size()));
   solid.node.resize(3, static_cast<Index>(node.size()));
   for (std::size_t i = 0; i < node.size(); ++i) solid.node.col(static_cast<Index>(i)) = node[i];
+}
+
+}  // namespace
+
+double grid_count(int dimension, const std::vector<SolidBox>& boxes) {
+  double count = boxes.empty() ? 0 : 1;
+  for (const std::vector<double>& plane : planes_of(dimension, boxes))
+    if (!plane.empty()) count *= static_cast<double>(plane.size() - 1);
+  return count;
+}
+
+Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
+  Solid solid;
+  solid.dimension = dimension;
+  for (const SolidBox& box : boxes) solid.parts.push_back({box.name, box.material, box.constrained});
+  if (boxes.empty()) return solid;
+  add_grid(solid, boxes);
   find_facets(solid);
 
-  // 3. Supports: the facets of a box's own cells that lie in its side.
+  // Supports: the facets of a box's own cells that lie in its side.
   for (std::size_t b = 0; b < boxes.size(); ++b)
     for (std::size_t side = 0; side < static_cast<std::size_t>(2 * dimension); ++side) {
       if (boxes[b].support[side] == Support::free) continue;

@@ -61,6 +61,122 @@ void add_to_face(Solid& solid, const std::string& name, int facet) {
   found->facet.push_back(facet);
 }
 
+/// Makes a body of the cells, the named sides and the node sets of a mesh file.
+class MeshReader {
+ public:
+  MeshReader(const std::filesystem::path& path, const MeshText& text, int dimension)
+      : path_(path), text_(text), dimension_(dimension) {
+    solid_.dimension = dimension;
+  }
+
+  Solid read(const Material& material) {
+    for (const MeshText::Element& element : text_.element) {
+      refuse_other_cells(element);
+      if (element.kind != (dimension_ == 2 ? "quadrilateral" : "hexahedron")) continue;
+      cells_.push_back(&element);
+      number_nodes(element);
+    }
+    if (cells_.empty())
+      throw wrong(0, fmt::format("has no {}", dimension_ == 2 ? "quadrilaterals" : "hexahedra"),
+                  dimension_ == 2 ? "in Gmsh: Mesh.RecombineAll = 1, gmsh -2; save all physical groups"
+                                  : "gmsh -3 with recombined, extruded volumes; or fluid.dimension = 2");
+    add_cells(material);
+    find_facets(solid_);
+    name_faces();
+    return std::move(solid_);
+  }
+
+ private:
+  Error wrong(std::size_t line, const std::string& problem, const std::string& fix) const {
+    return Error(ExitCode::case_file, line > 0 ? fmt::format("{}:{}", path_.string(), line) : path_.string(),
+                 problem, fix);
+  }
+
+  void refuse_other_cells(const MeshText::Element& element) const {
+    if (element.kind == "triangle" && dimension_ == 2)
+      throw wrong(element.line, "a triangle: cells are quadrilaterals",
+                  "in Gmsh: Mesh.RecombineAll = 1, or Recombine Surface");
+    if (dimension_ == 3 &&
+        (element.kind == "tetrahedron" || element.kind == "prism" || element.kind == "pyramid"))
+      throw wrong(element.line, fmt::format("a {}: cells are hexahedra", element.kind),
+                  "in Gmsh: a transfinite or extruded volume with Recombine");
+  }
+
+  void number_nodes(const MeshText::Element& element) {
+    for (const long n : element.node) {
+      const auto place = text_.node.find(n);
+      if (place == text_.node.end())
+        throw wrong(element.line,
+                    fmt::format("element {} names node {}, which the file does not have", element.number, n),
+                    "write the mesh anew");
+      const auto [found, fresh] = number_.emplace(n, static_cast<int>(node_.size()));
+      if (fresh) node_.emplace_back(place->second[0], place->second[1], place->second[2]);
+      if (!node_[static_cast<std::size_t>(found->second)].allFinite() ||
+          (dimension_ == 2 && node_[static_cast<std::size_t>(found->second)].z() != 0))
+        throw wrong(
+            element.line,
+            fmt::format("node {} has z = {:g}: two dimensions are the plane z = 0", n, place->second[2]),
+            "move the mesh to z = 0, or fluid.dimension = 3");
+    }
+  }
+
+  void add_cells(const Material& material) {
+    std::map<std::string, int> part;
+    solid_.node.resize(3, static_cast<Index>(node_.size()));
+    for (std::size_t i = 0; i < node_.size(); ++i) solid_.node.col(static_cast<Index>(i)) = node_[i];
+    solid_.cell.resize(1 << dimension_, static_cast<Index>(cells_.size()));
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      std::vector<int> walked;
+      for (const long n : cells_[c]->node) walked.push_back(number_.at(n));
+      const std::vector<int> corner = lexicographic(walked, solid_.node);
+      for (std::size_t k = 0; k < corner.size(); ++k)
+        solid_.cell(static_cast<Index>(k), static_cast<Index>(c)) = corner[k];
+      const std::string name = cells_[c]->group.empty() ? "body" : cells_[c]->group;
+      const auto [found, fresh] = part.emplace(name, static_cast<int>(solid_.parts.size()));
+      if (fresh) solid_.parts.push_back({name, material, false});
+      solid_.part_of.push_back(found->second);
+    }
+  }
+
+  void name_faces() {
+    const std::string side = dimension_ == 2 ? "line" : "quadrilateral";
+    const auto by_nodes = facets_by_nodes(solid_);
+    for (const MeshText::Element& element : text_.element) {
+      if (element.kind != side || element.group.empty()) continue;
+      std::vector<int> key;
+      for (const long n : element.node)
+        if (const auto found = number_.find(n); found != number_.end()) key.push_back(found->second);
+      std::sort(key.begin(), key.end());
+      const auto facet = by_nodes.find(key);
+      if (facet == by_nodes.end()) {
+        if (const SolidFault fault = fault_of(solid_); !fault.problem.empty())  // the reason, perhaps
+          throw wrong(0, fault.problem, fault.fix);
+        throw wrong(
+            element.line,
+            fmt::format("a {} of \"{}\" is no side of a cell at the body's boundary", side, element.group),
+            "give physical names to outer sides only");
+      }
+      add_to_face(solid_, element.group, facet->second);
+    }
+    for (const auto& [name, members] : text_.node_set) {
+      std::set<int> in;
+      for (const long n : members)
+        if (const auto found = number_.find(n); found != number_.end()) in.insert(found->second);
+      for (const auto& [nodes, facet] : by_nodes)
+        if (std::all_of(nodes.begin(), nodes.end(), [&](int n) { return in.contains(n); }))
+          add_to_face(solid_, name, facet);
+    }
+  }
+
+  std::filesystem::path path_;
+  const MeshText& text_;
+  int dimension_;
+  Solid solid_;
+  std::map<long, int> number_;  // of the file's nodes that cells use
+  std::vector<Vector3d> node_;
+  std::vector<const MeshText::Element*> cells_;
+};
+
 }  // namespace
 
 Solid read_mesh(const std::filesystem::path& path, int dimension, const Material& material) {
@@ -69,94 +185,7 @@ Solid read_mesh(const std::filesystem::path& path, int dimension, const Material
     throw Error(ExitCode::case_file, path.string(), "a mesh file ends in .msh (Gmsh) or .inp (Abaqus)",
                 "gmsh -2 -format msh41 FILE.geo");
   const MeshText text = kind == ".msh" ? read_gmsh(path) : read_abaqus(path);
-  const std::string wanted = dimension == 2 ? "quadrilateral" : "hexahedron",
-                    side = dimension == 2 ? "line" : "quadrilateral";
-  const auto wrong = [&](std::size_t line, const std::string& problem, const std::string& fix) {
-    return Error(ExitCode::case_file, line > 0 ? fmt::format("{}:{}", path.string(), line) : path.string(),
-                 problem, fix);
-  };
-
-  // 1. Cells, and the nodes that they use.
-  Solid solid;
-  solid.dimension = dimension;
-  std::map<long, int> number;
-  std::vector<Vector3d> node;
-  std::map<std::string, int> part;
-  std::vector<const MeshText::Element*> cells;
-  for (const MeshText::Element& element : text.element) {
-    if (element.kind == "triangle" && dimension == 2)
-      throw wrong(element.line, "a triangle: cells are quadrilaterals",
-                  "in Gmsh: Mesh.RecombineAll = 1, or Recombine Surface");
-    if (dimension == 3 &&
-        (element.kind == "tetrahedron" || element.kind == "prism" || element.kind == "pyramid"))
-      throw wrong(element.line, fmt::format("a {}: cells are hexahedra", element.kind),
-                  "in Gmsh: a transfinite or extruded volume with Recombine");
-    if (element.kind != wanted) continue;
-    cells.push_back(&element);
-    for (const long n : element.node) {
-      const auto place = text.node.find(n);
-      if (place == text.node.end())
-        throw wrong(element.line,
-                    fmt::format("element {} names node {}, which the file does not have", element.number, n),
-                    "write the mesh anew");
-      const auto [found, fresh] = number.emplace(n, static_cast<int>(node.size()));
-      if (fresh) node.emplace_back(place->second[0], place->second[1], place->second[2]);
-      if (!node[static_cast<std::size_t>(found->second)].allFinite() ||
-          (dimension == 2 && node[static_cast<std::size_t>(found->second)].z() != 0))
-        throw wrong(
-            element.line,
-            fmt::format("node {} has z = {:g}: two dimensions are the plane z = 0", n, place->second[2]),
-            "move the mesh to z = 0, or fluid.dimension = 3");
-    }
-  }
-  if (cells.empty())
-    throw wrong(0, fmt::format("has no {}", dimension == 2 ? "quadrilaterals" : "hexahedra"),
-                dimension == 2 ? "in Gmsh: Mesh.RecombineAll = 1, gmsh -2; save all physical groups"
-                               : "gmsh -3 with recombined, extruded volumes; or fluid.dimension = 2");
-  solid.node.resize(3, static_cast<Index>(node.size()));
-  for (std::size_t i = 0; i < node.size(); ++i) solid.node.col(static_cast<Index>(i)) = node[i];
-  solid.cell.resize(1 << dimension, static_cast<Index>(cells.size()));
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    std::vector<int> walked;
-    for (const long n : cells[c]->node) walked.push_back(number.at(n));
-    const std::vector<int> corner = lexicographic(walked, solid.node);
-    for (std::size_t k = 0; k < corner.size(); ++k)
-      solid.cell(static_cast<Index>(k), static_cast<Index>(c)) = corner[k];
-    const std::string name = cells[c]->group.empty() ? "body" : cells[c]->group;
-    const auto [found, fresh] = part.emplace(name, static_cast<int>(solid.parts.size()));
-    if (fresh) solid.parts.push_back({name, material, false});
-    solid.part_of.push_back(found->second);
-  }
-  find_facets(solid);
-
-  // 2. Named faces.
-  const auto by_nodes = facets_by_nodes(solid);
-  for (const MeshText::Element& element : text.element) {
-    if (element.kind != side || element.group.empty()) continue;
-    std::vector<int> key;
-    for (const long n : element.node)
-      if (const auto found = number.find(n); found != number.end()) key.push_back(found->second);
-    std::sort(key.begin(), key.end());
-    const auto facet = by_nodes.find(key);
-    if (facet == by_nodes.end()) {
-      if (const SolidFault fault = fault_of(solid); !fault.problem.empty())  // the reason, perhaps
-        throw wrong(0, fault.problem, fault.fix);
-      throw wrong(
-          element.line,
-          fmt::format("a {} of \"{}\" is no side of a cell at the body's boundary", side, element.group),
-          "give physical names to outer sides only");
-    }
-    add_to_face(solid, element.group, facet->second);
-  }
-  for (const auto& [name, members] : text.node_set) {
-    std::set<int> in;
-    for (const long n : members)
-      if (const auto found = number.find(n); found != number.end()) in.insert(found->second);
-    for (const auto& [nodes, facet] : by_nodes)
-      if (std::all_of(nodes.begin(), nodes.end(), [&](int n) { return in.contains(n); }))
-        add_to_face(solid, name, facet);
-  }
-  return solid;
+  return MeshReader(path, text, dimension).read(material);
 }
 
 }  // namespace strake::structure

@@ -65,21 +65,34 @@ template <int dim>
 Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refinement)
     : solid_(solid), parts_(std::make_unique<Parts>(degree)) {
   assert(solid.dimension == dim);
-  Parts& parts = *parts_;
-
-  // 1. The cells.
-  create(parts.triangulation, refined(solid, refinement));
-
-  // 2. The Lagrange element and its nodes.
-  parts.dofs.distribute_dofs(parts.element);
-  parts.lexicographic =
+  create(parts_->triangulation, refined(solid, refinement));
+  parts_->dofs.distribute_dofs(parts_->element);
+  parts_->lexicographic =
       dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(static_cast<unsigned int>(degree));
+  copy_cells(degree);
+
+  // Supports, and parts that are constrained as a whole.
+  const double near = 1e-6 * std::ldexp(thinnest(solid), -refinement);
+  for (const SupportedFace& face : solid.supported)
+    if (face.support != Support::free) constrain(face, near);
+  for (int cell = 0; cell < mesh_.n_cells(); ++cell)
+    if (solid.parts[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].constrained)
+      for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
+        for (int k = 0; k < dim; ++k) mesh_.fixed.push_back(dim * mesh_.cell(a, cell) + k);
+  std::sort(mesh_.fixed.begin(), mesh_.fixed.end());
+  mesh_.fixed.erase(std::unique(mesh_.fixed.begin(), mesh_.fixed.end()), mesh_.fixed.end());
+}
+
+// Nodes, cells, shape values and gradients of the Lagrange element.
+template <int dim>
+void Discretisation<dim>::copy_cells(int degree) {
+  const Parts& parts = *parts_;
   const unsigned int per_cell = parts.element.n_dofs_per_cell();
   const auto n_cells = static_cast<Eigen::Index>(parts.triangulation.n_active_cells());
   const auto n_nodes = static_cast<Eigen::Index>(parts.dofs.n_dofs());
 
-  // 3. Shape values and gradients. Gauss with degree + 1 points is exact for the mass matrix. For Saint
-  // Venant–Kirchhoff it is exact up to the quartic terms, which vanish with the strain.
+  // Gauss with degree + 1 points is exact for the mass matrix and for Saint Venant–Kirchhoff up to the
+  // quartic terms, which vanish with the strain.
   const dealii::QGauss<dim> quadrature(static_cast<unsigned int>(degree) + 1);
   const dealii::Quadrature<dim> nodes(parts.element.get_unit_support_points());
   using namespace dealii;  // the update flags' operator|
@@ -130,17 +143,6 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
     Eigen::Map<Eigen::Matrix<double, dim, dim>>(mesh_.centre_inverse.col(c).data()) = J.inverse();
     ++c;
   }
-
-  // 4. Supports, and parts whose nodes are all constrained.
-  const double near = 1e-6 * std::ldexp(thinnest(solid), -refinement);
-  for (const SupportedFace& face : solid.supported)
-    if (face.support != Support::free) constrain(face, near);
-  for (int cell = 0; cell < mesh_.n_cells(); ++cell)
-    if (solid.parts[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].constrained)
-      for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
-        for (int k = 0; k < dim; ++k) mesh_.fixed.push_back(dim * mesh_.cell(a, cell) + k);
-  std::sort(mesh_.fixed.begin(), mesh_.fixed.end());
-  mesh_.fixed.erase(std::unique(mesh_.fixed.begin(), mesh_.fixed.end()), mesh_.fixed.end());
 }
 
 // Constrains a pinned or rolling face along the line at its middle. In space this is the line along the

@@ -71,6 +71,7 @@ class Discretisation {
 
  private:
   struct Parts;
+  void copy_cells(int degree);
   void constrain(const SupportedFace&, double near);
 
   Solid solid_;
