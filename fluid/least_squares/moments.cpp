@@ -81,7 +81,8 @@ inline void inverse_where_seen(const Tensor<dim>& m, Tensor<dim>& inverse) {
 }  // namespace
 
 template <int dim>
-FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& boundary, const State<dim>& state)
+LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<dim>& boundary,
+                                            const State<dim>& state)
     : p_(p),
       gradient_(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
       laplacian_(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
@@ -110,8 +111,8 @@ FittedScheme<dim>::FittedScheme(const Parameters& p, const Boundary<dim>& bounda
 }
 
 template <int dim>
-void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
-                                const Neighbours& near) {
+void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
+                                      const Neighbours& near) {
   walls_.update(boundary, state, near);
   cover_rows(boundary, state, near);
   const std::int64_t water = boundary.water();
@@ -130,8 +131,8 @@ void FittedScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state
 
 template <int dim>
 template <bool seams, bool shares>
-void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
-                            const Neighbours& near, std::int64_t i) {
+void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
+                                  const Neighbours& near, std::int64_t i) {
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
   const auto columns = far.row(i);
@@ -279,7 +280,13 @@ void FittedScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, co
   state.surface[k] = factor > 0 && share >= 1 && depth < shown_depth * p_.spacing ? 1 : 0;
 }
 
-template class FittedScheme<2>;
-template class FittedScheme<3>;
+#define STRAKE_INSTANTIATE(dim)                                                                        \
+  template LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters&, const Boundary<dim>&,        \
+                                                       const State<dim>&);                             \
+  template void LeastSquaresScheme<dim>::measure(const Boundary<dim>&, State<dim>&, const Neighbours&, \
+                                                 const Neighbours&);
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
 
 }  // namespace strake::fluid

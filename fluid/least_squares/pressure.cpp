@@ -1,4 +1,5 @@
 #include "fluid/least_squares/scheme.hpp"
+#include "fluid/mps/pressure_equation.hpp"
 #include "fluid/particles/pair_loop.hpp"
 
 #include <Eigen/LU>
@@ -29,9 +30,9 @@ Vector<dim> before_faces(const Boundary<dim>& boundary, const Vector<dim>& x, Ve
 /// m the normals of absorbing walls, g and 1/c² those of SoundLayer at the particle's depth, σ the surface's
 /// share, γ of drift_share, δ = Σ W/Σ_lattice W − 1, not below zero beside the surface.
 template <int dim>
-void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>& state,
-                                 const Neighbours& far, const Vector<dim>& gravity, double dt,
-                                 PressureSystem& system) {
+void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>& state,
+                                       const Neighbours& far, const Vector<dim>& gravity, double dt,
+                                       PressureSystem& system) {
   approach_from_mean(boundary, state, far);
   cut_.assign(static_cast<std::size_t>(boundary.water()), Cut::none);
   tension_ = true;
@@ -97,9 +98,10 @@ void FittedScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>
 }
 
 template <int dim>
-typename FittedScheme<dim>::Inflow FittedScheme<dim>::inflow(const Boundary<dim>& boundary,
-                                                             const State<dim>& state, const Neighbours& far,
-                                                             double dt, std::int64_t i) const {
+typename LeastSquaresScheme<dim>::Inflow LeastSquaresScheme<dim>::inflow(const Boundary<dim>& boundary,
+                                                                         const State<dim>& state,
+                                                                         const Neighbours& far, double dt,
+                                                                         std::int64_t i) const {
   const auto& periodic = boundary.tank().periodic();
   const bool absorbs = boundary.tank().absorbs();
   const auto k = static_cast<std::size_t>(i);
@@ -119,7 +121,7 @@ typename FittedScheme<dim>::Inflow FittedScheme<dim>::inflow(const Boundary<dim>
 }
 
 template <int dim>
-double FittedScheme<dim>::fastest(const Boundary<dim>& boundary, const State<dim>& state) const {
+double LeastSquaresScheme<dim>::fastest(const Boundary<dim>& boundary, const State<dim>& state) const {
   const bool moves = boundary.tank().moves();
   double square = 0;
 #pragma omp parallel for schedule(static) reduction(max : square)
@@ -133,7 +135,7 @@ double FittedScheme<dim>::fastest(const Boundary<dim>& boundary, const State<dim
 
 // g·H, H the water's extent at the start: square of the speed of its waves [m²/s²].
 template <int dim>
-double FittedScheme<dim>::wave_speed_squared() const {
+double LeastSquaresScheme<dim>::wave_speed_squared() const {
   return gravity_.cwiseAbs().dot((p_.water.max - p_.water.min).template head<dim>());
 }
 
@@ -141,7 +143,7 @@ double FittedScheme<dim>::wave_speed_squared() const {
 // away faster it would stir a slow flow. Under a free surface the error is depth besides, which waves level:
 // U = max|u|, there at least √(gH).
 template <int dim>
-double FittedScheme<dim>::drift_share(double dt) const {
+double LeastSquaresScheme<dim>::drift_share(double dt) const {
   const double share = drift_factor(p_.scheme, dt);
   if (!(p_.scheme.tau > 0)) return share;
   const double speed = full_ ? speed_ : std::max(speed_, std::sqrt(wave_speed_squared()));
@@ -154,7 +156,7 @@ double FittedScheme<dim>::drift_share(double dt) const {
 // would grow by 2 % at every step. Inside they fit better, and a residual that is left there lets the whole
 // pressure lag behind the walls.
 template <int dim>
-double FittedScheme<dim>::kept_residual(double dt) const {
+double LeastSquaresScheme<dim>::kept_residual(double dt) const {
   if (!(speed_ > 0)) return 0;
   return std::max(0.0, 1 - dt * speed_ / p_.spacing) / (1 + wave_speed_squared() / (speed_ * speed_));
 }
@@ -164,7 +166,7 @@ double FittedScheme<dim>::kept_residual(double dt) const {
 // are short because the water has become fast nothing is left: it would move particles by more than the CFL
 // number.
 template <int dim>
-double FittedScheme<dim>::part_of_step(const State<dim>& state, double dt) const {
+double LeastSquaresScheme<dim>::part_of_step(const State<dim>& state, double dt) const {
   const double time = std::min(state.residual_step, speed_ > 0 ? p_.scheme.cfl * p_.spacing / speed_ : 0.0);
   return dt < time ? dt / time : 1.0;
 }
@@ -174,8 +176,8 @@ double FittedScheme<dim>::part_of_step(const State<dim>& state, double dt) const
 /// Water from which tension was kept opens as it likes; what closes it remains known, or the next step would
 /// meet all of it at once.
 template <int dim>
-void FittedScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<dim>& state,
-                                         const Neighbours& far, const Neighbours& near, double dt) {
+void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<dim>& state,
+                                               const Neighbours& far, const Neighbours& near, double dt) {
   // Slowly against the dt/τ with which what is left itself follows, so that its rate hardly changes.
   constexpr double slowly = 0.2;
   if (undone_ > 0)
@@ -202,7 +204,8 @@ void FittedScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<di
 }
 
 template <int dim>
-void FittedScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
+void LeastSquaresScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state,
+                                    const Neighbours& near) {
   const std::int64_t water = boundary.water();
   // Those that are cut read those that are not.
 #pragma omp parallel for schedule(static)
@@ -228,8 +231,8 @@ void FittedScheme<dim>::limit(const Boundary<dim>& boundary, State<dim>& state, 
 /// surface particle.
 template <int dim>
 template <bool seams>
-void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, const State<dim>& state,
-                                               const Neighbours& near, double dt) {
+void LeastSquaresScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, const State<dim>& state,
+                                                     const Neighbours& near, double dt) {
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
   if (undone_ > 0) undone_approach_.resize(dim, water);
@@ -273,9 +276,9 @@ void FittedScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, co
 }
 
 template <int dim>
-const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& boundary,
-                                                         const State<dim>& state, const Neighbours& near,
-                                                         double dt) {
+const Vectors<dim>& LeastSquaresScheme<dim>::pressure_gradient(const Boundary<dim>& boundary,
+                                                               const State<dim>& state,
+                                                               const Neighbours& near, double dt) {
   if (boundary.tank().periodic().any())
     find_pressure_gradient<true>(boundary, state, near, dt);
   else
@@ -291,8 +294,8 @@ const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>& bo
 /// δu = (1−σ) ∇u·δr, σ the surface's share: of a jet or a drop the neighbours on one side do not tell ∇u, and
 /// a velocity that grows with the shift it causes would run away.
 template <int dim>
-void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                              double dt) const {
+void LeastSquaresScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                                    double dt) const {
   if (p_.scheme.shifting <= 0) return;
   constexpr double longest = 0.1;  // [l0]
   constexpr double soft = 0.02;    // αS that changes nothing
@@ -332,15 +335,17 @@ void FittedScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, 
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                              \
-  template void FittedScheme<dim>::measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours&,    \
-                                                    const Neighbours&, double);                              \
-  template void FittedScheme<dim>::limit(const Boundary<dim>&, State<dim>&, const Neighbours&);              \
-  template double FittedScheme<dim>::fastest(const Boundary<dim>&, const State<dim>&) const;                 \
-  template void FittedScheme<dim>::assemble(const Boundary<dim>&, const State<dim>&, const Neighbours&,      \
-                                            const Vector<dim>&, double, PressureSystem&);                    \
-  template const Vectors<dim>& FittedScheme<dim>::pressure_gradient(const Boundary<dim>&, const State<dim>&, \
-                                                                    const Neighbours&, double);              \
-  template void FittedScheme<dim>::shift(const Boundary<dim>&, State<dim>&, const Neighbours&, double) const;
+  template void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>&, State<dim>&,                 \
+                                                          const Neighbours&, const Neighbours&, double);     \
+  template void LeastSquaresScheme<dim>::limit(const Boundary<dim>&, State<dim>&, const Neighbours&);        \
+  template double LeastSquaresScheme<dim>::fastest(const Boundary<dim>&, const State<dim>&) const;           \
+  template void LeastSquaresScheme<dim>::assemble(const Boundary<dim>&, const State<dim>&,                   \
+                                                  const Neighbours&, const Vector<dim>&, double,             \
+                                                  PressureSystem&);                                          \
+  template const Vectors<dim>& LeastSquaresScheme<dim>::pressure_gradient(                                   \
+      const Boundary<dim>&, const State<dim>&, const Neighbours&, double);                                   \
+  template void LeastSquaresScheme<dim>::shift(const Boundary<dim>&, State<dim>&, const Neighbours&, double) \
+      const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

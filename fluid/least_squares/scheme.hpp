@@ -2,18 +2,17 @@
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/boundary/wall_wetting.hpp"
-#include "fluid/least_squares/acoustic_substepping.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
 #include "fluid/least_squares/surface_model.hpp"
-#include "fluid/mps/interface_load.hpp"
 #include "fluid/mps/operators.hpp"
-#include "fluid/mps/pressure_equation.hpp"
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/particles/kernel.hpp"
 #include "fluid/particles/neighbours.hpp"
 #include "fluid/particles/shared_memory.hpp"
 #include "fluid/particles/simd.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/scheme/acoustic_substepping.hpp"
+#include "fluid/scheme/fluid_scheme.hpp"
 
 #include <Eigen/Core>
 
@@ -40,18 +39,32 @@ namespace strake::fluid {
 /// Still water stays at rest to the tolerance of the solver on any lattice with free places. Linear momentum
 /// is not exact by construction: the gap is measured (momentum_gap).
 template <int dim>
-class FittedScheme {
+class LeastSquaresScheme final : public FluidScheme<dim> {
  public:
-  FittedScheme(const Parameters&, const Boundary<dim>&, const State<dim>&);
+  LeastSquaresScheme(const Parameters&, const Boundary<dim>&, const State<dim>&);
+
+  /// Where c Δt ≤ l0 steps follow sound and not the water. Walls of a moving tank take their velocity from
+  /// the places that they come from, so there each step stands alone.
+  bool may_substep(const StepData<dim>&, double dt) const override;
+  typename FluidScheme<dim>::SpareMemory spare_memory() override { return {all_, motions_}; }
+  void measure(StepData<dim>&) override;
+  void predict(StepData<dim>&) override;
+  void assemble(StepData<dim>&, PressureSystem&) override;
+  void limit_pressure(StepData<dim>&, bool tension) override;
+  void find_gradient(StepData<dim>&) override;
+  Load<dim> load(StepData<dim>&) override;
+  double correct(StepData<dim>&) override;
+  void shift(StepData<dim>&) override;
 
   /// Sums over the neighbours at the present places; wet rows; State::surface of the water. far: rows of at
   /// least the Laplacian's radius; near: of at least 2 l0.
   void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near);
   /// ∇u* of the water, and the filter: u* += Δt Σ ν_ij (what ∇u* does not explain of u_j − u_i), the sum of
   /// the hold's first step.
-  void filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt, const Hold&);
+  void filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt,
+              const AcousticSubstepping&);
   void filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near, double dt) {
-    filter(boundary, state, near, dt, Hold::of_one(dt));
+    filter(boundary, state, near, dt, AcousticSubstepping::single_step(dt));
   }
   void assemble(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
                 double dt, PressureSystem&);
@@ -76,9 +89,6 @@ class FittedScheme {
   /// State::residual_divergence and State::residual_approach of the new velocity, before the particles move.
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
-  /// Memory of one tensor per particle of water that nothing is kept in from step to step.
-  std::vector<Tensor<dim>>& tensors() { return all_; }
-  SharedMemory& memory() { return motions_; }  // the same of any size
   /// ∇·u* of the last `filter` [1/s].
   double divergence(std::int64_t i) const { return velocity_gradient(i).trace(); }
 
@@ -161,7 +171,8 @@ class FittedScheme {
   template <bool seams>
   void find_velocity_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   template <bool seams>
-  void find_filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt, const Hold&);
+  void find_filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt,
+                   const AcousticSubstepping&);
   template <bool seams>
   void find_pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
   /// Of an inverse of Σ w r⊗r/r² that can be inverted again: a millionth of the lattice's.

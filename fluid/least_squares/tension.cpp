@@ -12,8 +12,8 @@ constexpr double parts_to = 1.6, holds_from = 3.1;
 }  // namespace
 
 template <int dim>
-void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim>& state,
-                                        const Neighbours& far) {
+void LeastSquaresScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim>& state,
+                                              const Neighbours& far) {
   const std::int64_t water = boundary.water();
   const double most = std::min(largest_tension, p_.density * speed_ * speed_);
   tension_ = false;
@@ -50,7 +50,7 @@ void FittedScheme<dim>::release_tension(const Boundary<dim>& boundary, State<dim
   }
 }
 
-template void FittedScheme<2>::release_tension(const Boundary<2>&, State<2>&, const Neighbours&);
-template void FittedScheme<3>::release_tension(const Boundary<3>&, State<3>&, const Neighbours&);
+template void LeastSquaresScheme<2>::release_tension(const Boundary<2>&, State<2>&, const Neighbours&);
+template void LeastSquaresScheme<3>::release_tension(const Boundary<3>&, State<3>&, const Neighbours&);
 
 }  // namespace strake::fluid

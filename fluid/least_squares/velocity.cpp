@@ -31,8 +31,8 @@ inline Lanes4 squares(Column<dim> a, Column<dim> b, Column<dim> c, Column<dim> d
 // Σ w (u_j − u_i) ⊗ r/r² [Σ w r⊗r/r²]⁻¹
 template <int dim>
 template <bool seams>
-void FittedScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, const State<dim>& state,
-                                               const Neighbours& near) {
+void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, const State<dim>& state,
+                                                     const Neighbours& near) {
   const auto& periodic = boundary.tank().periodic();
   const double *const places = state.position.data(), *const velocities = state.velocity.data();
 #pragma omp parallel for schedule(static)
@@ -74,7 +74,7 @@ void FittedScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, co
 
 // ∇u(τ) = ∇u − τ ∇u·∇u: what u, carried along by itself, has become where the particles are after τ.
 template <int dim>
-void FittedScheme<dim>::carry(Motion& motion, double time) const {
+void LeastSquaresScheme<dim>::carry(Motion& motion, double time) const {
   Column<dim> turned[dim];
   for (int b = 0; b < dim; ++b) {
     turned[b] = motion.gradient[0] * motion.gradient[b][0];
@@ -87,8 +87,9 @@ void FittedScheme<dim>::carry(Motion& motion, double time) const {
 // momentum is exact. |δ| is bounded where the explicit step would overshoot.
 template <int dim>
 template <bool seams>
-void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                                    double dt, const Hold& hold) {
+void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& state,
+                                          const Neighbours& near, double dt,
+                                          const AcousticSubstepping& hold) {
   const auto& periodic = boundary.tank().periodic();
   const double rate = 2.0 * dim / (gradient_.n0 * gradient_.lambda0) * p_.scheme.filter * p_.spacing;
   const double factor = rate * dt;
@@ -135,8 +136,8 @@ void FittedScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& s
 }
 
 template <int dim>
-void FittedScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const State<dim>& state,
-                                     const Neighbours& near) {
+void LeastSquaresScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const State<dim>& state,
+                                           const Neighbours& near) {
   motion_ = motions_.of<Motion>(static_cast<std::size_t>(boundary.water()));
   if (boundary.tank().periodic().any())
     find_velocity_gradient<true>(boundary, state, near);
@@ -145,8 +146,8 @@ void FittedScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const State<
 }
 
 template <int dim>
-void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                               double dt, const Hold& hold) {
+void LeastSquaresScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                                     double dt, const AcousticSubstepping& hold) {
   const bool seams = boundary.tank().periodic().any();
   const double since = hold.age() - age_;
   age_ = hold.age();
@@ -169,10 +170,11 @@ void FittedScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state,
     find_filter<false>(boundary, state, near, dt, hold);
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                                              \
-  template void FittedScheme<dim>::fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours&); \
-  template void FittedScheme<dim>::filter(const Boundary<dim>&, State<dim>&, const Neighbours&, double,      \
-                                          const Hold&);
+#define STRAKE_INSTANTIATE(dim)                                                                       \
+  template void LeastSquaresScheme<dim>::fit_velocity(const Boundary<dim>&, const State<dim>&,        \
+                                                      const Neighbours&);                             \
+  template void LeastSquaresScheme<dim>::filter(const Boundary<dim>&, State<dim>&, const Neighbours&, \
+                                                double, const AcousticSubstepping&);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -16,8 +16,8 @@ constexpr double known_from = 0.5;
 }  // namespace
 
 template <int dim>
-bool FittedScheme<dim>::over(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
-                             std::int64_t row) const {
+bool LeastSquaresScheme<dim>::over(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
+                                   std::int64_t row) const {
   return row < boundary.first_of_bodies() || boundary.volume() ||
          boundary.is_over(boundary.point_of(row), state.position.col(i));
 }
@@ -25,8 +25,8 @@ bool FittedScheme<dim>::over(const Boundary<dim>& boundary, const State<dim>& st
 // Hats of width l0 over the layer of water next to the face: a lattice's sum to one inside, and to as much of
 // the row's length as lies below the water's level at its end.
 template <int dim>
-void FittedScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<dim>& state,
-                                   const Neighbours& near) {
+void LeastSquaresScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<dim>& state,
+                                         const Neighbours& near) {
   const std::int64_t n = state.position.cols(), water = boundary.water();
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = water; j < n; ++j) {
@@ -49,8 +49,8 @@ void FittedScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<di
 }
 
 template <int dim>
-Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const State<dim>& state,
-                                        std::int64_t i, std::int64_t j) const {
+Vector<dim> LeastSquaresScheme<dim>::approach(const Boundary<dim>& boundary, const State<dim>& state,
+                                              std::int64_t i, std::int64_t j) const {
   const auto mean = [&] {
     const std::int32_t master = boundary.master_of(j);
     return mean_approach_.col((master < 0 ? j : master) - boundary.water());
@@ -74,18 +74,18 @@ Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>& boundary, const Sta
 }
 
 template <int dim>
-double FittedScheme<dim>::depth_of(const Boundary<dim>& boundary, const Vector<dim>& x) const {
+double LeastSquaresScheme<dim>::depth_of(const Boundary<dim>& boundary, const Vector<dim>& x) const {
   return p_.water.max[1] - boundary.tank().in_tank(x)[1];
 }
 
 template <int dim>
-double FittedScheme<dim>::still_pressure(const Boundary<dim>& boundary, const Vector<dim>& x) const {
+double LeastSquaresScheme<dim>::still_pressure(const Boundary<dim>& boundary, const Vector<dim>& x) const {
   return std::max(0.0, -p_.density * gravity_[1] * depth_of(boundary, x));
 }
 
 template <int dim>
-Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>& boundary, const State<dim>& state,
-                                        std::int64_t i, std::int64_t j) const {
+Vector<dim> LeastSquaresScheme<dim>::yielding(const Boundary<dim>& boundary, const State<dim>& state,
+                                              std::int64_t i, std::int64_t j) const {
   if (!boundary.tank().absorbs()) return Vector<dim>::Zero();
   const double excess = state.pressure[i] - still_pressure(boundary, state.position.col(i));
   return excess / (p_.density * p_.sound_speed) * compressible(boundary, state.position.col(i)) *
@@ -93,8 +93,8 @@ Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>& boundary, const Sta
 }
 
 template <int dim>
-void FittedScheme<dim>::approach_from_mean(const Boundary<dim>& boundary, const State<dim>& state,
-                                           const Neighbours& far) {
+void LeastSquaresScheme<dim>::approach_from_mean(const Boundary<dim>& boundary, const State<dim>& state,
+                                                 const Neighbours& far) {
   const auto n = static_cast<std::int64_t>(state.kind.size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = boundary.first_of_bodies(); j < n; ++j) {
@@ -120,7 +120,7 @@ void FittedScheme<dim>::approach_from_mean(const Boundary<dim>& boundary, const 
 // Sound through a layer h: over the depth h the slope falls as exp(−x/(cΔt)), so that its mean is
 // (cΔt/h) (1 − exp(−h/(cΔt))) of that at the face; 1 for c = ∞.
 template <int dim>
-double FittedScheme<dim>::slope_share(double dt) const {
+double LeastSquaresScheme<dim>::slope_share(double dt) const {
   if (!std::isfinite(p_.sound_speed)) return 1;
   const double layers = 0.5 * p_.spacing / (p_.sound_speed * dt);
   return (1 - std::exp(-layers)) / layers;
@@ -128,8 +128,8 @@ double FittedScheme<dim>::slope_share(double dt) const {
 
 // Water that comes nearer to a face than on a lattice is stopped at once.
 template <int dim>
-double FittedScheme<dim>::rise(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
-                               std::int64_t j, const Vector<dim>& held, double slope) const {
+double LeastSquaresScheme<dim>::rise(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
+                                     std::int64_t j, const Vector<dim>& held, double slope) const {
   constexpr double stopped = 0.3, free = 0.5;  // [l0]
   const Vector<dim> from_row =
       boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
@@ -150,7 +150,7 @@ double FittedScheme<dim>::rise(const Boundary<dim>& boundary, const State<dim>& 
 // neither p_i + h ∂p/∂n nor the water next to it tells of. On an even lattice faces carry p_i + q/2 with it,
 // and momentum is exact.
 template <int dim>
-Vector<dim> FittedScheme<dim>::reaction(std::int64_t i, const Faces& faces) const {
+Vector<dim> LeastSquaresScheme<dim>::reaction(std::int64_t i, const Faces& faces) const {
   constexpr double least = 1e-3;  // of n0, added to A − a: a film of one particle has none across
   const Tensor<dim>& inverse = all_[static_cast<std::size_t>(i)];
   if (!(faces.weights > 0) || !(inverse.determinant() > least_determinant())) return Vector<dim>::Zero();
@@ -161,8 +161,8 @@ Vector<dim> FittedScheme<dim>::reaction(std::int64_t i, const Faces& faces) cons
 }
 
 template <int dim>
-Vector<dim> FittedScheme<dim>::left_approach(const Boundary<dim>& boundary, const State<dim>& state,
-                                             const Neighbours& near, std::int64_t i) const {
+Vector<dim> LeastSquaresScheme<dim>::left_approach(const Boundary<dim>& boundary, const State<dim>& state,
+                                                   const Neighbours& near, std::int64_t i) const {
   const auto columns = near.row(i);
   const auto inverses = near.inverses(i);
   Tensor<dim> seen = Tensor<dim>::Zero();
@@ -182,8 +182,8 @@ Vector<dim> FittedScheme<dim>::left_approach(const Boundary<dim>& boundary, cons
 }
 
 template <int dim>
-RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, State<dim>& state,
-                                             const Neighbours& near) const {
+RowForces<dim> LeastSquaresScheme<dim>::row_forces(const Boundary<dim>& boundary, State<dim>& state,
+                                                   const Neighbours& near) const {
   const auto n = static_cast<std::int64_t>(state.kind.size());
   const std::int64_t water = boundary.water();
   RowForces<dim> forces = RowForces<dim>::Zero(dim, n);
@@ -214,26 +214,27 @@ RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>& boundary, Stat
   return forces;
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                                              \
-  template bool FittedScheme<dim>::over(const Boundary<dim>&, const State<dim>&, std::int64_t, std::int64_t) \
-      const;                                                                                                 \
-  template Vector<dim> FittedScheme<dim>::approach(const Boundary<dim>&, const State<dim>&, std::int64_t,    \
-                                                   std::int64_t) const;                                      \
-  template void FittedScheme<dim>::cover_rows(const Boundary<dim>&, const State<dim>&, const Neighbours&);   \
-  template void FittedScheme<dim>::approach_from_mean(const Boundary<dim>&, const State<dim>&,               \
-                                                      const Neighbours&);                                    \
-  template Vector<dim> FittedScheme<dim>::yielding(const Boundary<dim>&, const State<dim>&, std::int64_t,    \
-                                                   std::int64_t) const;                                      \
-  template double FittedScheme<dim>::depth_of(const Boundary<dim>&, const Vector<dim>&) const;               \
-  template double FittedScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const;         \
-  template double FittedScheme<dim>::rise(const Boundary<dim>&, const State<dim>&, std::int64_t,             \
-                                          std::int64_t, const Vector<dim>&, double) const;                   \
-  template Vector<dim> FittedScheme<dim>::reaction(std::int64_t, const Faces&) const;                        \
-  template Vector<dim> FittedScheme<dim>::left_approach(const Boundary<dim>&, const State<dim>&,             \
-                                                        const Neighbours&, std::int64_t) const;              \
-  template double FittedScheme<dim>::slope_share(double) const;                                              \
-  template RowForces<dim> FittedScheme<dim>::row_forces(const Boundary<dim>&, State<dim>&,                   \
-                                                        const Neighbours&) const;
+#define STRAKE_INSTANTIATE(dim)                                                                            \
+  template bool LeastSquaresScheme<dim>::over(const Boundary<dim>&, const State<dim>&, std::int64_t,       \
+                                              std::int64_t) const;                                         \
+  template Vector<dim> LeastSquaresScheme<dim>::approach(const Boundary<dim>&, const State<dim>&,          \
+                                                         std::int64_t, std::int64_t) const;                \
+  template void LeastSquaresScheme<dim>::cover_rows(const Boundary<dim>&, const State<dim>&,               \
+                                                    const Neighbours&);                                    \
+  template void LeastSquaresScheme<dim>::approach_from_mean(const Boundary<dim>&, const State<dim>&,       \
+                                                            const Neighbours&);                            \
+  template Vector<dim> LeastSquaresScheme<dim>::yielding(const Boundary<dim>&, const State<dim>&,          \
+                                                         std::int64_t, std::int64_t) const;                \
+  template double LeastSquaresScheme<dim>::depth_of(const Boundary<dim>&, const Vector<dim>&) const;       \
+  template double LeastSquaresScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const; \
+  template double LeastSquaresScheme<dim>::rise(const Boundary<dim>&, const State<dim>&, std::int64_t,     \
+                                                std::int64_t, const Vector<dim>&, double) const;           \
+  template Vector<dim> LeastSquaresScheme<dim>::reaction(std::int64_t, const Faces&) const;                \
+  template Vector<dim> LeastSquaresScheme<dim>::left_approach(const Boundary<dim>&, const State<dim>&,     \
+                                                              const Neighbours&, std::int64_t) const;      \
+  template double LeastSquaresScheme<dim>::slope_share(double) const;                                      \
+  template RowForces<dim> LeastSquaresScheme<dim>::row_forces(const Boundary<dim>&, State<dim>&,           \
+                                                              const Neighbours&) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -5,17 +5,13 @@
 #include "fluid/particles/kernel.hpp"
 #include "fluid/particles/neighbours.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/scheme/fluid_scheme.hpp"
 
 #include <Eigen/Core>
 
 #include <span>
 
 namespace strake::fluid {
-
-/// Force of the water on everything that is not water, one column per particle [N] (per metre of depth in
-/// 2-D).
-template <int dim>
-using RowForces = Vectors<dim>;
 
 /// What the load is made of.
 template <int dim>

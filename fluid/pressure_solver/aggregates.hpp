@@ -1,8 +1,8 @@
 #pragma once
 
-#include "fluid/mps/pressure_equation.hpp"
 #include "fluid/particles/state.hpp"
 #include "fluid/pressure_solver/coarse_level.hpp"
+#include "fluid/pressure_solver/pressure_system.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "fluid/mps/pressure_equation.hpp"
 #include "fluid/particles/shared_memory.hpp"
 #include "fluid/pressure_solver/multilevel.hpp"
+#include "fluid/pressure_solver/pressure_system.hpp"
 
 #include <Eigen/Core>
 

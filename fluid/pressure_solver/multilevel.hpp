@@ -1,9 +1,9 @@
 #pragma once
 
-#include "fluid/mps/pressure_equation.hpp"
 #include "fluid/particles/state.hpp"
 #include "fluid/pressure_solver/aggregates.hpp"
 #include "fluid/pressure_solver/coarse_level.hpp"
+#include "fluid/pressure_solver/pressure_system.hpp"
 #include "fluid/pressure_solver/thread_team.hpp"
 
 #include <array>

@@ -1,5 +1,7 @@
 #include "fluid/pressure_solver/poisson_solver.hpp"
 
+#include "fluid/particles/kernel.hpp"
+
 #include <fmt/format.h>
 #include <omp.h>
 

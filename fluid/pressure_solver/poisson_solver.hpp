@@ -1,10 +1,10 @@
 #pragma once
 
-#include "fluid/mps/pressure_equation.hpp"
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/particles/state.hpp"
 #include "fluid/pressure_solver/conjugate_gradients.hpp"
 #include "fluid/pressure_solver/multilevel.hpp"
+#include "fluid/pressure_solver/pressure_system.hpp"
 
 #include <Eigen/Core>
 

@@ -35,18 +35,13 @@ Simulation<dim>::~Simulation() = default;
 template <int dim>
 StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion, double rest) {
   Work& w = *work_;
-  w.hold_places(dt, rest, rest > 0 && w.hold.is_over() ? stable_dt() : 0);
-  const bool at_new_places = w.hold.begins();
-  if (at_new_places) w.sort_along_cells();
-  w.begin(dt, motion);
-  if (at_new_places) w.find_neighbours();         // cell list → CSR
-  if (at_new_places) w.find_stresses();           // ν ∇²u + ∇·τ
-  w.predict();                                    // u* = u + dt (ν ∇²u + ∇·τ + g)
-  if (at_new_places) w.measure_number_density();  // n, free surface
-  w.solve_pressure();                             // ∇²p − p/(c dt)² = ρ/dt ∇·u* + …
-  w.correct();                                    // u = u* − dt/ρ ∇p; stress → force on the interface
-  w.shift();                                      // keep the distribution regular, part what came too close
-  w.finish();                                     // momentum account
+  w.begin(dt, rest, rest > 0 && w.step.substepping.is_over() ? stable_dt() : 0, motion);
+  if (w.step.substepping.begins()) w.measure();  // neighbours; ν∇²u + ∇·τ; free surface
+  w.scheme->predict(w.step);                     // u* = u + Δt (ν∇²u + ∇·τ + g)
+  w.solve_pressure();                            // ∇²p − p/(cΔt)² = ρ/Δt ∇·u* + …
+  w.correct();                                   // load; u = u* − Δt/ρ ∇p; x += Δt u
+  w.shift();                                     // towards even spacing; collision guard
+  w.finish();                                    // accounts
   return w.report;
 }
 
@@ -57,7 +52,7 @@ const Points& Simulation<dim>::interface_force() const {
 
 template <int dim>
 const InterfaceMesh& Simulation<dim>::interface() const {
-  return work_->boundary.mesh();
+  return work_->step.boundary.mesh();
 }
 
 /// Convection, gravity and viscosity (fluid/THEORY.md (F63)), and the column's own weight: particles under a
@@ -67,44 +62,44 @@ const InterfaceMesh& Simulation<dim>::interface() const {
 template <int dim>
 double Simulation<dim>::stable_dt() const {
   const Work& w = *work_;
-  const double l0 = w.p.spacing;
+  const double l0 = w.step.p.spacing;
   double square = 0, energy = 0;
 #pragma omp parallel for schedule(static) reduction(max : square, energy)
-  for (Eigen::Index i = 0; i < w.state.velocity.cols(); ++i) {
-    square = std::max(square, w.state.velocity.col(i).squaredNorm());
-    energy = std::max(energy, w.state.sps_k[i]);
+  for (Eigen::Index i = 0; i < w.step.state.velocity.cols(); ++i) {
+    square = std::max(square, w.step.state.velocity.col(i).squaredNorm());
+    energy = std::max(energy, w.step.state.sps_k[i]);
   }
   const double fastest = std::sqrt(square);
   double dt = std::numeric_limits<double>::infinity();
-  if (fastest > 0) dt = std::min(dt, w.p.scheme.cfl * l0 / fastest);
-  const double field = (w.p.gravity.template head<dim>() - w.boundary.tank().acceleration()).norm();
+  if (fastest > 0) dt = std::min(dt, w.step.p.scheme.cfl * l0 / fastest);
+  const double field = (w.step.p.gravity.template head<dim>() - w.step.boundary.tank().acceleration()).norm();
   if (field > 0) dt = std::min(dt, 0.25 * std::sqrt(l0 / field));
-  dt = std::min(dt, column_step(w.p, field));
-  dt = std::min(dt, viscous_limit(w.p, energy));
+  dt = std::min(dt, column_step(w.step.p, field));
+  dt = std::min(dt, viscous_limit(w.step.p, energy));
   return dt;
 }
 
 template <int dim>
 const State<dim>& Simulation<dim>::state() const {
-  return work_->state;
+  return work_->step.state;
 }
 
 template <int dim>
 void Simulation<dim>::set_state(const State<dim>& state) {
-  work_->state = state;
-  work_->boundary.adopt(work_->state);
-  work_->search.invalidate();
-  work_->hold.forget();
+  work_->step.state = state;
+  work_->step.boundary.adopt(work_->step.state);
+  work_->step.search.invalidate();
+  work_->step.substepping.forget();
 }
 
 template <int dim>
 bool Simulation<dim>::parked(std::int64_t i) const {
-  return work_->boundary.parked(work_->state, i);
+  return work_->step.boundary.parked(work_->step.state, i);
 }
 
 template <int dim>
 const std::map<std::string, double>& Simulation<dim>::seconds() const {
-  return work_->seconds;
+  return work_->step.seconds;
 }
 
 template <int dim>
@@ -113,31 +108,31 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
   const double reach = 0.5 * diameter * (1 + 1e-9);
   const auto covers = [&](const Eigen::Vector3d& x) { return (x - at).norm() <= reach; };
   double load = 0, area = 0;
-  const BodySurface<dim>& outline = w.boundary.outline();
+  const BodySurface<dim>& outline = w.step.boundary.outline();
   for (int k = 0; k < outline.points(); ++k) {
     if (!covers(outline.reference(k))) continue;
     load -= w.on_points.col(k).dot(outline.normal(k));
     area += outline.area(k);
   }
   if (!outline.empty()) return area > 0 ? load / area : 0.0;
-  if (w.boundary.volume()) {  // no faces: the mean over the structure's particles
-    for (Eigen::Index k = 0; k < w.carried.cols(); ++k) {
-      if (!covers(w.boundary.mesh().position.col(k))) continue;
-      load += w.carried(0, k);
-      area += w.carried(1, k);
+  if (w.step.boundary.volume()) {  // no faces: the mean over the structure's particles
+    for (Eigen::Index k = 0; k < w.on_solids.cols(); ++k) {
+      if (!covers(w.step.boundary.mesh().position.col(k))) continue;
+      load += w.on_solids(0, k);
+      area += w.on_solids(1, k);
     }
     return area > 0 ? load / area : 0.0;
   }
   if (w.on_walls.cols() == 0) return 0;  // no step yet
-  for (std::int64_t i = w.boundary.water(); i < w.boundary.first_of_bodies(); ++i) {
-    if (w.state.kind[static_cast<std::size_t>(i)] != Kind::wall) continue;
-    const Vector<dim> face = w.boundary.wall_area(w.state, i);  // into the water
+  for (std::int64_t i = w.step.boundary.water(); i < w.step.boundary.first_of_bodies(); ++i) {
+    if (w.step.state.kind[static_cast<std::size_t>(i)] != Kind::wall) continue;
+    const Vector<dim> face = w.step.boundary.wall_area(w.step.state, i);  // into the water
     if (face.norm() == 0) continue;
     const Vector<dim> normal = face.normalized();
     Eigen::Vector3d middle = at;  // the sensor moves with the tank
-    middle.template head<dim>() = w.boundary.tank().face_of(i);
+    middle.template head<dim>() = w.step.boundary.tank().face_of(i);
     if (!covers(middle)) continue;
-    load -= w.on_walls.col(i - w.boundary.water()).dot(normal);
+    load -= w.on_walls.col(i - w.step.boundary.water()).dot(normal);
     area += face.norm();
   }
   return area > 0 ? load / area : 0.0;

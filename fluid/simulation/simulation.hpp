@@ -2,6 +2,7 @@
 
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/scheme/interface_motion.hpp"
 #include "proto/interface.hpp"
 
 #include <map>
@@ -15,14 +16,6 @@ struct StepReport {
   double cfl = 0;  // max |u| dt / l0
   int pressure_iterations = 0;
   double divergence_max = 0;  // [1/s] largest |∇·u| of inner fluid particles after correction
-};
-
-/// The motion of the interface points over one step: end displacement from the reference mesh, velocity at
-/// the end, and the acceleration that enters the Neumann condition.
-struct InterfaceMotion {
-  Points displacement;  // 3×m [m] at the end of the step
-  Points velocity;      // 3×m [m/s] at the end of the step
-  Points acceleration;  // 3×m [m/s²] over the step
 };
 
 /// 0.25 l0 / (2 √(gH)) [s], H the depth of the water at the start, or with the least-squares gradient
@@ -43,8 +36,8 @@ class Simulation {
   Simulation(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
   ~Simulation();
 
-  /// rest: what is left of the window after this step [s]. Where there is more to come steps may share the
-  /// places of the first of them (hold.hpp): those of `state` are then moved by the last one.
+  /// rest: of the window after this step [s]. Steps of one window may share a frozen configuration
+  /// (acoustic_substepping.hpp): the last of them then moves the particles of `state`.
   StepReport step(double dt, const InterfaceMotion&, double rest = 0);
   /// Mean force of the last step on the interface points, 3×m [N] (per metre of depth in 2-D),
   /// fluid/THEORY.md (F51), (F58), (F59).

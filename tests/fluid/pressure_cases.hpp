@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/mps/pressure_equation.hpp"
 #include "fluid/pressure_solver/poisson_solver.hpp"
 #include "tests/fluid/lattice.hpp"
 

@@ -27,7 +27,7 @@ struct Column {
   State<2> state;
   Boundary<2> boundary;
   NeighbourSearch<2> search;
-  FittedScheme<2> scheme;
+  LeastSquaresScheme<2> scheme;
   const Neighbours* far = nullptr;
   Vector<2> gravity;
 
@@ -60,7 +60,7 @@ struct Column {
   double hydrostatic(std::int64_t i) const { return -p.density * 9.81 * state.position(1, i); }
 };
 
-TEST(FittedScheme, HydrostaticPressureSolvesTheEquationHoweverTheParticlesLie) {
+TEST(LeastSquaresScheme, HydrostaticPressureSolvesTheEquationHoweverTheParticlesLie) {
   Column column(incompressible(0.01), 0.15);
   PressureSystem system;
   column.scheme.assemble(column.boundary, column.state, *column.far, column.gravity, dt, system);
@@ -81,7 +81,7 @@ TEST(FittedScheme, HydrostaticPressureSolvesTheEquationHoweverTheParticlesLie) {
   EXPECT_LT(largest, 2e-3 * scale);
 }
 
-TEST(FittedScheme, PressureGradientOfStillWaterCarriesItsWeightAtWallsAndSurfaceToo) {
+TEST(LeastSquaresScheme, PressureGradientOfStillWaterCarriesItsWeightAtWallsAndSurfaceToo) {
   Column column(incompressible(0.01), 0.15);
   for (std::int64_t i = 0; i < column.boundary.water(); ++i) column.state.pressure[i] = column.hydrostatic(i);
   PressureSystem system;
@@ -98,7 +98,7 @@ TEST(FittedScheme, PressureGradientOfStillWaterCarriesItsWeightAtWallsAndSurface
   }
 }
 
-TEST(FittedScheme, FaceOfTheFloorCarriesTheWholeDepth) {
+TEST(LeastSquaresScheme, FaceOfTheFloorCarriesTheWholeDepth) {
   Column column(incompressible(0.01), 0.15);
   for (std::int64_t i = 0; i < column.boundary.water(); ++i) column.state.pressure[i] = column.hydrostatic(i);
   PressureSystem system;
@@ -112,7 +112,7 @@ TEST(FittedScheme, FaceOfTheFloorCarriesTheWholeDepth) {
   EXPECT_NEAR(floor / load, 1, 1e-9);
 }
 
-TEST(FittedScheme, SurfaceParticlesAreThoseOfTheTopRow) {
+TEST(LeastSquaresScheme, SurfaceParticlesAreThoseOfTheTopRow) {
   Column column(incompressible(0.01), 0.1);
   for (std::int64_t i = 0; i < column.boundary.water(); ++i)
     EXPECT_EQ(column.state.surface[static_cast<std::size_t>(i)] != 0,
@@ -120,7 +120,7 @@ TEST(FittedScheme, SurfaceParticlesAreThoseOfTheTopRow) {
         << "at " << column.state.position.col(i).transpose();
 }
 
-TEST(FittedScheme, FilterLeavesALinearVelocityAloneAndKeepsMomentum) {
+TEST(LeastSquaresScheme, FilterLeavesALinearVelocityAloneAndKeepsMomentum) {
   Parameters p = incompressible(0.01);
   Column column(p, 0.2);
   State<2> linear = column.state;
@@ -145,7 +145,7 @@ TEST(FittedScheme, FilterLeavesALinearVelocityAloneAndKeepsMomentum) {
 }
 
 // Beside a face shifts go one way: a particle that another one presses on stays before it.
-TEST(FittedScheme, ShiftsGoThroughNoWall) {
+TEST(LeastSquaresScheme, ShiftsGoThroughNoWall) {
   Column column(incompressible(0.01), 0);
   const double l0 = column.p.spacing, floor = column.p.tank.min.y();
   std::int64_t low = 0, upper = 0;
@@ -165,7 +165,7 @@ TEST(FittedScheme, ShiftsGoThroughNoWall) {
   EXPECT_GE(column.state.position(1, low), floor);
 }
 
-TEST(FittedScheme, WallIsNotSeenBeforeWaterTouchesIt) {
+TEST(LeastSquaresScheme, WallIsNotSeenBeforeWaterTouchesIt) {
   PlateEntry dry(PlateEntry::parameters(0.02), 1.0, 0.1 * 0.02);
   dry.step(1e-5);
   EXPECT_EQ(dry.simulation.interface_force().norm(), 0);

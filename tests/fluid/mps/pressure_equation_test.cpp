@@ -1,3 +1,5 @@
+#include "fluid/mps/pressure_equation.hpp"
+
 #include "fluid/pressure_solver/poisson_solver.hpp"
 #include "tests/fluid/direct_pressure.hpp"
 #include "tests/fluid/lattice.hpp"

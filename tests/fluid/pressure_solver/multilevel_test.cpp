@@ -1,5 +1,6 @@
 #include "fluid/pressure_solver/multilevel.hpp"
 
+#include "fluid/mps/pressure_equation.hpp"
 #include "tests/fluid/direct_pressure.hpp"
 #include "tests/fluid/pressure_cases.hpp"
 

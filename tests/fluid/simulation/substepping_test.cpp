@@ -1,5 +1,5 @@
-#include "fluid/least_squares/acoustic_substepping.hpp"
 #include "fluid/mps/interface_load.hpp"
+#include "fluid/scheme/acoustic_substepping.hpp"
 #include "fluid/simulation/simulation.hpp"
 #include "tests/fluid/plate_case.hpp"
 #include "tests/fluid/same_state.hpp"
@@ -20,7 +20,7 @@ constexpr double spacing = 0.01;  // [m]
 
 // Number of steps of a window that begin a frozen configuration, out of so many equal steps.
 int beginnings(int steps, double dt, double longest, double fastest, std::int64_t number = 0) {
-  Hold hold;
+  AcousticSubstepping hold;
   int count = 0;
   for (int k = 0; k < steps; ++k) {
     hold.step(dt, (steps - 1 - k) * dt, longest, number + k);
@@ -31,22 +31,22 @@ int beginnings(int steps, double dt, double longest, double fastest, std::int64_
   return count;
 }
 
-TEST(Hold, LastsAWindowOrAsLongAsStepsMayLast) {
+TEST(AcousticSubstepping, LastsAWindowOrAsLongAsStepsMayLast) {
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0), 1);
   EXPECT_EQ(beginnings(5, 2e-6, 0, 0), 5);
   EXPECT_EQ(beginnings(5, 2e-6, 2e-6, 0), 5);
   EXPECT_EQ(beginnings(5, 2e-6, 4e-6, 0), 3);
 }
 
-TEST(Hold, EndsBeforeAnythingMovesTooFar) {
-  const double way = Hold::longest_way * spacing;
+TEST(AcousticSubstepping, EndsBeforeAnythingMovesTooFar) {
+  const double way = AcousticSubstepping::largest_displacement * spacing;
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0.19 * way / 2e-6), 1);
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0.26 * way / 2e-6), 2);
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0.51 * way / 2e-6), 5);
   EXPECT_EQ(beginnings(5, 2e-6, 1, std::numeric_limits<double>::quiet_NaN()), 5);
 }
 
-TEST(Hold, EndsWhereTheParticlesAreSorted) {
+TEST(AcousticSubstepping, EndsWhereTheParticlesAreSorted) {
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0, reorder_interval - 2), 2);
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0, reorder_interval - 5), 1);
 }
@@ -83,7 +83,7 @@ struct Entry {
   double load() const { return simulation.interface_force().row(1).sum(); }
 };
 
-TEST(Hold, StepsThatFollowNoSoundAreTakenOneByOne) {
+TEST(AcousticSubstepping, StepsThatFollowNoSoundAreTakenOneByOne) {
   for (const auto& [sound, dt] : {std::pair(std::numeric_limits<double>::infinity(), 2e-6), {1500.0, 1e-5}}) {
     Entry together(Entry::parameters(sound), dt, 5, true), alone(Entry::parameters(sound), dt, 5, false);
     together.windows(6);
@@ -92,7 +92,7 @@ TEST(Hold, StepsThatFollowNoSoundAreTakenOneByOne) {
   }
 }
 
-TEST(Hold, OtherSchemesTakeEveryStepByItself) {
+TEST(AcousticSubstepping, OtherSchemesTakeEveryStepByItself) {
   Parameters p = Entry::parameters();
   p.scheme = with_gradient(p.scheme, Gradient::min_pressure);
   Entry together(p, 2e-6, 5, true), alone(p, 2e-6, 5, false);
@@ -102,7 +102,7 @@ TEST(Hold, OtherSchemesTakeEveryStepByItself) {
 }
 
 // Contact is seen where a window begins: the loads of an impact are compared from the contact on.
-TEST(Hold, ImpactIsThatOfStepsTakenOneByOne) {
+TEST(AcousticSubstepping, ImpactIsThatOfStepsTakenOneByOne) {
   const auto impulses = [](bool held) {
     Entry entry(Entry::parameters(), 2e-6, 5, held);
     std::vector<double> impulse{0};
@@ -126,7 +126,7 @@ TEST(Hold, ImpactIsThatOfStepsTakenOneByOne) {
   EXPECT_NEAR(hard_together / hard_alone, 1, 0.01);
 }
 
-TEST(Hold, GoingBackToAWindowsBeginGivesTheSameBitsWithAnyNumberOfThreads) {
+TEST(AcousticSubstepping, GoingBackToAWindowsBeginGivesTheSameBitsWithAnyNumberOfThreads) {
   Entry entry(Entry::parameters(), 2e-6, 5, true);
   entry.windows(14);
   const State<2> saved = entry.simulation.state();
@@ -155,7 +155,7 @@ TEST(Hold, GoingBackToAWindowsBeginGivesTheSameBitsWithAnyNumberOfThreads) {
 
 // Effect of the places of turning water on ∇·u in two steps of 0.02 l0 each. If the first step of a frozen
 // configuration corrected all of it, the pressure would fluctuate with the frozen configurations.
-TEST(Hold, TurningWaterFeelsNoPressureThatComesAndGoesWithTheHolds) {
+TEST(AcousticSubstepping, TurningWaterFeelsNoPressureThatComesAndGoesWithTheHolds) {
   const auto turning = [](bool held) {
     constexpr double dt = 1e-4;
     constexpr int in_window = 5, steps = 400;

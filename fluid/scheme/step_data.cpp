@@ -1,0 +1,89 @@
+#include "fluid/scheme/step_data.hpp"
+
+#include "fluid/boundary/fill.hpp"
+#include "fluid/boundary/submerged.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake::fluid {
+
+namespace {
+
+/// Verlet skin [l0].
+constexpr double skin = 0.2;
+
+}  // namespace
+
+template <int dim>
+StepData<dim>::StepData(const Parameters& parameters, const InterfaceMesh& partner,
+                        const Points& initial_velocity, PairData pair_data)
+    : p(parameters),
+      density_lattice(lattice_constants<dim>(p.scheme.radius_density, p.spacing)),
+      gradient_lattice(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
+      divergence_lattice(lattice_constants<dim>(p.scheme.radius_divergence, p.spacing)),
+      laplacian_lattice(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
+      mass(p.density * std::pow(p.spacing, dim)),
+      state(fill_around<dim>(p, partner)),
+      boundary(p, partner, initial_velocity, state),
+      search(std::max({density_lattice.radius, gradient_lattice.radius, divergence_lattice.radius,
+                       laplacian_lattice.radius}),
+             skin * p.spacing, boundary.tank().periodic(), pair_data) {}
+
+template <int dim>
+void StepData<dim>::search_neighbours() {
+  const auto keep = [this](std::int32_t i, std::int32_t j) { return boundary.keep(state, i, j); };
+  far = &search.update(state.position, boundary.tags(state), keep);
+}
+
+template <int dim>
+void StepData<dim>::accelerate() {
+  const std::int64_t water = boundary.water();
+  std::int64_t accelerated = 0;
+#pragma omp parallel for schedule(static) reduction(+ : accelerated)
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (boundary.parked(state, i)) continue;
+    state.velocity.col(i) += dt * (viscous->col(i) + gravity);
+    ++accelerated;
+  }
+  state.impulse_of_gravity += static_cast<double>(accelerated) * mass * dt * gravity;
+}
+
+template <int dim>
+void StepData<dim>::move_boundaries() {
+  if (!boundary.volume()) boundary.move(state, motion->displacement, motion->velocity, true);
+  boundary.move_tank(state, state.time + dt, true);
+}
+
+template <int dim>
+std::string StepData<dim>::where() const {
+  return fmt::format("fluid, step {} (t = {:.9g} s)", state.step, state.time);
+}
+
+template <int dim>
+void StepData<dim>::check_finite() const {
+  const std::int64_t water = boundary.water();
+  bool finite = true;
+#pragma omp parallel for schedule(static) reduction(&& : finite)
+  for (std::int64_t i = 0; i < water; ++i)
+    finite = finite && (state.position.col(i).array() - state.position.col(i).array() == 0).all() &&
+             (state.velocity.col(i).array() - state.velocity.col(i).array() == 0).all();
+  if (finite) return;
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (state.position.col(i).allFinite() && state.velocity.col(i).allFinite()) continue;
+    throw Error(
+        ExitCode::solver_fault, where(),
+        fmt::format("particle {} is no longer finite: position ({:.6g}, {:.6g}), velocity ({:.6g}, {:.6g})",
+                    state.id[static_cast<std::size_t>(i)], state.position(0, i), state.position(1, i),
+                    state.velocity(0, i), state.velocity(1, i)),
+        "reduce fluid.scheme.time_step or fluid.scheme.cfl");
+  }
+}
+
+template struct StepData<2>;
+template struct StepData<3>;
+
+}  // namespace strake::fluid

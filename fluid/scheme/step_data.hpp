@@ -1,0 +1,52 @@
+#pragma once
+
+#include "fluid/boundary/boundary.hpp"
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/particles/kernel.hpp"
+#include "fluid/particles/neighbours.hpp"
+#include "fluid/particles/state.hpp"
+#include "fluid/scheme/acoustic_substepping.hpp"
+#include "fluid/scheme/interface_motion.hpp"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace strake::fluid {
+
+/// What the stages of a step read and write, whatever the scheme. All that outlives a step is in `state`.
+template <int dim>
+struct StepData {
+  StepData(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, PairData);
+
+  /// Neighbour rows of the largest radius at the present positions.
+  void search_neighbours();
+  const Neighbours& near_density() { return search.within(density_lattice.radius); }
+  const Neighbours& near_gradient() { return search.within(gradient_lattice.radius); }
+  /// u += Δt (ν∇²u + ∇·τ + g) of the water, with the account of gravity's impulse.
+  void accelerate();
+  /// Bodies and tank at the end of the step. Volume coupling has placed its particles at the start.
+  void move_boundaries();
+  /// Throws Error(solver_fault) that names the first water particle whose position or velocity is not finite.
+  void check_finite() const;
+  std::string where() const;  // "fluid, step 12 (t = 0.0042 s)"
+
+  Parameters p;
+  LatticeConstants density_lattice, gradient_lattice, divergence_lattice, laplacian_lattice;
+  double mass;  // of a water particle [kg]
+  State<dim> state;
+  Boundary<dim> boundary;
+  NeighbourSearch<dim> search;
+  std::map<std::string, double> seconds;  // wall clock of each stage
+
+  double dt = 0;  // Δt [s]
+  AcousticSubstepping substepping;
+  const InterfaceMotion* motion = nullptr;
+  const Neighbours* far = nullptr;            // of the last `search_neighbours`
+  Vector<dim> gravity = Vector<dim>::Zero();  // [m/s²]
+  const Vectors<dim>* viscous = nullptr;      // ν∇²u + ∇·τ at every particle [m/s²]
+  std::vector<std::uint8_t> newly_aired;      // scratch of `follow_air`
+};
+
+}  // namespace strake::fluid
