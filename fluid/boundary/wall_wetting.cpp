@@ -73,7 +73,7 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
       const Vector<dim> r =
           boundary.tank().periodic().separation(state.position.col(j), state.position.col(columns[e]));
       if (corner(j)) {
-        const double off = held(j, r).norm() / spacing_ - std::sqrt(2.0);
+        const double off = projection(j, r).norm() / spacing_ - std::sqrt(2.0);
         nearest = std::min(nearest, joining_height - corner_margin + off);
         continue;
       }

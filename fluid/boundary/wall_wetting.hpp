@@ -27,8 +27,8 @@ class WallContact {
   void update(const Boundary<dim>&, State<dim>&, const Neighbours& near);
 
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
-  /// Part of r that the face holds: along its normal, or all that leaves a corner of the tank.
-  Vector<dim> held(std::int64_t row, const Vector<dim>& r) const {
+  /// P r: the part of r along the face's normal; at an edge of the tank all of r across it, in a corner all.
+  Vector<dim> projection(std::int64_t row, const Vector<dim>& r) const {
     const Vector<dim> axis = axis_.col(row - first_);
     const double along = axis.dot(r);
     return corner_[static_cast<std::size_t>(row)] ? Vector<dim>(r - along * axis) : Vector<dim>(along * axis);

@@ -11,19 +11,7 @@ namespace strake::fluid {
 
 namespace {
 
-/// Ratio of eigenvalues below which neighbours lie on a line (in a plane): that direction is left out; above
-/// twice that it counts in full.
-constexpr double least_ratio = 0.1;
-/// Where |m| is this part of the second row's the surface begins to count, and where it counts in full.
-constexpr double surface_begins = 0.5, surface_counts = 0.9;
-/// Depth of the middle of the first row below the surface, and the bounds of what is taken for a depth [l0].
-constexpr double first_depth = 0.5, least_depth = 0.4, largest_depth = 2.0;
-/// Part of the first row's weights whose lack makes an edge: no flat surface, and no depth below first_depth.
-constexpr double edge = 0.25;
-/// A particle that lies less deep than this is shown as surface [l0].
-constexpr double shown_depth = 1.0;
-
-/// Places of a symmetric tensor's different entries.
+/// Rows and columns of a symmetric tensor's different entries.
 template <int dim>
 struct Symmetric {
   static constexpr int parts = dim * (dim + 1) / 2;
@@ -35,6 +23,7 @@ template <int dim>
   Eigen::SelfAdjointEigenSolver<Tensor<dim>> eigen;
   eigen.computeDirect(m);
   const double largest = eigen.eigenvalues()[dim - 1];
+  const double least_ratio = least_squares_constants().least_ratio;
   Vector<dim> inverses;
   for (int a = 0; a < dim; ++a) {
     const double value = eigen.eigenvalues()[a];
@@ -44,7 +33,8 @@ template <int dim>
   inverse.noalias() = eigen.eigenvectors() * inverses.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// The sums of the lanes, all at once: numbers written one by one and read as a vector would be waited for.
+/// The sums of the parts, stored at once. Numbers that are written one by one and read as a vector would
+/// stall.
 template <int dim>
 inline Vector<dim> vector_of(const Lanes8 (&lanes)[dim]) {
   Vector<dim> out;
@@ -57,12 +47,13 @@ inline Vector<dim> vector_of(const Lanes8 (&lanes)[dim]) {
   return out;
 }
 
-/// Written to its place number by number: a copy would wait for them.
+/// The inverse of m. Directions in which the neighbours hardly extend are left out, see least_ratio. The
+/// entries are written in place, because a copy would stall.
 template <int dim>
 inline void inverse_where_seen(const Tensor<dim>& m, Tensor<dim>& inverse) {
   const double mean = m.trace() / dim, determinant = m.determinant();
-  // det/mean^d that is reached only where λ_min/λ_max > 2 least_ratio for sure: nothing is left out.
-  constexpr double even = dim == 2 ? 0.56 : 0.52;
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const double even = dim == 2 ? tuned.even_2d : tuned.even_3d;
   if (!(mean > 0)) {
     inverse.setZero();
   } else if (!(determinant > even * mean * mean * (dim == 3 ? mean : 1.0))) {
@@ -95,29 +86,31 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
       boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
       static_cast<double>(water) * std::pow(p.spacing, dim) > (1 - gap) * boundary.tank().shape().volume();
   const auto count = static_cast<std::size_t>(water);
-  water_.resize(count);
-  all_.resize(count);
-  motion_ = motions_.of<Motion>(count);
-  std::fill(motion_.begin(), motion_.end(), Motion{});
-  water_stop_.resize(count);
-  for (SingleVectors* v : {&moment_, &inward_, &crowding_, &reaction_}) v->setZero(dim, water);
-  for (Eigen::VectorXf* v : {&stiffness_, &eased_, &soft_, &yielding_, &volume_, &surface_factor_,
-                             &surface_pull_, &surface_share_})
+  moments_.b_inverse.resize(count);
+  moments_.a_inverse.resize(count);
+  velocity_.motion = velocity_.memory.template of<Motion>(count);
+  std::fill(velocity_.motion.begin(), velocity_.motion.end(), Motion{});
+  moments_.water_stop.resize(count);
+  for (SingleVectors* v : {&moments_.m_projected, &surface_.normal, &moments_.concentration, &wall_.force})
+    v->setZero(dim, water);
+  for (Eigen::VectorXf* v :
+       {&moments_.stiffness, &equation_.carried, &equation_.incompressible, &equation_.own, &moments_.volume,
+        &surface_.kappa, &surface_.slope_weight, &surface_.share})
     v->setZero(water);
-  for (Eigen::VectorXd* v : {&meant_, &diagonal_}) v->setZero(water);
-  gradient_of_p_.setZero(dim, water);
-  mean_approach_.setZero(dim, state.position.cols() - water);
-  cover_.setZero(state.position.cols() - water);
+  for (Eigen::VectorXd* v : {&equation_.source, &moments_.diagonal}) v->setZero(water);
+  pressure_gradient_.setZero(dim, water);
+  wall_.mean_velocity.setZero(dim, state.position.cols() - water);
+  wall_.cover.setZero(state.position.cols() - water);
 }
 
 template <int dim>
 void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
                                       const Neighbours& near) {
   walls_.update(boundary, state, near);
-  cover_rows(boundary, state, near);
+  cover_layers(boundary, state, near);
   const std::int64_t water = boundary.water();
   const bool seams = boundary.tank().periodic().any(), shares = shares_entries(far);
-  if (!shares) make_room(entry_, far.column().size());
+  if (!shares) make_room(moments_.entry, far.column().size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (shares)
@@ -129,21 +122,20 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
   }
 }
 
+/// Sums of particle i over the water, eight pairs at a time.
 template <int dim>
 template <bool seams, bool shares>
-void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
-                                  const Neighbours& near, std::int64_t i) {
+void LeastSquaresScheme<dim>::sum_water(const Boundary<dim>& boundary, const State<dim>& state,
+                                        const Neighbours& far, std::int64_t i, ParticleSums& out) {
   const auto& periodic = boundary.tank().periodic();
-  const std::int64_t water = boundary.water();
   const auto columns = far.row(i);
   const double reach = laplacian_.radius;
-  const Vector<dim> x = state.position.col(i);
-  const std::size_t inner = water_pairs(columns, water);
+  const std::size_t inner = water_pairs(columns, boundary.water());
   const auto k = static_cast<std::size_t>(i);
   const std::int64_t first = far.start()[k];
   const float* const shared = far.entry().data() + first;
-  float* const entries = shares ? nullptr : entry_.data() + first;
-  water_stop_[k] = first + static_cast<std::int64_t>(inner);
+  float* const entries = shares ? nullptr : moments_.entry.data() + first;
+  moments_.water_stop[k] = first + static_cast<std::int64_t>(inner);
   // w_L, W and w/r² of eight pairs at a time; the last is zero beyond the gradient's radius.
   Lanes8 diagonals{}, volumes{}, stiffnesses{}, opens[dim]{}, crowdings[dim]{};
   Lanes8 moments[Symmetric<dim>::parts]{};  // Σ w r⊗r/r²
@@ -182,102 +174,154 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
     for (int m = 0; m < Symmetric<dim>::parts; ++m)
       moments[m] += arm[Symmetric<dim>::row[m]] * r[Symmetric<dim>::column[m]];
   }
-  double diagonal = sum(diagonals), volume = sum(volumes), stiffness = sum(stiffnesses);
-  Tensor<dim> b, a = Tensor<dim>::Zero();
-  Vector<dim> open = vector_of<dim>(opens), crowding = vector_of<dim>(crowdings);
+  out.diagonal = sum(diagonals);
+  out.volume = sum(volumes);
+  out.stiffness = sum(stiffnesses);
+  out.m = vector_of<dim>(opens);
+  out.concentration = vector_of<dim>(crowdings);
 #pragma GCC unroll 6
   for (int m = 0; m < Symmetric<dim>::parts; ++m) {
     const int row = Symmetric<dim>::row[m], column = Symmetric<dim>::column[m];
-    b(row, column) = b(column, row) = sum(moments[m]);
+    out.b(row, column) = out.b(column, row) = sum(moments[m]);
   }
-  const auto near_columns = near.row(i);
-  const auto near_inverses = near.inverses(i);
-  const std::size_t near_inner = water_pairs(near_columns, water);
-  const auto near_weight = [&](std::size_t e) {
-    return (gradient_.radius * near_inverses[e] - 1) * near_inverses[e] * near_inverses[e];
-  };
-  Vector<dim> walled = open;
-  double weights = diagonal, filled = 1 + volume;
-  for (std::size_t e = inner; e < columns.size(); ++e) {
+  out.m_projected = out.m;
+  out.weights = out.diagonal;
+  out.filled = 1 + out.volume;
+}
+
+/// Adds the wet layer particles, those of far to the sums with w_L and W, those of near to the others.
+template <int dim>
+void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const State<dim>& state,
+                                         const Neighbours& far, const Neighbours& near, std::int64_t i,
+                                         ParticleSums& sums) const {
+  const auto& periodic = boundary.tank().periodic();
+  const std::int64_t water = boundary.water();
+  const Vector<dim> x = state.position.col(i);
+  const double reach = laplacian_.radius;
+  const auto columns = far.row(i);
+  const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+  for (std::size_t e = water_pairs(columns, water); e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
     if (!walls_.wet(j)) continue;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
     const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
     const double far_weight = reach * inverse - 1;
-    weights += far_weight;
+    sums.weights += far_weight;
     const double part = volume_weight(1 / (inverse * reach));
-    volume += part;
-    filled += cover_[j - water] * part;
-    open += far_weight * r;
-    walled += far_weight * walls_.held(j, r);
+    sums.volume += part;
+    sums.filled += wall_.cover[j - water] * part;
+    sums.m += far_weight * r;
+    sums.m_projected += far_weight * walls_.projection(j, r);
   }
-  bool beside_wall = false;
-  for (std::size_t e = near_inner; e < near_columns.size(); ++e) {
+  const auto near_columns = near.row(i);
+  const auto inverses = near.inverses(i);
+  for (std::size_t e = water_pairs(near_columns, water); e < near_columns.size(); ++e) {
     const std::int64_t j = near_columns[e];
     if (!walls_.wet(j)) continue;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
-    crowding += near_weight(e) * r;
-    stiffness += (2 * gradient_.radius * near_inverses[e] - 1) * near_inverses[e] * near_inverses[e];
-    if (!over(boundary, state, i, j)) continue;
-    const Vector<dim> held = walls_.held(j, r);
-    a.noalias() += near_weight(e) * held * held.transpose();
-    beside_wall = true;
+    const double weight = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+    sums.concentration += weight * r;
+    sums.stiffness += (2 * gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+    if (!is_over(boundary, state, i, j)) continue;
+    const Vector<dim> projected = walls_.projection(j, r);
+    sums.a.noalias() += weight * projected * projected.transpose();
+    sums.beside_wall = true;
   }
-  inverse_where_seen<dim>(b, water_[k]);
-  moment_.col(i) = walled.template cast<float>();
-  crowding_.col(i) = crowding.template cast<float>();
-  stiffness_[i] = static_cast<float>(stiffness * p_.spacing * p_.spacing / gradient_.n0);
-  diagonal_[i] = diagonal;
-  volume_[i] = static_cast<float>(volume);
+}
 
-  double factor = 0, depth = largest_depth * p_.spacing, share = 0, pull = 0;
-  Vector<dim> inward = Vector<dim>::Zero();
-  const double least_moment = surface_begins * lattice_.second_moment;
-  if (!full_ && (open.squaredNorm() > least_moment * least_moment || weights < lattice_.first_weights)) {
-    // Past the end of a face its rows are no water above the particle: an edge is as sharp as the lattice
-    // allows.
-    for (std::size_t e = inner; e < columns.size(); ++e) {
-      const std::int64_t j = columns[e];
-      if (j < boundary.first_of_bodies() || !walls_.wet(j) || over(boundary, state, i, j)) continue;
-      const Vector<dim> r = periodic.separation(x, state.position.col(j));
-      const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
-      const double far_weight = reach * inverse - 1;
-      weights -= far_weight;
-      filled -= cover_[j - water] * volume_weight(1 / (inverse * reach));
-      open -= far_weight * r;
-      walled -= far_weight * walls_.held(j, r);
-    }
-    const double m = open.norm();
-    share =
-        std::clamp((m - least_moment) / (surface_counts * lattice_.second_moment - least_moment), 0.0, 1.0);
-    if (m > 0) inward = open / m;
-    const double sharp = std::clamp((1 - weights / lattice_.first_weights) / edge, 0.0, 1.0);
-    depth = std::clamp(lattice_.depth(filled / (1 + lattice_.volume)),
-                       (least_depth + (first_depth - least_depth) * sharp) * p_.spacing,
-                       largest_depth * p_.spacing);
-    factor = share * std::max(0.0, walled.dot(inward)) / depth;
-    // A film or a drop has surface on both sides, so that m says little: its missing weight does.
-    const double missing = (lattice_.weights - weights) / (lattice_.weights - lattice_.first_weights);
-    const double thin = missing * lattice_.first_moment / (first_depth * p_.spacing);
-    if (weights < lattice_.first_weights && thin > factor) {
-      factor = thin;
-      share = 1;
-    }
-    Tensor<dim> all = a + b;
-    const double lacking = share * std::max(0.0, gradient_.n0 / dim - inward.dot(all * inward));
-    all.noalias() += lacking * inward * inward.transpose();
-    pull = lacking / depth;
-    inverse_where_seen<dim>(all, all_[k]);
-  } else if (beside_wall) {
-    inverse_where_seen<dim>(a + b, all_[k]);
-  } else {
-    for (int c = 0; c < dim * dim; ++c) all_[k].data()[c] = water_[k].data()[c];
+/// Takes the layers past the end of a body's face off again: they are no water above the particle. An edge is
+/// then as sharp as the lattice allows.
+template <int dim>
+void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary, const State<dim>& state,
+                                                   const Neighbours& far, std::int64_t i,
+                                                   ParticleSums& sums) const {
+  const auto& periodic = boundary.tank().periodic();
+  const std::int64_t water = boundary.water();
+  const Vector<dim> x = state.position.col(i);
+  const double reach = laplacian_.radius;
+  const auto columns = far.row(i);
+  const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+  for (std::size_t e = water_pairs(columns, water); e < columns.size(); ++e) {
+    const std::int64_t j = columns[e];
+    if (j < boundary.first_of_bodies() || !walls_.wet(j) || is_over(boundary, state, i, j)) continue;
+    const Vector<dim> r = periodic.separation(x, state.position.col(j));
+    const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
+    const double far_weight = reach * inverse - 1;
+    sums.weights -= far_weight;
+    sums.filled -= wall_.cover[j - water] * volume_weight(1 / (inverse * reach));
+    sums.m -= far_weight * r;
+    sums.m_projected -= far_weight * walls_.projection(j, r);
   }
-  inward_.col(i) = inward.template cast<float>();
-  surface_factor_[i] = static_cast<float>(factor);
-  surface_share_[i] = static_cast<float>(share);
-  surface_pull_[i] = static_cast<float>(pull);
-  state.surface[k] = factor > 0 && share >= 1 && depth < shown_depth * p_.spacing ? 1 : 0;
+}
+
+/// σ, N, D, κ and b of particle i (F37)–(F39), (F47). Returns D [m], or a negative number where the particle
+/// is not shown as surface.
+template <int dim>
+double LeastSquaresScheme<dim>::fit_surface(std::int64_t i, const ParticleSums& sums) {
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const double least_moment = tuned.surface_begins * lattice_.second_moment;
+  const double m = sums.m.norm();
+  double share = std::clamp(
+      (m - least_moment) / (tuned.surface_counts * lattice_.second_moment - least_moment), 0.0, 1.0);
+  Vector<dim> normal = Vector<dim>::Zero();
+  if (m > 0) normal = sums.m / m;
+  const double sharp = std::clamp((1 - sums.weights / lattice_.first_weights) / tuned.edge, 0.0, 1.0);
+  const double depth =
+      std::clamp(lattice_.depth(sums.filled / (1 + lattice_.volume)),
+                 (tuned.least_depth + (tuned.first_row - tuned.least_depth) * sharp) * p_.spacing,
+                 tuned.largest_depth * p_.spacing);
+  double kappa = share * std::max(0.0, sums.m_projected.dot(normal)) / depth;
+  // A film or a drop has surface on both sides, so that m says little: its missing weight does.
+  const double missing = (lattice_.weights - sums.weights) / (lattice_.weights - lattice_.first_weights);
+  const double thin = missing * lattice_.first_moment / (tuned.first_row * p_.spacing);
+  if (sums.weights < lattice_.first_weights && thin > kappa) {
+    kappa = thin;
+    share = 1;
+  }
+  Tensor<dim> all = sums.a + sums.b;
+  const double lacking = share * std::max(0.0, gradient_.n0 / dim - normal.dot(all * normal));
+  all.noalias() += lacking * normal * normal.transpose();
+  inverse_where_seen<dim>(all, moments_.a_inverse[static_cast<std::size_t>(i)]);
+  surface_.normal.col(i) = normal.template cast<float>();
+  surface_.kappa[i] = static_cast<float>(kappa);
+  surface_.share[i] = static_cast<float>(share);
+  surface_.slope_weight[i] = static_cast<float>(lacking / depth);
+  return kappa > 0 && share >= 1 ? depth : -1;
+}
+
+template <int dim>
+template <bool seams, bool shares>
+void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
+                                  const Neighbours& near, std::int64_t i) {
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const auto k = static_cast<std::size_t>(i);
+  ParticleSums sums;
+  sum_water<seams, shares>(boundary, state, far, i, sums);
+  add_layers(boundary, state, far, near, i, sums);
+  inverse_where_seen<dim>(sums.b, moments_.b_inverse[k]);
+  moments_.m_projected.col(i) = sums.m_projected.template cast<float>();
+  moments_.concentration.col(i) = sums.concentration.template cast<float>();
+  moments_.stiffness[i] = static_cast<float>(sums.stiffness * p_.spacing * p_.spacing / gradient_.n0);
+  moments_.diagonal[i] = sums.diagonal;
+  moments_.volume[i] = static_cast<float>(sums.volume);
+
+  const double least_moment = tuned.surface_begins * lattice_.second_moment;
+  if (!full_ &&
+      (sums.m.squaredNorm() > least_moment * least_moment || sums.weights < lattice_.first_weights)) {
+    leave_out_past_faces(boundary, state, far, i, sums);
+    const double depth = fit_surface(i, sums);
+    state.surface[k] = depth >= 0 && depth < tuned.shown_depth * p_.spacing ? 1 : 0;
+    return;
+  }
+  if (sums.beside_wall)
+    inverse_where_seen<dim>(sums.a + sums.b, moments_.a_inverse[k]);
+  else
+    for (int c = 0; c < dim * dim; ++c) moments_.a_inverse[k].data()[c] = moments_.b_inverse[k].data()[c];
+  surface_.normal.col(i).setZero();
+  surface_.kappa[i] = 0;
+  surface_.share[i] = 0;
+  surface_.slope_weight[i] = 0;
+  state.surface[k] = 0;
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                        \

@@ -52,8 +52,8 @@ void LeastSquaresScheme<dim>::assemble(StepData<dim>& step, PressureSystem& syst
 
 template <int dim>
 void LeastSquaresScheme<dim>::limit_pressure(StepData<dim>& step, bool tension) {
-  if (!tension) release_tension(step.boundary, step.state, *step.far);
-  limit(step.boundary, step.state, step.near_gradient());
+  if (!tension) limit_tension(step.boundary, step.state, *step.far);
+  limit_at_surface(step.boundary, step.state, step.near_gradient());
 }
 
 template <int dim>
@@ -79,7 +79,7 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.parked(state, i)) continue;
-    state.velocity.col(i) -= factor * gradient_of_p_.col(i);
+    state.velocity.col(i) -= factor * pressure_gradient_.col(i);
   }
   measure_residual(boundary, state, *step.far, step.near_gradient(), step.dt);
 #pragma omp parallel for schedule(static) reduction(max : largest, fastest)

@@ -3,6 +3,7 @@
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/boundary/wall_wetting.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
+#include "fluid/least_squares/constants.hpp"
 #include "fluid/least_squares/surface_model.hpp"
 #include "fluid/mps/operators.hpp"
 #include "fluid/parameters/parameters.hpp"
@@ -17,36 +18,37 @@
 #include <Eigen/Core>
 
 #include <cmath>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace strake::fluid {
 
-/// The scheme of `gradient = "least-squares"`: every operator is exact for linear fields however the
-/// particles lie, at walls and at the free surface too. Unknowns are the water's pressures alone.
+/// The scheme of `gradient = "least-squares"` (fluid/THEORY.md, section 8), after the LSMPS of Tamai and
+/// Koshizuka 2014. Every gradient is exact for linear fields however the particles lie, at walls and at the
+/// free surface too. Unknowns are the pressures of the water alone.
 ///
-///   A wall or body is a condition on the pressure's slope: over its face, (u* − U)·n ρ/Δt = ∂p/∂n, U the
-///   wall's
-/// velocity at the end of the step, which holds g, the wall's acceleration and an impact alike. In the sums a
-/// row behind the face stands for p_i + q, q = (ρ/Δt) (u* − U)·P r, P what the face holds of r.
-///   The free surface, p = 0, lies half a row above the first particles. With m = Σ w r over water and wet
-///   rows,
-/// |m| is zero inside and known on the lattice for the first and the second row; p = |∇p| d at the depth d
-/// below the surface makes Σ w (p_j − p_i) = κ p_i, κ = |m|/d: a condition without a decision which particle
-/// is surface.
-///   What is left of Σ w r by disorder takes the hydrostatic slope ρ g with it, which is moved to the right
-///   side.
+/// A wall or body is a condition on the pressure's slope over its face, ∂p/∂n = (ρ/Δt) (u* − U)·n (F34). U is
+/// the wall's velocity at the end of the step, so it holds gravity, the wall's acceleration and an impact. In
+/// the sums a layer particle behind the face has the pressure p_i + q (F35).
 ///
-/// Still water stays at rest to the tolerance of the solver on any lattice with free places. Linear momentum
-/// is not exact by construction: the gap is measured (momentum_gap).
+/// The free surface, p = 0, lies half a spacing above the first particles. It enters through the depth D of
+/// each particle, Σ w (p_j − p_i) = κ p_i (F39), without a decision which particle is surface. Disorder
+/// leaves a remainder of Σ w r; the hydrostatic slope ρ g times it is moved to the right side.
+///
+/// Still water stays at rest to the tolerance of the solver, whatever the order of its inner particles.
+/// Linear momentum is not exact by construction: the gap is measured (momentum_gap).
 template <int dim>
 class LeastSquaresScheme final : public FluidScheme<dim> {
  public:
   LeastSquaresScheme(const Parameters&, const Boundary<dim>&, const State<dim>&);
 
-  /// Where c Δt ≤ l0 steps follow sound and not the water. Walls of a moving tank take their velocity from
-  /// the places that they come from, so there each step stands alone.
+  /// Where c Δt ≤ l0. Walls of a moving tank take their velocity from the positions that they come from, so
+  /// each step stands alone there.
   bool may_substep(const StepData<dim>&, double dt) const override;
-  typename FluidScheme<dim>::SpareMemory spare_memory() override { return {all_, motions_}; }
+  typename FluidScheme<dim>::SpareMemory spare_memory() override {
+    return {moments_.a_inverse, velocity_.memory};
+  }
   void measure(StepData<dim>&) override;
   void predict(StepData<dim>&) override;
   void assemble(StepData<dim>&, PressureSystem&) override;
@@ -56,176 +58,225 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   double correct(StepData<dim>&) override;
   void shift(StepData<dim>&) override;
 
-  /// Sums over the neighbours at the present places; wet rows; State::surface of the water. far: rows of at
-  /// least the Laplacian's radius; near: of at least 2 l0.
+  /// Sums over the neighbours at the present positions; wet layers; State::surface of the water. far: rows of
+  /// at least the Laplacian's radius; near: of at least 2 l0.
   void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near);
-  /// ∇u* of the water, and the filter: u* += Δt Σ ν_ij (what ∇u* does not explain of u_j − u_i), the sum of
-  /// the hold's first step.
+  /// ∇u* of the water (F33), and the filter (F48). Later steps of a group repeat the filter's acceleration of
+  /// its first step.
   void filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt,
               const AcousticSubstepping&);
   void filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near, double dt) {
     filter(boundary, state, near, dt, AcousticSubstepping::single_step(dt));
   }
+  /// The pressure equation (F40).
   void assemble(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
                 double dt, PressureSystem&);
-  /// Harmonic pressure has no maximum at a free surface: next to it, away from walls, it is at most that of
-  /// the water inside near by; a drop or a film in flight has none.
-  void limit(const Boundary<dim>&, State<dim>&, const Neighbours& near);
-  /// Water next to the free surface parts without tension. Deeper it holds what the air above it presses: the
-  /// cores of vortices stay closed. More than turning water makes, ρ max|u|², it never bears: where nothing
-  /// turns, a pull only parts it. A face pulls no particle more than its own water does.
-  void release_tension(const Boundary<dim>&, State<dim>&, const Neighbours& far);
-  /// ∇p of the water [Pa/m].
+  /// Limits the pressure at the free surface, away from walls, to that of the inner water near by: a harmonic
+  /// pressure has no maximum there. A drop or a film in flight gets p = 0.
+  void limit_at_surface(const Boundary<dim>&, State<dim>&, const Neighbours& near);
+  /// Limits negative pressure by the distance to the free surface (F46). From here on a face pulls no
+  /// particle more than its own water does.
+  void limit_tension(const Boundary<dim>&, State<dim>&, const Neighbours& far);
+  /// ∇p of the water [Pa/m] (F47).
   const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                         double dt);
-  const Vectors<dim>& pressure_gradient() const { return gradient_of_p_; }  // of the last call
-  /// −p n A of each first row; also State::pressure of the rows. p is the mean of what the water near by says
-  /// of the face, p_i + h ∂p/∂n with its own ∇p, and the reaction to what the rows push it beyond that.
+  /// −p n A of each first layer particle (F51); also State::pressure of the layers.
   RowForces<dim> row_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near) const;
-  /// Particles move towards even spacing, along the surface where they are near it, and take ∇u* with them.
-  /// near: of the places that they come from.
+  /// Moves particles towards even spacing (F49), (F50), along the surface where they are near it. near: rows
+  /// at the positions that they come from.
   void shift(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt) const;
-
-  /// State::residual_divergence and State::residual_approach of the new velocity, before the particles move.
+  /// State::residual_divergence (F43) and State::residual_approach of the new velocity, before the particles
+  /// move.
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
-  /// ∇·u* of the last `filter` [1/s].
+  /// ∇·u of the last `filter` or `measure_residual` [1/s].
   double divergence(std::int64_t i) const { return velocity_gradient(i).trace(); }
 
  private:
+  using SingleVectors = Eigen::Matrix<float, dim, Eigen::Dynamic>;
+  // What enters as one factor or one term is as exact as the matrix, single precision.
+
+  /// Sums over the neighbours of each water particle, of the last `measure`.
+  struct Moments {
+    std::vector<Tensor<dim>> b_inverse;    // B⁻¹, B = Σ_water w r⊗r/r²
+    std::vector<Tensor<dim>> a_inverse;    // A⁻¹ (F47)
+    std::vector<float> entry;              // −w_L of each pair, where far has not got it
+    std::vector<std::int64_t> water_stop;  // end of the water in each row of far
+    SingleVectors m_projected;             // m_P: Σ w_L r over water, P r over wet layers [m]
+    SingleVectors concentration;           // Σ w r/r² = ∇C n0/d [1/m]
+    Eigen::VectorXf stiffness;             // S of (F66)
+    Eigen::VectorXd diagonal;              // Σ w_L over water, the row's sum to the last bit
+    Eigen::VectorXf volume;                // Σ W over water and wet layers
+  };
+  /// The free surface as each water particle sees it (F37)–(F39), of the last `measure`.
+  struct FreeSurface {
+    SingleVectors normal;                // N, away from the surface
+    Eigen::VectorXf kappa;               // κ
+    Eigen::VectorXf slope_weight;        // b/D [1/m]
+    Eigen::VectorXf share;               // σ
+    std::vector<std::uint8_t> in_reach;  // scratch of `limit_tension`: surface within the far rows
+  };
+  /// Faces of walls and bodies.
+  struct WallData {
+    Eigen::VectorXd cover;            // of each layer particle: part of its face that water covers, 0 … 1
+    Vectors<dim> mean_velocity;       // of the water over each face, less U [m/s]
+    SingleVectors force;              // R_i of (F52) per weight of a layer particle [N]
+    SingleVectors deferred_velocity;  // past the faces, left to the next steps [m/s]
+  };
+  enum class Limit : std::uint8_t { none, at_surface, tension };
+  /// Terms of each water particle in (F40), of the last `assemble`.
+  struct EquationTerms {
+    Eigen::VectorXf carried;            // ε_i of (F44)
+    Eigen::VectorXf incompressible;     // 1 − s/(c²Δt² A_ii)
+    Eigen::VectorXf own;                // factor of p_i beside ∇²p and κ: s/(c²Δt²) + Y_i
+    Eigen::VectorXd source;             // right side without walls, ∇·u* and g
+    Eigen::VectorXd pressure_at_start;  // of the group of sub-steps [Pa]
+    std::vector<Limit> limited;         // which limit has changed the pressure
+    bool tension = true;                // no `limit_tension` in this step
+  };
+  /// Numbers of the present step.
+  struct StepNumbers {
+    double deferred = 0;                                 // 1 − π (F45)
+    double largest_speed = 0;                            // max|u| past the tank [m/s]
+    Vector<dim> gravity = Vector<dim>::Zero();           // less the tank's acceleration [m/s²]
+    Vector<dim> gravity_velocity = Vector<dim>::Zero();  // Δt times it [m/s]
+  };
   /// What the filter reads of a neighbour, side by side in memory.
   struct Motion {
-    Column<dim> place, velocity, gradient[dim];  // columns of ∇u* [1/s]
+    Column<dim> place, velocity, gradient[dim];  // columns of ∇u [1/s]
   };
-  void carry(Motion&, double time) const;
-  Tensor<dim> velocity_gradient(std::int64_t i) const {
-    Tensor<dim> gradient;
-    for (int b = 0; b < dim; ++b)
-      for (int a = 0; a < dim; ++a) gradient(a, b) = motion_[static_cast<std::size_t>(i)].gradient[b][a];
-    return gradient;
-  }
-  /// u* over the face of row j as particle i sees it, less U [m/s]. A particle that lies beyond the face's
-  /// end does not know that velocity: it takes the mean of those that lie over the face, and goes over to its
-  /// own along the half spacing up to the first row's middle: at once would be a blow to the water.
-  Vector<dim> approach(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
-  /// What an absorbing wall's yielding adds to it, U = −(p_i − p_still)/(ρc) m, m its normals: a wave that
-  /// goes out finds the water's own ρc [m/s].
-  Vector<dim> yielding(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j) const;
-  /// Of x under the water's upper edge at the start [m].
-  double depth_of(const Boundary<dim>&, const Vector<dim>& x) const;
-  /// ρ g times that depth [Pa].
-  double still_pressure(const Boundary<dim>&, const Vector<dim>& x) const;
-  /// Part of 1/(ρc²) that the water has there.
-  double compressible(const Boundary<dim>& boundary, const Vector<dim>& x) const {
-    return sound_.is_whole() ? 1.0 : sound_.compressible(depth_of(boundary, x));
-  }
-  /// What stands behind the face at row j over p_i: (ρ/Δt) (u*−U)·P r, of which the part that the last step
-  /// was meant to leave is taken away. Without tension the face's own pressure is not below zero [Pa].
-  double rise(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j,
-              const Vector<dim>& held, double slope) const;
-  /// Sums over the wet rows whose faces a particle lies over.
-  struct Faces {
-    Vector<dim> rises = Vector<dim>::Zero();  // Σ w q P r/r²
-    Tensor<dim> held = Tensor<dim>::Zero();   // a = Σ w P r ⊗ P r/r²
-    double weights = 0;                       // Σ w of the first rows
+  struct VelocityFit {
+    SharedMemory memory;       // of `motion`
+    std::span<Motion> motion;  // of the last `filter`, before it, or of `measure_residual`
+    Vectors<dim> filtered;     // acceleration by the filter at the start of the group [m/s²]
+    double age = 0;            // of the configuration [s]
   };
-  /// Reaction of the faces to what their rows push particle i beyond its own ∇p, per weight of a row [N].
-  Vector<dim> reaction(std::int64_t i, const Faces&) const;
-  /// (u−U) past the faces that the particle touches [m/s].
-  Vector<dim> left_approach(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
-                            std::int64_t i) const;
-  /// What the rows do to the water of particle i: Σ w (u−U)·P r [m²/s], and the diagonal's part of walls that
-  /// absorb.
-  struct Inflow {
-    double flux = 0, yields = 0;
-    Vector<dim> held = Vector<dim>::Zero();  // Σ w P r [m]
+
+  /// Sums over one particle's neighbours, before they are stored.
+  struct ParticleSums {
+    double diagonal, volume, stiffness;  // Σ w_L, Σ W, Σ (2 r_e/r − 1)/r²
+    Tensor<dim> b, a = Tensor<dim>::Zero();
+    Vector<dim> m, concentration;  // Σ w_L r, Σ w r/r²
+    Vector<dim> m_projected;       // with P r of the layers
+    double weights, filled;        // Σ w_L and 1 + Σ W with the layers
+    bool beside_wall = false;      // over a wet face
   };
-  Inflow inflow(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
-                std::int64_t i) const;
-  /// γ: part of the density error that a step takes away.
-  double drift_share(double dt) const;
-  /// max |u| past the tank: the same for an observer who falls or drives along with it [m/s].
-  double fastest(const Boundary<dim>&, const State<dim>&) const;
-  /// Part of the residual divergence that a step leaves as it is.
-  double kept_residual(double dt) const;
-  /// Part of what the moves of the last steps have left undone that a step of dt does: all of it unless it is
-  /// shorter than they were.
-  double part_of_step(const State<dim>&, double dt) const;
-  /// Velocity past the faces that the step leaves as it is, where nothing holds it up [m/s].
-  Vector<dim> left_past(const State<dim>& state, std::int64_t i, const Vector<dim>& approach) const {
-    Vector<dim> left = eased_[i] * state.residual_approach.col(i);
-    if (undone_ > 0) left += undone_ * soft_[i] * (approach - pull_);
-    return left;
-  }
-  double wave_speed_squared() const;
-  void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
-  /// Whether the rows stand as the matrix's; else `entry_` does.
+  template <bool seams, bool shares>
+  void sum_water(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
+                 ParticleSums&);
+  void add_layers(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Neighbours& near,
+                  std::int64_t i, ParticleSums&) const;
+  void leave_out_past_faces(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
+                            ParticleSums&) const;
+  double fit_surface(std::int64_t i, const ParticleSums&);
+  template <bool seams, bool shares>
+  void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
+  void cover_layers(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
+  /// Whether the rows stand as the matrix's; else Moments::entry does.
   bool shares_entries(const Neighbours& far) const {
     return far.data() == PairData::entries && far.scale() == 1 / laplacian_.radius;
   }
-  bool over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t row) const;
-  void approach_from_mean(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
-  void cover_rows(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
-  template <bool seams, bool shares>
-  void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
+  /// Of an inverse of Σ w r⊗r/r² that can be inverted again.
+  double least_determinant() const {
+    return least_squares_constants().singular * std::pow(dim / gradient_.n0, dim);
+  }
+
+  // Velocity.
+  void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   template <bool seams>
   void find_velocity_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   template <bool seams>
   void find_filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt,
                    const AcousticSubstepping&);
+  void advance_gradient(Motion&, double time) const;
+  Tensor<dim> velocity_gradient(std::int64_t i) const {
+    Tensor<dim> gradient;
+    for (int b = 0; b < dim; ++b)
+      for (int a = 0; a < dim; ++a)
+        gradient(a, b) = velocity_.motion[static_cast<std::size_t>(i)].gradient[b][a];
+    return gradient;
+  }
+
+  // Walls and bodies.
+  /// Whether particle i lies over the face of a layer particle: not past the face's end.
+  bool is_over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t layer_particle) const;
+  void average_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
+  /// u* − U at the face of layer particle j, as particle i sees it [m/s]. Past a face's end it is the mean
+  /// over the particles over the face. Within 0.5 l0 of the end the two are blended linearly, to avoid a jump
+  /// of the pressure.
+  Vector<dim> relative_wall_velocity(const Boundary<dim>&, const State<dim>&, std::int64_t i,
+                                     std::int64_t j) const;
+  /// Velocity of an absorbing wall towards the water, (p_i − p_still)/(ρc) n [m/s] (F60): a wave that goes
+  /// out meets the impedance ρc of the water.
+  Vector<dim> absorbing_velocity(const Boundary<dim>&, const State<dim>&, std::int64_t i,
+                                 std::int64_t j) const;
+  /// u − U past the faces that particle i touches [m/s].
+  Vector<dim> residual_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
+                                     std::int64_t i) const;
+  /// Velocity past the faces that the step does not correct, the walls' counterpart of E_i [m/s].
+  Vector<dim> carried_wall_velocity(const State<dim>& state, std::int64_t i,
+                                    const Vector<dim>& relative) const {
+    Vector<dim> carried = equation_.carried[i] * state.residual_approach.col(i);
+    if (now_.deferred > 0)
+      carried += now_.deferred * equation_.incompressible[i] * (relative - now_.gravity_velocity);
+    return carried;
+  }
+  /// q_ij of (F35) with the carried residual taken off. Without tension the face's pressure is not below zero
+  /// [Pa].
+  double wall_pressure_increment(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j,
+                                 const Vector<dim>& projected, double slope) const;
+  /// χ (F36).
+  double slope_share(double dt) const;
+  /// Sums over the wet layer particles whose faces a particle lies over.
+  struct FaceSums {
+    Vector<dim> q_moment = Vector<dim>::Zero();  // Σ w q P r/r²
+    Tensor<dim> a = Tensor<dim>::Zero();         // Σ w P r ⊗ P r/r²
+    double weights = 0;                          // Σ w of the first layer
+  };
+  /// R_i of (F52) per weight of a layer particle [N].
+  Vector<dim> wall_force(std::int64_t i, const FaceSums&) const;
+  /// Walls in the equation of particle i.
+  struct WallTerms {
+    double flux = 0,
+           absorption = 0;                        // Σ w (u*−U)·P r [m²/s]; absorbing walls' part of Y_i
+    Vector<dim> projected = Vector<dim>::Zero();  // Σ w P r [m]
+  };
+  WallTerms wall_terms(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
+                       std::int64_t i) const;
+
+  // Pressure.
+  void begin_equation(const Boundary<dim>&, const State<dim>&, const Vector<dim>& gravity, double dt);
+  void share_rows(const Neighbours& far, PressureSystem&) const;
   template <bool seams>
   void find_pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
-  /// Of an inverse of Σ w r⊗r/r² that can be inverted again: a millionth of the lattice's.
-  double least_determinant() const { return 1e-6 * std::pow(dim / gradient_.n0, dim); }
-  /// Share of the half spacing's slope that the face feels in one step: a sound wave goes through only c Δt
-  /// of it.
-  double slope_share(double dt) const;
-
-  /// Pressure of the atmosphere less that of water's vapour: where water is torn [Pa].
-  static constexpr double largest_tension = 0.99e5;
+  /// Depth of x under the water's upper edge at the start [m].
+  double depth_of(const Boundary<dim>&, const Vector<dim>& x) const;
+  /// ρ g times that depth [Pa].
+  double still_pressure(const Boundary<dim>&, const Vector<dim>& x) const;
+  /// Part of 1/(ρc²) that the water has at x.
+  double compressible(const Boundary<dim>& boundary, const Vector<dim>& x) const {
+    return sound_.is_whole() ? 1.0 : sound_.compressible(depth_of(boundary, x));
+  }
+  /// max|u| past the tank, the same for an observer who moves with it [m/s].
+  double fastest(const Boundary<dim>&, const State<dim>&) const;
+  double wave_speed_squared() const;
+  double drift_share(double dt) const;
+  double carried_fraction(double dt) const;
+  double corrected_fraction(const State<dim>&, double dt) const;
 
   Parameters p_;
   LatticeConstants gradient_, laplacian_;
   SurfaceLattice<dim> lattice_;
   WallContact<dim> walls_;
   SoundLayer sound_;
-  bool full_;  // a closed tank without a gap or a body: no surface anywhere, whatever disorder shows
-  using SingleVectors = Eigen::Matrix<float, dim, Eigen::Dynamic>;
-  std::vector<Tensor<dim>> water_;        // [Σ_water w r⊗r/r²]⁻¹
-  std::vector<Tensor<dim>> all_;          // the same with P r of wet rows and the free surface's part
-  std::vector<float> entry_;              // −w_L of each pair, where far has not got it
-  std::vector<std::int64_t> water_stop_;  // end of the water in each row of far
-  SharedMemory motions_;
-  std::span<Motion> motion_;  // of the last `filter`, before it, or of `measure_residual`
-  // What enters as one factor or one term is as exact as the matrix, single precision.
-  SingleVectors moment_;       // Σ w_L r over water, P r over wet rows [m]
-  SingleVectors inward_;       // unit vector away from the free surface
-  SingleVectors crowding_;     // Σ w r/r² [1/m]
-  SingleVectors reaction_;     // of the faces [N], see `reaction`
-  Eigen::VectorXf stiffness_;  // of l0² ∇C against the particle's place
-  Eigen::VectorXf eased_;      // part of its residual that the step leaves as it is
-  Eigen::VectorXf soft_;       // part of the equation's diagonal that no compressibility makes
-  Eigen::VectorXf yielding_;   // of p_i in the equation, but for ∇²p and the surface
-  Eigen::VectorXd meant_;      // of the right side, but for ∇·u* and g
-  enum class Cut : std::uint8_t { none, limited, released };
-  std::vector<Cut> cut_;                    // pressures that `limit` or `release_tension` has cut
-  std::vector<std::uint8_t> sees_surface_;  // of `release_tension`: free surface within the far rows
-  bool tension_ = true;                     // no `release_tension` in this step
-  Eigen::VectorXd diagonal_;                // Σ w_L over water, the row's sum to the last bit
-  Eigen::VectorXf volume_;                  // Σ W over water and wet rows, W = (1−q)⁴(1+4q), q = r/r_L
-  Eigen::VectorXf surface_factor_;          // κ
-  Eigen::VectorXf surface_pull_;            // weight/d of the surface in ∇p
-  Eigen::VectorXf surface_share_;           // 0 inside … 1 in the rows next to the free surface
-  Eigen::VectorXd cover_;                   // of the rows: part of the face that water covers, 0 … 1
-  Eigen::VectorXd pressure_then_;           // of the hold's beginning [Pa]
-  Vectors<dim> filtered_;                   // what the filter gave to the water there [m/s²]
-  double age_ = 0;                          // of the places [s]
-  double undone_ = 0;                       // 1 − part_of_step
-  Vector<dim> pull_ = Vector<dim>::Zero();  // velocity that gravity_ gives in the step [m/s]
-  double speed_ = 0;                        // `fastest` of the step
-  Vector<dim> gravity_ = Vector<dim>::Zero();  // of the step, less the tank's acceleration [m/s²]
-  Vectors<dim> gradient_of_p_, mean_approach_;
-  SingleVectors undone_approach_;
+  bool full_;  // a closed tank without a gap or a body has no free surface, whatever disorder shows
+  Moments moments_;
+  FreeSurface surface_;
+  WallData wall_;
+  EquationTerms equation_;
+  StepNumbers now_;
+  VelocityFit velocity_;
+  Vectors<dim> pressure_gradient_;  // of the last call [Pa/m]
 };
 
 }  // namespace strake::fluid

@@ -60,21 +60,21 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
       sum[1] = __builtin_shufflevector(all, all, 2, 3);
     }
     const auto k = static_cast<std::size_t>(i);
-    const Tensor<dim>& inverse = water_[k];
-    Motion& motion = motion_[k];
+    const Tensor<dim>& inverse = moments_.b_inverse[k];
+    Motion& motion = velocity_.motion[k];
     motion.place = x;
     motion.velocity = u;
     for (int b = 0; b < dim; ++b) {
       motion.gradient[b] = sum[0] * inverse(0, b);
       for (int a = 1; a < dim; ++a) motion.gradient[b] += sum[a] * inverse(a, b);
     }
-    if (age_ > 0) carry(motion, age_);
+    if (velocity_.age > 0) advance_gradient(motion, velocity_.age);
   }
 }
 
-// ∇u(τ) = ∇u − τ ∇u·∇u: what u, carried along by itself, has become where the particles are after τ.
+// ∇u(τ) = ∇u − τ ∇u·∇u (F53): the gradient at the particles after the time τ, if u moved with them unchanged.
 template <int dim>
-void LeastSquaresScheme<dim>::carry(Motion& motion, double time) const {
+void LeastSquaresScheme<dim>::advance_gradient(Motion& motion, double time) const {
   Column<dim> turned[dim];
   for (int b = 0; b < dim; ++b) {
     turned[b] = motion.gradient[0] * motion.gradient[b][0];
@@ -89,21 +89,20 @@ template <int dim>
 template <bool seams>
 void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& state,
                                           const Neighbours& near, double dt,
-                                          const AcousticSubstepping& hold) {
+                                          const AcousticSubstepping& substepping) {
   const auto& periodic = boundary.tank().periodic();
   const double rate = 2.0 * dim / (gradient_.n0 * gradient_.lambda0) * p_.scheme.filter * p_.spacing;
   const double factor = rate * dt;
-  constexpr double most_of_a_step = 0.25;
-  const double bound = most_of_a_step / (rate * hold.length() * gradient_.n0);
-  const bool single = hold.is_single();
-  if (!single) filtered_.resize(dim, boundary.water());
+  const double bound = least_squares_constants().filter_bound / (rate * substepping.length() * gradient_.n0);
+  const bool single = substepping.is_single();
+  if (!single) velocity_.filtered.resize(dim, boundary.water());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     const auto columns = near.row(i);
     const auto inverses = near.inverses(i);
-    const Motion own = motion_[static_cast<std::size_t>(i)];
+    const Motion own = velocity_.motion[static_cast<std::size_t>(i)];
     const auto jump_of = [&](std::int32_t j) {
-      const Motion& other = motion_[static_cast<std::size_t>(j)];
+      const Motion& other = velocity_.motion[static_cast<std::size_t>(j)];
       auto r = other.place - own.place;
       if constexpr (seams) over_seams<dim>(periodic, r);
       auto jump = other.velocity - own.velocity;
@@ -131,14 +130,14 @@ void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<d
     }
     for (int d = 0; d < dim; ++d) state.velocity(d, i) += factor * sum[d];
     if (!single)
-      for (int d = 0; d < dim; ++d) filtered_(d, i) = rate * sum[d];
+      for (int d = 0; d < dim; ++d) velocity_.filtered(d, i) = rate * sum[d];
   }
 }
 
 template <int dim>
 void LeastSquaresScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const State<dim>& state,
                                            const Neighbours& near) {
-  motion_ = motions_.of<Motion>(static_cast<std::size_t>(boundary.water()));
+  velocity_.motion = velocity_.memory.template of<Motion>(static_cast<std::size_t>(boundary.water()));
   if (boundary.tank().periodic().any())
     find_velocity_gradient<true>(boundary, state, near);
   else
@@ -147,27 +146,26 @@ void LeastSquaresScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const 
 
 template <int dim>
 void LeastSquaresScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                                     double dt, const AcousticSubstepping& hold) {
+                                     double dt, const AcousticSubstepping& substepping) {
   const bool seams = boundary.tank().periodic().any();
-  const double since = hold.age() - age_;
-  age_ = hold.age();
-  if (!hold.begins()) {
-    // Of the stresses' part of ∇u* nothing but what the residual shows: less than the filter's, which is left
-    // out of it as well.
+  const double since = substepping.age() - velocity_.age;
+  velocity_.age = substepping.age();
+  if (!substepping.begins()) {
+    // The change of ∇u* by stresses and filter within the group is left out; it shows in the residual.
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < boundary.water(); ++i) {
-      carry(motion_[static_cast<std::size_t>(i)], since);
-      if (p_.scheme.filter > 0) state.velocity.col(i) += dt * filtered_.col(i);
+      advance_gradient(velocity_.motion[static_cast<std::size_t>(i)], since);
+      if (p_.scheme.filter > 0) state.velocity.col(i) += dt * velocity_.filtered.col(i);
     }
     return;
   }
-  if (!hold.is_single()) pressure_then_ = state.pressure.head(boundary.water());
+  if (!substepping.is_single()) equation_.pressure_at_start = state.pressure.head(boundary.water());
   fit_velocity(boundary, state, near);
   if (p_.scheme.filter <= 0) return;
   if (seams)
-    find_filter<true>(boundary, state, near, dt, hold);
+    find_filter<true>(boundary, state, near, dt, substepping);
   else
-    find_filter<false>(boundary, state, near, dt, hold);
+    find_filter<false>(boundary, state, near, dt, substepping);
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                       \

@@ -8,30 +8,24 @@
 
 namespace strake::fluid {
 
-namespace {
-/// Water so near to the middle of a face says what velocity and pressure are there [l0].
-constexpr double face_reach = 1.6;
-/// So far from a face's end a particle's own velocity counts in full [l0].
-constexpr double known_from = 0.5;
-}  // namespace
-
 template <int dim>
-bool LeastSquaresScheme<dim>::over(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
-                                   std::int64_t row) const {
+bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
+                                      std::int64_t row) const {
   return row < boundary.first_of_bodies() || boundary.volume() ||
          boundary.is_over(boundary.point_of(row), state.position.col(i));
 }
 
-// Hats of width l0 over the layer of water next to the face: a lattice's sum to one inside, and to as much of
-// the row's length as lies below the water's level at its end.
+/// Part of each face that water covers: Σ max(0, 1 − a/l0) over the water within l0 of the face, a the
+/// distance along it. On a lattice this is 1 inside, and at the end of the water the part that lies below its
+/// level.
 template <int dim>
-void LeastSquaresScheme<dim>::cover_rows(const Boundary<dim>& boundary, const State<dim>& state,
-                                         const Neighbours& near) {
+void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>& boundary, const State<dim>& state,
+                                           const Neighbours& near) {
   const std::int64_t n = state.position.cols(), water = boundary.water();
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = water; j < n; ++j) {
     if (boundary.master_of(j) >= 0) continue;
-    cover_[j - water] = walls_.wet(j) ? 1 : 0;
+    wall_.cover[j - water] = walls_.wet(j) ? 1 : 0;
     if (!walls_.wet(j) || walls_.corner(j)) continue;
     double sum = 0;
     const auto columns = near.row(j);
@@ -41,21 +35,22 @@ void LeastSquaresScheme<dim>::cover_rows(const Boundary<dim>& boundary, const St
       const double up = r.dot(walls_.normal(j)), aside = std::sqrt(std::max(0.0, r.squaredNorm() - up * up));
       if (up - walls_.depth(j) < p_.spacing) sum += std::max(0.0, 1 - aside / p_.spacing);
     }
-    cover_[j - water] = std::min(1.0, sum);
+    wall_.cover[j - water] = std::min(1.0, sum);
   }
   for (std::int64_t j = boundary.water(); j < n; ++j)
     if (const std::int32_t master = boundary.master_of(j); master >= 0)
-      cover_[j - water] = cover_[master - water];
+      wall_.cover[j - water] = wall_.cover[master - water];
 }
 
 template <int dim>
-Vector<dim> LeastSquaresScheme<dim>::approach(const Boundary<dim>& boundary, const State<dim>& state,
-                                              std::int64_t i, std::int64_t j) const {
+Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(const Boundary<dim>& boundary,
+                                                            const State<dim>& state, std::int64_t i,
+                                                            std::int64_t j) const {
   const auto mean = [&] {
     const std::int32_t master = boundary.master_of(j);
-    return mean_approach_.col((master < 0 ? j : master) - boundary.water());
+    return wall_.mean_velocity.col((master < 0 ? j : master) - boundary.water());
   };
-  if (!over(boundary, state, i, j)) return mean();
+  if (!is_over(boundary, state, i, j)) return mean();
   Vector<dim> u = state.velocity.col(i) - state.velocity.col(j);
   if (walls_.corner(j)) return u;
   // ∇u* carries the particle's velocity to the face; beside the free surface it is one-sided and left out.
@@ -63,12 +58,13 @@ Vector<dim> LeastSquaresScheme<dim>::approach(const Boundary<dim>& boundary, con
       walls_.height(j, state.position.col(j),
                     boundary.tank().periodic().separation(state.position.col(j), state.position.col(i)) +
                         state.position.col(j));
-  const double trust = 1 - surface_share_[i];
+  const double trust = 1 - surface_.share[i];
   u -= trust * height * (velocity_gradient(i) * walls_.normal(j));
   if constexpr (dim == 2)
     if (j >= boundary.first_of_bodies() && !boundary.volume()) {
       const double from_end = boundary.within(boundary.point_of(j), state.position.col(i)) / p_.spacing;
-      if (from_end < known_from) u = mean() + from_end / known_from * (u - mean());
+      const double own_from = least_squares_constants().first_row;
+      if (from_end < own_from) u = mean() + from_end / own_from * (u - mean());
     }
   return u;
 }
@@ -80,12 +76,13 @@ double LeastSquaresScheme<dim>::depth_of(const Boundary<dim>& boundary, const Ve
 
 template <int dim>
 double LeastSquaresScheme<dim>::still_pressure(const Boundary<dim>& boundary, const Vector<dim>& x) const {
-  return std::max(0.0, -p_.density * gravity_[1] * depth_of(boundary, x));
+  return std::max(0.0, -p_.density * now_.gravity[1] * depth_of(boundary, x));
 }
 
 template <int dim>
-Vector<dim> LeastSquaresScheme<dim>::yielding(const Boundary<dim>& boundary, const State<dim>& state,
-                                              std::int64_t i, std::int64_t j) const {
+Vector<dim> LeastSquaresScheme<dim>::absorbing_velocity(const Boundary<dim>& boundary,
+                                                        const State<dim>& state, std::int64_t i,
+                                                        std::int64_t j) const {
   if (!boundary.tank().absorbs()) return Vector<dim>::Zero();
   const double excess = state.pressure[i] - still_pressure(boundary, state.position.col(i));
   return excess / (p_.density * p_.sound_speed) * compressible(boundary, state.position.col(i)) *
@@ -93,8 +90,8 @@ Vector<dim> LeastSquaresScheme<dim>::yielding(const Boundary<dim>& boundary, con
 }
 
 template <int dim>
-void LeastSquaresScheme<dim>::approach_from_mean(const Boundary<dim>& boundary, const State<dim>& state,
-                                                 const Neighbours& far) {
+void LeastSquaresScheme<dim>::average_wall_velocity(const Boundary<dim>& boundary, const State<dim>& state,
+                                                    const Neighbours& far) {
   const auto n = static_cast<std::int64_t>(state.kind.size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = boundary.first_of_bodies(); j < n; ++j) {
@@ -106,14 +103,14 @@ void LeastSquaresScheme<dim>::approach_from_mean(const Boundary<dim>& boundary, 
     for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
       const std::int64_t i = columns[e];
       const Vector<dim> to_face = boundary.tank().periodic().separation(state.position.col(i), face);
-      const double q = to_face.norm() / (face_reach * p_.spacing);
-      if (q >= 1 || !over(boundary, state, i, j)) continue;
+      const double q = to_face.norm() / (least_squares_constants().face_reach * p_.spacing);
+      if (q >= 1 || !is_over(boundary, state, i, j)) continue;
       const double w = (1 - q) * (1 - q);
       sum += w * (state.velocity.col(i) + velocity_gradient(i) * to_face);
       weights += w;
     }
-    mean_approach_.col(j - boundary.water()).setZero();
-    if (weights > 0) mean_approach_.col(j - boundary.water()) = sum / weights - state.velocity.col(j);
+    wall_.mean_velocity.col(j - boundary.water()).setZero();
+    if (weights > 0) wall_.mean_velocity.col(j - boundary.water()) = sum / weights - state.velocity.col(j);
   }
 }
 
@@ -126,58 +123,66 @@ double LeastSquaresScheme<dim>::slope_share(double dt) const {
   return (1 - std::exp(-layers)) / layers;
 }
 
-// Water that comes nearer to a face than on a lattice is stopped at once.
+// The carried residual is left out for water that comes nearer to a face than a lattice row: it is stopped at
+// once.
 template <int dim>
-double LeastSquaresScheme<dim>::rise(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
-                                     std::int64_t j, const Vector<dim>& held, double slope) const {
-  constexpr double stopped = 0.3, free = 0.5;  // [l0]
+double LeastSquaresScheme<dim>::wall_pressure_increment(const Boundary<dim>& boundary,
+                                                        const State<dim>& state, std::int64_t i,
+                                                        std::int64_t j, const Vector<dim>& projected,
+                                                        double slope) const {
+  const LeastSquaresConstants& tuned = least_squares_constants();
   const Vector<dim> from_row =
       boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
   const double height =
-      walls_.corner(j) ? 0.5 * held.norm() : walls_.normal(j).dot(from_row) - walls_.depth(j);
-  const double eased = std::clamp((height / p_.spacing - stopped) / (free - stopped), 0.0, 1.0);
-  const Vector<dim> u = approach(boundary, state, i, j);
-  const Vector<dim> past = u + yielding(boundary, state, i, j) - eased * left_past(state, i, u);
-  const double rise = slope * past.dot(held);
-  if (tension_ || rise >= 0) return rise;
+      walls_.corner(j) ? 0.5 * projected.norm() : walls_.normal(j).dot(from_row) - walls_.depth(j);
+  const double free =
+      std::clamp((height / p_.spacing - tuned.stopped) / (tuned.first_row - tuned.stopped), 0.0, 1.0);
+  const Vector<dim> u = relative_wall_velocity(boundary, state, i, j);
+  const Vector<dim> past =
+      u + absorbing_velocity(boundary, state, i, j) - free * carried_wall_velocity(state, i, u);
+  const double q = slope * past.dot(projected);
+  if (equation_.tension || q >= 0) return q;
   // p_i + (h/|P r|) q ≥ min(0, p_i), h the particle's height over the face; half the way in a corner.
-  const double part = std::clamp(height / held.norm(), 0.0, 1.0);
-  return std::max(rise, part > 1e-3 ? -std::max(0.0, state.pressure[i]) / part : 0.0);
+  const double part = std::clamp(height / projected.norm(), 0.0, 1.0);
+  return std::max(q, part > tuned.smallest ? -std::max(0.0, state.pressure[i]) / part : 0.0);
 }
 
-// The slope s that the water's side alone gives is that of A ∇p = Σ_rows w q P r + (A − a) s, a = Σ_rows w P
-// r ⊗ P r: V (∇p − s)/2 = ½ V (A − a)⁻¹ Σ_rows w (q − ∇p·P r) P r is what particle i gets from the faces and
-// neither p_i + h ∂p/∂n nor the water next to it tells of. On an even lattice faces carry p_i + q/2 with it,
-// and momentum is exact.
+// R_i of (F52). Let s be the gradient fitted from the water neighbours only,
+//   A ∇p = Σ_layers w q P r/r² + (A − a) s.
+// V (∇p − s)/2 = ½ V (A − a)⁻¹ Σ_layers w (q − ∇p·P r) P r/r² is the force from the walls on particle i that
+// the extrapolated face pressure p_i + h ∂p/∂n does not contain. On an even lattice the faces then carry p_i
+// + q/2, and momentum is exact. A film of one particle has no A − a across: `smallest` n0 is added.
 template <int dim>
-Vector<dim> LeastSquaresScheme<dim>::reaction(std::int64_t i, const Faces& faces) const {
-  constexpr double least = 1e-3;  // of n0, added to A − a: a film of one particle has none across
-  const Tensor<dim>& inverse = all_[static_cast<std::size_t>(i)];
+Vector<dim> LeastSquaresScheme<dim>::wall_force(std::int64_t i, const FaceSums& faces) const {
+  const Tensor<dim>& inverse = moments_.a_inverse[static_cast<std::size_t>(i)];
   if (!(faces.weights > 0) || !(inverse.determinant() > least_determinant())) return Vector<dim>::Zero();
-  Tensor<dim> rest = inverse.inverse() - faces.held;
-  rest.diagonal().array() += least * gradient_.n0;
-  const Vector<dim> beyond = faces.rises - faces.held * gradient_of_p_.col(i);
+  Tensor<dim> rest = inverse.inverse() - faces.a;
+  rest.diagonal().array() += least_squares_constants().smallest * gradient_.n0;
+  const Vector<dim> beyond = faces.q_moment - faces.a * pressure_gradient_.col(i);
   return 0.5 * std::pow(p_.spacing, dim) / faces.weights * (rest.inverse() * beyond);
 }
 
 template <int dim>
-Vector<dim> LeastSquaresScheme<dim>::left_approach(const Boundary<dim>& boundary, const State<dim>& state,
-                                                   const Neighbours& near, std::int64_t i) const {
+Vector<dim> LeastSquaresScheme<dim>::residual_wall_velocity(const Boundary<dim>& boundary,
+                                                            const State<dim>& state, const Neighbours& near,
+                                                            std::int64_t i) const {
   const auto columns = near.row(i);
   const auto inverses = near.inverses(i);
   Tensor<dim> seen = Tensor<dim>::Zero();
   Vector<dim> left = Vector<dim>::Zero();
   for (std::size_t e = water_pairs(columns, boundary.water()); e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
-    if (!walls_.wet(j) || !over(boundary, state, i, j)) continue;
+    if (!walls_.wet(j) || !is_over(boundary, state, i, j)) continue;
     const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
-    const Vector<dim> held =
-        walls_.held(j, boundary.tank().periodic().separation(state.position.col(i), state.position.col(j)));
-    seen.noalias() += w * held * held.transpose();
-    left += w * held * held.dot(approach(boundary, state, i, j) + yielding(boundary, state, i, j));
+    const Vector<dim> projected = walls_.projection(
+        j, boundary.tank().periodic().separation(state.position.col(i), state.position.col(j)));
+    seen.noalias() += w * projected * projected.transpose();
+    left += w * projected *
+            projected.dot(relative_wall_velocity(boundary, state, i, j) +
+                          absorbing_velocity(boundary, state, i, j));
   }
   if (!(seen.trace() > 0)) return left;
-  seen.diagonal().array() += 1e-6 * seen.trace();  // nothing is held along a face
+  seen.diagonal().array() += least_squares_constants().singular * seen.trace();  // no condition along a face
   return seen.inverse() * left;
 }
 
@@ -198,42 +203,43 @@ RowForces<dim> LeastSquaresScheme<dim>::row_forces(const Boundary<dim>& boundary
     for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e) {
       const std::int64_t i = columns[e];
       const double w = gradient_.radius * inverses[e] - 1;
-      if (w <= 0 || !over(boundary, state, i, j)) continue;
+      if (w <= 0 || !is_over(boundary, state, i, j)) continue;
       const double up = normal.dot(boundary.tank().periodic().separation(state.position.col(i), face));
-      const double on_face = state.pressure[i] + up * normal.dot(gradient_of_p_.col(i));
-      sum += w * (tension_ ? on_face : std::max(std::min(0.0, state.pressure[i]), on_face));
+      const double on_face = state.pressure[i] + up * normal.dot(pressure_gradient_.col(i));
+      sum += w * (equation_.tension ? on_face : std::max(std::min(0.0, state.pressure[i]), on_face));
       least = std::min(least, state.pressure[i]);
-      reactions += w * normal.dot(reaction_.col(i).template cast<double>());
+      reactions += w * normal.dot(wall_.force.col(i).template cast<double>());
       weights += w;
     }
     if (weights <= 0 || !(area.norm() > 0)) continue;
     const double pressure = sum / weights - reactions / area.norm();
-    state.pressure[j] = tension_ ? pressure : std::max(least, pressure);
+    state.pressure[j] = equation_.tension ? pressure : std::max(least, pressure);
     forces.col(j) = -state.pressure[j] * area;
   }
   return forces;
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                                            \
-  template bool LeastSquaresScheme<dim>::over(const Boundary<dim>&, const State<dim>&, std::int64_t,       \
-                                              std::int64_t) const;                                         \
-  template Vector<dim> LeastSquaresScheme<dim>::approach(const Boundary<dim>&, const State<dim>&,          \
-                                                         std::int64_t, std::int64_t) const;                \
-  template void LeastSquaresScheme<dim>::cover_rows(const Boundary<dim>&, const State<dim>&,               \
-                                                    const Neighbours&);                                    \
-  template void LeastSquaresScheme<dim>::approach_from_mean(const Boundary<dim>&, const State<dim>&,       \
-                                                            const Neighbours&);                            \
-  template Vector<dim> LeastSquaresScheme<dim>::yielding(const Boundary<dim>&, const State<dim>&,          \
-                                                         std::int64_t, std::int64_t) const;                \
-  template double LeastSquaresScheme<dim>::depth_of(const Boundary<dim>&, const Vector<dim>&) const;       \
-  template double LeastSquaresScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const; \
-  template double LeastSquaresScheme<dim>::rise(const Boundary<dim>&, const State<dim>&, std::int64_t,     \
-                                                std::int64_t, const Vector<dim>&, double) const;           \
-  template Vector<dim> LeastSquaresScheme<dim>::reaction(std::int64_t, const Faces&) const;                \
-  template Vector<dim> LeastSquaresScheme<dim>::left_approach(const Boundary<dim>&, const State<dim>&,     \
-                                                              const Neighbours&, std::int64_t) const;      \
-  template double LeastSquaresScheme<dim>::slope_share(double) const;                                      \
-  template RowForces<dim> LeastSquaresScheme<dim>::row_forces(const Boundary<dim>&, State<dim>&,           \
+#define STRAKE_INSTANTIATE(dim)                                                                             \
+  template bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>&, const State<dim>&, std::int64_t,     \
+                                                 std::int64_t) const;                                       \
+  template Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(                                     \
+      const Boundary<dim>&, const State<dim>&, std::int64_t, std::int64_t) const;                           \
+  template void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>&, const State<dim>&,              \
+                                                      const Neighbours&);                                   \
+  template void LeastSquaresScheme<dim>::average_wall_velocity(const Boundary<dim>&, const State<dim>&,     \
+                                                               const Neighbours&);                          \
+  template Vector<dim> LeastSquaresScheme<dim>::absorbing_velocity(const Boundary<dim>&, const State<dim>&, \
+                                                                   std::int64_t, std::int64_t) const;       \
+  template double LeastSquaresScheme<dim>::depth_of(const Boundary<dim>&, const Vector<dim>&) const;        \
+  template double LeastSquaresScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const;  \
+  template double LeastSquaresScheme<dim>::wall_pressure_increment(                                         \
+      const Boundary<dim>&, const State<dim>&, std::int64_t, std::int64_t, const Vector<dim>&, double)      \
+      const;                                                                                                \
+  template Vector<dim> LeastSquaresScheme<dim>::wall_force(std::int64_t, const FaceSums&) const;            \
+  template Vector<dim> LeastSquaresScheme<dim>::residual_wall_velocity(                                     \
+      const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t) const;                      \
+  template double LeastSquaresScheme<dim>::slope_share(double) const;                                       \
+  template RowForces<dim> LeastSquaresScheme<dim>::row_forces(const Boundary<dim>&, State<dim>&,            \
                                                               const Neighbours&) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

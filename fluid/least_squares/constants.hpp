@@ -1,0 +1,49 @@
+#pragma once
+
+namespace strake::fluid {
+
+/// The tuned numbers of the least-squares scheme. Lengths are in spacings l0. "Chosen" means that no
+/// measurement stands behind the value.
+struct LeastSquaresConstants {
+  // A lattice, for comparison.
+  double first_row = 0.5;  // [l0] height of the first row over a face, and its depth under the free surface
+
+  // Moment matrices (fluid/THEORY.md (F33)).
+  double least_ratio = 0.1;  // [-] smallest ratio of eigenvalues; at twice that a direction counts. Chosen
+  double even_2d = 0.56;     // [-] det/(tr/d)^d above which no eigenvalue is below 2 least_ratio. Derived
+  double even_3d = 0.52;     // [-] the same in space
+  double singular = 1e-6;    // [-] of the lattice's determinant or of the trace. Chosen
+  double smallest = 1e-3;    // [-] part of n0, or of a distance, below which nothing is divided by it. Chosen
+
+  // Free surface (F37)–(F39).
+  double surface_begins = 0.5;  // [M2] |m| at which σ leaves 0. Chosen
+  double surface_counts = 0.9;  // [M2] |m| at which σ reaches 1. Chosen
+  double least_depth = 0.4;     // [l0] smallest depth D. Chosen
+  double largest_depth = 2.0;   // [l0] largest depth D. Chosen
+  double edge = 0.25;           // [W_1] missing weight that makes an edge, where D ≥ first_row. Chosen
+  double shown_depth = 1.0;     // [l0] a particle less deep than this is shown as surface. Chosen
+  double gap = 0.01;            // [-] of a full tank's volume, that a packed lattice may leave. Chosen
+
+  // Faces (F34)–(F36).
+  double face_reach = 1.6;  // [l0] water this near to a face's middle gives the mean velocity there. Chosen
+  double stopped = 0.3;     // [l0] height below which no residual velocity past a face is left. Chosen
+
+  // Limits on the pressure (F46).
+  double no_tension_to = 1.6;       // [l0] distance to the surface up to which p ≥ 0. Chosen
+  double tension_from = 3.1;        // [l0] from here on tension counts in full: the Laplacian's radius
+  double largest_tension = 0.99e5;  // [Pa] atmosphere less the pressure of vapour
+
+  // Residual, filter and shifting (F45), (F48), (F49).
+  double memory_rate = 0.2;      // [-] how fast τ_r falls, against Δt/τ_r. Chosen
+  double filter_bound = 0.25;    // [-] part of δ that a step takes at most. Chosen
+  double longest_shift = 0.1;    // [l0] Chosen
+  double soft_stiffness = 0.02;  // [-] αS below which S is left out. Chosen
+};
+
+/// The values in use. A benchmark may change them before a simulation is made; no run does.
+inline LeastSquaresConstants& least_squares_constants() {
+  static constinit LeastSquaresConstants values;
+  return values;
+}
+
+}  // namespace strake::fluid
