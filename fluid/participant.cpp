@@ -178,7 +178,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   if (!measures_water_) return;
   const Voids voids = count_voids<dim>(state, water(), parameters_.spacing, parameters_.open_top);
   measurements_.voids = std::max(measurements_.voids, voids.all);
-  measurements_.openings = std::max(measurements_.openings, voids.openings);
+  measurements_.internal_voids = std::max(measurements_.internal_voids, voids.internal_voids);
 }
 
 /// Contact is the first step in which any sensor exceeds ½ρV² (cases/VALIDATION.md, "Definitions").
@@ -231,7 +231,7 @@ std::vector<std::int64_t> FluidParticipant<dim>::water() const {
   const auto& kind = simulation_.state().kind;
   for (std::size_t i = 0; i < kind.size(); ++i) {
     const auto k = static_cast<std::int64_t>(i);
-    if (kind[i] == Kind::fluid && !simulation_.parked(k)) numbers.push_back(k);
+    if (kind[i] == Kind::fluid && !simulation_.is_removed(k)) numbers.push_back(k);
   }
   return numbers;
 }
@@ -290,7 +290,7 @@ Frame FluidParticipant<dim>::frame() const {
   std::vector<Eigen::Index> shown;
   for (std::size_t i = 0; i < state.kind.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    if (has_pressure(state.kind[i]) && !simulation_.parked(k)) shown.push_back(k);
+    if (has_pressure(state.kind[i]) && !simulation_.is_removed(k)) shown.push_back(k);
   }
   const auto n = static_cast<Eigen::Index>(shown.size());
   Eigen::MatrixXd pressure(1, n), velocity = Eigen::MatrixXd::Zero(3, n), kind(1, n), surface(1, n), id(1, n);

@@ -88,7 +88,7 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   for (const char* prefix : {"count.", "check."}) {
     monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);
     monitor[prefix + std::string("voids")] = static_cast<double>(measurements_.voids);
-    monitor[prefix + std::string("openings")] = static_cast<double>(measurements_.openings);
+    monitor[prefix + std::string("openings")] = static_cast<double>(measurements_.internal_voids);
     monitor[prefix + std::string("penetrations")] = static_cast<double>(state.penetrations);
   }
   monitor["count.behind_walls"] = static_cast<double>(state.behind_walls);

@@ -46,7 +46,7 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
     if (volume_)
       add_solids(partner, initial_velocity, tank);
     else
-      add_rows(partner, tank);
+      add_layers(partner, tank);
   }
   const auto n = tank.position.cols();
   point_of_.resize(static_cast<std::size_t>(n - bodies_), -1);
@@ -75,20 +75,20 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
     if (positions) state.position.rightCols(m) = (mesh_.position + displacement).template topRows<dim>();
     return;
   }
-  if (outline_.empty()) return;
+  if (body_surface_.empty()) return;
   if constexpr (dim == 2) {
-    outline_.move(positions ? displacement.topRows<2>() : state.interface_displacement,
-                  velocity.topRows<2>());
+    body_surface_.move(positions ? displacement.topRows<2>() : state.interface_displacement,
+                       velocity.topRows<2>());
     if (positions) {
-      Points wet = Points::Zero(3, outline_.points());
-      for (int k = 0; k < outline_.points(); ++k) wet.col(k).head<2>() = outline_.point(k);
+      Points wet = Points::Zero(3, body_surface_.points());
+      for (int k = 0; k < body_surface_.points(); ++k) wet.col(k).head<2>() = body_surface_.point(k);
       check_place(state, wet);
     }
   } else {
-    outline_.move(displacement, velocity, positions);
+    body_surface_.move(displacement, velocity, positions);
     if (positions) check_place(state, mesh_.position + displacement);
   }
-  place_rows(state, positions);
+  place_layers(state, positions);
 }
 
 template <int dim>
@@ -105,33 +105,33 @@ void Boundary<dim>::check_place(const State<dim>& state, const Points& place) co
 }
 
 template <int dim>
-void Boundary<dim>::place_rows(State<dim>& state, bool positions) const {
+void Boundary<dim>::place_layers(State<dim>& state, bool positions) const {
   if constexpr (dim == 3) {
-    const auto& rows = outline_.rows();
-    for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto& particles = body_surface_.layer_particles();
+    for (std::size_t r = 0; r < particles.size(); ++r) {
       const auto i = bodies_ + static_cast<std::int64_t>(r);
-      state.velocity.col(i) = outline_.velocity(rows[r]);
-      if (positions) state.position.col(i) = outline_.place(rows[r]);
+      state.velocity.col(i) = body_surface_.velocity(particles[r]);
+      if (positions) state.position.col(i) = body_surface_.place(particles[r]);
     }
   } else {
-    const int m = outline_.points();
-    for (int row = 0; row < rows_; ++row) {
-      const double depth = (row + 0.5) * spacing_;
+    const int m = body_surface_.points();
+    for (int layer = 0; layer < layers_; ++layer) {
+      const double depth = (layer + 0.5) * spacing_;
       for (int k = 0; k < m; ++k) {
-        const std::int64_t i = bodies_ + static_cast<std::int64_t>(row) * m + k;
-        state.velocity.col(i) = outline_.velocity(k) - depth * outline_.normal_rate(k);
-        if (positions) state.position.col(i) = outline_.point(k) - depth * outline_.normal(k);
+        const std::int64_t i = bodies_ + static_cast<std::int64_t>(layer) * m + k;
+        state.velocity.col(i) = body_surface_.velocity(k) - depth * body_surface_.normal_rate(k);
+        if (positions) state.position.col(i) = body_surface_.point(k) - depth * body_surface_.normal(k);
       }
     }
     // Beyond a corner: from the corner along the face, t = (−n_y, n_x).
-    std::int64_t i = bodies_ + static_cast<std::int64_t>(rows_) * m;
+    std::int64_t i = bodies_ + static_cast<std::int64_t>(layers_) * m;
     for (const BeyondCorner& filler : beyond_) {
-      const Vector<2> n = outline_.normal(filler.point), rate = outline_.normal_rate(filler.point);
-      state.velocity.col(i) = outline_.vertex_velocity(filler.vertex) +
+      const Vector<2> n = body_surface_.normal(filler.point), rate = body_surface_.normal_rate(filler.point);
+      state.velocity.col(i) = body_surface_.vertex_velocity(filler.vertex) +
                               filler.beside * Vector<2>(-rate.y(), rate.x()) - filler.depth * rate;
       if (positions)
         state.position.col(i) =
-            outline_.vertex(filler.vertex) + filler.beside * Vector<2>(-n.y(), n.x()) - filler.depth * n;
+            body_surface_.vertex(filler.vertex) + filler.beside * Vector<2>(-n.y(), n.x()) - filler.depth * n;
       ++i;
     }
   }
@@ -140,11 +140,11 @@ void Boundary<dim>::place_rows(State<dim>& state, bool positions) const {
 template <int dim>
 void Boundary<dim>::adopt(const State<dim>& state) {
   tank_.adopt(state);
-  if (outline_.empty()) return;
+  if (body_surface_.empty()) return;
   if constexpr (dim == 2)
-    outline_.move(state.interface_displacement, state.interface_velocity);
+    body_surface_.move(state.interface_displacement, state.interface_velocity);
   else
-    outline_.move(state.interface_displacement, state.interface_velocity, true);
+    body_surface_.move(state.interface_displacement, state.interface_velocity, true);
 }
 
 template <int dim>
@@ -152,7 +152,7 @@ Points Boundary<dim>::on_mesh(const Vectors<dim>& on_points) const {
   Points sum = Points::Zero(3, on_points.cols());
   sum.template topRows<dim>() = on_points;
   if constexpr (dim == 3) {
-    if (!outline_.empty()) return outline_.spread(sum);
+    if (!body_surface_.empty()) return body_surface_.spread(sum);
   }
   return sum;
 }
@@ -160,7 +160,7 @@ Points Boundary<dim>::on_mesh(const Vectors<dim>& on_points) const {
 template <int dim>
 Vector<dim> Boundary<dim>::at_point(const Points& on_mesh, int point) const {
   if constexpr (dim == 3) {
-    if (!outline_.empty()) return outline_.at(on_mesh, point);
+    if (!body_surface_.empty()) return body_surface_.at(on_mesh, point);
   }
   return on_mesh.col(point).template head<dim>();
 }
@@ -170,9 +170,9 @@ Vector<dim> Boundary<dim>::face_area(std::int64_t row) const {
   if (row < bodies_) return tank_.area_of(row);
   const int k = point_of(row);
   if constexpr (dim == 2)
-    return outline_.area(k) * outline_.normal(k);
+    return body_surface_.area(k) * body_surface_.normal(k);
   else
-    return outline_.area_vector(k);
+    return body_surface_.area_vector(k);
 }
 
 template <int dim>
@@ -181,13 +181,13 @@ std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
   tag_.assign(n, plain);
   for (std::size_t i = static_cast<std::size_t>(water_); i < n; ++i)
     if (is_filler(state.kind[i])) tag_[i] = filler;
-  if (outline_.empty()) return tag_;
+  if (body_surface_.empty()) return tag_;
   // A pair that crosses the surface has an end within half its length of the bounding box, or in space of the
   // surface itself.
   for (std::size_t i = static_cast<std::size_t>(bodies_); i < n; ++i) tag_[i] |= asked;
   if constexpr (dim == 2) {
-    const Vector<2> low = outline_.low().array() - 0.5 * reach_,
-                    high = outline_.high().array() + 0.5 * reach_;
+    const Vector<2> low = body_surface_.low().array() - 0.5 * reach_,
+                    high = body_surface_.high().array() + 0.5 * reach_;
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < bodies_; ++i)
       if ((state.position.col(i).array() >= low.array()).all() &&
@@ -198,7 +198,7 @@ std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < bodies_; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      const auto near = outline_.near(state.position.col(i), reach_);
+      const auto near = body_surface_.near(state.position.col(i), reach_);
       triangle_near_[k] = near.triangle;
       if (near.distance <= 0.5 * reach_) tag_[k] |= asked;
     }
@@ -210,28 +210,30 @@ template <int dim>
 bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j) const {
   const bool i_row = is_row_of_body(state.kind[static_cast<std::size_t>(i)]);
   const bool j_row = is_row_of_body(state.kind[static_cast<std::size_t>(j)]);
-  if (i_row && j_row) return dim == 2 && outline_.run_of(point_of(i)) == outline_.run_of(point_of(j));
+  if (i_row && j_row)
+    return dim == 2 && body_surface_.edge_of(point_of(i)) == body_surface_.edge_of(point_of(j));
   const std::int32_t row = i_row ? i : j, other = i_row ? j : i;
   if ((i_row || j_row) && other >= water_) return false;
   if constexpr (dim == 2) {
     if (i_row || j_row)
-      return outline_.crosses(outline_.run_of(point_of(row)), state.position.col(other),
-                              state.position.col(row));
-    return !outline_.separates(state.position.col(std::min(i, j)), state.position.col(std::max(i, j)));
+      return body_surface_.crosses(body_surface_.edge_of(point_of(row)), state.position.col(other),
+                                   state.position.col(row));
+    return !body_surface_.separates(state.position.col(std::min(i, j)), state.position.col(std::max(i, j)));
   } else {
     const auto near = [&](std::int32_t k) { return triangle_near_[static_cast<std::size_t>(k)]; };
     if (i_row || j_row)
-      return outline_.crosses(point_of(row), near(other), state.position.col(other), state.position.col(row));
+      return body_surface_.crosses(point_of(row), near(other), state.position.col(other),
+                                   state.position.col(row));
     const auto [a, b] = std::minmax(i, j);
-    return !outline_.separates(state.position.col(a), near(a), state.position.col(b), near(b));
+    return !body_surface_.separates(state.position.col(a), near(a), state.position.col(b), near(b));
   }
 }
 
 template <int dim>
 void Boundary<dim>::count_water(const State<dim>&, const Neighbours& rows, const LatticeConstants& lattice,
                                 Eigen::VectorXd& n) const {
-  if (outline_.empty() || flat_water_.size() == 0) return;
-  for (int k = 0; k < outline_.points(); ++k) {
+  if (body_surface_.empty() || flat_water_.size() == 0) return;
+  for (int k = 0; k < body_surface_.points(); ++k) {
     const std::int64_t i = bodies_ + k;
     const auto columns = rows.row(i);
     const auto distances = rows.distances(i);
@@ -243,17 +245,18 @@ void Boundary<dim>::count_water(const State<dim>&, const Neighbours& rows, const
 }
 
 template <int dim>
-void Boundary<dim>::hold_apart(const State<dim>& state, const Neighbours& near,
-                               std::span<const std::uint8_t> before, std::span<std::uint8_t> surface) const {
+void Boundary<dim>::keep_contact_open(const State<dim>& state, const Neighbours& near,
+                                      std::span<const std::uint8_t> before,
+                                      std::span<std::uint8_t> surface) const {
   if constexpr (dim == 2) {
     const double meeting = contact_distance * spacing_, aside = contact_aside * spacing_;
     std::vector<std::uint8_t> opposed(static_cast<std::size_t>(water_),
                                       0);  // 1: opposite a face, 2: touching it
-    for (int k = 0; k < outline_.points(); ++k) {
+    for (int k = 0; k < body_surface_.points(); ++k) {
       const auto i = static_cast<std::size_t>(bodies_ + k);
       const auto apart_of = [&](std::int32_t j) {  // along the normal; infinite for water too far aside
         const Vector<2> r = state.position.col(j) - state.position.col(bodies_ + k);
-        const double apart = r.dot(outline_.normal(k));
+        const double apart = r.dot(body_surface_.normal(k));
         return r.squaredNorm() - apart * apart > aside * aside ? std::numeric_limits<double>::infinity()
                                                                : apart;
       };

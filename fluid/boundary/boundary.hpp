@@ -19,7 +19,7 @@ namespace strake::fluid {
 
 /// The wetted surface of moving bodies: a closed line in the plane, a closed surface in space.
 template <int dim>
-using BodySurface = std::conditional_t<dim == 2, Outline, Hull>;
+using BodySurface = std::conditional_t<dim == 2, BodySurface2d, BodySurface3d>;
 
 /// Everything the water meets: the tank's rows, the rows of moving bodies behind their wetted faces, and, in
 /// volume coupling, the structure's own particles. Order of particles: water, tank rows, then bodies.
@@ -30,7 +30,7 @@ using BodySurface = std::conditional_t<dim == 2, Outline, Hull>;
 /// the support keeps the water above and below apart, and a corner is not counted twice (fluid/THEORY.md,
 /// section 10). Past a corner that is blunter than a right angle, or concave, both faces' rows go on into the
 /// part of the body that water sees through the one face and that lies behind the other. In space runs are
-/// the patches of a Hull, and corners its edges.
+/// the patches of a BodySurface3d, and corners its edges.
 template <int dim>
 class Boundary {
  public:
@@ -39,9 +39,11 @@ class Boundary {
   Boundary(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, State<dim>& tank);
 
   const InterfaceMesh& mesh() const { return mesh_; }
-  const BodySurface<dim>& outline() const { return outline_; }  // empty in volume coupling
+  const BodySurface<dim>& body_surface() const { return body_surface_; }  // empty in volume coupling
   /// Places on the bodies that rows belong to: wet points, in volume coupling the structure's particles.
-  std::int64_t points() const { return outline_.empty() ? mesh_.position.cols() : outline_.points(); }
+  std::int64_t points() const {
+    return body_surface_.empty() ? mesh_.position.cols() : body_surface_.points();
+  }
   /// Sums over those places, dim×points, as sums over the points of `mesh`, 3×m.
   Points on_mesh(const Vectors<dim>& on_points) const;
   /// What is given on the points of `mesh`, at one of those places.
@@ -84,8 +86,8 @@ class Boundary {
   /// Water and a body's face meet when they come nearer than a lattice row and 0.02 l0: until then a particle
   /// that was surface before stays surface, and a dry row dry, whatever the surface test says. A pair that
   /// counts as touching over a wider gap gives the symmetric pressure gradient an impulse of its own.
-  void hold_apart(const State<dim>&, const Neighbours& near, std::span<const std::uint8_t> before,
-                  std::span<std::uint8_t> surface) const;
+  void keep_contact_open(const State<dim>&, const Neighbours& near, std::span<const std::uint8_t> before,
+                         std::span<std::uint8_t> surface) const;
 
   /// Neumann condition P_d = P_w + ρ(g − a_w)·(r_d − r_w) on dummy rows; 0 behind a dry row.
   void fill_dummies(State<dim>&, const Vector<dim>& gravity, const Points& acceleration) const;
@@ -97,13 +99,13 @@ class Boundary {
   /// Whether x lies over the face of that wet point: not past the ends of its run.
   bool is_over(int point, const Vector<dim>& x) const {
     if constexpr (dim == 2)
-      return outline_.within(outline_.run_of(point), x) >= 0;
+      return body_surface_.within(body_surface_.edge_of(point), x) >= 0;
     else
-      return outline_.faces(point, x);
+      return body_surface_.faces(point, x);
   }
   /// How far over it, from the nearer end of its run [m]; plane bodies.
   double within(int point, const Vector<2>& x) const requires(dim == 2) {
-    return outline_.within(outline_.run_of(point), x);
+    return body_surface_.within(body_surface_.edge_of(point), x);
   }
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
@@ -111,11 +113,11 @@ class Boundary {
   Vector<dim> face_area(std::int64_t row) const;
 
   /// Particles out of the tank are parked where nothing reaches them, each on its own place.
-  bool parked(const State<dim>& state, std::int64_t i) const {
-    return i < water_ && tank_.parked(state.position.col(i));
+  bool is_removed(const State<dim>& state, std::int64_t i) const {
+    return i < water_ && tank_.is_removed(state.position.col(i));
   }
   bool left_domain(const Vector<dim>& x) const { return tank_.left(x); }
-  Vector<dim> parking_place(std::int64_t number) const { return tank_.parking_place(number); }
+  Vector<dim> place_of_removed(std::int64_t number) const { return tank_.place_of_removed(number); }
 
  private:
   /// A particle of a row that goes on beyond a corner: `beside` it along the face, `depth` behind the face.
@@ -123,10 +125,10 @@ class Boundary {
     int point, vertex;     // the last of the run before the corner, and the corner
     double beside, depth;  // [m]; beside is negative before a run's start
   };
-  void add_rows(const InterfaceMesh& partner, State<dim>&);
-  void place_rows(State<dim>&, bool positions) const;
+  void add_layers(const InterfaceMesh& partner, State<dim>&);
+  void place_layers(State<dim>&, bool positions) const;
   void check_place(const State<dim>&, const Points& place) const;
-  void go_beyond(const Outline::Run&, bool at_end);
+  void go_beyond(const BodySurface2d::Edge&, bool at_end);
   void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
   void find_masters(const State<dim>&);
   void check_overlap(const State<dim>&) const;
@@ -135,11 +137,11 @@ class Boundary {
   double reach_, counting_radius_;  // largest radius, and that of the number density [m]
   Tank<dim> tank_;
   InterfaceMesh mesh_;
-  BodySurface<dim> outline_;
+  BodySurface<dim> body_surface_;
   bool volume_ = false;
   bool built_ = false;  // what is wrong before is a fault of the case
   std::int64_t water_, bodies_;
-  int rows_ = 0;  // behind a face
+  int layers_ = 0;  // behind a face
   std::vector<BeyondCorner> beyond_;
   Eigen::VectorXd density_;    // of the structure's particles in volume coupling [kg/m³]
   std::vector<int> point_of_;  // of the bodies' particles

@@ -28,11 +28,11 @@ bool any_within(const State<dim>& state, const Periodic<dim>& periodic, std::int
   const double limit = (1 + round_off) * distance * distance;
   const double* const x = state.position.data();
   std::uint32_t found = 0;
-  for (std::size_t e = 0; e < columns.size(); e += lanes::width) {
-    const int n = static_cast<int>(std::min<std::size_t>(lanes::width, columns.size() - e));
+  for (std::size_t e = 0; e < columns.size(); e += simd::width) {
+    const int n = static_cast<int>(std::min<std::size_t>(simd::width, columns.size() - e));
     const auto self = static_cast<std::int32_t>(i);
-    found |= periodic.any() ? lanes::between<dim, true>(x, self, columns.data() + e, n, periodic, 0, limit)
-                            : lanes::between<dim, false>(x, self, columns.data() + e, n, periodic, 0, limit);
+    found |= periodic.any() ? simd::between<dim, true>(x, self, columns.data() + e, n, periodic, 0, limit)
+                            : simd::between<dim, false>(x, self, columns.data() + e, n, periodic, 0, limit);
   }
   return found != 0;
 }
@@ -117,20 +117,20 @@ void put_back_from_walls(State<dim>& state, const Boundary<dim>& boundary, const
 template <int dim>
 void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, double mass,
               CollisionAccount<dim>& account) {
-  const BodySurface<dim>& outline = boundary.outline();
-  if (outline.empty()) return;
+  const BodySurface<dim>& body = boundary.body_surface();
+  if (body.empty()) return;
   const std::int64_t water = boundary.water();
   bool any = false;
 #pragma omp parallel for schedule(static) reduction(|| : any)
-  for (std::int64_t i = 0; i < water; ++i) any = any || outline.inside(state.position.col(i));
+  for (std::int64_t i = 0; i < water; ++i) any = any || body.inside(state.position.col(i));
   if (!any) return;
   for (std::int64_t i = 0; i < water; ++i) {
-    if (!outline.inside(state.position.col(i))) continue;
+    if (!body.inside(state.position.col(i))) continue;
     ++account.inside;
-    const auto foot = outline.nearest(state.position.col(i));
-    const Vector<dim> n = outline.normal(foot.point);
+    const auto foot = body.nearest(state.position.col(i));
+    const Vector<dim> n = body.normal(foot.point);
     state.position.col(i) = foot.position + 0.05 * spacing * n;
-    const double into = (state.velocity.col(i) - outline.velocity(foot.point)).dot(n);
+    const double into = (state.velocity.col(i) - body.velocity(foot.point)).dot(n);
     if (into >= 0) continue;
     state.velocity.col(i) -= into * n;
     account.on_points.col(foot.point) += mass * into * n;

@@ -17,7 +17,7 @@ struct CollisionAccount {
   Vectors<dim> on_points;                      // dim×m, on the interface points
   Vector<dim> on_walls = Vector<dim>::Zero();  // on the tank
   Vector<dim> on_water = Vector<dim>::Zero();  // ΣJ: what the water got from bodies and tank
-  std::int64_t inside = 0;                     // water particles found inside a body's outline
+  std::int64_t inside = 0;                     // water particles found inside a body
   std::int64_t behind_walls = 0;               // found behind a wall of the tank
   std::int64_t pairs = 0;                      // pairs that came too close
 };
@@ -31,7 +31,7 @@ struct CollisionAccount {
 /// were given; what they receive is in the account. Pairs are taken one after the other in the order of the
 /// particles: the result is the same for any number of threads, momentum is exact, and no collision makes
 /// energy. With the least-squares gradient two particles inside the water collide only below 0.7 l0.
-/// Afterwards a water particle inside a body's outline or behind a wall of the tank is put back on the face
+/// Afterwards a water particle inside a body or behind a wall of the tank is put back on the face
 /// and loses its velocity into it.
 template <int dim>
 CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&, const Neighbours& near,

@@ -27,41 +27,42 @@ void append(State<dim>& state, Kind kind, std::size_t count) {
 }  // namespace
 
 template <int dim>
-void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
+void Boundary<dim>::add_layers(const InterfaceMesh& partner, State<dim>& state) {
   if constexpr (dim == 3) {
-    outline_ = Hull(partner, spacing_, reach_);
-    mesh_ = outline_.mesh();
-    const auto m = static_cast<std::size_t>(outline_.points()), rows = outline_.rows().size();
+    body_surface_ = BodySurface3d(partner, spacing_, reach_);
+    mesh_ = body_surface_.mesh();
+    const auto m = static_cast<std::size_t>(body_surface_.points()), rows = body_surface_.layer_particles().size();
     append(state, Kind::interface, m);
     append(state, Kind::dummy_interface, rows - m);
-    for (const Hull::Row& row : outline_.rows()) point_of_.push_back(row.point);
+    for (const BodySurface3d::LayerParticle& row : body_surface_.layer_particles()) point_of_.push_back(row.point);
     const Points zero = Points::Zero(3, mesh_.position.cols());
     move(state, zero, zero, true);
   } else {
-    outline_ = Outline(partner, spacing_);
-    mesh_ = outline_.mesh();
-    rows_ = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
-    const int m = outline_.points();
-    for (const Outline::Run& run : outline_.runs()) {
-      go_beyond(run, false);
-      go_beyond(run, true);
+    body_surface_ = BodySurface2d(partner, spacing_);
+    mesh_ = body_surface_.mesh();
+    layers_ = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
+    const int m = body_surface_.points();
+    for (const BodySurface2d::Edge& edge : body_surface_.edges()) {
+      go_beyond(edge, false);
+      go_beyond(edge, true);
     }
-    const std::size_t fillers = static_cast<std::size_t>((rows_ - 1) * m) + beyond_.size();
+    const std::size_t fillers = static_cast<std::size_t>((layers_ - 1) * m) + beyond_.size();
     append(state, Kind::interface, static_cast<std::size_t>(m));
     append(state, Kind::dummy_interface, fillers);
-    for (int row = 0; row < rows_; ++row)
+    for (int layer = 0; layer < layers_; ++layer)
       for (int k = 0; k < m; ++k) point_of_.push_back(k);
     for (const BeyondCorner& filler : beyond_) point_of_.push_back(filler.point);
     // The mirror images of the rows in the face: where a flat water surface would have its particles.
     flat_water_.setZero(m);
     const double reach = counting_radius_;
-    for (const Outline::Run& run : outline_.runs())
-      for (int i = 0; i < run.count; ++i)
-        for (int j = 0; j < run.count; ++j)
-          for (int row = 0; row < rows_; ++row) {
+    for (const BodySurface2d::Edge& edge : body_surface_.edges())
+      for (int i = 0; i < edge.count; ++i)
+        for (int j = 0; j < edge.count; ++j)
+          for (int layer = 0; layer < layers_; ++layer) {
             int apart = std::abs(i - j);
-            if (run.closed) apart = std::min(apart, run.count - apart);
-            flat_water_[run.first + i] += weight(std::hypot(apart * run.piece, (row + 1) * spacing_), reach);
+            if (edge.closed) apart = std::min(apart, edge.count - apart);
+            flat_water_[edge.first + i] +=
+                weight(std::hypot(apart * edge.piece, (layer + 1) * spacing_), reach);
           }
     const Points zero = Points::Zero(3, m);
     move(state, zero, zero, true);
@@ -72,22 +73,22 @@ void Boundary<dim>::add_rows(const InterfaceMesh& partner, State<dim>& state) {
 // some water for θ < min(α, π); the rows behind the face itself reach θ = π/2. At depth d below the face and
 // s beyond its end tan(θ − π/2) = s/d.
 template <int dim>
-void Boundary<dim>::go_beyond(const Outline::Run& run, bool at_end) {
+void Boundary<dim>::go_beyond(const BodySurface2d::Edge& edge, bool at_end) {
   constexpr double round_off = 1e-6;  // [rad]
-  const double angle = std::min(at_end ? run.end_angle : run.start_angle, std::numbers::pi);
-  if (run.closed || angle < 0.5 * std::numbers::pi + round_off) return;
+  const double angle = std::min(at_end ? edge.end_angle : edge.start_angle, std::numbers::pi);
+  if (edge.closed || angle < 0.5 * std::numbers::pi + round_off) return;
   const bool concave = angle > std::numbers::pi - round_off;
   const double slope = concave ? 0.0 : 1 / std::tan(angle - 0.5 * std::numbers::pi);  // least depth over s
-  const int columns = static_cast<int>(std::ceil(reach_ / run.piece));
+  const int columns = static_cast<int>(std::ceil(reach_ / edge.piece));
   for (int column = 0; column < columns; ++column) {
-    const double beside = (column + 0.5) * run.piece;
-    for (int row = 0; row < rows_; ++row) {
-      const double depth = (row + 0.5) * spacing_;
+    const double beside = (column + 0.5) * edge.piece;
+    for (int layer = 0; layer < layers_; ++layer) {
+      const double depth = (layer + 0.5) * spacing_;
       if (depth < slope * beside) continue;
       if (at_end)
-        beyond_.push_back({run.first + run.count - 1, run.vertex + run.count, beside, depth});
+        beyond_.push_back({edge.first + edge.count - 1, edge.vertex + edge.count, beside, depth});
       else
-        beyond_.push_back({run.first, run.vertex, -beside, depth});
+        beyond_.push_back({edge.first, edge.vertex, -beside, depth});
     }
   }
 }
@@ -138,7 +139,7 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
   }
   for (std::int64_t i = 0; i < water_; ++i) {
     bool overlap = false;
-    if (!outline_.empty()) overlap = outline_.inside(state.position.col(i));
+    if (!body_surface_.empty()) overlap = body_surface_.inside(state.position.col(i));
     if (volume_)
       for (std::int64_t j = bodies_; j < state.position.cols() && !overlap; ++j)
         overlap = (state.position.col(j) - state.position.col(i)).norm() < 0.5 * spacing_;
@@ -151,7 +152,7 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                              \
-  template void Boundary<dim>::add_rows(const InterfaceMesh&, State<dim>&);                  \
+  template void Boundary<dim>::add_layers(const InterfaceMesh&, State<dim>&);                \
   template void Boundary<dim>::add_solids(const InterfaceMesh&, const Points&, State<dim>&); \
   template void Boundary<dim>::find_masters(const State<dim>&);                              \
   template void Boundary<dim>::check_overlap(const State<dim>&) const;

@@ -182,7 +182,7 @@ State<dim> fill(const Parameters& parameters) {
   State<dim> state;
   const auto n = static_cast<Eigen::Index>(water.size() + walls.wall.size() + walls.dummy.size());
   resize_particles(state, n);
-  state.aired.assign(static_cast<size_t>(n), 1);
+  state.air_connected.assign(static_cast<size_t>(n), 1);
   std::iota(state.id.begin(), state.id.end(), 0);
   Eigen::Index i = 0;
   const auto add = [&](const Vector<dim>& place, Kind kind) {

@@ -22,9 +22,9 @@ State<dim> fill_around(const Parameters& p, const InterfaceMesh& body) {
   if (!p.submerged || body.position.cols() == 0 || p.interface == "volume") return state;
   BodySurface<dim> surface;
   if constexpr (dim == 2)
-    surface = Outline(body, p.spacing);
+    surface = BodySurface2d(body, p.spacing);
   else
-    surface = Hull(body, p.spacing, p.spacing);
+    surface = BodySurface3d(body, p.spacing, p.spacing);
   std::vector<std::int32_t> kept;
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     const Vector<dim> x = state.position.col(i);

@@ -117,12 +117,12 @@ Tank<dim>::Tank(const Parameters& p, double reach, const State<dim>& filled)
   find_masters();
   if (motion_.moves()) acceleration_.setZero(dim, last_ - first_);
   // Beside the tank, beyond its walls and their reach wherever it moves.
-  parking_ = shape_.low();
-  parking_[0] = shape_.high()[0] + 4 * reach + period.norm();
+  removed_from_ = shape_.low();
+  removed_from_[0] = shape_.high()[0] + 4 * reach + period.norm();
   if (motion_.moves()) {
-    parking_[0] += motion_.reach(p.end_time)[0];
+    removed_from_[0] += motion_.reach(p.end_time)[0];
     if (motion_.turns())
-      parking_[0] += 2 * std::max((shape_.high() - pivot_).norm(), (shape_.low() - pivot_).norm());
+      removed_from_[0] += 2 * std::max((shape_.high() - pivot_).norm(), (shape_.low() - pivot_).norm());
   }
   adopt(filled);
 }
@@ -132,7 +132,7 @@ void Tank<dim>::wrap(State<dim>& state) const {
   if (!periodic_.any()) return;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < first_; ++i)
-    if (!parked(state.position.col(i)))
+    if (!is_removed(state.position.col(i)))
       state.position.col(i) = periodic_.wrap(state.position.col(i), shape_.low());
 }
 
@@ -271,24 +271,25 @@ std::optional<WallFoot<dim>> Tank<dim>::behind(const Vector<dim>& x) const {
 }
 
 template <int dim>
-std::int64_t Tank<dim>::parking_column() const {
+std::int64_t Tank<dim>::removed_per_column() const {
   return std::max<std::int64_t>(
       1, static_cast<std::int64_t>((shape_.high()[1] - shape_.low()[1]) / (2 * reach_)));
 }
 
 template <int dim>
-Vector<dim> Tank<dim>::parking_place(std::int64_t number) const {
-  Vector<dim> place = parking_;
-  place[0] += 2 * reach_ * static_cast<double>(number / parking_column());
-  place[1] += 2 * reach_ * static_cast<double>(number % parking_column());
+Vector<dim> Tank<dim>::place_of_removed(std::int64_t number) const {
+  Vector<dim> place = removed_from_;
+  place[0] += 2 * reach_ * static_cast<double>(number / removed_per_column());
+  place[1] += 2 * reach_ * static_cast<double>(number % removed_per_column());
   return place;
 }
 
 template <int dim>
-bool Tank<dim>::on_parking_place(const Vector<dim>& x) const {
-  const double across = (x[0] - parking_[0]) / (2 * reach_), up = (x[1] - parking_[1]) / (2 * reach_);
-  if (!(across < 1e9 && up > -0.5 && up < static_cast<double>(parking_column()))) return false;
-  return x == parking_place(std::llround(across) * parking_column() + std::llround(up));
+bool Tank<dim>::is_place_of_removed(const Vector<dim>& x) const {
+  const double across = (x[0] - removed_from_[0]) / (2 * reach_),
+               up = (x[1] - removed_from_[1]) / (2 * reach_);
+  if (!(across < 1e9 && up > -0.5 && up < static_cast<double>(removed_per_column()))) return false;
+  return x == place_of_removed(std::llround(across) * removed_per_column() + std::llround(up));
 }
 
 template class Tank<2>;

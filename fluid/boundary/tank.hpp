@@ -67,8 +67,8 @@ class Tank {
   std::optional<WallFoot<dim>> behind(const Vector<dim>& x) const;
   bool left(const Vector<dim>& x) const { return shape_.left(in_tank(x)); }
   /// Particles out of the tank are parked where nothing reaches them, each on its own place.
-  bool parked(const Vector<dim>& x) const { return x[0] >= parking_[0] && on_parking_place(x); }
-  Vector<dim> parking_place(std::int64_t number) const;
+  bool is_removed(const Vector<dim>& x) const { return x[0] >= removed_from_[0] && is_place_of_removed(x); }
+  Vector<dim> place_of_removed(std::int64_t number) const;
 
  private:
   struct Frame {  // a rigid motion of the tank, ready for use
@@ -82,8 +82,8 @@ class Tank {
   Vector<dim> place(const Frame&, const Vector<dim>& reference) const;
   Vector<dim> velocity(const Frame&, const Vector<dim>& x) const;
   void find_masters();
-  bool on_parking_place(const Vector<dim>& x) const;
-  std::int64_t parking_column() const;  // places above one another
+  bool is_place_of_removed(const Vector<dim>& x) const;
+  std::int64_t removed_per_column() const;  // places above one another
 
   TankShape<dim> shape_;
   TankMotion motion_;
@@ -96,7 +96,7 @@ class Tank {
   bool absorbs_;
   Frame now_;                  // of the particles' places
   Vectors<dim> acceleration_;  // empty for a tank at rest
-  Vector<dim> pivot_, parking_;
+  Vector<dim> pivot_, removed_from_;
 };
 
 }  // namespace strake::fluid

@@ -48,11 +48,11 @@ WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& s
 
 template <int dim>
 void WallContact<dim>::place_bodies(const Boundary<dim>& boundary, const State<dim>& state) {
-  if (boundary.outline().empty()) return;
+  if (boundary.body_surface().empty()) return;
   for (std::int64_t j = boundary.first_of_bodies(); j < state.position.cols(); ++j) {
     const int k = boundary.point_of(j);
-    axis_.col(j - first_) = boundary.outline().normal(k);
-    depth_[j - first_] = axis_.col(j - first_).dot(boundary.outline().point(k) - state.position.col(j));
+    axis_.col(j - first_) = boundary.body_surface().normal(k);
+    depth_[j - first_] = axis_.col(j - first_).dot(boundary.body_surface().point(k) - state.position.col(j));
   }
 }
 
@@ -83,11 +83,11 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
     }
     const bool was_dry = state.surface[k] != 0;
     bool is_wet = nearest < (was_dry ? joining_height : leaving_height);
-    if (is_wet && j < boundary.first_of_bodies() && !corner(j) && !boundary.outline().empty()) {
+    if (is_wet && j < boundary.first_of_bodies() && !corner(j) && !boundary.body_surface().empty()) {
       // Behind a body that touches the wall there is no water, however near its corner is to some.
       const Vector<dim> before =
           state.position.col(j) + (depth_[j - first_] + covered * spacing_) * axis_.col(j - first_);
-      is_wet = !boundary.outline().inside(before);
+      is_wet = !boundary.body_surface().inside(before);
     }
     state.surface[k] = is_wet ? 0 : 1;
     wet_[k] = is_wet ? 1 : 0;

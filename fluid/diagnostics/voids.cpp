@@ -145,7 +145,7 @@ Voids count_voids(const State<dim>& state, std::span<const std::int64_t> water, 
     const auto k = static_cast<std::size_t>(i);
     if (state.surface[k] == 0 || grid.near_air(i)) continue;
     ++voids.all;
-    if (state.aired[k] == 0) ++voids.openings;
+    if (state.air_connected[k] == 0) ++voids.internal_voids;
   }
   return voids;
 }
@@ -157,18 +157,18 @@ void follow_air(State<dim>& state, const Neighbours& near, std::int64_t water,
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    std::uint8_t aired = state.aired[k];
+    std::uint8_t air_connected = state.air_connected[k];
     if (!state.surface[k]) {
-      aired = 0;
-    } else if (!aired) {
+      air_connected = 0;
+    } else if (!air_connected) {
       const auto columns = near.row(i);
-      for (std::size_t e = 0; e < columns.size() && columns[e] < water && !aired; ++e)
-        aired = state.aired[static_cast<std::size_t>(columns[e])];
-      if (columns.empty()) aired = 1;  // alone in the air
+      for (std::size_t e = 0; e < columns.size() && columns[e] < water && !air_connected; ++e)
+        air_connected = state.air_connected[static_cast<std::size_t>(columns[e])];
+      if (columns.empty()) air_connected = 1;  // alone in the air
     }
-    scratch[k] = aired;
+    scratch[k] = air_connected;
   }
-  std::copy(scratch.begin(), scratch.end(), state.aired.begin());
+  std::copy(scratch.begin(), scratch.end(), state.air_connected.begin());
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                    \

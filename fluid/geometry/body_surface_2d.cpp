@@ -14,7 +14,7 @@ namespace strake::fluid {
 
 namespace {
 
-using Vector2 = Outline::Vector2;
+using Vector2 = BodySurface2d::Vector2;
 
 /// A corner whose angle inside the body is smaller has a tip thinner than a spacing along its first piece.
 constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
@@ -61,7 +61,7 @@ std::vector<std::vector<int>> loops_of(const InterfaceMesh& partner) {
 
 }  // namespace
 
-Outline::Outline(const InterfaceMesh& partner, double spacing) {
+BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) {
   mesh_.name = "fluid";
   mesh_.dimension = 2;
   for (const auto& loop : loops_of(partner)) {
@@ -75,7 +75,7 @@ Outline::Outline(const InterfaceMesh& partner, double spacing) {
       throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
                   fmt::format("the outline that starts at point {} encloses {} m^2", loop.front(), area),
                   "walk it counter-clockwise, so that its normals point into the fluid");
-    add_runs(partner, loop, spacing);
+    add_edges(partner, loop, spacing);
   }
   const auto m = reference_.cols();
   mesh_.position = Points::Zero(3, m);
@@ -85,7 +85,7 @@ Outline::Outline(const InterfaceMesh& partner, double spacing) {
   move(Vectors2::Zero(2, m), Vectors2::Zero(2, m));
 }
 
-void Outline::add_runs(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing) {
+void BodySurface2d::add_edges(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing) {
   const std::size_t n = loop.size();
   const auto at = [&](std::size_t k) -> Vector2 { return partner.position.col(loop[k % n]).head<2>(); };
   std::vector<double> angle(n);
@@ -98,197 +98,198 @@ void Outline::add_runs(const InterfaceMesh& partner, const std::vector<int>& loo
   const bool closed = corners.empty();
   if (closed) corners.push_back(0);
 
-  const std::size_t first_run = runs_.size();
+  const std::size_t first_edge = edges_.size();
   std::vector<Eigen::Vector2i> faces;
   const int first_point = points();
   for (std::size_t c = 0; c < corners.size(); ++c) {
     const std::size_t begin = corners[c];
     const std::size_t end = c + 1 < corners.size() ? corners[c + 1] : corners[0] + n;
-    std::vector<double> length{0};  // along the run, at each of its points [m]
+    std::vector<double> length{0};  // along the edge, at each of its points [m]
     for (std::size_t k = begin; k < end; ++k) length.push_back(length.back() + (at(k + 1) - at(k)).norm());
-    Run run;
-    run.first = points();
-    run.count = std::max(1, static_cast<int>(std::lround(length.back() / spacing)));
-    if (closed) run.count = std::max(3, run.count);
-    run.vertex = run.first + static_cast<int>(runs_.size());
-    run.closed = closed;
+    Edge edge;
+    edge.first = points();
+    edge.count = std::max(1, static_cast<int>(std::lround(length.back() / spacing)));
+    if (closed) edge.count = std::max(3, edge.count);
+    edge.vertex = edge.first + static_cast<int>(edges_.size());
+    edge.closed = closed;
     if (!closed) {
-      run.start_angle = std::numbers::pi - angle[begin];
-      run.end_angle = std::numbers::pi - angle[end % n];
+      edge.start_angle = std::numbers::pi - turn[begin];
+      edge.end_angle = std::numbers::pi - turn[end % n];
     }
-    run.piece = length.back() / run.count;
-    reference_.conservativeResize(2, run.first + run.count);
-    half_piece_.conservativeResize(2, run.first + run.count);
-    for (int i = 0; i < run.count; ++i) {
-      const double s = (i + 0.5) * run.piece;
+    edge.piece = length.back() / edge.count;
+    reference_.conservativeResize(2, edge.first + edge.count);
+    half_piece_.conservativeResize(2, edge.first + edge.count);
+    for (int i = 0; i < edge.count; ++i) {
+      const double s = (i + 0.5) * edge.piece;
       const auto piece = static_cast<std::size_t>(std::upper_bound(length.begin() + 1, length.end() - 1, s) -
                                                   length.begin() - 1);
       const Vector2 a = at(begin + piece), b = at(begin + piece + 1);
       const double share = (s - length[piece]) / (length[piece + 1] - length[piece]);
-      reference_.col(run.first + i) = a + share * (b - a);
-      half_piece_.col(run.first + i) = 0.5 * run.piece * (b - a).normalized();
-      run_of_.push_back(static_cast<int>(runs_.size()));
+      reference_.col(edge.first + i) = a + share * (b - a);
+      half_piece_.col(edge.first + i) = 0.5 * edge.piece * (b - a).normalized();
+      edge_of_.push_back(static_cast<int>(edges_.size()));
     }
-    runs_.push_back(run);
+    edges_.push_back(edge);
   }
-  connect(first_run);
+  connect(first_edge);
   const int m = points() - first_point;
   const auto old = mesh_.faces.cols();
   mesh_.faces.conservativeResize(2, old + m);
   for (int k = 0; k < m; ++k) mesh_.faces.col(old + k) << first_point + k, first_point + (k + 1) % m;
 }
 
-void Outline::connect(std::size_t first_run) {
-  const std::size_t count = runs_.size() - first_run;
+void BodySurface2d::connect(std::size_t first_edge) {
+  const std::size_t count = edges_.size() - first_edge;
   for (std::size_t c = 0; c < count; ++c) {
-    Run& run = runs_[first_run + c];
-    run.previous = static_cast<int>(first_run + (c + count - 1) % count);
-    run.next = static_cast<int>(first_run + (c + 1) % count);
+    Edge& edge = edges_[first_edge + c];
+    edge.previous = static_cast<int>(first_edge + (c + count - 1) % count);
+    edge.next = static_cast<int>(first_edge + (c + 1) % count);
   }
-  // The longer run takes a corner, on equal lengths the earlier one: a body symmetric to its middle line
+  // The longer edge takes a corner, on equal lengths the earlier one: a body symmetric to its middle line
   // stays so.
   for (std::size_t c = 0; c < count; ++c) {
-    Run& run = runs_[first_run + c];
-    Run& next = runs_[static_cast<std::size_t>(run.next)];
-    const double mine = run.piece * run.count, theirs = next.piece * next.count;
-    run.owns_end = mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && &run <= &next);
-    next.owns_start = !run.owns_end;
+    Edge& edge = edges_[first_edge + c];
+    Edge& next = edges_[static_cast<std::size_t>(edge.next)];
+    const double mine = edge.piece * edge.count, theirs = next.piece * next.count;
+    edge.owns_end = mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && &edge <= &next);
+    next.owns_start = !edge.owns_end;
   }
 }
 
-void Outline::move(const Vectors2& displacement, const Vectors2& velocity) {
+void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity) {
   point_ = reference_ + displacement;
   velocity_ = velocity;
-  const auto vertices = static_cast<Eigen::Index>(points()) + static_cast<Eigen::Index>(runs_.size());
+  const auto vertices = static_cast<Eigen::Index>(points()) + static_cast<Eigen::Index>(edges_.size());
   vertex_.resize(2, vertices);
   vertex_velocity_.resize(2, vertices);
-  const auto set = [this](const Run& run, const Vectors2& from, Vectors2& to, bool is_position) {
-    for (int i = 1; i < run.count; ++i)
-      to.col(run.vertex + i) = 0.5 * (from.col(run.first + i - 1) + from.col(run.first + i));
-    const int a = run.first, b = run.first + run.count - 1;
-    if (run.closed) {
-      to.col(run.vertex) = to.col(run.vertex + run.count) = 0.5 * (from.col(a) + from.col(b));
-    } else if (run.count > 1) {
-      to.col(run.vertex) = 1.5 * from.col(a) - 0.5 * from.col(a + 1);
-      to.col(run.vertex + run.count) = 1.5 * from.col(b) - 0.5 * from.col(b - 1);
+  const auto set = [this](const Edge& edge, const Vectors2& from, Vectors2& to, bool is_position) {
+    for (int i = 1; i < edge.count; ++i)
+      to.col(edge.vertex + i) = 0.5 * (from.col(edge.first + i - 1) + from.col(edge.first + i));
+    const int a = edge.first, b = edge.first + edge.count - 1;
+    if (edge.closed) {
+      to.col(edge.vertex) = to.col(edge.vertex + edge.count) = 0.5 * (from.col(a) + from.col(b));
+    } else if (edge.count > 1) {
+      to.col(edge.vertex) = 1.5 * from.col(a) - 0.5 * from.col(a + 1);
+      to.col(edge.vertex + edge.count) = 1.5 * from.col(b) - 0.5 * from.col(b - 1);
     } else {
       const Vector2 half = is_position ? Vector2(half_piece_.col(a)) : Vector2(Vector2::Zero());
-      to.col(run.vertex) = from.col(a) - half;
-      to.col(run.vertex + 1) = from.col(a) + half;
+      to.col(edge.vertex) = from.col(a) - half;
+      to.col(edge.vertex + 1) = from.col(a) + half;
     }
   };
-  for (const Run& run : runs_) {
-    set(run, point_, vertex_, true);
-    set(run, velocity_, vertex_velocity_, false);
+  for (const Edge& edge : edges_) {
+    set(edge, point_, vertex_, true);
+    set(edge, velocity_, vertex_velocity_, false);
   }
-  // Two runs meet in one corner: the mean of what both say; a run of one point knows nothing of its
+  // Two edges meet in one corner: the mean of what both say; a edge of one point knows nothing of its
   // direction.
-  for (const Run& run : runs_) {
-    if (run.closed) continue;
-    const Run& next = runs_[static_cast<std::size_t>(run.next)];
-    const int end = run.vertex + run.count;
-    const double mine = run.count > 1 || next.count == 1 ? 1.0 : 0.0;
-    const double theirs = next.count > 1 || run.count == 1 ? 1.0 : 0.0;
+  for (const Edge& edge : edges_) {
+    if (edge.closed) continue;
+    const Edge& next = edges_[static_cast<std::size_t>(edge.next)];
+    const int end = edge.vertex + edge.count;
+    const double mine = edge.count > 1 || next.count == 1 ? 1.0 : 0.0;
+    const double theirs = next.count > 1 || edge.count == 1 ? 1.0 : 0.0;
     for (Vectors2* values : {&vertex_, &vertex_velocity_}) {
       const Vector2 corner = (mine * values->col(end) + theirs * values->col(next.vertex)) / (mine + theirs);
       values->col(end) = values->col(next.vertex) = corner;
     }
   }
-  run_low_.resize(2, static_cast<Eigen::Index>(runs_.size()));
-  run_high_.resize(2, static_cast<Eigen::Index>(runs_.size()));
-  for (std::size_t r = 0; r < runs_.size(); ++r) {
-    const Run& run = runs_[r];
-    const auto own = vertex_.middleCols(run.vertex, run.count + 1);
+  run_low_.resize(2, static_cast<Eigen::Index>(edges_.size()));
+  run_high_.resize(2, static_cast<Eigen::Index>(edges_.size()));
+  for (std::size_t r = 0; r < edges_.size(); ++r) {
+    const Edge& edge = edges_[r];
+    const auto own = vertex_.middleCols(edge.vertex, edge.count + 1);
     run_low_.col(static_cast<Eigen::Index>(r)) = own.rowwise().minCoeff();
     run_high_.col(static_cast<Eigen::Index>(r)) = own.rowwise().maxCoeff();
-    for (int i = 0; i < run.count; ++i) {
-      const Vector2 t = vertex_.col(run.vertex + i + 1) - vertex_.col(run.vertex + i);
-      const Vector2 t_rate = vertex_velocity_.col(run.vertex + i + 1) - vertex_velocity_.col(run.vertex + i);
+    for (int i = 0; i < edge.count; ++i) {
+      const Vector2 t = vertex_.col(edge.vertex + i + 1) - vertex_.col(edge.vertex + i);
+      const Vector2 t_rate =
+          vertex_velocity_.col(edge.vertex + i + 1) - vertex_velocity_.col(edge.vertex + i);
       const double length = t.norm();
       const Vector2 unit = t / length;
       const Vector2 n = right_of(unit);
-      area_[run.first + i] = length;
-      normal_.col(run.first + i) = n;
-      normal_rate_.col(run.first + i) = right_of((t_rate - unit * unit.dot(t_rate)) / length);
+      area_[edge.first + i] = length;
+      normal_.col(edge.first + i) = n;
+      normal_rate_.col(edge.first + i) = right_of((t_rate - unit * unit.dot(t_rate)) / length);
     }
   }
-  if (!runs_.empty()) {
+  if (!edges_.empty()) {
     low_ = run_low_.rowwise().minCoeff();
     high_ = run_high_.rowwise().maxCoeff();
   }
 }
 
-bool Outline::crosses(int r, const Vector2& a, const Vector2& b, bool with_corners) const {
+bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, bool with_corners) const {
   if (std::max(a.x(), b.x()) < run_low_(0, r) || std::min(a.x(), b.x()) > run_high_(0, r) ||
       std::max(a.y(), b.y()) < run_low_(1, r) || std::min(a.y(), b.y()) > run_high_(1, r))
     return false;
-  const Run& run = runs_[static_cast<std::size_t>(r)];
+  const Edge& edge = edges_[static_cast<std::size_t>(r)];
   const Vector2 d = b - a;
-  int begin = 0, end = run.count;
-  // Only the pieces beside the pair: the chord of an open run orders them.
-  const Vector2 origin = vertex_.col(run.vertex);
-  const Vector2 chord = vertex_.col(run.vertex + run.count) - origin;
+  int begin = 0, end = edge.count;
+  // Only the pieces beside the pair: the chord of an open edge orders them.
+  const Vector2 origin = vertex_.col(edge.vertex);
+  const Vector2 chord = vertex_.col(edge.vertex + edge.count) - origin;
   const double chord2 = chord.squaredNorm();
-  if (!run.closed && run.count > 4 && chord2 > 0) {
-    const double sa = (a - origin).dot(chord) / chord2 * run.count;
-    const double sb = (b - origin).dot(chord) / chord2 * run.count;
-    const double last = run.count;
+  if (!edge.closed && edge.count > 4 && chord2 > 0) {
+    const double sa = (a - origin).dot(chord) / chord2 * edge.count;
+    const double sb = (b - origin).dot(chord) / chord2 * edge.count;
+    const double last = edge.count;
     begin = static_cast<int>(std::clamp(std::floor(std::min(sa, sb)) - 1, 0.0, last));
     end = static_cast<int>(std::clamp(std::ceil(std::max(sa, sb)) + 1, 0.0, last));
   }
-  if (with_corners && !run.closed) {
-    if (run.start_angle < sharp_angle) begin = std::max(begin, 1);
-    if (run.end_angle < sharp_angle) end = std::min(end, run.count - 1);
+  if (with_corners && !edge.closed) {
+    if (edge.start_angle < sharp_angle) begin = std::max(begin, 1);
+    if (edge.end_angle < sharp_angle) end = std::min(end, edge.count - 1);
   }
   for (int i = begin; i < end; ++i) {
-    const Vector2 v = vertex_.col(run.vertex + i);
-    const Vector2 e = vertex_.col(run.vertex + i + 1) - v;
+    const Vector2 v = vertex_.col(edge.vertex + i);
+    const Vector2 e = vertex_.col(edge.vertex + i + 1) - v;
     const double det = cross(d, e);
     if (det == 0) continue;  // parallel: it slides along, it does not cross
     const Vector2 to_start = v - a;
     const double t = cross(to_start, e) / det;  // along the pair
     if (t < 0 || t > 1) continue;
     const double s = cross(to_start, d) / det;  // along the piece
-    const bool from_corner = i == 0 && !run.closed && !with_corners && !run.owns_start;
-    const bool to_corner = i == run.count - 1 && !run.closed && !with_corners && !run.owns_end;
+    const bool from_corner = i == 0 && !edge.closed && !with_corners && !edge.owns_start;
+    const bool to_corner = i == edge.count - 1 && !edge.closed && !with_corners && !edge.owns_end;
     if (s >= (from_corner ? tie : -tie) && s <= (to_corner ? 1 - tie : 1 + tie)) return true;
   }
   return false;
 }
 
-bool Outline::separates(const Vector2& a, const Vector2& b) const {
-  for (int r = 0; r < static_cast<int>(runs_.size()); ++r)
+bool BodySurface2d::separates(const Vector2& a, const Vector2& b) const {
+  for (int r = 0; r < static_cast<int>(edges_.size()); ++r)
     if (crosses(r, a, b, true)) return true;
   return false;
 }
 
-double Outline::within(int run, const Vector2& x) const {
-  const Run& r = runs_[static_cast<std::size_t>(run)];
+double BodySurface2d::within(int edge, const Vector2& x) const {
+  const Edge& r = edges_[static_cast<std::size_t>(edge)];
   if (r.closed) return std::numeric_limits<double>::infinity();
   const Vector2 first = vertex_.col(r.vertex), last = vertex_.col(r.vertex + r.count);
   const Vector2 begins = vertex_.col(r.vertex + 1) - first, ends = last - vertex_.col(r.vertex + r.count - 1);
   return std::min((x - first).dot(begins) / begins.norm(), (last - x).dot(ends) / ends.norm());
 }
 
-bool Outline::inside(const Vector2& x) const {
+bool BodySurface2d::inside(const Vector2& x) const {
   if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any()) return false;
   bool odd = false;
-  for (const Run& run : runs_)
-    for (int i = 0; i < run.count; ++i)
-      if (ray_crosses(vertex_.col(run.vertex + i), vertex_.col(run.vertex + i + 1), x)) odd = !odd;
+  for (const Edge& edge : edges_)
+    for (int i = 0; i < edge.count; ++i)
+      if (ray_crosses(vertex_.col(edge.vertex + i), vertex_.col(edge.vertex + i + 1), x)) odd = !odd;
   return odd;
 }
 
-Outline::Foot Outline::nearest(const Vector2& x) const {
+BodySurface2d::Foot BodySurface2d::nearest(const Vector2& x) const {
   Foot best;
   best.distance = std::numeric_limits<double>::infinity();
-  for (const Run& run : runs_) {
-    for (int i = 0; i < run.count; ++i) {
-      const Vector2 a = vertex_.col(run.vertex + i), t = vertex_.col(run.vertex + i + 1) - a;
+  for (const Edge& edge : edges_) {
+    for (int i = 0; i < edge.count; ++i) {
+      const Vector2 a = vertex_.col(edge.vertex + i), t = vertex_.col(edge.vertex + i + 1) - a;
       const double s = std::clamp((x - a).dot(t) / t.squaredNorm(), 0.0, 1.0);
       const Vector2 foot = a + s * t;
       const double distance = (x - foot).norm();
-      if (distance < best.distance) best = {run.first + i, foot, distance};
+      if (distance < best.distance) best = {edge.first + i, foot, distance};
     }
   }
   return best;

@@ -9,38 +9,38 @@
 
 namespace strake::fluid {
 
-/// The wetted outline of plane bodies as the fluid sees it: straight or smooth runs of faces between corners
+/// The wetted outline of plane bodies as the fluid sees it: straight or smooth edges of faces between corners
 /// (turns of more than 20 degrees, and smaller ones that stand alone, as where two straight faces meet),
 /// each divided evenly into pieces of about one particle spacing with a wet point in its middle. The motion
 /// is given on the wet points; corners follow from the points beside them, so that a rigid motion is followed
 /// exactly.
 ///
 /// Walked counter-clockwise; the normal points into the fluid.
-class Outline {
+class BodySurface2d {
  public:
   using Vector2 = Eigen::Vector2d;
   using Vectors2 = Eigen::Matrix2Xd;
 
-  /// One run: wet points first … first+count−1, vertices vertex … vertex+count.
-  struct Run {
+  /// One edge: wet points first … first+count−1, vertices vertex … vertex+count.
+  struct Edge {
     int first = 0, count = 0, vertex = 0;
     int previous = 0, next = 0;               // neighbours around the body
     bool closed = false;                      // smooth body without corners
-    bool owns_start = true, owns_end = true;  // a segment through the very corner crosses one run only
+    bool owns_start = true, owns_end = true;  // a segment through the very corner crosses one edge only
     double piece = 0;                         // reference length of a piece [m]
     // Angle inside the body at its corners [rad], in the reference; π where it has none.
     double start_angle = std::numbers::pi, end_angle = std::numbers::pi;
   };
 
-  Outline() = default;
-  /// partner: closed chains of segments. Throws Error(case_file) when they are not closed or run clockwise.
-  Outline(const InterfaceMesh& partner, double spacing);
+  BodySurface2d() = default;
+  /// partner: closed chains of segments. Throws Error(case_file) when they are not closed or edge clockwise.
+  BodySurface2d(const InterfaceMesh& partner, double spacing);
 
-  bool empty() const { return runs_.empty(); }
+  bool empty() const { return edges_.empty(); }
   const InterfaceMesh& mesh() const { return mesh_; }  // wet points, faces between neighbours around the body
-  const std::vector<Run>& runs() const { return runs_; }
-  int run_of(int point) const { return run_of_[static_cast<std::size_t>(point)]; }
-  int points() const { return static_cast<int>(run_of_.size()); }
+  const std::vector<Edge>& edges() const { return edges_; }
+  int edge_of(int point) const { return edge_of_[static_cast<std::size_t>(point)]; }
+  int points() const { return static_cast<int>(edge_of_.size()); }
 
   /// Moves the outline: displacement and velocity of the wet points, 2×m.
   void move(const Vectors2& displacement, const Vectors2& velocity);
@@ -56,16 +56,16 @@ class Outline {
   Vector2 low() const { return low_; }           // bounding box
   Vector2 high() const { return high_; }
 
-  /// Whether the segment a–b crosses that run. Corners count for the run that owns them.
-  bool crosses(int run, const Vector2& a, const Vector2& b) const { return crosses(run, a, b, false); }
-  /// Whether it crosses any run, corners included. The first piece beside a corner sharper than a right angle
-  /// does not count: the tip is thinner than a spacing there, and water on its two sides stays as near as it
-  /// was before the tip came between.
+  /// Whether the segment a–b crosses that edge. Corners count for the edge that owns them.
+  bool crosses(int edge, const Vector2& a, const Vector2& b) const { return crosses(edge, a, b, false); }
+  /// Whether it crosses any edge, corners included. The first piece beside a corner sharper than a right
+  /// angle does not count: the tip is thinner than a spacing there, and water on its two sides stays as near
+  /// as it was before the tip came between.
   bool separates(const Vector2& a, const Vector2& b) const;
   bool inside(const Vector2& x) const;
-  /// How far x lies over that run from the nearer of its ends, seen along its first and last piece; negative
+  /// How far x lies over that edge from the nearer of its ends, seen along its first and last piece; negative
   /// past an end, infinite where there is none [m].
-  double within(int run, const Vector2& x) const;
+  double within(int edge, const Vector2& x) const;
 
   struct Foot {
     int point = -1;  // piece it lies on
@@ -75,15 +75,15 @@ class Outline {
   Foot nearest(const Vector2& x) const;
 
  private:
-  bool crosses(int run, const Vector2& a, const Vector2& b, bool with_corners) const;
-  void add_runs(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing);
-  void connect(std::size_t first_run);
+  bool crosses(int edge, const Vector2& a, const Vector2& b, bool with_corners) const;
+  void add_edges(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing);
+  void connect(std::size_t first_edge);
 
   InterfaceMesh mesh_;
-  std::vector<Run> runs_;
-  std::vector<int> run_of_;
+  std::vector<Edge> edges_;
+  std::vector<int> edge_of_;
   Vectors2 reference_;   // wet points
-  Vectors2 half_piece_;  // reference half tangent of each piece, for runs of a single point
+  Vectors2 half_piece_;  // reference half tangent of each piece, for edges of a single point
   Vectors2 point_, velocity_, normal_, normal_rate_;
   Vectors2 vertex_, vertex_velocity_;
   Eigen::VectorXd area_;

@@ -23,7 +23,7 @@ constexpr double tie = 1e-9;
 
 }  // namespace
 
-Hull::Hull(const InterfaceMesh& partner, double spacing, double reach)
+BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, double reach)
     : mesh_(partner),
       patches_(find_patches(partner)),
       points_(wet_points(partner, patches_, spacing)),
@@ -61,15 +61,15 @@ Hull::Hull(const InterfaceMesh& partner, double spacing, double reach)
   patch_corner_scale_ = sum.colwise().norm().cwiseInverse();
   move(still, still, true);
   find_local_edges();
-  add_rows();
+  add_layers();
 }
 
-Vector3 Hull::mean_of(const Points& values, int t, const Vector3& weight) const {
+Vector3 BodySurface3d::mean_of(const Points& values, int t, const Vector3& weight) const {
   return weight[0] * values.col(mesh_.faces(0, t)) + weight[1] * values.col(mesh_.faces(1, t)) +
          weight[2] * values.col(mesh_.faces(2, t));
 }
 
-void Hull::move(const Points& displacement, const Points& velocity, bool places) {
+void BodySurface3d::move(const Points& displacement, const Points& velocity, bool places) {
   if (places) now_ = mesh_.position + displacement;
   rate_ = velocity;
   bend(places);
@@ -78,7 +78,7 @@ void Hull::move(const Points& displacement, const Points& velocity, bool places)
 
 // S = ½ e₁ × e₂ of a triangle, dS/dt = ½ (ė₁ × e₂ + e₁ × ė₂). At the corners of a patch the sum of its
 // triangles', between them the mean of the corners': m; n = m/|m|, dn/dt = (ṁ − n n·ṁ)/|m|.
-void Hull::bend(bool places) {
+void BodySurface3d::bend(bool places) {
   const auto triangles = static_cast<int>(mesh_.faces.cols());
   Points sum = Points::Zero(3, patch_corner_scale_.size()), sum_rate = sum;
   Points area(3, triangles);
@@ -116,7 +116,7 @@ void Hull::bend(bool places) {
     area_.col(share.point) += share.part * area.col(share.triangle);
 }
 
-Vector2 Hull::in_triangle(const Points& place, int t, const Vector3& arm) const {
+Vector2 BodySurface3d::in_triangle(const Points& place, int t, const Vector3& arm) const {
   const Vector3 e1 = place.col(mesh_.faces(1, t)) - place.col(mesh_.faces(0, t)),
                 e2 = place.col(mesh_.faces(2, t)) - place.col(mesh_.faces(0, t));
   const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), d1 = arm.dot(e1), d2 = arm.dot(e2);
@@ -125,7 +125,7 @@ Vector2 Hull::in_triangle(const Points& place, int t, const Vector3& arm) const 
 }
 
 // The larger patch takes an edge, of equal ones the first.
-void Hull::find_local_edges() {
+void BodySurface3d::find_local_edges() {
   const double far = reach_ + 2 * spacing_;
   std::vector<std::vector<const SurfacePatches::Border*>> of_patch(patches_.area.size());
   for (const auto& border : patches_.border)
@@ -149,18 +149,18 @@ void Hull::find_local_edges() {
   }
 }
 
-void Hull::add_rows() {
-  const int rows = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
-  for (int row = 0; row < rows; ++row)
+void BodySurface3d::add_layers() {
+  const int layers = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
+  for (int layer = 0; layer < layers; ++layer)
     for (int k = 0; k < points(); ++k) {
       const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
-      rows_.push_back({k, p.triangle, p.weight, (row + 0.5) * spacing_});
+      layer_particles_.push_back({k, p.triangle, p.weight, (layer + 0.5) * spacing_});
     }
   go_beyond();
 }
 
 // Borders between the same two patches, joined end to end.
-void Hull::go_beyond() {
+void BodySurface3d::go_beyond() {
   std::map<std::pair<int, int>, std::vector<const SurfacePatches::Border*>> groups;
   for (const auto& border : patches_.border) groups[{border.patch, border.other}].push_back(&border);
   for (const auto& [key, group] : groups) {
@@ -187,7 +187,7 @@ void Hull::go_beyond() {
 // At an edge of the angle α inside the body a place at the angle θ from a face is seen through that face by
 // some water for θ < min(α, π); the rows behind the face itself reach θ = π/2. At depth d below the face and
 // s beyond its edge tan(θ − π/2) = s/d.
-void Hull::add_beyond(const std::vector<const SurfacePatches::Border*>& chain) {
+void BodySurface3d::add_beyond(const std::vector<const SurfacePatches::Border*>& chain) {
   constexpr double round_off = 1e-6;  // [rad]
   std::vector<double> length{0};
   for (const auto* border : chain)
@@ -195,7 +195,7 @@ void Hull::add_beyond(const std::vector<const SurfacePatches::Border*>& chain) {
                      (mesh_.position.col(border->to) - mesh_.position.col(border->from)).norm());
   const int count = std::max(1, static_cast<int>(std::lround(length.back() / spacing_)));
   const int columns = static_cast<int>(std::ceil(reach_ / spacing_));
-  const int rows = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
+  const int layers = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
   for (int m = 0; m < count; ++m) {
     const double along = (m + 0.5) * length.back() / count;
     const auto e = static_cast<std::size_t>(std::upper_bound(length.begin() + 1, length.end() - 1, along) -
@@ -212,7 +212,7 @@ void Hull::add_beyond(const std::vector<const SurfacePatches::Border*>& chain) {
     double best = std::numeric_limits<double>::infinity();
     for (int k = 0; k < points(); ++k) {
       const double squared = (point(k) - x).squaredNorm();
-      if (run_of(k) != border.patch || squared >= best) continue;
+      if (edge_of(k) != border.patch || squared >= best) continue;
       best = squared;
       nearest = k;
     }
@@ -223,26 +223,26 @@ void Hull::add_beyond(const std::vector<const SurfacePatches::Border*>& chain) {
           in_triangle(mesh_.position, border.triangle,
                       x + beside * out - mesh_.position.col(mesh_.faces(0, border.triangle)));
       const Vector3 weight(1 - share.x() - share.y(), share.x(), share.y());
-      for (int row = 0; row < rows; ++row) {
-        const double depth = (row + 0.5) * spacing_;
+      for (int layer = 0; layer < layers; ++layer) {
+        const double depth = (layer + 0.5) * spacing_;
         if (depth < slope * beside) continue;
-        rows_.push_back({nearest, border.triangle, weight, depth});
+        layer_particles_.push_back({nearest, border.triangle, weight, depth});
       }
     }
   }
 }
 
-Vector3 Hull::place(const Row& row) const {
-  return mean_of(now_, row.triangle, row.weight) - row.depth * normal_.col(row.point);
+Vector3 BodySurface3d::place(const LayerParticle& at) const {
+  return mean_of(now_, at.triangle, at.weight) - at.depth * normal_.col(at.point);
 }
 
-Vector3 Hull::velocity(const Row& row) const {
-  return mean_of(rate_, row.triangle, row.weight) - row.depth * normal_rate_.col(row.point);
+Vector3 BodySurface3d::velocity(const LayerParticle& at) const {
+  return mean_of(rate_, at.triangle, at.weight) - at.depth * normal_rate_.col(at.point);
 }
 
 // c, in the plane of the patch at wet point k, lies on it when the way there from k crosses its edges an even
 // number of times.
-bool Hull::holds(int k, const Vector3& c) const {
+bool BodySurface3d::holds(int k, const Vector3& c) const {
   const auto first = edge_start_[static_cast<std::size_t>(k)],
              last = edge_start_[static_cast<std::size_t>(k) + 1];
   if (first == last) return true;
@@ -263,21 +263,21 @@ bool Hull::holds(int k, const Vector3& c) const {
 }
 
 // A curved patch falls away from its tangent plane: water near the patch itself is in front of it too.
-bool Hull::in_front(int k, int near, const Vector3& a) const {
+bool BodySurface3d::in_front(int k, int near, const Vector3& a) const {
   if ((a - point_.col(k)).dot(normal_.col(k)) > 0) return true;
-  return near >= 0 && patches_.of_triangle[static_cast<std::size_t>(near)] == run_of(k) &&
+  return near >= 0 && patches_.of_triangle[static_cast<std::size_t>(near)] == edge_of(k) &&
          face_normal_.col(near).dot(normal_.col(k)) > 0 &&
          (a - corner(near, 0)).dot(face_normal_.col(near)) > 0;
 }
 
-bool Hull::crosses(int k, int near, const Vector3& a, const Vector3& b) const {
+bool BodySurface3d::crosses(int k, int near, const Vector3& a, const Vector3& b) const {
   if (!in_front(k, near, a)) return false;
   const double ha = std::max(0.0, (a - point_.col(k)).dot(normal_.col(k))),
                hb = (point_.col(k) - b).dot(normal_.col(k));
   return holds(k, a + ha / (ha + hb) * (b - a));
 }
 
-bool Hull::separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const {
+bool BodySurface3d::separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const {
   if (near_a < 0 || near_b < 0) return false;
   if (patches_.of_triangle[static_cast<std::size_t>(near_a)] ==
           patches_.of_triangle[static_cast<std::size_t>(near_b)] &&
@@ -286,16 +286,16 @@ bool Hull::separates(const Vector3& a, int near_a, const Vector3& b, int near_b)
   return grid_.cuts(a, b);
 }
 
-bool Hull::faces(int k, const Vector3& x) const {
+bool BodySurface3d::faces(int k, const Vector3& x) const {
   return holds(k, x);
 }
 
-auto Hull::nearest(const Vector3& x) const -> Foot {
+auto BodySurface3d::nearest(const Vector3& x) const -> Foot {
   const TriangleGrid::Foot foot = grid_.nearest(x);
   return {point_in_[static_cast<std::size_t>(foot.triangle)], foot.position, foot.distance};
 }
 
-Points Hull::spread(const Points& on_wet_points) const {
+Points BodySurface3d::spread(const Points& on_wet_points) const {
   Points sum = Points::Zero(3, mesh_.position.cols());
   for (int k = 0; k < points(); ++k) {
     const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
@@ -304,7 +304,7 @@ Points Hull::spread(const Points& on_wet_points) const {
   return sum;
 }
 
-Vector3 Hull::at(const Points& on_mesh, int k) const {
+Vector3 BodySurface3d::at(const Points& on_mesh, int k) const {
   const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
   return mean_of(on_mesh, p.triangle, p.weight);
 }

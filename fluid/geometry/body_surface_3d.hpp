@@ -11,35 +11,35 @@
 
 namespace strake::fluid {
 
-/// The wetted surface of bodies in space as the fluid sees it, the counterpart of a plane `Outline`: smooth
-/// patches between edges, each with a wet point to about every l0². The motion is given on the points of the
-/// partner's triangles; wet points lie in those triangles and follow them, so that a rigid motion is followed
-/// exactly, and a deformation as the triangles show it. What acts on a wet point goes to the corners of its
-/// triangle: forces and moments sum to the same.
-class Hull {
+/// The wetted surface of bodies in space as the fluid sees it, the counterpart of a plane `BodySurface2d`:
+/// smooth patches between edges, each with a wet point to about every l0². The motion is given on the points
+/// of the partner's triangles; wet points lie in those triangles and follow them, so that a rigid motion is
+/// followed exactly, and a deformation as the triangles show it. What acts on a wet point goes to the corners
+/// of its triangle: forces and moments sum to the same.
+class BodySurface3d {
  public:
   using Vector3 = Eigen::Vector3d;
 
   /// A row particle: `depth` behind the place with those weights in its triangle's plane, along the normal of
   /// its wet point. Weights below 0: beyond the edge of the patch.
-  struct Row {
+  struct LayerParticle {
     int point = 0, triangle = 0;
     Vector3 weight = Vector3::Zero();
     double depth = 0;  // [m]
   };
 
-  Hull() = default;
+  BodySurface3d() = default;
   /// partner: a closed surface of triangles. reach: how far rows are seen [m]. Throws Error(case_file) where
   /// the surface is not closed or inside out.
-  Hull(const InterfaceMesh& partner, double spacing, double reach);
+  BodySurface3d(const InterfaceMesh& partner, double spacing, double reach);
 
   bool empty() const { return points_.point.empty(); }
   const InterfaceMesh& mesh() const { return mesh_; }  // the partner's
   int points() const { return static_cast<int>(points_.point.size()); }
-  int run_of(int k) const { return points_.point[static_cast<std::size_t>(k)].patch; }
+  int edge_of(int k) const { return points_.point[static_cast<std::size_t>(k)].patch; }
   /// Behind each wet point, row after row; then those that go on beyond edges that are blunter than a right
   /// angle, or concave, into the part of the body that water sees through the patch.
-  const std::vector<Row>& rows() const { return rows_; }
+  const std::vector<LayerParticle>& layer_particles() const { return layer_particles_; }
 
   /// Displacement and velocity of the mesh's points, 3×n; places = false: velocities alone.
   void move(const Points& displacement, const Points& velocity, bool places);
@@ -51,8 +51,8 @@ class Hull {
   Vector3 normal_rate(int k) const { return normal_rate_.col(k); }  // dn/dt [1/s]
   Vector3 area_vector(int k) const { return area_.col(k); }         // into the fluid [m²]; they sum to zero
   double area(int k) const { return area_.col(k).norm(); }
-  Vector3 place(const Row&) const;
-  Vector3 velocity(const Row&) const;
+  Vector3 place(const LayerParticle&) const;
+  Vector3 velocity(const LayerParticle&) const;
   Vector3 low() const { return grid_.low(); }  // bounding box
   Vector3 high() const { return grid_.high(); }
 
@@ -86,7 +86,7 @@ class Hull {
     bool owned;
   };
   void find_local_edges();
-  void add_rows();
+  void add_layers();
   void go_beyond();
   void add_beyond(const std::vector<const SurfacePatches::Border*>& chain);
   void bend(bool places);
@@ -100,7 +100,7 @@ class Hull {
   SurfacePatches patches_;
   WetPoints points_;
   double spacing_ = 0, reach_ = 0;
-  std::vector<Row> rows_;
+  std::vector<LayerParticle> layer_particles_;
   std::vector<int> point_in_;            // a wet point of each triangle
   std::vector<std::size_t> edge_start_;  // of each wet point
   std::vector<LocalEdge> edge_;

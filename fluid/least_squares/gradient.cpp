@@ -27,11 +27,11 @@ void LeastSquaresScheme<dim>::find_pressure_gradient(const Boundary<dim>& bounda
     const double here = state.pressure[i];
     const double slope = whole * (1 - compressible(boundary, x) * (1 - share));
     const std::size_t inner = water_pairs(columns, water);
-    const auto middle = column_at<dim>(place + dim * i);
-    Column<dim> differences{};
+    const auto middle = vec_at<dim>(place + dim * i);
+    VecD<dim> differences{};
     for (std::size_t e = 0; e < inner; ++e) {
       const std::int64_t j = columns[e];
-      auto r = column_at<dim>(place + dim * j) - middle;
+      auto r = vec_at<dim>(place + dim * j) - middle;
       if constexpr (seams) over_seams<dim>(periodic, r);
       const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
       differences += r * (w * (pressure[j] - here));

@@ -36,10 +36,10 @@ template <int dim>
 /// The sums of the parts, stored at once. Numbers that are written one by one and read as a vector would
 /// stall.
 template <int dim>
-inline Vector<dim> vector_of(const Lanes8 (&lanes)[dim]) {
+inline Vector<dim> vector_of(const Double8 (&lanes)[dim]) {
   Vector<dim> out;
   if constexpr (dim == 2) {
-    const Lanes2 both{sum(lanes[0]), sum(lanes[1])};
+    const Double2 both{sum(lanes[0]), sum(lanes[1])};
     std::memcpy(out.data(), &both, sizeof both);
   } else {
     for (int d = 0; d < dim; ++d) out[d] = sum(lanes[d]);
@@ -137,33 +137,33 @@ void LeastSquaresScheme<dim>::sum_water(const Boundary<dim>& boundary, const Sta
   float* const entries = shares ? nullptr : moments_.entry.data() + first;
   moments_.water_stop[k] = first + static_cast<std::int64_t>(inner);
   // w_L, W and w/r² of eight pairs at a time; the last is zero beyond the gradient's radius.
-  Lanes8 diagonals{}, volumes{}, stiffnesses{}, opens[dim]{}, crowdings[dim]{};
-  Lanes8 moments[Symmetric<dim>::parts]{};  // Σ w r⊗r/r²
-  for (std::size_t e = 0; e < inner; e += lanes::width) {
+  Double8 diagonals{}, volumes{}, stiffnesses{}, opens[dim]{}, crowdings[dim]{};
+  Double8 moments[Symmetric<dim>::parts]{};  // Σ w r⊗r/r²
+  for (std::size_t e = 0; e < inner; e += simd::width) {
     const auto [r, one] = eight_pairs<seams>(state, periodic, i, columns.first(inner), e);
-    const int count = static_cast<int>(std::min<std::size_t>(lanes::width, inner - e));
-    Lanes8 inverse;
-    Floats8 single;
+    const int count = static_cast<int>(std::min<std::size_t>(simd::width, inner - e));
+    Double8 inverse;
+    Float8 single;
     if constexpr (shares) {
-      single = -lanes::load(shared + e, count);
-      inverse = (one + lanes::widened(single)) * far.scale();
+      single = -simd::load(shared + e, count);
+      inverse = (one + simd::widened(single)) * far.scale();
     } else {
-      inverse = Lanes8{};
+      inverse = Double8{};
       for (int p = 0; p < count; ++p) inverse[p] = far.inverse_of(first + static_cast<std::int64_t>(e) + p);
-      single = lanes::narrowed(positive(reach * inverse - one));
-      lanes::store(-single, entries + e, inner - e);
+      single = simd::narrowed(positive(reach * inverse - one));
+      simd::store(-single, entries + e, inner - e);
     }
-    Lanes8 squares = r[0] * r[0];
+    Double8 squares = r[0] * r[0];
 #pragma GCC unroll 6
     for (int d = 1; d < dim; ++d) squares += r[d] * r[d];
-    const Lanes8 w = lanes::widened(single), q = squares * inverse * (1 / reach);
-    const Lanes8 s = positive(one - q);
+    const Double8 w = simd::widened(single), q = squares * inverse * (1 / reach);
+    const Double8 s = positive(one - q);
     diagonals += w;
     volumes += s * s * s * s * (1 + 4 * q);
-    const Lanes8 near_weight = positive(gradient_.radius * inverse - one) * inverse * inverse;
+    const Double8 near_weight = positive(gradient_.radius * inverse - one) * inverse * inverse;
     // Of w r/r² along r: −d/dr (R/r − 1)/r = (2R/r − 1)/r².
     stiffnesses += positive(2 * gradient_.radius * inverse - one) * inverse * inverse;
-    Lanes8 arm[dim];
+    Double8 arm[dim];
 #pragma GCC unroll 6
     for (int d = 0; d < dim; ++d) {
       opens[d] += w * r[d];

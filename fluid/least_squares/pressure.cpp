@@ -92,7 +92,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const Stat
         rho / dt * (wall.flux - scale * (divergence(i) - carried * state.residual_divergence[i])) -
         (1 - share) * rho * gravity.dot(moments_.m_projected.col(i).template cast<double>()) + source;
     // Without a neighbour and without compressibility the pressure is undetermined: it is set to zero.
-    if (system.diagonal[i] <= 0 || boundary.parked(state, i)) {
+    if (system.diagonal[i] <= 0 || boundary.is_removed(state, i)) {
       system.diagonal[i] = 1;
       system.right[i] = 0;
     }
@@ -195,16 +195,16 @@ void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>& boundary, St
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     state.residual_divergence[i] = 0;
-    state.residual_approach.col(i).setZero();
+    state.residual_wall_velocity.col(i).setZero();
     const Limit limit = equation_.limited[static_cast<std::size_t>(i)];
-    if (limit == Limit::at_surface || boundary.parked(state, i)) continue;
+    if (limit == Limit::at_surface || boundary.is_removed(state, i)) continue;
     const double left = divergence(i) - wall_terms(boundary, state, far, dt, i).flux / scale +
                         factor * (equation_.own[i] * state.pressure[i] - equation_.source[i]);
     state.residual_divergence[i] = limit == Limit::tension ? std::min(0.0, left) : left;
     if (limit != Limit::none) continue;
-    state.residual_approach.col(i) = residual_wall_velocity(boundary, state, near, i);
+    state.residual_wall_velocity.col(i) = residual_wall_velocity(boundary, state, near, i);
     if (now_.deferred > 0)
-      state.residual_approach.col(i) -= wall_.deferred_velocity.col(i).template cast<double>();
+      state.residual_wall_velocity.col(i) -= wall_.deferred_velocity.col(i).template cast<double>();
   }
 }
 

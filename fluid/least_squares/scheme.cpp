@@ -34,7 +34,7 @@ template <int dim>
 void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
   const StageClock clock(step.seconds, "density");
   measure(step.boundary, step.state, *step.far, step.near_gradient());
-  follow_air(step.state, step.near_gradient(), step.boundary.water(), step.newly_aired);
+  follow_air(step.state, step.near_gradient(), step.boundary.water(), step.newly_connected);
 }
 
 template <int dim>
@@ -63,9 +63,9 @@ void LeastSquaresScheme<dim>::find_gradient(StepData<dim>& step) {
 
 template <int dim>
 Load<dim> LeastSquaresScheme<dim>::load(StepData<dim>& step) {
-  Load<dim> load{row_forces(step.boundary, step.state, step.near_gradient()), {}};
-  const auto rows = load.on_rows.cols() - step.boundary.water();
-  load.on_rows.rightCols(rows) += step.mass * step.viscous->rightCols(rows);
+  Load<dim> load{layer_forces(step.boundary, step.state, step.near_gradient()), {}};
+  const auto rows = load.on_layers.cols() - step.boundary.water();
+  load.on_layers.rightCols(rows) += step.mass * step.viscous->rightCols(rows);
   return load;
 }
 
@@ -78,13 +78,13 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
   double largest = 0, fastest = 0;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.parked(state, i)) continue;
+    if (boundary.is_removed(state, i)) continue;
     state.velocity.col(i) -= factor * pressure_gradient_.col(i);
   }
   measure_residual(boundary, state, *step.far, step.near_gradient(), step.dt);
 #pragma omp parallel for schedule(static) reduction(max : largest, fastest)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.parked(state, i)) continue;
+    if (boundary.is_removed(state, i)) continue;
     fastest = std::max(fastest, state.velocity.col(i).squaredNorm());
     if (!state.surface[static_cast<std::size_t>(i)]) largest = std::max(largest, std::abs(divergence(i)));
   }
@@ -92,7 +92,7 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
   const double time = step.substepping.age();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i)
-    if (!boundary.parked(state, i)) state.position.col(i) += time * state.velocity.col(i);
+    if (!boundary.is_removed(state, i)) state.position.col(i) += time * state.velocity.col(i);
   step.move_boundaries();
   return largest;
 }

@@ -81,12 +81,12 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                         double dt);
   /// −p n A of each first layer particle (F51); also State::pressure of the layers.
-  RowForces<dim> row_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near) const;
+  LayerForces<dim> layer_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near) const;
   /// Moves particles towards even spacing (F49), (F50), along the surface where they are near it. near: rows
   /// at the positions that they come from.
   void shift(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt) const;
-  /// State::residual_divergence (F43) and State::residual_approach of the new velocity, before the particles
-  /// move.
+  /// State::residual_divergence (F43) and State::residual_wall_velocity of the new velocity, before the
+  /// particles move.
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
   /// ∇·u of the last `filter` or `measure_residual` [1/s].
@@ -143,7 +143,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   };
   /// What the filter reads of a neighbour, side by side in memory.
   struct Motion {
-    Column<dim> place, velocity, gradient[dim];  // columns of ∇u [1/s]
+    VecD<dim> place, velocity, gradient[dim];  // columns of ∇u [1/s]
   };
   struct VelocityFit {
     SharedMemory memory;       // of `motion`
@@ -216,7 +216,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Velocity past the faces that the step does not correct, the walls' counterpart of E_i [m/s].
   Vector<dim> carried_wall_velocity(const State<dim>& state, std::int64_t i,
                                     const Vector<dim>& relative) const {
-    Vector<dim> carried = equation_.carried[i] * state.residual_approach.col(i);
+    Vector<dim> carried = equation_.carried[i] * state.residual_wall_velocity.col(i);
     if (now_.deferred > 0)
       carried += now_.deferred * equation_.incompressible[i] * (relative - now_.gravity_velocity);
     return carried;

@@ -11,7 +11,7 @@ namespace {
 template <int dim>
 Vector<dim> before_faces(const Boundary<dim>& boundary, const Vector<dim>& x, Vector<dim> move) {
   const auto along = [&](const Vector<dim>& normal) { move -= std::min(0.0, move.dot(normal)) * normal; };
-  const BodySurface<dim>& body = boundary.outline();
+  const BodySurface<dim>& body = boundary.body_surface();
   if (!body.empty() && body.inside(x + move)) along(body.normal(body.nearest(x + move).point));
   if (const auto foot = boundary.tank().behind(x + move)) along(foot->normal);
   return move;
@@ -34,7 +34,7 @@ void LeastSquaresScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& s
   const bool moves = boundary.tank().moves();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
-    if (boundary.parked(state, i)) continue;
+    if (boundary.is_removed(state, i)) continue;
     const auto k = static_cast<std::size_t>(i);
     // Relative to the tank, so that the result is the same for an observer who moves with it.
     Vector<dim> past = state.velocity.col(i);

@@ -12,17 +12,17 @@ namespace {
 
 /// |a|², |b|², |c|², |d|².
 template <int dim>
-inline Lanes4 squares(Column<dim> a, Column<dim> b, Column<dim> c, Column<dim> d) {
+inline Double4 squares(VecD<dim> a, VecD<dim> b, VecD<dim> c, VecD<dim> d) {
   a *= a;
   b *= b;
   c *= c;
   d *= d;
   if constexpr (dim == 2) {
-    const Lanes2 low = __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3);
-    const Lanes2 high = __builtin_shufflevector(c, d, 0, 2) + __builtin_shufflevector(c, d, 1, 3);
+    const Double2 low = __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3);
+    const Double2 high = __builtin_shufflevector(c, d, 0, 2) + __builtin_shufflevector(c, d, 1, 3);
     return __builtin_shufflevector(low, high, 0, 1, 2, 3);
   } else {
-    return Lanes4{a[0] + a[1] + a[2], b[0] + b[1] + b[2], c[0] + c[1] + c[2], d[0] + d[1] + d[2]};
+    return Double4{a[0] + a[1] + a[2], b[0] + b[1] + b[2], c[0] + c[1] + c[2], d[0] + d[1] + d[2]};
   }
 }
 
@@ -39,15 +39,15 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     const auto columns = near.row(i);
     const auto inverses = near.inverses(i);
-    const auto x = column_at<dim>(places + dim * i), u = column_at<dim>(velocities + dim * i);
-    Column<dim> sum[dim]{};
-    [[maybe_unused]] Lanes4 all{};  // in the plane all products at once
+    const auto x = vec_at<dim>(places + dim * i), u = vec_at<dim>(velocities + dim * i);
+    VecD<dim> sum[dim]{};
+    [[maybe_unused]] Double4 all{};  // in the plane all products at once
     for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
       const std::int64_t j = columns[e];
       const double inverse = inverses[e], w = (gradient_.radius * inverse - 1) * inverse * inverse;
-      auto r = column_at<dim>(places + dim * j) - x;
+      auto r = vec_at<dim>(places + dim * j) - x;
       if constexpr (seams) over_seams<dim>(periodic, r);
-      const auto du = column_at<dim>(velocities + dim * j) - u;
+      const auto du = vec_at<dim>(velocities + dim * j) - u;
       if constexpr (dim == 2) {
         all += __builtin_shufflevector(du, du, 0, 1, 0, 1) * (w * __builtin_shufflevector(r, r, 0, 0, 1, 1));
       } else {
@@ -75,7 +75,7 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
 // ∇u(τ) = ∇u − τ ∇u·∇u (F53): the gradient at the particles after the time τ, if u moved with them unchanged.
 template <int dim>
 void LeastSquaresScheme<dim>::advance_gradient(Motion& motion, double time) const {
-  Column<dim> turned[dim];
+  VecD<dim> turned[dim];
   for (int b = 0; b < dim; ++b) {
     turned[b] = motion.gradient[0] * motion.gradient[b][0];
     for (int a = 1; a < dim; ++a) turned[b] += motion.gradient[a] * motion.gradient[b][a];
@@ -109,22 +109,22 @@ void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<d
       for (int b = 0; b < dim; ++b) jump -= (own.gradient[b] + other.gradient[b]) * (0.5 * r[b]);
       return jump;
     };
-    Column<dim> sum{};
+    VecD<dim> sum{};
     const std::size_t inner = water_pairs(columns, boundary.water());
     std::size_t e = 0;
     for (; e + 4 <= inner; e += 4) {  // four roots take as long as one
-      const Column<dim> a = jump_of(columns[e]), b = jump_of(columns[e + 1]), c = jump_of(columns[e + 2]),
-                        d = jump_of(columns[e + 3]);
-      const Lanes4 size = lanes::root(squares<dim>(a, b, c, d)), most = bound - Lanes4{};
-      const Lanes4 inverse{inverses[e], inverses[e + 1], inverses[e + 2], inverses[e + 3]};
-      const Lanes4 weight = (gradient_.radius * inverse - 1.0) * (size < most ? size : most);
+      const VecD<dim> a = jump_of(columns[e]), b = jump_of(columns[e + 1]), c = jump_of(columns[e + 2]),
+                      d = jump_of(columns[e + 3]);
+      const Double4 size = simd::root(squares<dim>(a, b, c, d)), most = bound - Double4{};
+      const Double4 inverse{inverses[e], inverses[e + 1], inverses[e + 2], inverses[e + 3]};
+      const Double4 weight = (gradient_.radius * inverse - 1.0) * (size < most ? size : most);
       sum += a * weight[0];
       sum += b * weight[1];
       sum += c * weight[2];
       sum += d * weight[3];
     }
     for (; e < inner; ++e) {
-      const Column<dim> jump = jump_of(columns[e]);
+      const VecD<dim> jump = jump_of(columns[e]);
       const double size = std::sqrt(squares<dim>(jump, jump, jump, jump)[0]);
       sum += jump * ((gradient_.radius * inverses[e] - 1) * std::min(size, bound));
     }

@@ -187,11 +187,11 @@ Vector<dim> LeastSquaresScheme<dim>::residual_wall_velocity(const Boundary<dim>&
 }
 
 template <int dim>
-RowForces<dim> LeastSquaresScheme<dim>::row_forces(const Boundary<dim>& boundary, State<dim>& state,
-                                                   const Neighbours& near) const {
+LayerForces<dim> LeastSquaresScheme<dim>::layer_forces(const Boundary<dim>& boundary, State<dim>& state,
+                                                       const Neighbours& near) const {
   const auto n = static_cast<std::int64_t>(state.kind.size());
   const std::int64_t water = boundary.water();
-  RowForces<dim> forces = RowForces<dim>::Zero(dim, n);
+  LayerForces<dim> forces = LayerForces<dim>::Zero(dim, n);
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = water; j < n; ++j) {
     if (boundary.master_of(j) >= 0 || !walls_.wet(j) || walls_.corner(j)) continue;
@@ -239,8 +239,8 @@ RowForces<dim> LeastSquaresScheme<dim>::row_forces(const Boundary<dim>& boundary
   template Vector<dim> LeastSquaresScheme<dim>::residual_wall_velocity(                                     \
       const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t) const;                      \
   template double LeastSquaresScheme<dim>::slope_share(double) const;                                       \
-  template RowForces<dim> LeastSquaresScheme<dim>::row_forces(const Boundary<dim>&, State<dim>&,            \
-                                                              const Neighbours&) const;
+  template LayerForces<dim> LeastSquaresScheme<dim>::layer_forces(const Boundary<dim>&, State<dim>&,        \
+                                                                  const Neighbours&) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

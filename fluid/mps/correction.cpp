@@ -81,13 +81,13 @@ Eigen::VectorXd face_level(const State<dim>& state, const Boundary<dim>& boundar
                            const LatticeConstants& lattice, double spacing) {
   Eigen::VectorXd level = Eigen::VectorXd::Ones(boundary.water());
   if constexpr (dim == 2) {
-    if (boundary.outline().empty()) return level;
+    if (boundary.body_surface().empty()) return level;
     const double full = half_lattice_sum<dim>(lattice, spacing);
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < level.size(); ++i) {
       const auto columns = near.row(i);
       if (columns.empty() || columns.back() < boundary.first_of_bodies()) continue;
-      const Vector<dim> n = boundary.outline().normal(boundary.point_of(columns.back()));
+      const Vector<dim> n = boundary.body_surface().normal(boundary.point_of(columns.back()));
       const auto inverses = near.inverses(i);
       double water = 0, body = 0;
       for (std::size_t e = 0; e < columns.size(); ++e) {

@@ -47,11 +47,11 @@ Vector<dim> face_force(const State<dim>& state, const Boundary<dim>& boundary, c
 }  // namespace
 
 template <int dim>
-RowForces<dim> row_forces(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
-                          const LoadTerms<dim>& terms) {
+LayerForces<dim> layer_forces(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
+                              const LoadTerms<dim>& terms) {
   const auto n = state.position.cols();
   const double volume = std::pow(terms.spacing, dim), mass = terms.density * volume;
-  RowForces<dim> force = RowForces<dim>::Zero(dim, n);
+  LayerForces<dim> force = LayerForces<dim>::Zero(dim, n);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = boundary.water(); i < n; ++i) {
     const Kind kind = state.kind[static_cast<std::size_t>(i)];
@@ -84,7 +84,7 @@ Eigen::Matrix2Xd carried_pressure(const State<dim>& state, const Boundary<dim>& 
 }
 
 template <int dim>
-Vectors<dim> gather_on_points(const RowForces<dim>& force, const Boundary<dim>& boundary) {
+Vectors<dim> gather_on_points(const LayerForces<dim>& force, const Boundary<dim>& boundary) {
   Vectors<dim> on_points = Vectors<dim>::Zero(dim, boundary.points());
   for (std::int64_t i = boundary.first_of_bodies(); i < force.cols(); ++i)
     on_points.col(boundary.point_of(i)) += force.col(i);
@@ -101,12 +101,12 @@ Vector<dim> momentum_gap(const State<dim>& state, double particle_mass) {
          state.impulse_on_walls;
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                                       \
-  template RowForces<dim> row_forces<dim>(const State<dim>&, const Boundary<dim>&, const Neighbours&, \
-                                          const LoadTerms<dim>&);                                     \
-  template Eigen::Matrix2Xd carried_pressure<dim>(const State<dim>&, const Boundary<dim>&,            \
-                                                  const Neighbours&, const LatticeConstants&);        \
-  template Vectors<dim> gather_on_points<dim>(const RowForces<dim>&, const Boundary<dim>&);           \
+#define STRAKE_INSTANTIATE(dim)                                                                           \
+  template LayerForces<dim> layer_forces<dim>(const State<dim>&, const Boundary<dim>&, const Neighbours&, \
+                                              const LoadTerms<dim>&);                                     \
+  template Eigen::Matrix2Xd carried_pressure<dim>(const State<dim>&, const Boundary<dim>&,                \
+                                                  const Neighbours&, const LatticeConstants&);            \
+  template Vectors<dim> gather_on_points<dim>(const LayerForces<dim>&, const Boundary<dim>&);             \
   template Vector<dim> momentum_gap<dim>(const State<dim>&, double);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

@@ -30,8 +30,8 @@ struct LoadTerms {
 ///   else      f = −p n A on first rows, p at the face: P_w + ρ (g − a_w)·(r_face − r_w); dry rows: 0
 /// Viscous and SPS forces are pair reactions in all cases. state.pressure holds the dummies' values.
 template <int dim>
-RowForces<dim> row_forces(const State<dim>& state, const Boundary<dim>&, const Neighbours& near,
-                          const LoadTerms<dim>&);
+LayerForces<dim> layer_forces(const State<dim>& state, const Boundary<dim>&, const Neighbours& near,
+                              const LoadTerms<dim>&);
 
 /// What the pairs of water and each structure's particle carry in volume coupling: Σ ½ (P_i + P_j) w over the
 /// water in reach [Pa] and Σ w, 2×particles. The force of `pairwise` knows P_i + P_j alone: how much of it is
@@ -42,7 +42,7 @@ Eigen::Matrix2Xd carried_pressure(const State<dim>& state, const Boundary<dim>&,
 
 /// Sum of row forces on each of the boundary's `points` [N].
 template <int dim>
-Vectors<dim> gather_on_points(const RowForces<dim>&, const Boundary<dim>&);
+Vectors<dim> gather_on_points(const LayerForces<dim>&, const Boundary<dim>&);
 
 /// Momentum that is not accounted for, [N s]: water − initial − gravity + bodies + tank. Round-off for the
 /// pairwise gradient, a measured number for the others.

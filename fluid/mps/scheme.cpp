@@ -53,7 +53,7 @@ void MpsScheme<dim>::filter_velocity(StepData<dim>& step) const {
        step.boundary.water(), scheme.filter, step.p.density, step.p.spacing, step.dt});
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < change.cols(); ++i)
-    if (!step.boundary.parked(state, i)) state.velocity.col(i) += change.col(i);
+    if (!step.boundary.is_removed(state, i)) state.velocity.col(i) += change.col(i);
 }
 
 template <int dim>
@@ -66,9 +66,9 @@ void MpsScheme<dim>::measure_number_density(StepData<dim>& step) {
   const SurfaceTest test{step.p.scheme.beta, step.p.scheme.second, step.p.spacing, step.density_lattice};
   std::vector<std::uint8_t> flags =
       surface_flags<dim>(state.position, state.kind, near, n_, test, state.surface);
-  step.boundary.hold_apart(state, near, state.surface, flags);
+  step.boundary.keep_contact_open(state, near, state.surface, flags);
   state.surface.swap(flags);
-  follow_air(state, near, step.boundary.water(), step.newly_aired);
+  follow_air(state, near, step.boundary.water(), step.newly_connected);
   classify_rows(step);
 }
 
@@ -103,7 +103,7 @@ void MpsScheme<dim>::classify_rows(StepData<dim>& step) {
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (!has_pressure(state.kind[k]) || boundary.parked(state, i)) continue;
+    if (!has_pressure(state.kind[k]) || boundary.is_removed(state, i)) continue;
     if (boundary.buried(i) && !exposed_by_crack(step, i, near)) continue;
     row_[k] = state.surface[k] ? Row::zero : Row::unknown;
     if (state.surface[k]) continue;
@@ -168,7 +168,7 @@ Load<dim> MpsScheme<dim>::load(StepData<dim>& step) {
                              step.p.density,
                              step.p.spacing,
                              &level_};
-  Load<dim> load{row_forces<dim>(state, step.boundary, step.near_gradient(), terms), {}};
+  Load<dim> load{layer_forces<dim>(state, step.boundary, step.near_gradient(), terms), {}};
   if (step.boundary.volume()) {
     if (pairwise_) {
       load.on_solids =
@@ -191,7 +191,7 @@ double MpsScheme<dim>::correct(StepData<dim>& step) {
   const double dt = step.dt;
   Vectors<dim> change = -dt / step.p.density * gradient_.leftCols(water);
   for (std::int64_t i = 0; i < water; ++i)
-    if (step.boundary.parked(state, i)) change.col(i).setZero();
+    if (step.boundary.is_removed(state, i)) change.col(i).setZero();
   state.velocity.leftCols(water) += change;
   const double largest = divergence(step).head(water).cwiseAbs().maxCoeff();
   if (at_star_) {

@@ -39,7 +39,7 @@ std::uint32_t joined(std::uint32_t near, std::uint32_t border) {
 template <int dim>
 void screen_row(const std::array<std::vector<float>, dim>& x, const CellScreen<dim>& screen, size_t k,
                 size_t length, const Limits& limits, std::uint32_t* bits) {
-  for (size_t b = 0; b < length; b += lanes::wide, ++bits) {
+  for (size_t b = 0; b < length; b += simd::wide, ++bits) {
 #ifdef STRAKE_AVX512
     __m512 sum = _mm512_setzero_ps();
     for (size_t d = 0; d < dim; ++d) {
@@ -57,7 +57,7 @@ void screen_row(const std::array<std::vector<float>, dim>& x, const CellScreen<d
                                 _mm512_set1_ps(limits.inside), _CMP_LT_OQ);
 #else
     std::uint32_t close = 0, sure = 0;
-    for (size_t l = 0; l < lanes::wide; ++l) {
+    for (size_t l = 0; l < simd::wide; ++l) {
       float sum = 0;
       for (size_t d = 0; d < dim; ++d) {
         float r = x[d][b + l] - screen.all[d][k];
@@ -69,16 +69,16 @@ void screen_row(const std::array<std::vector<float>, dim>& x, const CellScreen<d
     }
 #endif
     std::uint32_t near = close;
-    if (k - b < lanes::wide) near &= ~(1U << (k - b));  // itself
+    if (k - b < simd::wide) near &= ~(1U << (k - b));  // itself
     *bits = joined(near, near & ~sure);
   }
 }
 
 /// Every partner of a particle so far outside the grid that single precision says nothing about it.
 void take_all(size_t k, size_t length, std::uint32_t* bits) {
-  for (size_t b = 0; b < length; b += lanes::wide, ++bits) {
-    std::uint32_t near = lanes::first_bits(static_cast<std::int64_t>(std::min<size_t>(16, length - b)));
-    if (k - b < lanes::wide) near &= ~(1U << (k - b));
+  for (size_t b = 0; b < length; b += simd::wide, ++bits) {
+    std::uint32_t near = simd::first_bits(static_cast<std::int64_t>(std::min<size_t>(16, length - b)));
+    if (k - b < simd::wide) near &= ~(1U << (k - b));
     *bits = joined(near, near);
   }
 }
@@ -263,7 +263,7 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
     c = members_[static_cast<size_t>(c)];
     out.bits_start[static_cast<size_t>(i)] = static_cast<std::uint32_t>(words);
     words +=
-        (start[static_cast<size_t>(c) + 1] - start[static_cast<size_t>(c)] + lanes::wide - 1) / lanes::wide;
+        (start[static_cast<size_t>(c) + 1] - start[static_cast<size_t>(c)] + simd::wide - 1) / simd::wide;
   }
   make_room(out.bits, static_cast<size_t>(words));
 }

@@ -147,7 +147,7 @@ void NeighbourSearch<dim>::mark_asked(std::span<const std::uint8_t> tag) {
     meets_asked_[i] = 1;
     const auto list = candidates_.list(static_cast<std::int64_t>(i));
     size_t word = candidates_.first_bits(static_cast<std::int64_t>(i));
-    for (size_t b = 0; b < list.size(); b += lanes::wide, ++word)
+    for (size_t b = 0; b < list.size(); b += simd::wide, ++word)
       for (std::uint32_t near = candidates_.bits[word] & near_bits; near; near &= near - 1)
         meets_asked_[static_cast<size_t>(list[b + static_cast<size_t>(std::countr_zero(near))])] = 1;
   }
@@ -176,29 +176,29 @@ void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t>
       for (std::int64_t i = first; i < last; ++i) {
         const auto list = candidates_.list(i);
         size_t word = candidates_.first_bits(i);
-        for (size_t b = 0; b < list.size(); b += lanes::wide, ++word)
-          end += lanes::pack(list.data() + b, candidates_.bits[word] >> lanes::wide, end);
+        for (size_t b = 0; b < list.size(); b += simd::wide, ++word)
+          end += simd::pack(list.data() + b, candidates_.bits[word] >> simd::wide, end);
         look_end[static_cast<size_t>(i - first)] = end;
       }
       const std::int32_t* look = looks.data();
       for (std::int64_t i = first; i < last; ++i) {
         const std::int32_t* const stop = look_end[static_cast<size_t>(i - first)];
         for (std::uint8_t* eight = found.data(); look < stop; ++eight) {
-          const auto count = static_cast<int>(std::min<std::ptrdiff_t>(lanes::width, stop - look));
-          *eight = static_cast<std::uint8_t>(lanes::between<dim, seams>(x, static_cast<std::int32_t>(i), look,
-                                                                        count, periodic_, nearest, squared));
+          const auto count = static_cast<int>(std::min<std::ptrdiff_t>(simd::width, stop - look));
+          *eight = static_cast<std::uint8_t>(simd::between<dim, seams>(x, static_cast<std::int32_t>(i), look,
+                                                                       count, periodic_, nearest, squared));
           look += count;
         }
         const auto list = candidates_.list(i);
         size_t word = candidates_.first_bits(i), looked = 0;
         std::int64_t count = 0;
         const bool ask = keep && meets_asked_[static_cast<size_t>(i)];
-        for (size_t b = 0; b < list.size(); b += lanes::wide, ++word) {
-          const std::uint32_t bits = candidates_.bits[word], border = bits >> lanes::wide;
+        for (size_t b = 0; b < list.size(); b += simd::wide, ++word) {
+          const std::uint32_t bits = candidates_.bits[word], border = bits >> simd::wide;
           std::uint32_t kept = bits & near_bits;
           std::uint32_t next;  // at least sixteen bits behind those of the looks before
           std::memcpy(&next, found.data() + looked / 8, sizeof next);
-          kept = (kept & ~border) | lanes::deposit(next >> looked % 8, border);
+          kept = (kept & ~border) | simd::deposit(next >> looked % 8, border);
           looked += static_cast<size_t>(std::popcount(border));
           if (ask) kept = asked_for(kept, static_cast<std::int32_t>(i), list.data() + b, tag, *keep);
           kept_[word] = static_cast<std::uint16_t>(kept);
@@ -223,20 +223,20 @@ void NeighbourSearch<dim>::fill(const double* x) {
     for (std::int64_t i = first; i < last; ++i) {
       const auto list = candidates_.list(i);
       size_t word = candidates_.first_bits(i);
-      for (size_t b = 0; b < list.size(); b += lanes::wide, ++word)
-        out += lanes::pack(list.data() + b, kept_[word], out);
+      for (size_t b = 0; b < list.size(); b += simd::wide, ++word)
+        out += simd::pack(list.data() + b, kept_[word], out);
     }
     for (std::int64_t i = first; i < last; ++i) {
       const auto begin = exact_.start_[static_cast<size_t>(i)],
                  end = exact_.start_[static_cast<size_t>(i) + 1];
       const auto self = static_cast<std::int32_t>(i);
-      for (auto k = begin; k < end; k += lanes::width) {
+      for (auto k = begin; k < end; k += simd::width) {
         const std::int32_t* const others = exact_.column_.data() + k;
-        const int count = static_cast<int>(std::min<std::int64_t>(lanes::width, end - k));
+        const int count = static_cast<int>(std::min<std::int64_t>(simd::width, end - k));
         if constexpr (single)
-          lanes::entries<dim, seams>(x, self, others, count, periodic_, scale, exact_.single_.data() + k);
+          simd::entries<dim, seams>(x, self, others, count, periodic_, scale, exact_.single_.data() + k);
         else
-          lanes::inverse_lengths<dim, seams>(x, self, others, count, periodic_, exact_.inverse_.data() + k);
+          simd::inverse_lengths<dim, seams>(x, self, others, count, periodic_, exact_.inverse_.data() + k);
       }
     }
   }
@@ -300,18 +300,18 @@ void NeighbourSearch<dim>::gather_part(Part& part) const {
   rows.start_.resize(static_cast<size_t>(n) + 1);
   rows.start_[0] = 0;
   const auto chosen = [&](std::int64_t from, std::int64_t last) {
-    const int count = static_cast<int>(std::min<std::int64_t>(lanes::wide, last - from));
+    const int count = static_cast<int>(std::min<std::int64_t>(simd::wide, last - from));
     if constexpr (single)
-      return lanes::below(exact_.single_.data() + from, count, static_cast<float>(1 - radius_ / part.radius));
+      return simd::below(exact_.single_.data() + from, count, static_cast<float>(1 - radius_ / part.radius));
     else
-      return lanes::above(exact_.inverse_.data() + from, count, 1 / part.radius);
+      return simd::above(exact_.inverse_.data() + from, count, 1 / part.radius);
   };
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
     const auto first = exact_.start_[static_cast<size_t>(i)],
                last = exact_.start_[static_cast<size_t>(i) + 1];
     std::int64_t count = 0;
-    for (auto e = first; e < last; e += lanes::wide) count += std::popcount(chosen(e, last));
+    for (auto e = first; e < last; e += simd::wide) count += std::popcount(chosen(e, last));
     rows.start_[static_cast<size_t>(i) + 1] = count;
   }
   sum_up(rows.start_);
@@ -325,15 +325,15 @@ void NeighbourSearch<dim>::gather_part(Part& part) const {
     const auto first = exact_.start_[static_cast<size_t>(i)],
                last = exact_.start_[static_cast<size_t>(i) + 1];
     auto to = rows.start_[static_cast<size_t>(i)];
-    for (auto e = first; e < last; e += lanes::wide) {
+    for (auto e = first; e < last; e += simd::wide) {
       const std::uint32_t bits = chosen(e, last);
-      const int count = lanes::pack(exact_.column_.data() + e, bits, rows.column_.data() + to);
+      const int count = simd::pack(exact_.column_.data() + e, bits, rows.column_.data() + to);
       if constexpr (single) {
-        lanes::pack_inverses(exact_.single_.data() + e, bits, scale, rows.single_.data() + to);
+        simd::pack_inverses(exact_.single_.data() + e, bits, scale, rows.single_.data() + to);
       } else {
-        const int low = lanes::pack(exact_.inverse_.data() + e, bits & 0xffU, rows.inverse_.data() + to);
-        lanes::pack(exact_.inverse_.data() + e + lanes::width, bits >> lanes::width,
-                    rows.inverse_.data() + to + low);
+        const int low = simd::pack(exact_.inverse_.data() + e, bits & 0xffU, rows.inverse_.data() + to);
+        simd::pack(exact_.inverse_.data() + e + simd::width, bits >> simd::width,
+                   rows.inverse_.data() + to + low);
       }
       to += count;
     }

@@ -27,7 +27,7 @@ inline void over_seams(const Periodic<dim>& periodic, Pair& r) {
 /// r of eight pairs, and 1 where there is a pair; lanes without one are zero in both.
 template <int dim>
 struct EightPairs {
-  Lanes8 r[dim], one;
+  Double8 r[dim], one;
 };
 
 /// The pairs e … e + 7 of row i.
@@ -37,17 +37,17 @@ template <bool seams, int dim>
                                                           std::span<const std::int32_t> columns,
                                                           std::size_t e) {
   const double* const place = state.position.data();
-  const int n = static_cast<int>(std::min<std::size_t>(lanes::width, columns.size() - e));
+  const int n = static_cast<int>(std::min<std::size_t>(simd::width, columns.size() - e));
   EightPairs<dim> pairs;
-  lanes::gather<dim>(place, columns.data() + e, n, static_cast<std::int32_t>(i), pairs.r);
+  simd::gather<dim>(place, columns.data() + e, n, static_cast<std::int32_t>(i), pairs.r);
   for (int d = 0; d < dim; ++d) {
     pairs.r[d] -= all8(place[dim * i + d]);
     if constexpr (seams) {
-      const Lanes8 half = all8(periodic.half(d)), length = all8(periodic.length()[d]);
-      pairs.r[d] += (pairs.r[d] < -half ? length : Lanes8{}) - (pairs.r[d] > half ? length : Lanes8{});
+      const Double8 half = all8(periodic.half(d)), length = all8(periodic.length()[d]);
+      pairs.r[d] += (pairs.r[d] < -half ? length : Double8{}) - (pairs.r[d] > half ? length : Double8{});
     }
   }
-  pairs.one = Lanes8{0, 1, 2, 3, 4, 5, 6, 7} < all8(n) ? all8(1) : Lanes8{};
+  pairs.one = Double8{0, 1, 2, 3, 4, 5, 6, 7} < all8(n) ? all8(1) : Double8{};
   return pairs;
 }
 

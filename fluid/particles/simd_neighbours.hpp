@@ -19,7 +19,7 @@
 /// indices, comparisons that give one bit per lane, and the values of the set bits packed together. Written
 /// out for AVX-512, where the compiler's own gather is two to three times slower; plain loops elsewhere.
 /// Lanes beyond `n` are neither read nor written.
-namespace strake::fluid::lanes {
+namespace strake::fluid::simd {
 
 inline constexpr int width = 8;         // of doubles
 inline constexpr int wide = 2 * width;  // of floats and indices
@@ -155,59 +155,59 @@ inline Components<dim> columns(const double* x, const std::int32_t* j, int n, st
 
 /// The columns x[dim · j] of n <= 8 particles j, component by component; lanes beyond n hold particle `self`.
 template <int dim>
-inline void gather(const double* x, const std::int32_t* j, int n, std::int32_t self, Lanes8 (&out)[dim]) {
+inline void gather(const double* x, const std::int32_t* j, int n, std::int32_t self, Double8 (&out)[dim]) {
 #ifdef STRAKE_AVX512
   const Components<dim> found = columns<dim>(x, j, n, self);
-  for (int d = 0; d < dim; ++d) out[d] = reinterpret_cast<const Lanes8&>(found.along[d]);
+  for (int d = 0; d < dim; ++d) out[d] = reinterpret_cast<const Double8&>(found.along[d]);
 #else
   for (int k = 0; k < width; ++k)
     for (int d = 0; d < dim; ++d) out[d][k] = x[dim * std::int64_t{k < n ? j[k] : self} + d];
 #endif
 }
 /// The first n <= 8 doubles; zero beyond.
-inline Lanes8 load(const double* from, int n) {
+inline Double8 load(const double* from, int n) {
 #ifdef STRAKE_AVX512
-  return reinterpret_cast<Lanes8>(_mm512_maskz_loadu_pd(static_cast<__mmask8>(first_bits(n)), from));
+  return reinterpret_cast<Double8>(_mm512_maskz_loadu_pd(static_cast<__mmask8>(first_bits(n)), from));
 #else
-  Lanes8 out{};
+  Double8 out{};
   for (int k = 0; k < n; ++k) out[k] = from[k];
   return out;
 #endif
 }
 /// The first n <= 8 floats; zero beyond.
-inline Floats8 load(const float* from, int n) {
+inline Float8 load(const float* from, int n) {
 #ifdef STRAKE_AVX512
-  return reinterpret_cast<Floats8>(_mm256_maskz_loadu_ps(static_cast<__mmask8>(first_bits(n)), from));
+  return reinterpret_cast<Float8>(_mm256_maskz_loadu_ps(static_cast<__mmask8>(first_bits(n)), from));
 #else
-  Floats8 out{};
+  Float8 out{};
   for (int k = 0; k < n; ++k) out[k] = from[k];
   return out;
 #endif
 }
 /// To the nearest of single precision, and back.
-inline Floats8 narrowed(const Lanes8& x) {
+inline Float8 narrowed(const Double8& x) {
 #ifdef STRAKE_AVX512
-  return reinterpret_cast<Floats8>(_mm512_cvtpd_ps(reinterpret_cast<__m512d>(x)));
+  return reinterpret_cast<Float8>(_mm512_cvtpd_ps(reinterpret_cast<__m512d>(x)));
 #else
-  return __builtin_convertvector(x, Floats8);
+  return __builtin_convertvector(x, Float8);
 #endif
 }
-inline Lanes8 widened(const Floats8& x) {
+inline Double8 widened(const Float8& x) {
 #ifdef STRAKE_AVX512
-  return reinterpret_cast<Lanes8>(_mm512_cvtps_pd(reinterpret_cast<__m256>(x)));
+  return reinterpret_cast<Double8>(_mm512_cvtps_pd(reinterpret_cast<__m256>(x)));
 #else
-  return __builtin_convertvector(x, Lanes8);
+  return __builtin_convertvector(x, Double8);
 #endif
 }
-inline Lanes4 root(const Lanes4& x) {
+inline Double4 root(const Double4& x) {
 #ifdef STRAKE_AVX512
-  return reinterpret_cast<Lanes4>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(x)));
+  return reinterpret_cast<Double4>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(x)));
 #else
-  return Lanes4{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+  return Double4{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
 #endif
 }
 /// Writes the first n lanes, all of them where n is larger.
-inline void store(const Floats8& from, float* to, std::size_t n) {
+inline void store(const Float8& from, float* to, std::size_t n) {
 #ifdef STRAKE_AVX512
   _mm256_mask_storeu_ps(to, static_cast<__mmask8>(first_bits(static_cast<std::int64_t>(n))),
                         reinterpret_cast<__m256>(from));
@@ -292,10 +292,10 @@ inline void entries(const double* x, std::int32_t i, const std::int32_t* j, int 
   _mm256_mask_storeu_ps(to, static_cast<__mmask8>(first_bits(n)), entry);
 #else
   for (int k = 0; k < n; ++k) {
-    const auto square = static_cast<float>(scale * lanes::square<dim, seams>(x, i, j[k], periodic));
+    const auto square = static_cast<float>(scale * simd::square<dim, seams>(x, i, j[k], periodic));
     to[k] = std::min(1 - 1 / std::sqrt(square), 0.0F);
   }
 #endif
 }
 
-}  // namespace strake::fluid::lanes
+}  // namespace strake::fluid::simd

@@ -38,13 +38,14 @@ struct State {
   Vectors<dim> velocity;                // dim×n [m/s]
   Eigen::VectorXd pressure;             // n [Pa]
   Eigen::VectorXd residual_divergence;  // n [1/s] that the projection of the last step left (least-squares)
-  Vectors<dim> residual_approach;       // dim×n [m/s] of the water past the walls it touches, left likewise
+  Vectors<dim> residual_wall_velocity;  // dim×n [m/s] of the water past the walls it touches, left likewise
   double residual_step = 0;             // [s] length of the steps whose moves the velocity has not followed
   Eigen::VectorXd sps_k;         // n [m²/s²] sub-particle-scale energy (k model); static model: last value
   std::vector<Kind> kind;        // n
   std::vector<std::int64_t> id;  // n, identity of a particle whatever its place
   std::vector<std::uint8_t> surface;  // n, free-surface flag of the last step (hysteresis)
-  std::vector<std::uint8_t> aired;    // n, of surface water: beside air that came from outside (voids.hpp)
+  std::vector<std::uint8_t>
+      air_connected;  // n, of surface water: beside air that came from outside (voids.hpp)
 
   Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
   Vectors<dim> interface_velocity;      // dim×m [m/s]
@@ -66,12 +67,12 @@ struct State {
                       std::pair("velocity", &State::velocity),                        //
                       std::pair("pressure", &State::pressure),                        //
                       std::pair("residual_divergence", &State::residual_divergence),  //
-                      std::pair("residual_approach", &State::residual_approach),      //
+                      std::pair("residual_approach", &State::residual_wall_velocity),      //
                       std::pair("sps_k", &State::sps_k),                              //
                       std::pair("kind", &State::kind),                                //
                       std::pair("id", &State::id),                                    //
                       std::pair("surface", &State::surface),                          //
-                      std::pair("aired", &State::aired));
+                      std::pair("aired", &State::air_connected));
   }
   /// Lists all other members likewise.
   static constexpr auto values() {

@@ -23,11 +23,11 @@ inline float row_sum(const float* value, const std::int32_t* column, const float
                      std::int64_t end) {
   const auto product = [&](std::int64_t e) {
     const TwoColumns low(column + e), high(column + e + 2);
-    Floats4 values;
+    Float4 values;
     std::memcpy(&values, value + e, sizeof values);
-    return values * Floats4{x[low.first()], x[low.second()], x[high.first()], x[high.second()]};
+    return values * Float4{x[low.first()], x[low.second()], x[high.first()], x[high.second()]};
   };
-  Floats4 even{}, odd{};
+  Float4 even{}, odd{};
   std::int64_t e = begin;
   for (; e + 8 <= end; e += 8) {
     even += product(e);
@@ -48,9 +48,9 @@ inline double row_sum(const float* value, const std::int32_t* column, const doub
                       std::int64_t end) {
   const auto two = [&](std::int64_t e) {
     const TwoColumns columns(column + e);
-    return Lanes2{value[e], value[e + 1]} * Lanes2{x[columns.first()], x[columns.second()]};
+    return Double2{value[e], value[e + 1]} * Double2{x[columns.first()], x[columns.second()]};
   };
-  Lanes2 even{}, odd{};
+  Double2 even{}, odd{};
   std::int64_t e = begin;
   for (; e + 4 <= end; e += 4) {
     even += two(e);

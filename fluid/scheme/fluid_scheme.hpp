@@ -13,12 +13,12 @@ namespace strake::fluid {
 /// Force of the water on everything that is not water, one column per particle [N] (per metre of depth in
 /// 2-D).
 template <int dim>
-using RowForces = Vectors<dim>;
+using LayerForces = Vectors<dim>;
 
 /// What a scheme gives to walls and bodies in a step.
 template <int dim>
 struct Load {
-  RowForces<dim> on_rows;
+  LayerForces<dim> on_layers;
   Eigen::Matrix2Xd on_solids;  // see carried_pressure; volume coupling
 };
 

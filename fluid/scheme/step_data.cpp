@@ -45,7 +45,7 @@ void StepData<dim>::accelerate() {
   std::int64_t accelerated = 0;
 #pragma omp parallel for schedule(static) reduction(+ : accelerated)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.parked(state, i)) continue;
+    if (boundary.is_removed(state, i)) continue;
     state.velocity.col(i) += dt * (viscous->col(i) + gravity);
     ++accelerated;
   }

@@ -46,7 +46,7 @@ struct StepData {
   const Neighbours* far = nullptr;            // of the last `search_neighbours`
   Vector<dim> gravity = Vector<dim>::Zero();  // [m/s²]
   const Vectors<dim>* viscous = nullptr;      // ν∇²u + ∇·τ at every particle [m/s²]
-  std::vector<std::uint8_t> newly_aired;      // scratch of `follow_air`
+  std::vector<std::uint8_t> newly_connected;  // scratch of `follow_air`
 };
 
 }  // namespace strake::fluid

@@ -12,7 +12,7 @@ template <int dim>
 void Simulation<dim>::Work::take_load(const Load<dim>& load) {
   State<dim>& state = step.state;
   const Boundary<dim>& boundary = step.boundary;
-  const RowForces<dim>& forces = load.on_rows;
+  const LayerForces<dim>& forces = load.on_layers;
   on_points = gather_on_points<dim>(forces, boundary);
   on_solids = load.on_solids;
   floor = Vector<dim>::Zero();
@@ -35,12 +35,12 @@ void Simulation<dim>::Work::remove_lost() {
   bool left = false;
 #pragma omp parallel for schedule(static) reduction(|| : left)
   for (std::int64_t i = 0; i < water; ++i)
-    left = left || (boundary.left_domain(state.position.col(i)) && !boundary.parked(state, i));
+    left = left || (boundary.left_domain(state.position.col(i)) && !boundary.is_removed(state, i));
   if (!left) return;
   for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.parked(state, i) || !boundary.left_domain(state.position.col(i))) continue;
+    if (boundary.is_removed(state, i) || !boundary.left_domain(state.position.col(i))) continue;
     state.impulse_on_walls += step.mass * state.velocity.col(i);  // it takes its momentum out of the account
-    state.position.col(i) = boundary.parking_place(state.lost++);
+    state.position.col(i) = boundary.place_of_removed(state.lost++);
     state.velocity.col(i).setZero();
     state.pressure[i] = 0;
     step.search.invalidate();

@@ -93,8 +93,8 @@ void Simulation<dim>::set_state(const State<dim>& state) {
 }
 
 template <int dim>
-bool Simulation<dim>::parked(std::int64_t i) const {
-  return work_->step.boundary.parked(work_->step.state, i);
+bool Simulation<dim>::is_removed(std::int64_t i) const {
+  return work_->step.boundary.is_removed(work_->step.state, i);
 }
 
 template <int dim>
@@ -108,13 +108,13 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
   const double reach = 0.5 * diameter * (1 + 1e-9);
   const auto covers = [&](const Eigen::Vector3d& x) { return (x - at).norm() <= reach; };
   double load = 0, area = 0;
-  const BodySurface<dim>& outline = w.step.boundary.outline();
-  for (int k = 0; k < outline.points(); ++k) {
-    if (!covers(outline.reference(k))) continue;
-    load -= w.on_points.col(k).dot(outline.normal(k));
-    area += outline.area(k);
+  const BodySurface<dim>& body = w.step.boundary.body_surface();
+  for (int k = 0; k < body.points(); ++k) {
+    if (!covers(body.reference(k))) continue;
+    load -= w.on_points.col(k).dot(body.normal(k));
+    area += body.area(k);
   }
-  if (!outline.empty()) return area > 0 ? load / area : 0.0;
+  if (!body.empty()) return area > 0 ? load / area : 0.0;
   if (w.step.boundary.volume()) {  // no faces: the mean over the structure's particles
     for (Eigen::Index k = 0; k < w.on_solids.cols(); ++k) {
       if (!covers(w.step.boundary.mesh().position.col(k))) continue;

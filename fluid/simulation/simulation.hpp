@@ -46,7 +46,7 @@ class Simulation {
   double stable_dt() const;  // [s] at the present state
   const State<dim>& state() const;
   void set_state(const State<dim>&);  // invalidates neighbour lists and factorisations
-  bool parked(std::int64_t i) const;  // particle i has left the tank
+  bool is_removed(std::int64_t i) const;  // particle i has left the tank
   /// Wall seconds per stage since construction: neighbours, predictor, density, pressure, corrector, load.
   const std::map<std::string, double>& seconds() const;
   /// Pressure of a sensor: −(force · n)/area over the interface points within diameter/2 of X (reference),

@@ -110,7 +110,7 @@ void Simulation<dim>::Work::find_stresses() {
     const std::int32_t first = boundary.master_of(i);
     if (state.surface[static_cast<std::size_t>(first < 0 ? i : first)]) wet[static_cast<std::size_t>(i)] = 0;
   }
-  describe_rows<dim>(boundary, state, step.p.wall == WallSlip::free_slip, step.p.spacing, walls);
+  describe_layers<dim>(boundary, state, step.p.wall == WallSlip::free_slip, step.p.spacing, walls);
   if (step.p.scheme.wall_damping) {
     wall_distance.resize(static_cast<std::size_t>(water));
 #pragma omp parallel for schedule(static)

@@ -48,7 +48,7 @@ struct Simulation<dim>::Work {
   CollisionAccount<dim> collisions;
 
   // Scratch of one step.
-  WallRows<dim> walls;
+  WallLayers<dim> walls;
   std::vector<double> wall_distance;  // of the water [m], with wall damping
   Eigen::VectorXd guess;              // of the pressure [Pa]
   std::vector<std::uint8_t> wet;      // mask: all but dry bodies

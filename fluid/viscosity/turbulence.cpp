@@ -42,7 +42,7 @@ template <int dim>
 void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const LatticeConstants& lattice,
                const Eigen::VectorXd& production, const Eigen::VectorXd& eddy_viscosity, double dt,
                Eigen::VectorXd& k, Eigen::VectorXd& scratch) {
-  const WallRows<dim>& walls = flow.walls;
+  const WallLayers<dim>& walls = flow.walls;
   const double scale = dt * 2 * dim / (lattice.n0 * lattice.lambda0);
   const double b = 0.5 * model.c_eps / model.filter * dt;
   scratch.setZero(k.size());

@@ -35,13 +35,13 @@ inline void each_pair(std::span<const std::int32_t> columns, const InverseRow& i
 }
 
 /// Of {r, u} of a pair, in space {r, 0, u, 0}: all of it twice, and r in every place.
-inline Lanes8 twice(const Lanes4& d) {
+inline Double8 twice(const Double4& d) {
   return __builtin_shufflevector(d, d, 0, 1, 2, 3, 0, 1, 2, 3);
 }
-inline Lanes8 arms(const Lanes4& d) {
+inline Double8 arms(const Double4& d) {
   return __builtin_shufflevector(d, d, 0, 1, 0, 1, 0, 1, 0, 1);
 }
-inline Lanes8 arms(const Lanes8& d) {
+inline Double8 arms(const Double8& d) {
   return __builtin_shufflevector(d, d, 0, 1, 2, 3, 0, 1, 2, 3);
 }
 
@@ -135,10 +135,10 @@ void ViscousStage<dim>::take_samples(const ViscousFlow<dim>& flow) {
     const double* const moves =
         i < water ? flow.velocity.data() + dim * i : behind_.velocity.data() + dim * (i - water);
     if constexpr (dim == 2)
-      sample_[static_cast<size_t>(i)].lanes = Lanes4{place[0], place[1], moves[0], moves[1]};
+      sample_[static_cast<size_t>(i)].lanes = Double4{place[0], place[1], moves[0], moves[1]};
     else
       sample_[static_cast<size_t>(i)].lanes =
-          Lanes8{place[0], place[1], place[2], 0, moves[0], moves[1], moves[2], 0};
+          Double8{place[0], place[1], place[2], 0, moves[0], moves[1], moves[2], 0};
   }
 }
 
@@ -154,7 +154,7 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
     const auto columns = flow.near.row(i);
     const auto inverses = flow.near.inverses(i);
     // Σ r_b {r, u} w/r²: moments and gradient, column by column; both columns in one in the plane.
-    Lanes8 sum[dim == 2 ? 1 : dim]{};
+    Double8 sum[dim == 2 ? 1 : dim]{};
     int count = 0;
     const auto add = [&](std::int32_t j, double inverse, double w) {
       auto d = sample_[static_cast<size_t>(j)].lanes - here;
@@ -249,7 +249,7 @@ void ViscousStage<dim>::gather_force(bool corrected, const ViscousFlow<dim>& flo
           corrected && inside ? force_on_water<true>(i, flow) : force_on_water<false>(i, flow);
     }
 #pragma omp for schedule(static)
-    for (std::int64_t j = flow.walls.first; j < n; ++j) acceleration.col(j) = force_on_row(j, flow);
+    for (std::int64_t j = flow.walls.first; j < n; ++j) acceleration.col(j) = force_on_layer(j, flow);
   }
 }
 
@@ -261,19 +261,19 @@ Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<
   const double viscosity = viscosity_[static_cast<size_t>(i)];
   const auto columns = flow.near.row(i);
   const auto inverses = flow.near.inverses(i);
-  [[maybe_unused]] Lanes8 turn[dim];  // C_i for the rows of τ, the identity for those of G; by columns
+  [[maybe_unused]] Double8 turn[dim];  // C_i for the rows of τ, the identity for those of G; by columns
   if constexpr (corrected) {
     const Tensor<dim>& c = correction_[static_cast<size_t>(i)];
     if constexpr (dim == 2) {
-      turn[0] = Lanes8{c(0, 0), c(1, 0), c(0, 0), c(1, 0), 1, 0, 1, 0};
-      turn[1] = Lanes8{c(0, 1), c(1, 1), c(0, 1), c(1, 1), 0, 1, 0, 1};
+      turn[0] = Double8{c(0, 0), c(1, 0), c(0, 0), c(1, 0), 1, 0, 1, 0};
+      turn[1] = Double8{c(0, 1), c(1, 1), c(0, 1), c(1, 1), 0, 1, 0, 1};
     } else {
-      turn[0] = Lanes8{c(0, 0), c(1, 0), c(2, 0), 0, 1, 0, 0, 0};
-      turn[1] = Lanes8{c(0, 1), c(1, 1), c(2, 1), 0, 0, 1, 0, 0};
-      turn[dim - 1] = Lanes8{c(0, dim - 1), c(1, dim - 1), c(dim - 1, dim - 1), 0, 0, 0, 1, 0};
+      turn[0] = Double8{c(0, 0), c(1, 0), c(2, 0), 0, 1, 0, 0, 0};
+      turn[1] = Double8{c(0, 1), c(1, 1), c(2, 1), 0, 0, 1, 0, 0};
+      turn[dim - 1] = Double8{c(0, dim - 1), c(1, dim - 1), c(dim - 1, dim - 1), 0, 0, 0, 1, 0};
     }
   }
-  Lanes8 sum[parts]{}, arm_sum{};
+  Double8 sum[parts]{}, arm_sum{};
   const bool seams = flow.periodic.any();
   auto drag = here - here;  // Σ v {r, u}
   const size_t inner = water_pairs(columns, flow.walls.first);
@@ -282,7 +282,7 @@ Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<
     auto d = sample_[j].lanes - here;
     if (seams) over_seams<dim>(flow.periodic, d);
     const double v = 0.5 * laplacian_scale_ * w * (viscosity + viscosity_[j]);
-    Lanes8 arm = arms(d);
+    Double8 arm = arms(d);
     if constexpr (corrected) {
       arm = turn[0] * d[0];
       for (int b = 1; b < dim; ++b) arm += turn[b] * d[b];
@@ -311,7 +311,7 @@ Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<
   }
   each_pair(columns.subspan(inner), inverses.subspan(inner), radius_,
             [&](std::int32_t j, double inverse, double w) {
-              if (!flow.dry(j)) force += pair_with_row<corrected>(i, j, w, inverse, flow);
+              if (!flow.dry(j)) force += pair_with_layer<corrected>(i, j, w, inverse, flow);
             });
   return force;
 }
@@ -319,8 +319,8 @@ Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<
 // f of water i by row j. A corrected sum has no (τ_j − τ_i), and reads the flow that a smooth wall mirrors.
 template <int dim>
 template <bool corrected>
-Vector<dim> ViscousStage<dim>::pair_with_row(std::int64_t i, std::int64_t j, double w, double inverse,
-                                             const ViscousFlow<dim>& flow) const {
+Vector<dim> ViscousStage<dim>::pair_with_layer(std::int64_t i, std::int64_t j, double w, double inverse,
+                                               const ViscousFlow<dim>& flow) const {
   auto d = sample_[static_cast<size_t>(j)].lanes - sample_[static_cast<size_t>(i)].lanes;
   over_seams<dim>(flow.periodic, d);
   const Stress& own = stress_[static_cast<size_t>(i)];
@@ -341,14 +341,14 @@ Vector<dim> ViscousStage<dim>::pair_with_row(std::int64_t i, std::int64_t j, dou
 }
 
 template <int dim>
-Vector<dim> ViscousStage<dim>::force_on_row(std::int64_t j, const ViscousFlow<dim>& flow) const {
+Vector<dim> ViscousStage<dim>::force_on_layer(std::int64_t j, const ViscousFlow<dim>& flow) const {
   Vector<dim> force = Vector<dim>::Zero();
   if (flow.dry(j)) return force;
   const auto columns = flow.near.row(j);
   const auto inverses = flow.near.inverses(j);
   for (size_t e = 0; e < columns.size() && columns[e] < flow.walls.first; ++e)
     if (const double w = radius_ * inverses[e] - 1; w > 0)
-      force -= pair_with_row<false>(columns[e], j, w, inverses[e], flow);
+      force -= pair_with_layer<false>(columns[e], j, w, inverses[e], flow);
   return force;
 }
 

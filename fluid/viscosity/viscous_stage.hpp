@@ -58,7 +58,7 @@ class ViscousStage {
   using Sample = std::conditional_t<dim == 2, Four, Eight>;
   static constexpr int width = dim == 2 ? 2 : 4, parts = dim * width / 4;
   struct Stress {
-    Lanes8 part[parts];
+    Double8 part[parts];
     void set(int row, int b, double x) { part[(row * width + b) / 8][(row * width + b) % 8] = x; }
     double tau(int a, int b) const { return part[(a * width + b) / 8][(a * width + b) % 8]; }
     double g(int a, int b) const { return part[((dim + a) * width + b) / 8][((dim + a) * width + b) % 8]; }
@@ -72,9 +72,9 @@ class ViscousStage {
   template <bool corrected>
   Vector<dim> force_on_water(std::int64_t i, const ViscousFlow<dim>&) const;
   template <bool corrected>
-  Vector<dim> pair_with_row(std::int64_t i, std::int64_t j, double w, double inverse,
-                            const ViscousFlow<dim>&) const;
-  Vector<dim> force_on_row(std::int64_t j, const ViscousFlow<dim>&) const;
+  Vector<dim> pair_with_layer(std::int64_t i, std::int64_t j, double w, double inverse,
+                              const ViscousFlow<dim>&) const;
+  Vector<dim> force_on_layer(std::int64_t j, const ViscousFlow<dim>&) const;
   void separate(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
 
   SpsModel model_;

@@ -8,7 +8,7 @@ namespace strake::fluid {
 using std::size_t;
 
 template <int dim>
-void WallRows<dim>::resize(std::int64_t first_row, std::int64_t rows) {
+void WallLayers<dim>::resize(std::int64_t first_row, std::int64_t rows) {
   first = first_row;
   normal.setZero(dim, rows);
   velocity.setZero(dim, rows);
@@ -18,8 +18,8 @@ void WallRows<dim>::resize(std::int64_t first_row, std::int64_t rows) {
 }
 
 template <int dim>
-void describe_rows(const Boundary<dim>& boundary, const State<dim>& state, bool slip, double spacing,
-                   WallRows<dim>& walls) {
+void describe_layers(const Boundary<dim>& boundary, const State<dim>& state, bool slip, double spacing,
+                     WallLayers<dim>& walls) {
   const std::int64_t water = boundary.water(), rows = state.position.cols() - water;
   const Tank<dim>& tank = boundary.tank();
   const bool fresh = walls.first != water || walls.size() != rows;
@@ -47,17 +47,17 @@ void describe_rows(const Boundary<dim>& boundary, const State<dim>& state, bool 
       walls.velocity.col(k) = state.velocity.col(i);
     } else {
       const int point = boundary.point_of(i);
-      walls.normal.col(k) = boundary.outline().normal(point);
+      walls.normal.col(k) = boundary.body_surface().normal(point);
       walls.depth[k] =
           0.5 * spacing + walls.normal.col(k).dot(state.position.col(front) - state.position.col(i));
-      walls.velocity.col(k) = boundary.outline().velocity(point);
+      walls.velocity.col(k) = boundary.body_surface().velocity(point);
     }
   }
 }
 
 template <int dim>
 void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
-  const WallRows<dim>& walls = flow.walls;
+  const WallLayers<dim>& walls = flow.walls;
   const std::int64_t rows = walls.size();
   assert(walls.first + rows == flow.position.cols());
   velocity.resize(dim, rows);
@@ -105,11 +105,11 @@ void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
   }
 }
 
-template struct WallRows<2>;
-template void describe_rows<2>(const Boundary<2>&, const State<2>&, bool, double, WallRows<2>&);
+template struct WallLayers<2>;
+template void describe_layers<2>(const Boundary<2>&, const State<2>&, bool, double, WallLayers<2>&);
 template struct VelocityBehind<2>;
-template struct WallRows<3>;
-template void describe_rows<3>(const Boundary<3>&, const State<3>&, bool, double, WallRows<3>&);
+template struct WallLayers<3>;
+template void describe_layers<3>(const Boundary<3>&, const State<3>&, bool, double, WallLayers<3>&);
 template struct VelocityBehind<3>;
 
 }  // namespace strake::fluid

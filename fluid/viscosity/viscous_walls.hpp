@@ -15,7 +15,7 @@ namespace strake::fluid {
 
 /// The rows behind walls and bodies as the viscous terms must know them. Entry k is particle first + k.
 template <int dim>
-struct WallRows {
+struct WallLayers {
   std::int64_t first = 0;            // particles [first, n) are rows, those before it water
   Vectors<dim> normal;               // of the face, into the water; zero: none (corner, structure particle)
   Eigen::VectorXd depth;             // of the row behind the face [m]
@@ -30,7 +30,7 @@ struct WallRows {
 
 /// The rows of tank and bodies where they are now. slip: of all faces.
 template <int dim>
-void describe_rows(const Boundary<dim>&, const State<dim>&, bool slip, double spacing, WallRows<dim>&);
+void describe_layers(const Boundary<dim>&, const State<dim>&, bool slip, double spacing, WallLayers<dim>&);
 
 /// What the viscous terms read.
 template <int dim>
@@ -38,7 +38,7 @@ struct ViscousFlow {
   const Vectors<dim>& position;
   const Vectors<dim>& velocity;                // rows: of their wall
   const Neighbours &near, &far;                // reach radius_gradient, radius_laplacian
-  const WallRows<dim>& walls;                  // the particles that are no water
+  const WallLayers<dim>& walls;                // the particles that are no water
   std::span<const std::uint8_t> wet = {};      // 0: a dry row, through which no stress passes; empty: all wet
   std::span<const std::uint8_t> surface = {};  // 1: free surface; empty: none is
   Periodic<dim> periodic = {};                 // directions in which the flow repeats itself

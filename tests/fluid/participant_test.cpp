@@ -46,7 +46,7 @@ struct Case {
   }
 };
 
-/// Outline of a plate 0.1 × 0.02 m whose lower face is 2 mm above the water, counter-clockwise.
+/// BodySurface2d of a plate 0.1 × 0.02 m whose lower face is 2 mm above the water, counter-clockwise.
 InterfaceMesh plate() {
   constexpr int along = 10, across = 2;
   InterfaceMesh mesh{.name = "structure", .dimension = 2, .position = {}, .faces = {}, .mass = {}};

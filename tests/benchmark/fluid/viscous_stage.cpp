@@ -25,7 +25,7 @@ void viscous(benchmark::State& state) {
   NeighbourSearch<dim> search(3.1 * l0, 0);
   const Neighbours& far = search.update(x);
   const Neighbours& near = search.within(2.1 * l0);
-  WallRows<dim> walls;
+  WallLayers<dim> walls;
   walls.resize(x.cols(), 0);
   Eigen::VectorXd k = Eigen::VectorXd::Zero(x.cols());
   ViscousStage<dim> stage;

@@ -24,9 +24,9 @@ struct Scene {
   explicit Scene(const InterfaceMesh& body) : boundary(p, body, {}, state) {}
 };
 
-TEST(Outline, WetPointsStandInTheMiddleOfEvenPieces) {
-  const Outline outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
-  ASSERT_EQ(outline.runs().size(), 4u);
+TEST(BodySurface2d, WetPointsStandInTheMiddleOfEvenPieces) {
+  const BodySurface2d outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
+  ASSERT_EQ(outline.edges().size(), 4u);
   ASSERT_EQ(outline.points(), 84);
   for (int i = 0; i < 40; ++i) {
     EXPECT_NEAR(outline.mesh().position(0, i), -0.2 + (i + 0.5) * l0, 1e-12);
@@ -35,8 +35,8 @@ TEST(Outline, WetPointsStandInTheMiddleOfEvenPieces) {
   }
 }
 
-TEST(Outline, FollowsARigidRotationExactly) {
-  Outline outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
+TEST(BodySurface2d, FollowsARigidRotationExactly) {
+  BodySurface2d outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
   const double angle = 0.3, rate = 5;
   const Eigen::Matrix2d turn = Eigen::Rotation2D<double>(angle).toRotationMatrix();
   const Eigen::Matrix2Xd X = outline.mesh().position.topRows<2>();
@@ -53,8 +53,8 @@ TEST(Outline, FollowsARigidRotationExactly) {
   EXPECT_FALSE(outline.inside(turn * Eigen::Vector2d(0.201, 0.001)));
 }
 
-TEST(Outline, APlaceInsideIsSeenThroughExactlyOneFace) {
-  const Outline outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
+TEST(BodySurface2d, APlaceInsideIsSeenThroughExactlyOneFace) {
+  const BodySurface2d outline(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> x(-0.24, 0.24), y(-0.04, 0.06), within_x(-0.2, 0.2),
       within_y(0, 0.02);
@@ -74,13 +74,13 @@ TEST(Outline, APlaceInsideIsSeenThroughExactlyOneFace) {
   EXPECT_EQ(faces, 1);
 }
 
-TEST(Outline, ClockwiseOrOpenOutlinesAreRefused) {
+TEST(BodySurface2d, ClockwiseOrOpenOutlinesAreRefused) {
   InterfaceMesh mesh = rectangle(-0.2, 0, 0.4, 0.02, l0);
   InterfaceMesh open = mesh;
   open.faces.conservativeResize(2, open.faces.cols() - 1);
-  EXPECT_THROW(Outline(open, l0), Error);
+  EXPECT_THROW(BodySurface2d(open, l0), Error);
   mesh.faces.row(0).swap(mesh.faces.row(1));
-  EXPECT_THROW(Outline(mesh, l0), Error);
+  EXPECT_THROW(BodySurface2d(mesh, l0), Error);
 }
 
 TEST(Boundary, WaterUnderAPlateThinnerThanTheSupportIsCompleteAndBlindToTheOtherSide) {
@@ -97,7 +97,7 @@ TEST(Boundary, WaterUnderAPlateThinnerThanTheSupportIsCompleteAndBlindToTheOther
     EXPECT_NEAR(n_far[i], far.n0, 1e-9);
     for (const std::int32_t j : rows.row(i)) {
       if (scene.boundary.point_of(j) < 0) continue;
-      EXPECT_EQ(scene.boundary.outline().run_of(scene.boundary.point_of(j)), 0);  // the lower face
+      EXPECT_EQ(scene.boundary.body_surface().edge_of(scene.boundary.point_of(j)), 0);  // the lower face
     }
   }
 }
@@ -129,26 +129,26 @@ std::vector<Eigen::Vector2d> with_corner(double angle) {
       apex, apex + right, {right.x(), top}, {-right.x(), top}, {apex.x() - right.x(), apex.y() + right.y()}};
 }
 
-TEST(Outline, CornersAreFoundFromTheSharpToTheNearlyFlatAndCirclesHaveNone) {
+TEST(BodySurface2d, CornersAreFoundFromTheSharpToTheNearlyFlatAndCirclesHaveNone) {
   for (const double angle : {60.0, 90.0, 120.0, 160.0, 172.0, 200.0, 270.0}) {
-    const Outline outline(polygon(with_corner(angle)), l0);
-    ASSERT_EQ(outline.runs().size(), 5u) << angle;
-    EXPECT_NEAR(outline.runs()[0].start_angle, angle * std::numbers::pi / 180, 1e-9);
-    EXPECT_NEAR((outline.vertex(outline.runs()[0].vertex) - Eigen::Vector2d(0, 0.12)).norm(), 0, 1e-12);
+    const BodySurface2d outline(polygon(with_corner(angle)), l0);
+    ASSERT_EQ(outline.edges().size(), 5u) << angle;
+    EXPECT_NEAR(outline.edges()[0].start_angle, angle * std::numbers::pi / 180, 1e-9);
+    EXPECT_NEAR((outline.vertex(outline.edges()[0].vertex) - Eigen::Vector2d(0, 0.12)).norm(), 0, 1e-12);
   }
   std::vector<Eigen::Vector2d> circle;
   for (int i = 0; i < 60; ++i)
     circle.emplace_back(0.1 * std::cos(i * std::numbers::pi / 30),
                         0.15 + 0.1 * std::sin(i * std::numbers::pi / 30));
-  EXPECT_EQ(Outline(polygon(circle), l0).runs().size(), 1u);
+  EXPECT_EQ(BodySurface2d(polygon(circle), l0).edges().size(), 1u);
 }
 
 // A wedge of 60 degrees is thinner than a spacing over its faces' first piece, one of 120 is not. Thicker
 // parts separate the water on both sides.
-TEST(Outline, ATipThinnerThanASpacingDoesNotPartWaterAndABluntOneDoes) {
+TEST(BodySurface2d, ATipThinnerThanASpacingDoesNotPartWaterAndABluntOneDoes) {
   for (const double angle : {60.0, 120.0}) {
     const auto corners = with_corner(angle);
-    const Outline outline(polygon(corners), l0);
+    const BodySurface2d outline(polygon(corners), l0);
     const auto across = [&](double along) {  // between the faces, so far up from the apex
       const Eigen::Vector2d right = corners[0] + along * (corners[1] - corners[0]).normalized();
       const Eigen::Vector2d out(0.5 * l0, 0);
@@ -160,9 +160,9 @@ TEST(Outline, ATipThinnerThanASpacingDoesNotPartWaterAndABluntOneDoes) {
   }
 }
 
-TEST(Outline, HowFarAPlaceLiesOverAFaceIsCountedFromItsNearerEnd) {
-  const Outline outline(polygon(with_corner(90)), l0);
-  const auto& run = outline.runs()[0];
+TEST(BodySurface2d, HowFarAPlaceLiesOverAFaceIsCountedFromItsNearerEnd) {
+  const BodySurface2d outline(polygon(with_corner(90)), l0);
+  const auto& run = outline.edges()[0];
   const Eigen::Vector2d start = outline.vertex(run.vertex), end = outline.vertex(run.vertex + run.count);
   const Eigen::Vector2d along = (end - start).normalized(), out(along.y(), -along.x());
   for (const double past : {-0.7, 0.3, 2.0}) {
@@ -188,7 +188,8 @@ TEST(Boundary, BehindACornerOfAnyAngleTheBodyIsFilledOnce) {
           along < 0 ? Eigen::Vector2d(-face.y(), face.x()) : Eigen::Vector2d(face.y(), -face.x());
       scene.state.position.col(0) = corners[0] + std::abs(along) * face + 0.5 * l0 * out;
       const Eigen::Vector2d x = scene.state.position.col(0);
-      if (boundary.outline().inside(x) || boundary.outline().nearest(x).distance < 0.499 * l0) continue;
+      if (boundary.body_surface().inside(x) || boundary.body_surface().nearest(x).distance < 0.499 * l0)
+        continue;
       double seen = 0, full = 0;
       for (std::int64_t j = boundary.first_of_bodies(); j < scene.state.position.cols(); ++j)
         if (boundary.keep(scene.state, 0, static_cast<std::int32_t>(j)))
@@ -196,7 +197,7 @@ TEST(Boundary, BehindACornerOfAnyAngleTheBodyIsFilledOnce) {
       const double h = 0.1 * l0;
       for (double a = -3.1 * l0; a < 3.1 * l0; a += h)
         for (double b = -3.1 * l0; b < 3.1 * l0; b += h)
-          if (boundary.outline().inside(x + Eigen::Vector2d(a, b)))
+          if (boundary.body_surface().inside(x + Eigen::Vector2d(a, b)))
             full += weight(std::hypot(a, b), far.radius) * 0.01;
       worst = std::max(worst, std::abs(seen - full) / far.n0);
     }
@@ -218,7 +219,7 @@ TEST(Boundary, RowsFollowTheFaceAtTheirDepth) {
   for (int k = 0; k < 20; ++k) {
     const Eigen::Vector2d row = scene.state.position.col(scene.boundary.first_of_bodies() + k);
     const Eigen::Vector2d expected =
-        scene.boundary.outline().point(k) - 0.5 * l0 * scene.boundary.outline().normal(k);
+        scene.boundary.body_surface().point(k) - 0.5 * l0 * scene.boundary.body_surface().normal(k);
     EXPECT_NEAR((row - expected).norm(), 0, 1e-12);
     EXPECT_NEAR(scene.state.velocity(1, scene.boundary.first_of_bodies() + k), -3, 1e-9);
   }

@@ -104,12 +104,13 @@ TEST(Voids, air_that_water_shuts_in_stays_air_and_a_hole_that_opens_inside_is_no
     const Vector<2> x = state.position.col(i);
     pocket += in_pocket(x) ? 1 : 0;
     hole += in_hole(x) ? 1 : 0;
-    EXPECT_EQ(state.aired[static_cast<std::size_t>(i)] != 0, at_top(x) || in_pocket(x)) << x.transpose();
+    EXPECT_EQ(state.air_connected[static_cast<std::size_t>(i)] != 0, at_top(x) || in_pocket(x))
+        << x.transpose();
   }
   ASSERT_GT(pocket, 0);
   ASSERT_GT(hole, 0);
   const Voids voids = count_voids<2>(state, water(state), l0, true);
-  EXPECT_EQ(voids.openings, hole);
+  EXPECT_EQ(voids.internal_voids, hole);
   EXPECT_EQ(voids.all, hole + pocket);
 }
 

@@ -104,7 +104,7 @@ TEST(LeastSquaresScheme, FaceOfTheFloorCarriesTheWholeDepth) {
   PressureSystem system;
   column.scheme.assemble(column.boundary, column.state, *column.far, column.gravity, dt, system);
   column.scheme.pressure_gradient(column.boundary, column.state, column.near(), dt);
-  const RowForces<2> forces = column.scheme.row_forces(column.boundary, column.state, column.near());
+  const LayerForces<2> forces = column.scheme.layer_forces(column.boundary, column.state, column.near());
   double floor = 0;
   for (std::int64_t j = column.boundary.water(); j < forces.cols(); ++j)
     if (column.boundary.tank().is_floor(j)) floor += forces(1, j);

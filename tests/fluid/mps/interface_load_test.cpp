@@ -28,7 +28,7 @@ struct Scene {
     for (std::size_t i = 0; i < state.kind.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       const int point = boundary.point_of(k);
-      state.surface[i] = point >= 0 && boundary.outline().run_of(point) != 0;  // sides and top are dry
+      state.surface[i] = point >= 0 && boundary.body_surface().edge_of(point) != 0;  // sides and top are dry
       state.pressure[k] = state.surface[i] ? 0 : ambient + 1000 * gravity.dot(state.position.col(k));
     }
     boundary.fill_dummies(state, gravity, still);
@@ -38,9 +38,9 @@ struct Scene {
     search.update(state.position, boundary.tags(state), keep);
     return search.within(lattice.radius);
   }
-  RowForces<2> forces(Gradient gradient) {
+  LayerForces<2> forces(Gradient gradient) {
     const LoadTerms<2> terms{none, gravity, still, gradient, lattice, 1000, l0};
-    return row_forces<2>(state, boundary, near(), terms);
+    return layer_forces<2>(state, boundary, near(), terms);
   }
 };
 
@@ -58,7 +58,7 @@ TEST(InterfaceLoad, FacesFeelTheAmbientPressureWithEveryGradient) {
 
 TEST(InterfaceLoad, SymmetricGradientGivesToTankAndBodyWhatItTakesFromTheWater) {
   Scene scene;
-  const RowForces<2> forces = scene.forces(Gradient::pairwise);
+  const LayerForces<2> forces = scene.forces(Gradient::pairwise);
   std::vector<std::uint8_t> water(scene.state.kind.size(), 0);
   std::fill_n(water.begin(), scene.boundary.water(), std::uint8_t{1});
   const Vectors<2> gradient = pressure_gradient<2>(scene.state, scene.boundary, scene.near(), scene.lattice,
@@ -70,7 +70,7 @@ TEST(InterfaceLoad, SymmetricGradientGivesToTankAndBodyWhatItTakesFromTheWater) 
 TEST(InterfaceLoad, DryFacesFeelNothingFromTheFaceIntegral) {
   Scene scene;
   const Vectors<2> force = gather_on_points<2>(scene.forces(Gradient::corrected), scene.boundary);
-  for (int k = 20; k < scene.boundary.outline().points(); ++k) EXPECT_EQ(force.col(k).norm(), 0);
+  for (int k = 20; k < scene.boundary.body_surface().points(); ++k) EXPECT_EQ(force.col(k).norm(), 0);
 }
 
 }  // namespace

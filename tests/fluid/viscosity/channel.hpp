@@ -14,7 +14,7 @@ struct Channel {
   double l0;
   std::int64_t water;
   Vectors<2> position, velocity;
-  WallRows<2> walls;
+  WallLayers<2> walls;
   Periodic<2> periodic;
   NeighbourSearch<2> search;
   const Neighbours* near;

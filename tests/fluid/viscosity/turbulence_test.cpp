@@ -21,7 +21,7 @@ struct Flow {
   NeighbourSearch<dim> search{3.1 * l0, 0};
   const Neighbours *far, *near;
   Parameters parameters;
-  WallRows<dim> walls;  // none
+  WallLayers<dim> walls;  // none
   Eigen::VectorXd k;
   Flow(int n, double disorder) : side(n), position(block<dim>(n, l0, disorder)) {
     far = &search.update(position);

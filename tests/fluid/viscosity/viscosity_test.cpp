@@ -142,7 +142,7 @@ void rigid_rotation(Gradient form) {
   velocity.row(1) = 3 * position.row(0);
   NeighbourSearch<dim> search(2.1 * l0, 0);
   const Neighbours& near = search.update(position);
-  WallRows<dim> walls;
+  WallLayers<dim> walls;
   walls.resize(position.cols(), 0);
   Parameters parameters;
   parameters.dimension = dim;
@@ -177,7 +177,7 @@ TEST(Viscosity, a_taylor_green_vortex_decays_at_its_rate_on_the_lattice) {
     }
     NeighbourSearch<2> search(2.1 * l0, 0, periodic);
     const Neighbours& near = search.update(position);
-    WallRows<2> walls;
+    WallLayers<2> walls;
     walls.resize(position.cols(), 0);
     Parameters parameters;
     parameters.spacing = l0;
