@@ -17,13 +17,13 @@ struct Measurements {
   std::vector<ProbeRecord> probes;  // in the order of the case; they accumulate at every step
   double contact_time = -1;         // [s] t_c (proto/probe.hpp); < 0: none yet
   std::int64_t voids = 0;  // largest count of surface particles deeper than 5 l0, of the frames (voids.hpp)
-  std::int64_t openings = 0;  // the same of those that are not aired
+  std::int64_t internal_voids = 0;  // the same of those that are not air_connected
 
   /// Lists all members but the probes, by their names in a checkpoint; those are probe0, probe1 …
   static constexpr auto values() {
     return std::tuple(std::pair("contact_time", &Measurements::contact_time),  //
                       std::pair("voids", &Measurements::voids),                //
-                      std::pair("openings", &Measurements::openings));
+                      std::pair("openings", &Measurements::internal_voids));
   }
 };
 static_assert(listed_bytes(Measurements::values()) + sizeof(Measurements::probes) == sizeof(Measurements),

@@ -278,12 +278,12 @@ bool CellList<dim>::fill_screen(const Vectors<dim>& position, std::span<const st
   const std::int32_t* list = out.lists.data() + out.list_start[static_cast<size_t>(o)];
   const auto length = static_cast<size_t>(out.list_start[static_cast<size_t>(o) + 1] -
                                           out.list_start[static_cast<size_t>(o)]);
-  const size_t blocks = (length + lanes::wide - 1) / lanes::wide;
+  const size_t blocks = (length + simd::wide - 1) / simd::wide;
   const Vector<dim> middle = centre(place_of(occupied_[static_cast<size_t>(o)]));
   bool fillers = false;
   screen.member.clear();
   for (auto& x : screen.all)
-    if (x.size() < blocks * lanes::wide) x.resize(blocks * lanes::wide);
+    if (x.size() < blocks * simd::wide) x.resize(blocks * simd::wide);
   for (size_t k = 0; k < length; ++k) {
     const std::int32_t j = list[k];
     for (int d = 0; d < dim; ++d) {
@@ -296,7 +296,7 @@ bool CellList<dim>::fill_screen(const Vectors<dim>& position, std::span<const st
   }
   for (auto& x : screen.all)
     std::fill(x.begin() + static_cast<std::ptrdiff_t>(length),
-              x.begin() + static_cast<std::ptrdiff_t>(blocks * lanes::wide), nowhere);
+              x.begin() + static_cast<std::ptrdiff_t>(blocks * simd::wide), nowhere);
   if (fillers) {
     screen.without_fillers = screen.all;
     for (size_t k = 0; k < length; ++k)
