@@ -13,7 +13,8 @@ namespace strake::fluid {
 
 namespace {
 
-/// Rows of water and body touch at this distance along the normal, when they stand no farther aside [l0].
+/// First rows of water and body touch at this distance along the normal, when they stand no farther aside
+/// [l0].
 constexpr double contact_distance = 1.02, contact_aside = 0.75;
 
 bool is_filler(Kind kind) {

@@ -21,26 +21,25 @@ namespace strake::fluid {
 template <int dim>
 using BodySurface = std::conditional_t<dim == 2, BodySurface2d, BodySurface3d>;
 
-/// Everything the water meets: the tank's rows, the rows of moving bodies behind their wetted faces, and, in
-/// volume coupling, the structure's own particles. Order of particles: water, tank rows, then bodies.
+/// Walls, moving bodies and, in volume coupling, the structure's own particles. Order of particles: water,
+/// tank layers, then bodies.
 ///
-/// A body's face owns rows of particles along its inward normal: the first, l0/2 behind the face, carries a
-/// pressure unknown, the deeper ones fill the support. Rows belong to one run of the outline and are seen
-/// only through it: a pair of water and row counts when its segment crosses that run. So a plate thinner than
-/// the support keeps the water above and below apart, and a corner is not counted twice (fluid/THEORY.md,
-/// section 10). Past a corner that is blunter than a right angle, or concave, both faces' rows go on into the
-/// part of the body that water sees through the one face and that lies behind the other. In space runs are
-/// the patches of a BodySurface3d, and corners its edges.
+/// A body's face has layers of particles along its inward normal. The first, l0/2 behind the face, carries a
+/// pressure unknown with the MPS scheme; the deeper ones complete the support. Layers belong to one edge of
+/// the body's surface. A pair of water and layer particle counts when its segment crosses that edge. So a
+/// plate thinner than the support keeps the water above and below apart, and a corner is not counted twice
+/// (fluid/THEORY.md, section 10). At corners with an interior angle above 90° each face's layers continue
+/// past the corner. In space the edges are the patches of a BodySurface3d, and the corners lie between them.
 template <int dim>
 class Boundary {
  public:
-  /// tank: water and tank rows of `fill`; the bodies' particles are appended to it.
+  /// tank: water and tank layers of `fill`; the bodies' particles are appended to it.
   /// Throws Error(case_file) when a body leaves the tank or overlaps the water.
   Boundary(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, State<dim>& tank);
 
   const InterfaceMesh& mesh() const { return mesh_; }
   const BodySurface<dim>& body_surface() const { return body_surface_; }  // empty in volume coupling
-  /// Places on the bodies that rows belong to: wet points, in volume coupling the structure's particles.
+  /// Places on the bodies that layers belong to: wet points, in volume coupling the structure's particles.
   std::int64_t points() const {
     return body_surface_.empty() ? mesh_.position.cols() : body_surface_.points();
   }
@@ -57,7 +56,7 @@ class Boundary {
   int point_of(std::int64_t i) const {
     return i < bodies_ ? -1 : point_of_[static_cast<std::size_t>(i - bodies_)];
   }
-  /// First row whose pressure dummy i extends; −1: i is no dummy.
+  /// First-layer particle whose pressure dummy i extends; −1: i is no dummy.
   std::int32_t master_of(std::int64_t i) const {
     return i < water_ ? -1 : master_[static_cast<std::size_t>(i - water_)];
   }
@@ -69,7 +68,7 @@ class Boundary {
   /// Puts the bodies at that motion of the interface points. positions = false: velocities alone, at the old
   /// places.
   void move(State<dim>&, const Points& displacement, const Points& velocity, bool positions);
-  /// The tank's rows in a step that ends at `time`: first their velocities (positions = false), then their
+  /// The tank's layers in a step that ends at `time`: first their velocities (positions = false), then their
   /// places.
   void move_tank(State<dim>& state, double time, bool positions) { tank_.move(state, time, positions); }
   /// Adopts the places that `state` was saved with.
@@ -79,40 +78,41 @@ class Boundary {
   std::span<const std::uint8_t> tags(const State<dim>&);
   bool keep(const State<dim>&, std::int32_t i, std::int32_t j) const;
 
-  /// A body's first row is wet by the water it touches, not by its own rows, which end at corners:
+  /// Counts only water in the number density of a body's first layer, because its own layers end at corners:
   /// n_i ← n0 + Σ_water w − the same sum under a flat water surface at l0.
   void count_water(const State<dim>&, const Neighbours&, const LatticeConstants&, Eigen::VectorXd& n) const;
 
-  /// Water and a body's face meet when they come nearer than a lattice row and 0.02 l0: until then a particle
-  /// that was surface before stays surface, and a dry row dry, whatever the surface test says. A pair that
-  /// counts as touching over a wider gap gives the symmetric pressure gradient an impulse of its own.
+  /// Keeps water and a body's face apart until they come nearer than a lattice row and 0.02 l0. Until then a
+  /// particle that was surface before stays surface, and a dry layer particle dry, whatever the surface test
+  /// gives. A pair that counts as touching over a wider gap gets an impulse from the symmetric pressure
+  /// gradient.
   void keep_contact_open(const State<dim>&, const Neighbours& near, std::span<const std::uint8_t> before,
                          std::span<std::uint8_t> surface) const;
 
-  /// Neumann condition P_d = P_w + ρ(g − a_w)·(r_d − r_w) on dummy rows; 0 behind a dry row.
+  /// Neumann condition P_d = P_w + ρ(g − a_w)·(r_d − r_w) on dummy layers; 0 behind a dry first layer.
   void fill_dummies(State<dim>&, const Vector<dim>& gravity, const Points& acceleration) const;
 
   const Tank<dim>& tank() const { return tank_; }
-  /// Normal, into the water, of the tank wall that row i stands for; zero in corners and for all that is no
-  /// tank.
+  /// Normal, into the water, of the tank wall in front of layer particle i; zero in corners and for all that
+  /// is no tank.
   Vector<dim> normal_of(std::int64_t i) const { return tank_.normal_of(i); }
-  /// Whether x lies over the face of that wet point: not past the ends of its run.
+  /// Whether x lies over the face of that wet point: not past the ends of its edge.
   bool is_over(int point, const Vector<dim>& x) const {
     if constexpr (dim == 2)
       return body_surface_.within(body_surface_.edge_of(point), x) >= 0;
     else
       return body_surface_.faces(point, x);
   }
-  /// How far over it, from the nearer end of its run [m]; plane bodies.
+  /// Distance of x from the nearer end of that edge, along the face [m]; plane bodies.
   double within(int point, const Vector<2>& x) const requires(dim == 2) {
     return body_surface_.within(body_surface_.edge_of(point), x);
   }
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
-  /// The same of the face that a first row stands for, of tank or body.
+  /// The same of the face in front of a first-layer particle, of tank or body.
   Vector<dim> face_area(std::int64_t row) const;
 
-  /// Particles out of the tank are parked where nothing reaches them, each on its own place.
+  /// Particles that leave the tank are removed: each is put on a place of its own that nothing reaches.
   bool is_removed(const State<dim>& state, std::int64_t i) const {
     return i < water_ && tank_.is_removed(state.position.col(i));
   }
@@ -120,10 +120,10 @@ class Boundary {
   Vector<dim> place_of_removed(std::int64_t number) const { return tank_.place_of_removed(number); }
 
  private:
-  /// A particle of a row that goes on beyond a corner: `beside` it along the face, `depth` behind the face.
+  /// A layer particle past a corner: `beside` it along the face, `depth` behind the face.
   struct BeyondCorner {
-    int point, vertex;     // the last of the run before the corner, and the corner
-    double beside, depth;  // [m]; beside is negative before a run's start
+    int point, vertex;     // the last of the edge before the corner, and the corner
+    double beside, depth;  // [m]; beside is negative before an edge's start
   };
   void add_layers(const InterfaceMesh& partner, State<dim>&);
   void place_layers(State<dim>&, bool positions) const;

@@ -10,17 +10,19 @@ namespace strake::fluid {
 
 namespace {
 
-/// Distance below which the least-squares scheme separates two water particles [l0]. Its operators tolerate
-/// disorder, and shear brings particles past one another at 0.7 to 0.85 l0. Separating those as well removes
-/// energy: Taylor–Green vortices at Re 100 then decay 6 % too fast on 100².
+/// Distance below which two particles inside the water collide in the least-squares scheme [l0]. Its
+/// operators are accurate on disordered particles, and the shear of any flow brings them to 0.7 to 0.85 l0 of
+/// one another. To separate those would take energy out of the flow: Taylor–Green vortices at Re 100 then
+/// decay 6 % too fast on 100².
 constexpr double water_to_water = 0.7;
+/// Height over a body's face at which water from inside it is put back [l0]. Chosen.
+constexpr double put_back_height = 0.05;
 
 struct Pair {
   std::int32_t i, j;
 };
 
-/// Whether one of them may lie nearer to particle i: eight at a time, for all that the exact look need not
-/// see.
+/// Whether any of those may lie nearer to particle i than `distance`: eight at a time, before the exact test.
 template <int dim>
 bool any_within(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t i,
                 std::span<const std::int32_t> columns, double distance) {
@@ -82,12 +84,24 @@ void give(CollisionAccount<dim>& account, const Boundary<dim>& boundary, std::in
   account.on_water -= impulse;
 }
 
-/// Behind a wall of the tank: back onto its face, without its velocity into it. A corner takes one turn per
-/// wall.
+/// Reduced mass of a water particle and particle j over the water particle's mass: ½ for two of water, 1
+/// against what does not give way.
+template <int dim>
+double mass_share(const State<dim>& state, const Boundary<dim>& boundary, std::int64_t j, double volume,
+                  double particle_mass) {
+  if (state.kind[static_cast<std::size_t>(j)] == Kind::solid) {
+    const double heavy = boundary.solid_density()[j - boundary.first_of_bodies()] * volume;
+    return heavy / (heavy + particle_mass);
+  }
+  return j < boundary.water() ? 0.5 : 1.0;
+}
+
+/// Puts water from behind a wall of the tank back onto its face, without its velocity into it. A corner takes
+/// one pass per wall.
 template <int dim>
 void put_back_from_walls(State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                          double mass, CollisionAccount<dim>& account) {
-  // Nothing moves by more than a spacing in a step: what passes a wall had its rows near before.
+  // Nothing moves by more than a spacing in a step, so what passes a wall had its layers in reach before.
   const auto beside = [&](std::int64_t i) {
     const auto columns = near.row(i);
     return !columns.empty() && columns.back() >= boundary.water();
@@ -129,7 +143,7 @@ void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, 
     ++account.inside;
     const auto foot = body.nearest(state.position.col(i));
     const Vector<dim> n = body.normal(foot.point);
-    state.position.col(i) = foot.position + 0.05 * spacing * n;
+    state.position.col(i) = foot.position + put_back_height * spacing * n;
     const double into = (state.velocity.col(i) - body.velocity(foot.point)).dot(n);
     if (into >= 0) continue;
     state.velocity.col(i) -= into * n;
@@ -173,14 +187,7 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
       const double closing = approach.dot(e);
       if (closing <= 0) continue;  // an earlier collision has parted them
       const bool other_is_water = pair.j < water;
-      const bool other_is_solid = state.kind[static_cast<std::size_t>(pair.j)] == Kind::solid;
-      // Reduced mass over the particle's mass: ½ for two of water, 1 against what does not give way.
-      double share = 1.0;
-      if (other_is_water) share = 0.5;
-      if (other_is_solid) {
-        const double heavy = boundary.solid_density()[pair.j - boundary.first_of_bodies()] * volume;
-        share = heavy / (heavy + particle_mass);
-      }
+      const double share = mass_share<dim>(state, boundary, pair.j, volume, particle_mass);
       Vector<dim> change;  // of v_i
       if (scheme.anti_penetration == AntiPenetration::collision) {
         change = -(1 + scheme.restitution) * share * closing * e;

@@ -220,9 +220,9 @@ Vector<dim> Tank<dim>::velocity(const Frame& frame, const Vector<dim>& x) const 
   return v;
 }
 
-/// The rows' velocity is their mean over the step, (xⁿ⁺¹ − xⁿ)/Δt, as it is for the water, whose places
-/// follow r = rⁿ + Δt uⁿ⁺¹: a wall that moved a little otherwise would drift against it. Their acceleration
-/// is what that velocity gains in the step.
+/// Velocity of the layers: their mean over the step, (xⁿ⁺¹ − xⁿ)/Δt, as for the water, whose positions follow
+/// r = rⁿ + Δt uⁿ⁺¹. With another velocity a wall would drift against the water. Their acceleration is the
+/// change of that velocity over the step.
 template <int dim>
 void Tank<dim>::move(State<dim>& state, double time, bool positions) {
   if (!motion_.moves()) return;

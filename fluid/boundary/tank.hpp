@@ -13,18 +13,18 @@
 
 namespace strake::fluid {
 
-/// The tank's part of the boundary: its rows of particles [first, last) with what belongs to each, the tank's
-/// rigid motion in the laboratory frame, and the place beside it where lost particles are parked.
+/// The tank's part of the boundary: its layer particles [first, last), its rigid motion in the laboratory
+/// frame, and the places beside it for particles that are removed.
 template <int dim>
 class Tank {
  public:
-  /// filled: water and tank rows of `fill`. reach: largest radius of the scheme [m].
+  /// filled: water and tank layers of `fill`. reach: largest radius of the scheme [m].
   Tank(const Parameters&, double reach, const State<dim>& filled);
 
   const TankShape<dim>& shape() const { return shape_; }
   std::int64_t first() const { return first_; }
   std::int64_t last() const { return last_; }
-  /// Whether any wall yields to sound.
+  /// Whether any wall absorbs sound.
   bool absorbs() const { return absorbs_; }
   bool moves() const { return motion_.moves(); }
   /// The directions in which the tank repeats itself.
@@ -32,20 +32,20 @@ class Tank {
   /// Brings the water back between the tank's periodic sides; call at the end of a step.
   void wrap(State<dim>&) const;
 
-  /// Normal, into the water, of the wall that row i stands for, where the tank is now; zero where two walls
-  /// meet and for all that is no tank.
+  /// Normal, into the water, of the wall in front of layer particle i, where the tank is now; zero where two
+  /// walls meet and for all that is no tank.
   Vector<dim> normal_of(std::int64_t i) const;
   /// Area of the faces that wall particle i stands for, into the water [m, m² in 3-D].
   Vector<dim> area_of(std::int64_t i) const;
-  /// Sum of the normals of the absorbing faces that row i stands for; zero: it does not yield.
+  /// Sum of the normals of the absorbing faces in front of layer particle i; zero: none absorbs.
   Vector<dim> absorbing(std::int64_t i) const;
   /// Middle of its face in the tank as the case gives it: where a sensor looks for it.
   Vector<dim> face_of(std::int64_t i) const;
-  /// Whether its load is the floor's: rows below the water.
+  /// Whether its load is the floor's: layers below the water.
   bool is_floor(std::int64_t i) const { return part(i).floor; }
-  /// First row whose pressure (and velocity) dummy i extends; −1: i is no dummy of the tank.
+  /// First-layer particle whose pressure and velocity dummy i extends; −1: i is no dummy of the tank.
   std::int32_t master_of(std::int64_t i) const;
-  /// a_w: acceleration of row i in the step that `move` began last [m/s²].
+  /// a_w: acceleration of layer particle i in the step that `move` began last [m/s²].
   Vector<dim> acceleration_of(std::int64_t i) const;
   /// The same of the tank's middle: water at rest in it carries ρ (g − a) [m/s²].
   Vector<dim> acceleration() const;
@@ -66,7 +66,7 @@ class Tank {
   /// The face that x lies behind, where the tank is now.
   std::optional<WallFoot<dim>> behind(const Vector<dim>& x) const;
   bool left(const Vector<dim>& x) const { return shape_.left(in_tank(x)); }
-  /// Particles out of the tank are parked where nothing reaches them, each on its own place.
+  /// Particles that leave the tank are removed: each is put on a place of its own that nothing reaches.
   bool is_removed(const Vector<dim>& x) const { return x[0] >= removed_from_[0] && is_place_of_removed(x); }
   Vector<dim> place_of_removed(std::int64_t number) const;
 

@@ -7,12 +7,12 @@
 namespace strake::fluid {
 
 namespace {
-/// Height of water over a face that wets it and that it must pass to leave it dry again [l0]; a lattice row
-/// stands at 0.5.
+/// Height of water over a face below which a dry face becomes wet, and above which a wet one becomes dry
+/// [l0]; a lattice row stands at 0.5.
 constexpr double joining_height = 0.52, leaving_height = 1.0;
-/// How far beside a row's middle water counts [l0].
+/// Distance along the face up to which water counts [l0].
 constexpr double aside = 1.01;
-/// A body that lies so near before a wall covers it [l0].
+/// Distance of a body before a wall below which it covers the wall [l0].
 constexpr double covered = 0.1;
 /// A corner has no face: its distance to the first lattice particle is √dim l0.
 constexpr double corner_margin = 0.02;

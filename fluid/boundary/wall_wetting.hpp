@@ -11,13 +11,13 @@
 
 namespace strake::fluid {
 
-/// What the rows of walls and bodies are to the water when the wall is a condition on ∂p/∂n and not an
-/// unknown: where their faces lie, and which of them water touches.
+/// Faces of walls and bodies for a scheme in which a wall is a condition on ∂p/∂n and not an unknown: where
+/// they lie, and which of them water touches.
 ///
-/// A first row becomes wet when water comes as near to its face as a lattice row is, and 0.02 l0; it stays
-/// wet until the water has left it by half a spacing more. Rows behind it follow. Dry rows are not seen:
+/// A first-layer particle becomes wet when water comes within 0.52 l0 of its face, where a lattice row stands
+/// at 0.5. It stays wet until the water is 1.0 l0 away. The layers behind it follow. Dry layers are not seen:
 /// water that flies towards a wall is not slowed before it is there. The flag is State::surface of the first
-/// row (1: dry).
+/// layer (1: dry).
 template <int dim>
 class WallContact {
  public:

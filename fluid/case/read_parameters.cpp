@@ -156,11 +156,10 @@ void read_turbulence(CaseTable t, Scheme& s) {
   t.flag("wall_damping", s.wall_damping, {.help = "van Driest's factor near the tank's walls"});
 }
 
-void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, Scheme& s) {
-  read_radii(t.table("radius", "reach of each operator, in spacings"), s);
-  // A window shorter than the usual step is the step, unless the case asks for one. Without sound the window
-  // always is the step: the impact is one impulse. Shorter steps would apply it at the speed before impact,
-  // and the step of first contact would depend on the motion that the coupling still iterates.
+/// A window shorter than the usual step is the step, unless the case asks for one. Without sound the step is
+/// the window in any case, because an incompressible impact is one impulse. With shorter steps, the one that
+/// makes contact would depend on the interface motion that the coupling has not found yet.
+void read_time_step(CaseTable& t, const CommonKeys& common, double sound_speed, Scheme& s) {
   if (common.window > 0 && std::isinf(sound_speed) && common.preset != "paper")
     s.time_step = common.window;
   else if (common.window > 0)
@@ -175,6 +174,11 @@ void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, Sche
   t.number("acoustic_cfl", s.acoustic_cfl,
            {.min = 0,
             .help = "sound speed times time step over spacing, to resolve pressure waves; 0: no such limit"});
+}
+
+void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, Scheme& s) {
+  read_radii(t.table("radius", "reach of each operator, in spacings"), s);
+  read_time_step(t, common, sound_speed, s);
   // The solids of volume coupling take part in the pressure equation as particles.
   if (common.interface == "volume") s.gradient = Gradient::pairwise;
   t.choice(

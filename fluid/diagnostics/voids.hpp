@@ -9,10 +9,10 @@
 
 namespace strake::fluid {
 
-/// Water particles flagged as surface deeper than 5 l0 below the outer surface: around air that waves have
-/// enclosed, and (`internal_voids`) where water has separated inside. The outer surface borders on the air: the
-/// space farther than about 1.5 l0 from every particle (water, walls and bodies) and connected with the space
-/// above the tank. Under a lid it is the largest such space. On cells of l0, so that the depth is known to
+/// Counts surface particles deeper than 5 l0 below the outer surface. They lie around air that waves have
+/// shut in, or (`internal_voids`) where water has come apart inside. The outer surface borders on the outer
+/// air: the space farther than about 1.5 l0 from every particle that is connected with the space above the
+/// tank. Under a lid it is the largest such space. Computed on cells of l0, so that the depth is known to
 /// within one. water: numbers of the particles that have not left the tank.
 struct Voids {
   std::int64_t all = 0, internal_voids = 0;
@@ -20,8 +20,8 @@ struct Voids {
 template <int dim>
 Voids count_voids(const State<dim>&, std::span<const std::int64_t> water, double spacing, bool open_top);
 
-/// State::air_connected after a step: surface that was beside air, or has come up next to such surface, is
-/// beside the same air wherever it goes; surface that appears with none near by is an opening. near: rows of
+/// State::air_connected after a step. A surface particle is connected with air if it was so before, or if a
+/// surface particle near it was. One that appears with none near it lies at an internal void. near: rows of
 /// about 2 l0.
 template <int dim>
 void follow_air(State<dim>&, const Neighbours& near, std::int64_t water, std::vector<std::uint8_t>& scratch);

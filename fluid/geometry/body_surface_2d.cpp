@@ -181,8 +181,8 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
     set(edge, point_, vertex_, true);
     set(edge, velocity_, vertex_velocity_, false);
   }
-  // Two edges meet in one corner: the mean of what both say; a edge of one point knows nothing of its
-  // direction.
+  // The corner between two edges is the mean of both extrapolations. An edge of one point has no direction of
+  // its own.
   for (const Edge& edge : edges_) {
     if (edge.closed) continue;
     const Edge& next = edges_[static_cast<std::size_t>(edge.next)];

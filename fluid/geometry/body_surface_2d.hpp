@@ -9,13 +9,13 @@
 
 namespace strake::fluid {
 
-/// The wetted outline of plane bodies as the fluid sees it: straight or smooth edges of faces between corners
-/// (turns of more than 20 degrees, and smaller ones that stand alone, as where two straight faces meet),
-/// each divided evenly into pieces of about one particle spacing with a wet point in its middle. The motion
-/// is given on the wet points; corners follow from the points beside them, so that a rigid motion is followed
-/// exactly.
+/// The wetted surface of plane bodies as the fluid sees it: straight or smooth edges between corners. A
+/// corner is a turn of more than 20 degrees, or a smaller one that stands alone, as where two straight faces
+/// meet. Each edge is divided evenly into pieces of about one particle spacing, with a wet point in the
+/// middle of each. The motion is given on the wet points. Corners follow from the points beside them, so that
+/// a rigid motion is followed exactly.
 ///
-/// Walked counter-clockwise; the normal points into the fluid.
+/// The order is counter-clockwise; the normal points into the fluid.
 class BodySurface2d {
  public:
   using Vector2 = Eigen::Vector2d;
@@ -33,7 +33,7 @@ class BodySurface2d {
   };
 
   BodySurface2d() = default;
-  /// partner: closed chains of segments. Throws Error(case_file) when they are not closed or edge clockwise.
+  /// partner: closed chains of segments. Throws Error(case_file) when they are open or clockwise.
   BodySurface2d(const InterfaceMesh& partner, double spacing);
 
   bool empty() const { return edges_.empty(); }

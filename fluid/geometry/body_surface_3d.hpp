@@ -20,8 +20,8 @@ class BodySurface3d {
  public:
   using Vector3 = Eigen::Vector3d;
 
-  /// A row particle: `depth` behind the place with those weights in its triangle's plane, along the normal of
-  /// its wet point. Weights below 0: beyond the edge of the patch.
+  /// A layer particle: `depth` behind the point with those weights in its triangle's plane, along the normal
+  /// of its wet point. Weights below 0: past the border of the patch.
   struct LayerParticle {
     int point = 0, triangle = 0;
     Vector3 weight = Vector3::Zero();
@@ -29,16 +29,16 @@ class BodySurface3d {
   };
 
   BodySurface3d() = default;
-  /// partner: a closed surface of triangles. reach: how far rows are seen [m]. Throws Error(case_file) where
-  /// the surface is not closed or inside out.
+  /// partner: a closed surface of triangles. reach: largest radius of the scheme [m]. Throws Error(case_file)
+  /// where the surface is not closed or inside out.
   BodySurface3d(const InterfaceMesh& partner, double spacing, double reach);
 
   bool empty() const { return points_.point.empty(); }
   const InterfaceMesh& mesh() const { return mesh_; }  // the partner's
   int points() const { return static_cast<int>(points_.point.size()); }
   int edge_of(int k) const { return points_.point[static_cast<std::size_t>(k)].patch; }
-  /// Behind each wet point, row after row; then those that go on beyond edges that are blunter than a right
-  /// angle, or concave, into the part of the body that water sees through the patch.
+  /// Behind each wet point, layer after layer; then those that continue past borders with an interior angle
+  /// above 90°.
   const std::vector<LayerParticle>& layer_particles() const { return layer_particles_; }
 
   /// Displacement and velocity of the mesh's points, 3×n; places = false: velocities alone.
@@ -58,8 +58,8 @@ class BodySurface3d {
 
   /// The nearest place of the surface within `limit` [m].
   TriangleGrid::Foot near(const Vector3& x, double limit) const { return grid_.nearest(x, limit); }
-  /// Whether the way from a in the water, whose nearest triangle is `near`, to the row b of wet point k goes
-  /// through that row's patch. An edge counts for one of its patches.
+  /// Whether the segment from a in the water, whose nearest triangle is `near`, to the layer particle b of
+  /// wet point k crosses that point's patch. A border counts for one of its patches.
   bool crosses(int k, int near, const Vector3& a, const Vector3& b) const;
   /// Whether the body stands between two places of water with those nearest triangles (−1: none within
   /// reach).

@@ -5,17 +5,19 @@
 
 namespace strake::fluid {
 
-/// Water that is compressible near its surface alone, down to the depth D, and incompressible beneath.
+/// Water that is compressible only near its surface, down to the depth D (`fluid.sound_depth`), and
+/// incompressible beneath.
 ///
-/// Sound would come back from there as from a rigid wall. A sheet at D in which the water yields to the
-/// excess p' over the pressure at rest,
-///   ∇·u = −g p'/(ρc),   ∫ g dy = 1,
-/// has the admittance 1/(ρc) of the water above, and the water beneath, which no plane wave moves, adds none:
-/// no echo, at whatever frequency. A slow flow goes through it into the deep water: of the pressure of an
-/// incompressible flow u the yielding takes u/c. A sheet spread over the width of a hat, −h … h, lets sound
-/// in too deep by ∫ (1 − (∫_y^h g)²) dy up to its middle less ∫ (∫_y^h g)² dy beyond it, (7/30) h, and lies
-/// deeper by as much; then its echo is of second order in h over the wave's length: 2 % of a wave of 25 l0,
-/// 7 % at half of that.
+/// Sound would be reflected there as from a rigid wall. A sheet at D therefore absorbs it. In the sheet the
+/// water yields to the excess p' over the pressure at rest,
+///   ∇·u = −g p'/(ρc),   ∫ g dy = 1.
+/// It has the admittance 1/(ρc) of the water above. The water beneath, which no plane wave moves, adds none.
+/// So there is no echo at any frequency. A slow flow passes through the sheet into the deep water; of its
+/// pressure the sheet takes the part u/c.
+///
+/// g is a hat over −h … h. Spread like that the sheet acts as if it lay (7/30) h too deep: ∫ (1 − (∫_y^h g)²)
+/// dy up to its middle less ∫ (∫_y^h g)² dy beyond it. It is shifted by as much. The echo is then of second
+/// order in h over the wave's length: 2 % of a wave of 25 l0, 7 % at half of that.
 class SoundLayer {
  public:
   SoundLayer(double depth, double spacing) : depth_(depth), half_(half_width * spacing) {}

@@ -47,6 +47,16 @@ inline Vector<dim> vector_of(const Double8 (&lanes)[dim]) {
   return out;
 }
 
+/// The tensor of those sums, written in place.
+template <int dim>
+inline void write_symmetric(const Double8 (&parts)[Symmetric<dim>::parts], Tensor<dim>& out) {
+#pragma GCC unroll 6
+  for (int m = 0; m < Symmetric<dim>::parts; ++m) {
+    const int row = Symmetric<dim>::row[m], column = Symmetric<dim>::column[m];
+    out(row, column) = out(column, row) = sum(parts[m]);
+  }
+}
+
 /// The inverse of m. Directions in which the neighbours hardly extend are left out, see least_ratio. The
 /// entries are written in place, because a copy would stall.
 template <int dim>
@@ -179,11 +189,7 @@ void LeastSquaresScheme<dim>::sum_water(const Boundary<dim>& boundary, const Sta
   out.stiffness = sum(stiffnesses);
   out.m = vector_of<dim>(opens);
   out.concentration = vector_of<dim>(crowdings);
-#pragma GCC unroll 6
-  for (int m = 0; m < Symmetric<dim>::parts; ++m) {
-    const int row = Symmetric<dim>::row[m], column = Symmetric<dim>::column[m];
-    out.b(row, column) = out.b(column, row) = sum(moments[m]);
-  }
+  write_symmetric<dim>(moments, out.b);
   out.m_projected = out.m;
   out.weights = out.diagonal;
   out.filled = 1 + out.volume;

@@ -6,7 +6,7 @@
 
 namespace strake::fluid {
 
-/// The full lattice's own sums under a flat free surface: what the least-squares scheme knows a surface by.
+/// Sums of a lattice under a flat free surface, with which the least-squares scheme compares a particle.
 /// "First" is the row at the surface, half a spacing below it, "second" the one beneath that.
 template <int dim>
 class SurfaceLattice {
@@ -21,15 +21,15 @@ class SurfaceLattice {
   double volume;         // Σ W, W of volume_weight, of the full lattice without the particle itself
 
   /// Depth under a flat surface [m] of a particle whose ball of the Laplacian's radius is filled to that
-  /// part: (Σ W + 1)/(volume + 1). Smooth water under y = d fills it to ∫_{y<d} W / ∫ W; the depths that this
-  /// gives are set right for the lattice's first and second row. The sum counts water, so that stretched
-  /// water lies as deep as its volume says.
+  /// part, (Σ W + 1)/(volume + 1) (F38). Smooth water under y = d fills it to ∫_{y<d} W / ∫ W. The depths
+  /// that this gives are corrected linearly, to be exact for the lattice's first and second row. The sum
+  /// counts water, so stretched water lies as deep as its volume is.
   double depth(double filled) const;
 
  private:
   static constexpr int layers = 62;  // of the radius
   std::array<double, layers + 1> filled_;
-  double first_seen_, second_seen_;  // what ∫_{y<d} W / ∫ W gives for the first two rows [m]
+  double first_seen_, second_seen_;  // depth by ∫_{y<d} W / ∫ W of the first two rows [m]
   double layer_;                     // [m]
   double seen(double filled) const;
 };

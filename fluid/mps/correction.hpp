@@ -13,23 +13,23 @@
 
 namespace strake::fluid {
 
-/// ∇P [Pa/m] of fluid/THEORY.md (F16), (F19), (F20) as the scheme chooses it, at the rows that `row` marks.
-/// Surface particles and dry rows stand in the sums with P = 0, dummies with their Neumann pressure. In the
-/// symmetric form a pair with a row of the tank acts along the wall's normal alone: the wall is smooth, and
-/// its particles must not hold the water like teeth (a column of water hangs on its side walls otherwise).
-/// level: `face_level` of the water, or empty.
+/// ∇P [Pa/m] of fluid/THEORY.md (F16), (F19), (F20) as the scheme chooses it, at the particles that `row`
+/// marks. Surface particles and dry layer particles stand in the sums with P = 0, dummies with their Neumann
+/// pressure. In the symmetric form a pair with a tank particle acts along the wall's normal alone. The wall
+/// is smooth: otherwise its particles would carry the water at the side walls. level: `face_level` of the
+/// water, or empty.
 template <int dim>
 Vectors<dim> pressure_gradient(const State<dim>&, const Boundary<dim>&, const Neighbours& near,
                                const LatticeConstants& lattice, Gradient kind, const Masks& masks,
                                const Eigen::VectorXd& level = {});
 
-/// The symmetric form pushes a water particle off a body's face, or draws it to it, where its distance to the
-/// first row is not l0, in proportion to the pressure itself: in an impact a distance wrong by 3 % makes a
-/// velocity as large as the plate's. All pairs of particle i with rows of a body are therefore weighted by
+/// Weights α_i of the pairs of water particle i with layers of a body (F22),
 ///   α_i = Σ_water w (r_ij·n)/r² / −Σ_body w (r_ij·n)/r² ,   n the face's normal,
-/// so that a uniform pressure moves nothing along n. It belongs to the pair: the body feels the same factor,
-/// and momentum stays exact. 1 away from bodies, and where the water behind the particle is thin (spray);
-/// within 0.5 … 2.
+/// so that a uniform pressure moves nothing along n. Without them the symmetric form pushes a particle off a
+/// face, or draws it to it, where its distance to the first layer is not l0, in proportion to the pressure.
+/// In an impact a distance wrong by 3 % makes a velocity as large as the plate's. The weight belongs to the
+/// pair: the body feels the same factor, and momentum stays exact. It is 1 away from bodies, and where the
+/// water behind the particle is thin (spray); it lies within 0.5 … 2.
 template <int dim>
 Eigen::VectorXd face_level(const State<dim>&, const Boundary<dim>&, const Neighbours& near,
                            const LatticeConstants& lattice, double spacing);

@@ -33,9 +33,9 @@ template <int dim>
 LayerForces<dim> layer_forces(const State<dim>& state, const Boundary<dim>&, const Neighbours& near,
                               const LoadTerms<dim>&);
 
-/// What the pairs of water and each structure's particle carry in volume coupling: Σ ½ (P_i + P_j) w over the
-/// water in reach [Pa] and Σ w, 2×particles. The force of `pairwise` knows P_i + P_j alone: how much of it is
-/// P_i drifts.
+/// Pressure of the pairs of water and each structure's particle in volume coupling: Σ ½ (P_i + P_j) w over
+/// the water in reach [Pa] and Σ w, 2×particles. The pairwise force fixes only P_i + P_j. How the sum is
+/// split between the two is undetermined and drifts, so sensors average the pair.
 template <int dim>
 Eigen::Matrix2Xd carried_pressure(const State<dim>& state, const Boundary<dim>&, const Neighbours& near,
                                   const LatticeConstants& lattice);

@@ -21,16 +21,17 @@ struct FilterTerms {
   double density, spacing, dt;      // ρ [kg/m³], l0 [m], Δt [s]
 };
 
-/// Velocity filter of the symmetric pressure gradient (P_i + P_j): change of the water's velocity in a step,
-/// dim×water [m/s].
+/// Velocity filter of the symmetric pressure gradient (P_i + P_j) (F23): change of the water's velocity in a
+/// step, dim×water [m/s].
 ///
-/// Under pressure those pair forces are springs that push. A square lattice of them has no resistance to
-/// shear: its rows slide off one another at a rate of about √(P/ρ)/l0, whatever the time step, and the water
-/// swings in its tank until the lattice has found another order. The filter damps that slide at the rate of
-/// its growth, and leaves alone what the velocity gradient explains. Antisymmetric, so momentum is exact. Its
-/// price: the order that is found at last carries some shear stress, like a solid; in a still tank the mean
-/// force on the floor is right to 0.1 %, its noise 5 to 50 times less, but pressures differ by 1 to 2 % along
-/// it.
+/// Under pressure the pair forces are springs that push. A square lattice of them has no resistance to shear.
+/// Its rows slide off one another at a rate of about √(P/ρ)/l0, whatever the time step, and the water swings
+/// in its tank until the lattice has found another order. The filter damps that slide at the rate of its
+/// growth. It leaves alone what the velocity gradient explains. It is antisymmetric, so momentum is exact.
+///
+/// Its price: the final order carries some shear stress, like a solid. In a still tank the mean force on the
+/// floor is right to 0.1 %, and its noise is 5 to 50 times less. Pressures differ by 1 to 2 % along the
+/// floor.
 template <int dim>
 Vectors<dim> filter_lattice(const FilterTerms<dim>&);
 

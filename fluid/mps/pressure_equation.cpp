@@ -29,6 +29,24 @@ double right_side(const PressureTerms& terms, const Scheme& scheme, double scale
   return -scale * terms.reference_density * f;
 }
 
+/// Numbers the unknowns, and makes room for a row of each.
+void number_unknowns(const Neighbours& neighbours, std::span<const Row> row, PressureSystem& system) {
+  auto& own = system.own;
+  system.particle.clear();
+  own.unknown_of.assign(row.size(), -1);
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (row[i] != Row::unknown) continue;
+    own.unknown_of[i] = static_cast<std::int32_t>(system.particle.size());
+    system.particle.push_back(static_cast<std::int32_t>(i));
+  }
+  own.start.resize(system.particle.size());
+  own.stop.resize(system.particle.size());
+  own.column.resize(neighbours.column().size());
+  own.value.resize(neighbours.column().size());
+  system.diagonal.resize(system.size());
+  system.right.resize(system.size());
+}
+
 }  // namespace
 
 template <int dim>
@@ -36,21 +54,8 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
                        const LatticeConstants& laplacian, PressureSystem& system) {
   const auto n = static_cast<std::int64_t>(terms.row.size());
   auto& own = system.own;
-  system.particle.clear();
-  own.unknown_of.assign(terms.row.size(), -1);
-  for (std::int64_t i = 0; i < n; ++i) {
-    if (terms.row[static_cast<std::size_t>(i)] != Row::unknown) continue;
-    own.unknown_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(system.particle.size());
-    system.particle.push_back(static_cast<std::int32_t>(i));
-  }
+  number_unknowns(neighbours, terms.row, system);
   const std::int64_t unknowns = system.size();
-  own.start.resize(system.particle.size());
-  own.stop.resize(system.particle.size());
-  own.column.resize(neighbours.column().size());
-  own.value.resize(neighbours.column().size());
-  system.diagonal.resize(unknowns);
-  system.right.resize(unknowns);
-
   const double scale = laplacian.n0 * laplacian.lambda0 / (2.0 * dim);
   const double gamma = drift_factor(scheme, terms.dt);
   const double radius = laplacian.radius, inverse_radius = 1.0 / radius;

@@ -15,7 +15,7 @@ namespace strake::fluid {
 
 /// What a particle is to the pressure equation.
 enum class Row : std::uint8_t {
-  none,  // no unknown and not in the Laplacian: dummies, parked particles, the inside of a particle solid
+  none,  // no unknown and not in the Laplacian: dummies, removed particles, the inside of a particle solid
   zero,  // free surface, dry wall: P = 0
   unknown,
 };

@@ -30,6 +30,13 @@ struct Limits {
   bool narrow = false;
 };
 
+/// Coordinates of a cell's list about its middle, one array per direction, filled up to whole lanes.
+template <int dim>
+struct Screen {
+  std::array<std::vector<float>, dim> all, without_fillers;
+  std::vector<std::int32_t> member;  // places in the list of the cell's own particles
+};
+
 /// Bits of sixteen partners, and above them those of the partners at the border.
 std::uint32_t joined(std::uint32_t near, std::uint32_t border) {
   return border << 16 | near;
@@ -37,7 +44,7 @@ std::uint32_t joined(std::uint32_t near, std::uint32_t border) {
 
 /// Compares member k with the whole list, sixteen partners at a time.
 template <int dim>
-void screen_row(const std::array<std::vector<float>, dim>& x, const CellScreen<dim>& screen, size_t k,
+void screen_row(const std::array<std::vector<float>, dim>& x, const Screen<dim>& screen, size_t k,
                 size_t length, const Limits& limits, std::uint32_t* bits) {
   for (size_t b = 0; b < length; b += simd::wide, ++bits) {
 #ifdef STRAKE_AVX512
@@ -74,13 +81,46 @@ void screen_row(const std::array<std::vector<float>, dim>& x, const CellScreen<d
   }
 }
 
-/// Every partner of a particle so far outside the grid that single precision says nothing about it.
+/// Takes every partner of a particle so far outside the grid that single precision cannot compare it.
 void take_all(size_t k, size_t length, std::uint32_t* bits) {
   for (size_t b = 0; b < length; b += simd::wide, ++bits) {
     std::uint32_t near = simd::first_bits(static_cast<std::int64_t>(std::min<size_t>(16, length - b)));
     if (k - b < simd::wide) near &= ~(1U << (k - b));
     *bits = joined(near, near);
   }
+}
+
+/// Coordinates of a cell's list about the cell's middle, and the places in the list of the cell's own
+/// members. Returns whether the list has fillers.
+template <int dim>
+bool fill_screen(const Vectors<dim>& position, std::span<const std::uint8_t> tag,
+                 const Periodic<dim>& periodic, std::span<const std::int32_t> list, const Vector<dim>& middle,
+                 std::span<const std::int32_t> cell_of, std::int64_t cell, Screen<dim>& screen) {
+  const size_t blocks = (list.size() + simd::wide - 1) / simd::wide;
+  const bool seams = periodic.any();
+  bool fillers = false;
+  screen.member.clear();
+  for (auto& x : screen.all)
+    if (x.size() < blocks * simd::wide) x.resize(blocks * simd::wide);
+  for (size_t k = 0; k < list.size(); ++k) {
+    const std::int32_t j = list[k];
+    for (int d = 0; d < dim; ++d) {
+      double x = position.data()[dim * std::int64_t{j} + d] - middle[d];
+      if (seams) x = periodic.nearest(x, d);
+      screen.all[static_cast<size_t>(d)][k] = static_cast<float>(x);
+    }
+    if (cell_of[static_cast<size_t>(j)] == cell) screen.member.push_back(static_cast<std::int32_t>(k));
+    fillers = fillers || (!tag.empty() && (tag[static_cast<size_t>(j)] & 1));
+  }
+  for (auto& x : screen.all)
+    std::fill(x.begin() + static_cast<std::ptrdiff_t>(list.size()),
+              x.begin() + static_cast<std::ptrdiff_t>(blocks * simd::wide), nowhere);
+  if (fillers) {
+    screen.without_fillers = screen.all;
+    for (size_t k = 0; k < list.size(); ++k)
+      if (tag[static_cast<size_t>(list[k])] & 1) screen.without_fillers[0][k] = nowhere;
+  }
+  return fillers;
 }
 
 }  // namespace
@@ -186,45 +226,10 @@ void CellList<dim>::around(const Place& p, Body&& body) const {
                      along[2][static_cast<size_t>(z)]}));
 }
 
-/// Appends every particle to the lists of the cells around its own; each thread owns a range of cells.
+/// Finds each particle's cell and the length of each cell's list. Then next_ is where a cell's list begins,
+/// and members_ the cell's number among those that are occupied.
 template <int dim>
-void CellList<dim>::append_to_lists(Candidates& out) {
-  const auto n = static_cast<std::int64_t>(out.cell.size());
-  const std::int64_t cells = std::int64_t{count_[0]} * count_[1] * count_[2];
-  const auto occupied = static_cast<std::int64_t>(occupied_.size());
-  const std::vector<std::int32_t>& cell = out.cell;
-  const std::vector<std::int64_t>& start = out.list_start;
-#pragma omp parallel
-  {
-    // As many list entries for each thread.
-    const auto share = [&](std::int64_t part) {
-      const std::int64_t entry = start.back() * part / omp_get_num_threads();
-      const auto o = std::lower_bound(start.begin(), start.end(), entry) - start.begin();
-      return o < occupied ? std::int64_t{occupied_[static_cast<size_t>(o)]} : cells;
-    };
-    const std::int64_t first = share(omp_get_thread_num()), last = share(omp_get_thread_num() + 1);
-    std::array<std::int64_t*, 27> ends{};
-    size_t n_lists = 0;
-    std::int32_t of = -1;
-    for (std::int64_t i = 0; i < n; ++i) {
-      const std::int32_t c = cell[static_cast<size_t>(i)];
-      if (c != of) {  // mostly the one before
-        of = c;
-        n_lists = 0;
-        around(place_of(c), [&](std::int32_t b) {
-          if (b >= first && b < last && next_[static_cast<size_t>(b)] >= 0)
-            ends[n_lists++] = &next_[static_cast<size_t>(b)];
-        });
-      }
-      for (size_t l = 0; l < n_lists; ++l)
-        out.lists[static_cast<size_t>((*ends[l])++)] = static_cast<std::int32_t>(i);
-    }
-  }
-}
-
-/// Counts the members of each cell, lays out one list for each occupied cell, and fills the lists.
-template <int dim>
-void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
+void CellList<dim>::count_members(const Vectors<dim>& position, Candidates& out) {
   const auto n = static_cast<std::int64_t>(position.cols());
   const std::int64_t cells = std::int64_t{count_[0]} * count_[1] * count_[2];
   std::vector<std::int32_t>& cell = out.cell;
@@ -254,8 +259,44 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
     next_[static_cast<size_t>(occupied_[o])] = start[o];
     members_[static_cast<size_t>(occupied_[o])] = static_cast<std::int32_t>(o);
   }
+}
+
+/// Each thread owns a range of cells, and appends to their lists.
+template <int dim>
+void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
+  count_members(position, out);
+  const auto n = static_cast<std::int64_t>(position.cols());
+  const std::int64_t cells = std::int64_t{count_[0]} * count_[1] * count_[2];
+  const auto occupied = static_cast<std::int64_t>(occupied_.size());
+  std::vector<std::int32_t>& cell = out.cell;
+  const std::vector<std::int64_t>& start = out.list_start;
   make_room(out.lists, static_cast<size_t>(start.back()));
-  append_to_lists(out);
+#pragma omp parallel
+  {
+    // As many list entries for each thread.
+    const auto share = [&](std::int64_t part) {
+      const std::int64_t entry = start.back() * part / omp_get_num_threads();
+      const auto o = std::lower_bound(start.begin(), start.end(), entry) - start.begin();
+      return o < occupied ? std::int64_t{occupied_[static_cast<size_t>(o)]} : cells;
+    };
+    const std::int64_t first = share(omp_get_thread_num()), last = share(omp_get_thread_num() + 1);
+    std::array<std::int64_t*, 27> ends{};
+    size_t n_lists = 0;
+    std::int32_t of = -1;
+    for (std::int64_t i = 0; i < n; ++i) {
+      const std::int32_t c = cell[static_cast<size_t>(i)];
+      if (c != of) {  // mostly the one before
+        of = c;
+        n_lists = 0;
+        around(place_of(c), [&](std::int32_t b) {
+          if (b >= first && b < last && next_[static_cast<size_t>(b)] >= 0)
+            ends[n_lists++] = &next_[static_cast<size_t>(b)];
+        });
+      }
+      for (size_t l = 0; l < n_lists; ++l)
+        out.lists[static_cast<size_t>((*ends[l])++)] = static_cast<std::int32_t>(i);
+    }
+  }
   out.bits_start.resize(static_cast<size_t>(n));
   std::int64_t words = 0;
   for (std::int64_t i = 0; i < n; ++i) {
@@ -266,43 +307,6 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
         (start[static_cast<size_t>(c) + 1] - start[static_cast<size_t>(c)] + simd::wide - 1) / simd::wide;
   }
   make_room(out.bits, static_cast<size_t>(words));
-}
-
-/// Places of one occupied cell's list from the middle of the cell, in single precision, and its own members.
-/// Returns whether there are fillers among them.
-template <int dim>
-bool CellList<dim>::fill_screen(const Vectors<dim>& position, std::span<const std::uint8_t> tag,
-                                const Periodic<dim>& periodic, std::int64_t o, const Candidates& out,
-                                CellScreen<dim>& screen) const {
-  const bool seams = periodic.any();
-  const std::int32_t* list = out.lists.data() + out.list_start[static_cast<size_t>(o)];
-  const auto length = static_cast<size_t>(out.list_start[static_cast<size_t>(o) + 1] -
-                                          out.list_start[static_cast<size_t>(o)]);
-  const size_t blocks = (length + simd::wide - 1) / simd::wide;
-  const Vector<dim> middle = centre(place_of(occupied_[static_cast<size_t>(o)]));
-  bool fillers = false;
-  screen.member.clear();
-  for (auto& x : screen.all)
-    if (x.size() < blocks * simd::wide) x.resize(blocks * simd::wide);
-  for (size_t k = 0; k < length; ++k) {
-    const std::int32_t j = list[k];
-    for (int d = 0; d < dim; ++d) {
-      double x = position.data()[dim * std::int64_t{j} + d] - middle[d];
-      if (seams) x = periodic.nearest(x, d);
-      screen.all[static_cast<size_t>(d)][k] = static_cast<float>(x);
-    }
-    if (out.cell[static_cast<size_t>(j)] == o) screen.member.push_back(static_cast<std::int32_t>(k));
-    fillers = fillers || (!tag.empty() && (tag[static_cast<size_t>(j)] & 1));
-  }
-  for (auto& x : screen.all)
-    std::fill(x.begin() + static_cast<std::ptrdiff_t>(length),
-              x.begin() + static_cast<std::ptrdiff_t>(blocks * simd::wide), nowhere);
-  if (fillers) {
-    screen.without_fillers = screen.all;
-    for (size_t k = 0; k < length; ++k)
-      if (tag[static_cast<size_t>(list[k])] & 1) screen.without_fillers[0][k] = nowhere;
-  }
-  return fillers;
 }
 
 template <int dim>
@@ -323,13 +327,15 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
   const auto occupied = static_cast<std::int64_t>(occupied_.size());
 #pragma omp parallel
   {
-    CellScreen<dim> screen;
+    Screen<dim> screen;
 #pragma omp for schedule(dynamic, 16)
     for (std::int64_t o = 0; o < occupied; ++o) {
       const std::int32_t* list = out.lists.data() + out.list_start[static_cast<size_t>(o)];
       const auto length = static_cast<size_t>(out.list_start[static_cast<size_t>(o) + 1] -
                                               out.list_start[static_cast<size_t>(o)]);
-      const bool fillers = fill_screen(position, tag, periodic, o, out, screen);
+      const Vector<dim> middle = centre(place_of(occupied_[static_cast<size_t>(o)]));
+      const bool fillers =
+          fill_screen<dim>(position, tag, periodic, {list, length}, middle, out.cell, o, screen);
       for (const std::int32_t m : screen.member) {
         const auto k = static_cast<size_t>(m);
         const std::int32_t i = list[k];

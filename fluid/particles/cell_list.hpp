@@ -21,10 +21,10 @@ void make_room(std::vector<T>& values, std::size_t n) {
   values.resize(n);
 }
 
-/// Every pair within a reach and a few beyond it: of each particle the bits of its cell's list, which holds
-/// the particles in and around the cell in the order of their indices. Pairs at the border have a second bit:
-/// those that a motion within the skin may take over the radius, and those that nearly coincide. All others
-/// are within the radius as long as the places are about those that were searched.
+/// Candidate pairs as bit masks over the cell's sorted neighbour list. The list holds the particles in and
+/// around the cell in the order of their indices. A second bit marks pairs near the cut-off, and pairs that
+/// nearly coincide: those are tested again each step. All others stay within the radius while no particle
+/// moves by more than the skin allows.
 struct Candidates {
   std::vector<std::int32_t> lists;        // of the occupied cells, one behind the other
   std::vector<std::int64_t> list_start;   // of each, and the end
@@ -42,13 +42,6 @@ struct Candidates {
     return {lists.data() + list_start[c], static_cast<std::size_t>(list_start[c + 1] - list_start[c])};
   }
   std::size_t first_bits(std::int64_t i) const { return bits_start[static_cast<std::size_t>(i)]; }
-};
-
-/// Coordinates of a cell's list about its middle, one array per direction, filled up to whole lanes.
-template <int dim>
-struct CellScreen {
-  std::array<std::vector<float>, dim> all, without_fillers;
-  std::vector<std::int32_t> member;  // places in the list of the cell's own particles
 };
 
 /// Cells no smaller than the reach, so that all partners of a particle are in its own or an adjacent cell.
@@ -78,10 +71,8 @@ class CellList {
   Vector<dim> centre(const Place&) const;
   template <class Body>
   void around(const Place&, Body&&) const;
+  void count_members(const Vectors<dim>& position, Candidates&);
   void fill_lists(const Vectors<dim>& position, Candidates&);
-  void append_to_lists(Candidates&);
-  bool fill_screen(const Vectors<dim>& position, std::span<const std::uint8_t> tag, const Periodic<dim>&,
-                   std::int64_t occupied_cell, const Candidates&, CellScreen<dim>&) const;
 
   std::array<double, 3> origin_{}, size_{1, 1, 1};
   std::array<std::int32_t, 3> count_{1, 1, 1};

@@ -17,7 +17,8 @@ namespace strake::fluid {
 
 namespace {
 
-/// Velocity of the partner's points at the fluid's own, by the nearest point of the partner's faces.
+/// Velocity of the partner's points at the fluid's own points, interpolated at the nearest place of its
+/// faces.
 Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, const Points& velocity) {
   const bool same = partner.faces.cols() == 0 || mesh.dimension == 3;  // points of both meshes
   if (velocity.cols() == mesh.position.cols() && same) return velocity;
@@ -59,7 +60,8 @@ Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, c
   state.surface.assign(state.kind.size(), 1);
 }
 
-/// g · ½(1 − cos(πt/ramp)) in the middle of the step; the bodies' velocity of the end of the step.
+/// Begins a step: gravity g · ½(1 − cos(πt/ramp)) at the middle of the step, and the velocity of bodies and
+/// tank at its end.
 template <int dim>
 void Simulation<dim>::Work::begin(double dt, double rest, double stable, const InterfaceMotion& given) {
   State<dim>& state = step.state;
@@ -71,7 +73,7 @@ void Simulation<dim>::Work::begin(double dt, double rest, double stable, const I
   if (step.p.gravity_ramp > 0 && t < step.p.gravity_ramp)
     ramp = 0.5 * (1 - std::cos(std::numbers::pi * t / step.p.gravity_ramp));
   step.gravity = ramp * step.p.gravity.template head<dim>();
-  // Volume coupling gives the places of the structure's particles for this step, surface coupling those at
+  // Volume coupling gives the positions of the structure's particles for this step, surface coupling those at
   // its end.
   step.boundary.move(state, given.displacement, given.velocity, step.boundary.volume());
   step.boundary.move_tank(state, state.time + dt, false);
@@ -88,7 +90,7 @@ void Simulation<dim>::Work::measure() {
   scheme->measure(step);
 }
 
-/// Before every fiftieth step: what is near in space comes near in memory.
+/// Sorts the water along the cells every fifty steps, so that neighbours in space are neighbours in memory.
 template <int dim>
 void Simulation<dim>::Work::sort_along_cells() {
   if (!reorder_due(step.state.step)) return;
@@ -153,7 +155,7 @@ void Simulation<dim>::Work::solve_pressure() {
 #pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < system.size(); ++k)
     state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
-  // In a closed tank pressure has no zero that tension could be measured from.
+  // In a closed tank the pressure has no fixed zero, and tension has no meaning.
   scheme->limit_pressure(step, keys.negative_pressure || !step.p.open_top || sealed);
 }
 

@@ -49,7 +49,7 @@ void advance_k(const ViscousFlow<dim>&, const SpsModel&, const LatticeConstants&
 /// 2).
 inline constexpr int fewest_neighbours = 4;
 
-/// What the static model knows of each particle.
+/// The static model's values at each particle.
 struct SpsFields {
   Eigen::VectorXd production;      // Pr = 2 S_lm S_lm [1/s²] (F5)
   Eigen::VectorXd k;               // (C_ν/C_ε) Δ² Pr [m²/s²] (F6)

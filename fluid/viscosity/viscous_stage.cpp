@@ -20,8 +20,8 @@ bool consistent(const Scheme& scheme) {
 
 using std::size_t;
 
-/// A neighbourhood this small or this flat has no gradient. The lattice's corner has 0.25 in the plane and
-/// 0.04 in space.
+/// Smallest determinant and condition of a neighbourhood that has a gradient. The lattice's corner has 0.25
+/// in the plane and 0.04 in space.
 template <int dim>
 constexpr double smallest_determinant = dim == 2 ? 0.05 : 0.01;
 constexpr double largest_condition = 20;
@@ -77,17 +77,6 @@ inline void invert(const Tensor<dim>& m, double determinant, Tensor<dim>& invers
   }
 }
 
-/// product = left · right
-template <int dim>
-inline void multiply(const double (&left)[dim][dim], const Tensor<dim>& right, Tensor<dim>& product) {
-  for (int a = 0; a < dim; ++a)
-    for (int b = 0; b < dim; ++b) {
-      double entry = left[a][0] * right(0, b);
-      for (int c = 1; c < dim; ++c) entry += left[a][c] * right(c, b);
-      product(a, b) = entry;
-    }
-}
-
 }  // namespace
 
 template <int dim>
@@ -119,7 +108,8 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
   }
 }
 
-/// Room for the stage, and place and velocity of each particle side by side.
+/// Writes place and velocity of each particle side by side; behind faces the velocity that carries the flow
+/// on.
 template <int dim>
 void ViscousStage<dim>::take_samples(const ViscousFlow<dim>& flow) {
   const auto n = flow.position.cols();
@@ -172,7 +162,7 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
               [&](std::int32_t j, double inverse, double w) {
                 if (!flow.dry(j)) add(j, inverse, w);
               });
-    // Number by number: a copy or product of whole tensors would wait for the numbers just written.
+    // Entry by entry, because a copy or product of whole tensors would stall on the numbers just written.
     Tensor<dim> m;
     double raw[dim][dim];
     for (int a = 0; a < dim; ++a)
@@ -188,7 +178,12 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
       neighbours_[static_cast<size_t>(i)] = count;
       Tensor<dim>& correction = correction_[static_cast<size_t>(i)];
       invert<dim>(m, determinant, correction);
-      multiply<dim>(raw, correction, g);
+      for (int a = 0; a < dim; ++a)
+        for (int b = 0; b < dim; ++b) {
+          double entry = raw[a][0] * correction(0, b);
+          for (int c = 1; c < dim; ++c) entry += raw[a][c] * correction(c, b);
+          g(a, b) = entry;
+        }
       for (int a = 0; a < dim; ++a)
         for (int b = 0; b < dim; ++b) pr += 0.5 * (g(a, b) + g(b, a)) * (g(a, b) + g(b, a));  // 2 S:S
     } else {
@@ -221,7 +216,7 @@ void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energ
   stress_[static_cast<size_t>(i)] = stress;
 }
 
-// The k model: k moves on by the ν_t it had, then makes the new one and the stress.
+// The k model: k is advanced with the ν_t of the old k; then ν_t and the stress follow from the new one.
 template <int dim>
 void ViscousStage<dim>::transport(const ViscousFlow<dim>& flow, const LatticeConstants& lattice, double dt,
                                   Eigen::VectorXd& k) {
@@ -240,7 +235,7 @@ void ViscousStage<dim>::gather_force(bool corrected, const ViscousFlow<dim>& flo
   const auto n = flow.position.cols();
 #pragma omp parallel
   {
-    // Water and rows each in equal parts: a row costs next to nothing.
+    // Water and layers are each divided evenly among the threads, because a layer particle costs little.
 #pragma omp for schedule(static) nowait
     for (std::int64_t i = 0; i < flow.walls.first; ++i) {
       const auto at = static_cast<size_t>(i);
@@ -385,8 +380,13 @@ void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow
       fields.eddy_viscosity[i] =
           counts[static_cast<size_t>(i)] < fewest_neighbours ? 0 : model.eddy_viscosity(k[i]);
   }
-  acceleration = viscous_acceleration<dim>(flow.velocity, flow.far, laplacian_lattice, nu, masks) +
-                 sps_acceleration<dim>(flow.position, gradient, fields, flow.near, lattice, masks);
+  if (scheme.sps == SpsForm::laplacian) {
+    acceleration = sps_acceleration_laplacian<dim>(flow.position, flow.velocity, gradient, fields, model,
+                                                   flow.far, lattice, laplacian_lattice, masks);
+  } else {
+    acceleration = viscous_acceleration<dim>(flow.velocity, flow.far, laplacian_lattice, nu, masks) +
+                   sps_acceleration<dim>(flow.position, gradient, fields, flow.near, lattice, masks);
+  }
   k = fields.k;
 }
 

@@ -14,21 +14,22 @@
 
 namespace strake::fluid {
 
-/// ν∇²u + ∇·τ of every particle [m/s²] (fluid/THEORY.md (F2)), and what it takes: owned by the caller, so
-/// that no step allocates. At a row it is the reaction of the water per mass of a water particle: times that
-/// mass the force on the row.
+/// Computes ν∇²u + ∇·τ of every particle [m/s²] (fluid/THEORY.md (F2)). The object is kept by the caller, so
+/// that no step allocates. At a layer particle the value is the reaction of the water per mass of a water
+/// particle; times that mass it is the force on it.
 ///
 /// `joint` is one sum for ν and the model. With the corrected velocity gradient G = ∇u, the stress per
 /// density τ_i = (ν + ν_t)_i (G_i + G_iᵀ) − (2/3) k_i I and ν̄ = ν + (ν_t,i + ν_t,j)/2,
-///   f_ij = (d/n0) (τ_i + τ_j)·r_ij w/r² + (2d/(n0 λ)) ν̄ (u_j − u_i − ½ (G_i + G_j) r_ij) w,   a_i = Σ_j
-///   f_ij.
-/// The first part is the stress through the pair; alone it would not see a velocity that alternates from
+///   f_ij = (d/n0) (τ_i + τ_j)·r_ij w/r² + (2d/(n0 λ)) ν̄ (u_j − u_i − ½ (G_i + G_j) r_ij) w ,
+///   a_i = Σ_j f_ij .
+/// The first part is the stress through the pair; alone it does not see a velocity that alternates from
 /// particle to particle. The second is the compact Laplacian of what G misses: nothing in a linear or
-/// quadratic flow, all of it for the alternating one. f is antisymmetric, so linear momentum is exact; a
-/// rigid rotation has no force, at a free surface too, where missing neighbours mean that no stress acts
-/// (∇u·n = 0 of the Laplacian alone would brake it). A pair of water i and row j reads G_i, ν_i, k_i for both
-/// and the velocity that carries the flow on behind the face; a smooth face takes the force along its normal
-/// alone.
+/// quadratic flow, all of it for the alternating one.
+///
+/// f is antisymmetric, so linear momentum is exact. A rigid rotation has no force. This holds at a free
+/// surface too, where missing neighbours mean that no stress acts; ∇u·n = 0 of the Laplacian alone would
+/// brake it. A pair of water i and layer particle j reads G_i, ν_i, k_i for both, and the velocity that
+/// continues the flow behind the face. A smooth face takes only the force along its normal.
 ///
 /// With the corrected pressure gradient, which gives up exact momentum for accuracy, water inside sums
 /// (τ_j − τ_i)·C_i r_ij instead: a uniform stress has no force however the particles lie.
@@ -40,8 +41,7 @@ class ViscousStage {
   /// k: the energy at the start of the step, advanced by dt with the k model, else overwritten [m²/s²].
   void compute(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
 
-  /// Memory that its owners do not need during `compute`, and back: one tensor per particle of water, and two
-  /// pieces of any size.
+  /// Swaps in memory that its owners do not need during `compute`, and out again afterwards.
   void exchange(std::vector<Tensor<dim>>& tensors, SharedMemory& one, SharedMemory& other) {
     correction_.swap(tensors);
     stresses_.swap(one);
@@ -54,7 +54,7 @@ class ViscousStage {
   Vectors<dim> acceleration;  // [m/s²]
 
  private:
-  /// What a neighbour must know: place and velocity, and the rows of τ, then those of G.
+  /// Data of a neighbour, side by side in memory: place and velocity; the rows of τ, then those of G.
   using Sample = std::conditional_t<dim == 2, Four, Eight>;
   static constexpr int width = dim == 2 ? 2 : 4, parts = dim * width / 4;
   struct Stress {

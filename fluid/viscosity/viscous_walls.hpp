@@ -13,7 +13,7 @@
 
 namespace strake::fluid {
 
-/// The rows behind walls and bodies as the viscous terms must know them. Entry k is particle first + k.
+/// The layer particles of walls and bodies for the viscous terms. Entry k is particle first + k.
 template <int dim>
 struct WallLayers {
   std::int64_t first = 0;            // particles [first, n) are rows, those before it water
@@ -24,11 +24,11 @@ struct WallLayers {
   std::vector<std::uint8_t> slip;    // 1: the face is smooth
 
   std::int64_t size() const { return static_cast<std::int64_t>(master.size()); }
-  /// Rows without a normal, at rest.
+  /// Layer particles without a normal, at rest.
   void resize(std::int64_t first_row, std::int64_t rows);
 };
 
-/// The rows of tank and bodies where they are now. slip: of all faces.
+/// The layers of tank and bodies where they are now. slip: of all faces.
 template <int dim>
 void describe_layers(const Boundary<dim>&, const State<dim>&, bool slip, double spacing, WallLayers<dim>&);
 
@@ -47,13 +47,13 @@ struct ViscousFlow {
   bool dry(std::int64_t row) const { return !wet.empty() && !wet[static_cast<std::size_t>(row)]; }
 };
 
-/// Velocities that carry the water's flow on behind the faces: what the viscous terms read at the rows.
-/// Distances d are from the face, s > 0 in the water and −depth at the row; u_w is the face's velocity.
+/// Velocities that continue the water's flow behind the faces, for the viscous terms at the layers. Distances
+/// d are from the face, positive in the water and −depth at the layer; u_w is the face's velocity.
 ///   no slip  u = u_w + d Σ w d_i (u_i − u_w)/Σ w d_i²: the line through u_w that fits the water best
 ///   slip     the same for the normal component; the mean Σ w u_i/Σ w for the others, whose slope is zero
-/// Sums over the water i within `radius` of the face's first row. Exact for a flow that is linear in the
-/// distance. In a corner: u_w, or the point reflection 2 u_w − Σ w u_i/Σ w where it is smooth. Rows whose
-/// mask is zero, and rows without water near, keep u_w.
+/// Sums over the water i within `radius` of the face's first layer. Exact for a flow that is linear in the
+/// distance. In a corner: u_w, or the point reflection 2 u_w − Σ w u_i/Σ w where it is smooth. Layer
+/// particles whose mask is zero, or without water near, keep u_w.
 template <int dim>
 struct VelocityBehind {
   Vectors<dim> velocity;     // of each row [m/s]
