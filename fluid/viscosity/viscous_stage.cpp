@@ -380,13 +380,8 @@ void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow
       fields.eddy_viscosity[i] =
           counts[static_cast<size_t>(i)] < fewest_neighbours ? 0 : model.eddy_viscosity(k[i]);
   }
-  if (scheme.sps == SpsForm::laplacian) {
-    acceleration = sps_acceleration_laplacian<dim>(flow.position, flow.velocity, gradient, fields, model,
-                                                   flow.far, lattice, laplacian_lattice, masks);
-  } else {
-    acceleration = viscous_acceleration<dim>(flow.velocity, flow.far, laplacian_lattice, nu, masks) +
-                   sps_acceleration<dim>(flow.position, gradient, fields, flow.near, lattice, masks);
-  }
+  acceleration = viscous_acceleration<dim>(flow.velocity, flow.far, laplacian_lattice, nu, masks) +
+                 sps_acceleration<dim>(flow.position, gradient, fields, flow.near, lattice, masks);
   k = fields.k;
 }
 
