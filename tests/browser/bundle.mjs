@@ -3,7 +3,7 @@ import { build } from 'esbuild';
 import { readFile, writeFile } from 'node:fs/promises';
 import { fileURLToPath } from 'node:url';
 
-const page = fileURLToPath(new URL('../../coupler/watch/page/', import.meta.url));
+const page = fileURLToPath(new URL('../../coupler/watch/web/page/', import.meta.url));
 const licence = (await readFile(page + 'vendor/uplot/LICENSE', 'utf8')).trim();
 const made = await build({
   absWorkingDir: page,
@@ -15,7 +15,7 @@ const made = await build({
   charset: 'utf8',
   legalComments: 'inline',
   write: false,
-  banner: { js: `// Built from coupler/watch/page/source by tests/browser/bundle.mjs; contains uPlot:\n/*\n${licence}\n*/` },
+  banner: { js: `// Built from coupler/watch/web/page/source by tests/browser/bundle.mjs; contains uPlot:\n/*\n${licence}\n*/` },
 });
 const file = page + 'bundle/page.js', text = made.outputFiles[0].text;
 if (process.argv.includes('--check')) {

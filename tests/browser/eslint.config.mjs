@@ -10,7 +10,7 @@ export default defineConfig(
   js.configs.recommended,
   { rules: { 'no-undef': 'off', eqeqeq: 'error' } },  // the type checker checks names better
   {
-    files: ['coupler/watch/page/source/*.ts'],
+    files: ['coupler/watch/web/page/source/*.ts'],
     extends: [tseslint.configs.strictTypeChecked],
     languageOptions: { parserOptions: { project: `${root}coupler/watch/web/page/tsconfig.json` } },
     rules: {
