@@ -34,6 +34,12 @@ struct Field {
   Values value;               // components×n
 };
 
+/// How the points of a mesh have moved. Both are 3×n.
+struct Motion {
+  Values displacement;  // [m]
+  Values velocity;      // [m/s]; 0×0 where it is not given
+};
+
 /// The field of that quantity, or nullptr.
 const Field* find(const std::vector<Field>&, const std::string& quantity);
 

@@ -7,7 +7,7 @@ namespace strake {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-bool Values::look() {
+bool Values::check_finite() {
   if (finite_) return true;
   if (rows() == 3 && cols() > many) {
     sum_ = sum_over_points();

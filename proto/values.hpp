@@ -59,7 +59,7 @@ class Values : public Eigen::Map<const Eigen::MatrixXd> {
   /// Tests whether all values are finite, unless this is known already. Of more than `many` points it tests
   /// their sum, which is not finite if a value is not, and keeps it for `sum_over_points`. Reading the values
   /// from memory takes longer than adding them.
-  bool look();
+  bool check_finite();
 
   /// Σ over the columns, 3 components each, never −0. With many columns, sixteen partial sums of every
   /// sixteenth column are added at the end, since each addition to a single sum waits for the one before. The

@@ -11,15 +11,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-OrthonormalBasis basis_of(const TallColumns& columns, const VectorXd& scale) {
+OrthonormalBasis basis_of(const SharedColumns& columns, const VectorXd& scale) {
   OrthonormalBasis basis;
-  for (const TallColumn& column : columns) basis.append(column->cwiseProduct(scale));
+  for (const SharedColumn& column : columns) basis.append(column->cwiseProduct(scale));
   return basis;
 }
 
-TallColumns scaled(const TallColumns& columns, const VectorXd& scale) {
-  TallColumns result;
-  for (const TallColumn& column : columns)
+SharedColumns scaled(const SharedColumns& columns, const VectorXd& scale) {
+  SharedColumns result;
+  for (const SharedColumn& column : columns)
     result.push_back(std::make_shared<const VectorXd>(column->cwiseProduct(scale)));
   return result;
 }
@@ -32,7 +32,7 @@ VectorXd LowRank::times(const VectorXd& v) const {
   return product;
 }
 
-void LowRank::add(const TallColumns& more_left, const TallColumns& more_right) {
+void LowRank::add(const SharedColumns& more_left, const SharedColumns& more_right) {
   left.insert(left.end(), more_left.begin(), more_left.end());
   right.insert(right.end(), more_right.begin(), more_right.end());
 }

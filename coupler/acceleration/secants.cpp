@@ -120,16 +120,16 @@ void Secants::add_residuals(const LeastSquares& problem, const VectorXd& alpha,
   }
 }
 
-TallColumns Secants::images(const LeastSquares& problem) const {
-  TallColumns images;
+SharedColumns Secants::images(const LeastSquares& problem) const {
+  SharedColumns images;
   for (const Index c : problem.kept) images.push_back(image[static_cast<std::size_t>(c)]);
   return images;
 }
 
 // α = −diag(length)⁻¹ R⁻¹ Uᵀ g with g_b = w_b Q_bᵀ r_b, so (ΔR⁺)ᵀ is w_b Q_b U_b R⁻ᵀ diag(length)⁻¹ in block
 // b.
-TallColumns Secants::pseudo_inverse(const LeastSquares& problem, const std::vector<Index>& sizes,
-                                    const VectorXd& weights) const {
+SharedColumns Secants::pseudo_inverse(const LeastSquares& problem, const std::vector<Index>& sizes,
+                                      const VectorXd& weights) const {
   const MatrixXd small = problem.r.triangularView<Eigen::Upper>()
                              .solve<Eigen::OnTheLeft>(MatrixXd(problem.u.transpose()))
                              .transpose() *
@@ -139,12 +139,12 @@ TallColumns Secants::pseudo_inverse(const LeastSquares& problem, const std::vect
   std::vector<VectorXd> stacked(problem.kept.size(), VectorXd::Zero(whole));
   for (std::size_t b = 0; b < residual.size(); begin += sizes[b++]) {
     const Index n = residual[b].coordinates.rows();
-    const TallColumns part =
+    const SharedColumns part =
         combine(residual[b].basis, weights[static_cast<Index>(b)] * small.middleRows(row, n));
     for (std::size_t j = 0; j < part.size(); ++j) stacked[j].segment(begin, sizes[b]) = *part[j];
     row += n;
   }
-  TallColumns columns;
+  SharedColumns columns;
   for (VectorXd& column : stacked) columns.push_back(std::make_shared<const VectorXd>(std::move(column)));
   return columns;
 }

@@ -36,7 +36,7 @@ struct LeastSquares {
 /// block, ΔH that of the image.
 struct Secants {
   std::vector<OrthonormalBasis> residual;  // one for each block
-  TallColumns image;
+  SharedColumns image;
   std::vector<Eigen::Index> windows;  // columns of each window that has some, oldest first
   Eigen::Index own = 0;               // of them of the current window, which has none yet if 0
 
@@ -56,10 +56,10 @@ struct Secants {
   void add_residuals(const LeastSquares&, const Eigen::VectorXd& alpha,
                      const std::vector<Eigen::Index>& sizes, Eigen::VectorXd& r) const;
   /// ΔH of the columns that were kept.
-  TallColumns images(const LeastSquares&) const;
+  SharedColumns images(const LeastSquares&) const;
   /// (ΔR⁺)ᵀ of the columns that were kept: α = −ΔR⁺ r.
-  TallColumns pseudo_inverse(const LeastSquares&, const std::vector<Eigen::Index>& sizes,
-                             const Eigen::VectorXd& weights) const;
+  SharedColumns pseudo_inverse(const LeastSquares&, const std::vector<Eigen::Index>& sizes,
+                               const Eigen::VectorXd& weights) const;
 
   void save(Archive&, const std::string& name) const;
   void load(const Archive&, const std::string& name);

@@ -24,13 +24,13 @@ void for_each_strip(Index n, const Work& work) {
   for (Index first = 0; first < n; first += strip) work(first, std::min(strip, n - first));
 }
 
-Index count(const TallColumns& columns) {
+Index count(const SharedColumns& columns) {
   return static_cast<Index>(columns.size());
 }
 
 }  // namespace
 
-VectorXd transposed_times(const TallColumns& columns, const Eigen::Ref<const VectorXd>& v) {
+VectorXd transposed_times(const SharedColumns& columns, const Eigen::Ref<const VectorXd>& v) {
   VectorXd product = VectorXd::Zero(count(columns));
   for_each_strip(v.size(), [&](Index first, Index n) {
     for (Index j = 0; j < count(columns); ++j)
@@ -39,14 +39,14 @@ VectorXd transposed_times(const TallColumns& columns, const Eigen::Ref<const Vec
   return product;
 }
 
-void add_times(const TallColumns& columns, const VectorXd& a, Eigen::Ref<VectorXd> v) {
+void add_times(const SharedColumns& columns, const VectorXd& a, Eigen::Ref<VectorXd> v) {
   for_each_strip(v.size(), [&](Index first, Index n) {
     for (Index j = 0; j < count(columns); ++j)
       v.segment(first, n) += a[j] * columns[static_cast<std::size_t>(j)]->segment(first, n);
   });
 }
 
-VectorXd subtract_and_project(const TallColumns& columns, const VectorXd& a, Eigen::Ref<VectorXd> v) {
+VectorXd subtract_and_project(const SharedColumns& columns, const VectorXd& a, Eigen::Ref<VectorXd> v) {
   VectorXd product = VectorXd::Zero(count(columns));
   for_each_strip(v.size(), [&](Index first, Index n) {
     for (Index j = 0; j < count(columns); ++j)
@@ -57,7 +57,7 @@ VectorXd subtract_and_project(const TallColumns& columns, const VectorXd& a, Eig
   return product;
 }
 
-TallColumns combine(const TallColumns& columns, const MatrixXd& m) {
+SharedColumns combine(const SharedColumns& columns, const MatrixXd& m) {
   if (columns.empty() || m.cols() == 0) return {};
   assert(m.rows() == count(columns));
   const Index n = columns.front()->size();
@@ -70,20 +70,20 @@ TallColumns combine(const TallColumns& columns, const MatrixXd& m) {
     for (Index j = 0; j < m.cols(); ++j)
       product[static_cast<std::size_t>(j)].segment(first, rows) = to.col(j).head(rows);
   });
-  TallColumns result;
+  SharedColumns result;
   for (VectorXd& column : product) result.push_back(std::make_shared<const VectorXd>(std::move(column)));
   return result;
 }
 
-MatrixXd to_matrix(const TallColumns& columns) {
+MatrixXd to_matrix(const SharedColumns& columns) {
   if (columns.empty()) return {};
   MatrixXd matrix(columns.front()->size(), count(columns));
   for (Index j = 0; j < matrix.cols(); ++j) matrix.col(j) = *columns[static_cast<std::size_t>(j)];
   return matrix;
 }
 
-TallColumns to_columns(const MatrixXd& matrix) {
-  TallColumns columns;
+SharedColumns to_columns(const MatrixXd& matrix) {
+  SharedColumns columns;
   for (Index j = 0; j < matrix.cols(); ++j)
     columns.push_back(std::make_shared<const VectorXd>(matrix.col(j)));
   return columns;

@@ -8,28 +8,28 @@
 namespace strake {
 
 /// A long vector that is never changed once it is made, so that copies of a state share it.
-using TallColumn = std::shared_ptr<const Eigen::VectorXd>;
-using TallColumns = std::vector<TallColumn>;
+using SharedColumn = std::shared_ptr<const Eigen::VectorXd>;
+using SharedColumns = std::vector<SharedColumn>;
 
 /// Cᵀ v, one pass over the columns.
-Eigen::VectorXd transposed_times(const TallColumns&, const Eigen::Ref<const Eigen::VectorXd>& v);
+Eigen::VectorXd transposed_times(const SharedColumns&, const Eigen::Ref<const Eigen::VectorXd>& v);
 /// v + C a, one pass over the columns.
-void add_times(const TallColumns&, const Eigen::VectorXd& a, Eigen::Ref<Eigen::VectorXd> v);
+void add_times(const SharedColumns&, const Eigen::VectorXd& a, Eigen::Ref<Eigen::VectorXd> v);
 /// v ← v − C a, and Cᵀ v of what is left, in one pass over the columns.
-Eigen::VectorXd subtract_and_project(const TallColumns&, const Eigen::VectorXd& a,
+Eigen::VectorXd subtract_and_project(const SharedColumns&, const Eigen::VectorXd& a,
                                      Eigen::Ref<Eigen::VectorXd> v);
 /// The columns of C M.
-TallColumns combine(const TallColumns&, const Eigen::MatrixXd& m);
+SharedColumns combine(const SharedColumns&, const Eigen::MatrixXd& m);
 
 /// All columns side by side, and back: for checkpoints.
-Eigen::MatrixXd to_matrix(const TallColumns&);
-TallColumns to_columns(const Eigen::MatrixXd&);
+Eigen::MatrixXd to_matrix(const SharedColumns&);
+SharedColumns to_columns(const Eigen::MatrixXd&);
 
 /// Vectors V = Q T by an orthonormal basis Q. Vectors are appended at the end, where Gram–Schmidt needs no
 /// more than the new one; a vector that brings no direction of its own adds none to the basis. Vectors are
 /// dropped from the front, which leaves Q larger than it has to be until `compress`.
 struct OrthonormalBasis {
-  TallColumns basis;            // Q
+  SharedColumns basis;          // Q
   Eigen::MatrixXd coordinates;  // T, basis × vectors
 
   void append(Eigen::VectorXd vector);

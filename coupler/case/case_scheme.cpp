@@ -54,7 +54,7 @@ SchemeParameters scheme_of(const CouplingCase& view, const Participant& structur
   scheme.convergence.relative = keys.relative;
   // A length is no measure of a field that is none.
   scheme.convergence.absolute = keys.absolute;
-  if (keys.absolute == 0 && is_motion(fields_of_structure(structure)))
+  if (keys.absolute == 0 && fields_of_structure(structure).motion)
     scheme.convergence.absolute = absolute_residual * view.spacing.value_or(0.01);
   scheme.convergence.min_iterations = keys.min_iterations;
   scheme.convergence.max_iterations = keys.max_iterations;
@@ -65,9 +65,9 @@ SchemeParameters scheme_of(const CouplingCase& view, const Participant& structur
   return scheme;
 }
 
-Transfer transfer_of(const CouplingCase& view, const Participant& structure, const Participant& fluid) {
+FieldTransfer transfer_of(const CouplingCase& view, const Participant& structure, const Participant& fluid) {
   std::optional<Mapping> back;
-  if (Transfer::needs_way_back(fields_of_structure(structure), fields_of_fluid(fluid)))
+  if (FieldTransfer::needs_way_back(fields_of_structure(structure), fields_of_fluid(fluid)))
     back = mapping_of(view, fluid.mesh(), structure.mesh());
   return {mapping_of(view, structure.mesh(), fluid.mesh()), std::move(back)};
 }

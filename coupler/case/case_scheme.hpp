@@ -18,7 +18,7 @@ struct CouplingCase {
 };
 
 SchemeParameters scheme_of(const CouplingCase&, const Participant& structure);
-Transfer transfer_of(const CouplingCase&, const Participant& structure, const Participant& fluid);
+FieldTransfer transfer_of(const CouplingCase&, const Participant& structure, const Participant& fluid);
 /// What beside the solvers' own words may help where no window is short enough; may be empty.
 std::string remedy_of(const CouplingCase&);
 Deadlines deadlines_of(const CouplingKeys&, bool patient);

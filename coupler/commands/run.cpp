@@ -65,15 +65,15 @@ class Run {
     try {
       prepare();
       windows();
-      session_->roster().finish();
+      session_->participants().finish();
       conclude(ExitCode::done);
     } catch (const Error& error) {
       // Not for what stops a run before it begins.
       const std::filesystem::path last = started_ ? checkpoints_.latest() : std::filesystem::path();
       const Error told =
           started_ && !saved_on_request_
-              ? with_way_on(error, last.empty() ? last : std::filesystem::path(in_folder(last)), saved_,
-                            summary_)
+              ? with_resume_hint(error, last.empty() ? last : std::filesystem::path(in_folder(last)), saved_,
+                                 summary_)
               : error;
       fail(told);
       throw told;
@@ -126,7 +126,7 @@ class Run {
             .stop = &stop_,
             .on_exchange = clocks_.observer(),
             .on_wait = [this](const Awaited& whom) { wait(whom); }});
-    record_.set("endpoints", {{"coupling", session_->roster().endpoint()}});
+    record_.set("endpoints", {{"coupling", session_->participants().endpoint()}});
     plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
     if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
     saved_ = plan_.start;
@@ -162,7 +162,7 @@ class Run {
   void windows() {
     started_ = true;
     FailureNotes failure(case_.common.interface == "surface" && case_.coupled(), plan_.start.time);
-    RunLoop loop = session_->loop(plan_);
+    WindowLoop loop = session_->loop(plan_);
     auto saved = Clock::now();
     while (!loop.finished()) {
       if (stop_.requested()) interrupt(loop);
@@ -201,18 +201,18 @@ class Run {
     }
   }
 
-  CommittedWindow next(RunLoop& loop) {
+  CommittedWindow next(WindowLoop& loop) {
     try {
       return loop.next();
     } catch (const Error& error) {
       // Ctrl-C inside a window: the windows before it are kept, if the solvers answer in time.
       const bool asked_to_stop = stop_.requested() && error.code() == stop_.code();
-      if (asked_to_stop && session_->roster().come_to_rest()) interrupt(loop);
+      if (asked_to_stop && session_->participants().come_to_rest()) interrupt(loop);
       throw;
     }
   }
 
-  void save(const RunLoop& loop) {
+  void save(const WindowLoop& loop) {
     summary_.wall_seconds = elapsed();
     files_->flush();  // state from which a resume continues
     checkpoints_.write(*session_, loop, summary_);
@@ -220,7 +220,7 @@ class Run {
   }
 
   /// Ctrl-C between two windows: the participants are at rest, so that what is committed can be kept.
-  [[noreturn]] void interrupt(const RunLoop& loop) {
+  [[noreturn]] void interrupt(const WindowLoop& loop) {
     save(loop);
     saved_on_request_ = true;
     throw Error(stop_.code(), position(), stop_.in_words() + ", the state is saved",
@@ -361,7 +361,7 @@ class Run {
   RunRecord record_;
   Summary summary_;
   nlohmann::ordered_json programs_;
-  Verdicts verdicts_;
+  ComparisonStatus verdicts_;
   RunClocks clocks_;
   WaitLog wait_log_;
   ConsoleLoss console_;

@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto terminal_interval = 500ms;
-constexpr auto pipe_look = 500ms;
+constexpr auto pipe_refresh = 500ms;
 constexpr auto pipe_interval = 5s;  // between two lines
 
 /// A terminal whose screen is ours, as it was before once this is gone.
@@ -86,15 +86,15 @@ watch::Screen screen_now() {
   return screen;
 }
 
-ExitCode code_of(const watch::Glance& glance) {
-  if (glance.state == watch::State::killed) return ExitCode::participant_lost;
-  return static_cast<ExitCode>(glance.exit_code.value_or(0));
+ExitCode code_of(const watch::RunStatus& status) {
+  if (status.state == watch::State::killed) return ExitCode::participant_lost;
+  return static_cast<ExitCode>(status.exit_code.value_or(0));
 }
 
 /// On a terminal: the view in place; the last one stays there when all is over.
 ExitCode on_terminal(watch::WatchedRun& run, const StopRequest& stop) {
   bool left = false;
-  if (watch::open(run.look().state)) {
+  if (watch::open(run.update().state)) {
     WholeScreen screen;
     while (watch::open(run.last().state) && !left && !stop.requested()) {
       watch::Screen now = screen_now();
@@ -104,7 +104,7 @@ ExitCode on_terminal(watch::WatchedRun& run, const StopRequest& stop) {
                                  : "q ends watching; the run goes on");
       screen.draw(lines);
       left = screen.leaves(std::chrono::duration_cast<std::chrono::milliseconds>(terminal_interval));
-      run.look();
+      run.update();
     }
   }
   watch::Screen now = screen_now();
@@ -117,7 +117,7 @@ ExitCode on_terminal(watch::WatchedRun& run, const StopRequest& stop) {
 /// In a pipe: a line now and then, the last when the run ends.
 ExitCode in_pipe(watch::WatchedRun& run, const StopRequest& stop) {
   watch::PlainLines lines(stdout);
-  run.look();
+  run.update();
   lines.begin(run);
   auto said = Clock::now() - pipe_interval;
   while (watch::open(run.last().state) && !stop.requested()) {
@@ -126,9 +126,9 @@ ExitCode in_pipe(watch::WatchedRun& run, const StopRequest& stop) {
       said = Clock::now();
     }
     ::poll(nullptr, 0,
-           static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(pipe_look).count()));
-    run.look();
-    if (std::ferror(stdout) != 0) return ExitCode::done;  // the reader of the pipe has gone
+           static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(pipe_refresh).count()));
+    run.update();
+    if (std::ferror(stdout) != 0) return ExitCode::done;  // nobody reads any more
   }
   lines.end(run);
   return stop.requested() ? stop.code() : code_of(run.last());
@@ -136,8 +136,8 @@ ExitCode in_pipe(watch::WatchedRun& run, const StopRequest& stop) {
 
 /// Serves the page until Ctrl-C; a run that has ended can still be inspected.
 ExitCode on_page(const WatchOptions& options, const std::filesystem::path& folder, const StopRequest& stop) {
-  watch::Answers answers(folder);
-  watch::Server server(answers, {.bind = options.bind, .port = options.port, .token = random_token()});
+  watch::HttpApi api(folder);
+  watch::Server server(api, {.bind = options.bind, .port = options.port, .token = random_token()});
   server.start();
   fmt::print("{}\n  {}\n", folder.string(), server.address());
   if (!watch::is_loopback(options.bind))

@@ -60,10 +60,7 @@ std::optional<double> contact_of(const fs::path& run) {
 }
 
 std::size_t index_of(const Table& table, const std::string& name) {
-  for (std::size_t c = 0; c < table.columns.size(); ++c)
-    if (table.columns[c].name == name) return c;
-  table.column(name);  // its error lists what the file has
-  return 0;
+  return static_cast<std::size_t>(&table.column(name) - table.value.data());
 }
 
 }  // namespace
@@ -127,9 +124,7 @@ std::string RecordSource::column_for(const std::string& quantity) const {
 }
 
 bool RecordSource::has(const std::string& quantity) const {
-  const std::string name = column_for(quantity);
-  return std::any_of(table_.columns.begin(), table_.columns.end(),
-                     [&name](const Column& column) { return column.name == name; });
+  return table_.find(column_for(quantity)).has_value();
 }
 
 Record RecordSource::record(const std::string& quantity) const {
@@ -156,9 +151,7 @@ Record RecordSource::record(const std::string& quantity) const {
     throw Error(ExitCode::case_file, table_.path.string(),
                 fmt::format("{} has {} values over time", column, record.curve.size()),
                 "a comparison takes two rows at least: let the run go further, or choose another column");
-  if (is_run_)
-    for (std::size_t c = 0; c < table_.columns.size(); ++c)
-      if (table_.columns[c].name == column + ".mean") record.means = curve(c);
+  if (const auto means = table_.find(column + ".mean"); is_run_ && means) record.means = curve(*means);
   return record;
 }
 

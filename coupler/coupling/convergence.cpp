@@ -10,9 +10,10 @@
 
 namespace strake {
 
-FieldResidual judge(const Field& field, double residual, double scale, const Limits& limits, double first) {
+FieldResidual judge(const Column& quantity, double residual, double scale, const Limits& limits,
+                    double first) {
   if (first < 0) first = residual;
-  return {field.quantity, field.unit, residual,
+  return {quantity.name, quantity.unit, residual,
           std::max({limits.absolute, limits.relative * scale, limits.residual_relative * first})};
 }
 

@@ -64,7 +64,7 @@ double rms(const Eigen::MatrixBase<Derived>& a) {
 /// Compares a residual with its threshold. residual: rms of a field's change; scale: rms of the quantity to
 /// which `relative` refers; first: residual of the window's first iteration. A negative `first` means that
 /// this is the first iteration.
-FieldResidual judge(const Field&, double residual, double scale, const Limits&, double first);
+FieldResidual judge(const Column&, double residual, double scale, const Limits&, double first);
 
 struct Place;
 /// Throws Error(solver_fault) when a residual or its threshold is not finite: such a window must not count as

@@ -24,14 +24,23 @@ std::string sample_name(const char* side, std::size_t k) {
   return fmt::format("coupling.{}.{}.", side, k);
 }
 
-void put(Archive& archive, const char* side, const Samples& samples) {
+const std::vector<Field>& fields_of(const Sample& sample) {
+  return sample.fields;
+}
+
+std::vector<Field> fields_of(const StructureSample& sample) {
+  return sample.fields();
+}
+
+template <class T>
+void put(Archive& archive, const char* side, const std::vector<T>& samples) {
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const std::string name = sample_name(side, k);
     archive.real[name + "time"] = MatrixXd::Constant(1, 1, samples[k].time);
-    for (std::size_t f = 0; f < samples[k].fields.size(); ++f) {
-      const Field& field = samples[k].fields[f];
-      archive.real[fmt::format("{}{:02}.{}", name, f, field.quantity)] = field.value;
-    }
+    int f = 0;
+    const auto& fields = fields_of(samples[k]);
+    for (const Field& field : fields)
+      archive.real[fmt::format("{}{:02}.{}", name, f++, field.quantity)] = field.value;
   }
 }
 
@@ -70,7 +79,8 @@ void CouplingState::load(const Archive& archive) {
   windows = static_cast<int>(counts->second[0]);
   sends_velocity = counts->second[1] != 0;
   velocity_scale = get(archive, "coupling.velocity_scale").value();
-  structure = get(archive, "structure", counts->second[2]);
+  for (Sample& sample : get(archive, "structure", counts->second[2]))
+    structure.push_back(StructureSample::of(std::move(sample)));
   fluid = get(archive, "fluid", counts->second[3]);
   history = get(archive, "history", counts->second[4]);
   accelerator.load(archive);

@@ -34,19 +34,76 @@ void check_announced(const std::vector<Field>& fields, const Participant& partic
   }
 }
 
+/// The expected field out of the answer, checked.
+Field received_field(std::vector<Field>& answer, const Field& expected, const InterfaceMesh& mesh,
+                     const Place& place) {
+  const auto found = std::find_if(answer.begin(), answer.end(),
+                                  [&](const Field& field) { return field.quantity == expected.quantity; });
+  if (found == answer.end())
+    throw Error(ExitCode::solver_fault, place.text(), fmt::format("sent no {}", expected.quantity),
+                "it must send what it announced at the start: displacement (structure) or force (fluid) "
+                "where that was nothing");
+  Values& value = found->value;
+  if (value.rows() != expected.value.rows() || value.cols() != mesh.position.cols())
+    throw Error(ExitCode::solver_fault, place.text(),
+                fmt::format("sent a {} of {}×{}, its mesh needs {}×{}", expected.quantity, value.rows(),
+                            value.cols(), expected.value.rows(), mesh.position.cols()));
+  if (found->unit != expected.unit)
+    throw Error(ExitCode::solver_fault, place.text(),
+                fmt::format("sent {} in {}, announced in {}", expected.quantity, found->unit, expected.unit));
+  if (!value.check_finite()) {
+    Index i = 0;
+    while (i + 1 < value.cols() && value.col(i).allFinite()) ++i;
+    const auto X = mesh.position.col(i);
+    throw Error(ExitCode::solver_fault, place.text(),
+                fmt::format("the {} of interface point {}, X = ({:g}, {:g}, {:g}) m, is not finite",
+                            expected.quantity, i, X.x(), X.y(), X.z()),
+                "see its log; a smaller coupling window or solver step may help");
+  }
+  found->conservative = expected.conservative;
+  return std::move(*found);
+}
+
+Field displacement_field(const Values& value) {
+  return {"displacement", "m", false, value};
+}
+
+Field velocity_field(const Values& value) {
+  return {"velocity", "m/s", false, value};
+}
+
 }  // namespace
 
-std::vector<Field> fields_of_structure(const Participant& structure) {
+std::vector<Field> StructureSample::fields() const {
+  std::vector<Field> all;
+  if (motion) all.push_back(displacement_field(motion->displacement));
+  if (motion && motion->velocity.size() > 0) all.push_back(velocity_field(motion->velocity));
+  all.insert(all.end(), others.begin(), others.end());
+  return all;
+}
+
+StructureSample StructureSample::of(Sample sample) {
+  StructureSample made = {sample.time, {}, {}};
+  for (Field& field : sample.fields)
+    if (field.quantity == "displacement")
+      made.motion = Motion{std::move(field.value), {}};
+    else if (made.motion && field.quantity == "velocity")
+      made.motion->velocity = std::move(field.value);
+    else
+      made.others.push_back(std::move(field));
+  return made;
+}
+
+StructureSample fields_of_structure(const Participant& structure) {
   const std::vector<Field>& initial = structure.description().initial;
   check_announced(initial, structure, "structure");
   const Field *u = find(initial, "displacement"), *v = find(initial, "velocity");
-  if (!initial.empty() && !u && !v) return initial;
+  if (!initial.empty() && !u && !v) return {0, {}, initial};
   const Values none = MatrixXd::Zero(3, structure.mesh().position.cols());
-  std::vector<Field> fields = {{"displacement", "m", false, u ? u->value : none},
-                               {"velocity", "m/s", false, v ? v->value : none}};
+  StructureSample sent = {0, Motion{u ? u->value : none, v ? v->value : none}, {}};
   for (const Field& field : initial)
-    if (&field != u && &field != v) fields.push_back(field);
-  return fields;
+    if (&field != u && &field != v) sent.others.push_back(field);
+  return sent;
 }
 
 std::vector<Field> fields_of_fluid(const Participant& fluid) {
@@ -56,68 +113,45 @@ std::vector<Field> fields_of_fluid(const Participant& fluid) {
   return {{"force", "N", true, MatrixXd::Zero(3, fluid.mesh().position.cols())}};
 }
 
-bool is_motion(const std::vector<Field>& fields) {
-  return fields.size() > 1 && fields[0].quantity == "displacement" && fields[1].quantity == "velocity";
-}
-
 std::string Place::text() const {
   return fmt::format("{}, window {} (t = {:g} s), iteration {}", name, number, window.t, iteration);
 }
 
-std::vector<Field> take_fields(std::vector<Field>&& answer, const std::vector<Field>& announced,
-                               const InterfaceMesh& mesh, const Place& place) {
+std::vector<Field> received_fields(std::vector<Field>&& answer, const std::vector<Field>& announced,
+                                   const InterfaceMesh& mesh, const Place& place) {
   std::vector<Field> taken;
-  for (std::size_t k = 0; k < announced.size(); ++k) {
-    const Field& expected = announced[k];
-    const auto found = std::find_if(answer.begin(), answer.end(),
-                                    [&](const Field& field) { return field.quantity == expected.quantity; });
-    if (found == answer.end()) {
-      if (k != 1 || !is_motion(announced))
-        throw Error(ExitCode::solver_fault, place.text(), fmt::format("sent no {}", expected.quantity),
-                    "it must send what it announced at the start: displacement (structure) or force (fluid) "
-                    "where that was nothing");
-      taken.push_back({expected.quantity, expected.unit, expected.conservative, {}});
-      continue;
-    }
-    Values& value = found->value;
-    if (value.rows() != expected.value.rows() || value.cols() != mesh.position.cols())
-      throw Error(ExitCode::solver_fault, place.text(),
-                  fmt::format("sent a {} of {}×{}, its mesh needs {}×{}", expected.quantity, value.rows(),
-                              value.cols(), expected.value.rows(), mesh.position.cols()));
-    if (found->unit != expected.unit)
-      throw Error(
-          ExitCode::solver_fault, place.text(),
-          fmt::format("sent {} in {}, announced in {}", expected.quantity, found->unit, expected.unit));
-    if (!value.look()) {
-      Index i = 0;
-      while (i + 1 < value.cols() && value.col(i).allFinite()) ++i;
-      const auto X = mesh.position.col(i);
-      throw Error(ExitCode::solver_fault, place.text(),
-                  fmt::format("the {} of interface point {}, X = ({:g}, {:g}, {:g}) m, is not finite",
-                              expected.quantity, i, X.x(), X.y(), X.z()),
-                  "see its log; a smaller coupling window or solver step may help");
-    }
-    found->conservative = expected.conservative;
-    taken.push_back(std::move(*found));
-  }
+  for (const Field& expected : announced) taken.push_back(received_field(answer, expected, mesh, place));
   return taken;
 }
 
-Transfer::Transfer(Mapping to_fluid, std::optional<Mapping> to_structure)
+StructureSample received_fields(std::vector<Field>&& answer, const StructureSample& announced,
+                                const InterfaceMesh& mesh, const Place& place) {
+  StructureSample taken = {place.window.t + place.window.dt, {}, {}};
+  if (const auto& motion = announced.motion) {
+    taken.motion =
+        Motion{received_field(answer, displacement_field(motion->displacement), mesh, place).value, {}};
+    if (find(answer, "velocity"))
+      taken.motion->velocity = received_field(answer, velocity_field(motion->velocity), mesh, place).value;
+  }
+  taken.others = received_fields(std::move(answer), announced.others, mesh, place);
+  return taken;
+}
+
+FieldTransfer::FieldTransfer(Mapping to_fluid, std::optional<Mapping> to_structure)
     : to_fluid_(std::move(to_fluid)), to_structure_(std::move(to_structure)) {}
 
-bool Transfer::needs_way_back(const std::vector<Field>& of_structure, const std::vector<Field>& of_fluid) {
+bool FieldTransfer::needs_way_back(const StructureSample& of_structure, const std::vector<Field>& of_fluid) {
   const auto conservative = [](const Field& field) { return field.conservative; };
-  return std::any_of(of_structure.begin(), of_structure.end(), conservative) ||
+  return std::any_of(of_structure.others.begin(), of_structure.others.end(), conservative) ||
          !std::all_of(of_fluid.begin(), of_fluid.end(), conservative);
 }
 
-Field Transfer::onto_fluid(const Field& field) const {
+Field FieldTransfer::onto_fluid(const Field& field) const {
   assert(!field.conservative || to_structure_);
   return field.conservative ? to_structure_->conservative(field) : to_fluid_.consistent(field);
 }
 
-Field Transfer::onto_structure(const Field& field) const {
+Field FieldTransfer::onto_structure(const Field& field) const {
   assert(field.conservative || to_structure_);
   return field.conservative ? to_fluid_.force(field) : to_structure_->per_area(field);
 }

@@ -7,24 +7,48 @@
 namespace strake {
 namespace {
 
-/// Lagrange polynomial of field number `f` through the last `n` samples: Σ_k f_k Π_(j≠k) (t − t_j)/(t_k −
-/// t_j).
-Eigen::MatrixXd extrapolate(const Samples& history, std::size_t n, std::size_t f, double time) {
-  const std::size_t first = history.size() - n;
+/// Lagrange polynomial of `value` through the last `n` samples: Σ_k f_k Π_(j≠k) (t − t_j)/(t_k − t_j). Of one
+/// sample its value.
+template <class History, class Value>
+Values extrapolate(const History& history, std::size_t n, double time, const Value& value) {
   // Differences to the newest value: a travel much larger than its changes loses no digits.
-  const Values& newest = history.back().fields[f].value;
-  Eigen::MatrixXd value = newest;
+  const Values& newest = value(history.back());
+  if (n == 1) return newest;
+  const std::size_t first = history.size() - n;
+  Eigen::MatrixXd sum = newest;
   for (std::size_t k = first; k + 1 < history.size(); ++k) {
     double weight = 1;
     for (std::size_t j = first; j < history.size(); ++j)
       if (j != k) weight *= (time - history[j].time) / (history[k].time - history[j].time);
-    value += weight * (history[k].fields[f].value - newest);
+    sum += weight * (value(history[k]) - newest);
   }
-  return value;
+  return sum;
+}
+
+/// Fields that stand in the member `fields` of each sample.
+template <class T>
+std::vector<Field> extrapolate(const std::vector<T>& history, std::size_t n, double time,
+                               std::vector<Field> T::*fields) {
+  std::vector<Field> made;
+  const std::vector<Field>& last = history.back().*fields;
+  for (std::size_t f = 0; f < last.size(); ++f)
+    made.push_back({last[f].quantity, last[f].unit, last[f].conservative,
+                    extrapolate(history, n, time, [&](const T& sample) -> const Values& {
+                      return (sample.*fields)[f].value;
+                    })});
+  return made;
 }
 
 std::size_t taken_by(Predictor kind) {
   return static_cast<std::size_t>(kind) + 1;
+}
+
+template <class T>
+void keep_last(std::vector<T>& history, T sample, Predictor kind) {
+  history.push_back(std::move(sample));
+  const std::size_t most = taken_by(kind);
+  if (history.size() > most)
+    history.erase(history.begin(), history.end() - static_cast<std::ptrdiff_t>(most));
 }
 
 }  // namespace
@@ -34,37 +58,32 @@ Predictor predictor_kind(const std::string& name) {
 }
 
 void remember(Samples& history, Sample sample, Predictor kind) {
-  history.push_back(std::move(sample));
-  const std::size_t most = taken_by(kind);
-  if (history.size() > most)
-    history.erase(history.begin(), history.end() - static_cast<std::ptrdiff_t>(most));
+  keep_last(history, std::move(sample), kind);
+}
+
+void remember(StructureSamples& history, StructureSample sample, Predictor kind) {
+  keep_last(history, std::move(sample), kind);
 }
 
 Sample predict(Predictor kind, const Samples& history, double time) {
-  const Sample& last = history.back();
-  const std::size_t wanted = taken_by(kind);
-  const std::size_t n = std::min(wanted, history.size());
-  const Field *u = find(last.fields, "displacement"), *v = find(last.fields, "velocity");
-  Sample guess = {time, {}};
-  for (std::size_t f = 0; f < last.fields.size(); ++f) {
-    const Field& field = last.fields[f];
-    guess.fields.push_back({field.quantity, field.unit, field.conservative, {}});
-    Values& value = guess.fields.back().value;
-    if (n == 1 && wanted > 1 && v && &field == u)
-      value = field.value + (time - last.time) * v->value;
-    else if (n == 1 || (u && &field == v))
-      value = field.value;
-    else
-      value = extrapolate(history, n, f, time);
-  }
-  if (n > 1 && u && v) {
-    // As the fluid follows it (cases/VALIDATION.md, "Piston and column").
-    const auto index = [&](const Field* field) {
-      return static_cast<std::size_t>(field - last.fields.data());
-    };
-    guess.fields[index(v)].value =
-        2 / (time - last.time) * (guess.fields[index(u)].value - u->value) - v->value;
-  }
+  const std::size_t n = std::min(taken_by(kind), history.size());
+  return {time, extrapolate(history, n, time, &Sample::fields)};
+}
+
+StructureSample predict(Predictor kind, const StructureSamples& history, double time) {
+  const std::size_t wanted = taken_by(kind), n = std::min(wanted, history.size());
+  const StructureSample& last = history.back();
+  StructureSample guess = {time, {}, extrapolate(history, n, time, &StructureSample::others)};
+  if (!last.motion) return guess;
+  const auto& [u, v] = *last.motion;
+  guess.motion = Motion{
+      extrapolate(history, n, time,
+                  [](const StructureSample& sample) -> const Values& { return sample.motion->displacement; }),
+      v};
+  if (v.size() == 0) return guess;
+  if (n == 1 && wanted > 1) guess.motion->displacement = u + (time - last.time) * v;
+  if (n > 1)  // as the fluid follows it (cases/VALIDATION.md, "Piston and column")
+    guess.motion->velocity = 2 / (time - last.time) * (guess.motion->displacement - u) - v;
   return guess;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/coupling/exchange.hpp"
 #include "proto/interface.hpp"
 
 #include <string>
@@ -17,10 +18,11 @@ Predictor predictor_kind(const std::string&);
 /// the same fields.
 using Samples = std::vector<Sample>;
 void remember(Samples&, Sample, Predictor);
-/// Extrapolates the fields to `time` by the polynomial of the predictor's degree through the last samples.
-/// With too few samples it uses the highest degree they allow. Displacement and velocity are extrapolated
-/// together: from one sample u + v (t − t_n), and always so that a motion with constant acceleration gets its
-/// exact end velocity.
+void remember(StructureSamples&, StructureSample, Predictor);
+/// The fields at `time`: each by the polynomial of the predictor's degree through the last samples; while
+/// there are too few, by the highest degree they allow. The velocity of a motion goes with its displacement:
+/// from one sample u + v (t − t_n), and always the end velocity of a motion with constant acceleration.
 Sample predict(Predictor, const Samples&, double time);
+StructureSample predict(Predictor, const StructureSamples&, double time);
 
 }  // namespace strake

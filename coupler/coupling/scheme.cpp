@@ -28,15 +28,14 @@ std::string asks_for_shorter(const char* who, const Window& window, const std::s
 
 }  // namespace
 
-Scheme::Scheme(Participant& fluid, Participant& structure, Transfer transfer, SchemeParameters parameters,
-               double start_time)
+Scheme::Scheme(Participant& fluid, Participant& structure, FieldTransfer transfer,
+               SchemeParameters parameters, double start_time)
     : fluid_(fluid),
       structure_(structure),
       transfer_(std::move(transfer)),
       parameters_(std::move(parameters)),
       of_structure_(fields_of_structure(structure)),
       of_fluid_(fields_of_fluid(fluid)),
-      moves_(is_motion(of_structure_)),
       accelerator_(make_accelerator(parameters_.accelerator)) {
   const Index n = structure_.mesh().position.cols(), n_wet = fluid_.mesh().position.cols();
   const auto check = [](const Mapping& mapping, Index rows, Index columns) {
@@ -48,45 +47,57 @@ Scheme::Scheme(Participant& fluid, Participant& structure, Transfer transfer, Sc
   };
   check(mapping(), n_wet, n);
   if (transfer_.to_structure()) check(*transfer_.to_structure(), n, n_wet);
-  if (Transfer::needs_way_back(of_structure_, of_fluid_) && !transfer_.to_structure())
+  if (FieldTransfer::needs_way_back(of_structure_, of_fluid_) && !transfer_.to_structure())
     throw Error(ExitCode::case_file, "coupling",
                 "the fluid sends a field that is not a load, or the structure one that is: there is no "
                 "mapping for it");
-  if (parameters_.volume && (!moves_ || !find(structure_.description().initial, "velocity")))
+  if (parameters_.volume && (!of_structure_.motion || !find(structure_.description().initial, "velocity")))
     throw Error(ExitCode::case_file, "coupling.interface = \"volume\"",
                 "the structure gives no velocity, which the fluid needs for the solid's particles",
                 "structure.solver = \"particle\"");
   parameters_.parallel = parameters_.parallel && !parameters_.volume;
   state_.sends_velocity = find(structure_.description().initial, "velocity") != nullptr;
-  state_.structure = {{start_time, of_structure_}};
+  of_structure_.time = start_time;
+  state_.structure = {of_structure_};
   Sample load = {start_time, {}};
   for (const Field& field : of_fluid_) load.fields.push_back(transfer_.onto_structure(field));
   if (structure_.description().history && !fluid_.description().initial.empty()) state_.history = {load};
-  if (looks_back_at_load()) state_.fluid = {std::move(load)};
+  if (needs_last_load()) state_.fluid = {std::move(load)};
 }
 
 void Scheme::set_state(CouplingState state) {
   assert(!open_);
   const Index n = structure_.mesh().position.cols();
   // An archive keeps names and values; units and how a field is mapped stand in the announcement.
-  const auto complete = [n](Samples& samples, const std::vector<Field>& announced) {
-    bool fits = !samples.empty();
-    for (Sample& sample : samples) {
-      fits = fits && sample.fields.size() == announced.size();
-      for (std::size_t k = 0; fits && k < announced.size(); ++k) {
-        Field& field = sample.fields[k];
-        fits = field.quantity == announced[k].quantity && field.value.cols() == n &&
-               field.value.rows() == announced[k].value.rows();
-        field.unit = announced[k].unit;
-        field.conservative = announced[k].conservative;
-      }
+  const auto fit = [n](std::vector<Field>& fields, const std::vector<Field>& announced) {
+    if (fields.size() != announced.size()) return false;
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      Field& field = fields[k];
+      if (field.quantity != announced[k].quantity || field.value.cols() != n ||
+          field.value.rows() != announced[k].value.rows())
+        return false;
+      field.unit = announced[k].unit;
+      field.conservative = announced[k].conservative;
     }
-    return fits;
+    return true;
   };
-  const bool history = state.history.empty() || complete(state.history, of_fluid_);
-  if (!looks_back_at_load()) state.fluid.clear();
-  const bool load = !looks_back_at_load() || complete(state.fluid, of_fluid_);
-  if (!complete(state.structure, of_structure_) || !load || !history)
+  const auto load_fits = [&](Samples& samples) {
+    return std::all_of(samples.begin(), samples.end(),
+                       [&](Sample& sample) { return fit(sample.fields, of_fluid_); });
+  };
+  const auto moves_alike = [&](const std::optional<Motion>& motion) {
+    const auto whole = [n](const Values& value) { return value.rows() == 3 && value.cols() == n; };
+    if (!of_structure_.motion || !motion) return !of_structure_.motion && !motion;
+    return whole(motion->displacement) && whole(motion->velocity);
+  };
+  if (!needs_last_load()) state.fluid.clear();
+  const bool structure_fits =
+      !state.structure.empty() &&
+      std::all_of(state.structure.begin(), state.structure.end(), [&](StructureSample& sample) {
+        return moves_alike(sample.motion) && fit(sample.others, of_structure_.others);
+      });
+  const bool all_load = !needs_last_load() || !state.fluid.empty();
+  if (!structure_fits || !all_load || !load_fits(state.fluid) || !load_fits(state.history))
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5",
                 fmt::format("its interface does not have the structure's {} points and fields", n),
                 "resume with the case that the checkpoint was made with");
@@ -124,11 +135,11 @@ WindowReport Scheme::advance(const Window& window) {
     row.relaxation = accelerator_->last_step().relaxation;
     row.columns = accelerator_->last_step().columns;
     row.dropped = accelerator_->last_step().dropped;
-    take_back();
+    rewind_both();
   }
   if (!report.converged && most > 1) {
     if (convergence.then == Unconverged::halve) {
-      take_back();
+      rewind_both();
       return retry(window, 0.5 * window.dt,
                    fmt::format("a window of {:.3g} s does not converge in {} iterations", window.dt, most),
                    "raise coupling.surface.converged.max_iterations");
@@ -152,21 +163,21 @@ Limits Scheme::limits_of_load() const {
   return limits;
 }
 
-bool Scheme::looks_back_at_load() const {
+bool Scheme::needs_last_load() const {
   return parameters_.parallel || limits_of_load().any();
 }
 
 std::vector<Column> Scheme::measured() const {
   std::vector<Column> columns;
-  for (std::size_t k = 0; k < of_structure_.size(); ++k)
-    if (!moves_ || k != 1) columns.push_back({of_structure_[k].quantity, of_structure_[k].unit});
+  if (of_structure_.motion) columns.push_back({"displacement", "m"});
+  for (const Field& field : of_structure_.others) columns.push_back({field.quantity, field.unit});
   if (limits_of_load().any())
     for (const Field& field : of_fluid_) columns.push_back({field.quantity, field.unit});
   return columns;
 }
 
 bool Scheme::is_mechanical() const {
-  return moves_ && find(of_fluid_, "force");
+  return of_structure_.motion && find(of_fluid_, "force");
 }
 
 IterationReport Scheme::measure(const Window& window, int iteration, const Iterate& now,
@@ -177,36 +188,36 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
   row.iteration = iteration;
   row.force = now.force;
   if (parameters_.volume) return row;
-  const auto add = [&](const Field& field, double residual, double scale, const Limits& limits) {
-    const double before = first ? first->fields[row.fields.size()].residual : -1;
-    row.fields.push_back(judge(field, residual, scale, limits, before));
+  const std::vector<Column> quantity = measured();
+  const auto add = [&](double residual, double scale, const Limits& limits) {
+    const std::size_t k = row.fields.size();
+    row.fields.push_back(judge(quantity[k], residual, scale, limits, first ? first->fields[k].residual : -1));
   };
-  const Sample &guess = guess_of(now), &last = state_.structure.back();
-  for (std::size_t k = 0; k < of_structure_.size(); ++k) {
-    if (moves_ && k == 1) continue;  // stands with the displacement
-    const Field& answer = now.answer.fields[k];
-    const double change = rms(answer.value - guess.fields[k].value);
-    double residual = change;
-    if (moves_ && k == 0)
-      residual =
-          std::max(residual, 0.5 * window.dt * rms(now.answer.fields[1].value - guess.fields[1].value));
-    const double scale = by_value          ? rms(answer.value)
-                         : &guess == &last ? change
-                                           : rms(answer.value - last.fields[k].value);
-    add(answer, residual, scale, {c.relative, k == 0 ? c.absolute : 0, c.residual_relative});
-  }
+  const StructureSample &guess = guess_of(now), &last = state_.structure.back();
+  const auto add_structure = [&](const Values& answer, const Values& given, const Values& committed,
+                                 double residual_of_velocity) {
+    const double change = rms(answer - given);
+    const double scale = by_value ? rms(answer) : &guess == &last ? change : rms(answer - committed);
+    add(std::max(change, residual_of_velocity), scale,
+        {c.relative, row.fields.empty() ? c.absolute : 0, c.residual_relative});
+  };
+  if (const auto& motion = now.answer.motion)
+    add_structure(motion->displacement, guess.motion->displacement, last.motion->displacement,
+                  0.5 * window.dt * rms(motion->velocity - guess.motion->velocity));
+  for (std::size_t k = 0; k < now.answer.others.size(); ++k)
+    add_structure(now.answer.others[k].value, guess.others[k].value, last.others[k].value, 0);
   row.residual = row.fields.front().residual;
   row.threshold = row.fields.front().threshold;
   if (const Limits load = limits_of_load(); load.any())
     for (std::size_t k = 0; k < of_fluid_.size(); ++k) {
       const Field& before = parameters_.parallel ? now.load_guess[k] : now.load_before[k];
-      add(now.load[k], rms(now.load[k].value - before.value), rms(now.load[k].value), load);
+      add(rms(now.load[k].value - before.value), rms(now.load[k].value), load);
     }
   refuse_non_finite(row.fields, {"coupling", window, state_.windows + 1, iteration});
   return row;
 }
 
-void Scheme::take_back() {
+void Scheme::rewind_both() {
   fluid_.rewind();
   structure_.rewind();
 }
@@ -244,30 +255,30 @@ void Scheme::close(WindowReport& report, Iterate& now) {
   report.fluid = std::move(now.from_fluid.monitor);
   report.structure = std::move(now.from_structure.monitor);
   const Field *force = find(now.load, "force"), *wet = find(now.wet, "force");
-  if (moves_ && force) {
-    const Values& displacement = now.answer.fields[0].value;
+  if (const auto& motion = now.answer.motion; motion && force) {
+    const Values& displacement = motion->displacement;
     const Field increment = {"displacement", "m", false,
-                             displacement - state_.structure.back().fields[0].value};
+                             displacement - state_.structure.back().motion->displacement};
     report.work_fluid = dot(wet->value, transfer_.onto_fluid(increment).value);
     report.work_structure = dot(force->value, increment.value);
     if (!parameters_.volume)
-      report.work_unconverged = dot(force->value, displacement - guess_of(now).fields[0].value);
+      report.work_unconverged = dot(force->value, displacement - guess_of(now).motion->displacement);
     // In a parallel scheme the structure moved under another load than the fluid's.
     if (const Field* given = find(now.load_guess, "force"))
       report.work_unconverged += dot(MatrixXd(given->value - force->value), increment.value);
     report.displacement = displacement;
-    if (pending_.sends_velocity) report.velocity = now.answer.fields[1].value;
+    if (pending_.sends_velocity) report.velocity = motion->velocity;
     report.force = force->value;
   }
   const bool mechanical = is_mechanical();
-  for (std::size_t k = 0; k < now.answer.fields.size(); ++k) {
-    const bool motion = moves_ && k < 2, absent = moves_ && k == 1 && !pending_.sends_velocity;
-    if (!absent && !(mechanical && motion)) report.from_structure.push_back(now.answer.fields[k]);
-  }
+  StructureSample sent = now.answer;
+  if (mechanical) sent.motion.reset();
+  if (sent.motion && !pending_.sends_velocity) sent.motion->velocity = {};
+  report.from_structure = sent.fields();
   for (const Field& field : now.load)
     if (!mechanical || field.quantity != "force") report.from_fluid.push_back(field);
   pending_.structure = std::move(now.answer);
-  if (looks_back_at_load()) pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
+  if (needs_last_load()) pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
   pending_.history = std::move(now.history);
   pending_.accelerator = accelerator_->state();
   open_ = true;
@@ -282,7 +293,7 @@ void Scheme::commit(bool write_output) {
   state_.sends_velocity = pending_.sends_velocity;
   const Predictor kind = parameters_.volume ? Predictor::constant : parameters_.predictor;
   remember(state_.structure, std::move(pending_.structure), kind);
-  if (looks_back_at_load()) {
+  if (needs_last_load()) {
     if (!parameters_.parallel)
       state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
     remember(state_.fluid, std::move(pending_.fluid), kind);
@@ -297,7 +308,7 @@ void Scheme::commit(bool write_output) {
 
 void Scheme::abandon() {
   assert(open_);
-  take_back();
+  rewind_both();
   open_ = false;
 }
 

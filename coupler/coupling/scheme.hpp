@@ -27,8 +27,8 @@ struct CouplingState {
   double velocity_scale =
       0;  // [s] half the first window: velocities stand in the accelerated vector as lengths
   bool sends_velocity = false;  // the structure, with each window
-  Samples structure;            // its fields at the ends of committed windows, last is now
-  Samples fluid;    // likewise the fluid's, on the structure's mesh; none if no window uses earlier ones
+  StructureSamples structure;   // what it sent at the ends of committed windows, last is now
+  Samples fluid;    // likewise the fluid's, on the structure's mesh; none where no window looks back
   Samples history;  // the last three of the fluid's samples before now, where the structure takes histories
   AcceleratorState accelerator;
 
@@ -47,14 +47,14 @@ class Scheme {
   /// The exchanged fields follow from the Description::initial of both (fields_of_structure,
   /// fields_of_fluid). A structure that sends velocity with each window has it there as well. Throws
   /// Error(case_file) when the mapping does not fit the meshes, or the mapping back is missing.
-  Scheme(Participant& fluid, Participant& structure, Transfer, SchemeParameters, double start_time = 0);
+  Scheme(Participant& fluid, Participant& structure, FieldTransfer, SchemeParameters, double start_time = 0);
 
   WindowReport advance(const Window&);
   void commit(bool write_output);
   void abandon();
 
   const Mapping& mapping() const { return transfer_.to_fluid(); }
-  const Transfer& transfer() const { return transfer_; }
+  const FieldTransfer& transfer() const { return transfer_; }
   /// What is measured in each iteration, as IterationReport::fields has it: quantity and unit.
   std::vector<Column> measured() const;
   /// True if displacement and force cross the interface: WindowReport then has them by name.
@@ -77,37 +77,38 @@ class Scheme {
   std::optional<Shorter> evaluate_parallel(const Window&, int iteration, Iterate&);
   Input for_fluid(const Window&, const Iterate&) const;
   Input for_structure(const Window&, const Iterate&) const;
-  Samples take_history(const Window&, int iteration, Iterate&) const;
-  static void sum_up(Iterate&);
-  void take_wet(const Window&, int iteration, Iterate&) const;
-  void take_dry(const Window&, int iteration, Iterate&);
+  Samples receive_history(const Window&, int iteration, Iterate&) const;
+  static void sum_load(Iterate&);
+  void receive_fluid(const Window&, int iteration, Iterate&) const;
+  void receive_structure(const Window&, int iteration, Iterate&);
   Iterate first_guess(const Window&) const;
   bool holds_last() const;
-  const Sample& guess_of(const Iterate&) const;  // x
+  const StructureSample& guess_of(const Iterate&) const;  // x
   Limits limits_of_load() const;
   /// True if a window uses the load of the one before; only then it is kept.
-  bool looks_back_at_load() const;
+  bool needs_last_load() const;
   IterationReport measure(const Window&, int iteration, const Iterate&, const IterationReport* first) const;
   std::vector<AcceleratorBlock> blocks(const Iterate&) const;
-  Eigen::VectorXd stack(const Sample& structure, const std::vector<Field>& load) const;
+  Eigen::VectorXd stack(const StructureSample&, const std::vector<Field>& load) const;
   void next_guess(const Window&, Iterate&);
-  void take_back();
+  void rewind_both();
   WindowReport retry(const Window&, double limit, std::string why, std::string fix) const;
   [[noreturn]] void stop_unconverged(const WindowReport&) const;
   void close(WindowReport&, Iterate&);
   Participant& fluid_;
   Participant& structure_;
-  Transfer transfer_;
+  FieldTransfer transfer_;
   SchemeParameters parameters_;
-  std::vector<Field> of_structure_, of_fluid_;  // announced
-  bool moves_;                                  // the structure sends a motion
+  StructureSample of_structure_;  // announced
+  std::vector<Field> of_fluid_;   // announced
   std::unique_ptr<Accelerator> accelerator_;
   CouplingState state_;
   /// What a commit adds to the state.
   struct Pending {
     double velocity_scale = 0;
     bool sends_velocity = false;
-    Sample structure, fluid;
+    StructureSample structure;
+    Sample fluid;
     Samples history;
     AcceleratorState accelerator;
   };

@@ -22,8 +22,8 @@ void shift(std::vector<Field>& a, const std::vector<Field>& b, const std::vector
 
 }  // namespace
 
-MatrixXd followed_velocity(const Sample& committed, const Values& displacement, double dt) {
-  return 2 / dt * (displacement - committed.fields[0].value) - committed.fields[1].value;
+MatrixXd followed_velocity(const Motion& committed, const Values& displacement, double dt) {
+  return 2 / dt * (displacement - committed.displacement) - committed.velocity;
 }
 
 Scheme::Iterate Scheme::first_guess(const Window& window) const {
@@ -41,7 +41,7 @@ bool Scheme::holds_last() const {
          (parameters_.predictor == Predictor::constant && parameters_.convergence.max_iterations <= 1);
 }
 
-const Sample& Scheme::guess_of(const Iterate& now) const {
+const StructureSample& Scheme::guess_of(const Iterate& now) const {
   return holds_last() ? state_.structure.back() : now.guess;
 }
 
@@ -58,16 +58,16 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
     fluid_.rewind();
     return Shorter("the fluid", now.from_fluid);
   }
-  take_wet(window, iteration, now);
+  receive_fluid(window, iteration, now);
 
   structure_.start_with(window, for_structure(window, now));
-  sum_up(now);  // while the structure computes
+  sum_load(now);  // while the structure computes
   now.from_structure = structure_.finish();
   if (now.from_structure.retry_smaller_dt) {
-    take_back();
+    rewind_both();
     return Shorter("the structure", now.from_structure);
   }
-  take_dry(window, iteration, now);
+  receive_structure(window, iteration, now);
   return std::nullopt;
 }
 
@@ -81,18 +81,18 @@ std::optional<Scheme::Shorter> Scheme::evaluate_parallel(const Window& window, i
   if (now.from_structure.retry_smaller_dt && (!shorter || now.from_structure.dt_limit < shorter->limit))
     shorter.emplace("the structure", now.from_structure);
   if (shorter) {
-    take_back();
+    rewind_both();
     return shorter;
   }
-  take_wet(window, iteration, now);
-  sum_up(now);
-  take_dry(window, iteration, now);
+  receive_fluid(window, iteration, now);
+  sum_load(now);
+  receive_structure(window, iteration, now);
   return std::nullopt;
 }
 
 Input Scheme::for_fluid(const Window& window, const Iterate& now) const {
   Sample sample = {parameters_.volume ? window.t : window.t + window.dt, {}};
-  for (const Field& field : guess_of(now).fields) sample.fields.push_back(transfer_.onto_fluid(field));
+  for (const Field& field : guess_of(now).fields()) sample.fields.push_back(transfer_.onto_fluid(field));
   Input input;
   input.samples.push_back(std::move(sample));
   return input;
@@ -118,7 +118,7 @@ Input Scheme::for_structure(const Window& window, const Iterate& now) const {
 
 // What the fluid sends over the window. Where it is alone with its end values, and these are no means, they
 // make a history with those before.
-Samples Scheme::take_history(const Window& window, int iteration, Iterate& now) const {
+Samples Scheme::receive_history(const Window& window, int iteration, Iterate& now) const {
   const Place place = {"fluid", window, state_.windows + 1, iteration};
   const double end = window.t + window.dt, slack = 1e-9 * window.dt;
   Samples history;
@@ -131,7 +131,7 @@ Samples Scheme::take_history(const Window& window, int iteration, Iterate& now) 
                   "samples ascend from after the window's start to its end");
     last = sample.time;
     history.push_back({sample.time, {}});
-    for (const Field& field : take_fields(std::move(sample.fields), of_fluid_, fluid_.mesh(), place))
+    for (const Field& field : received_fields(std::move(sample.fields), of_fluid_, fluid_.mesh(), place))
       history.back().fields.push_back(transfer_.onto_structure(field));
   }
   if (!history.empty()) return history;
@@ -141,97 +141,85 @@ Samples Scheme::take_history(const Window& window, int iteration, Iterate& now) 
   return history;
 }
 
-void Scheme::sum_up(Iterate& now) {
+void Scheme::sum_load(Iterate& now) {
   if (const Field* force = find(now.load, "force")) now.force = force->value.sum_over_points();
 }
 
-void Scheme::take_wet(const Window& window, int iteration, Iterate& now) const {
-  now.wet = take_fields(std::move(now.from_fluid.output), of_fluid_, fluid_.mesh(),
-                        {"fluid", window, state_.windows + 1, iteration});
+void Scheme::receive_fluid(const Window& window, int iteration, Iterate& now) const {
+  now.wet = received_fields(std::move(now.from_fluid.output), of_fluid_, fluid_.mesh(),
+                            {"fluid", window, state_.windows + 1, iteration});
   now.load.clear();
   for (const Field& field : now.wet) now.load.push_back(transfer_.onto_structure(field));
-  if (structure_.description().history) now.history = take_history(window, iteration, now);
+  if (structure_.description().history) now.history = receive_history(window, iteration, now);
 }
 
-void Scheme::take_dry(const Window& window, int iteration, Iterate& now) {
+void Scheme::receive_structure(const Window& window, int iteration, Iterate& now) {
   const Place place = {"structure", window, state_.windows + 1, iteration};
-  now.answer.time = window.t + window.dt;
-  now.answer.fields =
-      take_fields(std::move(now.from_structure.output), of_structure_, structure_.mesh(), place);
-  if (!moves_) return;
-  Values& velocity = now.answer.fields[1].value;
+  now.answer = received_fields(std::move(now.from_structure.output), of_structure_, structure_.mesh(), place);
+  if (!now.answer.motion) return;
+  auto& [displacement, velocity] = *now.answer.motion;
   pending_.sends_velocity = velocity.size() > 0;
   if (pending_.sends_velocity) return;
   if (parameters_.volume)
     throw Error(ExitCode::solver_fault, place.text(), "sent no velocity",
                 "volume coupling needs the velocity of the solid's particles with each window");
-  velocity = followed_velocity(state_.structure.back(), now.answer.fields[0].value, window.dt);
+  velocity = followed_velocity(*state_.structure.back().motion, displacement, window.dt);
 }
 
 // A motion is one field: its velocity stands there as a length.
 std::vector<AcceleratorBlock> Scheme::blocks(const Iterate& now) const {
   std::vector<AcceleratorBlock> blocks;
-  for (std::size_t k = 0; k < now.answer.fields.size(); ++k) {
-    const Field& field = now.answer.fields[k];
-    if (!moves_ || k != 1)
-      blocks.push_back({field.quantity, field.value.size()});
-    else if (pending_.sends_velocity)
-      blocks.back().size += field.value.size();
-  }
+  const auto add = [&](const Field& field) { blocks.push_back({field.quantity, field.value.size()}); };
+  if (const auto& motion = now.answer.motion)
+    blocks.push_back({"displacement",
+                      motion->displacement.size() + (pending_.sends_velocity ? motion->velocity.size() : 0)});
+  for (const Field& field : now.answer.others) add(field);
   if (parameters_.parallel)
-    for (const Field& field : now.load) blocks.push_back({field.quantity, field.value.size()});
+    for (const Field& field : now.load) add(field);
   return blocks;
 }
 
 // All unknowns one below the other: the structure's fields, and in a parallel scheme the fluid's.
 // Displacement [m] and, where the structure sends it, velocity × scale [m]: one linear combination moves
 // both.
-VectorXd Scheme::stack(const Sample& structure, const std::vector<Field>& load) const {
-  const auto left_out = [&](std::size_t k) { return moves_ && k == 1 && !pending_.sends_velocity; };
-  Eigen::Index size = 0;
-  for (std::size_t k = 0; k < structure.fields.size(); ++k)
-    if (!left_out(k)) size += structure.fields[k].value.size();
-  if (parameters_.parallel)
-    for (const Field& field : load) size += field.value.size();
-  VectorXd x(size);
-  Eigen::Index at = 0;
-  const auto append = [&](const auto& values) {
-    x.segment(at, values.size()) = values;
-    at += values.size();
+VectorXd Scheme::stack(const StructureSample& structure, const std::vector<Field>& load) const {
+  VectorXd x;
+  const auto append = [&](const Values& values, double factor = 1) {
+    const Eigen::Index at = x.size();
+    x.conservativeResize(at + values.size());
+    x.tail(values.size()) = factor * values.reshaped();
   };
-  for (std::size_t k = 0; k < structure.fields.size(); ++k) {
-    if (left_out(k)) continue;
-    const auto values = structure.fields[k].value.reshaped();
-    if (moves_ && k == 1)
-      append(pending_.velocity_scale * values);
-    else
-      append(values);
+  if (const auto& motion = structure.motion) {
+    append(motion->displacement);
+    if (pending_.sends_velocity) append(motion->velocity, pending_.velocity_scale);
   }
+  for (const Field& field : structure.others) append(field.value);
   if (parameters_.parallel)
-    for (const Field& field : load) append(field.value.reshaped());
+    for (const Field& field : load) append(field.value);
   return x;
 }
 
 void Scheme::next_guess(const Window& window, Iterate& now) {
   const VectorXd x = accelerator_->next(stack(now.guess, now.load_guess), stack(now.answer, now.load));
   Eigen::Index at = 0;
-  const auto take = [&](Field& field) {
-    MatrixXd value(field.value.rows(), field.value.cols());
+  const auto take = [&](Values& values) {
+    MatrixXd value(values.rows(), values.cols());
     value.reshaped() = x.segment(at, value.size());
     at += value.size();
-    field.value = std::move(value);
+    values = std::move(value);
   };
-  for (std::size_t k = 0; k < now.guess.fields.size(); ++k) {
-    Field& field = now.guess.fields[k];
-    const bool velocity = moves_ && k == 1;
-    if (velocity && !pending_.sends_velocity) {
-      field.value = followed_velocity(state_.structure.back(), now.guess.fields[0].value, window.dt);
-      continue;
+  if (now.guess.motion) {
+    auto& [displacement, velocity] = *now.guess.motion;
+    take(displacement);
+    if (pending_.sends_velocity) {
+      take(velocity);
+      velocity.edit() /= pending_.velocity_scale;
+    } else {
+      velocity = followed_velocity(*state_.structure.back().motion, displacement, window.dt);
     }
-    take(field);
-    if (velocity) field.value.edit() /= pending_.velocity_scale;
   }
-  for (Field& field : now.load_guess) take(field);
+  for (Field& field : now.guess.others) take(field.value);
+  for (Field& field : now.load_guess) take(field.value);
 }
 
 }  // namespace strake

@@ -2,12 +2,12 @@
 
 #include "coupler/coupling/scheme.hpp"
 
-/// What the files of Scheme share, for scheme.cpp and evaluation.cpp alone.
+/// What the files of Scheme share, for scheme.cpp and scheme_evaluate.cpp alone.
 namespace strake {
 
 /// One evaluation of H. All but `wet`, the fluid's points, is on the structure's mesh.
 struct Scheme::Iterate {
-  Sample guess, answer;             // x, which the fluid is given (see guess_of), and H(x), the structure's
+  StructureSample guess, answer;    // x, which the fluid is given (see guess_of), and H(x), the structure's
   std::vector<Field> load_guess;    // parallel: what the structure is given
   std::vector<Field> load;          // what the fluid answers; serial: what the structure is given
   std::vector<Field> load_before;   // of the iteration before, in the first one of the window before
@@ -20,6 +20,6 @@ struct Scheme::Iterate {
 /// v_(n+1) = 2 (u_(n+1) − u_n)/dt − v_n, the end velocity of an interface that moves with constant
 /// acceleration (cases/VALIDATION.md, "Piston and column"). From the structure's committed motion, so that
 /// what one window leaves unconverged does not add up in the next.
-Eigen::MatrixXd followed_velocity(const Sample& committed, const Values& displacement, double dt);
+Eigen::MatrixXd followed_velocity(const Motion& committed, const Values& displacement, double dt);
 
 }  // namespace strake

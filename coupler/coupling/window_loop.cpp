@@ -27,20 +27,20 @@ long RunPlan::n_windows() const {
   return static_cast<long>(std::clamp(std::ceil(end / window - slack), 1.0, most));
 }
 
-RunLoop::RunLoop(const RunPlan& plan, Advance advance, Commit commit)
+WindowLoop::WindowLoop(const RunPlan& plan, Advance advance, Commit commit)
     : advance_(std::move(advance)), commit_(std::move(commit)), plan_(plan), state_(plan.start) {
   assert(plan.window > 0 && plan.end > 0);
   frames_passed_ = frames_up_to(state_.time);
   finished_ = state_.time >= plan_.end - slack * plan_.window;
 }
 
-RunLoop::RunLoop(Scheme& scheme, const RunPlan& plan)
-    : RunLoop(
+WindowLoop::WindowLoop(Scheme& scheme, const RunPlan& plan)
+    : WindowLoop(
           plan, [&scheme](const Window& window) { return scheme.advance(window); },
           [&scheme](bool write_output) { scheme.commit(write_output); }) {}
 
-RunLoop::RunLoop(Participant& alone, Side side, const RunPlan& plan)
-    : RunLoop(
+WindowLoop::WindowLoop(Participant& alone, Side side, const RunPlan& plan)
+    : WindowLoop(
           plan,
           [&alone, side](const Window& window) {
             WindowReport report = advance_alone(alone, window);
@@ -49,26 +49,26 @@ RunLoop::RunLoop(Participant& alone, Side side, const RunPlan& plan)
           },
           [&alone](bool write_output) { alone.commit(write_output); }) {}
 
-double RunLoop::next_end() const {
+double WindowLoop::next_end() const {
   // The next grid line, by multiplication: sums of a step drift.
   const double line = (std::floor(state_.time / plan_.window + slack) + 1) * plan_.window;
   return line > plan_.end - slack * plan_.window ? plan_.end : line;
 }
 
 /// Multiples of the frames' interval up to a time. Computed, not counted: a tiny interval has very many.
-double RunLoop::frames_up_to(double time) const {
+double WindowLoop::frames_up_to(double time) const {
   if (plan_.output_every <= 0) return 0;
   const double tolerance = slack * plan_.window;  // shorter than every window: each has a multiple of it
   return std::floor((time + tolerance) / std::max(plan_.output_every, tolerance));
 }
 
-bool RunLoop::output_due(double time) {
+bool WindowLoop::output_due(double time) {
   const double passed = frames_up_to(time);
   return passed > std::exchange(frames_passed_, passed);
 }
 
 /// From now to the next grid line, in equal parts as long as `length` and the solvers allow.
-Window RunLoop::next_window() const {
+Window WindowLoop::next_window() const {
   const double rest = next_end() - state_.time, longest = std::min(state_.length, state_.limit);
   const double parts = std::max(1.0, std::ceil(rest / longest - slack));
   double dt = rest / parts;
@@ -78,7 +78,7 @@ Window RunLoop::next_window() const {
   return {.t = state_.time, .dt = dt};
 }
 
-void RunLoop::shorten(const Window& failed, const CommittedWindow& tried, double longest) {
+void WindowLoop::shorten(const Window& failed, const CommittedWindow& tried, double longest) {
   const WindowReport& report = tried.report;
   const double least = smallest(plan_), wanted = std::min(0.5 * failed.dt, report.dt_limit);
   if (!(wanted >= least)) {
@@ -99,14 +99,14 @@ void RunLoop::shorten(const Window& failed, const CommittedWindow& tried, double
   state_.settled = 0;
 }
 
-void RunLoop::lengthen() {
+void WindowLoop::lengthen() {
   if (std::isinf(state_.length) || ++state_.settled < plan_.control.patience) return;
   state_.length *= plan_.control.growth;
   state_.settled = 0;
   if (state_.length >= plan_.window * (1 - slack)) state_.length = LoopState{}.length;
 }
 
-CommittedWindow RunLoop::next() {
+CommittedWindow WindowLoop::next() {
   assert(!finished_);
   CommittedWindow done;
   Window window = next_window();

@@ -55,11 +55,11 @@ struct CommittedWindow {
 };
 
 /// The time loop of a run: window after window through a scheme, or through one participant alone.
-class RunLoop {
+class WindowLoop {
  public:
-  RunLoop(Scheme&, const RunPlan&);
+  WindowLoop(Scheme&, const RunPlan&);
   enum class Side { fluid, structure };
-  RunLoop(Participant& alone, Side, const RunPlan&);
+  WindowLoop(Participant& alone, Side, const RunPlan&);
   bool finished() const { return finished_; }
   const LoopState& state() const { return state_; }
   double time() const { return state_.time; }
@@ -72,7 +72,7 @@ class RunLoop {
  private:
   using Advance = std::function<WindowReport(const Window&)>;
   using Commit = std::function<void(bool)>;
-  RunLoop(const RunPlan&, Advance, Commit);
+  WindowLoop(const RunPlan&, Advance, Commit);
   double next_end() const;
   Window next_window() const;
   void shorten(const Window& failed, const CommittedWindow& tried, double longest);

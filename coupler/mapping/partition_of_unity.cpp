@@ -124,13 +124,13 @@ Index least_beyond(const std::vector<Patch>& patches, const Vector3d& p) {
 
 }  // namespace
 
-Partition divide(const Points& sources, const Points& targets, const PatchParameters& parameters) {
+PartitionOfUnity divide(const Points& sources, const Points& targets, const PatchParameters& parameters) {
   const Index n = sources.cols();
   const PointTree source_tree(sources);
   std::vector<double> spacing(static_cast<std::size_t>(n));
   for (Index i = 0; i < n; ++i) spacing[static_cast<std::size_t>(i)] = source_tree.distance_to_another(i);
 
-  Partition partition;
+  PartitionOfUnity partition;
   partition.of_target.resize(static_cast<std::size_t>(targets.cols()));
   const double cell_size = std::max(1.0, share_of_cell * parameters.points);
   const bool single = n <= parameters.points;
@@ -177,7 +177,7 @@ Partition divide(const Points& sources, const Points& targets, const PatchParame
 }
 
 // D. Shepard's weights on smooth bumps: ψ_k = (1 − q)⁴(4q + 1)/R_k³, q = |x − c_k|/R_k; share ψ_k/Σψ.
-std::vector<double> shares(const Partition& partition, Index i, const Vector3d& position) {
+std::vector<double> shares(const PartitionOfUnity& partition, Index i, const Vector3d& position) {
   const auto& of = partition.of_target[static_cast<std::size_t>(i)];
   if (of.size() == 1) return {1.0};
   std::vector<double> share;

@@ -22,16 +22,16 @@ struct PatchParameters {
   double overlap = 0.15;  // radius beyond the cell that the patch serves, relative
 };
 
-struct Partition {
+struct PartitionOfUnity {
   std::vector<Patch> patches;
   std::vector<std::vector<Eigen::Index>> of_target;  // its patches, ascending, at least one
   Eigen::Index beyond = 0;  // targets in no ball: served by the one that they lie least beyond
 };
 
-Partition divide(const Points& sources, const Points& targets, const PatchParameters&);
+PartitionOfUnity divide(const Points& sources, const Points& targets, const PatchParameters&);
 
 /// Weights of the patches at the target i, in the order of of_target[i]. They sum to 1 and fall to 0 at a
 /// ball's border. Where patches overlap, the smaller one, with denser sources, gets the larger weight.
-std::vector<double> shares(const Partition&, Eigen::Index i, const Eigen::Vector3d& position);
+std::vector<double> shares(const PartitionOfUnity&, Eigen::Index i, const Eigen::Vector3d& position);
 
 }  // namespace strake

@@ -97,7 +97,7 @@ void check_condition(const LocalWeights& local, const Patch& patch, const Radial
 }
 
 /// The pattern of W: a row has all sources of its target's patches, ascending.
-Matrix empty_rows(const Partition& partition, Index n_sources, Index n_targets) {
+Matrix empty_rows(const PartitionOfUnity& partition, Index n_sources, Index n_targets) {
   Matrix weights(n_targets, n_sources);
   std::vector<Index> row, merged;
   const auto fill_row = [&](Index t) {
@@ -129,7 +129,8 @@ Matrix empty_rows(const Partition& partition, Index n_sources, Index n_targets) 
 }
 
 /// Adds the weights of one patch to the rows of its targets.
-void add(Matrix& weights, const Partition& partition, Index k, const MatrixXd& local, const Points& targets) {
+void add(Matrix& weights, const PartitionOfUnity& partition, Index k, const MatrixXd& local,
+         const Points& targets) {
   const Patch& patch = partition.patches[static_cast<std::size_t>(k)];
   for (std::size_t t = 0; t < patch.target.size(); ++t) {
     const Index row = patch.target[t];
@@ -145,7 +146,7 @@ void add(Matrix& weights, const Partition& partition, Index k, const MatrixXd& l
 }
 
 /// W_ij = Σ_k share_k(x_i) w_kj(x_i): every patch interpolates by itself, its share fades out at its border.
-Matrix by_patches(const Partition& partition, const RadialBasis& basis, const Points& sources,
+Matrix by_patches(const PartitionOfUnity& partition, const RadialBasis& basis, const Points& sources,
                   const InterfaceMesh& structure, const InterfaceMesh& fluid, MappingQuality& quality) {
   const RadialFunction function = radial_function(basis.function);
   Matrix weights = empty_rows(partition, sources.cols(), fluid.position.cols());
@@ -171,7 +172,7 @@ Matrix by_patches(const Partition& partition, const RadialBasis& basis, const Po
 }
 
 /// All points in one patch, so large that every target is inside.
-Partition whole(const Points& sources, const Points& targets) {
+PartitionOfUnity whole(const Points& sources, const Points& targets) {
   const auto everything = static_cast<int>(sources.cols());
   return divide(sources, targets, {.points = everything, .overlap = 0});
 }
@@ -219,9 +220,10 @@ Mapping radial_basis(const InterfaceMesh& structure, const InterfaceMesh& fluid,
   note_distances(quality, sources.position, limit, structure, fluid);
   check_distance(quality, limit, structure, fluid);
 
-  const Partition partition = global ? whole(sources.position, fluid.position)
-                                     : divide(sources.position, fluid.position,
-                                              {.points = basis.patch_points, .overlap = basis.overlap});
+  const PartitionOfUnity partition = global
+                                         ? whole(sources.position, fluid.position)
+                                         : divide(sources.position, fluid.position,
+                                                  {.points = basis.patch_points, .overlap = basis.overlap});
   quality.outside = partition.beyond;
   Matrix weights = by_patches(partition, basis, sources.position, structure, fluid, quality);
   spread(weights, sources, structure.position.cols());

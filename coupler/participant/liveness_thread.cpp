@@ -156,7 +156,7 @@ void Watch::judge(LinkEvent event, int in_a_row, std::chrono::steady_clock::dura
           "the endpoint stands on the coupler's console and in its run.json");
 }
 
-void Watch::run(Line& line) {
+void Watch::run(ParticipantSocket& socket) {
   constexpr milliseconds beat{100};
   constexpr std::chrono::seconds to_thaw{10}, to_be_there{30}, to_find_named{1};
   // On one machine a living coupler's kernel accepts at once, even if it is frozen; a network may be cut.
@@ -168,7 +168,7 @@ void Watch::run(Line& line) {
   Clock::time_point first_failed;
   std::optional<Clock::time_point> lost;
   while (!stop_) {
-    if (const auto event = line.next_event(beat)) {
+    if (const auto event = socket.next_event(beat)) {
       if (*event == LinkEvent::connected) accepted = true;
       if (accepted) last_accepted = Clock::now();
       failed = *event == LinkEvent::ready ? 0 : failed + (*event == LinkEvent::no_greeting ? 1 : 0);

@@ -32,8 +32,8 @@ void take_signals();
 /// coupler is gone, or will never let it in.
 class Watch {
  public:
-  Watch(Line& line, std::string endpoint, std::optional<ParticipantKeys> keys)
-      : endpoint_(std::move(endpoint)), keys_(std::move(keys)), thread_([this, &line] { run(line); }) {}
+  Watch(ParticipantSocket& socket, std::string endpoint, std::optional<ParticipantKeys> keys)
+      : endpoint_(std::move(endpoint)), keys_(std::move(keys)), thread_([this, &socket] { run(socket); }) {}
   ~Watch() {
     stop_ = true;
     thread_.join();
@@ -45,7 +45,7 @@ class Watch {
   bool take_renewed() { return renewed_.exchange(false); }
 
  private:
-  void run(Line& line);
+  void run(ParticipantSocket& socket);
   /// Ends the process if the coupler will never receive its messages.
   void judge(LinkEvent, int in_a_row, std::chrono::steady_clock::duration since_first) const;
   [[noreturn]] void give_up(ExitCode, const std::string& problem, const std::string& fix) const;

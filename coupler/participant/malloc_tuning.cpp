@@ -8,7 +8,7 @@
 
 namespace strake {
 
-void keep_freed_memory() {
+void tune_malloc() {
 #ifdef __GLIBC__
   if (std::getenv("MALLOC_TRIM_THRESHOLD_") || std::getenv("GLIBC_TUNABLES")) return;
   // What glibc comes to by itself once a block of the larger size has been freed.

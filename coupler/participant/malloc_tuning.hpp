@@ -6,6 +6,6 @@ namespace strake {
 /// that exchanges fields, the C library may return the memory of each field to the system and request it
 /// again, page by page and cleared. This takes as much time as all the copies of a window. If
 /// MALLOC_TRIM_THRESHOLD_ or GLIBC_TUNABLES is set, the user has decided.
-void keep_freed_memory();
+void tune_malloc();
 
 }  // namespace strake

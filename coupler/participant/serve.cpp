@@ -90,8 +90,8 @@ class Server {
       : options_(options),
         factory_(factory),
         keys_(keys_of(options)),
-        line_(options.endpoint, keys_),
-        watch_(line_, options.endpoint, keys_) {}
+        socket_(options.endpoint, keys_),
+        watch_(socket_, options.endpoint, keys_) {}
 
   int run();
   void working(double fraction, const std::string& what);
@@ -114,7 +114,7 @@ class Server {
   const ServeOptions& options_;
   const ParticipantFactory& factory_;
   std::optional<ParticipantKeys> keys_;
-  Line line_;
+  ParticipantSocket socket_;
   Watch watch_;
   std::unique_ptr<Participant> participant_;
   std::uint64_t sequence_ = 0;  // of the last request
@@ -128,7 +128,7 @@ thread_local Server* serving = nullptr;  // for working()
 
 void Server::say_hello() {
   const std::string hash(options_.case_hash.begin(), options_.case_hash.end());
-  line_.send(wire::encode(
+  socket_.send(wire::encode(
       wire::Reply{sequence_, wire::Hello{wire::protocol, options_.name, raw_bytes(options_.token),
                                          options_.solver, options_.version, hash}},
       options_.name));
@@ -138,7 +138,7 @@ void Server::say_hello() {
 void Server::renew() {
   if (!watch_.take_renewed()) return;
   say_hello();
-  if (!last_reply_.empty()) line_.send(last_reply_);
+  if (!last_reply_.empty()) socket_.send(last_reply_);
 }
 
 void Server::send(wire::Reply message) {
@@ -148,19 +148,19 @@ void Server::send(wire::Reply message) {
   last_reply_.clear();
   renew();
   last_reply_ = std::move(parts);
-  line_.send(last_reply_);
+  socket_.send(last_reply_);
 }
 
 wire::Request Server::next_request() {
   for (;;) {
     renew();
-    const auto parts = line_.receive(milliseconds(100));
+    const auto parts = socket_.receive(milliseconds(100));
     if (!parts) continue;
     const std::int64_t received = steady_now();
     wire::Request request = wire::decode_request(*parts);
     if (std::holds_alternative<wire::Refused>(request.what)) return request;
     if (request.sequence == sequence_ && !last_reply_.empty()) {  // sent again over a new connection
-      line_.send(last_reply_);
+      socket_.send(last_reply_);
       continue;
     }
     if (request.sequence != sequence_ + 1)
@@ -266,7 +266,7 @@ void Server::working(double fraction, const std::string& what) {
   if (now - last_working_ < std::chrono::seconds(1)) return;
   last_working_ = now;
   if (watch_.take_renewed()) say_hello();
-  line_.send(wire::encode(wire::Reply{sequence_, wire::Working{fraction, what}}, options_.name));
+  socket_.send(wire::encode(wire::Reply{sequence_, wire::Working{fraction, what}}, options_.name));
 }
 
 }  // namespace
@@ -274,7 +274,7 @@ void Server::working(double fraction, const std::string& what) {
 int serve(const ServeOptions& options, const ParticipantFactory& factory) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written, and ends with the process
   prepare_last_moments(options.name, options.endpoint);
-  keep_freed_memory();
+  tune_malloc();
   spdlog::flush_on(spdlog::level::info);
   spdlog::info("{} {} as {}, process {}, coupler at {}", options.solver, options.version, options.name,
                getpid(), options.endpoint);

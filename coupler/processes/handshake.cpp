@@ -26,7 +26,7 @@ std::string bytes_of(const std::string& hexadecimal) {
   return bytes;
 }
 
-void Roster::State::greet(const Hub::Message& message) {
+void Participants::State::greet(const CouplerSocket::Message& message) {
   wire::Reply reply;
   try {
     reply = wire::decode_reply(message.parts, "a stranger");
@@ -63,9 +63,9 @@ void Roster::State::greet(const Hub::Message& message) {
     return refuse(message, m,
                   fmt::format("{} has read another case than the coupler (their hashes differ)", m->name),
                   "give it the same --case and --set; a file of the case may have changed in between");
-  if (m->greeted && reply.sequence == 0 && hub.connected(m->peer))
+  if (m->greeted && reply.sequence == 0 && socket.connected(m->peer))
     return refuse(message, m, fmt::format("{} already takes part", m->name), "--name");
-  if (m->greeted && hub.connected(m->peer)) return put_aside(*m, message, reply.sequence);
+  if (m->greeted && socket.connected(m->peer)) return put_aside(*m, message, reply.sequence);
   if (m->greeted) return welcome_back(*m, message, reply.sequence);
   m->greeted = true;
   take_connection(*m, message.peer);
@@ -75,15 +75,16 @@ void Roster::State::greet(const Hub::Message& message) {
 
 /// A participant with a live connection is not replaced. One that was frozen may return before its old
 /// connection has ended; its message waits until then.
-void Roster::State::put_aside(Member& m, const Hub::Message& message, std::uint64_t last_received) {
-  hub.admit(message.peer);  // it has the token: its next message is read
+void Participants::State::put_aside(Member& m, const CouplerSocket::Message& message,
+                                    std::uint64_t last_received) {
+  socket.admit(message.peer);  // it knows the token: what it says next is heard
   returning.push_back({&m, message, last_received, Clock::now(), {}});
 }
 
-void Roster::State::look_after_returning() {
+void Participants::State::look_after_returning() {
   constexpr std::chrono::milliseconds to_let_go{1200};  // heartbeats end the old connection earlier
   for (std::size_t i = 0; i < returning.size();) {
-    const bool stands = hub.connected(returning[i].member->peer);
+    const bool stands = socket.connected(returning[i].member->peer);
     if (stands && Clock::now() - returning[i].since < to_let_go) {
       ++i;
       continue;
@@ -94,23 +95,24 @@ void Roster::State::look_after_returning() {
       refuse(r.hello, r.member, fmt::format("{} already takes part", r.member->name), "--name");
       continue;
     }
-    if (!hub.connected(r.hello.peer)) continue;
+    if (!socket.connected(r.hello.peer)) continue;
     welcome_back(*r.member, r.hello, r.last_received);
-    for (Hub::Message& message : r.rest) hear(std::move(message));
+    for (CouplerSocket::Message& message : r.rest) hear(std::move(message));
   }
 }
 
 /// For a process that we did not start, only the connection shows whether it lives. For any process, the way
 /// its connection ends is used.
-void Roster::State::take_connection(Member& m, const std::string& peer) {
+void Participants::State::take_connection(Member& m, const std::string& peer) {
   m.peer = peer;
-  hub.admit(peer);
-  hub.keep_witness(peer);
+  socket.admit(peer);
+  socket.watch_close(peer);
 }
 
 /// A participant that was frozen (or a coupler that was) has a new connection. What the old one lost is sent
 /// again.
-void Roster::State::welcome_back(Member& m, const Hub::Message& message, std::uint64_t last_received) {
+void Participants::State::welcome_back(Member& m, const CouplerSocket::Message& message,
+                                       std::uint64_t last_received) {
   const auto silence = m.silent_since ? Clock::now() - *m.silent_since : Clock::duration(0);
   say(fmt::format("{}: is back after {}", m.place(), in_seconds(silence)));
   take_connection(m, message.peer);
@@ -118,22 +120,22 @@ void Roster::State::welcome_back(Member& m, const Hub::Message& message, std::ui
   m.silence_told = false;
   m.last_heard = Clock::now();
   m.may_repeat = last_received;
-  if (!m.asked.empty() && !m.reply && last_received < m.sequence) hub.send(m.peer, m.request);
+  if (!m.asked.empty() && !m.reply && last_received < m.sequence) socket.send(m.peer, m.request);
 }
 
-void Roster::State::refuse(const Hub::Message& message, Member* m, const std::string& problem,
-                           const std::string& fix) {
+void Participants::State::refuse(const CouplerSocket::Message& message, Member* m, const std::string& problem,
+                                 const std::string& fix) {
   note_stranger("refused a participant: " + harmless(problem), 1);
   if (m && !m->greeted) m->refusal = "was refused: " + problem;
-  hub.send(message.peer, wire::encode(wire::Request{0, wire::Refused{"coupler", harmless(problem), fix}}));
+  socket.send(message.peer, wire::encode(wire::Request{0, wire::Refused{"coupler", harmless(problem), fix}}));
 }
 
-void Roster::State::note_stranger(const std::string& what, int times) {
+void Participants::State::note_stranger(const std::string& what, int times) {
   for (const std::string& line : strangers.note(what, times, Clock::now())) say(line);
 }
 
-void Roster::State::look_after_strangers() {
-  for (const auto& [what, times] : hub.take_strangers())
+void Participants::State::look_after_strangers() {
+  for (const auto& [what, times] : socket.take_strangers())
     note_stranger("refused a connection: " + what, times);
   for (const std::string& line : strangers.due(Clock::now())) say(line);
 }

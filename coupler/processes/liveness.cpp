@@ -18,28 +18,28 @@ constexpr milliseconds to_come_back{500};   // for a new connection after one th
 
 }  // namespace
 
-void Roster::State::look_after_all() {
+void Participants::State::look_after_all() {
   for (const auto& m : members) look_after(*m);
   look_after_strangers();
 }
 
-void Roster::State::look_after(Member& m) {
+void Participants::State::look_after(Member& m) {
   if (m.child)
     if (const auto exit = m.child->exit()) return died(m, *exit);
   if (!m.greeted) return;
-  if (hub.connected(m.peer)) {
+  if (socket.connected(m.peer)) {
     m.silent_since.reset();
     return;
   }
   // Heartbeats are answered by a thread of their own: no answer means frozen, or a dead machine.
-  const bool has_left = !m.child && hub.left(m.peer);
-  if (!m.silent_since && hub.cut_short(m.peer)) ++m.cut_short;
+  const bool has_left = !m.child && socket.left(m.peer);
+  if (!m.silent_since && socket.cut_short(m.peer)) ++m.cut_short;
   if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
   const auto silence = Clock::now() - *m.silent_since;
   check_cut_short(m, silence);
   // A participant that is alive reconnects at once. But inside a step it has no time to send Hello on the
   // connection.
-  const bool perhaps_back = hub.somebody_is_new() && !(m.child && m.child->stopped());
+  const bool perhaps_back = socket.somebody_is_new() && !(m.child && m.child->stopped());
   if (has_left && silence > to_come_back && !perhaps_back) left(m);
   const std::string state = has_left                        ? "has closed its connection"
                             : !m.child                      ? "is frozen or cannot be reached"
@@ -64,7 +64,7 @@ void Roster::State::look_after(Member& m) {
 
 /// ZeroMQ cuts the connection of whoever sends a part that is too large. A participant of Strake never does;
 /// it may be cut once after the coupler was frozen, and is then back at once.
-void Roster::State::check_cut_short(Member& m, Clock::duration silence) const {
+void Participants::State::check_cut_short(Member& m, Clock::duration silence) const {
   const std::chrono::duration<double> patience(2);
   if (m.cut_short == 0) return;
   if (m.cut_short < 2 && silence < std::min(patience, options.deadlines.frozen_after)) return;
@@ -72,12 +72,12 @@ void Roster::State::check_cut_short(Member& m, Clock::duration silence) const {
   throw Error(
       ExitCode::participant_lost, m.place(),
       fmt::format("its connection was cut while it sent {}: a part of a message may have at most {} MB",
-                  m.asked.empty() ? "something" : "its answer to " + m.asked, Hub::most_megabytes),
+                  m.asked.empty() ? "something" : "its answer to " + m.asked, CouplerSocket::most_megabytes),
       "a coarser interface mesh; " + m.see_log());
 }
 
 /// A participant started by hand: only its own shell knows whether it ended or was killed.
-void Roster::State::left(Member& m) {
+void Participants::State::left(Member& m) {
   m.broken = true;
   throw Error(ExitCode::participant_lost, m.place(),
               fmt::format("has ended ({}): its connection was closed at the other end{}", m.process(),
@@ -85,7 +85,7 @@ void Roster::State::left(Member& m) {
               m.see_log());
 }
 
-void Roster::State::died(Member& m, const Exit& exit) {
+void Participants::State::died(Member& m, const Exit& exit) {
   const auto end = Clock::now() + last_words;
   const auto has_stopped = [&] { return m.asked == "Stop" && m.reply; };
   while (Clock::now() < end && !has_stopped())

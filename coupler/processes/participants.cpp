@@ -31,7 +31,7 @@ std::string with_place(std::string where, const std::string& name, const std::st
   return where.empty() ? place : place + ", " + where;
 }
 
-std::string Roster::Member::place() const {
+std::string Participants::Member::place() const {
   if (iteration == 0)
     return committed == 0 || window.dt == 0
                ? name
@@ -39,38 +39,38 @@ std::string Roster::Member::place() const {
   return fmt::format("{}, window {} (t = {:.6g} s), iteration {}", name, committed + 1, window.t, iteration);
 }
 
-std::string Roster::Member::process() const {
+std::string Participants::Member::process() const {
   if (!child) return "started by hand";
   return fmt::format("process {}", child->pid());
 }
 
-std::string Roster::Member::said() const {
+std::string Participants::Member::said() const {
   return fmt::format("{} ({:.0f} %)", doing, 100 * part);
 }
 
-std::string Roster::Member::see_log() const {
+std::string Participants::Member::see_log() const {
   return log.empty() ? "see what it printed itself" : "see " + log.string();
 }
 
-Roster::State::State(Options o)
+Participants::State::State(Options o)
     : options(std::move(o)),
-      hub(options.endpoint, {options.keys, options.unencrypted}),
+      socket(options.endpoint, {options.keys, options.unencrypted}),
       token(options.token.empty() ? random_token() : options.token),
       raw_token(bytes_of(token)) {}
 
-Roster::Member* Roster::State::find(const std::string& name) {
+Participants::Member* Participants::State::find(const std::string& name) {
   for (const auto& m : members)
     if (m->name == name) return m.get();
   return nullptr;
 }
 
-void Roster::State::say(const std::string& line) const {
+void Participants::State::say(const std::string& line) const {
   if (options.say) options.say(line);
 }
 
 // ---- asking and waiting
 
-void Roster::State::ask(Member& m, wire::Request request) {
+void Participants::State::ask(Member& m, wire::Request request) {
   request.sequence = ++m.sequence;
   m.asked = wire::name_of(request);
   m.reply.reset();
@@ -80,14 +80,14 @@ void Roster::State::ask(Member& m, wire::Request request) {
   m.tell_after = options.deadlines.tell;
   m.doing.clear();
   try {
-    hub.send(m.peer, m.request);
+    socket.send(m.peer, m.request);
   } catch (const Error& e) {
     m.asked.clear();  // it was not
     throw Error(e.code(), m.place(), e.problem(), e.fix());
   }
 }
 
-wire::Reply Roster::State::await(Member& m) {
+wire::Reply Participants::State::await(Member& m) {
   Clock::time_point looked = Clock::now();
   while (!m.reply) {
     receive(beat);
@@ -104,7 +104,7 @@ wire::Reply Roster::State::await(Member& m) {
   return *std::exchange(m.reply, std::nullopt);
 }
 
-void Roster::State::await_hello(Member& m) {
+void Participants::State::await_hello(Member& m) {
   while (!m.greeted) {
     receive(beat);
     look_after_all();
@@ -130,13 +130,13 @@ void Roster::State::await_hello(Member& m) {
 }
 
 /// For whoever shows it in place.
-void Roster::State::tell_wait(const Member& m, Clock::duration waited) const {
+void Participants::State::tell_wait(const Member& m, Clock::duration waited) const {
   if (options.on_wait) options.on_wait({m.name, m.asked, m.doing, m.part, Seconds(waited).count()});
 }
 
 /// Writes one line after a while, then less and less often. The user so knows which participant the run waits
 /// for.
-void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
+void Participants::State::tell_waiting(Member& m, Clock::duration waited) const {
   constexpr Seconds longest{60};
   if (waited < m.tell_after) return;
   m.tell_after += std::min(m.tell_after, longest);
@@ -160,7 +160,7 @@ void Roster::State::tell_waiting(Member& m, Clock::duration waited) const {
     say(line);
 }
 
-void Roster::State::check_deadlines(const Member& m) const {
+void Participants::State::check_deadlines(const Member& m) const {
   const auto waited = Clock::now() - m.last_heard;
   if (options.deadlines.patient || m.reply || waited < options.deadlines.answer_within) return;
   throw Error(
@@ -170,7 +170,7 @@ void Roster::State::check_deadlines(const Member& m) const {
       fmt::format("{}, or --patient when debugging; the limit is coupling.answer_within", m.see_log()));
 }
 
-void Roster::State::check_stop(const Member& m) {
+void Participants::State::check_stop(const Member& m) {
   const StopRequest* stop = options.stop;
   if (!stop || !stop->requested()) return;
   const bool saves = m.asked == "Checkpoint" || m.asked == "Stop";  // its answer is what the user waits for
@@ -191,20 +191,21 @@ void Roster::State::check_stop(const Member& m) {
                   : fmt::format("{} while {} was awaited", stop->in_words(), m.greeted ? m.asked : "Hello"));
 }
 
-void Roster::State::check_stop_between(const Member& m) const {
+void Participants::State::check_stop_between(const Member& m) const {
   if (options.stop && options.stop->requested())
     throw Error(options.stop->code(), m.place(), options.stop->in_words());
 }
 
 // ---- hearing
 
-void Roster::State::receive(Clock::duration limit) {
-  if (auto message = hub.receive(std::chrono::duration_cast<milliseconds>(limit))) hear(std::move(*message));
+void Participants::State::receive(Clock::duration limit) {
+  if (auto message = socket.receive(std::chrono::duration_cast<milliseconds>(limit)))
+    hear(std::move(*message));
   if (!returning.empty()) look_after_returning();
 }
 
 /// Where a participant stands is put into words only when something is wrong.
-wire::Reply Roster::State::decode(const Member& m, const wire::Parts& parts) {
+wire::Reply Participants::State::decode(const Member& m, const wire::Parts& parts) {
   try {
     return wire::decode_reply(parts, m.name);
   } catch (const Error& e) {
@@ -212,7 +213,7 @@ wire::Reply Roster::State::decode(const Member& m, const wire::Parts& parts) {
   }
 }
 
-void Roster::State::hear(Hub::Message message) {
+void Participants::State::hear(CouplerSocket::Message message) {
   for (const auto& m : members) {
     if (!m->greeted || m->peer != message.peer) continue;
     try {
@@ -232,7 +233,7 @@ void Roster::State::hear(Hub::Message message) {
   greet(message);
 }
 
-void Roster::State::answered(Member& m, wire::Reply reply) {
+void Participants::State::answered(Member& m, wire::Reply reply) {
   m.last_heard = Clock::now();
   m.cut_short = 0;
   if (const auto* working = std::get_if<wire::Working>(&reply.what)) {
@@ -262,7 +263,7 @@ void Roster::State::answered(Member& m, wire::Reply reply) {
   m.reply = std::move(reply);
 }
 
-void Roster::State::tell_exchange(const Member& m, const wire::Reply& reply) const {
+void Participants::State::tell_exchange(const Member& m, const wire::Reply& reply) const {
   if (!options.on_exchange) return;
   const auto nanoseconds = [](Clock::time_point t) {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(t.time_since_epoch()).count();

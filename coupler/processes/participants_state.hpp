@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-/// What Roster and RemoteParticipant share, for remote.cpp and roster*.cpp alone.
+/// What Participants and RemoteParticipant share, for the files of this folder alone.
 namespace strake {
 
 using Clock = std::chrono::steady_clock;
@@ -23,7 +23,7 @@ std::string in_seconds(Clock::duration);               // "1.25 s"
 std::string bytes_of(const std::string& hexadecimal);  // empty if it is not
 
 /// State of one participant in the coupler.
-struct Roster::Member {
+struct Participants::Member {
   std::string name;
   std::optional<Child> child;  // none: started by hand
   std::filesystem::path log;
@@ -70,11 +70,11 @@ struct Roster::Member {
   std::string said() const;
 };
 
-struct Roster::State {
+struct Participants::State {
   explicit State(Options);
 
   Options options;
-  Hub hub;
+  CouplerSocket socket;
   std::string token;      // hexadecimal
   std::string raw_token;  // its bytes
   std::vector<std::unique_ptr<Member>> members;
@@ -82,10 +82,10 @@ struct Roster::State {
   /// A participant that says it is back while its old connection stands, with what it has said since.
   struct Returning {
     Member* member = nullptr;
-    Hub::Message hello;
+    CouplerSocket::Message hello;
     std::uint64_t last_received = 0;
     Clock::time_point since;
-    std::vector<Hub::Message> rest;
+    std::vector<CouplerSocket::Message> rest;
   };
   std::vector<Returning> returning;
   bool ended = false;
@@ -113,13 +113,13 @@ struct Roster::State {
   void check_stop_between(const Member&) const;  // before a request that begins something new
 
  private:
-  void hear(Hub::Message);
+  void hear(CouplerSocket::Message);
   static wire::Reply decode(const Member&, const wire::Parts&);
-  void greet(const Hub::Message&);
-  void welcome_back(Member&, const Hub::Message&, std::uint64_t last_received);
-  void put_aside(Member&, const Hub::Message&, std::uint64_t last_received);
+  void greet(const CouplerSocket::Message&);
+  void welcome_back(Member&, const CouplerSocket::Message&, std::uint64_t last_received);
+  void put_aside(Member&, const CouplerSocket::Message&, std::uint64_t last_received);
   void look_after_returning();
-  void refuse(const Hub::Message&, Member*, const std::string& problem, const std::string& fix);
+  void refuse(const CouplerSocket::Message&, Member*, const std::string& problem, const std::string& fix);
   void answered(Member&, wire::Reply);
   void tell_exchange(const Member&, const wire::Reply&) const;
   void look_after(Member&);
@@ -132,7 +132,7 @@ struct Roster::State {
 };
 
 template <class Expected>
-Expected Roster::State::await_as(Member& m) {
+Expected Participants::State::await_as(Member& m) {
   const std::string asked = m.asked;
   wire::Reply reply = await(m);
   if (auto* value = std::get_if<Expected>(&reply.what)) return std::move(*value);

@@ -33,24 +33,24 @@ void check_fields(const std::vector<Field>& fields, const InterfaceMesh& mesh, c
 
 }  // namespace
 
-// ---- Roster
+// ---- Participants
 
-Roster::Roster(Options options) : state_(std::make_unique<State>(std::move(options))) {
-  keep_freed_memory();
+Participants::Participants(Options options) : state_(std::make_unique<State>(std::move(options))) {
+  tune_malloc();
 }
 
-Roster::~Roster() {
+Participants::~Participants() {
   end();
 }
 
-std::string Roster::endpoint() const {
-  return state_->hub.endpoint();
+std::string Participants::endpoint() const {
+  return state_->socket.endpoint();
 }
-const std::string& Roster::token() const {
+const std::string& Participants::token() const {
   return state_->token;
 }
 
-void Roster::attach(const std::string& name) {
+void Participants::attach(const std::string& name) {
   assert(!state_->find(name) && "a name is taken once");
   const auto& keys = state_->options.keys;
   if (keys && !keys->admitted.contains(name))
@@ -64,8 +64,8 @@ void Roster::attach(const std::string& name) {
   state_->members.push_back(std::move(m));
 }
 
-std::vector<std::string> Roster::State::arguments(const std::string& endpoint, const std::string& name,
-                                                  const Launch& launch) const {
+std::vector<std::string> Participants::State::arguments(const std::string& endpoint, const std::string& name,
+                                                        const Launch& launch) const {
   std::string hash;
   for (unsigned byte : options.case_hash) hash += fmt::format("{:02x}", byte);
   std::vector<std::string> all{"--connect", endpoint, "--name", name, "--case-hash", hash};
@@ -73,23 +73,23 @@ std::vector<std::string> Roster::State::arguments(const std::string& endpoint, c
   return all;
 }
 
-std::string Roster::command(const std::string& name, const Launch& launch) const {
+std::string Participants::command(const std::string& name, const Launch& launch) const {
   std::map<std::string, std::string> environment = solver_environment(launch.threads);
   for (const auto& [variable, value] : launch.environment) environment[variable] = value;
   if (const auto& keys = state_->options.keys) environment["STRAKE_KEY"] = key_file(keys->folder, name);
   std::string line = "STRAKE_TOKEN=" + state_->token;
   for (const auto& [variable, value] : environment) line += " " + variable + "=" + shell_word(value);
   line += " " + shell_word(launch.program.string());
-  for (const std::string& word : state_->arguments(state_->hub.endpoint_elsewhere(), name, launch))
+  for (const std::string& word : state_->arguments(state_->socket.endpoint_elsewhere(), name, launch))
     line += " " + shell_word(word);
   return line;
 }
 
-void Roster::launch(const std::string& name, Launch launch) {
+void Participants::launch(const std::string& name, Launch launch) {
   launch.arguments = state_->arguments(endpoint(), name, launch);
   launch.environment["STRAKE_TOKEN"] = state_->token;
   launch.environment["STRAKE_COUPLER"] = std::to_string(getpid());
-  launch.environment["STRAKE_COUPLER_FOLDER"] = state_->hub.private_folder();
+  launch.environment["STRAKE_COUPLER_FOLDER"] = state_->socket.private_folder();
   const auto& keys = state_->options.keys;
   launch.environment["STRAKE_KEY"] = keys ? key_file(keys->folder, name).string() : "";
   attach(name);
@@ -98,7 +98,7 @@ void Roster::launch(const std::string& name, Launch launch) {
   m.child.emplace(launch);
 }
 
-RemoteParticipant& Roster::connect(const std::string& name, const Setup& setup) {
+RemoteParticipant& Participants::connect(const std::string& name, const Setup& setup) {
   Member* m = state_->find(name);
   assert(m && !m->remote && "launch or attach first; connect once");
   state_->await_hello(*m);
@@ -111,7 +111,7 @@ RemoteParticipant& Roster::connect(const std::string& name, const Setup& setup) 
   return *m->remote;
 }
 
-void Roster::finish() {
+void Participants::finish() {
   for (const auto& m : state_->members) {
     if (!m->greeted) continue;
     state_->ask(*m, {0, wire::Stop{m->before == wire::Before::commit, m->write_output}});
@@ -124,7 +124,7 @@ void Roster::finish() {
 }
 
 /// Of its process, after its last answer.
-void Roster::State::await_end(Member& member) const {
+void Participants::State::await_end(Member& member) const {
   Member* m = &member;
   if (!m->child) return;
   const auto exit = m->child->wait(to_leave);
@@ -137,7 +137,7 @@ void Roster::State::await_end(Member& member) const {
   m->child.reset();
 }
 
-bool Roster::come_to_rest() noexcept {
+bool Participants::come_to_rest() noexcept {
   try {
     for (const auto& m : state_->members) {
       if (!m->greeted || m->broken) return false;
@@ -151,13 +151,13 @@ bool Roster::come_to_rest() noexcept {
   }
 }
 
-void Roster::end() noexcept {
+void Participants::end() noexcept {
   State& s = *state_;
   if (std::exchange(s.ended, true)) return;
   try {
     std::size_t awaited = 0;  // participants started by hand whose Done is still to come
     const auto idle = [&](const Member& m) {
-      return m.greeted && m.asked.empty() && !m.broken && s.hub.connected(m.peer);
+      return m.greeted && m.asked.empty() && !m.broken && s.socket.connected(m.peer);
     };
     for (const auto& m : s.members) {
       if (idle(*m)) {
@@ -174,7 +174,7 @@ void Roster::end() noexcept {
       return false;
     };
     while ((running() || awaited > 0) && Clock::now() < limit) {
-      if (const auto message = s.hub.receive(milliseconds(10)))
+      if (const auto message = s.socket.receive(milliseconds(10)))
         for (const auto& m : s.members)
           if (m->peer == message->peer && !m->child && awaited > 0) --awaited;
     }
@@ -190,8 +190,8 @@ void Roster::end() noexcept {
 
 // ---- RemoteParticipant
 
-RemoteParticipant::RemoteParticipant(Roster::State& roster, Roster::Member& member)
-    : roster_(&roster), member_(&member) {}
+RemoteParticipant::RemoteParticipant(Participants::State& participants, Participants::Member& member)
+    : participants_(&participants), member_(&member) {}
 
 const InterfaceMesh& RemoteParticipant::mesh() const {
   return member_->mesh;
@@ -209,20 +209,20 @@ void RemoteParticipant::start(const Window& window, const Input& input) {
 }
 
 void RemoteParticipant::start_with(const Window& window, Input&& input) {
-  Roster::Member& m = *member_;
-  roster_->check_stop_between(m);
+  Participants::Member& m = *member_;
+  participants_->check_stop_between(m);
   assert(m.asked.empty() && "one request at a time");
   assert((m.iteration == 0 || m.before != wire::Before::nothing) && "rewind or commit first");
   m.window = window;
   ++m.iteration;
   const wire::Before before = std::exchange(m.before, wire::Before::nothing);
   wire::Advance advance{before, window, m.iteration, std::move(input), std::exchange(m.write_output, false)};
-  roster_->ask(m, {0, std::move(advance)});
+  participants_->ask(m, {0, std::move(advance)});
 }
 
 Advanced RemoteParticipant::finish() {
-  Roster::Member& m = *member_;
-  Advanced advanced = roster_->await_as<Advanced>(m);
+  Participants::Member& m = *member_;
+  Advanced advanced = participants_->await_as<Advanced>(m);
   try {
     check_fields(advanced.output, m.mesh, m.place(), m.see_log());
   } catch (const Error&) {
@@ -246,16 +246,16 @@ void RemoteParticipant::commit(bool write_output) {
 }
 
 void RemoteParticipant::checkpoint(const std::filesystem::path& folder) {
-  Roster::Member& m = *member_;
+  Participants::Member& m = *member_;
   const wire::Before before = std::exchange(m.before, wire::Before::nothing);
-  roster_->ask(m,
-               {0, wire::Checkpoint{folder.string(), false, before, std::exchange(m.write_output, false)}});
-  roster_->await_as<wire::Done>(m);
+  participants_->ask(
+      m, {0, wire::Checkpoint{folder.string(), false, before, std::exchange(m.write_output, false)}});
+  participants_->await_as<wire::Done>(m);
 }
 
 void RemoteParticipant::resume(const std::filesystem::path& folder) {
-  roster_->ask(*member_, {0, wire::Checkpoint{folder.string(), true}});
-  roster_->await_as<wire::Done>(*member_);
+  participants_->ask(*member_, {0, wire::Checkpoint{folder.string(), true}});
+  participants_->await_as<wire::Done>(*member_);
 }
 
 }  // namespace strake

@@ -46,7 +46,7 @@ struct Awaited {
 /// participant ends with an Error that names the one at fault, whatever it did. Codes: participant_lost
 /// (died, froze, never spoke, broke the protocol), the code of its own Fault, solver_fault (not finite),
 /// interrupted or terminated (StopRequest).
-class Roster {
+class Participants {
  public:
   struct Options {
     std::string endpoint;                      // empty: ipc:// in a private folder; or "tcp://127.0.0.1:*"
@@ -64,8 +64,8 @@ class Roster {
         {};                  // about 20 times a second while one is not; may be empty
     std::string token = {};  // hexadecimal; empty: a new one
   };
-  explicit Roster(Options);
-  ~Roster();  // end()
+  explicit Participants(Options);
+  ~Participants();  // end()
 
   std::string endpoint() const;
   const std::string& token() const;  // hexadecimal; what a participant started by hand needs in STRAKE_TOKEN
@@ -102,7 +102,7 @@ class Roster {
 std::string with_place(std::string where, const std::string& name, const std::string& place);
 
 /// A participant in another process. `commit` and `rewind` ride on the next request, so they cost no round
-/// trip. Lives as long as its Roster.
+/// trip. Lives as long as its Participants.
 class RemoteParticipant final : public Participant {
  public:
   const InterfaceMesh& mesh() const override;
@@ -119,10 +119,10 @@ class RemoteParticipant final : public Participant {
   void count_windows_from(std::uint64_t committed);
 
  private:
-  friend class Roster;
-  RemoteParticipant(Roster::State&, Roster::Member&);
-  Roster::State* roster_;
-  Roster::Member* member_;
+  friend class Participants;
+  RemoteParticipant(Participants::State&, Participants::Member&);
+  Participants::State* participants_;
+  Participants::Member* member_;
 };
 
 }  // namespace strake

@@ -1,11 +1,11 @@
 // Pictures of the runs at chosen instants, each instant in the same colours for every run.
 #include "coupler/plot/drawing.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/report/base64.hpp"
 #include "coupler/report/sections.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
+#include <sodium.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,15 @@ namespace strake::report {
 namespace {
 
 constexpr std::size_t most_runs = 6;  // that are drawn; more would make a page of many megabytes
+
+std::string base64(const std::string& bytes) {
+  constexpr int variant = sodium_base64_VARIANT_ORIGINAL;
+  std::string text(sodium_base64_encoded_len(bytes.size(), variant), '\0');
+  sodium_bin2base64(text.data(), text.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                    bytes.size(), variant);
+  text.pop_back();  // the end of a C string
+  return text;
+}
 
 struct Instant {
   std::string name;  // "contact"

@@ -61,7 +61,7 @@ bool may_change(const std::string& key) {
 
 Checkpoints::Checkpoints(const fs::path& run_folder) : folder_(run_folder / "checkpoint") {}
 
-void Checkpoints::write(Session& session, const RunLoop& loop, const Summary& summary) {
+void Checkpoints::write(Session& session, const WindowLoop& loop, const Summary& summary) {
   const std::string name = fmt::format("{:06}", loop.number());
   const fs::path target = folder_ / name;
   if (damage(target).empty()) return name_latest(name);  // nothing has happened since
@@ -81,7 +81,7 @@ void Checkpoints::write(Session& session, const RunLoop& loop, const Summary& su
 }
 
 void Checkpoints::complete(const std::string& number) const {
-  seal(folder_ / number);
+  write_checksums(folder_ / number);
   sync_to_disk(folder_.parent_path());  // where the name of folder_ stands
   name_latest(number);
 }

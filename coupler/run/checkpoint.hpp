@@ -21,7 +21,7 @@ class Checkpoints {
   explicit Checkpoints(const std::filesystem::path& run_folder);  // absolute
 
   /// What is committed, of the participants, the scheme, the loop and the summary.
-  void write(Session&, const RunLoop&, const Summary&);
+  void write(Session&, const WindowLoop&, const Summary&);
   /// Seals the checkpoint of that number, waits until it is on the disk, and names it `latest` in one step.
   void complete(const std::string& number) const;
   /// The checkpoint to resume from: the latest, or the one before if that is damaged, which `say` reports.

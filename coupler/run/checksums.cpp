@@ -47,11 +47,11 @@ Sum sum_of(const fs::path& path) {
 
 }  // namespace
 
-void seal(const fs::path& folder) {
+void write_checksums(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.is_regular_file() && entry.path().filename() != seal_name) files.push_back(entry.path());
+    if (entry.is_regular_file() && entry.path().filename() != checksums_name) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::string text;
   for (const fs::path& file : files) {
@@ -61,19 +61,19 @@ void seal(const fs::path& folder) {
       throw Error(ExitCode::cannot_write, file.string(), "cannot be read back", "look at the disk");
     text += fmt::format("{} {} {}\n", sum.digest, sum.size, file.filename().string());
   }
-  write_text(folder / seal_name, text);
+  write_text(folder / checksums_name, text);
 }
 
 std::string damage(const fs::path& folder) {
-  std::ifstream list(folder / seal_name);
-  if (!list) return fmt::format("holds no {}: it was never finished", seal_name);
+  std::ifstream list(folder / checksums_name);
+  if (!list) return fmt::format("holds no {}: it was never finished", checksums_name);
   std::size_t files = 0;
   for (std::string line; std::getline(list, line); ++files) {
     std::istringstream words(line);
     Sum expected;
     std::string name;
     if (!(words >> expected.digest >> expected.size) || !std::getline(words >> std::ws, name))
-      return fmt::format("{} is damaged", seal_name);
+      return fmt::format("{} is damaged", checksums_name);
     std::error_code none;
     if (!fs::exists(folder / name, none)) return name + " is missing";
     const Sum found = sum_of(folder / name);
@@ -81,7 +81,7 @@ std::string damage(const fs::path& folder) {
       return fmt::format("{} holds {} bytes, not {}", name, found.size, expected.size);
     if (found.digest != expected.digest) return name + " has other bytes than were written";
   }
-  return files == 0 ? fmt::format("{} is empty", seal_name) : "";
+  return files == 0 ? fmt::format("{} is empty", checksums_name) : "";
 }
 
 }  // namespace strake

@@ -4,12 +4,12 @@
 
 namespace strake {
 
-Error with_way_on(const Error& error, const std::filesystem::path& checkpoint, const LoopState& saved,
-                  const Summary& summary) {
+Error with_resume_hint(const Error& error, const std::filesystem::path& checkpoint, const LoopState& saved,
+                       const Summary& summary) {
   const long lost = summary.windows() - saved.windows;
   const std::string windows = fmt::format("{} finished window{}, {:.6g} s of simulated time", lost,
                                           lost == 1 ? "" : "s", summary.end_time() - saved.time);
-  const std::string way_on =
+  const std::string resume_hint =
       checkpoint.empty()
           ? fmt::format(
                 "nothing to go on from: the first checkpoint was still to come (run.checkpoint)\n"
@@ -18,7 +18,7 @@ Error with_way_on(const Error& error, const std::filesystem::path& checkpoint, c
           : fmt::format("--resume goes on with window {} (t = {:.6g} s), from {}\ncomputed again: {}",
                         saved.windows + 1, saved.time, checkpoint.string(), windows);
   return Error(error.code(), error.where(), error.problem(),
-               error.fix().empty() ? way_on : error.fix() + "\n" + way_on);
+               error.fix().empty() ? resume_hint : error.fix() + "\n" + resume_hint);
 }
 
 }  // namespace strake

@@ -43,7 +43,7 @@ std::optional<double> added_mass_ratio(const CaseView& view) {
 }
 
 Session::Session(const CaseView& view, const Options& options) : case_(view), options_(options) {
-  roster_ = std::make_unique<Roster>(Roster::Options{
+  participants_ = std::make_unique<Participants>(Participants::Options{
       .endpoint = view.coupling.endpoint == "ipc" ? std::string() : view.coupling.endpoint,
       .keys =
           view.coupling.keys.empty() ? std::nullopt : std::optional(read_coupler_keys(view.coupling.keys)),
@@ -92,10 +92,10 @@ void Session::launch(const SideView& side) {
   launch.threads = case_.common.threads;
   const auto& by_hand = options_.by_hand;
   if (std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end())
-    return roster_->launch(side.side, std::move(launch));
+    return participants_->launch(side.side, std::move(launch));
   launch.arguments[1] = std::filesystem::absolute(case_.path).string();  // it may start anywhere
-  roster_->attach(side.side);
-  if (options_.invite) options_.invite(side.side, roster_->command(side.side, launch));
+  participants_->attach(side.side);
+  if (options_.invite) options_.invite(side.side, participants_->command(side.side, launch));
 }
 
 std::vector<RemoteParticipant*> Session::remotes() const {
@@ -106,7 +106,7 @@ std::vector<RemoteParticipant*> Session::remotes() const {
 }
 
 RemoteParticipant& Session::set_up(const SideView& side, const Setup& setup) {
-  RemoteParticipant& participant = roster_->connect(side.side, setup);
+  RemoteParticipant& participant = participants_->connect(side.side, setup);
   add_columns(side.side, participant.description());
   return participant;
 }
@@ -143,10 +143,10 @@ RunPlan Session::plan() const {
           .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string()};
 }
 
-RunLoop Session::loop(const RunPlan& plan) {
-  if (scheme_) return RunLoop(*scheme_, plan);
-  if (fluid_ != nullptr) return RunLoop(*fluid_, RunLoop::Side::fluid, plan);
-  return RunLoop(*structure_, RunLoop::Side::structure, plan);
+WindowLoop Session::loop(const RunPlan& plan) {
+  if (scheme_) return WindowLoop(*scheme_, plan);
+  if (fluid_ != nullptr) return WindowLoop(*fluid_, WindowLoop::Side::fluid, plan);
+  return WindowLoop(*structure_, WindowLoop::Side::structure, plan);
 }
 
 int Session::dimension() const {

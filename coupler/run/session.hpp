@@ -40,13 +40,13 @@ class Session {
   Session(const CaseView&, const Options&);
 
   /// The time loop over these participants.
-  RunLoop loop(const RunPlan&);
+  WindowLoop loop(const RunPlan&);
   RunPlan plan() const;                       // of the whole case
   Scheme* scheme() { return scheme_.get(); }  // nullptr with one participant
   RemoteParticipant* fluid() { return fluid_; }
   RemoteParticipant* structure() { return structure_; }
   std::vector<RemoteParticipant*> remotes() const;
-  Roster& roster() { return *roster_; }
+  Participants& participants() { return *participants_; }
 
   /// What the participants report per window; of two columns with one name the second carries its side's
   /// name.
@@ -68,7 +68,7 @@ class Session {
 
   const CaseView& case_;
   Options options_;
-  std::unique_ptr<Roster> roster_;
+  std::unique_ptr<Participants> participants_;
   RemoteParticipant* fluid_ = nullptr;
   RemoteParticipant* structure_ = nullptr;
   std::unique_ptr<Scheme> scheme_;

@@ -12,13 +12,13 @@ constexpr double too_early = 0.05;
 
 }  // namespace
 
-Verdicts::Verdicts(const CaseView& view) {
+ComparisonStatus::ComparisonStatus(const CaseView& view) {
   for (const CompareBlock& block : view.blocks)
     if (applies(block, view.lookup())) blocks_.push_back(block);
   settled_.assign(blocks_.size(), false);
 }
 
-std::vector<Verdict> Verdicts::settle(const RunData& now) {
+std::vector<Verdict> ComparisonStatus::settle(const RunData& now) {
   std::vector<Verdict> news;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (settled_[i]) continue;
@@ -34,7 +34,7 @@ std::vector<Verdict> Verdicts::settle(const RunData& now) {
   return news;
 }
 
-std::vector<Verdict> Verdicts::all(const RunData& data) const {
+std::vector<Verdict> ComparisonStatus::all(const RunData& data) const {
   std::vector<Verdict> verdicts;
   for (const CompareBlock& block : blocks_)
     for (Verdict& verdict : judge(block, data)) verdicts.push_back(std::move(verdict));

@@ -8,9 +8,9 @@
 namespace strake {
 
 /// The compare blocks that apply to a case, evaluated during its run.
-class Verdicts {
+class ComparisonStatus {
  public:
-  explicit Verdicts(const CaseView&);
+  explicit ComparisonStatus(const CaseView&);
   /// What the blocks came to of which all metrics have become known since the last call.
   std::vector<Verdict> settle(const RunData& now);
   /// Every block as it stands.

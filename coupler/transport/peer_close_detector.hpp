@@ -7,12 +7,12 @@ namespace strake {
 /// A second descriptor of a connection that ZeroMQ owns. ZeroMQ does not distinguish whether the other end
 /// closed a connection or was silent for too long; the kernel does. While a witness lives, the other end does
 /// not learn that ZeroMQ has closed its own descriptor.
-class Witness {
+class PeerCloseDetector {
  public:
-  explicit Witness(int socket);
-  ~Witness();
-  Witness(const Witness&) = delete;
-  Witness& operator=(const Witness&) = delete;
+  explicit PeerCloseDetector(int socket);
+  ~PeerCloseDetector();
+  PeerCloseDetector(const PeerCloseDetector&) = delete;
+  PeerCloseDetector& operator=(const PeerCloseDetector&) = delete;
 
   /// Whether the other end has closed the connection, or its process has ended, which closes it too.
   bool closed_by_peer() const;

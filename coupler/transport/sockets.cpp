@@ -48,7 +48,7 @@ bool belong_together(const KeyPair& pair) {
   return zmq_curve_public(key.data(), pair.secret_key.c_str()) == 0 && pair.public_key == key.data();
 }
 
-struct Hub::Sockets {
+struct CouplerSocket::Sockets {
   std::unique_ptr<PrivateFolder> folder;  // first: it goes last
   std::unique_ptr<UnixListener> listener;
   zmq::context_t context{1};
@@ -57,34 +57,34 @@ struct Hub::Sockets {
                   ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED |
                       ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL};
   ConnectionLimit limit;
-  std::unique_ptr<Doorkeeper> doorkeeper;  // last: it goes first, and takes the context along
+  std::unique_ptr<ZapAuthenticator> authenticator;  // last: it goes first, and takes the context along
   std::string endpoint;
   struct Connection {
     std::string address;
     std::string peer;  // routing id; empty while it has said nothing
-    std::unique_ptr<Witness> witness;
+    std::unique_ptr<PeerCloseDetector> close_detector;
   };
   std::map<int, Connection> open;   // by descriptor
-  std::set<std::string> left;       // peers that had a witness and closed their connection
-  std::set<std::string> cut_short;  // peers that had a witness, and whose connection ended while they sent
+  std::set<std::string> left;       // peers that had a detector and closed their connection
+  std::set<std::string> cut_short;  // peers that had a detector, and whose connection ended while they sent
   std::string failed;               // why the connection that is about to be closed never stood
   std::map<std::string, int> strangers;
 
   void bind(const std::string& wanted);
-  void look();
+  void update();
   void stranger(const std::string& text, int times = 1);
   void heard(const std::string& peer, int socket);
   Connection* find(const std::string& peer, int* socket = nullptr);
   std::string reason(const Monitor::Event&) const;
 };
 
-void Hub::Sockets::stranger(const std::string& text, int times) {
+void CouplerSocket::Sockets::stranger(const std::string& text, int times) {
   constexpr std::size_t enough = 100;
   strangers[strangers.size() < enough ? text : "others were refused too"] += times;
 }
 
 /// Events of the connections since the last call.
-void Hub::Sockets::look() {
+void CouplerSocket::Sockets::update() {
   while (const auto event = monitor.next(milliseconds(0))) switch (event->kind) {
       case ZMQ_EVENT_ACCEPTED:
         open[event->value] = {peer_address(event->value), {}, nullptr};
@@ -94,8 +94,8 @@ void Hub::Sockets::look() {
         const Connection& c = open[event->value];
         if (c.peer.empty() && failed.empty()) failed = " left or was cut before its first word";
         if (!failed.empty()) stranger(c.address + failed);
-        if (c.witness && c.witness->closed_by_peer()) left.insert(c.peer);
-        if (c.witness && c.witness->unread() > much) cut_short.insert(c.peer);
+        if (c.close_detector && c.close_detector->closed_by_peer()) left.insert(c.peer);
+        if (c.close_detector && c.close_detector->unread() > much) cut_short.insert(c.peer);
         failed.clear();
         open.erase(event->value);
         break;
@@ -106,21 +106,21 @@ void Hub::Sockets::look() {
         failed = reason(*event);
     }
   for (const auto& [what, times] : limit.take_refused()) stranger(what, times);
-  if (doorkeeper)
-    for (const std::string& address : doorkeeper->take_refused())
+  if (authenticator)
+    for (const std::string& address : authenticator->take_refused())
       stranger(address + " holds no key of this run");
 }
 
 /// A word of a peer that came by the connection with that descriptor.
-void Hub::Sockets::heard(const std::string& peer, int socket) {
+void CouplerSocket::Sockets::heard(const std::string& peer, int socket) {
   const auto known = open.find(socket);
   if (known != open.end() && known->second.peer == peer) return;
-  look();  // the descriptor may have been that of another connection
+  update();  // the descriptor may have been that of another connection
   const auto found = open.find(socket);
   if (found != open.end()) found->second.peer = peer;  // else it has left in the meantime
 }
 
-Hub::Sockets::Connection* Hub::Sockets::find(const std::string& peer, int* socket) {
+CouplerSocket::Sockets::Connection* CouplerSocket::Sockets::find(const std::string& peer, int* socket) {
   for (auto& [descriptor, connection] : open)
     if (connection.peer == peer) {
       if (socket) *socket = descriptor;
@@ -129,17 +129,17 @@ Hub::Sockets::Connection* Hub::Sockets::find(const std::string& peer, int* socke
   return nullptr;
 }
 
-std::string Hub::Sockets::reason(const Monitor::Event& event) const {
+std::string CouplerSocket::Sockets::reason(const Monitor::Event& event) const {
   const bool protocol = event.kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
   if (protocol && event.value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH)
-    return doorkeeper ? " comes without a key" : " does not greet plainly, and this run has no keys";
+    return authenticator ? " comes without a key" : " does not greet plainly, and this run has no keys";
   if (protocol && event.value == ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC)
     return " has the key of another coupler";
   return " did not greet as ZeroMQ does";
 }
 
 /// A Unix socket is bound here, since ZeroMQ removes what stands at its path.
-void Hub::Sockets::bind(const std::string& wanted) {
+void CouplerSocket::Sockets::bind(const std::string& wanted) {
   if (const std::string path = path_of(wanted); !path.empty()) {
     listener = std::make_unique<UnixListener>(path, folder != nullptr);
     router.set(zmq::sockopt::use_fd, listener->descriptor());
@@ -157,7 +157,8 @@ void Hub::Sockets::bind(const std::string& wanted) {
   endpoint = router.get(zmq::sockopt::last_endpoint);
 }
 
-Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_unique<Sockets>()) {
+CouplerSocket::CouplerSocket(const std::string& endpoint, Admission admission)
+    : sockets_(std::make_unique<Sockets>()) {
   Sockets& s = *sockets_;
   std::string wanted = endpoint;
   if (wanted.empty()) {
@@ -175,7 +176,7 @@ Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_
   s.router.set(zmq::sockopt::handshake_ivl, to_greet);
   s.router.set(zmq::sockopt::backlog, accept_queue);
   if (admission.keys) {
-    s.doorkeeper = std::make_unique<Doorkeeper>(s.context, admission.keys->admitted);
+    s.authenticator = std::make_unique<ZapAuthenticator>(s.context, admission.keys->admitted);
     s.router.set(zmq::sockopt::zap_domain, "strake");
     s.router.set(zmq::sockopt::curve_server, true);
     s.router.set(zmq::sockopt::curve_secretkey, admission.keys->own.secret_key);
@@ -183,21 +184,21 @@ Hub::Hub(const std::string& endpoint, Admission admission) : sockets_(std::make_
   s.bind(wanted);
 }
 
-Hub::~Hub() = default;
+CouplerSocket::~CouplerSocket() = default;
 
-std::string Hub::endpoint() const {
+std::string CouplerSocket::endpoint() const {
   return with_host(sockets_->endpoint, "127.0.0.1");
 }
 
-std::string Hub::private_folder() const {
+std::string CouplerSocket::private_folder() const {
   return sockets_->folder ? sockets_->folder->path().string() : "";
 }
 
-std::string Hub::endpoint_elsewhere() const {
+std::string CouplerSocket::endpoint_elsewhere() const {
   return with_host(sockets_->endpoint, host_name());
 }
 
-std::optional<Hub::Message> Hub::receive(milliseconds limit) {
+std::optional<CouplerSocket::Message> CouplerSocket::receive(milliseconds limit) {
   zmq::socket_t& router = sockets_->router;
   zmq::message_t peer;
   if (!await_part(router, peer, limit)) return {};
@@ -206,58 +207,58 @@ std::optional<Hub::Message> Hub::receive(milliseconds limit) {
   if (!message.parts.empty()) {
     const auto* first = static_cast<const zmq::message_t*>(message.parts.front().owner.get());
     sockets_->heard(message.peer, zmq_msg_get(const_cast<zmq_msg_t*>(first->handle()), ZMQ_SRCFD));
-    const char* key = sockets_->doorkeeper ? zmq_msg_gets(first->handle(), "User-Id") : nullptr;
+    const char* key = sockets_->authenticator ? zmq_msg_gets(first->handle(), "User-Id") : nullptr;
     if (key) message.key = key;
   }
   return message;
 }
 
-void Hub::send(const std::string& peer, const wire::Parts& parts) {
+void CouplerSocket::send(const std::string& peer, const wire::Parts& parts) {
   refuse_too_large(parts, "one field for it");
   if (send_part(sockets_->router, {peer.data(), peer.size()}, true)) send_parts(sockets_->router, parts);
 }
 
-bool Hub::connected(const std::string& peer) {
-  sockets_->look();
+bool CouplerSocket::connected(const std::string& peer) {
+  sockets_->update();
   return sockets_->find(peer) != nullptr;
 }
 
-void Hub::admit(const std::string& peer) {
-  sockets_->look();
+void CouplerSocket::admit(const std::string& peer) {
+  sockets_->update();
   int socket = -1;
   if (sockets_->find(peer, &socket)) sockets_->limit.admit(socket);
 }
 
-void Hub::keep_witness(const std::string& peer) {
-  sockets_->look();
+void CouplerSocket::watch_close(const std::string& peer) {
+  sockets_->update();
   int socket = -1;
   if (auto* connection = sockets_->find(peer, &socket))
-    connection->witness = std::make_unique<Witness>(socket);
+    connection->close_detector = std::make_unique<PeerCloseDetector>(socket);
   else
     sockets_->left.insert(peer);  // just heard: it cannot have been silent for long
 }
 
-bool Hub::left(const std::string& peer) {
-  sockets_->look();
+bool CouplerSocket::left(const std::string& peer) {
+  sockets_->update();
   return sockets_->left.contains(peer);
 }
 
-bool Hub::cut_short(const std::string& peer) {
-  sockets_->look();
+bool CouplerSocket::cut_short(const std::string& peer) {
+  sockets_->update();
   return sockets_->cut_short.contains(peer);
 }
 
-bool Hub::somebody_is_new() {
-  sockets_->look();
+bool CouplerSocket::somebody_is_new() {
+  sockets_->update();
   return sockets_->find({}) != nullptr;
 }
 
-std::map<std::string, int> Hub::take_strangers() {
-  sockets_->look();
+std::map<std::string, int> CouplerSocket::take_strangers() {
+  sockets_->update();
   return std::exchange(sockets_->strangers, {});
 }
 
-struct Line::Sockets {
+struct ParticipantSocket::Sockets {
   zmq::context_t context{1};
   zmq::socket_t dealer{context, zmq::socket_type::dealer};
   Monitor monitor{context, dealer, "line",
@@ -266,7 +267,7 @@ struct Line::Sockets {
                       ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH};
 };
 
-Line::Line(const std::string& endpoint, const std::optional<ParticipantKeys>& keys)
+ParticipantSocket::ParticipantSocket(const std::string& endpoint, const std::optional<ParticipantKeys>& keys)
     : sockets_(std::make_unique<Sockets>()) {
   zmq::socket_t& dealer = sockets_->dealer;
   set_common(dealer);
@@ -284,14 +285,14 @@ Line::Line(const std::string& endpoint, const std::optional<ParticipantKeys>& ke
   }
 }
 
-Line::~Line() = default;
+ParticipantSocket::~ParticipantSocket() = default;
 
-void Line::send(const wire::Parts& parts) {
+void ParticipantSocket::send(const wire::Parts& parts) {
   refuse_too_large(parts, "one field of its interface");
   send_parts(sockets_->dealer, parts);
 }
 
-std::optional<wire::Parts> Line::receive(milliseconds limit) {
+std::optional<wire::Parts> ParticipantSocket::receive(milliseconds limit) {
   const auto first = std::make_shared<zmq::message_t>();
   if (!await_part(sockets_->dealer, *first, limit)) return {};
   wire::Parts parts{to_part(first)};
@@ -299,7 +300,7 @@ std::optional<wire::Parts> Line::receive(milliseconds limit) {
   return parts;
 }
 
-std::optional<LinkEvent> Line::next_event(milliseconds limit) {
+std::optional<LinkEvent> ParticipantSocket::next_event(milliseconds limit) {
   const auto event = sockets_->monitor.next(limit);
   if (!event) return {};
   switch (event->kind) {

@@ -25,14 +25,14 @@ struct Admission {
 };
 
 /// The coupler's end: a ROUTER, bound. One thread uses it.
-class Hub {
+class CouplerSocket {
  public:
   /// Empty: ipc:// in a private folder (0700) under $XDG_RUNTIME_DIR or /tmp, removed by the destructor.
   /// "tcp://127.0.0.1:*" takes a free port. Error(command_line) if the endpoint cannot be bound, if something
   /// else stands at its path, or if other machines can reach it and nothing protects it.
-  explicit Hub(const std::string& endpoint = {}, Admission = {});
+  explicit CouplerSocket(const std::string& endpoint = {}, Admission = {});
   static constexpr int most_megabytes = 256;  // of one part of a message
-  ~Hub();
+  ~CouplerSocket();
   std::string endpoint() const;            // where participants of this machine connect
   std::string private_folder() const;      // where its socket stands; empty: at an endpoint of the user's
   std::string endpoint_elsewhere() const;  // the same for other machines: the host's name for a wildcard
@@ -52,7 +52,7 @@ class Hub {
   /// That peer takes part. Who does not is cut once it has sent more than an introduction needs.
   void admit(const std::string& peer);
   /// From this call on `left` reports how that peer's connection ends.
-  void keep_witness(const std::string& peer);
+  void watch_close(const std::string& peer);
   /// Whether its connection has ended because it was closed at the other end, as the end of a process does.
   bool left(const std::string& peer);
   /// Whether ZeroMQ has closed its connection in the middle of what it sent. It does so with a part that is
@@ -81,11 +81,11 @@ enum class LinkEvent {
 };
 
 /// A participant's end: a DEALER, connected. One thread uses it, a second one its monitor.
-class Line {
+class ParticipantSocket {
  public:
   /// Error(command_line) if it is no endpoint.
-  explicit Line(const std::string& endpoint, const std::optional<ParticipantKeys>& = {});
-  ~Line();
+  explicit ParticipantSocket(const std::string& endpoint, const std::optional<ParticipantKeys>& = {});
+  ~ParticipantSocket();
   /// Never waits. Error(case_file) for a part that is larger than the other end would take.
   void send(const wire::Parts&);
   std::optional<wire::Parts> receive(std::chrono::milliseconds limit);

@@ -9,7 +9,8 @@
 
 namespace strake {
 
-Doorkeeper::Doorkeeper(zmq::context_t& context, const std::map<std::string, std::string>& admitted)
+ZapAuthenticator::ZapAuthenticator(zmq::context_t& context,
+                                   const std::map<std::string, std::string>& admitted)
     : context_(context), socket_(context, zmq::socket_type::rep) {
   for (const auto& [name, key] : admitted) {
     std::array<std::uint8_t, 32> bytes{};
@@ -23,17 +24,17 @@ Doorkeeper::Doorkeeper(zmq::context_t& context, const std::map<std::string, std:
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
-Doorkeeper::~Doorkeeper() {
+ZapAuthenticator::~ZapAuthenticator() {
   context_.shutdown();
   thread_.join();
 }
 
-std::vector<std::string> Doorkeeper::take_refused() {
+std::vector<std::string> ZapAuthenticator::take_refused() {
   const std::lock_guard lock(mutex_);
   return std::exchange(refused_, {});
 }
 
-void Doorkeeper::run() {
+void ZapAuthenticator::run() {
   try {
     for (;;) answer(hear());
   } catch (const zmq::error_t&) {
@@ -42,7 +43,7 @@ void Doorkeeper::run() {
 }
 
 /// version, request, domain, address, routing id, mechanism, key
-std::vector<std::string> Doorkeeper::hear() {
+std::vector<std::string> ZapAuthenticator::hear() {
   std::vector<std::string> parts;
   for (bool more = true; more;) try {
       zmq::message_t part;
@@ -56,7 +57,7 @@ std::vector<std::string> Doorkeeper::hear() {
   return parts;
 }
 
-void Doorkeeper::answer(const std::vector<std::string>& request) {
+void ZapAuthenticator::answer(const std::vector<std::string>& request) {
   std::array<std::uint8_t, 32> key{};
   std::copy_n(request[6].begin(), std::min(key.size(), request[6].size()), key.begin());
   const auto found = name_of_.find(key);

@@ -14,13 +14,13 @@ namespace strake {
 
 /// Admits to ZeroMQ whoever has one of the admitted encryption keys (the request is described in RFC 27/ZAP).
 /// It runs in a thread of its own, since the coupler may be computing.
-class Doorkeeper {
+class ZapAuthenticator {
  public:
   /// admitted: participant → public key in Z85.
-  Doorkeeper(zmq::context_t&, const std::map<std::string, std::string>& admitted);
-  ~Doorkeeper();  // shuts the context down, which is what its thread waits for
-  Doorkeeper(const Doorkeeper&) = delete;
-  Doorkeeper& operator=(const Doorkeeper&) = delete;
+  ZapAuthenticator(zmq::context_t&, const std::map<std::string, std::string>& admitted);
+  ~ZapAuthenticator();  // shuts the context down, which is what its thread waits for
+  ZapAuthenticator(const ZapAuthenticator&) = delete;
+  ZapAuthenticator& operator=(const ZapAuthenticator&) = delete;
 
   /// Addresses that came with another key, since the last call.
   std::vector<std::string> take_refused();

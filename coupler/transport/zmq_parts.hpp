@@ -17,7 +17,7 @@ namespace strake::zmq_parts {
 // Limit for a part of a message. ZeroMQ allocates a part as soon as its size is announced, by anyone who has
 // greeted as ZeroMQ does. It fixes the limit when it binds, before any mesh is known. Room for 3 components
 // on 1.1e7 points.
-inline constexpr std::int64_t largest_part = std::int64_t{Hub::most_megabytes} << 20;  // [bytes]
+inline constexpr std::int64_t largest_part = std::int64_t{CouplerSocket::most_megabytes} << 20;  // [bytes]
 
 /// Error(case_file) for a part that no message carries; it starts with `what` it is: "one field of …".
 void refuse_too_large(const wire::Parts&, const std::string& what);

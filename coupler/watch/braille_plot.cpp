@@ -27,10 +27,10 @@ bool begins_character(char c) {
 
 }  // namespace
 
-SmallCurve small_curve(const std::vector<double>& x, const std::vector<double>& y, int columns, int rows,
-                       bool logarithmic) {
+BraillePlot braille_plot(const std::vector<double>& x, const std::vector<double>& y, int columns, int rows,
+                         bool logarithmic) {
   const auto shown = [&](double v) { return logarithmic ? (v > 0 ? std::log10(v) : std::nan("")) : v; };
-  SmallCurve curve;
+  BraillePlot curve;
   double x0 = INFINITY, x1 = -INFINITY, lo = INFINITY, hi = -INFINITY;
   const std::size_t n = std::min(x.size(), y.size());
   for (std::size_t i = 0; i < n; ++i) {

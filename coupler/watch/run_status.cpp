@@ -161,7 +161,7 @@ void WatchedRun::read_case() {
 /// True if a run is under way: it then has a lock on its folder (FolderLock). A shared lock is tried and
 /// released at once. Some disks have no locks; there the processes are searched.
 bool WatchedRun::under_way() const {
-  if (!glance_.processes.empty()) return true;
+  if (!status_.processes.empty()) return true;
   const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return false;
   const bool held = ::flock(folder, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
@@ -179,18 +179,18 @@ double WatchedRun::last_written() const {
 
 std::optional<double> WatchedRun::time_left() const {
   const auto wall = timing_.find("wall"), clock = timing_.find("time");
-  if (!glance_.end_time || !wall || !clock || timing_.rows() < 2) return std::nullopt;
+  if (!status_.end_time || !wall || !clock || timing_.rows() < 2) return std::nullopt;
   const auto &seconds = timing_.value()[*wall], &time = timing_.value()[*clock];
   double taken = 0;
   std::size_t row = timing_.rows() - 1;
   for (; row > 0 && taken < pace_over; --row) taken += std::isnan(seconds[row]) ? 0 : seconds[row];
   const double done = time.back() - time[row];
-  const double left = std::max(0.0, *glance_.end_time - time.back());
+  const double left = std::max(0.0, *status_.end_time - time.back());
   return done > 0 && taken > 0 ? std::optional(left * taken / done) : std::nullopt;
 }
 
 void WatchedRun::judge() {
-  Glance& g = glance_;
+  RunStatus& g = status_;
   const auto code = number_of(record_, "exit_code");
   const auto ended = clock_of(string_of(record_, "ended"));
   g.exit_code = code ? std::optional(static_cast<int>(*code)) : std::nullopt;
@@ -256,24 +256,24 @@ void WatchedRun::judge() {
 void WatchedRun::find_processes() {
   constexpr std::chrono::seconds between{2};
   constexpr std::size_t most = 3;  // coupler, fluid, structure
-  const bool there = refresh(glance_.processes);
-  if (there && glance_.processes.size() == most) return;
+  const bool there = refresh(status_.processes);
+  if (there && status_.processes.size() == most) return;
   const auto now = std::chrono::steady_clock::now();
   if (there && searched_.time_since_epoch().count() != 0 && now - searched_ < between) return;
   searched_ = now;
-  glance_.processes = processes_of(string_of(member(record_, "endpoints"), "coupling"));
+  status_.processes = processes_of(string_of(member(record_, "endpoints"), "coupling"));
 }
 
-const Glance& WatchedRun::look() {
-  Glance& g = glance_;
+const RunStatus& WatchedRun::update() {
+  RunStatus& g = status_;
   if (changed("run.json")) record_ = json::parse(text_of(folder_ / "run.json"), nullptr, false);
   if (record_.is_discarded()) record_ = json();
   if (changed("summary.json")) summary_ = json::parse(text_of(folder_ / "summary.json"), nullptr, false);
   if (summary_.is_discarded()) summary_ = json();
   if (changed("case.toml")) read_case();
-  history_.look();
-  iterations_.look();
-  timing_.look();
+  history_.update();
+  iterations_.update();
+  timing_.update();
 
   g.end_time = number("end_time");
   g.time = history_.last("time").value_or(0);

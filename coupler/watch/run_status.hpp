@@ -34,7 +34,7 @@ constexpr bool open(State state) {
 }
 
 /// What can be said of a run at one moment. Times on the clock are seconds since 1970.
-struct Glance {
+struct RunStatus {
   State state = State::starting;
   std::string words;               // the state as a sentence
   std::string error;               // of a failed run: where, problem and fix
@@ -56,15 +56,15 @@ class WatchedRun {
   /// Throws Error(command_line) where there is no such folder, Error(case_file) where it is not a run's.
   explicit WatchedRun(std::filesystem::path folder);
 
-  const Glance& look();
+  const RunStatus& update();
 
   const std::filesystem::path& folder() const { return folder_; }
   std::string name() const;   // of the folder
   std::string title() const;  // of the case; the name where it has none
-  const Glance& last() const { return glance_; }
-  const GrowingTable& history() const { return history_; }
-  const GrowingTable& iterations() const { return iterations_; }
-  const GrowingTable& timing() const { return timing_; }
+  const RunStatus& last() const { return status_; }
+  const TableTail& history() const { return history_; }
+  const TableTail& iterations() const { return iterations_; }
+  const TableTail& timing() const { return timing_; }
   /// Values of case.toml by key ("fluid.spacing"); empty while there is none.
   const std::map<std::string, std::string>& keys() const { return keys_; }
   std::optional<double> number(const std::string& key) const;
@@ -91,13 +91,13 @@ class WatchedRun {
   std::optional<double> time_left() const;
 
   std::filesystem::path folder_;
-  GrowingTable history_, iterations_, timing_;
+  TableTail history_, iterations_, timing_;
   std::map<std::string, Stamp> stamps_;
   std::map<std::string, std::string> keys_;
   std::vector<std::string> probes_;
   nlohmann::ordered_json record_, summary_;
   std::chrono::steady_clock::time_point searched_{};  // for processes
-  Glance glance_;
+  RunStatus status_;
 };
 
 /// The run folder under `runs` that was written to last. Throws Error(command_line) where there is none.

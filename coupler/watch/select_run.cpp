@@ -49,7 +49,7 @@ bool is_logarithmic(const std::string& column) {
 }
 
 std::vector<Stage> stages(const WatchedRun& run) {
-  const GrowingTable& timing = run.timing();
+  const TableTail& timing = run.timing();
   std::vector<Stage> found;
   double total = 0, told = 0;
   for (std::size_t c = 0; c < timing.columns().size(); ++c) {
@@ -68,7 +68,7 @@ std::vector<Stage> stages(const WatchedRun& run) {
   return found;
 }
 
-Extremes extremes(const GrowingTable& table, std::size_t column) {
+Extremes extremes(const TableTail& table, std::size_t column) {
   Extremes found;
   const auto clock = table.find("time");
   for (std::size_t row = 0; row < table.rows(); ++row) {

@@ -27,6 +27,6 @@ struct Extremes {
   double lo = 0, time_lo = 0, hi = 0, time_hi = 0;
   bool any = false;
 };
-Extremes extremes(const GrowingTable&, std::size_t column);
+Extremes extremes(const TableTail&, std::size_t column);
 
 }  // namespace strake::watch

@@ -1,10 +1,7 @@
 #include "coupler/watch/table_tail.hpp"
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fcntl.h>
-#include <limits>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -43,26 +40,19 @@ std::string bytes_at(int file, off_t from, std::size_t size) {
   return bytes;
 }
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string_view()
-                                         : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 }  // namespace
 
-GrowingTable::GrowingTable(std::filesystem::path path) : path_(std::move(path)) {}
+TableTail::TableTail(std::filesystem::path path) : path_(std::move(path)) {}
 
-void GrowingTable::begin_anew() {
-  columns_.clear();
-  value_.clear();
+void TableTail::begin_anew() {
+  table_ = {};
   damaged_ = 0;
   read_ = 0;
   last_bytes_.clear();
   ++generation_;
 }
 
-bool GrowingTable::look() {
+bool TableTail::update() {
   const Descriptor file(path_);
   struct stat now {};
   if (file.get() < 0 || ::fstat(file.get(), &now) != 0 || !S_ISREG(now.st_mode)) {
@@ -88,7 +78,7 @@ bool GrowingTable::look() {
     std::string_view rest = std::string_view(bytes).substr(0, end + 1);
     while (!rest.empty()) {
       const auto newline = rest.find('\n');
-      take_line(trimmed(rest.substr(0, newline)));
+      if (table_.add(rest.substr(0, newline))) ++damaged_;
       rest.remove_prefix(newline + 1);
     }
     read_ += static_cast<off_t>(end + 1);
@@ -99,58 +89,10 @@ bool GrowingTable::look() {
   return any;
 }
 
-bool GrowingTable::take_header(std::string_view line) {
-  std::vector<Column> columns;
-  while (true) {
-    const auto comma = line.find(',');
-    const std::string_view cell = trimmed(line.substr(0, comma));
-    const auto bracket = cell.find('[');
-    if (bracket == std::string_view::npos || bracket == 0 || !cell.ends_with(']')) return false;
-    columns.push_back({std::string(trimmed(cell.substr(0, bracket))),
-                       std::string(cell.substr(bracket + 1, cell.size() - bracket - 2))});
-    if (comma == std::string_view::npos) break;
-    line.remove_prefix(comma + 1);
-  }
-  columns_ = std::move(columns);
-  value_.assign(columns_.size(), {});
-  return true;
-}
-
-void GrowingTable::take_line(std::string_view line) {
-  if (line.starts_with('#') || line.empty()) return;
-  if (columns_.empty()) {
-    if (!take_header(line)) ++damaged_;
-    return;
-  }
-  std::vector<double> row;
-  row.reserve(columns_.size());
-  while (true) {
-    const auto comma = line.find(',');
-    const std::string_view cell = trimmed(line.substr(0, comma));
-    double value = std::numeric_limits<double>::quiet_NaN();
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (!cell.empty() && (error != std::errc() || end != cell.data() + cell.size())) break;
-    row.push_back(cell.empty() ? std::numeric_limits<double>::quiet_NaN() : value);
-    if (comma == std::string_view::npos) {
-      if (row.size() != columns_.size()) break;
-      for (std::size_t c = 0; c < row.size(); ++c) value_[c].push_back(row[c]);
-      return;
-    }
-    line.remove_prefix(comma + 1);
-  }
-  ++damaged_;
-}
-
-std::optional<std::size_t> GrowingTable::find(std::string_view name) const {
-  for (std::size_t c = 0; c < columns_.size(); ++c)
-    if (columns_[c].name == name) return c;
-  return std::nullopt;
-}
-
-std::optional<double> GrowingTable::last(std::string_view name) const {
+std::optional<double> TableTail::last(std::string_view name) const {
   const auto column = find(name);
-  if (!column || rows() == 0 || std::isnan(value_[*column].back())) return std::nullopt;
-  return value_[*column].back();
+  if (!column || rows() == 0 || std::isnan(value()[*column].back())) return std::nullopt;
+  return value()[*column].back();
 }
 
 }  // namespace strake::watch

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "proto/interface.hpp"
+#include "proto/files/history.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -15,20 +15,20 @@ namespace strake::watch {
 /// A column file (proto/files/history.hpp) to which another process appends. Each update reads the new lines;
 /// a line counts once its newline is written. A file that was cut (a resumed run) or replaced (a forced one)
 /// is read from its beginning. Never throws: a run may be read while its files are made.
-class GrowingTable {
+class TableTail {
  public:
-  explicit GrowingTable(std::filesystem::path);
+  explicit TableTail(std::filesystem::path);
 
   /// Whether there is anything new.
-  bool look();
+  bool update();
 
   const std::filesystem::path& path() const { return path_; }
-  const std::vector<Column>& columns() const { return columns_; }
-  std::size_t rows() const { return value_.empty() ? 0 : value_.front().size(); }
+  const std::vector<Column>& columns() const { return table_.columns; }
+  std::size_t rows() const { return table_.rows(); }
   /// One vector per column; NaN for an empty cell.
-  const std::vector<std::vector<double>>& value() const { return value_; }
+  const std::vector<std::vector<double>>& value() const { return table_.value; }
   /// Index of the column of that name.
-  std::optional<std::size_t> find(std::string_view name) const;
+  std::optional<std::size_t> find(std::string_view name) const { return table_.find(name); }
   /// The last value of a column; nothing where there is none.
   std::optional<double> last(std::string_view name) const;
   /// Grows whenever the file is read anew: lines that were read before are void then.
@@ -38,12 +38,9 @@ class GrowingTable {
 
  private:
   void begin_anew();
-  void take_line(std::string_view);
-  bool take_header(std::string_view);
 
   std::filesystem::path path_;
-  std::vector<Column> columns_;
-  std::vector<std::vector<double>> value_;
+  Table table_;
   std::uint32_t generation_ = 0;
   std::size_t damaged_ = 0;
   ino_t inode_ = 0;

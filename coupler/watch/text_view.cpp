@@ -41,13 +41,13 @@ const char* colour_of(State state) {
   return "0";
 }
 
-std::string clocks_text(const Glance& g) {
+std::string clocks_text(const RunStatus& g) {
   std::string text = duration_text(g.elapsed);
   if (g.left) text += fmt::format(", about {} left", duration_text(*g.left));
   return text;
 }
 
-std::string head_text(const Glance& g) {
+std::string head_text(const RunStatus& g) {
   std::string text = fmt::format("window {}   t {}", grouped(g.window), value_text(g.time, "s"));
   if (g.end_time) text += " of " + value_text(*g.end_time, "s");
   return text + "   " + clocks_text(g);
@@ -69,7 +69,7 @@ std::string bar_text(double share, std::size_t width) {
 
 /// A curve with its name, latest value and extremes above it.
 std::vector<std::string> curve_block(const WatchedRun& run, std::size_t column, std::size_t width, int rows) {
-  const GrowingTable& table = run.history();
+  const TableTail& table = run.history();
   const Column& of = table.columns()[column];
   const auto& y = table.value()[column];
   const auto clock = table.find("time");
@@ -86,8 +86,8 @@ std::vector<std::string> curve_block(const WatchedRun& run, std::size_t column, 
   }
   block.push_back(fitted(head, width));
   constexpr std::size_t edge = 11;  // [characters] of the scale
-  const SmallCurve curve = small_curve(clock ? table.value()[*clock] : y, y,
-                                       static_cast<int>(width - edge - 2), rows, is_logarithmic(of.name));
+  const BraillePlot curve = braille_plot(clock ? table.value()[*clock] : y, y,
+                                         static_cast<int>(width - edge - 2), rows, is_logarithmic(of.name));
   for (std::size_t r = 0; r < curve.lines.size(); ++r) {
     std::string scale;
     if (ends.any && r == 0) scale = text(curve.hi);
@@ -99,7 +99,7 @@ std::vector<std::string> curve_block(const WatchedRun& run, std::size_t column, 
   return block;
 }
 
-std::string processes_text(const Glance& g) {
+std::string processes_text(const RunStatus& g) {
   std::string text;
   for (const Process& process : g.processes)
     text += fmt::format("{}{} {} ({}, {:.0f} MB)", text.empty() ? "" : "   ", process.name,
@@ -137,7 +137,7 @@ std::string value_text(double value, const std::string& unit) {
 }
 
 std::vector<std::string> screen_lines(const WatchedRun& run, const Screen& screen) {
-  const Glance& g = run.last();
+  const RunStatus& g = run.last();
   const auto width = static_cast<std::size_t>(std::clamp(screen.width, 40, 400));
   const auto height = static_cast<std::size_t>(std::max(screen.height, 8));
   std::vector<std::string> lines;
@@ -201,7 +201,7 @@ void PlainLines::put(const std::string& line) {
 }
 
 void PlainLines::say_state(const WatchedRun& run) {
-  const Glance& g = run.last();
+  const RunStatus& g = run.last();
   if (name_of(g.state) == said_) return;
   said_ = name_of(g.state);
   put("  " + (g.words.starts_with(said_) ? g.words : said_ + ": " + g.words));
@@ -214,7 +214,7 @@ void PlainLines::begin(const WatchedRun& run) {
 
 void PlainLines::more(const WatchedRun& run) {
   say_state(run);
-  const GrowingTable& table = run.history();
+  const TableTail& table = run.history();
   if (table.rows() > 0 && (columns_.empty() || table.generation() != generation_)) {
     generation_ = table.generation();
     columns_.clear();
@@ -245,7 +245,7 @@ void PlainLines::more(const WatchedRun& run) {
 
 void PlainLines::end(const WatchedRun& run) {
   more(run);
-  const Glance& g = run.last();
+  const RunStatus& g = run.last();
   put("\n" + name_of(g.state) + "  " + head_text(g));
   if (!g.error.empty()) {
     std::istringstream stream(g.error);

@@ -25,47 +25,41 @@ std::string header_of(const std::vector<Column>& columns, const std::filesystem:
   return header + "\n";
 }
 
-std::string trimmed(const std::string& text) {
+std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+  return first == std::string_view::npos ? std::string_view()
+                                         : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells(1);
-  for (const char c : line) {
-    if (c == ',')
-      cells.emplace_back();
-    else
-      cells.back() += c;
-  }
-  for (std::string& cell : cells) cell = trimmed(cell);
-  return cells;
+/// Cuts the first cell off a line that has one.
+std::string_view next_cell(std::optional<std::string_view>& line) {
+  const std::size_t comma = line->find(',');
+  const std::string_view cell = trimmed(line->substr(0, comma));
+  if (comma == std::string_view::npos)
+    line.reset();
+  else
+    line->remove_prefix(comma + 1);
+  return cell;
 }
+
+/// The number in a cell, NaN in an empty one; nothing where it is none.
+std::optional<double> number_of(std::string_view cell) {
+  if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double value = 0;
+  const char* last = cell.data() + cell.size();
+  const auto [end, error] = std::from_chars(cell.data() + (cell[0] == '+' ? 1 : 0), last, value);
+  if (error != std::errc() || end != last || std::isnan(value)) return std::nullopt;
+  return value;
+}
+
+constexpr const char* header_fix =
+    "the first line holds a name and a unit for each column: time [s],force.y [N]";
 
 std::string bytes_of(const std::filesystem::path& path, std::uintmax_t largest) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
     throw Error(ExitCode::case_file, path.string(), "cannot be read", "check the path");
   return read_whole(path, largest, path.string());
-}
-
-Column column_of(const std::string& cell, const std::string& where) {
-  const std::size_t bracket = cell.find('[');
-  if (bracket == std::string::npos || bracket == 0 || !cell.ends_with(']'))
-    throw Error(ExitCode::case_file, where, fmt::format("\"{}\" names no column", cell),
-                "the first line holds a name and a unit for each column: time [s],force.y [N]");
-  return {trimmed(cell.substr(0, bracket)), cell.substr(bracket + 1, cell.size() - bracket - 2)};
-}
-
-double number_of(const std::string& cell, const std::string& where) {
-  if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double value = 0;
-  const char* last = cell.data() + cell.size();
-  const auto [end, error] = std::from_chars(cell.data() + (cell[0] == '+' ? 1 : 0), last, value);
-  if (error != std::errc() || end != last || std::isnan(value))
-    throw Error(ExitCode::case_file, where, fmt::format("\"{}\" is no number", cell),
-                "a value that is not known is an empty cell");
-  return value;
 }
 
 }  // namespace
@@ -128,46 +122,75 @@ void History::sync() {
   if (file_) sync_to_disk(::fileno(file_), path_);  // of one that failed the error was thrown
 }
 
+std::optional<std::size_t> Table::find(std::string_view name) const {
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (columns[i].name == name) return i;
+  return std::nullopt;
+}
+
 const std::vector<double>& Table::column(const std::string& name) const {
+  if (const auto found = find(name)) return value[*found];
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (columns[i].name == name) return value[i];
-    names.push_back(columns[i].name);
-  }
   std::string list;
-  for (const std::string& other : names) list += (list.empty() ? "" : ", ") + other;
+  for (const Column& other : columns) {
+    names.push_back(other.name);
+    list += (list.empty() ? "" : ", ") + other.name;
+  }
   const std::string near = did_you_mean(name, names);
   throw Error(ExitCode::case_file, path.string(), "has no column " + name,
               near.empty() ? "its columns are " + list : "did you mean " + near + "?");
+}
+
+std::optional<Table::BadLine> Table::add_header(std::string_view line) {
+  std::vector<Column> named;
+  for (std::optional<std::string_view> rest = line; rest;) {
+    const std::string_view cell = next_cell(rest);
+    const std::size_t bracket = cell.find('[');
+    if (bracket == std::string_view::npos || bracket == 0 || !cell.ends_with(']'))
+      return BadLine{fmt::format("\"{}\" names no column", cell), header_fix};
+    named.push_back({std::string(trimmed(cell.substr(0, bracket))),
+                     std::string(cell.substr(bracket + 1, cell.size() - bracket - 2))});
+  }
+  columns = std::move(named);
+  value.resize(columns.size());
+  return std::nullopt;
+}
+
+std::optional<Table::BadLine> Table::add(std::string_view text) {
+  const std::string_view line = trimmed(text);
+  if (line.starts_with('#') || (line.empty() && columns.size() != 1)) return std::nullopt;
+  if (columns.empty()) return add_header(line);
+  const auto cells = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+  if (cells != columns.size())
+    return BadLine{fmt::format("{} values in a table of {} columns", cells, columns.size()),
+                   "each row holds one value for each name of the first line"};
+  std::vector<double> row;
+  row.reserve(cells);
+  for (std::optional<std::string_view> rest = line; rest;) {
+    const std::string_view cell = next_cell(rest);
+    const auto number = number_of(cell);
+    if (!number)
+      return BadLine{fmt::format("\"{}\" is no number", cell), "a value that is not known is an empty cell"};
+    row.push_back(*number);
+  }
+  for (std::size_t i = 0; i < row.size(); ++i) value[i].push_back(row[i]);
+  return std::nullopt;
 }
 
 Table read_table(const std::filesystem::path& path, std::uintmax_t largest) {
   const std::string bytes = bytes_of(path, largest);
   Table table;
   table.path = path;
-  std::size_t begin = 0;
+  std::string_view rest = bytes;
   int number = 0;
   // A line counts once its newline is written.
-  for (std::size_t end = bytes.find('\n'); end != std::string::npos;
-       begin = end + 1, end = bytes.find('\n', begin)) {
-    const std::string line = trimmed(bytes.substr(begin, end - begin));
-    const std::string where = fmt::format("{}:{}", path.string(), ++number);
-    if (line.starts_with('#') || (line.empty() && table.columns.size() != 1)) continue;
-    const std::vector<std::string> cells = cells_of(line);
-    if (table.columns.empty()) {
-      for (const std::string& cell : cells) table.columns.push_back(column_of(cell, where));
-      table.value.resize(table.columns.size());
-      continue;
-    }
-    if (cells.size() != table.columns.size())
-      throw Error(ExitCode::case_file, where,
-                  fmt::format("{} values in a table of {} columns", cells.size(), table.columns.size()),
-                  "each row holds one value for each name of the first line");
-    for (std::size_t i = 0; i < cells.size(); ++i) table.value[i].push_back(number_of(cells[i], where));
+  for (std::size_t end = rest.find('\n'); end != std::string_view::npos; end = rest.find('\n')) {
+    ++number;
+    if (const auto bad = table.add(rest.substr(0, end)))
+      throw Error(ExitCode::case_file, fmt::format("{}:{}", path.string(), number), bad->problem, bad->fix);
+    rest.remove_prefix(end + 1);
   }
-  if (table.columns.empty())
-    throw Error(ExitCode::case_file, path.string(), "holds no columns",
-                "the first line holds a name and a unit for each column: time [s],force.y [N]");
+  if (table.columns.empty()) throw Error(ExitCode::case_file, path.string(), "holds no columns", header_fix);
   return table;
 }
 

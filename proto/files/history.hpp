@@ -5,8 +5,9 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace strake {
@@ -41,8 +42,20 @@ struct Table {
   std::vector<std::vector<double>> value;  // one vector per column; NaN for an empty cell
   std::filesystem::path path = {};         // where it was read
   std::size_t rows() const { return value.empty() ? 0 : value.front().size(); }
+  std::optional<std::size_t> find(std::string_view name) const;
   /// The column of that name; throws Error naming the file's columns.
   const std::vector<double>& column(const std::string& name) const;
+
+  /// What is wrong with a line, and what it should hold.
+  struct BadLine {
+    std::string problem, fix;
+  };
+  /// Takes the file's next line, without its newline: the header, a row or a note. A bad line changes
+  /// nothing.
+  std::optional<BadLine> add(std::string_view line);
+
+ private:
+  std::optional<BadLine> add_header(std::string_view line);
 };
 /// Lines that begin with # are notes (origin, licence). Throws Error(case_file) with file:line for a bad
 /// header, a bad number or a line of wrong length. A user's table is read up to `largest_table`.

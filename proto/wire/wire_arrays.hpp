@@ -173,7 +173,7 @@ class Reader {
       rules_.label(f.quantity, "quantity");
       if (header.components() == 0) rules_.broken(fmt::format("gives no components for {}", f.quantity));
       f.value = values(header.components(), header.n_points(), f.quantity);
-      f.value.look();
+      f.value.check_finite();
       rules_.field(f);
       to.push_back(std::move(f));
     }

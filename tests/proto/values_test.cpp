@@ -94,16 +94,16 @@ TEST(Values, ALookFindsWhatIsNotFiniteWhereverItStands) {
       for (const Eigen::Index bad : {Eigen::Index{0}, n / 2, n - 1})
         for (const double value : {infinity, -infinity, none}) {
           MatrixXd m = MatrixXd::Random(components, n);
-          EXPECT_TRUE(Values(m).look());
+          EXPECT_TRUE(Values(m).check_finite());
           m(components - 1, bad) = value;
           Values v = m;
-          EXPECT_FALSE(v.look());
+          EXPECT_FALSE(v.check_finite());
           EXPECT_FALSE(v.known_finite());
           m(0, n - 1 - bad) = -value;  // whose sum with the other is none
-          EXPECT_FALSE(Values(m).look());
+          EXPECT_FALSE(Values(m).check_finite());
         }
   Values large = MatrixXd::Constant(3, 1000, 1e308);
-  EXPECT_TRUE(large.look()) << "though the sum is not";
+  EXPECT_TRUE(large.check_finite()) << "though the sum is not";
   EXPECT_EQ(large.sum_over_points(), Eigen::Vector3d::Constant(infinity));
 }
 
@@ -113,7 +113,7 @@ TEST(Values, TheSumOverThePointsIsThatOfTheNumbersAsTheyAre) {
     Values v = m;
     const Eigen::Vector3d sum = v.sum_over_points();
     EXPECT_LE((sum - m.rowwise().sum()).cwiseAbs().maxCoeff(), 1e-15 * static_cast<double>(n));
-    EXPECT_TRUE(v.look());
+    EXPECT_TRUE(v.check_finite());
     EXPECT_EQ(v.sum_over_points(), sum) << "looked at or not";
     const Values copy = v;
     EXPECT_EQ(copy.sum_over_points(), sum);

@@ -17,11 +17,11 @@ using std::chrono::steady_clock;
 TEST_F(Faults, TwoProcessesRunWindowsWithRewindsAndEndInOrder) {
   launch("structure", "");
   launch("fluid", "");
-  RemoteParticipant& structure = roster().connect("structure", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
   strake::Setup setup;
   setup.partner_mesh = structure.mesh();
   setup.partner_initial = structure.description().initial;
-  RemoteParticipant& fluid = roster().connect("fluid", setup);
+  RemoteParticipant& fluid = participants().connect("fluid", setup);
   for (int window = 0; window < 3; ++window) {
     for (RemoteParticipant* p : {&fluid, &structure}) p->advance({0.1 * window, 0.1}, {});
     for (RemoteParticipant* p : {&fluid, &structure}) p->rewind();
@@ -32,31 +32,31 @@ TEST_F(Faults, TwoProcessesRunWindowsWithRewindsAndEndInOrder) {
     }
     for (RemoteParticipant* p : {&fluid, &structure}) p->commit(window == 2);
   }
-  roster().finish();
+  participants().finish();
   for (const char* name : {"fluid", "structure"}) {
     EXPECT_EQ(count(content(log(name)), "rewind"), 3u);
     EXPECT_NE(content(log(name)).find("commit 3 and write"), std::string::npos)
         << "the last commit rides on Stop";
   }
-  roster_.reset();
+  participants_.reset();
 }
 
 TEST_F(Faults, ACheckpointHoldsTheLastCommitAndResumesInANewProcess) {
   launch("structure", "");
-  RemoteParticipant& first = roster().connect("structure", {});
+  RemoteParticipant& first = participants().connect("structure", {});
   for (int window = 0; window < 2; ++window) {
     first.advance({0.1 * window, 0.1}, {});
     first.commit(false);
   }
   first.checkpoint(folder_.path());
-  roster().finish();
-  roster_.reset();
+  participants().finish();
+  participants_.reset();
   launch("structure", "");
-  RemoteParticipant& second = roster().connect("structure", {});
+  RemoteParticipant& second = participants().connect("structure", {});
   second.resume(folder_.path());
   EXPECT_EQ(second.advance({0.2, 0.1}, {}).output.at(0).value(0, 0), 2);
-  roster().finish();
-  roster_.reset();
+  participants().finish();
+  participants_.reset();
 }
 
 TEST_F(Faults, AnAnswerToStopThatLiesBehindAnotherWordIsStillARegularEnd) {
@@ -67,18 +67,18 @@ TEST_F(Faults, AnAnswerToStopThatLiesBehindAnotherWordIsStillARegularEnd) {
     std::this_thread::sleep_for(milliseconds(500));
   };
   launch("structure", "talkative");
-  roster().connect("structure", {});
-  EXPECT_NO_THROW(roster().finish());
+  participants().connect("structure", {});
+  EXPECT_NO_THROW(participants().finish());
   EXPECT_TRUE(waited);
   EXPECT_EQ(said_, "");
-  roster_.reset();
+  participants_.reset();
 }
 
 TEST_F(Faults, AKilledParticipantIsNamedInsideItsStepWithWindowAndTime) {
   launch("structure", "sleep", 2);
   launch("fluid", "");
-  RemoteParticipant& structure = roster().connect("structure", {});
-  RemoteParticipant& fluid = roster().connect("fluid", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
+  RemoteParticipant& fluid = participants().connect("fluid", {});
   std::thread killer = signal_inside_step("structure", SIGKILL);
   const Error e = error_of([&] {
     for (int window = 0; window < 2; ++window)
@@ -101,8 +101,8 @@ TEST_F(Faults, AKilledParticipantIsNamedInsideItsStepWithWindowAndTime) {
 TEST_F(Faults, ADeadPartnerIsNamedWhileAnotherParticipantIsAwaited) {
   launch("structure", "");
   launch("fluid", "sleep");
-  RemoteParticipant& structure = roster().connect("structure", {});
-  RemoteParticipant& fluid = roster().connect("fluid", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
+  RemoteParticipant& fluid = participants().connect("fluid", {});
   std::thread killer([this] {
     wait_for(log("fluid"), "step begins");
     signalled_ = steady_clock::now();
@@ -125,7 +125,7 @@ TEST_F(Faults, ADeadPartnerIsNamedWhileAnotherParticipantIsAwaited) {
 TEST_F(Faults, AFrozenParticipantIsWaitedForThenGivenUp) {
   options_.deadlines.frozen_after = std::chrono::seconds(2);
   launch("structure", "sleep");
-  RemoteParticipant& structure = roster().connect("structure", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
   std::thread freezer = signal_inside_step("structure", SIGSTOP);
   const Error e = error_of([&] { structure.advance({0, 0.1}, {}); });
   freezer.join();
@@ -139,7 +139,7 @@ TEST_F(Faults, AFrozenParticipantIsWaitedForThenGivenUp) {
 
 TEST_F(Faults, AThawedParticipantGoesOnWhereItWas) {
   launch("structure", "nap", 2);
-  RemoteParticipant& structure = roster().connect("structure", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
   std::thread thawer([this] {
     wait_for(log("structure"), "step begins");
     kill(pid_of("structure"), SIGSTOP);
@@ -151,8 +151,8 @@ TEST_F(Faults, AThawedParticipantGoesOnWhereItWas) {
     structure.commit(false);
   }
   thawer.join();
-  roster().finish();
-  roster_.reset();
+  participants().finish();
+  participants_.reset();
   EXPECT_NE(said_.find("no heartbeat"), std::string::npos) << said_;
   EXPECT_NE(said_.find("is back"), std::string::npos) << said_;
   EXPECT_EQ(count(content(log("structure")), "commit"), 3u);
@@ -161,7 +161,7 @@ TEST_F(Faults, AThawedParticipantGoesOnWhereItWas) {
 TEST_F(Faults, AProgramThatNeverSpeaksIsGivenUpWithTheNameOfItsLog) {
   options_.deadlines.hello = milliseconds(300);
   launch("structure", "mute");
-  const Error e = error_of([&] { roster().connect("structure", {}); });
+  const Error e = error_of([&] { participants().connect("structure", {}); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
   EXPECT_EQ(e.where(), "structure");
   EXPECT_NE(e.problem().find("has not said Hello"), std::string::npos);
@@ -170,7 +170,7 @@ TEST_F(Faults, AProgramThatNeverSpeaksIsGivenUpWithTheNameOfItsLog) {
 
 TEST_F(Faults, AProgramThatEndsBeforeHelloSpeaksByItsExitCodeAndLog) {
   launch("structure", "early");
-  const Error e = error_of([&] { roster().connect("structure", {}); });
+  const Error e = error_of([&] { participants().connect("structure", {}); });
   EXPECT_EQ(e.code(), ExitCode::case_file);
   EXPECT_NE(e.problem().find("exited with code 3 before it said Hello"), std::string::npos);
   EXPECT_NE(e.problem().find("toy.toml:3:1: young = 0"), std::string::npos);
@@ -178,7 +178,7 @@ TEST_F(Faults, AProgramThatEndsBeforeHelloSpeaksByItsExitCodeAndLog) {
 
 TEST_F(Faults, AParticipantWithAnotherCaseIsRefused) {
   launch("structure", "hash");
-  const Error e = error_of([&] { roster().connect("structure", {}); });
+  const Error e = error_of([&] { participants().connect("structure", {}); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
   EXPECT_NE(said_.find("another case"), std::string::npos) << said_;
   EXPECT_NE(e.problem().find("was refused: structure has read another case"), std::string::npos);
@@ -187,7 +187,7 @@ TEST_F(Faults, AParticipantWithAnotherCaseIsRefused) {
 
 TEST_F(Faults, ACrashIsNamedByItsSignal) {
   launch("structure", "crash");
-  RemoteParticipant& structure = roster().connect("structure", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
   const Error e = error_of([&] { structure.advance({0, 0.1}, {}); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
   EXPECT_NE(e.problem().find("was killed by signal 6 (Aborted)"), std::string::npos);
@@ -195,7 +195,7 @@ TEST_F(Faults, ACrashIsNamedByItsSignal) {
 
 TEST_F(Faults, AnExitInsideAStepIsNamedByItsCode) {
   launch("structure", "exit");
-  RemoteParticipant& structure = roster().connect("structure", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
   const Error e = error_of([&] { structure.advance({0, 0.1}, {}); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
   EXPECT_NE(e.problem().find("exited with code 7 while Advance was awaited"), std::string::npos);
@@ -203,7 +203,7 @@ TEST_F(Faults, AnExitInsideAStepIsNamedByItsCode) {
 
 TEST_F(Faults, ASolversOwnErrorArrivesWithPlaceProblemAndFix) {
   launch("fluid", "error");
-  RemoteParticipant& fluid = roster().connect("fluid", {});
+  RemoteParticipant& fluid = participants().connect("fluid", {});
   const Error e = error_of([&] { fluid.advance({0.5, 0.1}, {}); });
   EXPECT_EQ(e.code(), ExitCode::solver_fault);
   EXPECT_EQ(e.where(), "fluid, window 1 (t = 0.5 s), iteration 1, toy");
@@ -214,7 +214,7 @@ TEST_F(Faults, ASolversOwnErrorArrivesWithPlaceProblemAndFix) {
 
 TEST_F(Faults, AValueThatIsNotFiniteIsASolverFault) {
   launch("structure", "nan");
-  RemoteParticipant& structure = roster().connect("structure", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
   const Error e = error_of([&] { structure.advance({0, 0.1}, {}); });
   EXPECT_EQ(e.code(), ExitCode::solver_fault);
   EXPECT_NE(e.problem().find("displacement is not finite: nan m at point 2 of 3, component 1"),
@@ -223,7 +223,7 @@ TEST_F(Faults, AValueThatIsNotFiniteIsASolverFault) {
 
 TEST_F(Faults, AFieldThatDoesNotFitTheMeshIsRefused) {
   launch("structure", "size");
-  RemoteParticipant& structure = roster().connect("structure", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
   const Error e = error_of([&] { structure.advance({0, 0.1}, {}); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);
   EXPECT_EQ(e.problem(), "sent displacement at 2 points, its mesh has 3");
@@ -233,7 +233,7 @@ TEST_F(Faults, AKilledParticipantThatWasStartedByHandIsNamedWithinASecond) {
   for (const char* endpoint : {"tcp://127.0.0.1:*", ""}) {
     options_.endpoint = endpoint;
     Child structure = by_hand("structure", "sleep");
-    RemoteParticipant& participant = roster().connect("structure", {});
+    RemoteParticipant& participant = participants().connect("structure", {});
     std::thread killer = signal_inside_step("structure", SIGKILL);
     const Error e = error_of([&] { participant.advance({0, 0.1}, {}); });
     killer.join();
@@ -248,7 +248,7 @@ TEST_F(Faults, AKilledParticipantThatWasStartedByHandIsNamedWithinASecond) {
 TEST_F(Faults, AFrozenParticipantThatWasStartedByHandIsNotTakenForDead) {
   options_.deadlines.frozen_after = std::chrono::seconds(2);
   Child structure = by_hand("structure", "sleep");
-  RemoteParticipant& participant = roster().connect("structure", {});
+  RemoteParticipant& participant = participants().connect("structure", {});
   std::thread freezer = signal_inside_step("structure", SIGSTOP);
   const Error e = error_of([&] { participant.advance({0, 0.1}, {}); });
   freezer.join();
@@ -264,7 +264,7 @@ TEST_P(RunFolderElsewhere, IsNamedWithTheMachineByOneThatWasStartedByHand) {
   Child structure = by_hand("structure", "");
   strake::Setup setup;
   setup.run_folder = GetParam();
-  const Error e = error_of([&] { roster().connect("structure", setup); });
+  const Error e = error_of([&] { participants().connect("structure", setup); });
   EXPECT_EQ(e.code(), ExitCode::cannot_write);
   EXPECT_EQ(e.where(), GetParam());
   EXPECT_TRUE(e.problem().ends_with("\non the machine " + host_name())) << e.problem();
@@ -273,10 +273,10 @@ TEST_P(RunFolderElsewhere, IsNamedWithTheMachineByOneThatWasStartedByHand) {
 
 TEST_F(Faults, AParticipantStartedByHandEndsWithItsCoupler) {
   Child structure = by_hand("structure", "sleep");
-  roster().connect("structure", {}).start({0, 0.1}, {});
+  participants().connect("structure", {}).start({0, 0.1}, {});
   wait_for(log("structure"), "step begins");
   signalled_ = steady_clock::now();
-  roster_.reset();  // the coupler is gone, without a word to one that is busy
+  participants_.reset();  // the coupler is gone, without a word to one that is busy
   const auto exit = structure.wait(std::chrono::seconds(30));
   ASSERT_TRUE(exit);
   report_delay();
@@ -289,7 +289,7 @@ TEST_F(Faults, CtrlCInsideALongStepEndsTheRun) {
   options_.stop = &stop;
   options_.deadlines.grace = milliseconds(200);
   launch("structure", "sleep");
-  RemoteParticipant& structure = roster().connect("structure", {});
+  RemoteParticipant& structure = participants().connect("structure", {});
   std::thread user([this] {
     wait_for(log("structure"), "step begins");
     signalled_ = steady_clock::now();

@@ -48,31 +48,31 @@ class Faults : public testing::Test {
     EXPECT_NE(waitpid(-1, nullptr, WNOHANG), 0) << "a process is left behind";
   }
 
-  Roster& roster() {
-    if (!roster_) {
-      roster_ = std::make_unique<Roster>(options_);
-      endpoint_ = roster_->endpoint();
+  Participants& participants() {
+    if (!participants_) {
+      participants_ = std::make_unique<Participants>(options_);
+      endpoint_ = participants_->endpoint();
     }
-    return *roster_;
+    return *participants_;
   }
   std::filesystem::path log(const std::string& name) const { return folder_ / (name + ".log"); }
   void launch(const std::string& name, const std::string& fault, int at = 1) {
-    roster().launch(name, {std::filesystem::path(STRAKE_TOYS) / "toy_participant",
-                           {"--fault", fault, "--at", std::to_string(at)},
-                           log(name),
-                           1,
-                           {}});
+    participants().launch(name, {std::filesystem::path(STRAKE_TOYS) / "toy_participant",
+                                 {"--fault", fault, "--at", std::to_string(at)},
+                                 log(name),
+                                 1,
+                                 {}});
   }
-  /// One that the roster waits for and does not own.
+  /// One that the coupler waits for and does not own.
   Child by_hand(const std::string& name, const std::string& fault) {
-    roster().attach(name);
+    participants().attach(name);
     std::string hash;
     for (int i = 0; i < 32; ++i) hash += "2a";
     return Child({std::filesystem::path(STRAKE_TOYS) / "toy_participant",
                   {"--connect", endpoint_, "--name", name, "--fault", fault, "--case-hash", hash},
                   log(name),
                   1,
-                  {{"STRAKE_TOKEN", roster().token()}}});
+                  {{"STRAKE_TOKEN", participants().token()}}});
   }
   pid_t pid_of(const std::string& name) const {
     const std::string text = content(log(name));
@@ -91,7 +91,7 @@ class Faults : public testing::Test {
     } catch (const Error& e) {
       error = e;
     }
-    roster_.reset();
+    participants_.reset();
     if (!error) {
       ADD_FAILURE() << "no error";
       return {ExitCode::done, "", ""};
@@ -117,10 +117,10 @@ class Faults : public testing::Test {
     RecordProperty("seconds_after_the_signal", fmt::format("{:.3f}", delay()));
   }
 
-  Roster::Options options_;
+  Participants::Options options_;
   TemporaryFolder folder_;
   std::string said_, endpoint_;
-  std::unique_ptr<Roster> roster_;
+  std::unique_ptr<Participants> participants_;
   std::chrono::steady_clock::time_point signalled_;
 };
 

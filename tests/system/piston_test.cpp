@@ -48,15 +48,15 @@ Result two_periods(Participant& fluid, Participant& structure, double mu,
 }
 
 Result as_processes(double mu, const SchemeParameters& parameters) {
-  Roster roster(Roster::Options{});
+  Participants participants(Participants::Options{});
   for (const char* name : {"structure", "fluid"})
-    roster.launch(
+    participants.launch(
         name,
         {std::filesystem::path(STRAKE_TOYS) / "toy_piston", {"--mu", fmt::format("{}", mu)}, {}, 1, {}});
-  RemoteParticipant& structure = roster.connect("structure", {});
-  RemoteParticipant& fluid = roster.connect("fluid", {});
+  RemoteParticipant& structure = participants.connect("structure", {});
+  RemoteParticipant& fluid = participants.connect("fluid", {});
   Result run = two_periods(fluid, structure, mu, parameters);
-  roster.finish();
+  participants.finish();
   return run;
 }
 

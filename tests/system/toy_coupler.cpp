@@ -13,20 +13,20 @@ int main(int argc, char** argv) {
   if (argc != 4) return static_cast<int>(ExitCode::command_line);
   const StopRequest stop;
   try {
-    Roster::Options options;
+    Participants::Options options;
     options.stop = &stop;
     options.deadlines.grace = std::chrono::milliseconds(300);
     options.say = [](const std::string& line) { fmt::print("{}\n", line); };
-    Roster roster(options);
-    fmt::print("{}\n", roster.endpoint());
+    Participants participants(options);
+    fmt::print("{}\n", participants.endpoint());
     std::fflush(stdout);
-    roster.launch("structure", {argv[1], {"--fault", argv[3]}, argv[2], 1, {}});
-    RemoteParticipant& toy = roster.connect("structure", {});
+    participants.launch("structure", {argv[1], {"--fault", argv[3]}, argv[2], 1, {}});
+    RemoteParticipant& toy = participants.connect("structure", {});
     for (int window = 0; window < 3; ++window) {
       toy.advance({window * 0.1, 0.1}, {});
       toy.commit(false);
     }
-    roster.finish();
+    participants.finish();
   } catch (const Error& e) {
     fmt::print("{}", to_text(e));
     return static_cast<int>(e.code());

@@ -108,7 +108,7 @@ class Toy final : public Participant {
 
 /// One that keeps no rules: it says what it wants without serve(), which would stop it.
 int speak_wrongly(const ServeOptions& options, const Wish& wish) {
-  Line line(options.endpoint);
+  ParticipantSocket line(options.endpoint);
   const auto say = [&](std::uint64_t sequence, auto what) {
     line.send(wire::encode(wire::Reply{sequence, std::move(what)}, options.name));
   };

@@ -154,7 +154,7 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
   app.add_option("--run", options.deck.run, "with --export: folder of the run whose loads are taken");
   app.add_option("--into", options.deck.folder, "with --export: folder of the input file");
   app.add_option("--origin", options.deck.origin, "with --export: what its heading says of its origin");
-  modes->add_flag("--keys", keys, "print this program's keys as JSON");
+  modes->add_flag("--keys,--declarations", keys, "print this program's keys as JSON");
   modes->add_flag("--version", version, "print name and version");
   modes->require_option(0, 1);
   try {

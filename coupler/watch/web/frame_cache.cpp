@@ -43,19 +43,19 @@ std::size_t bytes_of(const Frame& frame) {
 
 }  // namespace
 
-fs::path FrameShelf::path_of(const Key& key) const {
+fs::path FrameCache::path_of(const Key& key) const {
   return folder_ / fmt::format("{}-{:06}.h5", key.first, key.second);
 }
 
-void FrameShelf::look() {
+void FrameCache::update() {
   const std::int64_t changed = written(folder_);
-  if (changed == looked_) return;
+  if (changed == updated_) return;
   timespec clock{};
   clock_gettime(CLOCK_REALTIME, &clock);
   // The clock of a file system has coarse ticks. Files of the same tick as the last one may still be missing.
   constexpr std::int64_t tick = 100'000'000;  // [ns]
   const std::int64_t now = static_cast<std::int64_t>(clock.tv_sec) * 1'000'000'000 + clock.tv_nsec;
-  looked_ = now - changed > tick ? changed : -1;
+  updated_ = now - changed > tick ? changed : -1;
   std::map<std::string, std::set<int>> there;
   std::error_code error;
   for (const auto& item : fs::directory_iterator(folder_, error))
@@ -88,13 +88,13 @@ void FrameShelf::look() {
   }
 }
 
-const FrameShelf::Series& FrameShelf::series(const std::string& side) const {
+const FrameCache::Series& FrameCache::series(const std::string& side) const {
   static const Series none;
   const auto found = series_.find(side);
   return found == series_.end() ? none : found->second;
 }
 
-std::shared_ptr<const Frame> FrameShelf::read(const std::string& side, int number) {
+std::shared_ptr<const Frame> FrameCache::read(const std::string& side, int number) {
   const Key key = {side, number};
   const fs::path path = path_of(key);
   const std::int64_t when = written(path);

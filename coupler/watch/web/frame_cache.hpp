@@ -16,9 +16,9 @@ namespace strake::watch {
 
 /// The output frames of a run under way. Each file is opened once for its time, and the last ones that were
 /// read are kept.
-class FrameShelf {
+class FrameCache {
  public:
-  explicit FrameShelf(std::filesystem::path run_folder) : folder_(std::move(run_folder) / "frames") {}
+  explicit FrameCache(std::filesystem::path run_folder) : folder_(std::move(run_folder) / "frames") {}
 
   struct Entry {
     int number = 0;   // of the file: 42 of fluid-000042.h5
@@ -29,7 +29,7 @@ class FrameShelf {
     std::uint32_t generation = 0;  // grows when a frame that was listed is gone (a resumed run)
   };
   /// Lists what is new. Cheap while nothing is.
-  void look();
+  void update();
   /// side: "fluid" | "structure".
   const Series& series(const std::string& side) const;
   /// Throws Error(case_file) where there is no such frame, or it is damaged.
@@ -45,7 +45,7 @@ class FrameShelf {
   };
   std::filesystem::path path_of(const Key&) const;
   std::filesystem::path folder_;
-  std::int64_t looked_ = -1;  // [ns] when the folder was last changed, as of the last update
+  std::int64_t updated_ = -1;  // [ns] when the folder was last changed, as of the last look
   std::map<std::string, Series> series_;
   std::map<std::string, std::int64_t> damaged_;  // file name → [ns] when it was written
   std::list<Kept> kept_;                         // the latest first

@@ -20,16 +20,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::chrono::milliseconds between_looks{200};  // for any number of pages
-constexpr std::size_t most_rows = 20'000;                // of a table in one answer
-constexpr std::int64_t most_log = 64 << 10;              // [bytes] of a log in one answer
-constexpr int colours = 64;                              // of a palette
+constexpr std::chrono::milliseconds between_updates{200};  // however many pages ask
+constexpr std::size_t most_rows = 20'000;                  // of a table in one answer
+constexpr std::int64_t most_log = 64 << 10;                // [bytes] of a log in one answer
+constexpr int colours = 64;                                // of a palette
 
-Answers::Answer json_answer(const Json& json) {
+HttpApi::Answer json_answer(const Json& json) {
   return {200, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace)};
 }
 
-Answers::Answer refusal(int status, const std::string& sentence) {
+HttpApi::Answer refusal(int status, const std::string& sentence) {
   return {status, "text/plain; charset=utf-8", sentence + "\n"};
 }
 
@@ -38,12 +38,12 @@ Error wrong(const std::string& key, const std::string& value, const std::string&
   return {ExitCode::command_line, fmt::format("{}={}", key, value), "expected " + expected};
 }
 
-std::string text(const Answers::Query& query, const std::string& key) {
+std::string text(const HttpApi::Query& query, const std::string& key) {
   const auto found = query.find(key);
   return found == query.end() ? std::string() : found->second;
 }
 
-std::int64_t integer(const Answers::Query& query, const std::string& key, std::int64_t least) {
+std::int64_t integer(const HttpApi::Query& query, const std::string& key, std::int64_t least) {
   const std::string value = text(query, key);
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
@@ -52,7 +52,7 @@ std::int64_t integer(const Answers::Query& query, const std::string& key, std::i
   return number;
 }
 
-std::string one_of(const Answers::Query& query, const std::string& key,
+std::string one_of(const HttpApi::Query& query, const std::string& key,
                    std::initializer_list<const char*> known) {
   const std::string value = text(query, key);
   std::string list;
@@ -80,18 +80,18 @@ Json optional_number(const std::optional<double>& value) {
 
 }  // namespace
 
-Answers::Answers(const std::filesystem::path& run_folder) : run_(run_folder), shelf_(run_folder) {}
+HttpApi::HttpApi(const std::filesystem::path& run_folder) : run_(run_folder), frames_(run_folder) {}
 
-void Answers::look() {
+void HttpApi::update() {
   const auto now = std::chrono::steady_clock::now();
-  if (looked_.time_since_epoch().count() != 0 && now - looked_ < between_looks) return;
-  looked_ = now;
-  run_.look();
-  const std::lock_guard alone(shelf_mutex_);
-  shelf_.look();
+  if (updated_.time_since_epoch().count() != 0 && now - updated_ < between_updates) return;
+  updated_ = now;
+  run_.update();
+  const std::lock_guard alone(frames_mutex_);
+  frames_.update();
 }
 
-Answers::Answer Answers::answer(const std::string& path, const Query& query) {
+HttpApi::Answer HttpApi::answer(const std::string& path, const Query& query) {
   try {
     for (const PageFile& file : page_files())
       if (file.name == path) return {200, std::string(file.type), std::string(file.bytes)};
@@ -112,9 +112,9 @@ Answers::Answer Answers::answer(const std::string& path, const Query& query) {
   }
 }
 
-Answers::Answer Answers::run() {
+HttpApi::Answer HttpApi::run() {
   const std::lock_guard alone(run_mutex_);
-  look();
+  update();
   const Json& record = run_.record();
   Json sides = Json::object();
   if (const Json& participants = report::member(record, "participants"); participants.is_object())
@@ -142,10 +142,10 @@ Answers::Answer Answers::run() {
        {"palette", {{"water", palette(picture::water_colour)}, {"solid", palette(picture::solid_colour)}}}});
 }
 
-Answers::Answer Answers::news() {
+HttpApi::Answer HttpApi::news() {
   const std::lock_guard alone(run_mutex_);
-  look();
-  const Glance& g = run_.last();
+  update();
+  const RunStatus& g = run_.last();
   Json json = {{"state", name_of(g.state)},
                {"open", open(g.state)},
                {"words", g.words},
@@ -175,22 +175,22 @@ Answers::Answer Answers::news() {
     const auto size = std::filesystem::file_size(run_.folder() / fmt::format("{}.log", name), error);
     if (!error) json["logs"][name] = size;
   }
-  const std::lock_guard shelf_alone(shelf_mutex_);
+  const std::lock_guard frames_alone(frames_mutex_);
   for (const char* side : {"fluid", "structure"}) {
-    const auto& series = shelf_.series(side);
+    const auto& series = frames_.series(side);
     json["frames"][side] = {{"count", series.entries.size()}, {"generation", series.generation}};
   }
   return json_answer(json);
 }
 
-Answers::Answer Answers::table(const Query& query) {
+HttpApi::Answer HttpApi::table(const Query& query) {
   const std::string name = one_of(query, "name", {"history", "iterations", "timing"});
   const auto from = static_cast<std::size_t>(integer(query, "from", 0));
   const std::lock_guard alone(run_mutex_);
-  look();
-  const GrowingTable& table = name == "history"      ? run_.history()
-                              : name == "iterations" ? run_.iterations()
-                                                     : run_.timing();
+  update();
+  const TableTail& table = name == "history"      ? run_.history()
+                           : name == "iterations" ? run_.iterations()
+                                                  : run_.timing();
   const std::size_t begin = std::min(from, table.rows()), rows = std::min(most_rows, table.rows() - begin);
   ArrayMessage message;
   message.head["generation"] = table.generation();
@@ -206,13 +206,13 @@ Answers::Answer Answers::table(const Query& query) {
   return {200, "application/octet-stream", message.bytes()};
 }
 
-Answers::Answer Answers::frames(const Query& query) {
+HttpApi::Answer HttpApi::frames(const Query& query) {
   const std::string side = one_of(query, "side", {"fluid", "structure"});
   const auto from = static_cast<std::size_t>(integer(query, "from", 0));
   const std::lock_guard alone(run_mutex_);
-  look();
-  const std::lock_guard shelf_alone(shelf_mutex_);
-  const FrameShelf::Series& series = shelf_.series(side);
+  update();
+  const std::lock_guard frames_alone(frames_mutex_);
+  const FrameCache::Series& series = frames_.series(side);
   Json numbers = Json::array(), times = Json::array();
   for (std::size_t k = from; k < series.entries.size(); ++k) {
     numbers.push_back(series.entries[k].number);
@@ -222,7 +222,7 @@ Answers::Answer Answers::frames(const Query& query) {
       {{"generation", series.generation}, {"from", from}, {"numbers", numbers}, {"times", times}});
 }
 
-Answers::Answer Answers::frame(const Query& query) {
+HttpApi::Answer HttpApi::frame(const Query& query) {
   FieldRequest request;
   request.side = one_of(query, "side", {"fluid", "structure"});
   request.field = text(query, "field");
@@ -234,26 +234,26 @@ Answers::Answer Answers::frame(const Query& query) {
   }
   std::shared_ptr<const Frame> frame;
   {
-    const std::lock_guard alone(shelf_mutex_);
-    frame = shelf_.read(request.side, number);
+    const std::lock_guard alone(frames_mutex_);
+    frame = frames_.read(request.side, number);
   }
   return {200, "application/octet-stream", field_message(*frame, request).bytes()};
 }
 
-Answers::Answer Answers::point(const Query& query) {
+HttpApi::Answer HttpApi::point(const Query& query) {
   const std::string side = one_of(query, "side", {"fluid", "structure"});
   const auto number = static_cast<int>(std::min<std::int64_t>(integer(query, "number", 0), 1'000'000'000));
   const bool by_id = query.contains("id");
   const std::int64_t wanted = integer(query, by_id ? "id" : "index", 0);
   std::shared_ptr<const Frame> frame;
   {
-    const std::lock_guard alone(shelf_mutex_);
-    frame = shelf_.read(side, number);
+    const std::lock_guard alone(frames_mutex_);
+    frame = frames_.read(side, number);
   }
   return json_answer(point_values(*frame, by_id ? place_of(*frame, wanted) : wanted));
 }
 
-Answers::Answer Answers::log(const Query& query) {
+HttpApi::Answer HttpApi::log(const Query& query) {
   const std::string name = one_of(query, "name", {"coupler", "fluid", "structure"});
   const std::int64_t wanted = integer(query, "from", -1);
   std::ifstream file(run_.folder() / (name + ".log"), std::ios::binary | std::ios::ate);

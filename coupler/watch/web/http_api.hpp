@@ -19,9 +19,9 @@ namespace strake::watch {
 ///   api/frame     side, number, field: ArrayMessage of field_view.hpp
 ///   api/point     side, number, index or id: every value of one point; a particle keeps its id, not its
 ///   index api/log       name=coupler|fluid|structure, from=BYTE (-1: the last part)
-class Answers {
+class HttpApi {
  public:
-  explicit Answers(const std::filesystem::path& run_folder);
+  explicit HttpApi(const std::filesystem::path& run_folder);
 
   struct Answer {
     int status = 200;
@@ -40,12 +40,12 @@ class Answers {
   Answer frame(const Query&);
   Answer point(const Query&);
   Answer log(const Query&);
-  void look();
+  void update();
 
-  std::mutex run_mutex_, shelf_mutex_;  // in this order if both are locked
+  std::mutex run_mutex_, frames_mutex_;  // in this order where both are held
   WatchedRun run_;
-  FrameShelf shelf_;
-  std::chrono::steady_clock::time_point looked_{};
+  FrameCache frames_;
+  std::chrono::steady_clock::time_point updated_{};
 };
 
 }  // namespace strake::watch

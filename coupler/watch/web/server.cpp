@@ -78,7 +78,7 @@ bool host_is_ours(const std::string& host, const std::string& bind, int port) {
 }
 
 struct Server::State {
-  State(Answers& a, Options o) : answers(a), options(std::move(o)) {}
+  State(HttpApi& a, Options o) : api(a), options(std::move(o)) {}
 
   void handle(const httplib::Request& request, httplib::Response& response) const {
     response.set_header("Cache-Control", "no-store");
@@ -106,22 +106,21 @@ struct Server::State {
       response.set_redirect("/" + options.token + "/");
       return;
     }
-    Answers::Query query;
+    HttpApi::Query query;
     for (const auto& [key, value] : request.params) query[key] = value;
-    Answers::Answer answer = answers.answer(path, query);
+    HttpApi::Answer answer = api.answer(path, query);
     response.status = answer.status;
     response.set_content(answer.body, answer.type);
   }
 
-  Answers& answers;
+  HttpApi& api;
   Options options;
   PatientServer server;
   int port = 0;
   std::thread thread;
 };
 
-Server::Server(Answers& answers, Options options)
-    : state_(std::make_unique<State>(answers, std::move(options))) {
+Server::Server(HttpApi& api, Options options) : state_(std::make_unique<State>(api, std::move(options))) {
   PatientServer& server = state_->server;
   server.set_keep_alive_max_count(1'000'000);
   server.set_payload_max_length(0);  // questions have no body

@@ -5,7 +5,7 @@
 
 namespace strake::watch {
 
-class Answers;
+class HttpApi;
 
 /// Serves a page to readers who know its token. The token is the first part of every path, so that an address
 /// is all that a reader needs. Only GET and HEAD. A request whose Host is a name that this server was not
@@ -17,8 +17,8 @@ class Server {
     int port = 0;                    // 0: any that is free
     std::string token;               // hexadecimal
   };
-  /// Binds; throws Error(command_line) where it cannot. Answers must outlive it.
-  Server(Answers&, Options);
+  /// Binds; throws Error(command_line) where it cannot. HttpApi must outlive it.
+  Server(HttpApi&, Options);
   ~Server();  // stops
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;

@@ -47,10 +47,10 @@ struct Row {
 };
 
 void measure(const std::filesystem::path& program, const Row& row) {
-  Roster roster(Roster::Options{});
-  for (const char* name : {"structure", "fluid"}) roster.launch(name, {program, {}, {}, 1, {}});
-  RemoteParticipant& wall = roster.connect("structure", {});
-  RemoteParticipant& fluid = roster.connect("fluid", {});
+  Participants participants(Participants::Options{});
+  for (const char* name : {"structure", "fluid"}) participants.launch(name, {program, {}, {}, 1, {}});
+  RemoteParticipant& wall = participants.connect("structure", {});
+  RemoteParticipant& fluid = participants.connect("fluid", {});
   const auto begin = std::chrono::steady_clock::now();
   try {
     const models::TubeRun run =
@@ -60,7 +60,7 @@ void measure(const std::filesystem::path& program, const Row& row) {
                1e3 * wall_time.count() / (100 * run.iterations), row.peer);
     for (int k = 0; k < 3; ++k) fmt::print("  {:.6f} {:9.3f}", run.area[k], run.pressure[k]);
     fmt::print("\n");
-    roster.finish();
+    participants.finish();
   } catch (const Error& error) {
     fmt::print("{:44} {}\n{:44} preCICE: {}\n", row.name, error.problem(), "", row.peer);
   }

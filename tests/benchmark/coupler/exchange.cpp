@@ -108,21 +108,22 @@ double timed(int windows, const Exchange& exchange) {
 }
 
 int hub(const std::string& points, int windows, bool in_fluid) {
-  Roster roster({});
+  Participants participants({});
   for (const char* side : {"structure", "fluid"})
     if (!in_fluid || side != std::string("fluid"))
-      roster.launch(side, {self(),
+      participants.launch(side,
+                          {self(),
                            {"--solver", side, "--points", points, "--renumbered", renumbered ? "1" : "0"},
                            {},
                            1,
                            {}});
-  RemoteParticipant& structure = roster.connect("structure", {});
+  RemoteParticipant& structure = participants.connect("structure", {});
   Copier own("fluid", in_fluid ? std::stol(points) : 1);
-  Participant& fluid = in_fluid ? static_cast<Participant&>(own) : roster.connect("fluid", {});
+  Participant& fluid = in_fluid ? static_cast<Participant&>(own) : participants.connect("fluid", {});
   SchemeParameters parameters;
   parameters.convergence.max_iterations = 1;
   parameters.predictor = Predictor::constant;
-  Scheme scheme(fluid, structure, Transfer(nearest_neighbour(structure.mesh(), fluid.mesh(), 1.0)),
+  Scheme scheme(fluid, structure, FieldTransfer(nearest_neighbour(structure.mesh(), fluid.mesh(), 1.0)),
                 parameters);
   constexpr double dt = 1e-3;
   const double time = timed(windows, [&](int i) {
@@ -131,7 +132,7 @@ int hub(const std::string& points, int windows, bool in_fluid) {
   });
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  roster.finish();
+  participants.finish();
   fmt::print("{} {}\n", time, static_cast<double>(usage.ru_maxrss) / 1024);
   return 0;
 }

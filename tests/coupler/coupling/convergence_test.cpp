@@ -113,11 +113,11 @@ TEST(Convergence, HalvesWindowsUntilTheyConverge) {
   parameters.accelerator.kind = "constant";
   parameters.accelerator.initial_relaxation = 1;
   Scheme scheme(spring, mass, nearest_neighbour(mass.mesh(), spring.mesh()), parameters);
-  RunLoop loop(scheme, {.end = 0.5,
-                        .window = 0.1,
-                        .output_every = 0,
-                        .start = {},
-                        .control = {.smallest = 1e-3, .patience = 1000}});
+  WindowLoop loop(scheme, {.end = 0.5,
+                           .window = 0.1,
+                           .output_every = 0,
+                           .start = {},
+                           .control = {.smallest = 1e-3, .patience = 1000}});
   int windows = 0, taken_back = 0;
   while (!loop.finished()) {
     const CommittedWindow done = loop.next();

@@ -79,7 +79,7 @@ TEST(Exchange, CarriesAnyFieldThatTheParticipantsAnnounce) {
   EXPECT_TRUE(report.converged);
   EXPECT_LE(report.iterations, Tube::n + 2);
   scheme.commit(false);
-  const Field& area = scheme.state().structure.back().fields.at(0);
+  const Field& area = scheme.state().structure.back().others.at(0);
   EXPECT_EQ(area.quantity, "area");
   EXPECT_LE((area.value.transpose() - tube.area()).norm(), 1e-9 * tube.area().norm());
   const Field& pressure = scheme.state().fluid.back().fields.at(0);
@@ -105,7 +105,7 @@ TEST(Exchange, SharesTheFixedPointBetweenSerialAndParallelSchemes) {
   EXPECT_TRUE(report.converged) << report.iterations;
   EXPECT_EQ(calls.substr(0, 8), "SSFFSSFF");  // both begin before either is awaited
   scheme.commit(false);
-  const Field& area = scheme.state().structure.back().fields.at(0);
+  const Field& area = scheme.state().structure.back().others.at(0);
   EXPECT_LE((area.value.transpose() - tube.area()).norm(), 1e-8 * tube.area().norm());
 }
 
@@ -122,9 +122,23 @@ TEST(Exchange, GivesEachSideTheOthersLastAnswerInAParallelExplicitScheme) {
     const VectorXd next_pressure = tube.f * area + tube.fluid.constant;
     area = tube.s * pressure + tube.wall.constant;
     pressure = next_pressure;
-    EXPECT_EQ(scheme.state().structure.back().fields[0].value.transpose(), area);
+    EXPECT_EQ(scheme.state().structure.back().others[0].value.transpose(), area);
     EXPECT_EQ(scheme.state().fluid.back().fields[0].value.transpose(), pressure);
   }
+}
+
+TEST(Exchange, AMotionAndOtherFieldsComeBackFromTheFieldsThatACheckpointHolds) {
+  const Field area = {"area", "m^2", false, Eigen::RowVector2d(5, 6)};
+  const StructureSample sent = {
+      0.5, Motion{MatrixXd::Constant(3, 2, 1), MatrixXd::Constant(3, 2, 2)}, {area}};
+  const StructureSample back = StructureSample::of({sent.time, sent.fields()});
+  EXPECT_EQ(back.time, 0.5);
+  ASSERT_TRUE(back.motion);
+  EXPECT_EQ(back.motion->displacement, sent.motion->displacement);
+  EXPECT_EQ(back.motion->velocity, sent.motion->velocity);
+  ASSERT_EQ(back.others.size(), 1U);
+  EXPECT_EQ(back.others[0].value, area.value);
+  EXPECT_FALSE(StructureSample::of({0, {area}}).motion);
 }
 
 TEST(Exchange, GoesOnBitEqualFromASavedState) {
@@ -149,7 +163,7 @@ TEST(Exchange, GoesOnBitEqualFromASavedState) {
     Scheme resumed = other_tube.scheme(parameters);
     resumed.set_state(state);
     windows(resumed, other_tube, 4, 8);
-    EXPECT_EQ(one.state().structure.back().fields[0].value, resumed.state().structure.back().fields[0].value);
+    EXPECT_EQ(one.state().structure.back().others[0].value, resumed.state().structure.back().others[0].value);
     EXPECT_EQ(one.state().fluid.back().fields[0].value, resumed.state().fluid.back().fields[0].value);
     EXPECT_EQ(resumed.state().fluid.back().fields[0].unit, "Pa");
   }

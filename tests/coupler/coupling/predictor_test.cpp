@@ -12,29 +12,28 @@ namespace {
 using Eigen::MatrixXd;
 
 /// u = c0 + c1 t + c2 t², on two points.
-Sample polynomial(double t, double c1, double c2, bool with_velocity = false) {
-  Sample motion = {t, {{"displacement", "m", false, MatrixXd::Constant(3, 2, 1 + c1 * t + c2 * t * t)}}};
-  if (with_velocity)
-    motion.fields.push_back({"velocity", "m/s", false, MatrixXd::Constant(3, 2, c1 + 2 * c2 * t)});
-  return motion;
+StructureSample polynomial(double t, double c1, double c2, bool with_velocity = false) {
+  Motion motion = {MatrixXd::Constant(3, 2, 1 + c1 * t + c2 * t * t), {}};
+  if (with_velocity) motion.velocity = MatrixXd::Constant(3, 2, c1 + 2 * c2 * t);
+  return {t, motion, {}};
 }
 
-const Values& displacement(const Sample& sample) {
-  return sample.fields.at(0).value;
+const Values& displacement(const StructureSample& sample) {
+  return sample.motion.value().displacement;
 }
 
-const Values& velocity(const Sample& sample) {
-  return sample.fields.at(1).value;
+const Values& velocity(const StructureSample& sample) {
+  return sample.motion.value().velocity;
 }
 
-Samples at(const std::vector<double>& times, double c1, double c2, bool with_velocity = false,
-           Predictor kind = Predictor::quadratic) {
-  Samples history;
+StructureSamples at(const std::vector<double>& times, double c1, double c2, bool with_velocity = false,
+                    Predictor kind = Predictor::quadratic) {
+  StructureSamples history;
   for (const double t : times) remember(history, polynomial(t, c1, c2, with_velocity), kind);
   return history;
 }
 
-double error(const Sample& guess, const Sample& exact) {
+double error(const StructureSample& guess, const StructureSample& exact) {
   return (displacement(guess) - displacement(exact)).cwiseAbs().maxCoeff();
 }
 
@@ -49,7 +48,7 @@ TEST(Predictor, FollowsAPolynomialOfItsDegreeThroughWindowsOfAnyLength) {
 
 TEST(Predictor, MovesOnWithTheInitialVelocityInTheFirstWindow) {
   for (const Predictor kind : {Predictor::linear, Predictor::quadratic}) {
-    const Sample guess = predict(kind, at({0}, -6, 0, true), 0.1);
+    const StructureSample guess = predict(kind, at({0}, -6, 0, true), 0.1);
     EXPECT_LE(error(guess, polynomial(0.1, -6, 0)), 1e-15);
     EXPECT_LE((velocity(guess).array() + 6).abs().maxCoeff(), 1e-13);
   }
@@ -58,7 +57,7 @@ TEST(Predictor, MovesOnWithTheInitialVelocityInTheFirstWindow) {
 }
 
 TEST(Predictor, GivesTheVelocityOfConstantAccelerationOverTheWindow) {
-  const Sample guess = predict(Predictor::quadratic, at({0, 0.1, 0.2}, -6, 20, true), 0.3);
+  const StructureSample guess = predict(Predictor::quadratic, at({0, 0.1, 0.2}, -6, 20, true), 0.3);
   EXPECT_LE((velocity(guess) - velocity(polynomial(0.3, -6, 20, true))).cwiseAbs().maxCoeff(), 1e-12);
 }
 
@@ -66,9 +65,9 @@ TEST(Predictor, ExtrapolatesEachFieldByItself) {
   Samples history;
   for (const double t : {0.0, 0.1, 0.2})
     remember(history,
-             {t,
-              {{"area", "m^2", false, MatrixXd::Constant(1, 2, 1 + t * t)},
-               {"velocity", "m/s", false, MatrixXd::Constant(1, 2, 2 - t * t)}}},
+             Sample{t,
+                    {{"area", "m^2", false, MatrixXd::Constant(1, 2, 1 + t * t)},
+                     {"velocity", "m/s", false, MatrixXd::Constant(1, 2, 2 - t * t)}}},
              Predictor::quadratic);
   const Sample guess = predict(Predictor::quadratic, history, 0.3);
   EXPECT_NEAR(guess.fields[0].value(0, 1), 1.09, 1e-14);
@@ -78,10 +77,10 @@ TEST(Predictor, ExtrapolatesEachFieldByItself) {
 TEST(Predictor, RemembersAsManyWindowsAsItTakes) {
   const std::vector<double> times = {0, 1, 2, 3, 4};
   for (const Predictor kind : {Predictor::constant, Predictor::linear, Predictor::quadratic}) {
-    const Samples few = at(times, 1, 2, true, kind), more = at(times, 1, 2, true);
+    const StructureSamples few = at(times, 1, 2, true, kind), more = at(times, 1, 2, true);
     ASSERT_EQ(few.size(), static_cast<std::size_t>(kind) + 1);
     EXPECT_EQ(few.back().time, 4);
-    const Sample guess = predict(kind, few, 5), same = predict(kind, more, 5);
+    const StructureSample guess = predict(kind, few, 5), same = predict(kind, more, 5);
     EXPECT_EQ(displacement(guess), displacement(same));
     EXPECT_EQ(velocity(guess), velocity(same));
   }

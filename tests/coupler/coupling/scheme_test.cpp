@@ -235,7 +235,7 @@ TEST(Scheme, MovesVelocityWithTheDisplacementThroughTheAccelerator) {
       EXPECT_TRUE(scheme.advance({w * dt, dt}).converged);
       scheme.commit(false);
     }
-    end[velocity] = scheme.state().structure.back().fields[0].value;
+    end[velocity] = scheme.state().structure.back().motion->displacement;
   }
   EXPECT_LE((end[0] - end[1]).norm(), 1e-8 * end[0].norm());
 }

@@ -43,13 +43,13 @@ class Listener final : public Participant {
 };
 
 std::vector<CommittedWindow> run_to_end(Participant& participant, const RunPlan& plan) {
-  RunLoop loop(participant, RunLoop::Side::fluid, plan);
+  WindowLoop loop(participant, WindowLoop::Side::fluid, plan);
   std::vector<CommittedWindow> windows;
   while (!loop.finished() && windows.size() < 10000) windows.push_back(loop.next());
   return windows;
 }
 
-TEST(RunLoop, EndsExactlyAtTheEndWithWholeWindowsOfOneLength) {
+TEST(WindowLoop, EndsExactlyAtTheEndWithWholeWindowsOfOneLength) {
   Listener listener;
   const auto windows = run_to_end(listener, {.end = 0.03, .window = 1e-5, .output_every = 1e-4});
   ASSERT_EQ(windows.size(), 3000u);
@@ -58,7 +58,7 @@ TEST(RunLoop, EndsExactlyAtTheEndWithWholeWindowsOfOneLength) {
   for (const Window& window : listener.asked) EXPECT_EQ(window.dt, 1e-5);  // to the bit
 }
 
-TEST(RunLoop, WritesAFrameAtTheFirstCommitAtOrPastEachMultiple) {
+TEST(WindowLoop, WritesAFrameAtTheFirstCommitAtOrPastEachMultiple) {
   Listener listener;
   run_to_end(listener, {.end = 1.0, .window = 0.04, .output_every = 0.1});
   std::vector<int> frames;
@@ -68,14 +68,14 @@ TEST(RunLoop, WritesAFrameAtTheFirstCommitAtOrPastEachMultiple) {
   EXPECT_EQ(frames, (std::vector<int>{3, 5, 8, 10, 13, 15, 18, 20, 23, 25}));
 }
 
-TEST(RunLoop, WritesOneFramePerCommitWhenWindowsAreLongerThanTheInterval) {
+TEST(WindowLoop, WritesOneFramePerCommitWhenWindowsAreLongerThanTheInterval) {
   Listener listener;
   const auto windows = run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = 0.1});
   ASSERT_EQ(windows.size(), 4u);
   EXPECT_EQ(listener.outputs, (std::vector<bool>{true, true, true, true}));
 }
 
-TEST(RunLoop, WritesOneFramePerCommitHoweverShortTheInterval) {
+TEST(WindowLoop, WritesOneFramePerCommitHoweverShortTheInterval) {
   for (const double every : {1e-9, 1e-30, 1e-300, std::numeric_limits<double>::denorm_min()}) {
     Listener listener;
     run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = every});
@@ -83,7 +83,7 @@ TEST(RunLoop, WritesOneFramePerCommitHoweverShortTheInterval) {
   }
 }
 
-TEST(RunLoop, WritesTheLastFrameAloneWhenTheIntervalIsLongerThanTheRun) {
+TEST(WindowLoop, WritesTheLastFrameAloneWhenTheIntervalIsLongerThanTheRun) {
   for (const double every : {1e30, std::numeric_limits<double>::max()}) {
     Listener listener;
     run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = every});
@@ -91,12 +91,12 @@ TEST(RunLoop, WritesTheLastFrameAloneWhenTheIntervalIsLongerThanTheRun) {
   }
 }
 
-TEST(RunLoop, CountsTheWindowsOfARunThatNobodyCanAwait) {
+TEST(WindowLoop, CountsTheWindowsOfARunThatNobodyCanAwait) {
   EXPECT_EQ((RunPlan{.end = 1e300, .window = 1e-300}).n_windows(), 1'000'000'000'000'000'000);
   EXPECT_EQ((RunPlan{.end = 1e-300, .window = 1}).n_windows(), 1);
 }
 
-TEST(RunLoop, ShortensOnlyTheLastWindow) {
+TEST(WindowLoop, ShortensOnlyTheLastWindow) {
   Listener listener;
   const auto windows = run_to_end(listener, {.end = 1.0, .window = 0.3, .output_every = 0});
   ASSERT_EQ(windows.size(), 4u);
@@ -105,7 +105,7 @@ TEST(RunLoop, ShortensOnlyTheLastWindow) {
   EXPECT_EQ(listener.outputs, (std::vector<bool>{false, false, false, true}));
 }
 
-TEST(RunLoop, KeepsToTheLimitThatASolverNames) {
+TEST(WindowLoop, KeepsToTheLimitThatASolverNames) {
   Listener listener;
   listener.limit = 0.1;
   const auto windows = run_to_end(listener, {.end = 1.0, .window = 0.25, .output_every = 0});
@@ -113,7 +113,7 @@ TEST(RunLoop, KeepsToTheLimitThatASolverNames) {
   EXPECT_EQ(windows.back().time, 1.0);
 }
 
-TEST(RunLoop, KeepsToTheLimitOfTheFirstWindow) {
+TEST(WindowLoop, KeepsToTheLimitOfTheFirstWindow) {
   Listener listener;
   RunPlan plan = {.end = 1.0, .window = 0.25, .output_every = 0};
   plan.start.limit = 0.1;
@@ -123,10 +123,10 @@ TEST(RunLoop, KeepsToTheLimitOfTheFirstWindow) {
   EXPECT_NEAR(listener.asked[1].dt, 0.25 * 2 / 3, 1e-15);  // its Advanced names no limit
 }
 
-TEST(RunLoop, GoesOnWhereAnEarlierRunEnded) {
+TEST(WindowLoop, GoesOnWhereAnEarlierRunEnded) {
   Listener listener;
-  RunLoop loop(listener, RunLoop::Side::structure,
-               {.end = 1.0, .window = 0.1, .output_every = 0.2, .start = {.time = 0.5, .windows = 5}});
+  WindowLoop loop(listener, WindowLoop::Side::structure,
+                  {.end = 1.0, .window = 0.1, .output_every = 0.2, .start = {.time = 0.5, .windows = 5}});
   const CommittedWindow first = loop.next();
   EXPECT_EQ(first.number, 6);
   EXPECT_NEAR(first.time, 0.6, 1e-12);
@@ -138,7 +138,7 @@ double narrow_passage(double t) {
   return t > 0.39 && t < 0.599 ? 0.02 : 1;
 }
 
-TEST(RunLoop, HalvesAWindowThatFailsAndLetsItGrowAgainWithoutDrift) {
+TEST(WindowLoop, HalvesAWindowThatFailsAndLetsItGrowAgainWithoutDrift) {
   Listener listener;
   listener.longest_at = narrow_passage;
   const RunPlan plan = {
@@ -161,7 +161,7 @@ TEST(RunLoop, HalvesAWindowThatFailsAndLetsItGrowAgainWithoutDrift) {
   EXPECT_LE(tried, 3 + 6);
 }
 
-TEST(RunLoop, GoesOnAlikeFromAnyWindowWhileItsLengthChanges) {
+TEST(WindowLoop, GoesOnAlikeFromAnyWindowWhileItsLengthChanges) {
   const RunPlan plan = {
       .end = 1.0, .window = 0.1, .output_every = 0, .start = {}, .control = {.patience = 3}};
   Listener whole;
@@ -170,7 +170,7 @@ TEST(RunLoop, GoesOnAlikeFromAnyWindowWhileItsLengthChanges) {
   for (std::size_t stop = 1; stop < n; ++stop) {
     Listener parts;
     parts.longest_at = narrow_passage;
-    RunLoop first(parts, RunLoop::Side::fluid, plan);
+    WindowLoop first(parts, WindowLoop::Side::fluid, plan);
     for (std::size_t w = 0; w < stop; ++w) first.next();
     Archive archive;
     first.state().save(archive);
@@ -185,11 +185,11 @@ TEST(RunLoop, GoesOnAlikeFromAnyWindowWhileItsLengthChanges) {
   }
 }
 
-TEST(RunLoop, EndsWithTheReasonBelowTheSmallestWindow) {
+TEST(WindowLoop, EndsWithTheReasonBelowTheSmallestWindow) {
   Listener listener;
   listener.longest_at = [](double t) { return t > 0.39 ? 0.02 : 1; };
-  RunLoop loop(listener, RunLoop::Side::fluid,
-               {.end = 1.0, .window = 0.1, .output_every = 0, .start = {}, .control = {.smallest = 0.03}});
+  WindowLoop loop(listener, WindowLoop::Side::fluid,
+                  {.end = 1.0, .window = 0.1, .output_every = 0, .start = {}, .control = {.smallest = 0.03}});
   for (int w = 0; w < 4; ++w) loop.next();
   try {
     loop.next();
@@ -202,10 +202,10 @@ TEST(RunLoop, EndsWithTheReasonBelowTheSmallestWindow) {
   }
 }
 
-TEST(RunLoop, GivesUpWhenWindowsShrinkWithoutEnd) {
+TEST(WindowLoop, GivesUpWhenWindowsShrinkWithoutEnd) {
   Listener listener;
   listener.limit = 1e-12;
-  RunLoop loop(listener, RunLoop::Side::structure, {.end = 1.0, .window = 0.1, .output_every = 0});
+  WindowLoop loop(listener, WindowLoop::Side::structure, {.end = 1.0, .window = 0.1, .output_every = 0});
   loop.next();
   try {
     loop.next();

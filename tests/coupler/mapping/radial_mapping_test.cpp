@@ -237,7 +237,8 @@ TEST(RadialBasis, IsTheSameToTheBitWithAnyNumberOfThreads) {
 
 TEST(RadialBasis, DividesEveryTargetAmongItsPatches) {
   const InterfaceMesh structure = wavy(30), fluid = wavy(23, 0.3);
-  const Partition partition = divide(structure.position, fluid.position, {.points = 30, .overlap = 0.2});
+  const PartitionOfUnity partition =
+      divide(structure.position, fluid.position, {.points = 30, .overlap = 0.2});
   EXPECT_GT(partition.patches.size(), 50u);
   std::vector<bool> used(static_cast<std::size_t>(structure.position.cols()));
   for (const Patch& patch : partition.patches) {

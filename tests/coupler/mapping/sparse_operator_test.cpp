@@ -65,7 +65,7 @@ TEST(SparseOperator, TheIdentitySharesTheNumbers) {
   EXPECT_EQ((all * value).data(), value.data());
   EXPECT_EQ((all.transposed() * value).data(), value.data());
   EXPECT_FALSE((all * value).known_finite());
-  EXPECT_TRUE(value.look());
+  EXPECT_TRUE(value.check_finite());
   EXPECT_TRUE((all * value).known_finite());
   const SparseOperator part(selection(column, 701));
   EXPECT_TRUE(same_bits(part * Values(MatrixXd::Ones(3, 701)), MatrixXd::Ones(3, 700)));

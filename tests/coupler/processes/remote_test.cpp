@@ -1,4 +1,5 @@
-// RemoteParticipant and Roster against a participant that follows a script, in a thread of this process.
+// RemoteParticipant and Participants against a participant that follows a script, in a thread of this
+// process.
 
 #include "coupler/processes/remote.hpp"
 
@@ -52,7 +53,7 @@ Advanced force(double value) {
 class Script {
  public:
   Script(const std::string& endpoint, std::string name)
-      : name_(std::move(name)), line_(std::make_unique<Line>(endpoint)) {}
+      : name_(std::move(name)), line_(std::make_unique<ParticipantSocket>(endpoint)) {}
   void leave() { line_.reset(); }
 
   void hello(const std::string& token, const std::string& hash = std::string(32, '\0'),
@@ -87,7 +88,7 @@ class Script {
 
  private:
   std::string name_;
-  std::unique_ptr<Line> line_;
+  std::unique_ptr<ParticipantSocket> line_;
   std::uint64_t sequence_ = 0;
 };
 
@@ -97,16 +98,16 @@ class Remote : public testing::Test {
     options_.say = [this](const std::string& line) { said_ += line + "\n"; };
     options_.deadlines.answer_within = std::chrono::seconds(5);
   }
-  Roster& roster() {
-    if (!roster_) {
-      roster_ = std::make_unique<Roster>(options_);
-      roster_->attach("fluid");
+  Participants& participants() {
+    if (!participants_) {
+      participants_ = std::make_unique<Participants>(options_);
+      participants_->attach("fluid");
     }
-    return *roster_;
+    return *participants_;
   }
   /// Plays `script` beside what the coupler does in `act`.
   void play(const std::function<void(Script&)>& script, const std::function<void()>& act) {
-    std::thread other([&, endpoint = roster().endpoint()] {
+    std::thread other([&, endpoint = participants().endpoint()] {
       try {
         Script s(endpoint, "fluid");
         script(s);
@@ -118,20 +119,20 @@ class Remote : public testing::Test {
     act();
     over_ = true;
     other.join();
-    roster_.reset();
+    participants_.reset();
   }
   /// The error of the first window, which the script spoils.
   Error error_of(const std::function<void(Script&)>& spoil) {
     std::optional<Error> error;
     play(
         [&](Script& s) {
-          s.join(roster().token());
+          s.join(participants().token());
           s.hear<wire::Advance>();
           spoil(s);
         },
         [&] {
           try {
-            roster().connect("fluid", {}).advance({0.5, 0.25}, {});
+            participants().connect("fluid", {}).advance({0.5, 0.25}, {});
           } catch (const Error& e) {
             error = e;
           }
@@ -144,9 +145,9 @@ class Remote : public testing::Test {
     return *error;
   }
 
-  Roster::Options options_;
+  Participants::Options options_;
   std::string said_;
-  std::unique_ptr<Roster> roster_;
+  std::unique_ptr<Participants> participants_;
   std::atomic<bool> over_{false};
 };
 
@@ -157,11 +158,11 @@ TEST_F(Remote, AWaitIsNoWarningUntilHalfOfWhatItMayLast) {
   options_.deadlines.answer_within = std::chrono::seconds(1);
   play(
       [&](Script& s) {
-        s.join(roster().token());
+        s.join(participants().token());
         s.hear<wire::Advance>();
       },
       [&] {
-        EXPECT_THROW(roster().connect("fluid", {}).advance({0.5, 0.25}, {}), Error);
+        EXPECT_THROW(participants().connect("fluid", {}).advance({0.5, 0.25}, {}), Error);
       });
   EXPECT_EQ(std::count(noted.begin(), noted.end(), '\n'), 3) << noted;  // after 0.1, 0.2 and 0.4 s
   EXPECT_EQ(std::count(said_.begin(), said_.end(), '\n'), 1) << said_;  // after 0.8 s
@@ -173,7 +174,7 @@ TEST_F(Remote, CommitAndRewindRideOnTheNextRequest) {
   std::vector<wire::Advance> heard;
   bool checkpoint_commits = false, stop_commits = true;
   const auto script = [&](Script& s) {
-    s.join(roster().token());
+    s.join(participants().token());
     for (int i = 0; i < 3; ++i) {
       heard.push_back(s.hear<wire::Advance>());
       s.say(force(i));
@@ -187,7 +188,7 @@ TEST_F(Remote, CommitAndRewindRideOnTheNextRequest) {
     s.say(wire::Done{});
   };
   play(script, [&] {
-    RemoteParticipant& fluid = roster().connect("fluid", {});
+    RemoteParticipant& fluid = participants().connect("fluid", {});
     fluid.advance({0, 0.25}, {});
     fluid.rewind();
     fluid.advance({0, 0.25}, {});
@@ -198,7 +199,7 @@ TEST_F(Remote, CommitAndRewindRideOnTheNextRequest) {
     fluid.commit(true);
     fluid.checkpoint("somewhere");
     fluid.advance({0.5, 0.25}, {});
-    roster().finish();
+    participants().finish();
   });
   ASSERT_EQ(heard.size(), 4u);
   const Before expected[] = {Before::nothing, Before::rewind, Before::commit, Before::nothing};
@@ -215,13 +216,13 @@ TEST_F(Remote, CommitAndRewindRideOnTheNextRequest) {
 TEST_F(Remote, StartReturnsAtOnceAndFinishWaits) {
   play(
       [&](Script& s) {
-        s.join(roster().token());
+        s.join(participants().token());
         s.hear<wire::Advance>();
         std::this_thread::sleep_for(milliseconds(100));
         s.say(force(1));
       },
       [&] {
-        RemoteParticipant& fluid = roster().connect("fluid", {});
+        RemoteParticipant& fluid = participants().connect("fluid", {});
         Input input{{{0.25, {{"displacement", "m", false, Points::Ones(3, 3)}}}}};
         fluid.start({0, 0.25}, input);
         EXPECT_EQ(input.samples.at(0).fields.at(0).value, Points::Ones(3, 3)) << "it is lent";
@@ -237,7 +238,7 @@ TEST_F(Remote, WhoDoesNotBelongIsRefusedAndTheRightOneStillAccepted) {
   };
   play(
       [&](Script& s) {
-        const std::string token = roster().token(), endpoint = roster().endpoint();
+        const std::string token = participants().token(), endpoint = participants().endpoint();
         Script stranger(endpoint, "fluid"), other(endpoint, "structure"), old(endpoint, "fluid"),
             hash(endpoint, "fluid"), rude(endpoint, "fluid"), noise(endpoint, "fluid");
         stranger.hello(std::string(32, '0'));
@@ -261,7 +262,7 @@ TEST_F(Remote, WhoDoesNotBelongIsRefusedAndTheRightOneStillAccepted) {
         s.say(force(1));
       },
       [&] {
-        RemoteParticipant& fluid = roster().connect("fluid", {});
+        RemoteParticipant& fluid = participants().connect("fluid", {});
         EXPECT_EQ(fluid.advance({0, 1}, {}).output.at(0).value(0, 0), 1);
       });
   EXPECT_NE(said_.find("does not know the token"), std::string::npos) << said_;
@@ -270,12 +271,12 @@ TEST_F(Remote, WhoDoesNotBelongIsRefusedAndTheRightOneStillAccepted) {
 TEST_F(Remote, AnAnswerAheadOfTheHelloOfANewConnectionIsNotHeldAgainstIt) {
   play(
       [&](Script& s) {
-        s.join(roster().token());
+        s.join(participants().token());
         s.hear<wire::Advance>();
-        Script again(roster().endpoint(), "fluid");
+        Script again(participants().endpoint(), "fluid");
         again.say(s.sequence(), force(7));
-        again.say(s.sequence(), wire::Hello{wire::protocol, "fluid", raw(roster().token()), "script", "1",
-                                            std::string(32, '\0')});
+        again.say(s.sequence(), wire::Hello{wire::protocol, "fluid", raw(participants().token()), "script",
+                                            "1", std::string(32, '\0')});
         again.say(s.sequence(), force(1));
         std::this_thread::sleep_for(milliseconds(100));  // meanwhile the old connection stands
         s.leave();
@@ -284,8 +285,8 @@ TEST_F(Remote, AnAnswerAheadOfTheHelloOfANewConnectionIsNotHeldAgainstIt) {
         while (!over_) std::this_thread::sleep_for(milliseconds(1));
       },
       [&] {
-        EXPECT_EQ(roster().connect("fluid", {}).advance({0, 0.1}, {}).output.at(0).value(0, 0), 1);
-        roster().finish();
+        EXPECT_EQ(participants().connect("fluid", {}).advance({0, 0.1}, {}).output.at(0).value(0, 0), 1);
+        participants().finish();
       });
   EXPECT_EQ(said_.find("refused"), std::string::npos) << said_;
   EXPECT_NE(said_.find("is back"), std::string::npos) << said_;
@@ -294,11 +295,11 @@ TEST_F(Remote, AnAnswerAheadOfTheHelloOfANewConnectionIsNotHeldAgainstIt) {
 TEST_F(Remote, NobodyTakesThePlaceOfOneWhoseConnectionStands) {
   play(
       [&](Script& s) {
-        s.join(roster().token());
+        s.join(participants().token());
         s.hear<wire::Advance>();
-        Script other(roster().endpoint(), "fluid");
-        other.say(s.sequence(), wire::Hello{wire::protocol, "fluid", raw(roster().token()), "script", "1",
-                                            std::string(32, '\0')});
+        Script other(participants().endpoint(), "fluid");
+        other.say(s.sequence(), wire::Hello{wire::protocol, "fluid", raw(participants().token()), "script",
+                                            "1", std::string(32, '\0')});
         other.say(s.sequence(), force(13));
         std::this_thread::sleep_for(milliseconds(100));  // it has been heard
         s.say(force(1));
@@ -308,7 +309,7 @@ TEST_F(Remote, NobodyTakesThePlaceOfOneWhoseConnectionStands) {
         s.say(force(2));
       },
       [&] {
-        RemoteParticipant& fluid = roster().connect("fluid", {});
+        RemoteParticipant& fluid = participants().connect("fluid", {});
         EXPECT_EQ(fluid.advance({0, 0.1}, {}).output.at(0).value(0, 0), 1);
         fluid.commit(false);
         EXPECT_EQ(fluid.advance({0.1, 0.1}, {}).output.at(0).value(0, 0), 2);
@@ -354,17 +355,18 @@ void answer_too_large(const std::string& endpoint, const std::string& token) {
 TEST_F(Remote, APartThatIsTooLargeIsNamedLongBeforeTheLimitOfAnAnswer) {
   options_.deadlines.answer_within = std::chrono::seconds(60);
   options_.deadlines.frozen_after = std::chrono::seconds(1);
-  std::thread other(
-      [&, endpoint = roster().endpoint(), token = roster().token()] { answer_too_large(endpoint, token); });
+  std::thread other([&, endpoint = participants().endpoint(), token = participants().token()] {
+    answer_too_large(endpoint, token);
+  });
   std::optional<Error> error;
   const auto start = steady_clock::now();
   try {
-    roster().connect("fluid", {}).advance({0.5, 0.25}, {});
+    participants().connect("fluid", {}).advance({0.5, 0.25}, {});
   } catch (const Error& e) {
     error = e;
   }
   const auto waited = steady_clock::now() - start;
-  roster_.reset();
+  participants_.reset();
   other.join();
   ASSERT_TRUE(error);
   EXPECT_LT(waited, std::chrono::seconds(3));
@@ -434,7 +436,7 @@ TEST_F(Remote, WorkingRestartsTheLimitAndPatienceSwitchesItOff) {
     over_ = false;
     play(
         [&](Script& s) {
-          s.join(roster().token());
+          s.join(participants().token());
           s.hear<wire::Advance>();
           for (int i = 0; i < 4; ++i) {  // 0.4 s in all
             std::this_thread::sleep_for(milliseconds(100));
@@ -443,7 +445,7 @@ TEST_F(Remote, WorkingRestartsTheLimitAndPatienceSwitchesItOff) {
           s.say(force(1));
         },
         [&] {
-          EXPECT_NO_THROW(roster().connect("fluid", {}).advance({0, 1}, {}));
+          EXPECT_NO_THROW(participants().connect("fluid", {}).advance({0, 1}, {}));
         });
   }
 }
@@ -455,7 +457,7 @@ TEST_F(Remote, CtrlCEndsAWaitForHello) {
   raise(SIGINT);
   EXPECT_EQ(stop.code(), ExitCode::interrupted);
   try {
-    roster().connect("fluid", {});
+    participants().connect("fluid", {});
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::interrupted);
@@ -467,7 +469,7 @@ TEST_F(Remote, AWindowUnderWayMayEndAfterCtrlC) {
   options_.stop = &stop;
   play(
       [&](Script& s) {
-        s.join(roster().token());
+        s.join(participants().token());
         s.hear<wire::Advance>();
         raise(SIGTERM);
         std::this_thread::sleep_for(milliseconds(150));
@@ -476,7 +478,7 @@ TEST_F(Remote, AWindowUnderWayMayEndAfterCtrlC) {
         s.say(wire::Done{});
       },
       [&] {
-        RemoteParticipant& fluid = roster().connect("fluid", {});
+        RemoteParticipant& fluid = participants().connect("fluid", {});
         EXPECT_NO_THROW(fluid.advance({0, 1}, {}));
         EXPECT_EQ(stop.code(), ExitCode::terminated);
         fluid.commit(false);

@@ -1,7 +1,6 @@
 #include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
 #include "coupler/plot/plot.hpp"
-#include "coupler/report/base64.hpp"
 #include "coupler/report/outline.hpp"
 #include "coupler/report/sketch.hpp"
 
@@ -32,14 +31,6 @@ TEST(Html, QuantitiesAreReadableAndExactBesides) {
   EXPECT_EQ(quantity(std::nullopt, "m"), "–");
   EXPECT_EQ(percent(-0.0153), "−1.5 %");
   EXPECT_NE(number_cell(0.1, "m").find("data-value=\"0.1\""), std::string::npos);
-}
-
-TEST(Base64, GivesTheVectorsOfRfc4648) {
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64("\xff\xfe\xfd"), "//79");
 }
 
 TEST(Plot, DrawsEachCurveItsFirstPeakAndTheReference) {

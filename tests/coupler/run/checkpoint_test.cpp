@@ -33,7 +33,7 @@ class CheckpointTest : public testing::Test {
     Archive archive;
     archive.real["x"] = Eigen::MatrixXd::Constant(3, 100, 1.5);
     for (const char* file : {"fluid.h5", "coupler.h5"}) write_archive(folder(name) / file, archive);
-    seal(folder(name));
+    write_checksums(folder(name));
     fs::remove_all(folder("latest"));
     if (latest) fs::create_directory_symlink(name, folder("latest"));
   }
@@ -152,7 +152,7 @@ TEST_F(CheckpointTest, NoneThatIsWholeIsRefusedWithTheReasonOfEach) {
   checkpoint("000010");
   checkpoint("000020");
   cut("000020", "fluid.h5");
-  fs::remove(folder("000010") / seal_name);
+  fs::remove(folder("000010") / checksums_name);
   expect_refusal(ExitCode::case_file, [&] { chosen(); });
 }
 

@@ -55,20 +55,20 @@ class Network : public testing::Test {
     return s;
   }
   /// True if the socket reports that event of a stranger; its origin may be unknown by then.
-  static bool tells(Hub& hub, const std::vector<std::string>& one_of) {
+  static bool tells(CouplerSocket& coupler, const std::vector<std::string>& one_of) {
     for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
          std::chrono::steady_clock::now() < end;) {
-      hub.receive(milliseconds(5));
-      for (const auto& [what, times] : hub.take_strangers()) {
+      coupler.receive(milliseconds(5));
+      for (const auto& [what, times] : coupler.take_strangers()) {
         for (const std::string& of_stranger : one_of)
           if (what == "127.0.0.1 " + of_stranger || what == "somebody " + of_stranger) return true;
       }
     }
     return false;
   }
-  static LinkEvent first_failure(Line& line) {
+  static LinkEvent first_failure(ParticipantSocket& participant) {
     for (int i = 0; i < 100; ++i) {
-      const auto event = line.next_event(milliseconds(50));
+      const auto event = participant.next_event(milliseconds(50));
       if (event && *event != LinkEvent::connected && *event != LinkEvent::other) return *event;
     }
     return LinkEvent::other;
@@ -88,44 +88,45 @@ wire::Parts one_word() {
 }
 
 TEST_F(Network, HoldersOfAListedKeyComeInAndAreKnownByIt) {
-  Hub hub("tcp://127.0.0.1:*", {coupler_keys(), false});
-  Line fluid(hub.endpoint(), keys("fluid")), structure(hub.endpoint(), keys("structure"));
+  CouplerSocket coupler("tcp://127.0.0.1:*", {coupler_keys(), false});
+  ParticipantSocket fluid(coupler.endpoint(), keys("fluid")),
+      structure(coupler.endpoint(), keys("structure"));
   fluid.send(one_word());
-  const auto first = hub.receive(std::chrono::seconds(5));
+  const auto first = coupler.receive(std::chrono::seconds(5));
   ASSERT_TRUE(first);
   EXPECT_EQ(first->key, "fluid");
   structure.send(one_word());
-  const auto second = hub.receive(std::chrono::seconds(5));
+  const auto second = coupler.receive(std::chrono::seconds(5));
   ASSERT_TRUE(second);
   EXPECT_EQ(second->key, "structure");
-  hub.send(first->peer, one_word());
+  coupler.send(first->peer, one_word());
   EXPECT_TRUE(fluid.receive(std::chrono::seconds(5)));
-  EXPECT_TRUE(hub.connected(first->peer));
+  EXPECT_TRUE(coupler.connected(first->peer));
 }
 
 TEST_F(Network, AKeyThatIsNotListedStaysOutAndIsToldSo) {
-  Hub hub("tcp://127.0.0.1:*", {coupler_keys(), false});
+  CouplerSocket coupler("tcp://127.0.0.1:*", {coupler_keys(), false});
   ParticipantKeys forged = keys("fluid");
   forged.own = new_key_pair();
-  Line line(hub.endpoint(), forged);
-  line.send(one_word());
-  EXPECT_EQ(first_failure(line), LinkEvent::key_refused);
-  EXPECT_TRUE(tells(hub, {"holds no key of this run"}));
-  EXPECT_FALSE(hub.receive(milliseconds(50)));
+  ParticipantSocket participant(coupler.endpoint(), forged);
+  participant.send(one_word());
+  EXPECT_EQ(first_failure(participant), LinkEvent::key_refused);
+  EXPECT_TRUE(tells(coupler, {"holds no key of this run"}));
+  EXPECT_FALSE(coupler.receive(milliseconds(50)));
 }
 
 TEST_F(Network, AKeyOfAnotherCouplerIsNoGreeting) {
-  Hub hub("tcp://127.0.0.1:*", {coupler_keys(), false});
+  CouplerSocket coupler("tcp://127.0.0.1:*", {coupler_keys(), false});
   ParticipantKeys other = keys("fluid");
   other.coupler = new_key_pair().public_key;
-  Line line(hub.endpoint(), other);
-  EXPECT_EQ(first_failure(line), LinkEvent::no_greeting);
-  EXPECT_TRUE(tells(hub, {"has the key of another coupler"}));
+  ParticipantSocket participant(coupler.endpoint(), other);
+  EXPECT_EQ(first_failure(participant), LinkEvent::no_greeting);
+  EXPECT_TRUE(tells(coupler, {"has the key of another coupler"}));
 }
 
 TEST_F(Network, KeysOnOneSideOnlyAreNoGreeting) {
-  Hub with("tcp://127.0.0.1:*", {coupler_keys(), false}), without("tcp://127.0.0.1:*");
-  Line plain(with.endpoint()), encrypted(without.endpoint(), keys("fluid"));
+  CouplerSocket with("tcp://127.0.0.1:*", {coupler_keys(), false}), without("tcp://127.0.0.1:*");
+  ParticipantSocket plain(with.endpoint()), encrypted(without.endpoint(), keys("fluid"));
   const auto failed = [](LinkEvent e) {
     return e == LinkEvent::no_greeting || e == LinkEvent::other_greeting;
   };
@@ -139,25 +140,26 @@ TEST_F(Network, GarbageIsNamedAndTheRightOneStillComesIn) {
   for (const bool encrypted : {false, true}) {
     Admission admission;
     if (encrypted) admission.keys = coupler_keys();
-    Hub hub("tcp://127.0.0.1:*", admission);
+    CouplerSocket coupler("tcp://127.0.0.1:*", admission);
     const std::string noise(1000, '\xff');
-    knock(hub.endpoint(), noise);
-    EXPECT_TRUE(tells(hub, {encrypted ? "comes without a key" : unlike})) << encrypted;
-    close(knock(hub.endpoint()));
+    knock(coupler.endpoint(), noise);
+    EXPECT_TRUE(tells(coupler, {encrypted ? "comes without a key" : unlike})) << encrypted;
+    close(knock(coupler.endpoint()));
     sockets_.pop_back();
-    EXPECT_TRUE(tells(hub, {cut})) << encrypted;
-    Line line(hub.endpoint(), encrypted ? std::optional(keys("fluid")) : std::nullopt);
-    line.send(one_word());
-    EXPECT_TRUE(hub.receive(std::chrono::seconds(5))) << encrypted;
+    EXPECT_TRUE(tells(coupler, {cut})) << encrypted;
+    ParticipantSocket participant(coupler.endpoint(),
+                                  encrypted ? std::optional(keys("fluid")) : std::nullopt);
+    participant.send(one_word());
+    EXPECT_TRUE(coupler.receive(std::chrono::seconds(5))) << encrypted;
   }
 }
 
 TEST_F(Network, ARequestForAWebPageIsNoParticipant) {
-  Hub hub("tcp://127.0.0.1:*", {coupler_keys(), false});
-  knock(hub.endpoint(),
+  CouplerSocket coupler("tcp://127.0.0.1:*", {coupler_keys(), false});
+  knock(coupler.endpoint(),
         "GET / HTTP/1.1\r\nHost: localhost\r\nUser-Agent: curl/7.88.1\r\nAccept: */*\r\n\r\n");
-  EXPECT_TRUE(tells(hub, {"left or was cut before its first word"}));
-  EXPECT_FALSE(hub.receive(milliseconds(50)));
+  EXPECT_TRUE(tells(coupler, {"left or was cut before its first word"}));
+  EXPECT_FALSE(coupler.receive(milliseconds(50)));
 }
 
 /// The first bytes of a ZeroMQ socket without encryption keys (its RFC 23). They are signature, version 3.0,
@@ -181,36 +183,36 @@ std::int64_t peak_of_address_space() {  // [KiB]
 }
 
 TEST_F(Network, AFrameOf8GiBIsNotWaitedForAndTheRunGoesOn) {
-  Hub hub("tcp://127.0.0.1:*");
-  Line line(hub.endpoint());
-  line.send(one_word());
-  const auto first = hub.receive(std::chrono::seconds(5));
+  CouplerSocket coupler("tcp://127.0.0.1:*");
+  ParticipantSocket participant(coupler.endpoint());
+  participant.send(one_word());
+  const auto first = coupler.receive(std::chrono::seconds(5));
   ASSERT_TRUE(first);
   const std::int64_t before = peak_of_address_space();
   ASSERT_GT(before, 0);
-  knock(hub.endpoint(), greeting() + ready + head_of_8_gib('\x02'));
-  EXPECT_TRUE(tells(hub, {"left or was cut before its first word"}));
-  knock(hub.endpoint(), greeting() + head_of_8_gib('\x06'));  // a command, during the greeting
-  EXPECT_TRUE(tells(hub, {"left or was cut before its first word"}));
+  knock(coupler.endpoint(), greeting() + ready + head_of_8_gib('\x02'));
+  EXPECT_TRUE(tells(coupler, {"left or was cut before its first word"}));
+  knock(coupler.endpoint(), greeting() + head_of_8_gib('\x06'));  // a command, during the greeting
+  EXPECT_TRUE(tells(coupler, {"left or was cut before its first word"}));
   EXPECT_LT(peak_of_address_space() - before, 1 << 20) << "room was made for it";
-  EXPECT_TRUE(hub.connected(first->peer));
-  hub.send(first->peer, one_word());
-  EXPECT_TRUE(line.receive(std::chrono::seconds(5)));
+  EXPECT_TRUE(coupler.connected(first->peer));
+  coupler.send(first->peer, one_word());
+  EXPECT_TRUE(participant.receive(std::chrono::seconds(5)));
 }
 
 TEST_F(Network, AFieldThatNoMessageCarriesIsRefusedWhereItComesFrom) {
-  Hub hub;
-  Line line(hub.endpoint());
+  CouplerSocket coupler;
+  ParticipantSocket participant(coupler.endpoint());
   const std::byte one{};
-  const std::span<const std::byte> large(&one, (std::size_t{1} << 28) + 1);  // only its size is tested
-  EXPECT_THROW(line.send({{large, nullptr}}), Error);
-  EXPECT_THROW(hub.send("nobody", {{large, nullptr}}), Error);
+  const std::span<const std::byte> large(&one, (std::size_t{1} << 28) + 1);  // only its size is looked at
+  EXPECT_THROW(participant.send({{large, nullptr}}), Error);
+  EXPECT_THROW(coupler.send("nobody", {{large, nullptr}}), Error);
 }
 
 TEST_F(Network, AConnectionThatSaysNothingIsCut) {
-  Hub hub("tcp://127.0.0.1:*");
-  const int silent = knock(hub.endpoint());
-  EXPECT_TRUE(tells(hub, {cut}));
+  CouplerSocket coupler("tcp://127.0.0.1:*");
+  const int silent = knock(coupler.endpoint());
+  EXPECT_TRUE(tells(coupler, {cut}));
   char byte[64];
   while (recv(silent, byte, sizeof byte, 0) > 0) {
   }  // its greeting, then the end
@@ -225,7 +227,7 @@ std::string greeting_of_a_dealer() {
   return words + '\x04' + static_cast<char>(ready.size()) + ready;
 }
 
-/// The hub's own greeting and READY: it has taken ours.
+/// The coupler's own greeting and READY: it has taken ours.
 void await_greeting(int socket) {
   std::array<char, 128> answer{};
   for (std::size_t heard = 0; heard < 64 + 2;) {
@@ -236,8 +238,8 @@ void await_greeting(int socket) {
 }
 
 TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCut) {
-  Hub hub("tcp://127.0.0.1:*");
-  const int endless = knock(hub.endpoint(), greeting_of_a_dealer());
+  CouplerSocket coupler("tcp://127.0.0.1:*");
+  const int endless = knock(coupler.endpoint(), greeting_of_a_dealer());
   await_greeting(endless);
   std::string frames;  // of one byte each, more to follow
   for (int i = 0; i < 20000; ++i) frames += std::string("\x01\x01") + "a";
@@ -249,53 +251,53 @@ TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCut) {
     const ssize_t n =
         send(endless, frames.data() + begin, frames.size() - begin, MSG_NOSIGNAL | MSG_DONTWAIT);
     sent += n > 0 ? static_cast<std::size_t>(n) : 0;
-    hub.receive(milliseconds(1));
-    for (const auto& [what, times] : hub.take_strangers())
+    coupler.receive(milliseconds(1));
+    for (const auto& [what, times] : coupler.take_strangers())
       told = told || what == "127.0.0.1 sent more than 64 kB and did not say who it is";
   }
   EXPECT_TRUE(told);
-  for (int i = 0; i < 1000 && hub.somebody_is_new(); ++i) std::this_thread::sleep_for(milliseconds(5));
-  EXPECT_FALSE(hub.somebody_is_new());
+  for (int i = 0; i < 1000 && coupler.somebody_is_new(); ++i) std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_FALSE(coupler.somebody_is_new());
 }
 
 TEST_F(Network, OneThatTakesPartMaySendAsMuchAsItHasToSay) {
-  Hub hub("tcp://127.0.0.1:*");
-  Line line(hub.endpoint());
-  line.send(one_word());
-  const auto first = hub.receive(std::chrono::seconds(5));
+  CouplerSocket coupler("tcp://127.0.0.1:*");
+  ParticipantSocket participant(coupler.endpoint());
+  participant.send(one_word());
+  const auto first = coupler.receive(std::chrono::seconds(5));
   ASSERT_TRUE(first);
-  hub.admit(first->peer);
+  coupler.admit(first->peer);
   const std::vector<std::byte> much(std::size_t{3} << 20);
   for (int i = 0; i < 3; ++i) {
-    line.send({{much, nullptr}});
-    const auto message = hub.receive(std::chrono::seconds(5));
+    participant.send({{much, nullptr}});
+    const auto message = coupler.receive(std::chrono::seconds(5));
     ASSERT_TRUE(message);
     EXPECT_EQ(message->parts.front().bytes.size(), much.size());
   }
-  EXPECT_TRUE(hub.connected(first->peer));
-  EXPECT_TRUE(hub.take_strangers().empty());
+  EXPECT_TRUE(coupler.connected(first->peer));
+  EXPECT_TRUE(coupler.take_strangers().empty());
 }
 
 TEST_F(Network, ACrowdAtThePortDisturbsNobody) {
-  Hub hub("tcp://127.0.0.1:*");
-  Line line(hub.endpoint());
-  line.send(one_word());
-  const auto first = hub.receive(std::chrono::seconds(5));
+  CouplerSocket coupler("tcp://127.0.0.1:*");
+  ParticipantSocket participant(coupler.endpoint());
+  participant.send(one_word());
+  const auto first = coupler.receive(std::chrono::seconds(5));
   ASSERT_TRUE(first);
   constexpr int crowd = 1000;
-  for (int i = 0; i < crowd; ++i) {  // more events than a queue of ZeroMQ takes by default, and none is read
-    close(knock(hub.endpoint(), "nonsense"));
+  for (int i = 0; i < crowd; ++i) {  // more events than a queue of ZeroMQ holds by default, and nobody looks
+    close(knock(coupler.endpoint(), "nonsense"));
     sockets_.pop_back();
     if (i % 20 == 0) std::this_thread::sleep_for(milliseconds(2));  // a full backlog is tried again after 1 s
   }
-  hub.send(first->peer, one_word());
-  EXPECT_TRUE(line.receive(std::chrono::seconds(5)));
-  line.send(one_word());
-  EXPECT_TRUE(hub.receive(std::chrono::seconds(5)));
-  EXPECT_TRUE(hub.connected(first->peer));
+  coupler.send(first->peer, one_word());
+  EXPECT_TRUE(participant.receive(std::chrono::seconds(5)));
+  participant.send(one_word());
+  EXPECT_TRUE(coupler.receive(std::chrono::seconds(5)));
+  EXPECT_TRUE(coupler.connected(first->peer));
   int told = 0;
   for (int i = 0; i < 500 && told < crowd; ++i) {
-    for (const auto& [what, times] : hub.take_strangers()) told += times;
+    for (const auto& [what, times] : coupler.take_strangers()) told += times;
     std::this_thread::sleep_for(milliseconds(2));
   }
   EXPECT_EQ(told, crowd);
@@ -311,13 +313,13 @@ bool has_ended(int socket) {
 }
 
 TEST_F(Network, OfACrowdThatSaysNothingFewStandAndAParticipantStillComesIn) {
-  Hub hub("tcp://127.0.0.1:*");
+  CouplerSocket coupler("tcp://127.0.0.1:*");
   constexpr int crowd = 300, places = 64;
   const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < crowd; ++i) knock(hub.endpoint());
-  Line line(hub.endpoint());
-  line.send(one_word());
-  EXPECT_TRUE(hub.receive(std::chrono::seconds(2)));
+  for (int i = 0; i < crowd; ++i) knock(coupler.endpoint());
+  ParticipantSocket participant(coupler.endpoint());
+  participant.send(one_word());
+  EXPECT_TRUE(coupler.receive(std::chrono::seconds(2)));
   std::this_thread::sleep_for(milliseconds(50));
   const auto ended = std::count_if(sockets_.begin(), sockets_.end(), has_ended);
   EXPECT_LT(std::chrono::steady_clock::now() - start, milliseconds(2900)) << "the time to greet is not over";
@@ -326,12 +328,12 @@ TEST_F(Network, OfACrowdThatSaysNothingFewStandAndAParticipantStillComesIn) {
 }
 
 TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCutOnAUnixSocketToo) {
-  Hub hub;
+  CouplerSocket coupler;
   const int endless = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockets_.push_back(endless);
   sockaddr_un to{};
   to.sun_family = AF_UNIX;
-  const std::string path = hub.endpoint().substr(6);
+  const std::string path = coupler.endpoint().substr(6);
   std::copy(path.begin(), path.end(), to.sun_path);
   ASSERT_EQ(connect(endless, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
   const std::string words = greeting_of_a_dealer();
@@ -349,7 +351,7 @@ TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCutOnAUnixSocketToo) {
   }
   EXPECT_LT(sent, far_too_much);
   int told = 0;
-  for (const auto& [what, times] : hub.take_strangers())
+  for (const auto& [what, times] : coupler.take_strangers())
     told += what == "a program of this machine sent without a pause and did not say who it is" ? times : 0;
   EXPECT_EQ(told, 1);
 }
@@ -357,7 +359,7 @@ TEST_F(Network, AMessageOfAStrangerThatNeverEndsIsCutOnAUnixSocketToo) {
 TEST_F(Network, WhatOtherMachinesReachNeedsKeysOrPlainWords) {
   const auto problem = [](Admission admission) {  // of an address that no machine here has
     try {
-      const Hub hub("tcp://192.0.2.1:5555", std::move(admission));
+      const CouplerSocket coupler("tcp://192.0.2.1:5555", std::move(admission));
     } catch (const Error& e) {
       return e.problem();
     }
@@ -375,31 +377,31 @@ TEST_F(Network, WhatOtherMachinesReachNeedsKeysOrPlainWords) {
 }
 
 TEST_F(Network, AParticipantMayNotUseTheKeyOfAnother) {
-  Roster::Options options;
+  Participants::Options options;
   options.endpoint = "tcp://127.0.0.1:*";
   options.keys = coupler_keys();
   options.deadlines.by_hand = milliseconds(500);
   std::string said;
   options.say = [&](const std::string& line) { said += line + "\n"; };
-  Roster roster(options);
-  roster.attach("structure");
+  Participants participants(options);
+  participants.attach("structure");
   std::string raw;
-  for (std::size_t i = 0; i + 1 < roster.token().size(); i += 2)
-    raw += static_cast<char>(std::stoi(roster.token().substr(i, 2), nullptr, 16));
-  Line line(roster.endpoint(), keys("fluid"));
-  line.send(wire::encode(
+  for (std::size_t i = 0; i + 1 < participants.token().size(); i += 2)
+    raw += static_cast<char>(std::stoi(participants.token().substr(i, 2), nullptr, 16));
+  ParticipantSocket participant(participants.endpoint(), keys("fluid"));
+  participant.send(wire::encode(
       wire::Reply{0, wire::Hello{wire::protocol, "structure", raw, "x", "1", std::string(32, '\0')}}, "x"));
-  EXPECT_THROW(roster.connect("structure", {}), Error);
+  EXPECT_THROW(participants.connect("structure", {}), Error);
   EXPECT_EQ(said, "refused a participant: \"structure\" comes with the key of \"fluid\"\n");
 }
 
 TEST_F(Network, AParticipantWithoutAKeyInTheFolderIsRefusedBeforeAnyWait) {
-  Roster::Options options;
+  Participants::Options options;
   options.endpoint = "tcp://127.0.0.1:*";
   options.keys = coupler_keys();
-  Roster roster(options);
+  Participants participants(options);
   try {
-    roster.attach("hull");
+    participants.attach("hull");
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::case_file);
@@ -408,15 +410,15 @@ TEST_F(Network, AParticipantWithoutAKeyInTheFolderIsRefusedBeforeAnyWait) {
 }
 
 TEST_F(Network, WhoeverIsAwaitedForLongIsNamedLongBeforeTheLimit) {
-  Roster::Options options;
+  Participants::Options options;
   options.deadlines.tell = milliseconds(100);
   options.deadlines.by_hand = milliseconds(900);
   std::string said;
   options.say = [&](const std::string& line) { said += line + "\n"; };
-  Roster roster(options);
-  roster.attach("fluid");
+  Participants participants(options);
+  participants.attach("fluid");
   try {
-    roster.connect("fluid", {});
+    participants.connect("fluid", {});
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::participant_lost);
@@ -428,20 +430,20 @@ TEST_F(Network, WhoeverIsAwaitedForLongIsNamedLongBeforeTheLimit) {
 }
 
 TEST_F(Network, TheCommandLineOfOneStartedByHandCanBePastedIntoAShell) {
-  Roster::Options options;
+  Participants::Options options;
   options.endpoint = "tcp://127.0.0.1:*";
   options.keys = coupler_keys();
   options.case_hash.fill(0x2a);
-  const Roster roster(options);
+  const Participants participants(options);
   const std::string line =
-      roster.command("fluid", {"/opt/a b/strake-fluid", {"--set", "title=it's"}, {}, 3, {}});
-  EXPECT_TRUE(line.starts_with("STRAKE_TOKEN=" + roster.token() + " ")) << line;
+      participants.command("fluid", {"/opt/a b/strake-fluid", {"--set", "title=it's"}, {}, 3, {}});
+  EXPECT_TRUE(line.starts_with("STRAKE_TOKEN=" + participants.token() + " ")) << line;
   EXPECT_NE(line.find(" OMP_NUM_THREADS=3 "), std::string::npos) << line;
   EXPECT_NE(line.find(" STRAKE_KEY=" + (place_ / "keys/fluid.key").string() + " "), std::string::npos)
       << line;
-  EXPECT_NE(
-      line.find(" '/opt/a b/strake-fluid' --connect " + roster.endpoint() + " --name fluid --case-hash 2a2a"),
-      std::string::npos)
+  EXPECT_NE(line.find(" '/opt/a b/strake-fluid' --connect " + participants.endpoint() +
+                      " --name fluid --case-hash 2a2a"),
+            std::string::npos)
       << line;
   EXPECT_TRUE(line.ends_with(" --set 'title=it'\\''s'")) << line;
 }

@@ -16,45 +16,46 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(Hub, TheSocketStandsInAPrivateFolderThatGoesWithIt) {
+TEST(CouplerSocket, TheSocketStandsInAPrivateFolderThatGoesWithIt) {
   namespace fs = std::filesystem;
   fs::path folder;
   {
-    const Hub hub;
-    ASSERT_TRUE(hub.endpoint().starts_with("ipc://"));
-    EXPECT_LE(hub.endpoint().size() - 6, 107u) << "a Unix socket's address holds no more";
-    folder = fs::path(hub.endpoint().substr(6)).parent_path();
+    const CouplerSocket coupler;
+    ASSERT_TRUE(coupler.endpoint().starts_with("ipc://"));
+    EXPECT_LE(coupler.endpoint().size() - 6, 107u) << "a Unix socket's address holds no more";
+    folder = fs::path(coupler.endpoint().substr(6)).parent_path();
     EXPECT_EQ(fs::status(folder).permissions(), fs::perms::owner_all);
   }
   EXPECT_FALSE(fs::exists(folder));
 }
 
-TEST(Hub, LoopbackIsBoundOnRequestAndNothingBeyondIt) {
-  const Hub hub("tcp://127.0.0.1:*");
-  EXPECT_TRUE(hub.endpoint().starts_with("tcp://127.0.0.1:"));
+TEST(CouplerSocket, LoopbackIsBoundOnRequestAndNothingBeyondIt) {
+  const CouplerSocket coupler("tcp://127.0.0.1:*");
+  EXPECT_TRUE(coupler.endpoint().starts_with("tcp://127.0.0.1:"));
   for (const char* outside :
        {"tcp://0.0.0.0:*", "tcp://*:*", "tcp://192.0.2.1:5555", "udp://127.0.0.1:1", "nonsense"})
     try {
-      const Hub no(outside);
+      const CouplerSocket no(outside);
       FAIL() << outside;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::command_line) << outside;
     }
 }
 
-TEST(Hub, LargeArraysArriveWholeOverTcpAndTheirOwnerIsReleased) {
-  Hub hub("tcp://127.0.0.1:*");
-  Line line(hub.endpoint());
+TEST(CouplerSocket, LargeArraysArriveWholeOverTcpAndTheirOwnerIsReleased) {
+  CouplerSocket coupler("tcp://127.0.0.1:*");
+  ParticipantSocket participant(coupler.endpoint());
   auto numbers = std::make_shared<std::vector<double>>(300'000, 1.5);
   const std::weak_ptr<void> watched = numbers;
   const std::string header = "header";
-  line.send({{std::as_bytes(std::span(header)), nullptr}});
-  const auto hello = hub.receive(std::chrono::seconds(5));
+  participant.send({{std::as_bytes(std::span(header)), nullptr}});
+  const auto hello = coupler.receive(std::chrono::seconds(5));
   ASSERT_TRUE(hello);
-  hub.admit(hello->peer);  // who sends so much unasked is cut
-  line.send({{std::as_bytes(std::span(header)), nullptr}, {std::as_bytes(std::span(*numbers)), numbers}});
+  coupler.admit(hello->peer);  // who sends so much unasked is cut
+  participant.send(
+      {{std::as_bytes(std::span(header)), nullptr}, {std::as_bytes(std::span(*numbers)), numbers}});
   numbers.reset();
-  const auto message = hub.receive(std::chrono::seconds(5));
+  const auto message = coupler.receive(std::chrono::seconds(5));
   ASSERT_TRUE(message && message->parts.size() == 2);
   EXPECT_EQ(message->parts[1].bytes.size(), 300'000 * sizeof(double));
   double last = 0;
@@ -62,26 +63,26 @@ TEST(Hub, LargeArraysArriveWholeOverTcpAndTheirOwnerIsReleased) {
   EXPECT_EQ(last, 1.5);
   for (int i = 0; i < 500 && !watched.expired(); ++i) std::this_thread::sleep_for(milliseconds(1));
   EXPECT_TRUE(watched.expired());
-  EXPECT_TRUE(hub.connected(message->peer));
+  EXPECT_TRUE(coupler.connected(message->peer));
 }
 
-TEST(Hub, AConnectionThatIsClosedNoLongerStands) {
-  Hub hub;
+TEST(CouplerSocket, AConnectionThatIsClosedNoLongerStands) {
+  CouplerSocket coupler;
   std::string peer;
   {
-    Line line(hub.endpoint());
+    ParticipantSocket participant(coupler.endpoint());
     const std::string word = "word";
-    line.send({{std::as_bytes(std::span(word)), nullptr}});
-    const auto message = hub.receive(std::chrono::seconds(5));
+    participant.send({{std::as_bytes(std::span(word)), nullptr}});
+    const auto message = coupler.receive(std::chrono::seconds(5));
     ASSERT_TRUE(message);
     peer = message->peer;
-    EXPECT_TRUE(hub.connected(peer));
-    hub.keep_witness(peer);
-    EXPECT_FALSE(hub.left(peer));
+    EXPECT_TRUE(coupler.connected(peer));
+    coupler.watch_close(peer);
+    EXPECT_FALSE(coupler.left(peer));
   }
-  for (int i = 0; i < 500 && hub.connected(peer); ++i) std::this_thread::sleep_for(milliseconds(1));
-  EXPECT_FALSE(hub.connected(peer));
-  EXPECT_TRUE(hub.left(peer)) << "it was closed at the other end";
+  for (int i = 0; i < 500 && coupler.connected(peer); ++i) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_FALSE(coupler.connected(peer));
+  EXPECT_TRUE(coupler.left(peer)) << "it was closed at the other end";
 }
 
 }  // namespace

@@ -128,11 +128,11 @@ TEST_F(Listener, TheSocketOfADeadRunIsReplacedAndNothingIsLeft) {
 }
 
 TEST_F(Listener, ASecondRunOnOnePathIsRefusedAndTheFirstGoesOn) {
-  Hub first("ipc://" + path());
+  CouplerSocket first("ipc://" + path());
   EXPECT_EQ(problem(), "the path is taken: another run uses it");
-  Line line(first.endpoint());
+  ParticipantSocket participant(first.endpoint());
   const std::string word = "word";
-  line.send({{std::as_bytes(std::span(word)), nullptr}});
+  participant.send({{std::as_bytes(std::span(word)), nullptr}});
   EXPECT_TRUE(first.receive(std::chrono::seconds(5)));
 }
 

@@ -143,34 +143,34 @@ TEST(SurfaceOf, LeavesOutWhatLiesBetweenTwoCells) {
   EXPECT_EQ(surface_of(tetrahedron, 2).triangle.size(), 3U * 2U);  // in the plane a quadrilateral
 }
 
-TEST(FrameShelf, ListsWholeFramesAloneAndForgetsThoseThatAreGone) {
+TEST(FrameCache, ListsWholeFramesAloneAndForgetsThoseThatAreGone) {
   const RunFiles files;
-  FrameShelf shelf(files.path());
-  shelf.look();
-  EXPECT_TRUE(shelf.series("fluid").entries.empty());
+  FrameCache cache(files.path());
+  cache.update();
+  EXPECT_TRUE(cache.series("fluid").entries.empty());
   FrameSeries series(files.path(), "fluid", 2);
   series.write(water(0));
   series.write(water(0.1));
   put(files.path() / "frames" / "fluid-000002.h5.part", "half of a fr");
   put(files.path() / "frames" / "fluid-000003.h5", "no HDF5 at all");
   put(files.path() / "frames" / "notes.h5", "");
-  shelf.look();
-  ASSERT_EQ(shelf.series("fluid").entries.size(), 2U);
-  EXPECT_EQ(shelf.series("fluid").entries[1].time, 0.1);
-  EXPECT_EQ(shelf.read("fluid", 1)->time, 0.1);
-  EXPECT_EQ(shelf.read("fluid", 1), shelf.read("fluid", 1));  // kept
-  EXPECT_THROW(shelf.read("fluid", 2), Error);
-  EXPECT_THROW(shelf.read("fluid", 3), Error);
-  const auto generation = shelf.series("fluid").generation;
+  cache.update();
+  ASSERT_EQ(cache.series("fluid").entries.size(), 2U);
+  EXPECT_EQ(cache.series("fluid").entries[1].time, 0.1);
+  EXPECT_EQ(cache.read("fluid", 1)->time, 0.1);
+  EXPECT_EQ(cache.read("fluid", 1), cache.read("fluid", 1));  // kept
+  EXPECT_THROW(cache.read("fluid", 2), Error);
+  EXPECT_THROW(cache.read("fluid", 3), Error);
+  const auto generation = cache.series("fluid").generation;
   series.write(water(0.2));
-  shelf.look();
-  EXPECT_EQ(shelf.series("fluid").entries.size(), 3U);
-  EXPECT_EQ(shelf.series("fluid").generation, generation);
+  cache.update();
+  EXPECT_EQ(cache.series("fluid").entries.size(), 3U);
+  EXPECT_EQ(cache.series("fluid").generation, generation);
   std::filesystem::remove(files.path() / "frames" / "fluid-000003.h5");  // which a resume would refuse
   series.truncate(0.1);
-  shelf.look();
-  EXPECT_EQ(shelf.series("fluid").entries.size(), 2U);
-  EXPECT_GT(shelf.series("fluid").generation, generation);
+  cache.update();
+  EXPECT_EQ(cache.series("fluid").entries.size(), 2U);
+  EXPECT_GT(cache.series("fluid").generation, generation);
 }
 
 class PageOfARun : public testing::Test {
@@ -180,17 +180,17 @@ class PageOfARun : public testing::Test {
     FrameSeries(files.path(), "fluid", 2).write(water(0.5));
     put(files.path() / "coupler.log", "one\ntwo\nhalf a li");
   }
-  Json json(const std::string& path, const Answers::Query& query = {}) {
-    const Answers::Answer answer = answers.answer(path, query);
+  Json json(const std::string& path, const HttpApi::Query& query = {}) {
+    const HttpApi::Answer answer = api.answer(path, query);
     EXPECT_EQ(answer.status, 200) << answer.body;
     return Json::parse(answer.body);
   }
-  int status(const std::string& path, const Answers::Query& query = {}) {
-    return answers.answer(path, query).status;
+  int status(const std::string& path, const HttpApi::Query& query = {}) {
+    return api.answer(path, query).status;
   }
 
   RunFiles files;
-  Answers answers{files.path()};
+  HttpApi api{files.path()};
 };
 
 TEST_F(PageOfARun, TellsWhatTheFilesHold) {
@@ -210,15 +210,15 @@ TEST_F(PageOfARun, TellsWhatTheFilesHold) {
 }
 
 TEST_F(PageOfARun, GivesRowsFromWhereTheyAreAskedFor) {
-  const Read all(answers.answer("api/table", {{"name", "history"}, {"from", "0"}}).body);
+  const Read all(api.answer("api/table", {{"name", "history"}, {"from", "0"}}).body);
   EXPECT_EQ(all.head["columns"][8]["name"], "mid.y");
   EXPECT_EQ(all.head["columns"][8]["unit"], "m");
   EXPECT_EQ(all.head["columns"][3]["logarithmic"], true);
   EXPECT_EQ(all.array<double>("0"), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
-  const Read more(answers.answer("api/table", {{"name", "history"}, {"from", "6"}}).body);
+  const Read more(api.answer("api/table", {{"name", "history"}, {"from", "6"}}).body);
   EXPECT_EQ(more.array<double>("0"), (std::vector<double>{7, 8}));
   EXPECT_EQ(more.head["rows"], 8);
-  const Read beyond(answers.answer("api/table", {{"name", "history"}, {"from", "99"}}).body);
+  const Read beyond(api.answer("api/table", {{"name", "history"}, {"from", "99"}}).body);
   EXPECT_TRUE(beyond.array<double>("0").empty());
   EXPECT_EQ(beyond.head["from"], 8);
 }
@@ -279,9 +279,7 @@ TEST(HostIsOurs, AdmitsWhatWasBoundAndNoNameOfOthers) {
 
 class Served : public PageOfARun {
  protected:
-  Served() : server(answers, {.bind = "127.0.0.1", .port = 0, .token = "0123456789abcdef"}) {
-    server.start();
-  }
+  Served() : server(api, {.bind = "127.0.0.1", .port = 0, .token = "0123456789abcdef"}) { server.start(); }
   httplib::Client client() const { return httplib::Client("127.0.0.1", server.port()); }
   Server server;
 };
@@ -406,13 +404,13 @@ TEST_F(Served, AnswersWithinASecondWhile200HalfRequestsStand) {
 
 TEST_F(Served, SaysThatAPortIsTaken) {
   try {
-    Server second(answers, {.bind = "127.0.0.1", .port = server.port(), .token = "t"});
+    Server second(api, {.bind = "127.0.0.1", .port = server.port(), .token = "t"});
     FAIL() << "two servers on one port";
   } catch (const Error& error) {
     EXPECT_EQ(error.where(), fmt::format("--port {}", server.port()));
     EXPECT_EQ(error.code(), ExitCode::command_line);
   }
-  EXPECT_THROW(Server(answers, {.bind = "203.0.113.9", .port = 0, .token = "t"}), Error);
+  EXPECT_THROW(Server(api, {.bind = "203.0.113.9", .port = 0, .token = "t"}), Error);
 }
 
 }  // namespace

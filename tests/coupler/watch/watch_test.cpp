@@ -17,87 +17,87 @@
 namespace strake::watch {
 namespace {
 
-TEST(GrowingTable, TakesALineOnceItIsWhole) {
+TEST(TableTail, TakesALineOnceItIsWhole) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "history.csv";
-  GrowingTable table(path);
-  EXPECT_FALSE(table.look());
+  TableTail table(path);
+  EXPECT_FALSE(table.update());
   EXPECT_EQ(table.rows(), 0U);
   put(path, "window [1],time");
-  EXPECT_FALSE(table.look());
+  EXPECT_FALSE(table.update());
   put(path, " [s]\n1,0.5\n2,", true);
-  EXPECT_TRUE(table.look());
+  EXPECT_TRUE(table.update());
   ASSERT_EQ(table.rows(), 1U);
   EXPECT_EQ(table.columns()[1].name, "time");
   EXPECT_EQ(table.columns()[1].unit, "s");
   put(path, "0.75\n3,\n", true);
-  EXPECT_TRUE(table.look());
+  EXPECT_TRUE(table.update());
   ASSERT_EQ(table.rows(), 3U);
   EXPECT_EQ(table.value()[1][1], 0.75);
   EXPECT_TRUE(std::isnan(table.value()[1][2]));
   EXPECT_EQ(table.last("window"), 3);
   EXPECT_EQ(table.last("time"), std::nullopt);
-  EXPECT_FALSE(table.look());
+  EXPECT_FALSE(table.update());
   EXPECT_EQ(table.generation(), 0U);
 }
 
-TEST(GrowingTable, BeginsAnewWhenTheFileWasCutOrReplaced) {
+TEST(TableTail, BeginsAnewWhenTheFileWasCutOrReplaced) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "history.csv";
   put(path, "window [1],time [s]\n1,1\n2,2\n3,3\n");
-  GrowingTable table(path);
-  table.look();
+  TableTail table(path);
+  table.update();
   put(path, "window [1],time [s]\n1,1\n");  // a resume cuts
-  EXPECT_TRUE(table.look());
+  EXPECT_TRUE(table.update());
   EXPECT_EQ(table.rows(), 1U);
   EXPECT_EQ(table.generation(), 1U);
   put(path, "window [1],time [s]\n1,1\n2,7\n3,8\n");  // grown, with what was read still in it
-  EXPECT_TRUE(table.look());
+  EXPECT_TRUE(table.update());
   EXPECT_EQ(table.rows(), 3U);
   EXPECT_EQ(table.generation(), 1U);
-  put(path, "window [1],time [s]\n1,1\n2,9\n3,9\n4,9\n");  // cut and grown beyond, between two updates
-  EXPECT_TRUE(table.look());
+  put(path, "window [1],time [s]\n1,1\n2,9\n3,9\n4,9\n");  // cut and grown beyond, between two looks
+  EXPECT_TRUE(table.update());
   EXPECT_EQ(table.generation(), 2U);
   EXPECT_EQ(table.value()[1], (std::vector<double>{1, 9, 9, 9}));
   std::filesystem::remove(path);
-  EXPECT_TRUE(table.look());
+  EXPECT_TRUE(table.update());
   EXPECT_EQ(table.rows(), 0U);
 }
 
-TEST(GrowingTable, LeavesOutDamagedLinesAndCountsThem) {
+TEST(TableTail, LeavesOutDamagedLinesAndCountsThem) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "history.csv";
   put(path, "window [1],time [s]\n1,1\n2,\x01\x02\n3\n4,4,4\n5,5\n");
-  GrowingTable table(path);
-  table.look();
+  TableTail table(path);
+  table.update();
   EXPECT_EQ(table.value()[0], (std::vector<double>{1, 5}));
   EXPECT_EQ(table.damaged(), 3U);
 }
 
-TEST(GrowingTable, ReadsALineLongerThanWhatItReadsAtOnce) {
+TEST(TableTail, ReadsALineLongerThanWhatItReadsAtOnce) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "history.csv";
   put(path, "window [1],time [s]\n" + std::string(3 << 20, ' ') + "1,2\n");
-  GrowingTable table(path);
-  EXPECT_TRUE(table.look());
+  TableTail table(path);
+  EXPECT_TRUE(table.update());
   EXPECT_EQ(table.rows(), 1U);
 }
 
-TEST(SmallCurve, DrawsARisingLineFromTheLowerLeftToTheUpperRight) {
-  const SmallCurve curve = small_curve({0, 1, 2, 3}, {0, 1, 2, 3}, 2, 1);
+TEST(BraillePlot, DrawsARisingLineFromTheLowerLeftToTheUpperRight) {
+  const BraillePlot curve = braille_plot({0, 1, 2, 3}, {0, 1, 2, 3}, 2, 1);
   ASSERT_EQ(curve.lines.size(), 1U);
   EXPECT_EQ(curve.lines[0], "⡠⠊");  // dots 7, 6 and 2, 4 of Unicode's patterns
   EXPECT_EQ(curve.lo, 0);
   EXPECT_EQ(curve.hi, 3);
 }
 
-TEST(SmallCurve, KeepsAPeakThatIsNarrowerThanADot) {
+TEST(BraillePlot, KeepsAPeakThatIsNarrowerThanADot) {
   std::vector<double> x, y;
   for (int k = 0; k < 1000; ++k) {
     x.push_back(k);
     y.push_back(k == 501 ? 1 : 0);
   }
-  const SmallCurve curve = small_curve(x, y, 10, 2);
+  const BraillePlot curve = braille_plot(x, y, 10, 2);
   EXPECT_NE(curve.lines[0], std::string(30, ' '));
   int marked = 0;
   for (std::size_t k = 0; k < curve.lines[0].size(); k += 3)
@@ -105,14 +105,14 @@ TEST(SmallCurve, KeepsAPeakThatIsNarrowerThanADot) {
   EXPECT_EQ(marked, 1);
 }
 
-TEST(SmallCurve, IsBlankWithoutData) {
-  EXPECT_EQ(small_curve({}, {}, 3, 2).lines, (std::vector<std::string>{"   ", "   "}));
-  EXPECT_EQ(small_curve({1}, {std::nan("")}, 3, 1).lines, std::vector<std::string>{"   "});
-  EXPECT_EQ(shown_width(small_curve({1}, {5}, 3, 1).lines[0]), 3U);
+TEST(BraillePlot, IsBlankWithoutData) {
+  EXPECT_EQ(braille_plot({}, {}, 3, 2).lines, (std::vector<std::string>{"   ", "   "}));
+  EXPECT_EQ(braille_plot({1}, {std::nan("")}, 3, 1).lines, std::vector<std::string>{"   "});
+  EXPECT_EQ(shown_width(braille_plot({1}, {5}, 3, 1).lines[0]), 3U);
 }
 
-TEST(SmallCurve, ShowsDecadesOfAResidual) {
-  const SmallCurve curve = small_curve({0, 1, 2}, {1e-8, 0, 1e-4}, 4, 1, true);
+TEST(BraillePlot, ShowsDecadesOfAResidual) {
+  const BraillePlot curve = braille_plot({0, 1, 2}, {1e-8, 0, 1e-4}, 4, 1, true);
   EXPECT_DOUBLE_EQ(curve.lo, 1e-8);
   EXPECT_DOUBLE_EQ(curve.hi, 1e-4);
 }
@@ -136,7 +136,7 @@ TEST(WatchedRun, RefusesWhatIsNoRunFolder) {
 
 State state_of(const RunFiles& files) {
   WatchedRun run(files.path());
-  return run.look().state;
+  return run.update().state;
 }
 
 TEST(WatchedRun, TellsEndsApart) {
@@ -151,7 +151,7 @@ TEST(WatchedRun, TellsEndsApart) {
                ", \"error\": {\"where\": \"fluid, window 4\", \"problem\": \"pressure did not converge\", "
                "\"fix\": \"a smaller step\"}");
   WatchedRun run(files.path());
-  const Glance& g = run.look();
+  const RunStatus& g = run.update();
   EXPECT_EQ(g.state, State::failed);
   EXPECT_EQ(g.error, "fluid, window 4: pressure did not converge\nfix: a smaller step");
   EXPECT_EQ(g.exit_code, 4);
@@ -182,7 +182,7 @@ TEST(WatchedRun, TellsARunThatIsUnderWayByTheLockOfItsFolder) {
   EXPECT_EQ(state_of(files), State::running);
   files.age(100);
   WatchedRun run(files.path());
-  EXPECT_EQ(run.look().state, State::silent);
+  EXPECT_EQ(run.update().state, State::silent);
   EXPECT_EQ(run.last().words, "nothing written for 1 min 40 s, since window 3 (t = 0.003 s)");
   ASSERT_TRUE(run.last().left.has_value());
   EXPECT_DOUBLE_EQ(*run.last().left, 3.5);  // half a second a window, seven to go
@@ -190,7 +190,7 @@ TEST(WatchedRun, TellsARunThatIsUnderWayByTheLockOfItsFolder) {
   int status = 0;
   waitpid(child, &status, 0);
   EXPECT_EQ(status, 0);
-  EXPECT_EQ(run.look().state, State::killed);
+  EXPECT_EQ(run.update().state, State::killed);
   for (const int end : {told[0], told[1]}) close(end);
 }
 
@@ -209,7 +209,7 @@ TEST(WatchedRun, DoesNotMindHalfWrittenFiles) {
   put(files.path() / "case.toml", "title = \"a pla");
   put(files.path() / "history.csv", "window [1],ti");
   WatchedRun run(files.path());
-  EXPECT_EQ(run.look().state, State::killed);
+  EXPECT_EQ(run.update().state, State::killed);
   EXPECT_EQ(run.title(), "plate");
   EXPECT_FALSE(screen_lines(run, {}).empty());
 }
@@ -230,7 +230,7 @@ TEST(ScreenLines, FitTheTerminalWhateverItsSize) {
   const RunFiles files;
   files.windows(8);
   WatchedRun run(files.path());
-  run.look();
+  run.update();
   for (const int width : {40, 80, 100, 211})
     for (const int height : {8, 24, 60}) {
       const auto lines = screen_lines(run, {.width = width, .height = height});
@@ -246,7 +246,7 @@ TEST(ScreenLines, HoldStateProgressValuesAndStages) {
   const RunFiles files;
   files.windows(8);
   WatchedRun run(files.path());
-  run.look();
+  run.update();
   std::string text;
   for (const std::string& line : screen_lines(run, {.width = 120, .height = 30})) text += line + "\n";
   for (const char* part : {"a plate", "killed", "window 8   t 8 ms of 10 ms", " 80.0 %", "mid.y  -756.8 µm",
@@ -261,15 +261,15 @@ TEST(PlainLines, AreOneTableWithoutControlCharacters) {
   const auto path = files.runs() / "out";
   std::FILE* out = std::fopen(path.c_str(), "w");
   PlainLines lines(out);
-  run.look();
+  run.update();
   lines.begin(run);
   files.windows(2);
-  run.look();
+  run.update();
   lines.more(run);
   lines.more(run);  // nothing new: no line
   files.more_windows(3);
   files.record("\"2025-11-21T02:01:40Z\"", "0");
-  run.look();
+  run.update();
   lines.end(run);
   std::fclose(out);
   std::ifstream in(path);

@@ -21,10 +21,10 @@ inline TubeRun run_tube(Participant& fluid, Participant& wall, const Accelerator
   parameters.convergence = {1e-5, 0, Measure::value, 1, most, Unconverged::accept};
   parameters.predictor = predictor;
   parameters.accelerator = accelerator;
-  Scheme scheme(
-      fluid, wall,
-      Transfer(nearest_neighbour(wall.mesh(), fluid.mesh()), nearest_neighbour(fluid.mesh(), wall.mesh())),
-      parameters);
+  Scheme scheme(fluid, wall,
+                FieldTransfer(nearest_neighbour(wall.mesh(), fluid.mesh()),
+                              nearest_neighbour(fluid.mesh(), wall.mesh())),
+                parameters);
   TubeRun run;
   constexpr int windows = 100, seen[] = {24, 50, 100};
   for (int w = 0; w < windows; ++w) {
@@ -34,7 +34,7 @@ inline TubeRun run_tube(Participant& fluid, Participant& wall, const Accelerator
     if (!report.converged) ++run.unconverged;
     for (int k = 0; k < 3; ++k)
       if (w + 1 == seen[k]) {
-        run.area[k] = find(scheme.state().structure.back().fields, "area")->value(0, 50);
+        run.area[k] = find(scheme.state().structure.back().others, "area")->value(0, 50);
         run.pressure[k] = find(report.from_fluid, "pressure")->value(0, 50);
       }
   }

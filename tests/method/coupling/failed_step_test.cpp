@@ -100,8 +100,8 @@ Outcome run(const std::string& kind, double pressure, double window, Coupling co
   SchemeParameters parameters;
   parameters.parallel = coupling == Coupling::parallel;
   if (coupling == Coupling::explicit_) parameters.convergence.max_iterations = 1;
-  Scheme scheme(water, *body, Transfer(identity(body->mesh(), water.mesh())), parameters);
-  RunLoop loop(scheme, {.end = end, .window = window, .output_every = 0, .control = control});
+  Scheme scheme(water, *body, FieldTransfer(identity(body->mesh(), water.mesh())), parameters);
+  WindowLoop loop(scheme, {.end = end, .window = window, .output_every = 0, .control = control});
   Outcome result;
   while (!loop.finished()) {
     const CommittedWindow done = loop.next();
