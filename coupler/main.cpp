@@ -26,6 +26,13 @@ using strake::Error;
 using strake::error_of;
 using strake::ExitCode;
 using strake::put;
+using strake::StopRequest;
+using Action = std::function<ExitCode()>;
+
+struct ExplainOptions {
+  std::string key;
+  bool markdown = false;
+};
 
 void add_sets(CLI::App& command, std::vector<std::string>& sets) {
   command.add_option("--set", sets, "change one key of the case: --set structure.solver=rigid")
@@ -118,178 +125,195 @@ int end_of_output(int code, int failure) {
                       "free space there, or write to another place; files of a run are not touched by this"));
 }
 
-}  // namespace
+void add_run(CLI::App& app, strake::RunOptions& options, const StopRequest& stop, Action& action) {
+  CLI::App* command =
+      add_run_options(app.add_subcommand("run", "run a case into runs/<case>[-tag]"), options);
+  command->add_option("CASE", options.case_file, "case file")->required();
+  command->callback([&] { action = [&] { return strake::run(options, stop); }; });
+}
 
-int main(int argc, char** argv) {
-  std::setlocale(LC_ALL, "C");  // numbers are read and written with a point
-  hold_streams();
-  const strake::StopRequest stop;
-  // Ignores the signals of a file-size limit and a closed pipe. The write then fails and is reported like a
-  // full disk.
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
-  std::function<ExitCode()> action;
-
-  CLI::App app{"Strake: fluid and structure solvers for slamming and water entry, coupled."};
-  app.name("strake");
-  app.set_version_flag("--version", [] {
-    return fmt::format("strake {} ({})", strake::strake_version(), strake::strake_commit());
-  });
-  app.require_subcommand(1);
-
-  strake::RunOptions run;
-  run.command_line.assign(argv, argv + argc);
-  CLI::App* command = add_run_options(app.add_subcommand("run", "run a case into runs/<case>[-tag]"), run);
-  command->add_option("CASE", run.case_file, "case file")->required();
-  command->callback([&] { action = [&] { return strake::run(run, stop); }; });
-
-  strake::CheckOptions check;
-  command =
+void add_check(CLI::App& app, strake::CheckOptions& options, const StopRequest& stop, Action& action) {
+  CLI::App* command =
       app.add_subcommand("check", "all that run would refuse, plus derived numbers; starts no time step");
-  command->add_option("CASE", check.case_file, "case file")->required();
-  add_sets(*command, check.sets);
-  command->add_option("--picture", check.picture,
+  command->add_option("CASE", options.case_file, "case file")->required();
+  add_sets(*command, options.sets);
+  command->add_option("--picture", options.picture,
                       "write shape, cells, particles, supports and wet surface of the structure as an SVG");
-  command->add_flag("--patient", check.patient, "no deadline but death, for debuggers");
-  command->callback([&] { action = [&] { return strake::check(check, stop); }; });
+  command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
+  command->callback([&] { action = [&] { return strake::check(options, stop); }; });
+}
 
-  std::string key;
-  bool markdown = false;
-  command = app.add_subcommand("explain", "what a key means: unit, range, default; a table lists its keys");
-  command->add_option("KEY", key, "key or table, e.g. fluid.scheme.cfl");
-  command->add_flag("--markdown", markdown, "the reference of every key, as it stands in proto/CASE_FILE.md");
-  command->callback([&] { action = [&] { return strake::explain(key, markdown); }; });
+void add_explain(CLI::App& app, ExplainOptions& options, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("explain", "what a key means: unit, range, default; a table lists its keys");
+  command->add_option("KEY", options.key, "key or table, e.g. fluid.scheme.cfl");
+  command->add_flag("--markdown", options.markdown,
+                    "the reference of every key, as it stands in proto/CASE_FILE.md");
+  command->callback([&] { action = [&] { return strake::explain(options.key, options.markdown); }; });
+}
 
-  strake::CompareOptions compared;
-  command = app.add_subcommand(
+void add_compare(CLI::App& app, strake::CompareOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand(
       "compare", "a run against its case's references, or runs and CSV files against the first of them");
   command
-      ->add_option("RUN", compared.operands, "run folder; or two or more run folders, CSV files, FILE:COLUMN")
+      ->add_option("RUN", options.operands, "run folder; or two or more run folders, CSV files, FILE:COLUMN")
       ->required();
   auto* probes =
-      command->add_option("--probe", compared.probes, "quantity, e.g. mid.y; default all that they share");
+      command->add_option("--probe", options.probes, "quantity, e.g. mid.y; default all that they share");
   probes->type_name("NAME")->take_all()->allow_extra_args(false);
-  command->add_option("--from", compared.from, "begin of the span")->type_name("S");
-  command->add_option("--to", compared.to, "end of the span")->type_name("S");
-  command
-      ->add_option("--after", compared.after, "where --from and --to count from, on the clock of the first")
+  command->add_option("--from", options.from, "begin of the span")->type_name("S");
+  command->add_option("--to", options.to, "end of the span")->type_name("S");
+  command->add_option("--after", options.after, "where --from and --to count from, on the clock of the first")
       ->check(CLI::IsMember({"start", "contact"}))
       ->type_name("start|contact");
-  command->add_option("--shift", compared.shifts, "move the others in time: seconds, contact or peak")
+  command->add_option("--shift", options.shifts, "move the others in time: seconds, contact or peak")
       ->type_name("S|contact|peak")
       ->take_all()
       ->allow_extra_args(false);
   command
-      ->add_option("--within", compared.within,
-                   "limit of a deviation from the first, exit 1 outside: l2=0.01")
+      ->add_option("--within", options.within, "limit of a deviation from the first, exit 1 outside: l2=0.01")
       ->type_name("METRIC=PART")
       ->take_all()
       ->allow_extra_args(false);
-  command->add_option("--csv", compared.csv, "write all records at common times")->type_name("FILE");
-  command->add_option("--plot", compared.plot, "draw the curves over one another as a .png or .svg")
+  command->add_option("--csv", options.csv, "write all records at common times")->type_name("FILE");
+  command->add_option("--plot", options.plot, "draw the curves over one another as a .png or .svg")
       ->type_name("FILE");
   command->callback([&] {
     action = [&] {
-      return compared.of_one_run() ? strake::compare_run(compared) : strake::compare_several(compared);
+      return options.of_one_run() ? strake::compare_run(options) : strake::compare_several(options);
     };
   });
+}
 
-  strake::ExportOptions deck;
-  command =
+void add_export(CLI::App& app, strake::ExportOptions& options, const StopRequest& stop, Action& action) {
+  CLI::App* command =
       app.add_subcommand("export", "mesh, supports and recorded loads of a run as another program's deck");
-  command->add_option("RUN", deck.recorded, "run folder")->required();
-  command->add_option("--to", deck.to, "CalculiX, or Ansys Mechanical (APDL)")
+  command->add_option("RUN", options.recorded, "run folder")->required();
+  command->add_option("--to", options.to, "CalculiX, or Ansys Mechanical (APDL)")
       ->required()
       ->check(CLI::IsMember({"ccx", "ansys"}))
       ->type_name("ccx|ansys");
-  command->add_option("-o", deck.folder, "folder of the deck, default RUN/export")->type_name("DIR");
-  add_sets(*command, deck.sets);
-  command->callback([&] { action = [&] { return strake::export_run(deck, stop); }; });
+  command->add_option("-o", options.folder, "folder of the deck, default RUN/export")->type_name("DIR");
+  add_sets(*command, options.sets);
+  command->callback([&] { action = [&] { return strake::export_run(options, stop); }; });
+}
 
-  strake::PictureOptions picture;
-  command =
+void add_picture(CLI::App& app, strake::PictureOptions& options, Action& action) {
+  CLI::App* command =
       app.add_subcommand("picture", "one instant of a run as PNG or SVG: water and structure by a field");
-  add_picture_options(command, picture, "x.png or x.svg, default RUN/FIELD.png");
-  command->add_option("--at", picture.at, "time [s], the frame next to it; default the last");
-  command->callback([&] { action = [&] { return strake::draw_picture(picture); }; });
+  add_picture_options(command, options, "x.png or x.svg, default RUN/FIELD.png");
+  command->add_option("--at", options.at, "time [s], the frame next to it; default the last");
+  command->callback([&] { action = [&] { return strake::draw_picture(options); }; });
+}
 
-  strake::FilmOptions film;
-  command = app.add_subcommand("film", "all frames of a run as a film, with ffmpeg where that is installed");
-  add_picture_options(command, film.picture, "x.mp4, x.webm or x.gif, default RUN/FIELD.mp4");
-  command->add_option("--fps", film.frames_per_second, "frames in a second")->capture_default_str();
-  command->add_option("--from", film.from, "first time [s]");
-  command->add_option("--to", film.to, "last time [s]");
-  command->callback([&] { action = [&] { return strake::make_film(film, stop); }; });
+void add_film(CLI::App& app, strake::FilmOptions& options, const StopRequest& stop, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("film", "all frames of a run as a film, with ffmpeg where that is installed");
+  add_picture_options(command, options.picture, "x.mp4, x.webm or x.gif, default RUN/FIELD.mp4");
+  command->add_option("--fps", options.frames_per_second, "frames in a second")->capture_default_str();
+  command->add_option("--from", options.from, "first time [s]");
+  command->add_option("--to", options.to, "last time [s]");
+  command->callback([&] { action = [&] { return strake::make_film(options, stop); }; });
+}
 
-  strake::ReportOptions report_options;
-  command = app.add_subcommand("report", "one self-contained HTML page about runs, or about a study");
-  command->add_option("RUN", report_options.what, "run folders, or the folder of a study")->required();
-  command->add_option("-o", report_options.out, "default report.html in the first folder")->type_name("FILE");
-  command
-      ->add_option("--at", report_options.at, "times of the pictures [s], default contact, first peak, end")
+void add_report(CLI::App& app, strake::ReportOptions& options, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("report", "one self-contained HTML page about runs, or about a study");
+  command->add_option("RUN", options.what, "run folders, or the folder of a study")->required();
+  command->add_option("-o", options.out, "default report.html in the first folder")->type_name("FILE");
+  command->add_option("--at", options.at, "times of the pictures [s], default contact, first peak, end")
       ->delimiter(',')
       ->type_name("T1,T2,...");
-  command->callback([&] { action = [&] { return strake::write_report(report_options); }; });
+  command->callback([&] { action = [&] { return strake::write_report(options); }; });
+}
 
-  strake::WatchOptions watch;
-  command = app.add_subcommand(
+void add_watch(CLI::App& app, strake::WatchOptions& options, const StopRequest& stop, Action& action) {
+  CLI::App* command = app.add_subcommand(
       "watch", "state, curves and fields of a run, live or afterwards, on the terminal or as a page");
-  command->add_option("RUN", watch.run, "run folder, default the newest under runs");
-  command->add_option("--runs", watch.runs, "where the newest is looked for, default runs")->type_name("DIR");
-  auto* web = command->add_flag("--web", watch.web, "as a page for a browser on this machine");
-  command->add_option("--port", watch.port, "of the page, default a free one")
+  command->add_option("RUN", options.run, "run folder, default the newest under runs");
+  command->add_option("--runs", options.runs, "where the newest is looked for, default runs")
+      ->type_name("DIR");
+  auto* web = command->add_flag("--web", options.web, "as a page for a browser on this machine");
+  command->add_option("--port", options.port, "of the page, default a free one")
       ->check(CLI::Range(1, 65535))
       ->needs(web)
       ->type_name("N");
   command
-      ->add_option("--bind", watch.bind,
+      ->add_option("--bind", options.bind,
                    "address that the page is served on, default 127.0.0.1: this machine alone")
       ->needs(web)
       ->type_name("ADDR");
-  command->callback([&] { action = [&] { return strake::watch_run(watch, stop); }; });
+  command->callback([&] { action = [&] { return strake::watch_run(options, stop); }; });
+}
 
-  strake::StudyOptions study;
-  command =
+void add_study(CLI::App& app, strake::StudyOptions& options, const StopRequest& stop, Action& action) {
+  CLI::App* command =
       app.add_subcommand("study", "a case at many settings: runs what is not done, one table at the end");
-  command->add_option("STUDY", study.file, "study file")->required();
-  command->add_option("--runs", study.runs, "the study is DIR/<study>, default runs")->type_name("DIR");
-  command->add_option("--jobs", study.jobs, "runs at once, default one for each core")
+  command->add_option("STUDY", options.file, "study file")->required();
+  command->add_option("--runs", options.runs, "the study is DIR/<study>, default runs")->type_name("DIR");
+  command->add_option("--jobs", options.jobs, "runs at once, default one for each core")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
-  command->add_flag("--again", study.again, "run again what is done");
-  command->add_flag("--list", study.list, "print the command of each run, start none");
-  command->add_flag("--strict", study.strict, "exit 1 when a check fails");
-  command->add_flag("--quiet", study.quiet, "print only the checks");
-  command->callback([&] { action = [&] { return strake::study_command(study, stop); }; });
+  command->add_flag("--again", options.again, "run again what is done");
+  command->add_flag("--list", options.list, "print the command of each run, start none");
+  command->add_flag("--strict", options.strict, "exit 1 when a check fails");
+  command->add_flag("--quiet", options.quiet, "print only the checks");
+  command->callback([&] { action = [&] { return strake::study_command(options, stop); }; });
+}
 
-  strake::KeysOptions keys;
-  command = app.add_subcommand("keys", "make the keys of a run between machines");
-  command->add_option("DIR", keys.folder, "folder of the keys, default keys");
-  command->add_option("--for", keys.participants, "participants, default fluid structure")->type_name("NAME");
-  command->callback([&] { action = [&] { return strake::keys(keys); }; });
+void add_keys(CLI::App& app, strake::KeysOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand("keys", "make the keys of a run between machines");
+  command->add_option("DIR", options.folder, "folder of the keys, default keys");
+  command->add_option("--for", options.participants, "participants, default fluid structure")
+      ->type_name("NAME");
+  command->callback([&] { action = [&] { return strake::keys(options); }; });
+}
 
-  command = app.add_subcommand("manual", "where the manual is");
-  command->callback([&] { action = [] { return strake::manual(); }; });
-
-  strake::ReplayOptions replay;
-  replay.run.command_line = run.command_line;
-  command = add_run_options(
-      app.add_subcommand("replay", "recorded loads onto another structure, or the reverse"), replay.run);
-  command->add_option("RUN", replay.recorded, "run folder with the record")->required();
-  command->add_option("--onto", replay.run.case_file, "case file")->required()->type_name("CASE");
-  command->add_option("--side", replay.side, "the side that plays the record")
+void add_replay(CLI::App& app, strake::ReplayOptions& options, const StopRequest& stop, Action& action) {
+  CLI::App* command = add_run_options(
+      app.add_subcommand("replay", "recorded loads onto another structure, or the reverse"), options.run);
+  command->add_option("RUN", options.recorded, "run folder with the record")->required();
+  command->add_option("--onto", options.run.case_file, "case file")->required()->type_name("CASE");
+  command->add_option("--side", options.side, "the side that plays the record")
       ->check(CLI::IsMember({"fluid", "structure"}))
       ->type_name("fluid|structure");
-  command->callback([&] { action = [&] { return strake::replay(replay, stop); }; });
+  command->callback([&] { action = [&] { return strake::replay(options, stop); }; });
+}
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wanted) {  // --help, --version
-    return app.exit(wanted);
-  } catch (const CLI::ParseError& error) {
-    return static_cast<int>(refuse(app, error));
-  }
+/// What the user gave each command.
+struct Options {
+  strake::RunOptions run;
+  strake::CheckOptions check;
+  ExplainOptions explain;
+  strake::CompareOptions compare;
+  strake::ExportOptions deck;
+  strake::PictureOptions picture;
+  strake::FilmOptions film;
+  strake::ReportOptions report;
+  strake::WatchOptions watch;
+  strake::StudyOptions study;
+  strake::KeysOptions keys;
+  strake::ReplayOptions replay;
+};
 
+/// Declares every command; the one that the user names becomes `action`.
+void add_commands(CLI::App& app, Options& options, const StopRequest& stop, Action& action) {
+  add_run(app, options.run, stop, action);
+  add_check(app, options.check, stop, action);
+  add_explain(app, options.explain, action);
+  add_compare(app, options.compare, action);
+  add_export(app, options.deck, stop, action);
+  add_picture(app, options.picture, action);
+  add_film(app, options.film, stop, action);
+  add_report(app, options.report, action);
+  add_watch(app, options.watch, stop, action);
+  add_study(app, options.study, stop, action);
+  add_keys(app, options.keys, action);
+  add_replay(app, options.replay, stop, action);
+}
+
+/// Ends the program as the action did.
+int end_of(const Action& action) {
   try {
     return end_of_output(static_cast<int>(action()), 0);
   } catch (const Error& error) {
@@ -301,4 +325,36 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     return report(error_of(error, "strake"));
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::setlocale(LC_ALL, "C");  // numbers are read and written with a point
+  hold_streams();
+  const strake::StopRequest stop;
+  // A limit on the size of files, and a pipe that was closed, are errors of the write, told like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+
+  CLI::App app{"Strake: fluid and structure solvers for slamming and water entry, coupled."};
+  app.name("strake");
+  app.set_version_flag("--version", [] {
+    return fmt::format("strake {} ({})", strake::strake_version(), strake::strake_commit());
+  });
+  app.require_subcommand(1);
+
+  Options options;
+  options.run.command_line.assign(argv, argv + argc);
+  options.replay.run.command_line = options.run.command_line;
+  Action action;
+  add_commands(app, options, stop, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {  // --help, --version
+    return app.exit(wanted);
+  } catch (const CLI::ParseError& error) {
+    return static_cast<int>(refuse(app, error));
+  }
+  return end_of(action);
 }

@@ -29,7 +29,7 @@ std::string remedy_of(const CouplingCase& view) {
   return {};
 }
 
-Deadlines deadlines_of(const CouplingKeys& keys, bool patient) {
+Deadlines deadlines_of(const WaitingKeys& keys, bool patient) {
   Deadlines deadlines;
   deadlines.hello = std::chrono::duration<double>(keys.start_within);
   deadlines.by_hand = std::chrono::duration<double>(keys.attach_within);
@@ -45,23 +45,11 @@ SchemeParameters scheme_of(const CouplingCase& view, const Participant& structur
   scheme.volume = view.common.interface == "volume";
   scheme.parallel = keys.parallel;
   scheme.predictor = predictor_kind(keys.predictor);
-  scheme.accelerator = {.kind = keys.accelerator,
-                        .initial_relaxation = keys.initial_relaxation,
-                        .reused_windows = keys.reused_windows,
-                        .filter = keys.filter,
-                        .filter_kind = keys.filter_kind,
-                        .max_columns = keys.max_columns};
-  scheme.convergence.relative = keys.relative;
+  scheme.accelerator = keys.accelerator;
+  scheme.convergence = keys.convergence;
   // A length is no measure of a field that is none.
-  scheme.convergence.absolute = keys.absolute;
-  if (keys.absolute == 0 && fields_of_structure(structure).motion)
+  if (keys.convergence.absolute == 0 && fields_of_structure(structure).motion)
     scheme.convergence.absolute = absolute_residual * view.spacing.value_or(0.01);
-  scheme.convergence.min_iterations = keys.min_iterations;
-  scheme.convergence.max_iterations = keys.max_iterations;
-  scheme.convergence.then = keys.unconverged;
-  scheme.convergence.measure = keys.measure;
-  scheme.convergence.residual_relative = keys.residual_relative;
-  scheme.convergence.load = keys.load;
   return scheme;
 }
 

@@ -21,6 +21,6 @@ SchemeParameters scheme_of(const CouplingCase&, const Participant& structure);
 FieldTransfer transfer_of(const CouplingCase&, const Participant& structure, const Participant& fluid);
 /// What beside the solvers' own words may help where no window is short enough; may be empty.
 std::string remedy_of(const CouplingCase&);
-Deadlines deadlines_of(const CouplingKeys&, bool patient);
+Deadlines deadlines_of(const WaitingKeys&, bool patient);
 
 }  // namespace strake

@@ -34,7 +34,7 @@ void read_mapping(CaseTable mapping, MappingParameters& p) {
                {.min = 0, .max = 1, .help = "of the small systems, relative to their radius"});
 }
 
-void read_convergence(CaseTable converged, CouplingKeys& keys) {
+void read_convergence(CaseTable converged, Convergence& keys) {
   converged.number("relative", keys.relative,
                    {.min = 0, .max = 1, .help = "of the displacement increment of the window, or its value"});
   converged.number(
@@ -66,8 +66,8 @@ void read_convergence(CaseTable converged, CouplingKeys& keys) {
   std::string unconverged = "accept";
   converged.choice("unconverged", unconverged, {"accept", "stop", "halve"},
                    {.help = "what happens to a window that reached max_iterations"});
-  if (unconverged == "stop") keys.unconverged = Unconverged::stop;
-  if (unconverged == "halve") keys.unconverged = Unconverged::halve;
+  if (unconverged == "stop") keys.then = Unconverged::stop;
+  if (unconverged == "halve") keys.then = Unconverged::halve;
   if (keys.min_iterations > keys.max_iterations)
     throw converged.error("min_iterations", "at most max_iterations");
 }
@@ -81,22 +81,22 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
   read_mapping(surface.table("mapping", "how displacement and force cross the interface"), keys.mapping);
 
   CaseTable accelerator = surface.table("accelerator", "how the next interface displacement is chosen");
-  accelerator.choice("kind", keys.accelerator, {"iqn-ils", "iqn-imvj", "aitken", "constant"},
+  accelerator.choice("kind", keys.accelerator.kind, {"iqn-ils", "iqn-imvj", "aitken", "constant"},
                      {.help = "quasi-Newton by least squares or with a Jacobian carried on, dynamic "
                               "relaxation, or fixed relaxation"});
-  accelerator.number("initial_relaxation", keys.initial_relaxation,
+  accelerator.number("initial_relaxation", keys.accelerator.initial_relaxation,
                      {.min = 0,
                       .max = 1,
                       .exclusive = true,
                       .help = "relaxation of the first iteration, and of every one with `constant`"});
-  accelerator.integer("reused_windows", keys.reused_windows,
+  accelerator.integer("reused_windows", keys.accelerator.reused_windows,
                       {.min = 0, .max = 100, .help = "earlier windows whose differences iqn-ils keeps"});
   accelerator.number(
-      "filter", keys.filter,
+      "filter", keys.accelerator.filter,
       {.min = 0, .max = 1, .help = "quasi-Newton drops a difference nearer than this to the others"});
-  accelerator.choice("filter_kind", keys.filter_kind, {"QR2", "QR1"},
+  accelerator.choice("filter_kind", keys.accelerator.filter_kind, {"QR2", "QR1"},
                      {.help = "nearer beside the difference's own size, or beside all the others"});
-  accelerator.integer("max_columns", keys.max_columns,
+  accelerator.integer("max_columns", keys.accelerator.max_columns,
                       {.min = 1,
                        .max = 1000,
                        .help = "differences that quasi-Newton keeps at most: two interface vectors each"});
@@ -104,7 +104,7 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
   surface.choice("predictor", keys.predictor, {"constant", "linear", "quadratic"},
                  {.help = "first guess of a window, from the committed windows"});
 
-  read_convergence(surface.table("converged", "when a window is accepted"), keys);
+  read_convergence(surface.table("converged", "when a window is accepted"), keys.convergence);
 
   CaseTable shorter =
       surface.table("shorter", "windows that a solver, or unconverged = \"halve\", makes shorter");
@@ -118,12 +118,12 @@ void read_surface(CaseTable surface, CouplingKeys& keys) {
 
 /// Where the participants connect, and who may. What other machines can reach goes with keys, or with the
 /// user's plain word that it goes without.
-void read_network(CaseTable& coupling, CouplingKeys& keys) {
+void read_network(CaseTable& coupling, NetworkKeys& keys) {
   coupling.text(
       "endpoint", keys.endpoint,
       {.help = "\"ipc\": a socket in a private temporary folder; or tcp://ADDRESS:PORT, where other "
                "machines reach it with keys"});
-  coupling.folder("keys", keys.keys,
+  coupling.folder("keys", keys.curve_keys,
                   {.help = "folder that `strake keys` made: all is encrypted, and only holders of a key may "
                            "take part"});
   const std::string consent = "anybody on this network may read and change this run";
@@ -137,7 +137,7 @@ void read_network(CaseTable& coupling, CouplingKeys& keys) {
     const bool known = keys.endpoint.starts_with("ipc://") || keys.endpoint.starts_with("tcp://");
     throw Error(e.code(), e.where(), known ? problem : e.problem(), e.fix());
   }
-  if (keys.endpoint != "ipc" && leaves_machine(keys.endpoint) && keys.keys.empty() && !keys.unencrypted)
+  if (keys.endpoint != "ipc" && leaves_machine(keys.endpoint) && keys.curve_keys.empty() && !keys.unencrypted)
     throw coupling.error(
         "endpoint", "keys for an endpoint that other machines can reach",
         fmt::format("strake keys, then coupling.keys = \"keys\"; on a network where all are trusted\n"
@@ -162,23 +162,23 @@ CouplingKeys read_coupling(CaseFile& file) {
   coupling.choice("placement", placement, {"coupler"},
                   {.help = "the process that runs the scheme; \"fluid\" was removed in version 0.2"});
 
-  coupling.number("frozen_after", keys.frozen_after,
+  coupling.number("frozen_after", keys.waiting.frozen_after,
                   {.unit = "s",
                    .min = 0,
                    .exclusive = true,
                    .help = "patience with a participant that lives but is disconnected"});
   coupling.number(
-      "answer_within", keys.answer_within,
+      "answer_within", keys.waiting.answer_within,
       {.unit = "s", .min = 0, .exclusive = true, .help = "longest silence of a participant that is busy"});
   coupling.number(
-      "start_within", keys.start_within,
+      "start_within", keys.waiting.start_within,
       {.unit = "s", .min = 0, .exclusive = true, .help = "from the start of a program to its first word"});
-  coupling.number("attach_within", keys.attach_within,
+  coupling.number("attach_within", keys.waiting.attach_within,
                   {.unit = "s",
                    .min = 0,
                    .exclusive = true,
                    .help = "patience with a participant that is started by hand (--attach)"});
-  read_network(coupling, keys);
+  read_network(coupling, keys.network);
 
   CaseTable run = file.root().table("run", "how the programs run");
   run.number("checkpoint", keys.checkpoint,

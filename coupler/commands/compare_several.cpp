@@ -148,6 +148,36 @@ bool judge(const std::vector<Limit>& limits, const std::string& quantity, const 
   return all;
 }
 
+/// The quantity out of all sources, moved in time as the user asks; `said` tells by how much.
+std::vector<Record> shifted_records(const std::vector<RecordSource>& sources, const std::string& quantity,
+                                    const CompareOptions& options, std::string& said) {
+  std::vector<Record> records;
+  for (const RecordSource& source : sources) records.push_back(source.record(quantity));
+  for (std::size_t r = 1; r < records.size() && !options.shifts.empty(); ++r) {
+    const std::string& how = options.shifts.size() == 1 ? options.shifts.front() : options.shifts[r - 1];
+    const double by = shift_onto(records.front(), records[r], how);
+    records[r].shift(by);
+    said += fmt::format("  ({}) by {:+.6g} s{}", r + 1, by,
+                        how == "contact" || how == "peak" ? ", its " + how : "");
+  }
+  return records;
+}
+
+/// The span that is compared, on the clock of the first record.
+ComparisonSpan span_of(const CompareOptions& options, const Record& first) {
+  double origin = 0;
+  if (options.after == "contact") {
+    if (!first.contact)
+      throw Error(ExitCode::command_line, first.name, "has no moment of contact",
+                  "leave out --after contact and give --from and --to in s from the start");
+    origin = *first.contact;
+  }
+  ComparisonSpan span;
+  if (options.from) span.from = origin + *options.from;
+  if (options.to) span.to = origin + *options.to;
+  return span;
+}
+
 }  // namespace
 
 bool CompareOptions::of_one_run() const {
@@ -178,27 +208,9 @@ ExitCode compare_several(const CompareOptions& options) {
   std::vector<Comparison> made;
   bool within = true;
   for (const std::string& quantity : quantities) {
-    std::vector<Record> records;
-    for (const RecordSource& source : sources) records.push_back(source.record(quantity));
     std::string shifts;
-    for (std::size_t r = 1; r < records.size() && !options.shifts.empty(); ++r) {
-      const std::string& how = options.shifts.size() == 1 ? options.shifts.front() : options.shifts[r - 1];
-      const double by = shift_onto(records.front(), records[r], how);
-      records[r].shift(by);
-      shifts += fmt::format("  ({}) by {:+.6g} s{}", r + 1, by,
-                            how == "contact" || how == "peak" ? ", its " + how : "");
-    }
-    double origin = 0;
-    if (options.after == "contact") {
-      if (!records.front().contact)
-        throw Error(ExitCode::command_line, records.front().name, "has no moment of contact",
-                    "leave out --after contact and give --from and --to in s from the start");
-      origin = *records.front().contact;
-    }
-    ComparisonSpan span;
-    if (options.from) span.from = origin + *options.from;
-    if (options.to) span.to = origin + *options.to;
-    made.push_back(compare_records(records, quantity, span));
+    std::vector<Record> records = shifted_records(sources, quantity, options, shifts);
+    made.push_back(compare_records(records, quantity, span_of(options, records.front())));
     fmt::print("\n");
     print_table(quantity, records, made.back());
     if (!shifts.empty()) fmt::print("  shifted in time:{}\n", shifts);

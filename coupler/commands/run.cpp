@@ -42,6 +42,27 @@ std::unique_ptr<Reporter> reporter_of(const RunOptions& options) {
   return table_reporter(stdout, style_of(stdout));
 }
 
+/// What the run tells: to the console, and to its log once that is open.
+struct RunMessages {
+  Reporter& reporter;
+  std::shared_ptr<spdlog::logger> log = {};
+  WaitLog wait_log = {};
+  ConsoleLoss console = {};
+
+  void note(const std::string& line) const {
+    if (log) log->info(line);
+    reporter.note(line);
+  }
+  void warn(const std::string& line) const {
+    if (log) log->messages_.warn(line);
+    reporter.warning(line);
+  }
+  void wait(const Awaited& whom, double elapsed) {
+    if (const std::string line = wait_log.line(whom); log && !line.empty()) log->info(line);
+    reporter.wait({.whom = whom, .elapsed = elapsed});
+  }
+};
+
 /// One run, from its folder to its last file.
 class Run {
  public:
@@ -52,7 +73,7 @@ class Run {
         lock_(folder_.path),
         options_(options),
         stop_(stop),
-        reporter_(reporter),
+        messages_{reporter},
         record_(folder_.path, options.command_line),
         summary_(folder_.case_name, folder_.tag),
         verdicts_(view),
@@ -93,9 +114,31 @@ class Run {
     std::filesystem::path checkpoint;
     if (resume) {
       check_same_case(case_, folder_.path);
-      checkpoint = checkpoints_.choose([this](const std::string& line) { warn(line); });
+      checkpoint = checkpoints_.choose([this](const std::string& line) { messages_.warn(line); });
       remove_unfinished(folder_.path);
     }
+    begin_record();
+    clocks_.open();
+    open_session(resume ? std::optional(Checkpoints::window_of(checkpoint) + 1) : std::nullopt);
+    plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
+    if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
+    saved_ = plan_.start;
+    wall_before_ = summary_.wall_seconds;
+    record_.write();
+    open_files();
+    summary_.describe(session_->columns());
+    summary_.coupler_seconds["setup"] = seconds_since(start_);
+
+    const RunHeader header =
+        header_of(case_, *session_, plan_, folder_.path, files_->table().columns, resume);
+    for (const auto& [name, lines] : header.blocks)
+      for (const std::string& line : lines) messages_.log->info("{}: {}", name, line);
+    for (const std::string& warning : header.warnings) messages_.log->warn(warning);
+    messages_.reporter.start(header);
+  }
+
+  /// The first files of the folder: what is run, by whom, and the log.
+  void begin_record() {
     record_.set("case", std::filesystem::absolute(case_.path).string());
     record_.set("tag", folder_.tag);
     record_.set("set", case_.sets);
@@ -104,35 +147,35 @@ class Run {
       if (side) programs_[side->side] = {{"solver", side->solver}, {"program", side->program.string()}};
     record_.set("participants", programs_);
     record_.write();  // the first file: by it the folder is known as a run's
-    log_ = open_run_log(folder_.path / "coupler.log");
+    messages_.log = open_run_log(folder_.path / "coupler.log");
     write_text(folder_.path / "case.toml", case_.resolved);
 
-    const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
     for (const auto& side : {case_.fluid, case_.structure})
       if (side && is_large(*side))
-        warn(side->side + ", long to set up: " + lines_with(size_words, *side).front());
-    clocks_.open();
-    session_ = std::make_unique<Session>(
-        case_,
-        Session::Options{
-            .run_folder = absolute,
-            .log_folder = absolute,
-            .resumed_at = resume ? std::optional(Checkpoints::window_of(checkpoint) + 1) : std::nullopt,
-            .patient = options_.patient,
-            .by_hand = options_.by_hand,
-            .invite = [this](const std::string& side, const std::string& command) { invite(side, command); },
-            .say = [this](const std::string& line) { warn(line); },
-            .note = [this](const std::string& line) { note(line); },
-            .stop = &stop_,
-            .on_exchange = clocks_.observer(),
-            .on_wait = [this](const Awaited& whom) { wait(whom); }});
-    record_.set("endpoints", {{"coupling", session_->participants().endpoint()}});
-    plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
-    if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
-    saved_ = plan_.start;
-    wall_before_ = summary_.wall_seconds;
-    record_.write();
+        messages_.warn(side->side + ", long to set up: " + lines_with(size_words, *side).front());
+  }
 
+  /// Starts the participants.
+  void open_session(std::optional<long> resumed_at) {
+    const std::filesystem::path absolute = std::filesystem::absolute(folder_.path);
+    session_ = std::make_unique<Session>(
+        case_, Session::Options{.run_folder = absolute,
+                                .log_folder = absolute,
+                                .resumed_at = resumed_at,
+                                .patient = options_.patient,
+                                .by_hand = options_.by_hand,
+                                .invite = [this](const std::string& side,
+                                                 const std::string& command) { invite(side, command); },
+                                .say = [this](const std::string& line) { messages_.warn(line); },
+                                .note = [this](const std::string& line) { messages_.note(line); },
+                                .stop = &stop_,
+                                .on_exchange = clocks_.observer(),
+                                .on_wait = [this](const Awaited& whom) { messages_.wait(whom, elapsed()); }});
+    record_.set("endpoints", {{"coupling", session_->participants().endpoint()}});
+  }
+
+  /// The files that grow with each window.
+  void open_files() {
     RunFiles::Options files{.folder = folder_.path,
                             .coupled = case_.coupled(),
                             .dimension = session_->dimension(),
@@ -140,23 +183,14 @@ class Run {
                             .mesh = {},
                             .initial = {},
                             .measured = {},
-                            .resumed = resume ? std::optional(plan_.start) : std::nullopt,
-                            .say = [this](const std::string& line) { warn(line); }};
+                            .resumed = options_.folder.resume ? std::optional(plan_.start) : std::nullopt,
+                            .say = [this](const std::string& line) { messages_.warn(line); }};
     if (case_.coupled()) {
       files.mesh = session_->structure()->mesh();
       files.initial = session_->structure()->description().initial;
       files.measured = session_->scheme()->measured();
     }
     files_ = std::make_unique<RunFiles>(std::move(files));
-    summary_.describe(session_->columns());
-    summary_.coupler_seconds["setup"] = seconds_since(start_);
-
-    const RunHeader header =
-        header_of(case_, *session_, plan_, folder_.path, files_->table().columns, resume);
-    for (const auto& [name, lines] : header.blocks)
-      for (const std::string& line : lines) log_->info("{}: {}", name, line);
-    for (const std::string& warning : header.warnings) log_->warn(warning);
-    reporter_.start(header);
   }
 
   void windows() {
@@ -178,15 +212,15 @@ class Run {
                  .force = window.report.total_force(),
                  .elapsed = elapsed(),
                  .history = &files_->table()};
-      reporter_.window(row);
-      for (const std::string& line : failure.look(window.report.structure)) note(line);
+      messages_.reporter.window(row);
+      for (const std::string& line : failure.look(window.report.structure)) messages_.note(line);
       if (window.taken_back > 0)
-        log_->warn("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s", window.number,
-                   window.time, window.why, window.taken_back, window.taken_back == 1 ? "" : "s",
-                   window.report.window.dt);
+        messages_.log->warn("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s",
+                            window.number, window.time, window.why, window.taken_back,
+                            window.taken_back == 1 ? "" : "s", window.report.window.dt);
       if (!window.report.converged)
-        log_->warn("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
-                   window.number, window.time, window.report.residual, window.report.threshold);
+        messages_.log->warn("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
+                            window.number, window.time, window.report.residual, window.report.threshold);
       tell_verdicts();
       const int every = case_.coupling.checkpoint_windows;
       const bool due = every > 0 && window.number % every == 0;
@@ -197,7 +231,7 @@ class Run {
       }
       summary_.coupler_seconds["files"] += seconds_since(begin) - wall;
       clocks_.end_window(window, trace_begin, trace_end);
-      console_.look(*log_, folder_.path / "coupler.log");
+      messages_.console.look(*messages_.log, folder_.path / "coupler.log");
     }
   }
 
@@ -244,8 +278,8 @@ class Run {
 
   void tell_verdicts() {
     for (const Verdict& verdict : verdicts_.settle(data(false))) {
-      reporter_.verdict(verdict);
-      log_->info(verdict.line());
+      messages_.reporter.verdict(verdict);
+      messages_.log->info(verdict.line());
     }
   }
 
@@ -271,7 +305,7 @@ class Run {
     record_.set("contact", contact);
     if (code == ExitCode::done) record_.ended(code);
     record_.write();
-    if (log_) log_->info("exit code {}", static_cast<int>(code));
+    if (messages_.log) messages_.log->info("exit code {}", static_cast<int>(code));
 
     clocks_.close();
     RunEnd end{.summary = &summary_,
@@ -286,7 +320,7 @@ class Run {
       end.stopped = "interrupted";
     else if (code != ExitCode::done)
       end.stopped = "stopped";
-    if (started_) reporter_.end(end);
+    if (started_) messages_.reporter.end(end);
   }
 
   void fail(const Error& error) noexcept {
@@ -300,14 +334,14 @@ class Run {
     };
     session_.reset();
     attempt([&] {
-      if (log_) log_->error(to_text(error));
-      reporter_.error(error);
+      if (messages_.log) messages_.log->error(to_text(error));
+      messages_.reporter.error(error);
     });
     // Removes the folder of a case that was refused while its participants were set up. The corrected case
     // may then take its name.
     if (!started_ && !options_.folder.resume &&
         (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
-      log_.reset();
+      messages_.log.reset();
       std::error_code ignored;
       std::filesystem::remove_all(folder_.path, ignored);
       return;
@@ -327,23 +361,8 @@ class Run {
     record_.set("participants", programs_);
     record_.keep_private();
     record_.write();
-    log_->info("waiting for {}, to be started by hand; its command line is in run.json", side);
-    reporter_.warning(fmt::format("start {} by hand, here or elsewhere:\n    {}", side, command));
-  }
-
-  void note(const std::string& line) {
-    if (log_) log_->info(line);
-    reporter_.note(line);
-  }
-
-  void warn(const std::string& line) {
-    if (log_) log_->warn(line);
-    reporter_.warning(line);
-  }
-
-  void wait(const Awaited& whom) {
-    if (const std::string line = wait_log_.line(whom); log_ && !line.empty()) log_->info(line);
-    reporter_.wait({.whom = whom, .elapsed = elapsed()});
+    messages_.log->info("waiting for {}, to be started by hand; its command line is in run.json", side);
+    messages_.reporter.warning(fmt::format("start {} by hand, here or elsewhere:\n    {}", side, command));
   }
 
   std::string position() const {
@@ -356,15 +375,12 @@ class Run {
   const RunOptions& options_;
   const StopRequest& stop_;
   Clock::time_point start_ = Clock::now();
-  Reporter& reporter_;
-  std::shared_ptr<spdlog::logger> log_;
+  RunMessages messages_;
   RunRecord record_;
   Summary summary_;
   nlohmann::ordered_json programs_;
   ComparisonStatus verdicts_;
   RunClocks clocks_;
-  WaitLog wait_log_;
-  ConsoleLoss console_;
   std::unique_ptr<RunFiles> files_;
   std::unique_ptr<Session> session_;
   Checkpoints checkpoints_;

@@ -78,8 +78,12 @@ std::string metric_unit(const std::string& metric, const std::string& unit) {
   return unit == "1" ? "s" : unit + " s";
 }
 
-Comparison compare_records(const std::vector<Record>& records, const std::string& quantity,
-                           const ComparisonSpan& span) {
+namespace {
+
+/// What the records have in common in time, within what is asked for. Throws Error(command_line) where that
+/// is nothing, or their units differ.
+Comparison common_span(const std::vector<Record>& records, const std::string& quantity,
+                       const ComparisonSpan& span) {
   Comparison result;
   const Record& first = records.front();
   result.from = first.curve.time.front();
@@ -100,7 +104,33 @@ Comparison compare_records(const std::vector<Record>& records, const std::string
     throw Error(ExitCode::command_line, quantity,
                 fmt::format("the records share no time: {:.6g} to {:.6g} s", result.from, result.to),
                 "shift one with --shift S, or widen --from and --to");
+  return result;
+}
 
+/// The values of one metric and their deviations from the first record's.
+MetricRow row_of(const std::string& name, const std::string& unit,
+                 const std::vector<std::optional<double>>& values) {
+  MetricRow row = {.name = name, .unit = metric_unit(name, unit), .value = values, .deviation = {}};
+  const bool difference = name == "l2" || name == "dtw";
+  const auto& one = values.front();
+  for (std::size_t r = 0; r < values.size(); ++r) {
+    if (r == 0 || !values[r])
+      row.deviation.emplace_back();
+    else if (difference)
+      row.deviation.push_back(values[r]);
+    else if (one && *one != 0)
+      row.deviation.push_back((*values[r] - *one) / std::abs(*one));
+    else
+      row.deviation.emplace_back();
+  }
+  return row;
+}
+
+}  // namespace
+
+Comparison compare_records(const std::vector<Record>& records, const std::string& quantity,
+                           const ComparisonSpan& span) {
+  Comparison result = common_span(records, quantity, span);
   const double from = result.from, to = result.to;
   std::vector<Curve> part;
   for (const Record& r : records) {
@@ -131,23 +161,9 @@ Comparison compare_records(const std::vector<Record>& records, const std::string
     return name.starts_with("time_of") ? point->time - result.origin[r] : point->value;
   };
   for (const std::string& name : record_metrics()) {
-    MetricRow row = {.name = name, .unit = first.unit, .value = {}, .deviation = {}};
-    const bool difference = name == "l2" || name == "dtw";
-    row.unit = metric_unit(name, first.unit);
-    for (std::size_t r = 0; r < records.size(); ++r) {
-      row.value.push_back(value_of(name, r));
-      const auto& one = row.value.front();
-      const auto& this_one = row.value.back();
-      if (r == 0 || !this_one)
-        row.deviation.emplace_back();
-      else if (difference)
-        row.deviation.push_back(this_one);
-      else if (one && *one != 0)
-        row.deviation.push_back((*this_one - *one) / std::abs(*one));
-      else
-        row.deviation.emplace_back();
-    }
-    result.rows.push_back(std::move(row));
+    std::vector<std::optional<double>> values;
+    for (std::size_t r = 0; r < records.size(); ++r) values.push_back(value_of(name, r));
+    result.rows.push_back(row_of(name, records.front().unit, values));
   }
   return result;
 }

@@ -88,7 +88,7 @@ std::vector<TableColumn> table_of(const RunHeader& header) {
         {"p-it", 4, [](const RunRow& row) { return fixed(monitor_of(row, "pressure_iterations"), 0); }, 0});
   if (header.coupled)
     table.push_back({"work gap", 8,
-                     [](const RunRow& row) { return fmt::format("{:.1e}", row.window->report.work_gap()); },
+                     [](const RunRow& row) { return fmt::format("{:.1e}", row.window->report.work.gap()); },
                      0});
   table.push_back({"wall", 8, [](const RunRow& row) { return duration_text(row.elapsed); }, 1});
   return table;

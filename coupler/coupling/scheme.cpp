@@ -259,13 +259,13 @@ void Scheme::close(WindowReport& report, Iterate& now) {
     const Values& displacement = motion->displacement;
     const Field increment = {"displacement", "m", false,
                              displacement - state_.structure.back().motion->displacement};
-    report.work_fluid = dot(wet->value, transfer_.onto_fluid(increment).value);
-    report.work_structure = dot(force->value, increment.value);
+    report.work.fluid = dot(wet->value, transfer_.onto_fluid(increment).value);
+    report.work.structure = dot(force->value, increment.value);
     if (!parameters_.volume)
-      report.work_unconverged = dot(force->value, displacement - guess_of(now).motion->displacement);
+      report.work.unconverged = dot(force->value, displacement - guess_of(now).motion->displacement);
     // In a parallel scheme the structure moved under another load than the fluid's.
     if (const Field* given = find(now.load_guess, "force"))
-      report.work_unconverged += dot(MatrixXd(given->value - force->value), increment.value);
+      report.work.unconverged += dot(MatrixXd(given->value - force->value), increment.value);
     report.displacement = displacement;
     if (pending_.sends_velocity) report.velocity = motion->velocity;
     report.force = force->value;

@@ -11,9 +11,9 @@ bool IterationReport::settled() const {
                      [](const FieldResidual& field) { return field.settled(); });
 }
 
-double WindowReport::work_gap() const {
-  const double larger = std::max(std::abs(work_fluid), std::abs(work_structure));
-  return larger == 0 ? 0 : std::abs(work_fluid - work_structure) / larger;
+double InterfaceWork::gap() const {
+  const double larger = std::max(std::abs(fluid), std::abs(structure));
+  return larger == 0 ? 0 : std::abs(fluid - structure) / larger;
 }
 
 Eigen::Vector3d WindowReport::total_force() const {

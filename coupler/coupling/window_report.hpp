@@ -21,6 +21,13 @@ struct IterationReport {
   bool settled() const;
 };
 
+/// Work of the committed increment Δu on each side of the mapping.
+struct InterfaceWork {
+  double fluid = 0, structure = 0;  // [J] f·Δu
+  double unconverged = 0;           // [J] f·(hx − x): what the accepted residual gave to the structure
+  double gap() const;               // |W_f − W_s| / max(|W_f|, |W_s|); 0 when both are
+};
+
 struct WindowReport {
   Window window;
   int number = 0;  // of this window, from 1
@@ -33,10 +40,7 @@ struct WindowReport {
   std::string why, fix;  // a retry: who wants it and why, and what a user may change
   double dt_limit =
       std::numeric_limits<double>::infinity();  // [s] longest next window that both solvers accept
-  double work_fluid = 0,
-         work_structure = 0;    // [J] f·Δu of the committed increment on each side of the mapping
-  double work_unconverged = 0;  // [J] f·(hx − x): what the accepted residual gave to the structure
-  double work_gap() const;      // |W_f − W_s| / max(|W_f|, |W_s|); 0 when both are
+  InterfaceWork work;
   /// 3×n on the structure's mesh. velocity is 3×0 if the structure sends none; all are 3×0 if other fields
   /// are exchanged.
   Values displacement = Points(), velocity = Points(), force = Points();

@@ -36,7 +36,7 @@ void Participants::State::greet(const CouplerSocket::Message& message) {
   const auto* hello = std::get_if<wire::Hello>(&reply.what);
   // One whose connection was cut may answer before it notices: its Hello follows, and the answer once more.
   const auto answers = [&](const auto& m) {
-    return m->greeted && !m->asked.empty() && m->sequence == reply.sequence;
+    return m->connection.greeted && !m->asked.empty() && m->sequence == reply.sequence;
   };
   if (!hello && std::any_of(members.begin(), members.end(), answers)) return;
   if (!hello) return refuse(message, nullptr, fmt::format("spoke {} before Hello", wire::name_of(reply)), "");
@@ -63,11 +63,12 @@ void Participants::State::greet(const CouplerSocket::Message& message) {
     return refuse(message, m,
                   fmt::format("{} has read another case than the coupler (their hashes differ)", m->name),
                   "give it the same --case and --set; a file of the case may have changed in between");
-  if (m->greeted && reply.sequence == 0 && socket.connected(m->peer))
+  if (m->connection.greeted && reply.sequence == 0 && socket.connected(m->connection.peer))
     return refuse(message, m, fmt::format("{} already takes part", m->name), "--name");
-  if (m->greeted && socket.connected(m->peer)) return put_aside(*m, message, reply.sequence);
-  if (m->greeted) return welcome_back(*m, message, reply.sequence);
-  m->greeted = true;
+  if (m->connection.greeted && socket.connected(m->connection.peer))
+    return put_aside(*m, message, reply.sequence);
+  if (m->connection.greeted) return welcome_back(*m, message, reply.sequence);
+  m->connection.greeted = true;
   take_connection(*m, message.peer);
   m->last_heard = Clock::now();
   m->refusal.clear();
@@ -84,7 +85,7 @@ void Participants::State::put_aside(Member& m, const CouplerSocket::Message& mes
 void Participants::State::look_after_returning() {
   constexpr std::chrono::milliseconds to_let_go{1200};  // heartbeats end the old connection earlier
   for (std::size_t i = 0; i < returning.size();) {
-    const bool stands = socket.connected(returning[i].member->peer);
+    const bool stands = socket.connected(returning[i].member->connection.peer);
     if (stands && Clock::now() - returning[i].since < to_let_go) {
       ++i;
       continue;
@@ -104,7 +105,7 @@ void Participants::State::look_after_returning() {
 /// For a process that we did not start, only the connection shows whether it lives. For any process, the way
 /// its connection ends is used.
 void Participants::State::take_connection(Member& m, const std::string& peer) {
-  m.peer = peer;
+  m.connection.peer = peer;
   socket.admit(peer);
   socket.watch_close(peer);
 }
@@ -113,20 +114,21 @@ void Participants::State::take_connection(Member& m, const std::string& peer) {
 /// again.
 void Participants::State::welcome_back(Member& m, const CouplerSocket::Message& message,
                                        std::uint64_t last_received) {
-  const auto silence = m.silent_since ? Clock::now() - *m.silent_since : Clock::duration(0);
+  const auto silence =
+      m.connection.silent_since ? Clock::now() - *m.connection.silent_since : Clock::duration(0);
   say(fmt::format("{}: is back after {}", m.place(), in_seconds(silence)));
   take_connection(m, message.peer);
-  m.silent_since.reset();
-  m.silence_told = false;
+  m.connection.silent_since.reset();
+  m.connection.silence_told = false;
   m.last_heard = Clock::now();
   m.may_repeat = last_received;
-  if (!m.asked.empty() && !m.reply && last_received < m.sequence) socket.send(m.peer, m.request);
+  if (!m.asked.empty() && !m.reply && last_received < m.sequence) socket.send(m.connection.peer, m.request);
 }
 
 void Participants::State::refuse(const CouplerSocket::Message& message, Member* m, const std::string& problem,
                                  const std::string& fix) {
   note_stranger("refused a participant: " + harmless(problem), 1);
-  if (m && !m->greeted) m->refusal = "was refused: " + problem;
+  if (m && !m->connection.greeted) m->refusal = "was refused: " + problem;
   socket.send(message.peer, wire::encode(wire::Request{0, wire::Refused{"coupler", harmless(problem), fix}}));
 }
 

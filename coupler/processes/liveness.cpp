@@ -26,16 +26,17 @@ void Participants::State::look_after_all() {
 void Participants::State::look_after(Member& m) {
   if (m.child)
     if (const auto exit = m.child->exit()) return died(m, *exit);
-  if (!m.greeted) return;
-  if (socket.connected(m.peer)) {
-    m.silent_since.reset();
+  if (!m.connection.greeted) return;
+  if (socket.connected(m.connection.peer)) {
+    m.connection.silent_since.reset();
     return;
   }
   // Heartbeats are answered by a thread of their own: no answer means frozen, or a dead machine.
-  const bool has_left = !m.child && socket.left(m.peer);
-  if (!m.silent_since && socket.cut_short(m.peer)) ++m.cut_short;
-  if (!m.silent_since) m.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
-  const auto silence = Clock::now() - *m.silent_since;
+  const bool has_left = !m.child && socket.left(m.connection.peer);
+  if (!m.connection.silent_since && socket.cut_short(m.connection.peer)) ++m.connection.cut_short;
+  if (!m.connection.silent_since)
+    m.connection.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
+  const auto silence = Clock::now() - *m.connection.silent_since;
   check_cut_short(m, silence);
   // A participant that is alive reconnects at once. But inside a step it has no time to send Hello on the
   // connection.
@@ -45,8 +46,8 @@ void Participants::State::look_after(Member& m) {
                             : !m.child                      ? "is frozen or cannot be reached"
                             : m.child && m.child->stopped() ? "is suspended (" + m.process() + ")"
                                                             : "is frozen (" + m.process() + " lives)";
-  if (!m.silence_told && silence > silence_to_tell) {
-    m.silence_told = true;
+  if (!m.connection.silence_told && silence > silence_to_tell) {
+    m.connection.silence_told = true;
     say(fmt::format("{}: {}, no heartbeat for {}; waiting {}", m.place(), state, in_seconds(silence),
                     options.deadlines.patient
                         ? "until it is back"
@@ -66,8 +67,8 @@ void Participants::State::look_after(Member& m) {
 /// it may be cut once after the coupler was frozen, and is then back at once.
 void Participants::State::check_cut_short(Member& m, Clock::duration silence) const {
   const std::chrono::duration<double> patience(2);
-  if (m.cut_short == 0) return;
-  if (m.cut_short < 2 && silence < std::min(patience, options.deadlines.frozen_after)) return;
+  if (m.connection.cut_short == 0) return;
+  if (m.connection.cut_short < 2 && silence < std::min(patience, options.deadlines.frozen_after)) return;
   m.broken = true;
   throw Error(
       ExitCode::participant_lost, m.place(),
@@ -92,14 +93,15 @@ void Participants::State::died(Member& m, const Exit& exit) {
     receive(end - Clock::now());  // its Fault, if it sent one, says more: it is thrown
   if (has_stopped()) return;      // a regular end: its last answer lay behind another word of it
   m.broken = true;
-  const std::string what = !m.refusal.empty() ? "\n" + m.refusal
-                           : !m.greeted       ? " before it said Hello"
-                           : m.asked.empty()  ? " between two requests"
-                                              : fmt::format(" while {} was awaited", m.asked);
+  const std::string what = !m.refusal.empty()      ? "\n" + m.refusal
+                           : !m.connection.greeted ? " before it said Hello"
+                           : m.asked.empty()       ? " between two requests"
+                                                   : fmt::format(" while {} was awaited", m.asked);
   // Before Hello a program can report only by its exit code.
   ExitCode code = ExitCode::participant_lost;
   for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
-    if (!m.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own)) code = own;
+    if (!m.connection.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own))
+      code = own;
   throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
               m.see_log());
 }

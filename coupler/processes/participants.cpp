@@ -32,11 +32,12 @@ std::string with_place(std::string where, const std::string& name, const std::st
 }
 
 std::string Participants::Member::place() const {
-  if (iteration == 0)
-    return committed == 0 || window.dt == 0
-               ? name
-               : fmt::format("{}, after window {} (t = {:.6g} s)", name, committed, window.t + window.dt);
-  return fmt::format("{}, window {} (t = {:.6g} s), iteration {}", name, committed + 1, window.t, iteration);
+  const auto& [committed, window, iteration, before, write_output] = progress;
+  if (iteration > 0)
+    return fmt::format("{}, window {} (t = {:.6g} s), iteration {}", name, committed + 1, window.t,
+                       iteration);
+  if (committed == 0 || window.dt == 0) return name;
+  return fmt::format("{}, after window {} (t = {:.6g} s)", name, committed, window.t + window.dt);
 }
 
 std::string Participants::Member::process() const {
@@ -45,7 +46,7 @@ std::string Participants::Member::process() const {
 }
 
 std::string Participants::Member::said() const {
-  return fmt::format("{} ({:.0f} %)", doing, 100 * part);
+  return fmt::format("{} ({:.0f} %)", work.doing, 100 * work.part);
 }
 
 std::string Participants::Member::see_log() const {
@@ -78,9 +79,9 @@ void Participants::State::ask(Member& m, wire::Request request) {
   m.request = wire::encode(std::move(request));
   m.asked_at = m.last_heard = Clock::now();
   m.tell_after = options.deadlines.tell;
-  m.doing.clear();
+  m.work.doing.clear();
   try {
-    socket.send(m.peer, m.request);
+    socket.send(m.connection.peer, m.request);
   } catch (const Error& e) {
     m.asked.clear();  // it was not
     throw Error(e.code(), m.place(), e.problem(), e.fix());
@@ -105,11 +106,11 @@ wire::Reply Participants::State::await(Member& m) {
 }
 
 void Participants::State::await_hello(Member& m) {
-  while (!m.greeted) {
+  while (!m.connection.greeted) {
     receive(beat);
     look_after_all();
     check_stop(m);
-    if (m.greeted) continue;
+    if (m.connection.greeted) continue;
     const auto waited = Clock::now() - m.expected_since;
     tell_wait(m, waited);
     tell_waiting(m, waited);
@@ -131,7 +132,7 @@ void Participants::State::await_hello(Member& m) {
 
 /// For whoever shows it in place.
 void Participants::State::tell_wait(const Member& m, Clock::duration waited) const {
-  if (options.on_wait) options.on_wait({m.name, m.asked, m.doing, m.part, Seconds(waited).count()});
+  if (options.on_wait) options.on_wait({m.name, m.asked, m.work.doing, m.work.part, Seconds(waited).count()});
 }
 
 /// Writes one line after a while, then less and less often. The user so knows which participant the run waits
@@ -149,7 +150,7 @@ void Participants::State::tell_waiting(Member& m, Clock::duration waited) const 
     line += fmt::format(", started {} ago ({})", in_seconds(waited), alive);
   else
     line += fmt::format(": {} was asked {} ago ({}{})", m.asked, in_seconds(waited), alive,
-                        m.doing.empty() ? "" : ", last: " + m.said());
+                        m.work.doing.empty() ? "" : ", last: " + m.said());
   // A participant to be started by hand needs the user now; a computation only needs time, until its deadline
   // nears.
   const Seconds silent = m.asked.empty() ? waited : Clock::now() - m.last_heard;
@@ -166,7 +167,7 @@ void Participants::State::check_deadlines(const Member& m) const {
   throw Error(
       ExitCode::participant_lost, m.place(),
       fmt::format("has not answered {} for {} ({}{}{})", m.asked, in_seconds(waited), m.process(),
-                  m.child ? " is alive" : "", m.doing.empty() ? "" : ", last: " + m.said()),
+                  m.child ? " is alive" : "", m.work.doing.empty() ? "" : ", last: " + m.said()),
       fmt::format("{}, or --patient when debugging; the limit is coupling.answer_within", m.see_log()));
 }
 
@@ -188,7 +189,8 @@ void Participants::State::check_stop(const Member& m) {
               m.asked == "Advance"
                   ? fmt::format("{}, and {} was not answered within the {:g} s that are left for it",
                                 stop->in_words(), m.asked, options.deadlines.grace.count())
-                  : fmt::format("{} while {} was awaited", stop->in_words(), m.greeted ? m.asked : "Hello"));
+                  : fmt::format("{} while {} was awaited", stop->in_words(),
+                                m.connection.greeted ? m.asked : "Hello"));
 }
 
 void Participants::State::check_stop_between(const Member& m) const {
@@ -215,7 +217,7 @@ wire::Reply Participants::State::decode(const Member& m, const wire::Parts& part
 
 void Participants::State::hear(CouplerSocket::Message message) {
   for (const auto& m : members) {
-    if (!m->greeted || m->peer != message.peer) continue;
+    if (!m->connection.greeted || m->connection.peer != message.peer) continue;
     try {
       answered(*m, decode(*m, message.parts));
     } catch (const Error&) {
@@ -235,10 +237,10 @@ void Participants::State::hear(CouplerSocket::Message message) {
 
 void Participants::State::answered(Member& m, wire::Reply reply) {
   m.last_heard = Clock::now();
-  m.cut_short = 0;
+  m.connection.cut_short = 0;
   if (const auto* working = std::get_if<wire::Working>(&reply.what)) {
-    m.doing = harmless(working->what);
-    m.part = std::isfinite(working->fraction) ? std::clamp(working->fraction, 0.0, 1.0) : 0;
+    m.work.doing = harmless(working->what);
+    m.work.part = std::isfinite(working->fraction) ? std::clamp(working->fraction, 0.0, 1.0) : 0;
     return;
   }
   if (const auto* fault = std::get_if<wire::Fault>(&reply.what)) {
@@ -271,8 +273,8 @@ void Participants::State::tell_exchange(const Member& m, const wire::Reply& repl
   const bool in_window = m.asked == "Advance";
   options.on_exchange({.participant = m.name,
                        .asked = m.asked,
-                       .window = static_cast<long>(m.committed) + (in_window ? 1 : 0),
-                       .iteration = in_window ? m.iteration : 0,
+                       .window = static_cast<long>(m.progress.committed) + (in_window ? 1 : 0),
+                       .iteration = in_window ? m.progress.iteration : 0,
                        .sent = nanoseconds(m.asked_at),
                        .heard = nanoseconds(m.last_heard),
                        .received = reply.times.received,

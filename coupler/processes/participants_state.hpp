@@ -31,13 +31,15 @@ struct Participants::Member {
   std::chrono::duration<double> tell_after{0};  // of waiting, until a line says so (again)
   std::string refusal;                          // why its last Hello was refused
 
-  // the connection
-  bool greeted = false;  // said an accepted Hello
-  bool broken = false;   // the run ends because of it
-  std::string peer;
-  std::optional<Clock::time_point> silent_since;
-  bool silence_told = false;
-  int cut_short = 0;  // consecutive connections that ended inside a message
+  struct Connection {
+    bool greeted = false;  // said an accepted Hello
+    std::string peer;
+    std::optional<Clock::time_point> silent_since;
+    bool silence_told = false;
+    int cut_short = 0;  // connections in a row that ended in the middle of what it sent
+  };
+  Connection connection;
+  bool broken = false;  // the run ends because of it
 
   // the request under way
   std::uint64_t sequence = 0;
@@ -46,15 +48,20 @@ struct Participants::Member {
   std::optional<wire::Reply> reply;
   std::optional<std::uint64_t> may_repeat;  // an answer that a new connection may bring twice
   Clock::time_point asked_at, last_heard;
-  std::string doing;  // its last Working
-  double part = 0;    // of that, in [0, 1]
+  struct Work {
+    std::string doing;  // its last Working
+    double part = 0;    // of that, in [0, 1]
+  };
+  Work work;
 
-  // the window
-  std::uint64_t committed = 0;
-  Window window;
-  std::uint32_t iteration = 0;  // 0: no window has been started
-  wire::Before before = wire::Before::nothing;
-  bool write_output = false;
+  struct Progress {
+    std::uint64_t committed = 0;  // windows
+    Window window;
+    std::uint32_t iteration = 0;  // 0: no window has been started
+    wire::Before before = wire::Before::nothing;
+    bool write_output = false;
+  };
+  Progress progress;
 
   InterfaceMesh mesh;
   Description description;

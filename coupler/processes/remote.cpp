@@ -113,11 +113,11 @@ RemoteParticipant& Participants::connect(const std::string& name, const Setup& s
 
 void Participants::finish() {
   for (const auto& m : state_->members) {
-    if (!m->greeted) continue;
-    state_->ask(*m, {0, wire::Stop{m->before == wire::Before::commit, m->write_output}});
-    m->before = wire::Before::nothing;
+    if (!m->connection.greeted) continue;
+    state_->ask(*m, {0, wire::Stop{m->progress.before == wire::Before::commit, m->progress.write_output}});
+    m->progress.before = wire::Before::nothing;
     state_->await_as<wire::Done>(*m);
-    m->greeted = false;  // from here on it may leave
+    m->connection.greeted = false;  // from here on it may leave
     state_->await_end(*m);
   }
   end();
@@ -140,10 +140,11 @@ void Participants::State::await_end(Member& member) const {
 bool Participants::come_to_rest() noexcept {
   try {
     for (const auto& m : state_->members) {
-      if (!m->greeted || m->broken) return false;
+      if (!m->connection.greeted || m->broken) return false;
       if (!m->asked.empty()) state_->await(*m);
-      if (m->iteration > 0 && m->before == wire::Before::nothing) m->before = wire::Before::rewind;
-      m->iteration = 0;
+      if (m->progress.iteration > 0 && m->progress.before == wire::Before::nothing)
+        m->progress.before = wire::Before::rewind;
+      m->progress.iteration = 0;
     }
     return true;
   } catch (const std::exception&) {
@@ -157,11 +158,11 @@ void Participants::end() noexcept {
   try {
     std::size_t awaited = 0;  // participants started by hand whose Done is still to come
     const auto idle = [&](const Member& m) {
-      return m.greeted && m.asked.empty() && !m.broken && s.socket.connected(m.peer);
+      return m.connection.greeted && m.asked.empty() && !m.broken && s.socket.connected(m.connection.peer);
     };
     for (const auto& m : s.members) {
       if (idle(*m)) {
-        s.ask(*m, {0, wire::Stop{m->before == wire::Before::commit, m->write_output}});
+        s.ask(*m, {0, wire::Stop{m->progress.before == wire::Before::commit, m->progress.write_output}});
         if (!m->child) ++awaited;
       } else if (m->child) {
         m->child->signal(SIGTERM);
@@ -176,7 +177,7 @@ void Participants::end() noexcept {
     while ((running() || awaited > 0) && Clock::now() < limit) {
       if (const auto message = s.socket.receive(milliseconds(10)))
         for (const auto& m : s.members)
-          if (m->peer == message->peer && !m->child && awaited > 0) --awaited;
+          if (m->connection.peer == message->peer && !m->child && awaited > 0) --awaited;
     }
     for (const auto& m : s.members)
       if (m->child) m->child->signal(SIGTERM);
@@ -201,7 +202,7 @@ const Description& RemoteParticipant::description() const {
 }
 
 void RemoteParticipant::count_windows_from(std::uint64_t committed) {
-  member_->committed = committed;
+  member_->progress.committed = committed;
 }
 
 void RemoteParticipant::start(const Window& window, const Input& input) {
@@ -212,11 +213,13 @@ void RemoteParticipant::start_with(const Window& window, Input&& input) {
   Participants::Member& m = *member_;
   participants_->check_stop_between(m);
   assert(m.asked.empty() && "one request at a time");
-  assert((m.iteration == 0 || m.before != wire::Before::nothing) && "rewind or commit first");
-  m.window = window;
-  ++m.iteration;
-  const wire::Before before = std::exchange(m.before, wire::Before::nothing);
-  wire::Advance advance{before, window, m.iteration, std::move(input), std::exchange(m.write_output, false)};
+  assert((m.progress.iteration == 0 || m.progress.before != wire::Before::nothing) &&
+         "rewind or commit first");
+  m.progress.window = window;
+  ++m.progress.iteration;
+  const wire::Before before = std::exchange(m.progress.before, wire::Before::nothing);
+  wire::Advance advance{before, window, m.progress.iteration, std::move(input),
+                        std::exchange(m.progress.write_output, false)};
   participants_->ask(m, {0, std::move(advance)});
 }
 
@@ -233,23 +236,23 @@ Advanced RemoteParticipant::finish() {
 }
 
 void RemoteParticipant::rewind() {
-  assert(member_->asked.empty() && member_->iteration != 0);
-  member_->before = wire::Before::rewind;
+  assert(member_->asked.empty() && member_->progress.iteration != 0);
+  member_->progress.before = wire::Before::rewind;
 }
 
 void RemoteParticipant::commit(bool write_output) {
-  assert(member_->asked.empty() && member_->iteration != 0);
-  member_->before = wire::Before::commit;
-  member_->write_output = write_output;
-  member_->iteration = 0;
-  ++member_->committed;
+  assert(member_->asked.empty() && member_->progress.iteration != 0);
+  member_->progress.before = wire::Before::commit;
+  member_->progress.write_output = write_output;
+  member_->progress.iteration = 0;
+  ++member_->progress.committed;
 }
 
 void RemoteParticipant::checkpoint(const std::filesystem::path& folder) {
   Participants::Member& m = *member_;
-  const wire::Before before = std::exchange(m.before, wire::Before::nothing);
-  participants_->ask(
-      m, {0, wire::Checkpoint{folder.string(), false, before, std::exchange(m.write_output, false)}});
+  const wire::Before before = std::exchange(m.progress.before, wire::Before::nothing);
+  participants_->ask(m, {0, wire::Checkpoint{folder.string(), false, before,
+                                             std::exchange(m.progress.write_output, false)}});
   participants_->await_as<wire::Done>(m);
 }
 

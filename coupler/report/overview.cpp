@@ -45,15 +45,18 @@ std::string what_was_run(const std::vector<Recorded>& runs) {
               "threads", "started (UTC)", "Strake"});
   std::string problems;
   for (const Recorded& run : runs) {
-    table.row({escape(run.name), state_badge(run), solvers(run), number_cell(run.end_time, "s"),
-               number_cell(run.windows, "1"), number_cell(run.mean_iterations, "1"),
-               fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(run.wall_seconds),
-                           duration(run.wall_seconds)),
-               number_cell(run.threads, "1"), "<span class=\"n\">" + escape(minute(run.started)) + "</span>",
-               escape(run.version + (run.commit.empty() ? "" : " (" + run.commit + ")"))});
+    table.row(
+        {escape(run.name), state_badge(run), solvers(run), number_cell(run.end_time, "s"),
+         number_cell(run.windows, "1"), number_cell(run.mean_iterations, "1"),
+         fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(run.wall_seconds),
+                     duration(run.wall_seconds)),
+         number_cell(run.origin.threads, "1"),
+         "<span class=\"n\">" + escape(minute(run.origin.started)) + "</span>",
+         escape(run.origin.version + (run.origin.commit.empty() ? "" : " (" + run.origin.commit + ")"))});
     for (const std::string& problem : run.problems)
       problems += "<li>" + escape(run.name + ": " + problem) + "</li>\n";
-    if (!run.error.empty()) problems += "<li>" + escape(run.name + " ended with: " + run.error) + "</li>\n";
+    if (!run.origin.error.empty())
+      problems += "<li>" + escape(run.name + " ended with: " + run.origin.error) + "</li>\n";
   }
   std::string body;
   if (!problems.empty())
@@ -139,7 +142,7 @@ std::string how_to_run_again(const std::vector<Recorded>& runs) {
       "holds every key.</p>\n";
   for (const Recorded& run : runs) {
     std::string line;
-    for (const std::string& word : run.command) line += (line.empty() ? "" : " ") + quoted(word);
+    for (const std::string& word : run.origin.command) line += (line.empty() ? "" : " ") + quoted(word);
     if (line.empty()) line = "strake run " + quoted((run.folder / "case.toml").string());
     body += fmt::format(
         "<h3>{0}</h3>\n<pre tabindex=\"0\" aria-label=\"command of {0}\"><code>{1}</code></pre>\n",

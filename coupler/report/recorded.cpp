@@ -105,17 +105,15 @@ std::vector<std::pair<std::string, std::string>> notes_of(const std::string& cas
 }
 
 void read_record(const Json& record, Recorded& run) {
-  run.version = string_of(record, "strake");
-  run.commit = string_of(record, "commit");
-  run.host = string_of(record, "host");
-  run.started = string_of(record, "started");
-  run.ended = string_of(record, "ended");
-  run.threads = number_of(record, "threads");
+  run.origin.version = string_of(record, "strake");
+  run.origin.commit = string_of(record, "commit");
+  run.origin.started = string_of(record, "started");
+  run.origin.threads = number_of(record, "threads");
   if (const auto code = number_of(record, "exit_code")) run.exit_code = static_cast<int>(*code);
   const Json& error = member(record, "error");
-  if (error.is_object()) run.error = string_of(error, "where") + ": " + string_of(error, "problem");
+  if (error.is_object()) run.origin.error = string_of(error, "where") + ": " + string_of(error, "problem");
   for (const Json& word : member(record, "command"))
-    if (word.is_string()) run.command.push_back(word.get<std::string>());
+    if (word.is_string()) run.origin.command.push_back(word.get<std::string>());
   for (const char* side : {"fluid", "structure"}) {
     const std::string solver = string_of(member(member(record, "participants"), side), "solver");
     if (!solver.empty()) run.solver[side] = solver;

@@ -38,8 +38,15 @@ struct FailureEvent {
   std::optional<double> time, x, y, z;
 };
 
-/// A run folder as it lies on disk, complete or not. Unreadable files are listed in `problems`; the rest is
-/// shown.
+/// Who ran it, and how: of run.json.
+struct Origin {
+  std::string version, commit, started, error;
+  std::vector<std::string> command;
+  std::optional<double> threads;
+};
+
+/// A run folder as it lies on disk, whole or not: what cannot be read is said in `problems`, and the rest
+/// still shows.
 struct Recorded {
   std::filesystem::path folder;
   std::string name;   // of the folder; a study gives its own
@@ -48,11 +55,10 @@ struct Recorded {
   std::vector<std::pair<std::string, std::string>> notes;  // "physics" → text, from the case's first lines
   std::vector<Setting> settings;
 
-  std::string version, commit, host, started, ended, error;
-  std::vector<std::string> command;
+  Origin origin;
   std::map<std::string, std::string> solver;  // side → "fem"
   std::optional<int> exit_code;
-  std::optional<double> end_time, wall_seconds, windows, mean_iterations, threads;
+  std::optional<double> end_time, wall_seconds, windows, mean_iterations;
   std::map<std::string, double> contact;  // probe → [s]
   std::vector<ProbeResult> probes;
   std::vector<std::pair<std::string, std::optional<double>>> checks;

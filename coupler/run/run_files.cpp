@@ -97,7 +97,7 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
     row.push_back(report.iterations);
     row.push_back(report.residual);
     add_force(row, report.total_force(), options_.dimension);
-    row.push_back(report.work_gap());
+    row.push_back(report.work.gap());
   }
   row.insert(row.end(), values.begin(), values.end());
   history_->append(row);

@@ -44,12 +44,13 @@ std::optional<double> added_mass_ratio(const CaseView& view) {
 
 Session::Session(const CaseView& view, const Options& options) : case_(view), options_(options) {
   participants_ = std::make_unique<Participants>(Participants::Options{
-      .endpoint = view.coupling.endpoint == "ipc" ? std::string() : view.coupling.endpoint,
-      .keys =
-          view.coupling.keys.empty() ? std::nullopt : std::optional(read_coupler_keys(view.coupling.keys)),
-      .unencrypted = view.coupling.unencrypted,
+      .endpoint = view.coupling.network.endpoint == "ipc" ? std::string() : view.coupling.network.endpoint,
+      .keys = view.coupling.network.curve_keys.empty()
+                  ? std::nullopt
+                  : std::optional(read_coupler_keys(view.coupling.network.curve_keys)),
+      .unencrypted = view.coupling.network.unencrypted,
       .case_hash = view.hash,
-      .deadlines = deadlines_of(view.coupling, options.patient),
+      .deadlines = deadlines_of(view.coupling.waiting, options.patient),
       .say = options.say,
       .note = options.note,
       .stop = options.stop,
@@ -163,10 +164,10 @@ std::vector<std::string> Session::coupling_lines() const {
   if (case_.common.interface == "volume")
     lines.push_back("volume, one iteration   " + windows);
   else
-    lines.push_back(
-        fmt::format("surface, {}, {}{}   {}", case_.coupling.mapping.kind,
-                    case_.coupling.iterates() ? accelerator_title(case_.coupling.accelerator) : "explicit",
-                    case_.coupling.parallel ? ", both at once" : "", windows));
+    lines.push_back(fmt::format(
+        "surface, {}, {}{}   {}", case_.coupling.mapping.kind,
+        case_.coupling.iterates() ? accelerator_title(case_.coupling.accelerator.kind) : "explicit",
+        case_.coupling.parallel ? ", both at once" : "", windows));
   const MappingQuality& quality = scheme_->mapping().quality();
   std::string second = fmt::format("{} wet points on {} structure points, at most {:.1e} m apart",
                                    quality.n_fluid, quality.n_structure, quality.largest_distance);

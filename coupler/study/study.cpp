@@ -36,6 +36,80 @@ std::string command_of(const Plan& plan, const PlannedRun& run, const std::files
   return line;
 }
 
+/// The results of each element, as the list that study.json holds.
+template <class T, class ToJson>
+Json list_of(const std::vector<T>& elements, const ToJson& to_json) {
+  Json list = Json::array();
+  for (const T& element : elements) list.push_back(to_json(element));
+  return list;
+}
+
+Json json_of(const Axis& axis) {
+  return {{"name", axis.name},
+          {"labels", list_of(axis.values, [](const AxisValue& v) { return Json(v.label); })}};
+}
+
+Json json_of(const Plan& plan, const PlannedRun& run, const Results& results,
+             const std::filesystem::path& folder) {
+  const Outcome& outcome = results.outcome.at(run.name);
+  Json values = Json::object();
+  if (results.values.contains(run.name))
+    for (const auto& [name, value] : results.values.at(run.name)) values[name] = value;
+  return {{"name", run.name},
+          {"labels", run.label},
+          {"folder", outcome.folder.filename().string()},
+          {"state", to_text(outcome.state)},
+          {"exit_code", outcome.exit_code},
+          {"seconds", outcome.seconds},
+          {"problem", outcome.problem},
+          {"command", command_of(plan, run, folder)},
+          {"values", values}};
+}
+
+Json json_of(const CheckResult& c) {
+  return {{"title", c.title},
+          {"run", c.run},
+          {"against", c.against},
+          {"probe", c.probe},
+          {"metric", c.metric},
+          {"value", or_null(c.value)},
+          {"reference", or_null(c.reference)},
+          {"deviation", or_null(c.deviation)},
+          {"tolerance", or_null(c.tolerance)},
+          {"pass", c.pass ? Json(*c.pass) : Json(nullptr)},
+          {"kind", c.kind},
+          {"source", c.source}};
+}
+
+Json json_of(const Reference& r) {
+  return {
+      {"title", r.title}, {"axis", r.axis},     {"probe", r.quantity.probe}, {"metric", r.quantity.metric},
+      {"kind", r.kind},   {"source", r.source}, {"values", r.value}};
+}
+
+Json json_of(const GridConvergence& c, const Results& results) {
+  return {{"title", c.title},
+          {"axis", c.axis},
+          {"probe", c.probe},
+          {"metric", c.metric},
+          {"unit", results.unit_of({c.probe, c.metric})},
+          {"runs", c.runs},
+          {"along", c.along},
+          {"values", c.value},
+          {"order", or_null(c.order)},
+          {"extrapolated", or_null(c.extrapolated)},
+          {"gci", or_null(c.gci)},
+          {"remark", c.remark}};
+}
+
+Json json_of(const ClaimResult& c) {
+  return {{"claim", c.claim},
+          {"source", c.source},
+          {"measured", c.measured},
+          {"verdict", c.verdict},
+          {"why", c.why}};
+}
+
 Json json_of(const Plan& plan, const Results& results, const std::filesystem::path& folder,
              const std::vector<CheckResult>& checks, const std::vector<GridConvergence>& orders,
              const std::vector<ClaimResult>& claims, double seconds) {
@@ -43,76 +117,16 @@ Json json_of(const Plan& plan, const Results& results, const std::filesystem::pa
       {"title", plan.title},        {"study", plan.file.stem().string()},
       {"file", plan.file.string()}, {"case", plan.case_file.string()},
       {"commit", strake_commit()},  {"commands", {fmt::format("strake study {}", plan.file.string())}}};
-  json["axes"] = Json::array();
-  for (const Axis& axis : plan.axes) {
-    Json labels = Json::array();
-    for (const AxisValue& value : axis.values) labels.push_back(value.label);
-    json["axes"].push_back({{"name", axis.name}, {"labels", labels}});
-  }
-  json["runs"] = Json::array();
-  for (const PlannedRun& run : plan.runs) {
-    const Outcome& outcome = results.outcome.at(run.name);
-    Json values = Json::object();
-    if (results.values.contains(run.name))
-      for (const auto& [name, value] : results.values.at(run.name)) values[name] = value;
-    json["runs"].push_back({{"name", run.name},
-                            {"labels", run.label},
-                            {"folder", outcome.folder.filename().string()},
-                            {"state", to_text(outcome.state)},
-                            {"exit_code", outcome.exit_code},
-                            {"seconds", outcome.seconds},
-                            {"problem", outcome.problem},
-                            {"command", command_of(plan, run, folder)},
-                            {"values", values}});
-  }
-  json["columns"] = Json::array();
-  for (const Quantity& column : plan.columns)
-    json["columns"].push_back(
-        {{"probe", column.probe}, {"metric", column.metric}, {"unit", results.unit_of(column)}});
-  json["checks"] = Json::array();
-  for (const CheckResult& c : checks)
-    json["checks"].push_back({{"title", c.title},
-                              {"run", c.run},
-                              {"against", c.against},
-                              {"probe", c.probe},
-                              {"metric", c.metric},
-                              {"value", or_null(c.value)},
-                              {"reference", or_null(c.reference)},
-                              {"deviation", or_null(c.deviation)},
-                              {"tolerance", or_null(c.tolerance)},
-                              {"pass", c.pass ? Json(*c.pass) : Json(nullptr)},
-                              {"kind", c.kind},
-                              {"source", c.source}});
-  json["references"] = Json::array();
-  for (const Reference& r : plan.references)
-    json["references"].push_back({{"title", r.title},
-                                  {"axis", r.axis},
-                                  {"probe", r.quantity.probe},
-                                  {"metric", r.quantity.metric},
-                                  {"kind", r.kind},
-                                  {"source", r.source},
-                                  {"values", r.value}});
-  json["convergence"] = Json::array();
-  for (const GridConvergence& c : orders)
-    json["convergence"].push_back({{"title", c.title},
-                                   {"axis", c.axis},
-                                   {"probe", c.probe},
-                                   {"metric", c.metric},
-                                   {"unit", results.unit_of({c.probe, c.metric})},
-                                   {"runs", c.runs},
-                                   {"along", c.along},
-                                   {"values", c.value},
-                                   {"order", or_null(c.order)},
-                                   {"extrapolated", or_null(c.extrapolated)},
-                                   {"gci", or_null(c.gci)},
-                                   {"remark", c.remark}});
-  json["claims"] = Json::array();
-  for (const ClaimResult& c : claims)
-    json["claims"].push_back({{"claim", c.claim},
-                              {"source", c.source},
-                              {"measured", c.measured},
-                              {"verdict", c.verdict},
-                              {"why", c.why}});
+  json["axes"] = list_of(plan.axes, [](const Axis& axis) { return json_of(axis); });
+  json["runs"] =
+      list_of(plan.runs, [&](const PlannedRun& run) { return json_of(plan, run, results, folder); });
+  json["columns"] = list_of(plan.columns, [&](const Quantity& column) -> Json {
+    return {{"probe", column.probe}, {"metric", column.metric}, {"unit", results.unit_of(column)}};
+  });
+  json["checks"] = list_of(checks, [](const CheckResult& c) { return json_of(c); });
+  json["references"] = list_of(plan.references, [](const Reference& r) { return json_of(r); });
+  json["convergence"] = list_of(orders, [&](const GridConvergence& c) { return json_of(c, results); });
+  json["claims"] = list_of(claims, [](const ClaimResult& c) { return json_of(c); });
   json["seconds"] = seconds;
   return json;
 }
@@ -228,6 +242,38 @@ int jobs_of(const StudyOptions& options, const Plan& plan) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+/// How the study ended: runs, checks and where the results stand; the exit code.
+ExitCode close_study(const StudyOptions& options, const StopRequest& stop, const Results& results,
+                     const std::vector<CheckResult>& checks, const std::filesystem::path& folder,
+                     double seconds) {
+  const Plan& plan = *results.plan;
+  int failed = 0, missing = 0;
+  ExitCode code = ExitCode::done;
+  for (const PlannedRun& run : plan.runs) {
+    const Outcome& outcome = results.outcome.at(run.name);
+    missing += outcome.state == Outcome::State::missing;
+    if (outcome.state != Outcome::State::failed) continue;
+    if (failed++ == 0)
+      code = outcome.exit_code > 0 ? static_cast<ExitCode>(outcome.exit_code) : ExitCode::solver_fault;
+  }
+  const auto judged =
+      std::count_if(checks.begin(), checks.end(), [](const CheckResult& c) { return c.pass.has_value(); });
+  const auto passed = std::count_if(checks.begin(), checks.end(),
+                                    [](const CheckResult& c) { return c.pass.value_or(false); });
+  fmt::print("\n{}  {} of {} runs, {} of {} checks pass, {}\n", stop.requested() ? "interrupted" : "done",
+             static_cast<int>(plan.runs.size()) - failed - missing, plan.runs.size(), passed, judged,
+             duration_text(seconds));
+  fmt::print("  table   {}\n  all     {}\n", (folder / "study.csv").string(),
+             (folder / "study.json").string());
+  if (failed > 0) fmt::print("  logs    {}\n", (folder / "*.log").string());
+  fmt::print("  next    {}\n", stop.requested() || failed > 0
+                                   ? "the same command goes on where this one stopped"
+                                   : fmt::format("strake report {}", folder.string()));
+  if (stop.requested()) return stop.code();
+  if (failed == 0 && options.strict && passed != judged) return ExitCode::outside_tolerance;
+  return code;
+}
+
 }  // namespace
 
 ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
@@ -269,32 +315,7 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
     print_claims(claims);
   }
   print_checks(checks);
-
-  int failed = 0, missing = 0;
-  ExitCode code = ExitCode::done;
-  for (const PlannedRun& run : plan.runs) {
-    const Outcome& outcome = results.outcome.at(run.name);
-    missing += outcome.state == Outcome::State::missing;
-    if (outcome.state != Outcome::State::failed) continue;
-    if (failed++ == 0)
-      code = outcome.exit_code > 0 ? static_cast<ExitCode>(outcome.exit_code) : ExitCode::solver_fault;
-  }
-  const auto judged =
-      std::count_if(checks.begin(), checks.end(), [](const CheckResult& c) { return c.pass.has_value(); });
-  const auto passed = std::count_if(checks.begin(), checks.end(),
-                                    [](const CheckResult& c) { return c.pass.value_or(false); });
-  fmt::print("\n{}  {} of {} runs, {} of {} checks pass, {}\n", stop.requested() ? "interrupted" : "done",
-             static_cast<int>(plan.runs.size()) - failed - missing, plan.runs.size(), passed, judged,
-             duration_text(seconds));
-  fmt::print("  table   {}\n  all     {}\n", (folder / "study.csv").string(),
-             (folder / "study.json").string());
-  if (failed > 0) fmt::print("  logs    {}\n", (folder / "*.log").string());
-  fmt::print("  next    {}\n", stop.requested() || failed > 0
-                                   ? "the same command goes on where this one stopped"
-                                   : fmt::format("strake report {}", folder.string()));
-  if (stop.requested()) return stop.code();
-  if (failed == 0 && options.strict && passed != judged) return ExitCode::outside_tolerance;
-  return code;
+  return close_study(options, stop, results, checks, folder, seconds);
 }
 
 }  // namespace strake

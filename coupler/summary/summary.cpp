@@ -85,7 +85,7 @@ void Summary::add(const CommittedWindow& window) {
   unconverged_ += report.converged ? 0 : 1;
   taken_back_ += window.taken_back;
   coupled_ = coupled_ || !report.log.empty() || (!report.fluid.empty() && !report.structure.empty());
-  work_gap_ = std::max(work_gap_, report.work_gap());
+  work_gap_ = std::max(work_gap_, report.work.gap());
   fluid_ = report.fluid;
   structure_ = report.structure;
   results_.clear();  // a metric that a probe no longer reports is withdrawn

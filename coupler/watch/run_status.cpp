@@ -17,7 +17,9 @@
 #include <sstream>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <tuple>
 #include <unistd.h>
+#include <utility>
 
 namespace strake::watch {
 namespace {
@@ -62,6 +64,26 @@ bool holds_a_run(const fs::path& folder) {
   std::error_code error;
   return fs::exists(folder / "run.json", error) || fs::exists(folder / "case.toml", error) ||
          fs::exists(folder / "coupler.log", error);
+}
+
+/// The state of a run that recorded its end, and its sentence; at: the last window.
+std::pair<State, std::string> how_it_ended(int exit_code, const std::string& at) {
+  switch (exit_code) {
+    case 0:
+      return {State::finished, "finished"};
+    case 1:
+      return {State::finished, "finished, outside tolerance"};
+    case 129:
+    case 130:
+    case 143:
+      return {State::stopped, fmt::format("stopped before its end by {}, after {}",
+                                          exit_code == 130   ? "Ctrl-C"
+                                          : exit_code == 129 ? "SIGHUP"
+                                                             : "SIGTERM",
+                                          at)};
+    default:
+      return {State::failed, fmt::format("failed after {}, exit code {}", at, exit_code)};
+  }
 }
 
 }  // namespace
@@ -208,25 +230,7 @@ void WatchedRun::judge() {
     g.words = std::move(words);
   };
   if (ended && g.exit_code) {
-    switch (*g.exit_code) {
-      case 0:
-        set(State::finished, "finished");
-        break;
-      case 1:
-        set(State::finished, "finished, outside tolerance");
-        break;
-      case 129:
-      case 130:
-      case 143:
-        set(State::stopped, fmt::format("stopped before its end by {}, after {}",
-                                        *g.exit_code == 130   ? "Ctrl-C"
-                                        : *g.exit_code == 129 ? "SIGHUP"
-                                                              : "SIGTERM",
-                                        at));
-        break;
-      default:
-        set(State::failed, fmt::format("failed after {}, exit code {}", at, *g.exit_code));
-    }
+    std::tie(g.state, g.words) = how_it_ended(*g.exit_code, at);
     return;
   }
   const std::string nothing = fmt::format("nothing written for {}", duration_text(g.silence));

@@ -38,8 +38,8 @@ CommittedWindow plate_window(long number, bool output) {
   window.report.iterations = 4;
   window.report.residual = 3.1e-5;
   window.report.converged = true;
-  window.report.work_fluid = 1.0;
-  window.report.work_structure = 1.0 + 0x1p-52;
+  window.report.work.fluid = 1.0;
+  window.report.work.structure = 1.0 + 0x1p-52;
   window.report.structure = {{"mid.y", 1.93e-4}, {"mid.x", 0.0}};
   window.report.fluid = {{"p_mid", 2.5e4}, {"cfl", 0.18}, {"pressure_iterations", 41}};
   return window;

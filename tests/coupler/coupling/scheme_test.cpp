@@ -88,8 +88,8 @@ TEST(Scheme, ReportsWorkForceMonitorsAndTheShorterLimit) {
   Rigid rigid(-2);
   Scheme scheme = rigid.scheme();
   const WindowReport report = scheme.advance({0, dt});
-  EXPECT_NEAR(report.work_fluid, -2 * dt * 9, 1e-12);
-  EXPECT_LE(report.work_gap(), 1e-12);
+  EXPECT_NEAR(report.work.fluid, -2 * dt * 9, 1e-12);
+  EXPECT_LE(report.work.gap(), 1e-12);
   EXPECT_EQ(report.force(1, 2), 5);
   EXPECT_EQ(report.log.front().force.y(), 9);
   EXPECT_EQ(report.dt_limit, 0.02);
@@ -108,7 +108,7 @@ TEST(Scheme, GivesTheLastMotionAsItIsToAnExplicitFluidThatIsNotPredicted) {
     // The answer has moved on by 2 dt per point; its velocity by nothing.
     EXPECT_NEAR(report.residual, 2 * dt, 1e-15);
     EXPECT_NEAR(report.threshold, std::max(1e-8, 1e-4 * 2 * dt), 1e-15);
-    EXPECT_NEAR(report.work_unconverged, -2 * dt * 9, 1e-12);
+    EXPECT_NEAR(report.work.unconverged, -2 * dt * 9, 1e-12);
     scheme.commit(false);
     const Sample& told = rigid.fluid.told.back();
     EXPECT_DOUBLE_EQ(told.time, (w + 1) * dt);

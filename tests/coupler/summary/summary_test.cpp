@@ -21,8 +21,8 @@ CommittedWindow window_with(int iterations, bool converged, double work_fluid, d
   window.time = 0.5;
   window.report.iterations = iterations;
   window.report.converged = converged;
-  window.report.work_fluid = work_fluid;
-  window.report.work_structure = work_structure;
+  window.report.work.fluid = work_fluid;
+  window.report.work.structure = work_structure;
   window.report.fluid = {{"count.fluid", 10000},    {"count.steps", 12},           {"seconds.pressure", 1.5},
                          {"p_mid:impulse", 1294.3}, {"check.momentum_gap", 1e-13}, {"memory.peak", 1e8}};
   window.report.structure = {

@@ -89,7 +89,7 @@ Result fall(double ratio, const std::string& kind, bool aside) {
     run.mean_iterations += static_cast<double>(report.iterations) / windows;
     run.unconverged += report.converged ? 0 : 1;
     run.energy_error = std::max(run.energy_error, std::abs(energy() / start - 1));
-    run.work_gap = std::max(run.work_gap, report.work_gap());
+    run.work_gap = std::max(run.work_gap, report.work.gap());
   }
   run.fall = body.displacement_at(centre).y();
   run.angle = body.monitor().at("body.angle");

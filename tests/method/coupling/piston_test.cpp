@@ -55,7 +55,7 @@ Result ten_periods(double mu, const std::string& kind, double relative, bool sen
     run.mean_iterations += report.iterations / 1000.0;
     run.max_iterations = std::max(run.max_iterations, report.iterations);
     if (!report.converged) ++run.unconverged;
-    run.work_gap = std::max(run.work_gap, report.work_gap());
+    run.work_gap = std::max(run.work_gap, report.work.gap());
     const double x = report.displacement(1, 0);
     if (before > 0 && x <= 0) crossings.push_back((w + before / (before - x)) * dt);
     before = x;
