@@ -83,57 +83,41 @@ void Canvas::square(double x, double y, double half, const Colour& colour) {
   fill_rectangle(x - half, y - half, 2 * half, 2 * half, colour);
 }
 
-void Canvas::polygon(const std::vector<Place>& corner, const Colour& colour) {
-  parts_->colour(colour);
-  parts_->walk(corner);
-  cairo_close_path(parts_->at());
-  cairo_fill_preserve(parts_->at());
-  cairo_set_line_width(parts_->at(), 0.5);
-  cairo_stroke(parts_->at());
-}
-
-void Canvas::line(const std::vector<Place>& points, double width, const Colour& colour) {
-  parts_->colour(colour);
-  cairo_set_line_width(parts_->at(), width);
-  cairo_set_line_cap(parts_->at(), CAIRO_LINE_CAP_SQUARE);  // facets of an outline meet without a notch
+void Canvas::path(const std::vector<Place>& points, const Style& style, const std::string& /*title*/) {
+  parts_->colour(style.colour);
   parts_->walk(points);
-  cairo_stroke(parts_->at());
-}
-
-void Canvas::curve(const std::vector<Place>& points, double width, const Colour& colour,
-                   const std::vector<double>& dashes) {
-  parts_->colour(colour);
-  cairo_set_line_width(parts_->at(), width);
-  cairo_set_line_cap(parts_->at(), CAIRO_LINE_CAP_BUTT);
+  if (style.filled) {
+    cairo_close_path(parts_->at());
+    cairo_fill_preserve(parts_->at());
+  }
+  // Edges in the colour of the inside, so that neighbours leave no gap; facets of an outline meet without a
+  // notch.
+  cairo_set_line_width(parts_->at(), style.filled ? 0.5 : style.width);
+  cairo_set_line_cap(parts_->at(), style.dashes.empty() ? CAIRO_LINE_CAP_SQUARE : CAIRO_LINE_CAP_BUTT);
   cairo_set_line_join(parts_->at(), CAIRO_LINE_JOIN_ROUND);
-  cairo_set_dash(parts_->at(), dashes.data(), static_cast<int>(dashes.size()), 0);
-  parts_->walk(points);
+  cairo_set_dash(parts_->at(), style.dashes.data(), static_cast<int>(style.dashes.size()), 0);
   cairo_stroke(parts_->at());
   cairo_set_dash(parts_->at(), nullptr, 0, 0);
 }
 
-void Canvas::ring(double x, double y, double radius, double width, const Colour& colour) {
-  parts_->colour(colour);
+void Canvas::circle(const Place& centre, double radius, const Style& style) {
+  parts_->colour(style.colour);
   cairo_new_sub_path(parts_->at());
-  cairo_arc(parts_->at(), x, y, radius, 0, 2 * std::numbers::pi);
-  cairo_set_line_width(parts_->at(), width);
+  cairo_arc(parts_->at(), centre.x, centre.y, radius, 0, 2 * std::numbers::pi);
+  cairo_set_line_width(parts_->at(), style.width);
   cairo_stroke(parts_->at());
 }
 
-void Canvas::text_upwards(double x, double y, const std::string& what, double size) {
-  cairo_save(parts_->at());
-  cairo_translate(parts_->at(), x, y);
-  cairo_rotate(parts_->at(), -0.5 * std::numbers::pi);
-  text(0, 0, what, size, Align::centre);
-  cairo_restore(parts_->at());
-}
-
 void Canvas::text(double x, double y, const std::string& text, double size, Align align, bool bold) {
+  cairo_save(parts_->at());
   parts_->colour({0.11, 0.13, 0.16});
   choose_font(parts_->at(), size, bold);
-  const double shift = align == Align::left ? 0 : text_width(text, size, bold);
-  cairo_move_to(parts_->at(), x - (align == Align::centre ? 0.5 * shift : shift), y);
+  const double width = align == Align::left ? 0 : text_width(text, size, bold);
+  cairo_translate(parts_->at(), x, y);
+  if (align == Align::upwards) cairo_rotate(parts_->at(), -0.5 * std::numbers::pi);
+  cairo_move_to(parts_->at(), align == Align::right ? -width : -0.5 * width, 0);
   cairo_show_text(parts_->at(), text.c_str());
+  cairo_restore(parts_->at());
 }
 
 double Canvas::text_width(const std::string& text, double size, bool bold) {

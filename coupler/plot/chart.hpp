@@ -18,4 +18,7 @@ struct ChartOptions {
 /// peaks are rings. Plots without a point in their window are left out; empty if none is left.
 std::string chart(const std::vector<report::Plot>&, const ChartOptions&, Canvas::Kind);
 
+/// The same of one plot as a figure of a page, with the legend as its caption.
+std::string figure(const report::Plot&);
+
 }  // namespace strake::picture

@@ -39,22 +39,11 @@ Curve column_of(const Table& table, const std::string& name) {
   return curve;
 }
 
-std::string unit_of(const Table& table, const std::string& name) {
-  for (const Column& column : table.columns)
-    if (column.name == name) return column.unit;
-  return {};
-}
-
-/// "deflection" of "mid.y", if the case requests it; otherwise empty.
+/// "deflection" of "mid.y", as the case asks for it; empty where it does not.
 std::string quantity_of(const std::string& column, const std::vector<ProbeKeys>& probes) {
   for (const ProbeKeys& probe : probes)
     if (column == probe.name || column.starts_with(probe.name + ".")) return probe.quantity;
   return {};
-}
-
-bool holds(const Table& table, const std::string& name) {
-  return std::any_of(table.columns.begin(), table.columns.end(),
-                     [&](const Column& column) { return column.name == name; });
 }
 
 }  // namespace
@@ -100,7 +89,8 @@ std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>& block
                                           const std::string& run_name, const std::vector<ProbeKeys>& probes) {
   std::vector<report::Plot> plots;
   for (const CompareBlock& block : blocks) {
-    if (data.history == nullptr || !holds(*data.history, block.probe)) continue;
+    const auto column = data.history == nullptr ? std::nullopt : data.history->find(block.probe);
+    if (!column) continue;
     const std::string quantity = quantity_of(block.probe, probes);
     const std::string title = quantity.empty() ? block.probe : quantity + " " + block.probe;
     const auto same = [&](const report::Plot& plot) { return plot.title == title; };
@@ -111,7 +101,7 @@ std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>& block
       fresh.y_name = quantity.empty() ? block.probe : quantity;
       fresh.x_name = "time";
       fresh.x_unit = "s";
-      fresh.y_unit = unit_of(*data.history, block.probe);
+      fresh.y_unit = data.history->columns[*column].unit;
       report::Series own = {.name = run_name, .curve = column_of(*data.history, block.probe)};
       const auto value = data.monitor.find(block.probe + ":first_peak"),
                  time = data.monitor.find(block.probe + ":time_of_first_peak");
@@ -133,7 +123,8 @@ std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>& block
       plot->series.push_back({.name = block.file.stem().string() + ", " + block.kind,
                               .curve = reference_curve(block),
                               .style = static_cast<int>(plot->series.size()),
-                              .dots = true});
+                              .dots = true,
+                              .line = false});
   }
   return plots;
 }

@@ -10,7 +10,6 @@
 namespace strake::picture {
 namespace {
 
-using Align = Canvas::Align;
 constexpr double left_margin = 62, right_margin = 18, top_margin = 58, axis_height = 46, bar_height = 58;
 constexpr double small = 12, normal = 13, large = 17;  // [px] letters
 constexpr std::size_t most_shapes = 5'000;             // of an SVG; more marks become an image
@@ -85,37 +84,26 @@ void draw_cells(Canvas& canvas, const Frame& f, const Scene& scene, const Range&
     corner.clear();
     for (const Place& p : patch.corner) corner.push_back(f(p));
     const Colour colour = colour_of(patch.value, range, true);
-    if (corner.size() == 2)
-      canvas.line(corner, 2.5, colour);
-    else
-      canvas.polygon(corner, colour);
+    canvas.path(corner, {.colour = colour, .width = 2.5, .filled = corner.size() > 2});
   }
-}
-
-/// About so many round numbers, but at least two: one tick shows no scale.
-std::vector<double> ticks(double lo, double hi, double wanted) {
-  std::vector<double> found;
-  for (int more = 0; found.size() < 2 && more < 4; ++more)
-    found = round_ticks(lo, hi, std::max(2, static_cast<int>(wanted)) + more);
-  return found;
 }
 
 void draw_axes(Canvas& canvas, const Frame& f) {
-  canvas.line(
+  canvas.path(
       {{f.x, f.y}, {f.x + f.width, f.y}, {f.x + f.width, f.y + f.height}, {f.x, f.y + f.height}, {f.x, f.y}},
-      1, grey);
+      {.colour = grey});
   const double distance = f.height < 120 ? 40 : 60;
-  const auto along = ticks(f.view.left, f.view.right, f.width / 90);
-  const auto up = ticks(f.view.low, f.view.high, f.height / distance);
-  for (const double t : along) {
+  const auto along = text_ticks(f.view.left, f.view.right, f.width / 90);
+  const auto up = text_ticks(f.view.low, f.view.high, f.height / distance);
+  for (const auto& [t, text] : along) {
     const double x = f({t, 0}).x, y = f.y + f.height;
-    canvas.line({{x, y}, {x, y + 5}}, 1, dark);
-    canvas.text(x, y + 19, tick_text(t, along.size() > 1 ? along[1] - along[0] : 0), small, Align::centre);
+    canvas.path({{x, y}, {x, y + 5}}, {.colour = dark});
+    canvas.text(x, y + 19, text, small, Align::centre);
   }
-  for (const double t : up) {
+  for (const auto& [t, text] : up) {
     const double y = f({0, t}).y;
-    canvas.line({{f.x - 5, y}, {f.x, y}}, 1, dark);
-    canvas.text(f.x - 8, y + 4, tick_text(t, up.size() > 1 ? up[1] - up[0] : 0), small, Align::right);
+    canvas.path({{f.x - 5, y}, {f.x, y}}, {.colour = dark});
+    canvas.text(f.x - 8, y + 4, text, small, Align::right);
   }
   canvas.text(f.x + 0.5 * f.width, f.y + f.height + 37, "x [m]", small, Align::centre);
   canvas.text(f.x - 8, f.y - 10, "y [m]", small, Align::right);
@@ -151,11 +139,10 @@ void draw_bar(Canvas& canvas, double x, double y, double width, const Quantity& 
                           solid ? solid_colour(s) : water_colour(s));
   }
   const double lo = prefix.factor * range.lo, hi = prefix.factor * range.hi;
-  const auto ticks = round_ticks(lo, hi, std::max(2, static_cast<int>(width / 80)));
-  for (const double t : ticks) {
+  for (const auto& [t, text] : text_ticks(lo, hi, width / 80)) {
     const double at = x + width * (t - lo) / (hi - lo);
-    canvas.line({{at, y + 31}, {at, y + 35}}, 1, dark);
-    canvas.text(at, y + 48, tick_text(t, ticks.size() > 1 ? ticks[1] - ticks[0] : 0), small, Align::centre);
+    canvas.path({{at, y + 31}, {at, y + 35}}, {.colour = dark});
+    canvas.text(at, y + 48, text, small, Align::centre);
   }
 }
 

@@ -16,6 +16,7 @@ struct Series {
   int style = 0;
   std::optional<CurvePoint> marker = {};  // a ring: the first peak
   bool dots = false;                      // a dot at each sample (convergence, measured points)
+  bool line = true;                       // between the samples
 };
 
 /// An expected value of a curve: a dashed line across the plot, or over its own part of x.
@@ -34,9 +35,5 @@ struct Plot {
   std::optional<std::pair<double, double>> window = {};  // of x; all
   bool logarithmic = false;                              // both axes
 };
-
-/// A figure: inline SVG with axes, units and markers, and the legend as its caption. Nothing where no curve
-/// has a point in the window.
-std::string figure(const Plot&);
 
 }  // namespace strake::report

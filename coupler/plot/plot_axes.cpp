@@ -45,10 +45,8 @@ std::vector<std::pair<double, std::string>> Axis::ticks(int wanted) const {
           marks.emplace_back(m * power, fmt::format("{:.3g}", prefix.factor * m * power));
   }
   if (marks.size() > 2) return marks;
-  marks.clear();
-  const auto round = round_ticks(prefix.factor * lo, prefix.factor * hi, wanted);
-  for (const double t : round)
-    marks.emplace_back(t / prefix.factor, tick_text(t, round.size() > 1 ? round[1] - round[0] : 0));
+  marks = text_ticks(prefix.factor * lo, prefix.factor * hi, wanted);
+  for (auto& [value, text] : marks) value /= prefix.factor;
   return marks;
 }
 

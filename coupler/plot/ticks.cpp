@@ -22,6 +22,16 @@ std::vector<double> round_ticks(double lo, double hi, int wanted) {
   return ticks;
 }
 
+std::vector<std::pair<double, std::string>> text_ticks(double lo, double hi, double wanted) {
+  std::vector<double> round;
+  for (int more = 0; round.size() < 2 && more < 4; ++more)
+    round = round_ticks(lo, hi, std::max(2, static_cast<int>(wanted)) + more);
+  std::vector<std::pair<double, std::string>> ticks;
+  for (const double t : round)
+    ticks.emplace_back(t, tick_text(t, round.size() > 1 ? round[1] - round[0] : 0));
+  return ticks;
+}
+
 Prefix prefix_for(double largest, const std::string& unit) {
   // Powers of a unit ("m^2") and pure numbers are written as they are.
   const bool plain = unit.empty() || unit == "1" || unit.find('^') != std::string::npos || unit == "kg" ||

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace strake {
 
 /// Round numbers (1, 2 or 5 times a power of ten apart) within [lo, hi], about `wanted` of them.
 std::vector<double> round_ticks(double lo, double hi, int wanted);
+/// About so many round numbers, but two at least where there are, since one tick tells no scale; each with
+/// its text.
+std::vector<std::pair<double, std::string>> text_ticks(double lo, double hi, double wanted);
 /// A power of ten that units are given in (kPa, mm): factor 1e-3 and prefix "k" for values of thousands.
 struct Prefix {
   double factor = 1;  // shown = factor · value

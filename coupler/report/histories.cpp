@@ -1,6 +1,6 @@
 // Histories of all runs in one plot per quantity, whole and around the first peak.
+#include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/plot/plot.hpp"
 #include "coupler/report/sections.hpp"
 
 #include <fmt/format.h>
@@ -185,11 +185,11 @@ std::string history_figures(const std::vector<Recorded>& runs, const std::string
       if (series.curve.size() > 0) plot.series.push_back(std::move(series));
     }
     plot.references = lines_for(runs, recording.column);
-    body += figure(plot);
+    body += picture::figure(plot);
     plot.window = around_first_peak(runs, recording.column);
     if (!plot.window) continue;
     plot.title += ", around the first peak";
-    body += figure(plot);
+    body += picture::figure(plot);
   }
   return body.empty() ? body : "<div class=\"figures\">\n" + body + "</div>\n";
 }

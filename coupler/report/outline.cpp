@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace strake::report {
@@ -11,6 +12,64 @@ namespace {
 
 using picture::Place;
 using Key = std::pair<std::int64_t, std::int64_t>;  // a corner, rounded so that neighbours agree on it
+
+/// Edges between corners; corners nearer than a tenth of the shortest edge are one.
+class Edges {
+ public:
+  explicit Edges(double shortest) : grain_(0.1 * shortest) {}
+  void add(const Place& a, const Place& b) {
+    const Key from = key(a), to = key(b);
+    corner_[from] = a;
+    corner_[to] = b;
+    if (from != to) edges_.emplace(from, to);
+  }
+  /// Leaves out what two cells walk, each its way: that lies inside.
+  void drop_inner() {
+    const auto all = edges_;
+    std::erase_if(edges_, [&](const auto& edge) { return all.contains({edge.second, edge.first}); });
+  }
+  /// Chains of edges end to end, of three corners or more. both_ways: an edge may be walked from either end.
+  std::vector<std::vector<Place>> chains(bool both_ways) {
+    std::multimap<Key, Key> next;
+    for (const auto& [from, to] : edges_) {
+      next.emplace(from, to);
+      if (both_ways) next.emplace(to, from);
+    }
+    std::vector<std::vector<Place>> found;
+    while (!next.empty()) {
+      std::vector<Place> chain;
+      for (Key at = next.begin()->first;;) {
+        const auto step = next.find(at);
+        if (step == next.end()) {
+          if (both_ways) chain.push_back(corner_[at]);
+          break;
+        }
+        chain.push_back(corner_[at]);
+        const Key to = step->second;
+        next.erase(step);
+        if (both_ways) drop(next, to, at);
+        at = to;
+      }
+      if (chain.size() >= 3) found.push_back(std::move(chain));
+    }
+    return found;
+  }
+
+ private:
+  Key key(const Place& p) const { return {std::llround(p.x / grain_), std::llround(p.y / grain_)}; }
+  static void drop(std::multimap<Key, Key>& next, const Key& from, const Key& to) {
+    const auto [begin, end] = next.equal_range(from);
+    const auto found = std::find_if(begin, end, [&](const auto& edge) { return edge.second == to; });
+    if (found != end) next.erase(found);
+  }
+  double grain_;
+  std::map<Key, Place> corner_;
+  std::set<std::pair<Key, Key>> edges_;  // walked from a to b
+};
+
+double length(const Place& a, const Place& b) {
+  return std::hypot(b.x - a.x, b.y - a.y);
+}
 
 bool straight(const Place& a, const Place& b, const Place& c) {
   const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - b.x, vy = c.y - b.y;
@@ -48,92 +107,30 @@ std::vector<std::vector<Place>> walks(const picture::Scene& scene) {
   return walks;
 }
 
-/// Two-point cells (the facets of a rigid outline, or their sections) joined end to end, whatever their
-/// order.
-std::vector<std::vector<Place>> lines(const picture::Scene& scene) {
-  double shortest = 1e300;
-  for (const picture::Patch& patch : scene.cells)
-    if (patch.corner.size() == 2)
-      shortest = std::min(shortest, std::max(1e-6, std::hypot(patch.corner[1].x - patch.corner[0].x,
-                                                              patch.corner[1].y - patch.corner[0].y)));
-  const double grain = 0.1 * shortest;
-  const auto key = [&](const Place& p) { return Key(std::llround(p.x / grain), std::llround(p.y / grain)); };
-  std::map<Key, Place> corner;
-  std::multimap<Key, Key> neighbour;  // both ways
-  for (const picture::Patch& patch : scene.cells) {
-    if (patch.corner.size() != 2) continue;
-    const Key a = key(patch.corner[0]), b = key(patch.corner[1]);
-    corner[a] = patch.corner[0];
-    corner[b] = patch.corner[1];
-    if (a == b) continue;
-    neighbour.emplace(a, b);
-    neighbour.emplace(b, a);
-  }
-  const auto take = [&](const Key& from, const Key& to) {
-    const auto [begin, end] = neighbour.equal_range(from);
-    for (auto it = begin; it != end; ++it)
-      if (it->second == to) {
-        neighbour.erase(it);
-        return;
-      }
-  };
-  std::vector<std::vector<Place>> found;
-  while (!neighbour.empty()) {
-    std::vector<Place> line;
-    for (Key at = neighbour.begin()->first;;) {
-      line.push_back(corner[at]);
-      const auto step = neighbour.find(at);
-      if (step == neighbour.end()) break;
-      const Key to = step->second;
-      neighbour.erase(step);
-      take(to, at);
-      at = to;
-    }
-    if (line.size() >= 3) found.push_back(std::move(line));
-  }
-  return found;
-}
-
 }  // namespace
 
 std::vector<std::vector<Place>> outline(const picture::Scene& scene) {
   const auto cells = walks(scene);
-  double shortest = 1e300;
+  double shortest = 1e300, shortest_line = 1e300;
   for (const auto& walk : cells)
-    for (std::size_t i = 0; i < walk.size(); ++i) {
-      const Place &a = walk[i], &b = walk[(i + 1) % walk.size()];
-      const double length = std::hypot(b.x - a.x, b.y - a.y);
-      if (length > 0) shortest = std::min(shortest, length);
-    }
-  const double grain = 0.1 * shortest;
-  const auto key = [&](const Place& p) { return Key(std::llround(p.x / grain), std::llround(p.y / grain)); };
+    for (std::size_t i = 0; i < walk.size(); ++i)
+      if (const double l = length(walk[i], walk[(i + 1) % walk.size()]); l > 0)
+        shortest = std::min(shortest, l);
+  for (const picture::Patch& patch : scene.cells)
+    if (patch.corner.size() == 2)
+      shortest_line = std::min(shortest_line, std::max(1e-6, length(patch.corner[0], patch.corner[1])));
 
-  std::map<Key, Place> corner;
-  std::map<std::pair<Key, Key>, int> edges;  // walked from a to b
+  Edges around(shortest), lines(shortest_line);
   for (const auto& walk : cells)
-    for (std::size_t i = 0; i < walk.size(); ++i) {
-      const Place &a = walk[i], &b = walk[(i + 1) % walk.size()];
-      corner[key(a)] = a;
-      if (key(a) != key(b)) ++edges[{key(a), key(b)}];
-    }
-  std::multimap<Key, Key> next;
-  for (const auto& [edge, times] : edges)
-    if (!edges.contains({edge.second, edge.first})) next.emplace(edge.first, edge.second);
+    for (std::size_t i = 0; i < walk.size(); ++i) around.add(walk[i], walk[(i + 1) % walk.size()]);
+  around.drop_inner();
+  // The facets of a rigid outline, or their sections, in whatever order they come.
+  for (const picture::Patch& patch : scene.cells)
+    if (patch.corner.size() == 2) lines.add(patch.corner[0], patch.corner[1]);
 
   std::vector<std::vector<Place>> loops;
-  while (!next.empty()) {
-    const Key start = next.begin()->first;
-    std::vector<Place> loop;
-    for (Key at = start;;) {
-      const auto step = next.find(at);
-      if (step == next.end()) break;
-      loop.push_back(corner[at]);
-      at = step->second;
-      next.erase(step);
-    }
-    if (loop.size() >= 3) loops.push_back(without_straight_corners(loop));
-  }
-  for (auto& line : lines(scene)) loops.push_back(without_straight_corners(line));
+  for (const auto& chain : around.chains(false)) loops.push_back(without_straight_corners(chain));
+  for (const auto& chain : lines.chains(true)) loops.push_back(without_straight_corners(chain));
   return loops;
 }
 

@@ -1,7 +1,7 @@
 #include "coupler/report/study_sections.hpp"
 
+#include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/plot/plot.hpp"
 #include "coupler/report/sections.hpp"
 
 #include <fmt/format.h>
@@ -155,12 +155,12 @@ std::string study_convergence(const StudyData& study) {
       }
     }
     plot.series.push_back(size);
-    figures += figure(plot);
+    figures += picture::figure(plot);
     if (error.curve.size() > 1) {
       plot.title += ", distance from the extrapolated value";
       plot.y_name = "distance of " + item.probe + " " + words(item.metric);
       plot.series = {error};
-      figures += figure(plot);
+      figures += picture::figure(plot);
     }
     table.row({escape(item.title), escape(item.axis), escape(item.probe + " " + words(item.metric)),
                number_cell(finest, plot.y_unit), number_cell(item.extrapolated, plot.y_unit),

@@ -1,6 +1,5 @@
 #include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/plot/plot.hpp"
 #include "coupler/report/outline.hpp"
 #include "coupler/report/sketch.hpp"
 
@@ -12,6 +11,8 @@
 
 namespace strake::report {
 namespace {
+
+using picture::figure;
 
 std::size_t count(const std::string& text, const std::string& word) {
   std::size_t n = 0;
