@@ -232,7 +232,8 @@ std::string study_runs(const StudyData& study, const RunsByName& runs) {
     std::string said;
     if (const auto found = runs.find(run.name); found != runs.end()) {
       for (const std::string& problem : found->second.problems) said += (said.empty() ? "" : "; ") + problem;
-      if (!found->second.origin.error.empty()) said += (said.empty() ? "" : "; ") + found->second.origin.error;
+      if (!found->second.origin.error.empty())
+        said += (said.empty() ? "" : "; ") + found->second.origin.error;
     } else {
       said = "its folder holds no run";
     }

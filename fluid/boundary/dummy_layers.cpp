@@ -31,10 +31,12 @@ void Boundary<dim>::add_layers(const InterfaceMesh& partner, State<dim>& state) 
   if constexpr (dim == 3) {
     body_surface_ = BodySurface3d(partner, spacing_, reach_);
     mesh_ = body_surface_.mesh();
-    const auto m = static_cast<std::size_t>(body_surface_.points()), rows = body_surface_.layer_particles().size();
+    const auto m = static_cast<std::size_t>(body_surface_.points()),
+               rows = body_surface_.layer_particles().size();
     append(state, Kind::interface, m);
     append(state, Kind::dummy_interface, rows - m);
-    for (const BodySurface3d::LayerParticle& row : body_surface_.layer_particles()) point_of_.push_back(row.point);
+    for (const BodySurface3d::LayerParticle& row : body_surface_.layer_particles())
+      point_of_.push_back(row.point);
     const Points zero = Points::Zero(3, mesh_.position.cols());
     move(state, zero, zero, true);
   } else {

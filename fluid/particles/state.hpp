@@ -63,15 +63,15 @@ struct State {
 
   /// Lists the members that hold one entry per particle, by their names in a checkpoint.
   static constexpr auto columns() {
-    return std::tuple(std::pair("position", &State::position),                        //
-                      std::pair("velocity", &State::velocity),                        //
-                      std::pair("pressure", &State::pressure),                        //
-                      std::pair("residual_divergence", &State::residual_divergence),  //
-                      std::pair("residual_approach", &State::residual_wall_velocity),      //
-                      std::pair("sps_k", &State::sps_k),                              //
-                      std::pair("kind", &State::kind),                                //
-                      std::pair("id", &State::id),                                    //
-                      std::pair("surface", &State::surface),                          //
+    return std::tuple(std::pair("position", &State::position),                         //
+                      std::pair("velocity", &State::velocity),                         //
+                      std::pair("pressure", &State::pressure),                         //
+                      std::pair("residual_divergence", &State::residual_divergence),   //
+                      std::pair("residual_approach", &State::residual_wall_velocity),  //
+                      std::pair("sps_k", &State::sps_k),                               //
+                      std::pair("kind", &State::kind),                                 //
+                      std::pair("id", &State::id),                                     //
+                      std::pair("surface", &State::surface),                           //
                       std::pair("aired", &State::air_connected));
   }
   /// Lists all other members likewise.

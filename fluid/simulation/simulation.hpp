@@ -45,7 +45,7 @@ class Simulation {
   const InterfaceMesh& interface() const;
   double stable_dt() const;  // [s] at the present state
   const State<dim>& state() const;
-  void set_state(const State<dim>&);  // invalidates neighbour lists and factorisations
+  void set_state(const State<dim>&);      // invalidates neighbour lists and factorisations
   bool is_removed(std::int64_t i) const;  // particle i has left the tank
   /// Wall seconds per stage since construction: neighbours, predictor, density, pressure, corrector, load.
   const std::map<std::string, double>& seconds() const;

@@ -127,7 +127,7 @@ typename ParticleSolver<dim>::Vector ParticleSolver<dim>::held_place(const Frame
 
 template <int dim>
 typename ParticleSolver<dim>::Vector ParticleSolver<dim>::constrained_velocity(const FrameState& frame,
-                                                                        Eigen::Index i) const {
+                                                                               Eigen::Index i) const {
   Eigen::Vector3d X = Eigen::Vector3d::Zero();
   X.head<dim>() = lattice_.position.col(i);
   return (frame.velocity + frame_.turning(frame, X)).template head<dim>();
