@@ -1,9 +1,9 @@
 #include "coupler/case/case_queries.hpp"
 #include "coupler/case/case_view.hpp"
 #include "coupler/commands/commands.hpp"
+#include "coupler/commands/compare_plot.hpp"
 #include "coupler/compare/compare.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/plot/compare_plot.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>

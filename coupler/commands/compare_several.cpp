@@ -1,8 +1,8 @@
 #include "coupler/commands/commands.hpp"
+#include "coupler/commands/compare_plot.hpp"
 #include "coupler/compare/comparison.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/console/join.hpp"
-#include "coupler/plot/compare_plot.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/visible.hpp"
 

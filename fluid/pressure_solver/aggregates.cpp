@@ -59,8 +59,8 @@ void cut_to_median(const PressureSystem& system, const Vectors<dim>& position, d
 }  // namespace
 
 /// Cells of a box around the unknowns. Where a few far particles would make it much larger than the water,
-/// the box is one around the median, and particles outside are sorted into its edge cells: clamping moves no
-/// two particles apart, so rows still reach only adjacent cells.
+/// the box is one around the median. Particles outside are sorted into its edge cells. Clamping moves no two
+/// particles apart, so rows still reach only adjacent cells.
 template <int dim>
 void Aggregates<dim>::sort(const PressureSystem& system, const Vectors<dim>& position, double cell_size,
                            double full) {

@@ -1,4 +1,4 @@
-#include "coupler/plot/compare_plot.hpp"
+#include "coupler/commands/compare_plot.hpp"
 
 #include "coupler/plot/chart.hpp"
 #include "proto/error.hpp"
