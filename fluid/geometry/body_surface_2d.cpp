@@ -113,8 +113,8 @@ void BodySurface2d::add_edges(const InterfaceMesh& partner, const std::vector<in
     edge.vertex = edge.first + static_cast<int>(edges_.size());
     edge.closed = closed;
     if (!closed) {
-      edge.start_angle = std::numbers::pi - turn[begin];
-      edge.end_angle = std::numbers::pi - turn[end % n];
+      edge.start_angle = std::numbers::pi - angle[begin];
+      edge.end_angle = std::numbers::pi - angle[end % n];
     }
     edge.piece = length.back() / edge.count;
     reference_.conservativeResize(2, edge.first + edge.count);
