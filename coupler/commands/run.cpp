@@ -54,7 +54,7 @@ struct RunMessages {
     reporter.note(line);
   }
   void warn(const std::string& line) const {
-    if (log) log->messages_.warn(line);
+    if (log) log->warn(line);
     reporter.warning(line);
   }
   void wait(const Awaited& whom, double elapsed) {
