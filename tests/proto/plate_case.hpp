@@ -1,8 +1,10 @@
 #pragma once
 
+#include "proto/case/case_file.hpp"
 #include "proto/case/case_keys.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 #include <string>
