@@ -269,6 +269,11 @@ void add_keys(CLI::App& app, strake::KeysOptions& options, Action& action) {
   command->callback([&] { action = [&] { return strake::keys(options); }; });
 }
 
+void add_manual(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("manual", "where the manual is");
+  command->callback([&] { action = [] { return strake::manual(); }; });
+}
+
 void add_replay(CLI::App& app, strake::ReplayOptions& options, const StopRequest& stop, Action& action) {
   CLI::App* command = add_run_options(
       app.add_subcommand("replay", "recorded loads onto another structure, or the reverse"), options.run);
@@ -309,6 +314,7 @@ void add_commands(CLI::App& app, Options& options, const StopRequest& stop, Acti
   add_watch(app, options.watch, stop, action);
   add_study(app, options.study, stop, action);
   add_keys(app, options.keys, action);
+  add_manual(app, action);
   add_replay(app, options.replay, stop, action);
 }
 

@@ -12,7 +12,7 @@ install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs)
 
 # A participant's own headers: Eigen and the standard library, nothing else.
-set(headers coupler/participant/participant_main.hpp coupler/participant/serve.hpp proto/case/case_file.hpp proto/case/case_keys.hpp proto/error.hpp
+set(headers coupler/participant/participant_main.hpp coupler/participant/serve.hpp proto/box.hpp proto/case/case_file.hpp proto/case/key_info.hpp proto/case/case_keys.hpp proto/error.hpp
   proto/files/frame_writer.hpp proto/interface.hpp proto/interpolation.hpp proto/participant.hpp proto/probe.hpp proto/files/result_file.hpp
   proto/case/size_limit.hpp proto/values.hpp proto/files/vector_participant.hpp)
 foreach(header ${headers})
