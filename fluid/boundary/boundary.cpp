@@ -13,8 +13,8 @@ namespace strake::fluid {
 
 namespace {
 
-/// First rows of water and body touch at this distance along the normal, when they stand no farther aside
-/// [l0].
+/// Distance along the normal at which the first layers of water and body touch [l0], and the largest distance
+/// aside.
 constexpr double contact_distance = 1.02, contact_aside = 0.75;
 
 bool is_filler(Kind kind) {
@@ -183,8 +183,8 @@ std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
   for (std::size_t i = static_cast<std::size_t>(water_); i < n; ++i)
     if (is_filler(state.kind[i])) tag_[i] = filler;
   if (body_surface_.empty()) return tag_;
-  // A pair that crosses the surface has an end within half its length of the bounding box, or in space of the
-  // surface itself.
+  // A pair that crosses the surface has one end near the surface. In the plane that end lies within half the
+  // pair's length of the bounding box, in space within that distance of the surface itself.
   for (std::size_t i = static_cast<std::size_t>(bodies_); i < n; ++i) tag_[i] |= asked;
   if constexpr (dim == 2) {
     const Vector<2> low = body_surface_.low().array() - 0.5 * reach_,
@@ -269,7 +269,7 @@ void Boundary<dim>::keep_contact_open(const State<dim>& state, const Neighbours&
       const bool touches = nearest <= meeting;
       for (const std::int32_t j : near.row(bodies_ + k)) {
         if (j >= water_) break;
-        if (apart_of(j) > nearest + 0.5 * spacing_) continue;  // a row behind the one that meets the face
+        if (apart_of(j) > nearest + 0.5 * spacing_) continue;  // behind the water's first layer
         auto& mark = opposed[static_cast<std::size_t>(j)];
         mark = std::max<std::uint8_t>(mark, apart_of(j) <= meeting ? 2 : 1);
       }

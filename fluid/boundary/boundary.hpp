@@ -24,7 +24,7 @@ using BodySurface = std::conditional_t<dim == 2, BodySurface2d, BodySurface3d>;
 /// Walls, moving bodies and, in volume coupling, the structure's own particles. Order of particles: water,
 /// tank layers, then bodies.
 ///
-/// A body's face has layers of particles along its inward normal. The first, l0/2 behind the face, carries a
+/// A body's face has layers of particles along its inward normal. The first, l0/2 behind the face, has a
 /// pressure unknown with the MPS scheme; the deeper ones complete the support. Layers belong to one edge of
 /// the body's surface. A pair of water and layer particle counts when its segment crosses that edge. So a
 /// plate thinner than the support keeps the water above and below apart, and a corner is not counted twice
@@ -33,8 +33,8 @@ using BodySurface = std::conditional_t<dim == 2, BodySurface2d, BodySurface3d>;
 template <int dim>
 class Boundary {
  public:
-  /// tank: water and tank layers of `fill`; the bodies' particles are appended to it.
-  /// Throws Error(case_file) when a body leaves the tank or overlaps the water.
+  /// Appends the particles of the bodies to `tank`, which has the water and the tank layers of `fill`. Throws
+  /// Error(case_file) when a body leaves the tank or overlaps the water.
   Boundary(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, State<dim>& tank);
 
   const InterfaceMesh& mesh() const { return mesh_; }
@@ -60,7 +60,8 @@ class Boundary {
   std::int32_t master_of(std::int64_t i) const {
     return i < water_ ? -1 : master_[static_cast<std::size_t>(i - water_)];
   }
-  /// A structure particle whose own neighbourhood is complete: it never meets water, so it has no unknown.
+  /// Whether i is a structure particle whose own neighbourhood is complete. Water does not touch it, so it
+  /// has no unknown unless a crack exposes it.
   bool buried(std::int64_t i) const {
     return i >= bodies_ && buried_[static_cast<std::size_t>(i - bodies_)] != 0;
   }
@@ -74,18 +75,19 @@ class Boundary {
   /// Adopts the places that `state` was saved with.
   void adopt(const State<dim>& state);
 
-  /// What the neighbour search must know of each particle.
+  /// Returns the tags of the particles for the neighbour search.
   std::span<const std::uint8_t> tags(const State<dim>&);
   bool keep(const State<dim>&, std::int32_t i, std::int32_t j) const;
 
-  /// Counts only water in the number density of a body's first layer, because its own layers end at corners:
-  /// n_i ← n0 + Σ_water w − the same sum under a flat water surface at l0.
+  /// Corrects the number density of a body's first layer, whose own layers end at corners:
+  ///   n_i ← n0 + Σ_water w − the same sum under a flat water surface at l0.
+  /// Only water counts.
   void count_water(const State<dim>&, const Neighbours&, const LatticeConstants&, Eigen::VectorXd& n) const;
 
-  /// Keeps water and a body's face apart until they come nearer than a lattice row and 0.02 l0. Until then a
-  /// particle that was surface before stays surface, and a dry layer particle dry, whatever the surface test
-  /// gives. A pair that counts as touching over a wider gap gets an impulse from the symmetric pressure
-  /// gradient.
+  /// Treats water and a body's face as apart until they are nearer than 1.02 l0, along the normal. Until then
+  /// a particle that was surface before stays surface, and a dry layer particle stays dry, whatever the
+  /// surface test gives. A pair that counts as touching over a wider gap gets an impulse from the symmetric
+  /// pressure gradient. Plane bodies alone.
   void keep_contact_open(const State<dim>&, const Neighbours& near, std::span<const std::uint8_t> before,
                          std::span<std::uint8_t> surface) const;
 
@@ -93,8 +95,8 @@ class Boundary {
   void fill_dummies(State<dim>&, const Vector<dim>& gravity, const Points& acceleration) const;
 
   const Tank<dim>& tank() const { return tank_; }
-  /// Normal, into the water, of the tank wall in front of layer particle i; zero in corners and for all that
-  /// is no tank.
+  /// Returns the normal, into the water, of the tank wall in front of layer particle i. It is zero in corners
+  /// and for particles that are not of the tank.
   Vector<dim> normal_of(std::int64_t i) const { return tank_.normal_of(i); }
   /// Whether x lies over the face of that wet point: not past the ends of its edge.
   bool is_over(int point, const Vector<dim>& x) const {
@@ -112,7 +114,8 @@ class Boundary {
   /// The same of the face in front of a first-layer particle, of tank or body.
   Vector<dim> face_area(std::int64_t row) const;
 
-  /// Particles that leave the tank are removed: each is put on a place of its own that nothing reaches.
+  /// Whether particle i has been removed because it left the tank. Each removed particle has a place of its
+  /// own, out of reach of all others.
   bool is_removed(const State<dim>& state, std::int64_t i) const {
     return i < water_ && tank_.is_removed(state.position.col(i));
   }
@@ -139,14 +142,14 @@ class Boundary {
   InterfaceMesh mesh_;
   BodySurface<dim> body_surface_;
   bool volume_ = false;
-  bool built_ = false;  // what is wrong before is a fault of the case
+  bool built_ = false;  // before that a wrong place is a fault of the case
   std::int64_t water_, bodies_;
   int layers_ = 0;  // behind a face
   std::vector<BeyondCorner> beyond_;
   Eigen::VectorXd density_;    // of the structure's particles in volume coupling [kg/m³]
   std::vector<int> point_of_;  // of the bodies' particles
   std::vector<std::int32_t>
-      master_;  // of all that is no water; of a dummy: the row whose pressure it extends
+      master_;  // of all that is no water; of a dummy: the first-layer particle it extends
   std::vector<std::uint8_t> buried_;  // of the bodies' particles
   std::vector<std::uint8_t> tag_;
   std::vector<int> triangle_near_;  // in space: of what is no body, nearest within reach; −1: none

@@ -12,7 +12,7 @@ namespace {
 
 /// Distance below which two particles inside the water collide in the least-squares scheme [l0]. Its
 /// operators are accurate on disordered particles, and the shear of any flow brings them to 0.7 to 0.85 l0 of
-/// one another. To separate those would take energy out of the flow: Taylor–Green vortices at Re 100 then
+/// one another. To separate those would remove energy from the flow: Taylor–Green vortices at Re 100 then
 /// decay 6 % too fast on 100².
 constexpr double water_to_water = 0.7;
 /// Height over a body's face at which water from inside it is put back [l0]. Chosen.
@@ -22,7 +22,8 @@ struct Pair {
   std::int32_t i, j;
 };
 
-/// Whether any of those may lie nearer to particle i than `distance`: eight at a time, before the exact test.
+/// Whether any of the `columns` may lie nearer to particle i than `distance`. Eight are tested at a time,
+/// before the exact test.
 template <int dim>
 bool any_within(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t i,
                 std::span<const std::int32_t> columns, double distance) {
@@ -84,8 +85,8 @@ void give(CollisionAccount<dim>& account, const Boundary<dim>& boundary, std::in
   account.on_water -= impulse;
 }
 
-/// Reduced mass of a water particle and particle j over the water particle's mass: ½ for two of water, 1
-/// against what does not give way.
+/// Returns the reduced mass of a water particle and particle j, over the water particle's mass. This is
+/// m_j/(m_i + m_j): ½ for two water particles, and 1 for layers of tank and body, whose mass is infinite.
 template <int dim>
 double mass_share(const State<dim>& state, const Boundary<dim>& boundary, std::int64_t j, double volume,
                   double particle_mass) {
@@ -96,12 +97,13 @@ double mass_share(const State<dim>& state, const Boundary<dim>& boundary, std::i
   return j < boundary.water() ? 0.5 : 1.0;
 }
 
-/// Puts water from behind a wall of the tank back onto its face, without its velocity into it. A corner takes
+/// Puts water from behind a wall of the tank back onto its face, without its velocity into it. A corner needs
 /// one pass per wall.
 template <int dim>
 void put_back_from_walls(State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                          double mass, CollisionAccount<dim>& account) {
-  // Nothing moves by more than a spacing in a step, so what passes a wall had its layers in reach before.
+  // A particle that passes a wall had layers among its neighbours before. It moves by less than a spacing in
+  // a step.
   const auto beside = [&](std::int64_t i) {
     const auto columns = near.row(i);
     return !columns.empty() && columns.back() >= boundary.water();
@@ -166,7 +168,8 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
     const double distance = scheme.collision_distance * spacing;
     const double of_water =
         scheme.gradient == Gradient::least_squares ? std::min(distance, water_to_water * spacing) : distance;
-    // Rows of neighbours stand for the positions before the step; none moved by more than half a spacing.
+    // Rows of neighbours are those of the positions before the step. A pair that was farther apart than the
+    // distance plus l0 is not tested.
     const auto pairs = close_pairs<dim>(state, periodic, water, near, distance, of_water, distance + spacing);
     account.pairs = static_cast<std::int64_t>(pairs.size());
     std::vector<int> count;
@@ -185,7 +188,7 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
       const Vector<dim> e = r / length;
       const Vector<dim> approach = state.velocity.col(pair.i) - state.velocity.col(pair.j);
       const double closing = approach.dot(e);
-      if (closing <= 0) continue;  // an earlier collision has parted them
+      if (closing <= 0) continue;  // an earlier collision has separated them
       const bool other_is_water = pair.j < water;
       const double share = mass_share<dim>(state, boundary, pair.j, volume, particle_mass);
       Vector<dim> change;  // of v_i

@@ -22,20 +22,20 @@ struct CollisionAccount {
   std::int64_t pairs = 0;                      // pairs that came too close
 };
 
-/// Anti-penetration (fluid/THEORY.md (F54)–(F56)) for pairs nearer than `collision_distance` that approach
-/// each other:
+/// Separates pairs of particles nearer than `collision_distance` that approach each other (fluid/THEORY.md
+/// (F54)–(F56)):
 ///   collision  v_i' = v_i − (1+b) q e/m_i, v_j' = v_j + (1+b) q e/m_j,                (F54)
 ///              q = m_i m_j/(m_i+m_j) (v_i−v_j)·e
 ///   average    v_i' = v_i + s m_j/(m_i+m_j) (v_j−v_i),                                (F55)
 ///              s = 2/(1 + pairs of i or j, the larger)
 ///   both       r' = r + (v'−v) Δt                                                     (F56)
-/// Layers of tank and body have infinite mass. Structure particles have their mass but keep the motion they
-/// were given; what they receive is in the account. Pairs are taken one after the other in the order of the
-/// particles. So the result is the same for any number of threads, momentum is exact, and no collision
+/// Layers of tank and body have infinite mass. Structure particles have their own mass, but their motion is
+/// not changed; their impulse is added to the account. Pairs are treated one after the other in the order of
+/// the particles. So the result is the same for any number of threads, momentum is exact, and no collision
 /// creates energy. With the least-squares gradient two particles inside the water collide only below 0.7 l0.
 ///
-/// Afterwards a water particle inside a body or behind a wall of the tank is put back on the face and loses
-/// its velocity into it.
+/// Afterwards a water particle inside a body is put 0.05 l0 outside its face, and one behind a wall of the
+/// tank on the face. Both lose their velocity into the face.
 template <int dim>
 CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&, const Neighbours& near,
                                          const Scheme&, double dt, double spacing, double particle_mass);

@@ -54,7 +54,7 @@ void Boundary<dim>::add_layers(const InterfaceMesh& partner, State<dim>& state) 
     for (int layer = 0; layer < layers_; ++layer)
       for (int k = 0; k < m; ++k) point_of_.push_back(k);
     for (const BeyondCorner& filler : beyond_) point_of_.push_back(filler.point);
-    // The mirror images of the rows in the face: where a flat water surface would have its particles.
+    // The particles of a flat water surface are the mirror images of the layer particles in the face.
     flat_water_.setZero(m);
     const double reach = counting_radius_;
     for (const BodySurface2d::Edge& edge : body_surface_.edges())
@@ -71,9 +71,10 @@ void Boundary<dim>::add_layers(const InterfaceMesh& partner, State<dim>& state) 
   }
 }
 
-// At a corner of the angle α inside the body a place at the angle θ from a face is seen through that face by
-// some water for θ < min(α, π); the rows behind the face itself reach θ = π/2. At depth d below the face and
-// s beyond its end tan(θ − π/2) = s/d.
+// Layers continue past a corner of the angle α inside the body. Let θ be the angle of a place behind the
+// face, measured from the face. Some pairs with water cross the face on their way to that place where
+// θ < min(α, π). The layers behind the face itself reach θ = π/2. At depth d below the face and s beyond its
+// end tan(θ − π/2) = s/d.
 template <int dim>
 void Boundary<dim>::go_beyond(const BodySurface2d::Edge& edge, bool at_end) {
   constexpr double round_off = 1e-6;  // [rad]
@@ -133,7 +134,7 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
   const double slack = 1e-6 * spacing_;
   for (Eigen::Index k = 0; k < mesh_.position.cols(); ++k) {
     const Vector<dim> x = mesh_.position.col(k).template head<dim>();
-    // Clamped columns of a particle structure may stand in the wall, where nothing is wet.
+    // Clamped columns of a particle structure may lie in the wall, where nothing is wet.
     if (!volume_ && tank_.distance(x) < -slack)
       throw Error(ExitCode::case_file, "structure",
                   fmt::format("the body reaches ({:.6g}, {:.6g}), outside the tank", x[0], x[1]),

@@ -23,10 +23,10 @@ namespace {
 using std::size_t;
 constexpr double lattice_tolerance = 1e-6;  // relative to l0: a box edge this near to a lattice line is on it
 constexpr double digit = 1e-12;             // [m] to which a suggested length is rounded
-constexpr int fewest_rows = 4;              // of water in depth; fewer have no interior
+constexpr int fewest_rows = 4;              // layers of water in depth; fewer have no interior
 constexpr std::array axis_name{'x', 'y', 'z'};
 
-/// The edge, if it is off the lattice that starts at the tank's corner.
+/// Returns a fault if the edge is off the lattice that starts at the tank's corner.
 std::optional<BoxFault> off_lattice(const char* key, double edge, double origin, int axis, double spacing) {
   const double nearest = origin + std::round((edge - origin) / spacing) * spacing;
   if (std::abs(edge - nearest) <= lattice_tolerance * spacing) return {};
@@ -115,8 +115,9 @@ int dummy_rows(const Scheme& scheme) {
 
 namespace {
 
-/// Whether the middle of a cell is water of that shape: two corners of a box, or a polygon. One that lies on
-/// an edge of the polygon counts as a little above and to the right of it, so that round-off decides nothing.
+/// Whether the middle of a cell lies in that shape of the water. A shape is two corners of a box, or a
+/// polygon. One that lies on an edge of the polygon counts as a little above and to the right of it, so that
+/// round-off decides nothing.
 template <int dim>
 bool holds(const std::vector<Eigen::Vector3d>& shape, Vector<dim> x, double spacing) {
   if (shape.size() == 2)
@@ -131,8 +132,9 @@ bool holds(const std::vector<Eigen::Vector3d>& shape, Vector<dim> x, double spac
   return odd;
 }
 
-/// Middles of the cells between the tank's walls; those of the air stay out, unless packing needs them. A
-/// cell whose middle lies on a slanted wall is half water: of each wall's, every other one is taken.
+/// Returns the middles of the cells between the tank's walls that are filled with water. Packing also needs
+/// the cells of the air, which are removed afterwards. A cell whose middle lies on a slanted wall is half
+/// water: every other one of each wall is filled.
 template <int dim>
 std::vector<Vector<dim>> water_places(const Parameters& p, const TankShape<dim>& tank,
                                       const WallParticles<dim>& walls) {

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double depth = 8;       // [l0] of the places that may move
 constexpr double radius = 3.1;    // [l0] of the concentration
-constexpr double strength = 0.2;  // A; 0.1 is slower, 0.4 trembles
+constexpr double strength = 0.2;  // A; 0.1 is slower, 0.4 oscillates
 constexpr double longest = 0.1;   // [l0] of one move
 constexpr double rest = 1e-3;     // [l0] largest move at which it has settled
 constexpr int most_rounds = 300;
 
-/// Cells beside the tank's bounding box that lie above an open side.
+/// Returns the middles of the cells beside the tank's bounding box that lie above an open side.
 std::vector<Vector<2>> lid(const TankShape<2>& tank, double spacing) {
   const long reach = static_cast<long>(std::ceil(radius));
   const long nx = std::lround((tank.high()[0] - tank.low()[0]) / spacing),
@@ -36,7 +36,7 @@ std::vector<Vector<2>> lid(const TankShape<2>& tank, double spacing) {
 
 void pack(std::vector<Vector<2>>& places, const TankShape<2>& tank, const WallParticles<2>& walls,
           double spacing) {
-  // Movers first, then what stands around them.
+  // The places that move come first, then the fixed ones around them.
   const auto distance = [&](const Vector<2>& x) { return tank.distance_to_slanted(x); };
   const auto moving = std::stable_partition(
       places.begin(), places.end(), [&](const Vector<2>& x) { return distance(x) < depth * spacing; });

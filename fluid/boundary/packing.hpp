@@ -7,11 +7,11 @@
 
 namespace strake::fluid {
 
-/// Settles the places of a full tank against walls that cut through the lattice, in the manner of particle
-/// packing (Colagrossi, Bouscasse, Antuono & Marrone 2012): all within 8 l0 of such a wall follow
+/// Moves the places of a full tank beside walls that cut through the lattice. The method is particle packing
+/// (Colagrossi, Bouscasse, Antuono & Marrone 2012). All places within 8 l0 of such a wall move by
 ///   δr_i = −A l0² ∇C_i, ∇C_i = (d/n0) Σ_j w r_ij/r²,
-/// over places and wall rows until what is left is a fraction of a percent of l0; the lattice beyond stands
-/// still. An open side is closed by rows of the lattice while it lasts.
+/// summed over places and wall layers, until the largest move is below 0.1 % of l0 (at most 300 rounds). The
+/// lattice beyond does not move. An open side is closed by places of the lattice during the packing.
 void pack(std::vector<Vector<2>>& places, const TankShape<2>&, const WallParticles<2>&, double spacing);
 
 }  // namespace strake::fluid

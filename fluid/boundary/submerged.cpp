@@ -11,7 +11,8 @@ namespace strake::fluid {
 
 namespace {
 
-/// Water nearer to a face than this would be pushed off it at once [l0]; on a lattice it stands at 0.5.
+/// Smallest distance of water to a face at the start [l0]. Nearer water would be pushed off the face at once.
+/// On a lattice the first layer has the distance 0.5.
 constexpr double least_distance = 0.25;
 
 }  // namespace

@@ -6,8 +6,9 @@
 
 namespace strake::fluid {
 
-/// Water and tank as `fill` makes them; with fluid.submerged the water gives way to the body's surface where
-/// it stands at the start, so far that the volume it leaves is the body's. Volume coupling: `fill`.
+/// Makes water and tank as `fill`, without the water that a submerged body displaces. With fluid.submerged
+/// the water inside the body's surface at the start, and within 0.25 l0 of it, is left out. On a face along
+/// the lattice this is the body's volume. In volume coupling the result is that of `fill`.
 template <int dim>
 State<dim> fill_around(const Parameters&, const InterfaceMesh& body);
 

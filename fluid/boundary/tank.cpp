@@ -43,7 +43,7 @@ class Grid {
     double best = std::numeric_limits<double>::infinity();
     std::int32_t found = -1;
     for (long shell = 0; shell <= farthest; ++shell) {
-      // All that is left is at least that far away.
+      // All particles that are left are at least `safe` away.
       if (const double safe = static_cast<double>(shell - 1) * cell_; shell > 0 && safe * safe > best) break;
       visit_shell(centre, shell, [&](std::int32_t head) {
         for (std::int32_t w = head; w >= 0; w = next_[static_cast<std::size_t>(w)]) {
@@ -220,9 +220,9 @@ Vector<dim> Tank<dim>::velocity(const Frame& frame, const Vector<dim>& x) const 
   return v;
 }
 
-/// Velocity of the layers: their mean over the step, (xⁿ⁺¹ − xⁿ)/Δt, as for the water, whose positions follow
-/// r = rⁿ + Δt uⁿ⁺¹. With another velocity a wall would drift against the water. Their acceleration is the
-/// change of that velocity over the step.
+/// Sets the velocity of the layers to their mean over the step, (xⁿ⁺¹ − xⁿ)/Δt. The water follows the same
+/// rule, r = rⁿ + Δt uⁿ⁺¹. With another velocity a wall would drift against the water. The acceleration of
+/// the layers is the change of that velocity over the step.
 template <int dim>
 void Tank<dim>::move(State<dim>& state, double time, bool positions) {
   if (!motion_.moves()) return;

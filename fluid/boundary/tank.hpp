@@ -13,8 +13,8 @@
 
 namespace strake::fluid {
 
-/// The tank's part of the boundary: its layer particles [first, last), its rigid motion in the laboratory
-/// frame, and the places beside it for particles that are removed.
+/// The tank's layer particles [first, last) and its rigid motion in the laboratory frame. The class also
+/// gives places beside the tank to particles that are removed.
 template <int dim>
 class Tank {
  public:
@@ -32,14 +32,15 @@ class Tank {
   /// Brings the water back between the tank's periodic sides; call at the end of a step.
   void wrap(State<dim>&) const;
 
-  /// Normal, into the water, of the wall in front of layer particle i, where the tank is now; zero where two
-  /// walls meet and for all that is no tank.
+  /// Returns the normal, into the water, of the wall in front of layer particle i, where the tank is now. It
+  /// is zero where two walls meet, and for particles that are not of the tank.
   Vector<dim> normal_of(std::int64_t i) const;
-  /// Area of the faces that wall particle i stands for, into the water [m, m² in 3-D].
+  /// Returns the area of the faces that wall particle i represents, into the water [m, m² in 3-D].
   Vector<dim> area_of(std::int64_t i) const;
   /// Sum of the normals of the absorbing faces in front of layer particle i; zero: none absorbs.
   Vector<dim> absorbing(std::int64_t i) const;
-  /// Middle of its face in the tank as the case gives it: where a sensor looks for it.
+  /// Returns the middle of the particle's face in the tank as the case gives it. A sensor is compared with
+  /// this place.
   Vector<dim> face_of(std::int64_t i) const;
   /// Whether its load is the floor's: layers below the water.
   bool is_floor(std::int64_t i) const { return part(i).floor; }
@@ -47,18 +48,19 @@ class Tank {
   std::int32_t master_of(std::int64_t i) const;
   /// a_w: acceleration of layer particle i in the step that `move` began last [m/s²].
   Vector<dim> acceleration_of(std::int64_t i) const;
-  /// The same of the tank's middle: water at rest in it carries ρ (g − a) [m/s²].
+  /// Returns the mean of these accelerations. The pressure of water at rest in the tank has the gradient
+  /// ρ(g − a) [Pa/m].
   Vector<dim> acceleration() const;
 
-  /// A step that ends at `time`: first (positions = false) the rows' velocities and accelerations, then
-  /// (true) their places. A tank at rest costs nothing.
+  /// Moves the layers in a step that ends at `time`. The first call (positions = false) sets their velocities
+  /// and accelerations, the second (true) their positions. A tank at rest costs nothing.
   void move(State<dim>&, double time, bool positions);
   /// Adopts the time that `state` was saved at.
   void adopt(const State<dim>& state);
-  /// Velocity of the tank's frame at the place x of the laboratory, at the time of the last `adopt` or `move`
-  /// [m/s].
+  /// Returns the velocity of the tank's frame at the place x of the laboratory [m/s]. The time is that of the
+  /// last `adopt` or `move`.
   Vector<dim> velocity_at(const Vector<dim>& x) const;
-  /// The same place in the tank as the case gives it.
+  /// Returns the place of the laboratory point x in the tank as the case gives it.
   Vector<dim> in_tank(const Vector<dim>& x) const;
 
   /// Distance to the nearest wall, where the tank is now [m].
@@ -66,7 +68,8 @@ class Tank {
   /// The face that x lies behind, where the tank is now.
   std::optional<WallFoot<dim>> behind(const Vector<dim>& x) const;
   bool left(const Vector<dim>& x) const { return shape_.left(in_tank(x)); }
-  /// Particles that leave the tank are removed: each is put on a place of its own that nothing reaches.
+  /// Whether x is a place of a removed particle. A particle that leaves the tank is removed: it gets a place
+  /// of its own, out of reach of all others.
   bool is_removed(const Vector<dim>& x) const { return x[0] >= removed_from_[0] && is_place_of_removed(x); }
   Vector<dim> place_of_removed(std::int64_t number) const;
 
@@ -90,7 +93,7 @@ class Tank {
   Periodic<dim> periodic_;
   double spacing_, reach_;
   std::int64_t first_ = 0, last_ = 0;
-  std::int64_t walls_ = 0;  // [first, first + walls) carry a pressure
+  std::int64_t walls_ = 0;  // [first, first + walls) are the first layer
   std::vector<WallParticle<dim>> part_;
   std::vector<std::int32_t> master_;
   bool absorbs_;

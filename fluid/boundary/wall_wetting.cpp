@@ -7,14 +7,16 @@
 namespace strake::fluid {
 
 namespace {
-/// Height of water over a face below which a dry face becomes wet, and above which a wet one becomes dry
-/// [l0]; a lattice row stands at 0.5.
+/// Heights of water over a face at which the face becomes wet or dry [l0]. A dry face becomes wet below the
+/// first, a wet face becomes dry above the second. The first layer of a lattice has the height 0.5.
 constexpr double joining_height = 0.52, leaving_height = 1.0;
 /// Distance along the face up to which water counts [l0].
 constexpr double aside = 1.01;
 /// Distance of a body before a wall below which it covers the wall [l0].
 constexpr double covered = 0.1;
-/// A corner has no face: its distance to the first lattice particle is √dim l0.
+/// A corner becomes wet when water is nearer to it than √2 l0 and this margin [l0]. It has no face: √2 l0 is
+/// the distance of the first lattice particle at an edge of two walls. In a corner of three walls that
+/// particle is √3 l0 away.
 constexpr double corner_margin = 0.02;
 }  // namespace
 
@@ -84,7 +86,7 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
     const bool was_dry = state.surface[k] != 0;
     bool is_wet = nearest < (was_dry ? joining_height : leaving_height);
     if (is_wet && j < boundary.first_of_bodies() && !corner(j) && !boundary.body_surface().empty()) {
-      // Behind a body that touches the wall there is no water, however near its corner is to some.
+      // The wall is dry behind a body that touches it, even where water is near the body's corner.
       const Vector<dim> before =
           state.position.col(j) + (depth_[j - first_] + covered * spacing_) * axis_.col(j - first_);
       is_wet = !boundary.body_surface().inside(before);

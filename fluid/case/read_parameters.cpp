@@ -15,8 +15,8 @@ namespace strake::fluid {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double most_steps = 1e7;  // in a window: none has taken a thousandth of that
-constexpr double arc_radius = 2.1;  // [l0] the arc test looks so far
+constexpr double most_steps = 1e7;  // in a window; no case needed a thousandth of that
+constexpr double arc_radius = 2.1;  // [l0] reach of the arc test
 
 void read_water(CaseTable t, Parameters& p) {
   t.integer("dimension", p.dimension, {.min = 2, .max = 3, .help = "2: xy-plane, per metre of depth"});
@@ -58,7 +58,7 @@ void read_radii(CaseTable t, Scheme& s) {
   radius("laplacian", s.radius_laplacian, "of the viscous term and the pressure equation");
 }
 
-/// gamma and tau are two ways to give one strength; whichever is given sets the other's default to 0.
+/// Reads gamma and tau, two ways to give one strength. The one that is given sets the other's default to 0.
 void read_source(CaseTable t, Scheme& s) {
   t.choice(
       "kind", s.source, {{"mixed", Source::mixed}, {"divergence", Source::divergence}},
@@ -126,7 +126,8 @@ void read_pressure(CaseTable t, Scheme& s) {
   t.integer("max_iterations", s.pressure_max_iterations, {.min = 1, .help = "of cg, per step"});
 }
 
-/// C_s = (C_ν³/C_ε)^¼: cs given sets the default of c_eps, and the other way round.
+/// Reads the constants of turbulence, C_s = (C_ν³/C_ε)^¼. A given cs sets the default of c_eps, and the other
+/// way round.
 void read_turbulence(CaseTable t, Scheme& s) {
   t.choice("model", s.turbulence,
            {{"static", Turbulence::statics}, {"k", Turbulence::k}, {"none", Turbulence::none}},
@@ -156,9 +157,10 @@ void read_turbulence(CaseTable t, Scheme& s) {
   t.flag("wall_damping", s.wall_damping, {.help = "van Driest's factor near the tank's walls"});
 }
 
-/// A window shorter than the usual step is the step, unless the case asks for one. Without sound the step is
-/// the window in any case, because an incompressible impact is one impulse. With shorter steps, the one that
-/// makes contact would depend on the interface motion that the coupling has not found yet.
+/// Sets the default of the largest step and reads the key. A window shorter than the usual step becomes the
+/// step. Without sound the step is the window, except in the paper preset: an incompressible impact is one
+/// impulse. With shorter steps, the one that makes contact would depend on the interface motion that the
+/// coupling has not found yet.
 void read_time_step(CaseTable& t, const CommonKeys& common, double sound_speed, Scheme& s) {
   if (common.window > 0 && std::isinf(sound_speed) && common.preset != "paper")
     s.time_step = common.window;

@@ -8,8 +8,8 @@ class CaseFile;
 
 namespace strake::fluid {
 
-/// Reads [fluid] of a case whose fluid is the record of an earlier run: the folder of that run. Throws
-/// Error(case_file) where there is none.
+/// Reads [fluid] of a case whose fluid is the record of an earlier run. Returns the folder of that run.
+/// Throws Error(case_file) where there is none.
 std::filesystem::path read_replayed_run(CaseFile&);
 
 }  // namespace strake::fluid

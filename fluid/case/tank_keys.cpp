@@ -37,7 +37,7 @@ void read_shape(CaseTable& t, Parameters& p) {
   p.tank = bounds(p.tank_polygon);
 }
 
-/// fluid.water, fluid.water_polygon, and any number of [[fluid.more_water]].
+/// Reads fluid.water, fluid.water_polygon, and any number of [[fluid.more_water]].
 void read_water(CaseTable& t, Parameters& p) {
   const bool has_more = t.has("more_water");
   Shape polygon;

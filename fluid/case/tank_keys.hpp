@@ -6,8 +6,8 @@
 
 namespace strake::fluid {
 
-/// The keys of [fluid] that say where the tank and the water are, what the walls do to the water and how the
-/// tank moves. dimension and spacing are known.
+/// Reads the keys of [fluid] that describe the tank, the water at the start, the walls and the tank's motion.
+/// `dimension` and `spacing` are known.
 void read_tank(CaseTable fluid, const CommonKeys&, Parameters&);
 
 }  // namespace strake::fluid

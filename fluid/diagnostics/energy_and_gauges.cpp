@@ -12,7 +12,8 @@ constexpr double gap = 2;         // [l0] between particles that end a body of w
 constexpr double column = 1;      // [l0] half-width of the column whose level is sought
 constexpr double half_width = 2;  // [l0] of a wave gauge: a whole number, so that a lattice sums to itself
 
-/// The farthest of `places` that is reached from 0 without a gap; −l0/2 where the first one is too far.
+/// Returns the farthest of `places` that is reached from 0 without a gap. It is −l0/2 where the first one is
+/// too far.
 double reached(std::vector<double>& places, double spacing) {
   std::sort(places.begin(), places.end());
   double last = -0.5 * spacing;

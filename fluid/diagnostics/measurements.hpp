@@ -11,8 +11,8 @@
 
 namespace strake::fluid {
 
-/// What the participant has measured of the water since t = 0. The method does not read it. Like State it is
-/// copied to rewind and written to resume.
+/// What the participant has measured of the water since t = 0. The method does not read it. It is copied to
+/// rewind and written to resume, as State is.
 struct Measurements {
   std::vector<ProbeRecord> probes;  // in the order of the case; they accumulate at every step
   double contact_time = -1;         // [s] t_c (proto/probe.hpp); < 0: none yet

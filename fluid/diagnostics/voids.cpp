@@ -8,8 +8,8 @@
 namespace strake::fluid {
 namespace {
 
-/// From a surface particle to the middle of the nearest cell of air, cells next to a particle being covered,
-/// there are at most 2.5 l0 along an axis; a void is 5 l0 farther down.
+/// Reach from a surface particle within which there is outer air. The middle of the nearest cell of air is at
+/// most 2.5 l0 away along an axis, because cells next to a particle are covered. A void is 5 l0 deeper.
 constexpr std::int64_t reach = 7;   // [l0], and cells
 constexpr double most_cells = 2e9;  // bytes
 
@@ -30,7 +30,7 @@ class Grid {
     }
   }
 
-  /// False if there are too many cells to look at.
+  /// Marks the cells at particles as covered. Returns false if there are too many cells.
   bool cover() {
     double count = 1;
     for (int d = 0; d < dim; ++d) {
@@ -48,12 +48,12 @@ class Grid {
     return true;
   }
 
-  /// Everything that hangs together with the cells above all particles.
+  /// Marks as air all cells that are connected with the cells above all particles.
   void fill_from_above() {
     for (std::int64_t z = 0; z < size_[2]; ++z)
       for (std::int64_t x = 0; x < size_[0]; ++x) fill(index({x, size_[1] - 1, z}), air);
   }
-  /// The largest of all spaces.
+  /// Marks the largest of all connected spaces as air.
   void fill_largest() {
     constexpr std::uint8_t seen = air + 1;
     std::size_t most = 0, seed = cell_.size();
@@ -94,7 +94,7 @@ class Grid {
       for (std::int64_t y = from(1); y <= to(1); ++y)
         for (std::int64_t x = from(0); x <= to(0); ++x) visit(index({x, y, z}));
   }
-  /// Gives all empty cells that hang together with k that value; how many.
+  /// Gives that value to all empty cells connected with k. Returns their number.
   std::size_t fill(std::size_t k, std::uint8_t value) {
     if (cell_[k] != empty) return 0;
     std::size_t count = 0;

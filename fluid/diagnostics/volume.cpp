@@ -20,7 +20,7 @@ constexpr double most_cells = 4e10;  // 5 GB of them, one bit each
 using Word = std::uint64_t;
 constexpr std::int64_t bits = 64;
 
-/// Cells in rows along x, one bit each; rows are numbered y first.
+/// Cells in rows along x, one bit each. Rows are numbered with y running fastest.
 struct Cells {
   std::array<std::int64_t, 3> size{1, 1, 1};
   std::int64_t words = 0;  // per row
@@ -78,7 +78,7 @@ double water_volume(const Vectors<dim>& particles, double spacing) {
   cells.words = (cells.size[0] + bits - 1) / bits;
   cells.bit.assign(static_cast<std::size_t>(cells.words * cells.rows()), 0);
 
-  // A cell counts when its middle lies within the ball; particles of a lattice sit on corners of cells.
+  // A cell counts when its middle lies within the ball. Particles of a lattice lie on corners of cells.
   const double radius = added;  // in cells
   for (Eigen::Index i = 0; i < particles.cols(); ++i) {
     const Vector<dim> x = (particles.col(i) - low) / h + Vector<dim>::Constant(border);

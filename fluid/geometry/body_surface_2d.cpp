@@ -21,12 +21,13 @@ constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
 /// Round-off allowance along a piece, as a share of its length.
 constexpr double tie = 1e-9;
 
-/// Into the fluid for a counter-clockwise walk along t.
+/// Returns the normal to the right of t. It points into the fluid where the body is followed
+/// counter-clockwise.
 Vector2 right_of(const Vector2& t) {
   return {t.y(), -t.x()};
 }
 
-/// The closed chains of segments, as lists of point indices.
+/// Returns the closed chains of segments, as lists of point indices.
 std::vector<std::vector<int>> loops_of(const InterfaceMesh& partner) {
   const auto n = static_cast<std::size_t>(partner.position.cols());
   std::vector<int> next(n, -1);
@@ -145,8 +146,8 @@ void BodySurface2d::connect(std::size_t first_edge) {
     edge.previous = static_cast<int>(first_edge + (c + count - 1) % count);
     edge.next = static_cast<int>(first_edge + (c + 1) % count);
   }
-  // The longer edge takes a corner, on equal lengths the earlier one: a body symmetric to its middle line
-  // stays so.
+  // The longer of two edges owns the corner between them. On equal lengths the earlier one owns it, so that a
+  // body symmetric to its middle line stays symmetric.
   for (std::size_t c = 0; c < count; ++c) {
     Edge& edge = edges_[first_edge + c];
     Edge& next = edges_[static_cast<std::size_t>(edge.next)];
@@ -181,8 +182,8 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
     set(edge, point_, vertex_, true);
     set(edge, velocity_, vertex_velocity_, false);
   }
-  // The corner between two edges is the mean of both extrapolations. An edge of one point has no direction of
-  // its own.
+  // The corner between two edges is the mean of both extrapolations. An edge of one point has no direction,
+  // so its extrapolation does not count.
   for (const Edge& edge : edges_) {
     if (edge.closed) continue;
     const Edge& next = edges_[static_cast<std::size_t>(edge.next)];
@@ -226,7 +227,7 @@ bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, bool with
   const Edge& edge = edges_[static_cast<std::size_t>(r)];
   const Vector2 d = b - a;
   int begin = 0, end = edge.count;
-  // Only the pieces beside the pair: the chord of an open edge orders them.
+  // Only the pieces beside the pair are tested. The chord of an open edge orders them.
   const Vector2 origin = vertex_.col(edge.vertex);
   const Vector2 chord = vertex_.col(edge.vertex + edge.count) - origin;
   const double chord2 = chord.squaredNorm();
@@ -245,7 +246,7 @@ bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, bool with
     const Vector2 v = vertex_.col(edge.vertex + i);
     const Vector2 e = vertex_.col(edge.vertex + i + 1) - v;
     const double det = cross(d, e);
-    if (det == 0) continue;  // parallel: it slides along, it does not cross
+    if (det == 0) continue;  // parallel lines do not cross
     const Vector2 to_start = v - a;
     const double t = cross(to_start, e) / det;  // along the pair
     if (t < 0 || t > 1) continue;

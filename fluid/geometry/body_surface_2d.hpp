@@ -9,11 +9,11 @@
 
 namespace strake::fluid {
 
-/// The wetted surface of plane bodies as the fluid sees it: straight or smooth edges between corners. A
-/// corner is a turn of more than 20 degrees, or a smaller one that stands alone, as where two straight faces
-/// meet. Each edge is divided evenly into pieces of about one particle spacing, with a wet point in the
-/// middle of each. The motion is given on the wet points. Corners follow from the points beside them, so that
-/// a rigid motion is followed exactly.
+/// The wetted surface of plane bodies: straight or smooth edges between corners. A corner is a turn of more
+/// than 20 degrees, or a smaller one that is alone, as where two straight faces meet. Each edge is divided
+/// evenly into pieces of about one particle spacing, with a wet point in the middle of each. The motion is
+/// given on the wet points. Corners follow from the points beside them, so that a rigid motion is followed
+/// exactly.
 ///
 /// The order is counter-clockwise; the normal points into the fluid.
 class BodySurface2d {
@@ -58,13 +58,13 @@ class BodySurface2d {
 
   /// Whether the segment a–b crosses that edge. Corners count for the edge that owns them.
   bool crosses(int edge, const Vector2& a, const Vector2& b) const { return crosses(edge, a, b, false); }
-  /// Whether it crosses any edge, corners included. The first piece beside a corner sharper than a right
-  /// angle does not count: the tip is thinner than a spacing there, and water on its two sides stays as near
-  /// as it was before the tip came between.
+  /// Whether it crosses any edge, corners included. The first piece beside a corner sharper than 86° does not
+  /// count: the tip is thinner than a spacing there, and water on its two sides stays as near as it was
+  /// before the tip came between.
   bool separates(const Vector2& a, const Vector2& b) const;
   bool inside(const Vector2& x) const;
-  /// How far x lies over that edge from the nearer of its ends, seen along its first and last piece; negative
-  /// past an end, infinite where there is none [m].
+  /// Returns the distance of x from the nearer end of that edge, along its first and last piece [m]. It is
+  /// negative past an end, and infinite where the edge has no end.
   double within(int edge, const Vector2& x) const;
 
   struct Foot {

@@ -18,7 +18,7 @@ namespace {
 using Vector2 = Eigen::Vector2d;
 using Vector3 = Eigen::Vector3d;
 
-/// Round-off allowance at an edge, as a share of the way to it.
+/// Round-off allowance at an edge, as a share of the distance to it.
 constexpr double tie = 1e-9;
 
 }  // namespace
@@ -76,8 +76,11 @@ void BodySurface3d::move(const Points& displacement, const Points& velocity, boo
   if (places) grid_.build(now_, mesh_.faces, 2 * spacing_);
 }
 
-// S = ½ e₁ × e₂ of a triangle, dS/dt = ½ (ė₁ × e₂ + e₁ × ė₂). At the corners of a patch the sum of its
-// triangles', between them the mean of the corners': m; n = m/|m|, dn/dt = (ṁ − n n·ṁ)/|m|.
+// Computes the normals n and dn/dt from the area vectors of the triangles:
+//   S = ½ e₁ × e₂,   dS/dt = ½ (ė₁ × e₂ + e₁ × ė₂).
+// At a corner of a patch m is the sum over its triangles, scaled by the reference. Between the corners m is
+// interpolated. Then
+//   n = m/|m|,   dn/dt = (ṁ − n n·ṁ)/|m|.
 void BodySurface3d::bend(bool places) {
   const auto triangles = static_cast<int>(mesh_.faces.cols());
   Points sum = Points::Zero(3, patch_corner_scale_.size()), sum_rate = sum;
@@ -124,7 +127,7 @@ Vector2 BodySurface3d::in_triangle(const Points& place, int t, const Vector3& ar
   return {(g22 * d1 - g12 * d2) / determinant, (g11 * d2 - g12 * d1) / determinant};
 }
 
-// The larger patch takes an edge, of equal ones the first.
+// The larger of two patches owns the edge between them, of equal ones the first.
 void BodySurface3d::find_local_edges() {
   const double far = reach_ + 2 * spacing_;
   std::vector<std::vector<const SurfacePatches::Border*>> of_patch(patches_.area.size());
@@ -159,7 +162,7 @@ void BodySurface3d::add_layers() {
   go_beyond();
 }
 
-// Borders between the same two patches, joined end to end.
+// Joins the borders between the same two patches end to end.
 void BodySurface3d::go_beyond() {
   std::map<std::pair<int, int>, std::vector<const SurfacePatches::Border*>> groups;
   for (const auto& border : patches_.border) groups[{border.patch, border.other}].push_back(&border);
@@ -184,9 +187,10 @@ void BodySurface3d::go_beyond() {
   }
 }
 
-// At an edge of the angle α inside the body a place at the angle θ from a face is seen through that face by
-// some water for θ < min(α, π); the rows behind the face itself reach θ = π/2. At depth d below the face and
-// s beyond its edge tan(θ − π/2) = s/d.
+// Layers continue past an edge of the angle α inside the body. Let θ be the angle of a place behind the face,
+// measured from the face. Some pairs with water cross the face on their way to that place where θ < min(α,
+// π). The layers behind the face itself reach θ = π/2. At depth d below the face and s beyond its edge
+// tan(θ − π/2) = s/d.
 void BodySurface3d::add_beyond(const std::vector<const SurfacePatches::Border*>& chain) {
   constexpr double round_off = 1e-6;  // [rad]
   std::vector<double> length{0};
@@ -240,8 +244,8 @@ Vector3 BodySurface3d::velocity(const LayerParticle& at) const {
   return mean_of(rate_, at.triangle, at.weight) - at.depth * normal_rate_.col(at.point);
 }
 
-// c, in the plane of the patch at wet point k, lies on it when the way there from k crosses its edges an even
-// number of times.
+// Whether c, in the plane of the patch at wet point k, lies on that patch. It does when the straight line
+// from k to c crosses the edges of the patch an even number of times.
 bool BodySurface3d::holds(int k, const Vector3& c) const {
   const auto first = edge_start_[static_cast<std::size_t>(k)],
              last = edge_start_[static_cast<std::size_t>(k) + 1];
@@ -256,13 +260,14 @@ bool BodySurface3d::holds(int k, const Vector3& c) const {
     const Vector2 along = edge.to - edge.from;
     const double det = cross(way, along);
     if (det == 0) continue;
-    const double s = cross(edge.from, along) / det;  // along the way to c
+    const double s = cross(edge.from, along) / det;  // along the line to c
     if (s > 0 && s < (edge.owned ? 1 - tie : 1 + tie)) in = !in;
   }
   return in;
 }
 
-// A curved patch falls away from its tangent plane: water near the patch itself is in front of it too.
+// Whether a lies in front of the patch at wet point k. A curved patch bends away from its tangent plane, so
+// water in front of the nearest triangle of the patch counts too.
 bool BodySurface3d::in_front(int k, int near, const Vector3& a) const {
   if ((a - point_.col(k)).dot(normal_.col(k)) > 0) return true;
   return near >= 0 && patches_.of_triangle[static_cast<std::size_t>(near)] == edge_of(k) &&

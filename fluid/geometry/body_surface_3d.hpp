@@ -11,17 +11,17 @@
 
 namespace strake::fluid {
 
-/// The wetted surface of bodies in space as the fluid sees it, the counterpart of a plane `BodySurface2d`:
-/// smooth patches between edges, each with a wet point to about every l0². The motion is given on the points
-/// of the partner's triangles; wet points lie in those triangles and follow them, so that a rigid motion is
-/// followed exactly, and a deformation as the triangles show it. What acts on a wet point goes to the corners
-/// of its triangle: forces and moments sum to the same.
+/// The wetted surface of bodies in space. It corresponds to `BodySurface2d` in the plane: smooth patches
+/// between edges, with one wet point to about every l0². The motion is given on the points of the partner's
+/// triangles. Wet points lie in those triangles and follow them. A rigid motion is therefore followed
+/// exactly, and a deformation as the triangles describe it. What acts on a wet point goes to the corners of
+/// its triangle; the sums of forces and moments are kept.
 class BodySurface3d {
  public:
   using Vector3 = Eigen::Vector3d;
 
-  /// A layer particle: `depth` behind the point with those weights in its triangle's plane, along the normal
-  /// of its wet point. Weights below 0: past the border of the patch.
+  /// A layer particle lies `depth` behind a point of its triangle's plane, along the normal of its wet point.
+  /// `weight` gives that point by the triangle's corners. Weights below 0 are past the border of the patch.
   struct LayerParticle {
     int point = 0, triangle = 0;
     Vector3 weight = Vector3::Zero();
@@ -37,11 +37,11 @@ class BodySurface3d {
   const InterfaceMesh& mesh() const { return mesh_; }  // the partner's
   int points() const { return static_cast<int>(points_.point.size()); }
   int edge_of(int k) const { return points_.point[static_cast<std::size_t>(k)].patch; }
-  /// Behind each wet point, layer after layer; then those that continue past borders with an interior angle
-  /// above 90°.
+  /// Returns the particles behind each wet point, layer after layer. Then follow those past borders with an
+  /// interior angle above 90°.
   const std::vector<LayerParticle>& layer_particles() const { return layer_particles_; }
 
-  /// Displacement and velocity of the mesh's points, 3×n; places = false: velocities alone.
+  /// Sets displacement and velocity of the mesh's points, 3×n. places = false: velocities alone.
   void move(const Points& displacement, const Points& velocity, bool places);
 
   Vector3 reference(int k) const { return at(mesh_.position, k); }
@@ -58,11 +58,12 @@ class BodySurface3d {
 
   /// The nearest place of the surface within `limit` [m].
   TriangleGrid::Foot near(const Vector3& x, double limit) const { return grid_.nearest(x, limit); }
-  /// Whether the segment from a in the water, whose nearest triangle is `near`, to the layer particle b of
-  /// wet point k crosses that point's patch. A border counts for one of its patches.
+  /// Whether the segment from a in the water to the layer particle b crosses the patch of wet point k. b
+  /// belongs to that wet point, and `near` is the triangle nearest to a. A border counts for one of its
+  /// patches.
   bool crosses(int k, int near, const Vector3& a, const Vector3& b) const;
-  /// Whether the body stands between two places of water with those nearest triangles (−1: none within
-  /// reach).
+  /// Whether the body lies between two places of water. near_a, near_b: their nearest triangles (−1: none
+  /// within reach).
   bool separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const;
   /// Whether x lies over the patch of wet point k: not past its edges.
   bool faces(int k, const Vector3& x) const;
@@ -75,13 +76,13 @@ class BodySurface3d {
   };
   Foot nearest(const Vector3& x) const;
 
-  /// Values on the wet points, 3×points, summed on the mesh's points.
+  /// Sums values on the wet points, 3×points, on the mesh's points.
   Points spread(const Points& on_wet_points) const;
-  /// The value at wet point k of what is given on the mesh's points.
+  /// Returns the value at wet point k of a field on the mesh's points.
   Vector3 at(const Points& on_mesh, int k) const;
 
  private:
-  struct LocalEdge {  // of a patch as a wet point near it sees it, in the two edges of its triangle
+  struct LocalEdge {  // of a patch, from a wet point near it, in the two edges of its triangle
     Eigen::Vector2d from, to;
     bool owned;
   };

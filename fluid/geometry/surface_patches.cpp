@@ -19,7 +19,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-/// Triangles that turn less than this lie in one plane.
+/// Turn between two triangles below which they lie in one plane.
 constexpr double flat_angle = 1e-4;  // [rad]
 
 class Sets {
@@ -44,7 +44,7 @@ class Sets {
 };
 
 struct Edge {
-  int from = 0, to = 0;       // as the triangle `left` walks it
+  int from = 0, to = 0;       // in the order of the triangle `left`
   int left = -1, right = -1;  // the two triangles
   double turn = 0;            // of the normal across it [rad], positive where the body is convex
   bool corner = false;
@@ -55,7 +55,7 @@ struct Edge {
 }
 
 std::vector<Edge> edges_of(const InterfaceMesh& mesh) {
-  std::map<std::pair<int, int>, int> known;  // by the pair as it is walked
+  std::map<std::pair<int, int>, int> known;  // by the pair in its triangle's order
   std::vector<Edge> edges;
   const auto n = static_cast<int>(mesh.position.cols());
   for (int t = 0; t < static_cast<int>(mesh.faces.cols()); ++t)
@@ -113,7 +113,8 @@ void measure_turns(const InterfaceMesh& mesh, const std::vector<Vector3>& area, 
 
 /// Marks the edges that are corners; returns the sets of triangles that no corner divides.
 Sets mark_corners(std::vector<Edge>& edges, std::size_t triangles) {
-  // Flat faces, and the largest and second largest turn over their edges that are no corners by themselves.
+  // Edges between triangles of one plane join them to a flat face. Other edges below the corner angle are
+  // bends.
   Sets flat(triangles);
   for (const Edge& edge : edges)
     if (std::abs(edge.turn) < flat_angle) flat.join(edge.left, edge.right);
@@ -121,7 +122,8 @@ Sets mark_corners(std::vector<Edge>& edges, std::size_t triangles) {
     const double size = std::abs(edge.turn);
     return size >= flat_angle && size <= corner_angle;
   };
-  // Edges along one line between the same two faces are one bend of the surface.
+  // Edges along one line between the same two faces are one bend. For each face the largest turn to each face
+  // beside it is kept.
   std::map<int, std::map<int, double>> beside;  // face → the face beyond → turn
   for (const Edge& edge : edges) {
     if (!bends(edge)) continue;

@@ -10,8 +10,8 @@ namespace strake::fluid {
 
 /// The smooth parts of a closed surface of triangles, and the edges between them.
 struct SurfacePatches {
-  /// An edge of a patch as its own triangle walks it, with the body's angle there [rad]: π is flat, less is
-  /// convex.
+  /// An edge of a patch, in the order of its own triangle. angle: inside the body [rad], π where flat, less
+  /// where convex.
   struct Border {
     int patch = 0, triangle = 0, from = 0, to = 0;  // points of the mesh
     int other = 0;                                  // the patch beyond it
@@ -23,9 +23,9 @@ struct SurfacePatches {
   int count() const { return static_cast<int>(area.size()); }
 };
 
-/// Triangles belong together across edges where the surface turns by less than 20 degrees; a smaller turn
-/// that stands alone between flat faces parts them too. Throws Error(case_file) when the surface is not
-/// closed, or its normals point into the body.
+/// Divides a surface into smooth patches. Triangles belong to one patch across edges where the surface turns
+/// by less than 20 degrees. A smaller turn that is alone between flat faces divides them too. Throws
+/// Error(case_file) when the surface is not closed, or its normals point into the body.
 SurfacePatches find_patches(const InterfaceMesh&);
 
 }  // namespace strake::fluid

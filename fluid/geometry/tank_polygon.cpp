@@ -14,7 +14,7 @@ namespace strake::fluid {
 namespace {
 
 using Vector2 = Eigen::Vector2d;
-/// Corners sharper than this hold no rows of particles.
+/// Corners sharper than this have no room for layers of particles.
 constexpr double sharpest = 0.35;  // [rad], 20 degrees
 constexpr double shortest = 2;     // edge [l0]
 
@@ -26,7 +26,7 @@ bool segments_cross(const Vector2& a, const Vector2& b, const Vector2& c, const 
   return cross(b - a, c - a) * cross(b - a, d - a) <= 0 && cross(d - c, a - c) * cross(d - c, b - c) <= 0;
 }
 
-/// Ends of the shortest way between two edges that do not cross: one of them is a corner.
+/// Returns the ends of the shortest line between two edges that do not cross. One of the ends is a corner.
 std::pair<Vector2, Vector2> shortest_way(const Vector2& a, const Vector2& b, const Vector2& c,
                                          const Vector2& d) {
   std::pair<Vector2, Vector2> best{a, c};

@@ -14,8 +14,8 @@ namespace {
 using Vector2 = Eigen::Vector2d;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double lattice_tolerance = 1e-6;  // [l0]
-/// A place nearer than this to one that is taken stays empty, and one that is nearer to another face than to
-/// its own by this much is that face's [l0].
+/// Smallest distance between two layer particles [l0], `taken`. A place may be nearer to another face than to
+/// its own by less than `foreign` [l0]. Otherwise it belongs to that other face.
 constexpr double taken = 0.7, foreign = 0.25;
 constexpr double level_floor = 0.7;  // least vertical part of a floor's normal
 
@@ -24,7 +24,7 @@ double distance_to_segment(const Vector2& x, const Vector2& a, const Vector2& b)
   return (x - a - std::clamp((x - a).dot(t) / t.squaredNorm(), 0.0, 1.0) * t).norm();
 }
 
-/// Places that are taken, by cells of one spacing.
+/// Occupied places, by cells of one spacing.
 class Places {
  public:
   explicit Places(double spacing) : spacing_(spacing) {}
@@ -91,7 +91,8 @@ WallParticles<dim> TankShape<dim>::particles(int dummy_rows) const {
   return box_particles(dummy_rows);
 }
 
-/// The box grown by the rows on all sides that have a wall; a cell's layer is how far outside it stands.
+/// Places layer particles around the box, on all sides that have a wall. The layer of a cell is its distance
+/// from the box in cells.
 template <int dim>
 WallParticles<dim> TankShape<dim>::box_particles(int dummy_rows) const {
   std::array<long, 3> cells{1, 1, 1}, before{0, 0, 0}, behind{0, 0, 0};
@@ -136,15 +137,16 @@ bool TankShape<dim>::joins(std::size_t edge) const {
   return edges_[edge].wall && edges_[(edge + 1) % edges_.size()].wall;
 }
 
-/// Where the rows at `depth` behind an edge and the next one meet: v − d (n₁ + n₂)/(1 + n₁·n₂).
+/// Returns the point where the layers at `depth` behind an edge and the next one meet:
+///   v − d (n₁ + n₂)/(1 + n₁·n₂).
 template <int dim>
 Eigen::Vector2d TankShape<dim>::mitre(std::size_t edge, double depth) const {
   const Edge &one = edges_[edge], &two = edges_[(edge + 1) % edges_.size()];
   return one.to - depth * (one.normal + two.normal) / (1 + one.normal.dot(two.normal));
 }
 
-/// Corners stand at the ends of a row, rims half an interval beyond it. The corner at its end is the first
-/// place of the next row.
+/// Divides the layer at `depth` behind an edge into equal intervals. A corner is at the layer's end, an open
+/// rim half an interval beyond it. The corner at its end is the first place of the next edge's layer.
 template <int dim>
 auto TankShape<dim>::row_of(std::size_t e, double depth) const -> Row {
   const std::size_t before = (e + edges_.size() - 1) % edges_.size();
@@ -156,7 +158,7 @@ auto TankShape<dim>::row_of(std::size_t e, double depth) const -> Row {
   const Vector2 to = row.ends ? mitre(e, depth) : Vector2(edge.to - depth * edge.normal);
   row.length = (to - row.from).dot(edge.along);
   const double halves = (row.starts ? 0 : 0.5) + (row.ends ? 0 : 0.5);
-  // A row of half an interval more than a whole number has the longer ones, whatever round-off says.
+  // A length of n + ½ intervals is divided into n longer ones, whatever round-off gives.
   const long intervals = std::max(1L, std::lround(row.length / spacing_ - halves - lattice_tolerance));
   row.interval = row.length / (static_cast<double>(intervals) + halves);
   row.count = intervals + (row.ends ? 0 : 1);
@@ -169,7 +171,7 @@ WallParticles<dim> TankShape<dim>::polygon_particles(int dummy_rows) const {
   if constexpr (dim == 2) {
     Places places(spacing_);
     const std::size_t n = edges_.size();
-    // Beyond the depth of a square corner's last dummy nothing is within reach.
+    // No water is within reach of a place deeper than a square corner's last dummy.
     const double deepest = std::sqrt(2.0) * (dummy_rows + 0.5) * spacing_ * (1 + lattice_tolerance);
     for (int row = 0; row <= dummy_rows; ++row) {
       const double depth = (row + 0.5) * spacing_;
@@ -178,7 +180,7 @@ WallParticles<dim> TankShape<dim>::polygon_particles(int dummy_rows) const {
         const Edge &edge = edges_[e], &last = edges_[(e + n - 1) % n];
         if (!edge.wall) continue;
         const Row line = row_of(e, depth);
-        if (line.length <= foreign * spacing_) continue;  // the faces beside it have met
+        if (line.length <= foreign * spacing_) continue;  // the faces on both sides have met
         const bool starts = line.starts, ends = line.ends;
         for (long j = 0; j < line.count; ++j) {
           const Vector2 x =
@@ -188,7 +190,8 @@ WallParticles<dim> TankShape<dim>::polygon_particles(int dummy_rows) const {
           if (!places.take(x)) continue;
           WallParticle<dim> particle{x};
           const bool corner = j == 0 && starts;
-          // Beyond the end of its face, or in the mitre, it stands for the face around the corner as well.
+          // Beyond the end of its face, or in the mitre, the particle also represents the face around the
+          // corner.
           const double s = (x - edge.from).dot(edge.along), slack = lattice_tolerance * spacing_;
           const Edge* other = starts && (corner || s < -slack)  ? &last
                               : ends && s > edge.length + slack ? &edges_[(e + 1) % n]
@@ -205,7 +208,8 @@ WallParticles<dim> TankShape<dim>::polygon_particles(int dummy_rows) const {
               particle.absorbing += face->normal;
           }
           particle.floor = edge.normal.y() > level_floor || (other && other->normal.y() > level_floor);
-          // The stretch of its face that is nearest to it along the face; a corner's reaches to the end.
+          // The area is the stretch of the face that is nearest to the particle. At a corner it reaches to
+          // the face's end.
           if (row == 0) {
             const double from = corner ? 0 : s - 0.5 * line.interval, to = s + 0.5 * line.interval;
             particle.area = std::max(0.0, std::min(edge.length, to) - std::max(0.0, from)) * edge.normal;
@@ -262,7 +266,8 @@ double TankShape<dim>::distance(const Vector<dim>& x) const {
 
 template <int dim>
 bool TankShape<dim>::left(const Vector<dim>& x) const {
-  // A drop thrown up between the walls falls back between them: √(2g 3H) is faster than a column H high runs.
+  // Water that rises between the walls falls back between them. To rise 3H needs the speed √(2g 3H), which is
+  // more than √(2gH), the speed of a column of height H.
   const double height = 3 * (high_[1] - low_[1]);
   if (!edges_.empty()) {
     const Nearest near = nearest(x, false);
@@ -284,7 +289,7 @@ auto TankShape<dim>::behind(const Vector<dim>& x) const -> std::optional<WallFoo
       const Edge& edge = edges_[nearest(x, true).edge];
       const double along = std::clamp((x - edge.from).dot(edge.along), 0.0, edge.length);
       const Vector2 foot = edge.from + along * edge.along;
-      // Beyond the end of a wall at the rim nothing lies behind it.
+      // A place beyond the end of a wall at the rim is not behind that wall.
       if ((x - foot).dot(edge.normal) >= 0) return {};
       return WallFoot<dim>{foot, edge.normal};
     }

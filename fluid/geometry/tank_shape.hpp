@@ -12,34 +12,34 @@
 
 namespace strake::fluid {
 
-/// A particle that stands for a piece of the tank's wall.
+/// A particle that represents a piece of the tank's wall.
 template <int dim>
 struct WallParticle {
   Vector<dim> position;
   Vector<dim> normal = Vector<dim>::Zero();     // of the face, into the water; zero where two faces meet
-  Vector<dim> area = Vector<dim>::Zero();       // of the faces it stands for, into the water [m, m² in 3-D]
+  Vector<dim> area = Vector<dim>::Zero();       // of the faces it represents, into the water [m, m² in 3-D]
   Vector<dim> absorbing = Vector<dim>::Zero();  // sum of the normals of its absorbing faces
   bool floor = false;                           // below the water: its load counts as the floor's
 };
 template <int dim>
 struct WallParticles {
-  std::vector<WallParticle<dim>> wall;   // the row l0/2 behind the faces
-  std::vector<WallParticle<dim>> dummy;  // the rows behind it
+  std::vector<WallParticle<dim>> wall;   // the layer l0/2 behind the faces
+  std::vector<WallParticle<dim>> dummy;  // the layers behind it
 };
 
-/// Where a place behind a wall belongs.
+/// The place on the face to which a place behind a wall belongs.
 template <int dim>
 struct WallFoot {
   Vector<dim> position, normal;  // on the face; into the water
 };
 
-/// The faces of the tank as the case gives them, before any motion: a box, or in the plane a polygon. A box
-/// may be open at the top and periodic along an axis; an open polygon has no wall from its last corner to
-/// its first. Behind each face stand rows of particles at (k + ½) l0.
+/// The faces of the tank before any motion: a box, or in the plane a polygon. A box may be open at the top
+/// and periodic along an axis; an open polygon has no wall from its last corner to its first. Behind each
+/// face are layers of particles at (k + ½) l0.
 ///
-/// Rows of a polygon run parallel to its faces, divided evenly between the mitres of its corners. At the
-/// solid corners that protrude into the water the rows of both faces end in one another's mitre, so that no
-/// place is counted twice; on a right angle they are the lattice.
+/// Layers of a polygon run parallel to its faces, divided evenly between the mitres of its corners. At the
+/// solid corners that protrude into the water the layers of both faces end at the mitre, so that no place is
+/// counted twice. On a right angle they are the lattice.
 template <int dim>
 class TankShape {
  public:
@@ -48,20 +48,20 @@ class TankShape {
   WallParticles<dim> particles(int dummy_rows) const;
   /// Distance to the nearest wall [m], negative behind it. Open and periodic sides are no walls.
   double distance(const Vector<dim>& x) const;
-  /// Between the walls, or above an open side.
+  /// Whether x lies between the walls, or above an open side.
   bool contains(const Vector<dim>& x) const { return distance(x) >= 0; }
-  /// More than l0 behind a wall, or above an open side by three times the tank's height.
+  /// Whether x is more than l0 behind a wall, or above an open side by three times the tank's height.
   bool left(const Vector<dim>& x) const;
-  /// The nearest place on the face of a wall that x lies behind; none between the walls, or outside of the
-  /// tank above its rim.
+  /// Returns the nearest place on the face of a wall that x lies behind. There is none between the walls, or
+  /// outside of the tank above its rim.
   std::optional<WallFoot<dim>> behind(const Vector<dim>& x) const;
-  /// Between its walls; infinity where a side is open [m², m³].
+  /// Returns the volume between the walls; infinity where a side is open [m², m³].
   double volume() const;
   /// Whether all faces stand on the lattice that starts at `low`.
   bool on_lattice() const;
   /// Distance to the nearest face that is off the lattice [m]; infinity: there is none.
   double distance_to_slanted(const Vector<dim>& x) const;
-  /// The edge off the lattice on which x lies but for round-off.
+  /// Returns the edge off the lattice on which x lies, up to round-off.
   std::optional<std::size_t> slanted_edge_at(const Vector<dim>& x) const;
 
   const Vector<dim>& low() const { return low_; }  // bounding box
@@ -73,7 +73,7 @@ class TankShape {
     double length = 0;
     bool wall = true, on_lattice = true;
   };
-  struct Row {  // of particles at one depth behind an edge: from + (j or j + ½) interval
+  struct Row {  // a layer of one edge at one depth: from + (j or j + ½) interval
     Eigen::Vector2d from;
     double length = 0, interval = 0;
     long count = 0;

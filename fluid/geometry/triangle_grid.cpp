@@ -12,7 +12,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-/// Nearest place of the segment a–b: its share of b.
+/// Returns the place of the segment a–b nearest to x, as its share of b.
 double share_of_end(const Vector3& x, const Vector3& a, const Vector3& b) {
   const Vector3 t = b - a;
   const double length2 = t.squaredNorm();
@@ -74,8 +74,8 @@ void TriangleGrid::visit(const Cell& from, const Cell& to, Visit&& each) const {
       }
 }
 
-// Weights of the foot of the perpendicular from the edges' normal equations; where one is negative the
-// nearest place lies on an edge.
+// Finds the place of a triangle nearest to x. The normal equations of two edges give the weights of the foot
+// of the perpendicular. Where one of them is negative the nearest place lies on an edge.
 auto TriangleGrid::foot_on(int t, const Vector3& x) const -> Foot {
   const std::array<Vector3, 3> p = {corner(t, 0), corner(t, 1), corner(t, 2)};
   const Vector3 e1 = p[1] - p[0], e2 = p[2] - p[0], d = x - p[0];
@@ -107,7 +107,7 @@ auto TriangleGrid::foot_on(int t, const Vector3& x) const -> Foot {
   return foot;
 }
 
-// Cubes of cells around the place, one layer more each time: what lies outside a cube is at least as far as
+// Searches cubes of cells around x, one layer more each time. A place outside a cube is at least as far as
 // its sides.
 auto TriangleGrid::nearest(const Vector3& x, double limit) const -> Foot {
   Foot best;
@@ -142,9 +142,9 @@ auto TriangleGrid::nearest(const Vector3& x, double limit) const -> Foot {
   return best;
 }
 
-// Seen along y: x lies under the triangle when a way along x to infinity crosses its edges an odd number of
-// times. Both triangles beside an edge compute that crossing in the same order, so that none is missed or
-// counted twice.
+// Whether x lies under the triangle, along y. It does when a line along x to infinity crosses the triangle's
+// edges an odd number of times. Both triangles beside an edge compute that crossing in the same order, so
+// that none is missed or counted twice.
 bool TriangleGrid::above(int t, const Vector3& x) const {
   bool under = false;
   for (int k = 0; k < 3; ++k) {
@@ -173,7 +173,8 @@ bool TriangleGrid::inside(const Vector3& x) const {
   return odd;
 }
 
-// x = a + s (b − a) in the plane (x − p0)·N = 0, and on the inner side of all three edges.
+// Whether the segment x = a + s (b − a) cuts a triangle. It does where x lies in the triangle's plane,
+// (x − p0)·N = 0, on the inner side of all three edges.
 bool TriangleGrid::cuts(const Vector3& a, const Vector3& b) const {
   if (count_[0] == 0) return false;
   const Vector3 from = a.cwiseMin(b), to = a.cwiseMax(b);

@@ -8,13 +8,14 @@
 
 namespace strake::fluid {
 
-/// Triangles of a closed surface by the cells of an even grid that they reach into: which one is nearest to a
-/// place, what lies inside, and whether two places see each other.
+/// Triangles of a closed surface, sorted into the cells of an even grid. The grid finds the triangle nearest
+/// to a place, what lies inside the surface, and whether the surface lies between two places.
 class TriangleGrid {
  public:
   using Vector3 = Eigen::Vector3d;
 
-  /// Places 3×n and faces 3×m, counter-clockwise seen from outside. least_cell: no cell is smaller [m].
+  /// Sorts the triangles into cells. position: 3×n; faces: 3×m, counter-clockwise seen from outside.
+  /// least_cell: no cell is smaller [m].
   void build(const Eigen::Matrix3Xd& position, const Eigen::MatrixXi& faces, double least_cell);
 
   struct Foot {
@@ -27,7 +28,7 @@ class TriangleGrid {
   Foot nearest(const Vector3& x, double limit = std::numeric_limits<double>::infinity()) const;
   /// Whether the surface encloses x: an odd number of triangles above it.
   bool inside(const Vector3& x) const;
-  /// Whether the straight way from a to b goes through a triangle.
+  /// Whether the straight line from a to b goes through a triangle.
   bool cuts(const Vector3& a, const Vector3& b) const;
 
   const Vector3& low() const { return low_; }  // bounding box

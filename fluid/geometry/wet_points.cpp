@@ -19,9 +19,9 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Vector2 = Eigen::Vector2d;
 
-/// Samples of a surface stand this far apart at most [l0].
+/// Largest distance between samples of a surface [l0].
 constexpr double sample_distance = 0.2;
-/// Rounds in which places move to the middle of what is nearest to them.
+/// Number of rounds in which each place moves to the middle of the samples nearest to it.
 constexpr int rounds = 40;
 constexpr double round_off = 1e-9;
 
@@ -203,7 +203,7 @@ class Spreading {
     keep(part);
   }
 
-  /// The nearest place of each sample, by cells of one and a half spacings.
+  /// Finds the nearest place of each sample, by cells of one and a half spacings.
   void assign(const std::vector<Sample>& samples, const std::vector<Vector3>& place,
               std::vector<int>& owner) const {
     const double cell = 1.5 * spacing_;

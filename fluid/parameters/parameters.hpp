@@ -23,8 +23,7 @@ enum class SpsForm { joint, stress_pair };
 enum class Preconditioner { automatic, jacobi, multilevel };
 enum class WallSlip { no_slip, free_slip };
 
-/// The scheme, fluid/THEORY.md (F13)–(F66). Defaults are preset "improved"; the paper's values stand in
-/// read().
+/// The scheme, fluid/THEORY.md (F13)–(F66). Defaults are preset "improved"; the paper's values are in read().
 struct Scheme {
   double radius_density = 2.1, radius_gradient = 2.1, radius_divergence = 2.1,
          radius_laplacian = 3.1;  // [l0]
@@ -54,8 +53,8 @@ struct Scheme {
   bool wall_damping = false;
 };
 
-/// The scheme with that pressure gradient and the keys that go with it: shifting and filter belong to
-/// least-squares; volume coupling, which is pairwise, takes the filter too.
+/// Returns the scheme with that pressure gradient and the defaults that belong to it. Shifting and filter are
+/// for least-squares alone. Volume coupling with `pairwise` gets the filter back when the case is read.
 inline Scheme with_gradient(Scheme scheme, Gradient gradient) {
   scheme.gradient = gradient;
   if (gradient != Gradient::least_squares) {
@@ -81,10 +80,10 @@ struct Parameters {
   std::vector<Eigen::Vector3d> tank_polygon;    // [m] counter-clockwise; empty: the tank is the box
   std::vector<std::vector<Eigen::Vector3d>>
       water_shapes;                     // [m] two corners of a box, or a polygon; empty: the box
-  bool submerged = false;               // the water gives way to a body that stands in it at the start
+  bool submerged = false;               // no water inside a body at the start
   bool open_top = true;                 // box: no lid; polygon: no wall from its last corner to its first
   std::array<bool, 3> periodic{};       // axes along which the tank repeats itself
-  WallSlip wall = WallSlip::free_slip;  // of the tank
+  WallSlip wall = WallSlip::free_slip;  // of tank and bodies
   bool absorbing_bottom = false, absorbing_sides = false;  // walls that let sound out
   TankMotion motion;                                       // of the tank
   double end_time = 0;                                     // [s] of the run: how far the tank may move

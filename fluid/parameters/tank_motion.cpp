@@ -11,7 +11,8 @@ struct Jet {
   double value = 0, rate = 0, change = 0;
 };
 
-/// 10 τ³ − 15 τ⁴ + 6 τ⁵: from 0 to 1 with no slope and no curvature at either end.
+/// Returns the growth 10 τ³ − 15 τ⁴ + 6 τ⁵ of the amplitude from 0 to 1. It has no slope and no curvature at
+/// either end.
 Jet growth(double t, double ramp) {
   if (ramp <= 0 || t >= ramp) return {1, 0, 0};
   if (t <= 0) return {};
@@ -20,7 +21,7 @@ Jet growth(double t, double ramp) {
           60 * s * (1 - s) * (1 - 2 * s) / (ramp * ramp)};
 }
 
-/// sin(2πft) times its growth.
+/// Returns sin(2πft) times its growth.
 Jet sine(double t, double frequency, double ramp) {
   const double omega = 2 * std::numbers::pi * frequency;
   const double s = std::sin(omega * t), c = omega * std::cos(omega * t);

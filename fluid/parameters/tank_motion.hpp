@@ -8,8 +8,8 @@
 
 namespace strake::fluid {
 
-/// How the tank moves, [fluid.motion]: a table, or a sine of translation and roll. A pure function of time,
-/// so that rewind and restart need nothing. The turn is about the z axis through the pivot, which moves along
+/// The tank's motion, [fluid.motion]: a table, or a sine of translation and roll. It is a pure function of
+/// time, so that rewind and restart need no data. The turn is about the z axis through the pivot, which moves
 /// with the translation.
 struct TankMotion {
   std::optional<MotionTable> table;                     // the sine's numbers are not used where it is given
@@ -22,7 +22,8 @@ struct TankMotion {
   bool moves() const { return table || roll != 0 || amplitude.squaredNorm() > 0; }
   bool turns() const { return table ? table->turns() : roll != 0; }
   RigidMotion at(double t) const;
-  /// Largest displacement of the pivot along each axis from t = 0 to `end` [m], to the samples' accuracy.
+  /// Returns the largest displacement of the pivot along each axis from t = 0 to `end` [m]. A table is
+  /// sampled 1000 times.
   Eigen::Vector3d reach(double end) const;
 };
 
