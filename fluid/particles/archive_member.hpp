@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-// How each kind of member stands in an archive: reals as a matrix, whole numbers and enumerators as int64.
+// Members are written to an archive by their kind: reals as a matrix, whole numbers and enumerators as int64.
 
 namespace strake::fluid {
 

@@ -14,15 +14,15 @@ namespace {
 
 using std::size_t;
 
-/// Lists are screened in single precision around the middle of a cell, where a distance is off by less than
-/// this share of the radius: what the screen lets through too much, the exact rows leave out.
+/// Error of a distance in the screen, as a share of the radius. Lists are screened in single precision around
+/// the middle of a cell. Pairs that pass the screen but are too far apart are left out of the exact rows.
 constexpr double screening = 1e-5;
 
-/// A place that the screen finds near nothing.
+/// A coordinate far from all particles, for unused lanes of the screen.
 constexpr float nowhere = 1e18F;
 
-/// Limits of |r|² in the screen, and the periods of directions with less than three cells, where the image
-/// nearest to the middle of the cell is not always the one nearest to a member; 0: none.
+/// Limits of |r|² in the screen. period: of directions with less than three cells; 0: none. There the image
+/// nearest to the middle of the cell is not always the one nearest to a member.
 struct Limits {
   float near;         // squares below: candidates
   float low, inside;  // squares between: no border
@@ -37,7 +37,7 @@ struct Screen {
   std::vector<std::int32_t> member;  // places in the list of the cell's own particles
 };
 
-/// Bits of sixteen partners, and above them those of the partners at the border.
+/// Joins the bits of sixteen partners with those of the partners at the border, in the upper half.
 std::uint32_t joined(std::uint32_t near, std::uint32_t border) {
   return border << 16 | near;
 }
@@ -81,7 +81,7 @@ void screen_row(const std::array<std::vector<float>, dim>& x, const Screen<dim>&
   }
 }
 
-/// Takes every partner of a particle so far outside the grid that single precision cannot compare it.
+/// Marks every partner of a particle that is too far outside the grid for a test in single precision.
 void take_all(size_t k, size_t length, std::uint32_t* bits) {
   for (size_t b = 0; b < length; b += simd::wide, ++bits) {
     std::uint32_t near = simd::first_bits(static_cast<std::int64_t>(std::min<size_t>(16, length - b)));
@@ -90,8 +90,8 @@ void take_all(size_t k, size_t length, std::uint32_t* bits) {
   }
 }
 
-/// Coordinates of a cell's list about the cell's middle, and the places in the list of the cell's own
-/// members. Returns whether the list has fillers.
+/// Computes the coordinates of a cell's list about the cell's middle. Also finds the places in the list of
+/// the cell's own members. Returns whether the list has fillers.
 template <int dim>
 bool fill_screen(const Vectors<dim>& position, std::span<const std::uint8_t> tag,
                  const Periodic<dim>& periodic, std::span<const std::int32_t> list, const Vector<dim>& middle,
@@ -139,7 +139,7 @@ void CellList<dim>::lay_grid(const Vectors<dim>& position, double reach, const P
       low = std::min(low, x[dim * i]);
       high = std::max(high, x[dim * i]);
     }
-    // Around the median of a sample, so that a few far flyers do not set the extent.
+    // The grid is around the median of a sample, so that a few far particles do not set its extent.
     constexpr Eigen::Index samples = 1001;
     std::vector<double> sample;
     for (Eigen::Index i = 0; i < n; i += std::max<Eigen::Index>(1, n / samples)) sample.push_back(x[dim * i]);
@@ -158,7 +158,7 @@ void CellList<dim>::lay_grid(const Vectors<dim>& position, double reach, const P
       size_[k] = reach;
     }
   }
-  // No more cells than a few per particle: halve the longest extent around the median.
+  // The number of cells is limited to a few per particle: the longest extent around the median is halved.
   const auto cells = [&] { return std::int64_t{count_[0]} * count_[1] * count_[2]; };
   while (cells() > 16 * n + 65536) {
     size_t longest = 3;
@@ -261,7 +261,7 @@ void CellList<dim>::count_members(const Vectors<dim>& position, Candidates& out)
   }
 }
 
-/// Each thread owns a range of cells, and appends to their lists.
+/// Fills the lists of the cells. Each thread owns a range of cells, and appends to their lists.
 template <int dim>
 void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
   count_members(position, out);
@@ -273,7 +273,7 @@ void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
   make_room(out.lists, static_cast<size_t>(start.back()));
 #pragma omp parallel
   {
-    // As many list entries for each thread.
+    // Each thread gets as many list entries.
     const auto share = [&](std::int64_t part) {
       const std::int64_t entry = start.back() * part / omp_get_num_threads();
       const auto o = std::lower_bound(start.begin(), start.end(), entry) - start.begin();

@@ -10,8 +10,8 @@
 
 namespace strake::fluid {
 
-/// Room for n entries that are all written anew: the old ones are given back before new memory is taken, and
-/// little is held in reserve.
+/// Makes room for n entries that are all written anew. The old ones are freed before new memory is allocated,
+/// with little reserve.
 template <class T>
 void make_room(std::vector<T>& values, std::size_t n) {
   if (n > values.capacity()) {
@@ -21,7 +21,7 @@ void make_room(std::vector<T>& values, std::size_t n) {
   values.resize(n);
 }
 
-/// Candidate pairs as bit masks over the cell's sorted neighbour list. The list holds the particles in and
+/// Candidate pairs as bit masks over the cell's sorted neighbour list. The list contains the particles in and
 /// around the cell in the order of their indices. A second bit marks pairs near the cut-off, and pairs that
 /// nearly coincide: those are tested again each step. All others stay within the radius while no particle
 /// moves by more than the skin allows.
@@ -36,7 +36,7 @@ struct Candidates {
     return 4 * (lists.capacity() + cell.capacity() + bits.capacity() + bits_start.capacity()) +
            8 * list_start.capacity();
   }
-  /// The list that particle i's bits stand for.
+  /// Returns the list to which particle i's bits refer.
   std::span<const std::int32_t> list(std::int64_t i) const {
     const auto c = static_cast<std::size_t>(cell[static_cast<std::size_t>(i)]);
     return {lists.data() + list_start[c], static_cast<std::size_t>(list_start[c + 1] - list_start[c])};
@@ -44,17 +44,17 @@ struct Candidates {
   std::size_t first_bits(std::int64_t i) const { return bits_start[static_cast<std::size_t>(i)]; }
 };
 
-/// Cells no smaller than the reach, so that all partners of a particle are in its own or an adjacent cell.
-/// Each cell gets one list of the particles in and around it, in the order of their indices: particle after
-/// particle is appended to the lists of the cells around it. Rows cut out of such a list are sorted without
-/// sorting, and what it holds of a row takes two bits per partner.
+/// Sorts particles into cells no smaller than the reach. All partners of a particle are then in its own or an
+/// adjacent cell. Each cell gets one list of the particles in and around it, in the order of their indices:
+/// particle after particle is appended to the lists of the cells around it. Rows that are selected from such
+/// a list are sorted without sorting, and a row needs two bits per entry of the list.
 ///
-/// Particles outside the grid belong to its edge cells: clamping two cell numbers never moves them apart, so
-/// the search stays right and a far flyer costs time, never memory.
+/// Particles outside the grid belong to its edge cells. Clamping two cell numbers never moves them apart, so
+/// the search stays right. A far particle costs time, never memory.
 template <int dim>
 class CellList {
  public:
-  /// Every pair nearer than radius + skin but those of two fillers (tag & 1); tag may be empty.
+  /// Finds every pair nearer than radius + skin, except pairs of two fillers (tag & 1). tag may be empty.
   void find(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double radius, double skin,
             const Periodic<dim>&, Candidates&);
 
@@ -79,7 +79,7 @@ class CellList {
   std::array<bool, 3> seam_{};
   std::vector<std::int32_t> members_;   // particles in each cell; then its place among those with any
   std::vector<std::int32_t> occupied_;  // cells with members
-  std::vector<std::int64_t> next_;      // of each cell: end of its list so far; −1: none
+  std::vector<std::int64_t> next_;      // of each cell: present end of its list; −1: none
 };
 
 }  // namespace strake::fluid

@@ -10,7 +10,7 @@
 
 namespace strake::fluid {
 
-/// Number of particles that a column of State holds.
+/// Returns the number of particles in a column of State.
 template <class T>
 Eigen::Index length(const std::vector<T>& column) {
   return std::ssize(column);

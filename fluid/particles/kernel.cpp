@@ -5,7 +5,8 @@
 
 namespace strake::fluid {
 
-// n0 = Σ w(|r|), λ = Σ |r|² w / Σ w over all lattice points but the origin (fluid/THEORY.md (F15)).
+// Computes n0 = Σ w(|r|) and λ = Σ |r|² w / Σ w over all lattice points but the origin (fluid/THEORY.md
+// (F15)).
 template <int dim>
 LatticeConstants lattice_constants(double radius_in_spacings, double spacing) {
   static_assert(dim == 2 || dim == 3);

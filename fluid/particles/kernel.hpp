@@ -2,8 +2,8 @@
 
 namespace strake::fluid {
 
-/// w(r) = r_e/r − 1 for 0 < r < r_e, else 0 (Koshizuka & Oka 1996; fluid/THEORY.md (F13)). r, radius: same
-/// unit.
+/// Computes w(r) = r_e/r − 1 for 0 < r < r_e, else 0 (Koshizuka & Oka 1996; fluid/THEORY.md (F13)). r,
+/// radius: same unit.
 inline double weight(double r, double radius) {
   return r < radius && r > 0 ? radius / r - 1.0 : 0.0;
 }

@@ -18,18 +18,17 @@ namespace {
 
 using std::size_t;
 
-/// Two particles nearer than this share of the radius have no direction between them: they do not see one
-/// another.
+/// Share of the radius below which two particles have no direction between them: they are no neighbours.
 constexpr double coincident = 1e-9;
 
-/// Least share of the skin asked for, taken while next to nothing moves.
+/// Smallest skin as a share of the one asked for, used while hardly anything moves.
 constexpr double thinnest = 0.1;
 
-/// Rows that a thread works on at a time. Threads keep their part of the rows from loop to loop: rows that
-/// another processor has written last cost more than even shares save.
+/// Number of rows in a block that one thread computes. Threads keep the same rows from loop to loop: rows
+/// that another processor has written last cost more than even shares save.
 constexpr std::int64_t block = 64;
 
-/// Of the candidates' bits those that say that a partner is near.
+/// Mask of the candidates' bits that mark near partners.
 constexpr std::uint32_t near_bits = 0xffff;
 
 template <class T>
@@ -45,7 +44,7 @@ template <int dim>
               "lower fluid.scheme.time_step or fluid.scheme.cfl; look at the last frames for where it began");
 }
 
-/// Without the pairs that `keep` refuses, of sixteen partners of particle i those that are kept so far.
+/// Removes the pairs that `keep` refuses from the kept ones of sixteen partners of particle i.
 std::uint32_t asked_for(std::uint32_t kept, std::int32_t i, const std::int32_t* partner,
                         std::span<const std::uint8_t> tag, const KeepPair& keep) {
   for (std::uint32_t rest = kept; rest; rest &= rest - 1) {
@@ -56,7 +55,7 @@ std::uint32_t asked_for(std::uint32_t kept, std::int32_t i, const std::int32_t* 
   return kept;
 }
 
-/// Turns the numbers in all but the first place into sums from the start.
+/// Replaces each number by the sum from the start.
 void sum_up(std::vector<std::int64_t>& start) {
   for (size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
 }
@@ -100,7 +99,8 @@ size_t NeighbourSearch<dim>::bytes() const {
   return sum;
 }
 
-/// Longest way of a particle since the candidates were found [m]; infinite when a position is not finite.
+/// Returns the longest displacement of a particle since the candidates were found [m]; infinite when a
+/// position is not finite.
 template <int dim>
 double NeighbourSearch<dim>::moved(const Vectors<dim>& position) const {
   double most = 0;
@@ -117,8 +117,8 @@ double NeighbourSearch<dim>::moved(const Vectors<dim>& position) const {
   return std::sqrt(most);
 }
 
-/// way: the longest of a particle since the last rebuild [m]. A skin that would not last two updates costs
-/// more than it saves.
+/// Finds the candidates anew, with a skin that fits the motion. way: longest displacement of a particle since
+/// the last rebuild [m]. A skin that would not last two updates costs more than it saves.
 template <int dim>
 void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag,
                                    double way) {
@@ -138,7 +138,7 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
   ++rebuilds_;
 }
 
-/// Rows in which `keep` must be asked: those of asked particles and of all their candidates.
+/// Marks the rows in which `keep` must be asked: those of `asked` particles and of all their candidates.
 template <int dim>
 void NeighbourSearch<dim>::mark_asked(std::span<const std::uint8_t> tag) {
   meets_asked_.assign(tag.size(), 0);
@@ -153,8 +153,8 @@ void NeighbourSearch<dim>::mark_asked(std::span<const std::uint8_t> tag) {
   }
 }
 
-/// Which candidates are within the radius: only those at the border need a look. Counts them. What is packed
-/// for a block of rows is read when the block is done: a packed store read at once would stall.
+/// Selects the candidates within the radius and counts them. Only those at the border need a test. What is
+/// packed for a block of rows is read when the block is done: a packed store read at once would stall.
 template <int dim>
 template <bool seams>
 void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t> tag, const KeepPair* keep) {
@@ -210,7 +210,7 @@ void NeighbourSearch<dim>::select(const double* x, std::span<const std::uint8_t>
   }
 }
 
-/// Columns and pair data of the exact rows.
+/// Writes the columns and pair data of the exact rows.
 template <int dim>
 template <bool seams, bool single>
 void NeighbourSearch<dim>::fill(const double* x) {
@@ -253,8 +253,8 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   if (valid_)
     for (size_t i = 0; i < tag.size(); ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
   if (changed) valid_ = false;
-  // Two particles that each moved by less than half the skin were within radius + skin when the cells were
-  // built.
+  // The candidates stay valid while no particle has moved by more than half the skin. Two particles within
+  // the radius were then within radius + skin when the candidates were found.
   if (built_at_.cols() != n) built_at_.setZero(dim, n);
   const double way = moved(position);
   if (valid_) ++updates_;
@@ -289,7 +289,7 @@ const Neighbours& NeighbourSearch<dim>::within(double radius) {
   return part->rows;
 }
 
-/// Counted first, filled second, sixteen pairs at a time.
+/// Selects the rows of a smaller radius: counts first, then fills, sixteen pairs at a time.
 template <int dim>
 template <bool single>
 void NeighbourSearch<dim>::gather_part(Part& part) const {

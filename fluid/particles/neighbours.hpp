@@ -14,7 +14,7 @@
 
 namespace strake::fluid {
 
-/// What stands beside each column of a neighbour row.
+/// The data beside each column of a neighbour row.
 enum class PairData : std::uint8_t {
   inverses,         // 1/|r_ij| [1/m], in double precision
   entries,          // 1 − R/|r_ij|, R the search's radius, in single precision: minus the weight
@@ -38,11 +38,12 @@ class InverseRow {
   std::size_t size_;
 };
 
-/// Neighbour rows in compressed form: for particle i the columns row(i), sorted by index, both i-j and j-i
-/// stored. Exactly the pairs with |r_ij| < radius at the positions of the last `update`: a Verlet skin saves
-/// the cell search, never shows in the rows. Counted first, filled second: no capacity to overflow. Beside
-/// each column stands the inverse of its distance, so that no operator takes a root or divides again; or its
-/// entry, half as large, which is the matrix of the pressure as it stands.
+/// Neighbour rows in compressed form. Particle i has the columns row(i), sorted by index; both i-j and j-i
+/// are stored. The rows contain exactly the pairs with |r_ij| < radius at the positions of the last `update`.
+/// A Verlet skin saves the cell search and never changes the rows. Rows are counted first and filled second,
+/// so that no capacity can overflow. Beside each column is the inverse of its distance, so that no operator
+/// computes a root or a division again. Or it is its entry, half as large, which is the pressure's matrix
+/// without change.
 class Neighbours {
  public:
   std::span<const std::int32_t> row(std::int64_t i) const { return part(column_, i); }
@@ -54,7 +55,7 @@ class Neighbours {
     return {single ? nullptr : inverse_.data() + first, single ? single_.data() + first : nullptr, size};
   }
   std::span<const float> entries(std::int64_t i) const { return part(single_, i); }
-  /// |r_ij| [m], computed where it is read: a division each.
+  /// Returns |r_ij| [m], computed by a division each time it is read.
   auto distances(std::int64_t i) const {
     const InverseRow row = inverses(i);
     return std::views::iota(std::size_t{0}, row.size()) |
@@ -66,7 +67,7 @@ class Neighbours {
   std::span<const float> entry() const { return single_; }          // the same
   PairData data() const { return data_; }
   double scale() const { return scale_; }  // 1/R of the entries [1/m]
-  /// Whatever the rows keep: 1/|r_ij| of a pair in the numbering of column().
+  /// Returns 1/|r_ij| of a pair in the numbering of column(), from any kind of PairData.
   double inverse_of(std::int64_t pair) const {
     const auto e = static_cast<std::size_t>(pair);
     if (data_ == PairData::entries) return (1.0 - single_[e]) * scale_;
@@ -91,32 +92,33 @@ class Neighbours {
   double scale_ = 1;
 };
 
-/// What a search must know of a particle beside its place; one byte each, bits may be joined.
+/// Properties of a particle for the search; one byte each, bits may be joined.
 enum PairTag : std::uint8_t {
   plain = 0,
   filler = 1,  // dummy: pairs of two fillers are dropped
-  asked = 2,   // pairs with at least one such particle are kept only if `keep` says so
+  asked = 2,   // pairs with at least one such particle are kept only if `keep` is true
 };
-/// Symmetric in i and j. Asked at each update, at the new positions, for pairs within the radius.
+/// Whether a pair counts; symmetric in i and j. It is called at each update, at the new positions, for pairs
+/// within the radius.
 using KeepPair = std::function<bool(std::int32_t i, std::int32_t j)>;
 
-/// Cell list with a Verlet skin. Throws Error(solver_fault) that names the particle when a position is not
-/// finite.
+/// Searches neighbours by a cell list with a Verlet skin. Throws Error(solver_fault) that names the particle
+/// when a position is not finite.
 template <int dim>
 class NeighbourSearch {
  public:
-  /// radius: largest interaction radius [m]; skin: the thickest to use [m], 0.2 l0; it
-  /// follows the motion and never shows. Throws Error(case_file) when a period is shorter than 2 (radius +
-  /// skin), where a particle would meet two images of another. data: of the rows of `update`;
-  /// those of `within` have inverses, single ones of entries.
+  /// Sets the radii of the search. radius: largest interaction radius [m]. skin: the largest to use [m],
+  /// 0.2 l0; it follows the motion and never changes the rows. data: of the rows of `update`; those of
+  /// `within` have inverses, single ones where `update` has entries. Throws Error(case_file) when a period is
+  /// shorter than 2 (radius + skin), where a particle would meet two images of another.
   NeighbourSearch(double radius, double skin, const Periodic<dim>& = {}, PairData data = PairData::inverses);
-  /// Rows of the largest radius. tag: empty, or one byte per particle (PairTag); the fillers stay the same
-  /// particles as long as the number of particles does.
+  /// Computes the rows of the largest radius. tag: empty, or one byte per particle (PairTag). Where the
+  /// fillers change the candidates are found anew.
   const Neighbours& update(const Vectors<dim>& position, std::span<const std::uint8_t> tag = {},
                            const KeepPair& keep = {});
-  /// The part of the last update's rows with |r_ij| < radius <= the largest; made on first use, then kept
-  /// until the next update. The reference stays valid as long as the search; its content changes with the
-  /// next update.
+  /// Returns the pairs of the last update with |r_ij| < radius, at most the largest radius. They are made on
+  /// first use, then kept until the next update. The reference stays valid as long as the search; its content
+  /// changes with the next update.
   const Neighbours& within(double radius);
   void invalidate();  // after set_state or re-ordering
   std::int64_t rebuilds() const { return rebuilds_; }

@@ -11,14 +11,14 @@
 
 namespace strake::fluid {
 
-/// How many of a row's sorted columns are water.
+/// Counts the water in a row's sorted columns.
 inline std::size_t water_pairs(std::span<const std::int32_t> columns, std::int64_t water) {
   std::size_t n = columns.size();
   while (n > 0 && columns[n - 1] >= water) --n;
   return n;
 }
 
-/// The nearest image of a neighbour: r over the seams where that is shorter.
+/// Replaces r by that of the neighbour's nearest image, over the seams where that is shorter.
 template <int dim, class Pair>
 inline void over_seams(const Periodic<dim>& periodic, Pair& r) {
   for (int d = 0; d < dim; ++d) r[d] = periodic.nearest(r[d], d);

@@ -6,9 +6,9 @@
 
 namespace strake::fluid {
 
-/// Directions in which space repeats itself. Between two places counts the shortest way over the seams.
-/// Places are kept within one length of one another (`wrap`), so that one length at most is added; a particle
-/// that is to see nobody stands further off than that.
+/// Directions in which space repeats itself. The distance of two places is the shortest one over the seams.
+/// Places are kept within one length of one another (`wrap`), so that one length at most is added. A removed
+/// particle is placed farther off than that.
 template <int dim>
 class Periodic {
  public:
@@ -24,21 +24,23 @@ class Periodic {
   bool along(int direction) const { return length_[direction] > 0; }
   bool any() const { return any_; }
 
-  /// One component of a difference of places, over the seam where that is shorter. Exactly odd in its
-  /// argument.
+  /// Returns one component of a difference of places, over the seam where that is shorter. It is exactly odd
+  /// in its argument.
   double nearest(double difference, int direction) const {
     const double up = difference < -half_[direction] ? length_[direction] : 0.0;
     const double down = difference > half_[direction] ? length_[direction] : 0.0;
     return difference + up - down;
   }
-  /// b − a to the nearest image of b; separation(b, a) is the same with the other sign, to the last bit.
+  /// Returns b − a to the nearest image of b. separation(b, a) is the same with the other sign, to the last
+  /// bit.
   Vector<dim> separation(const Vector<dim>& a, const Vector<dim>& b) const {
     Vector<dim> r = b - a;
-    if (any_)  // else left as it is: numbers written one by one would be waited for
+    if (any_)  // else r is not written: reading numbers written one by one stalls
       for (int d = 0; d < dim; ++d) r[d] = nearest(r[d], d);
     return r;
   }
-  /// The image of x in [low, low + length) of each periodic direction, for x not further off than one length.
+  /// Returns the image of x in [low, low + length) of each periodic direction. x must not be farther off than
+  /// one length.
   Vector<dim> wrap(Vector<dim> x, const Vector<dim>& low) const {
     for (int d = 0; d < dim; ++d) {
       if (!along(d)) continue;

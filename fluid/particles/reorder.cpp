@@ -13,10 +13,10 @@ namespace {
 
 using std::size_t;
 
-/// Cells are counted up to this far along each direction; what lies beyond belongs to the last.
+/// Largest number of cells along each direction; places beyond belong to the last cell.
 constexpr double most_cells = 1 << 20;
 
-/// The bits of the places along each direction, taken in turns.
+/// Interleaves the bits of the places along each direction.
 template <int dim>
 std::uint64_t interleaved(const std::array<std::uint32_t, dim>& place) {
   std::uint64_t key = 0;

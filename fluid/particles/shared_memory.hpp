@@ -8,8 +8,8 @@
 
 namespace strake::fluid {
 
-/// Memory for stages of a step that come one after the other and keep nothing in it for the next: each begins
-/// its own objects anew where the last one's were.
+/// Memory for stages of a step that run one after the other. A stage keeps nothing in it for the next: each
+/// makes its own objects where the last one's were.
 class SharedMemory {
  public:
   template <class T>

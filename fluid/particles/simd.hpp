@@ -4,8 +4,8 @@
 
 namespace strake::fluid {
 
-/// Doubles that one instruction works on, where the machine has such wide ones; GCC's and Clang's vector
-/// types. Sums of few numbers over long rows use the lanes for several pairs, others for the components of
+/// Doubles that one instruction processes, where the machine has such wide registers; vector types of GCC and
+/// Clang. Sums of few numbers over long rows use the lanes for several pairs, others for the components of
 /// one.
 typedef double Double2 __attribute__((vector_size(16)));
 typedef double Double4 __attribute__((vector_size(32)));

@@ -15,16 +15,16 @@
 #include <immintrin.h>
 #endif
 
-/// What a neighbour search does with eight or sixteen particles at a time: places fetched through a list of
-/// indices, comparisons that give one bit per lane, and the values of the set bits packed together. Written
-/// out for AVX-512, where the compiler's own gather is two to three times slower; plain loops elsewhere.
-/// Lanes beyond `n` are neither read nor written.
+/// Functions of the neighbour search on eight or sixteen particles at a time. They fetch places through a
+/// list of indices, compare them with one bit per lane as result, and pack the values of the set bits.
+/// Written out for AVX-512, where the compiler's own gather is two to three times slower; plain loops
+/// elsewhere. Lanes beyond `n` are neither read nor written.
 namespace strake::fluid::simd {
 
 inline constexpr int width = 8;         // of doubles
 inline constexpr int wide = 2 * width;  // of floats and indices
 
-/// One bit for each of the first n lanes.
+/// Returns one bit for each of the first n lanes.
 inline std::uint32_t first_bits(std::int64_t n) {
   return n >= 32 ? ~0U : (1U << n) - 1U;
 }
@@ -80,7 +80,7 @@ inline int pack_inverses(const float* from, std::uint32_t bits, float scale, flo
   return count;
 }
 
-/// Which of n <= 16 numbers are less than the limit, or greater.
+/// Marks which of n <= 16 numbers are less than the limit, or greater.
 inline std::uint32_t below(const float* x, int n, float limit) {
 #ifdef STRAKE_AVX512
   const auto mask = static_cast<__mmask16>(first_bits(n));
@@ -114,7 +114,7 @@ struct Components {
   __m512d along[dim];
 };
 
-/// The columns x[dim · j] of n <= 8 particles j; lanes beyond n hold particle `self`.
+/// Loads the columns x[dim · j] of n <= 8 particles j. Lanes beyond n get particle `self`.
 template <int dim>
 inline Components<dim> columns(const double* x, const std::int32_t* j, int n, std::int32_t self) {
   std::int32_t filled[8];
@@ -153,7 +153,8 @@ inline Components<dim> columns(const double* x, const std::int32_t* j, int n, st
 }
 #endif
 
-/// The columns x[dim · j] of n <= 8 particles j, component by component; lanes beyond n hold particle `self`.
+/// Loads the columns x[dim · j] of n <= 8 particles j, component by component. Lanes beyond n get particle
+/// `self`.
 template <int dim>
 inline void gather(const double* x, const std::int32_t* j, int n, std::int32_t self, Double8 (&out)[dim]) {
 #ifdef STRAKE_AVX512
@@ -184,7 +185,7 @@ inline Float8 load(const float* from, int n) {
   return out;
 #endif
 }
-/// To the nearest of single precision, and back.
+/// Converts to the nearest numbers of single precision, and back.
 inline Float8 narrowed(const Double8& x) {
 #ifdef STRAKE_AVX512
   return reinterpret_cast<Float8>(_mm512_cvtpd_ps(reinterpret_cast<__m512d>(x)));
@@ -217,8 +218,8 @@ inline void store(const Float8& from, float* to, std::size_t n) {
 }
 
 #ifdef STRAKE_AVX512
-/// |x_j − x_i|² of eight particles j to the nearest image [m²]; the same bits for i-j and j-i. Lanes beyond n
-/// hold 0.
+/// Computes |x_j − x_i|² of eight particles j to the nearest image [m²]; the same bits for i-j and j-i. Lanes
+/// beyond n are 0.
 template <int dim, bool seams>
 inline __m512d squares(const double* x, std::int32_t i, const std::int32_t* j, int n,
                        const Periodic<dim>& periodic) {
@@ -249,7 +250,7 @@ inline double square(const double* x, std::int32_t i, std::int32_t j, const Peri
 }
 #endif
 
-/// Which of n <= 8 particles j have low < |x_j − x_i|² < high.
+/// Marks which of n <= 8 particles j have low < |x_j − x_i|² < high.
 template <int dim, bool seams>
 inline std::uint32_t between(const double* x, std::int32_t i, const std::int32_t* j, int n,
                              const Periodic<dim>& periodic, double low, double high) {
@@ -267,7 +268,7 @@ inline std::uint32_t between(const double* x, std::int32_t i, const std::int32_t
 #endif
 }
 
-/// to[k] = 1/|x_j − x_i| of n <= 8 particles j.
+/// Computes to[k] = 1/|x_j − x_i| of n <= 8 particles j.
 template <int dim, bool seams>
 inline void inverse_lengths(const double* x, std::int32_t i, const std::int32_t* j, int n,
                             const Periodic<dim>& periodic, double* to) {
@@ -280,7 +281,7 @@ inline void inverse_lengths(const double* x, std::int32_t i, const std::int32_t*
 #endif
 }
 
-/// to[k] = 1 − 1/√(scale |x_j − x_i|²) of n <= 8 particles j, not above zero.
+/// Computes to[k] = 1 − 1/√(scale |x_j − x_i|²) of n <= 8 particles j, not above zero.
 template <int dim, bool seams>
 inline void entries(const double* x, std::int32_t i, const std::int32_t* j, int n,
                     const Periodic<dim>& periodic, double scale, float* to) {

@@ -18,18 +18,18 @@ using Vectors = Eigen::Matrix<double, dim, Eigen::Dynamic>;  // dim×n
 
 enum class Kind : std::uint8_t {
   fluid,            // water
-  wall,             // tank row that carries its own pressure unknown
-  dummy_wall,       // rows behind it: fill the number density, no unknown
-  interface,        // first row inside the body's face: pressure unknown
-  dummy_interface,  // rows behind it
+  wall,             // first layer of the tank: own pressure, an unknown in the MPS schemes
+  dummy_wall,       // layers behind it: fill the number density, no unknown
+  interface,        // first layer inside the body's face, likewise
+  dummy_interface,  // layers behind it
   solid,            // volume coupling: a structure particle
 };
 inline bool has_pressure(Kind kind) {
   return kind == Kind::fluid || kind == Kind::wall || kind == Kind::interface || kind == Kind::solid;
 }
 
-/// Everything of the fluid that changes in time: rewind is an assignment, a checkpoint is this struct on
-/// disk. What the participant measures of it stands in diagnostics/measurements.hpp.
+/// All data of the fluid that change in time. A rewind is an assignment, a checkpoint is this struct on disk.
+/// What the participant measures of it is in diagnostics/measurements.hpp.
 template <int dim>
 struct State {
   double time = 0;                      // [s]

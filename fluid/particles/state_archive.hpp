@@ -12,9 +12,9 @@ void save(const State<dim>&, Archive&);
 template <int dim>
 State<dim> load(const Archive&);
 
-/// Gives the values of a checkpoint of version 0.1.0 their names: it held them by position, in the arrays
-/// `scalars` and `counts`. Others stay as they are. Throws Error(case_file) where those arrays are not of
-/// 0.1.0.
+/// Gives the values of a checkpoint of version 0.1.0 their names. That version stored them by position, in
+/// the arrays `scalars` and `counts`. Other checkpoints stay as they are. Throws Error(case_file) where those
+/// arrays are not of 0.1.0.
 Archive with_names(Archive);
 
 }  // namespace strake::fluid

@@ -7,10 +7,10 @@
 namespace strake::fluid {
 
 namespace {
-/// Below this many rows threads cost more than they bring.
+/// Number of rows below which threads cost more time than they save.
 constexpr std::int64_t rows_for_threads = 4000;
 
-/// The box of the unknowns, from `low` to `high`, and `most` cells that it may have.
+/// The box of the unknowns, from `low` to `high`. `most`: the largest number of cells.
 template <int dim>
 struct UnknownsBox {
   std::array<double, dim> low, high;
@@ -58,9 +58,9 @@ void cut_to_median(const PressureSystem& system, const Vectors<dim>& position, d
 
 }  // namespace
 
-/// Cells of a box around the unknowns. Where a few far particles would make it much larger than the water,
-/// the box is one around the median. Particles outside are sorted into its edge cells. Clamping moves no two
-/// particles apart, so rows still reach only adjacent cells.
+/// Sorts the unknowns into cells of a box around them. Where a few far particles would make the box much
+/// larger than the water, it is one around the median. Particles outside are sorted into its edge cells.
+/// Clamping moves no two particles apart, so rows still reach only adjacent cells.
 template <int dim>
 void Aggregates<dim>::sort(const PressureSystem& system, const Vectors<dim>& position, double cell_size,
                            double full) {
@@ -88,7 +88,7 @@ void Aggregates<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
   for (std::int64_t k = 0; k < n; ++k) {
     for (std::size_t d = 0; d < dim; ++d) {
       const double u = (position(static_cast<Eigen::Index>(d), particle[k]) - low[d]) / cell_size;
-      // In this form a coordinate that is no number is at the edge, too.
+      // The form of this condition places a coordinate that is no number at the edge, too.
       at[d][static_cast<std::size_t>(k)] =
           static_cast<float>(u > 0 ? (u < extent[d] - edge ? u : extent[d] - edge) : 0.0);
     }
@@ -140,7 +140,7 @@ void Aggregates<dim>::split(const PressureSystem& system, CoarseLevel<dim>& leve
   gather_vertices(level);
 }
 
-/// One unknown that touches all others of its cell proves that they are one piece.
+/// Whether one unknown touches all others of its cell; the cell is then one piece.
 template <int dim>
 bool Aggregates<dim>::is_whole(std::int64_t begin, std::int64_t end) const {
   for (std::int64_t s = begin; s < end; ++s)
@@ -183,7 +183,7 @@ void Aggregates<dim>::split_cells(const PressureSystem& system) {
   piece_start.push_back(static_cast<std::int32_t>(order.size()));
 }
 
-/// Sorts one cell's stretch of `order` into parts that touch one another through rows inside the cell.
+/// Sorts one cell's stretch of `order` into pieces, which are connected through rows inside the cell.
 template <int dim>
 void Aggregates<dim>::find_parts(const PressureSystem& system, std::int64_t begin, std::int64_t end) {
   std::int32_t* const stretch = order.data();
@@ -231,8 +231,9 @@ bool Aggregates<dim>::linked(std::int32_t p, std::int32_t q, int direction) cons
   return std::binary_search(links_.begin(), links_.end(), Link{p, q});
 }
 
-/// Direction from the cell at which a vertex is corner a to that at which it is corner b: minus the step
-/// between the corners, in the numbering of `touched`.
+/// Returns the direction between two cells around a vertex, in the numbering of `touched`. The vertex is
+/// corner a of the first cell and corner b of the second. The direction is minus the step between the
+/// corners.
 template <int dim>
 int direction_between(int a, int b) {
   int code = 0, scale = 1;

@@ -11,7 +11,7 @@
 
 namespace strake::fluid {
 
-/// Weights of the corners of a cell for a place in it, from 0 to 1 along each axis.
+/// Returns the weights of the corners of a cell for a place in it. f: the place, from 0 to 1 along each axis.
 template <int dim>
 inline std::array<float, std::size_t{1} << dim> corner_weights(const std::array<float, dim>& f) {
   std::array<float, std::size_t{1} << dim> w;
@@ -26,10 +26,10 @@ inline std::array<float, std::size_t{1} << dim> corner_weights(const std::array<
   return w;
 }
 
-/// The unknowns of a pressure equation sorted into square cells as large as the reach of its Laplacian, so
-/// that rows reach no further than the adjacent cells. A piece is a part of a cell's unknowns that touch one
-/// another; water on both sides of a plate in one cell makes two. The vertices of the cells carry the coarse
-/// unknowns: one for each part of the pieces around a vertex that touch one another.
+/// Sorts the unknowns of a pressure equation into square cells as large as the Laplacian's reach. Rows then
+/// reach no further than the adjacent cells. A piece is a set of unknowns of one cell that are connected;
+/// water on both sides of a plate in one cell makes two. The vertices of the cells carry the coarse unknowns.
+/// A vertex has one for each connected set of the pieces around it.
 template <int dim>
 class Aggregates {
  public:
@@ -37,22 +37,23 @@ class Aggregates {
   static constexpr int around = dim == 2 ? 9 : 27;  // a cell and those adjacent to it
   static constexpr int middle = (around - 1) / 2;
 
-  /// Sorts; `cell_size` [m]; a cell is sparse with less than half of `full` unknowns.
+  /// Sorts the unknowns into cells of `cell_size` [m]. A cell is sparse with less than half of `full`
+  /// unknowns.
   void sort(const PressureSystem&, const Vectors<dim>& position, double cell_size, double full);
   /// Whether the cell of an unknown is sparse, and whether that or an adjacent one is.
   bool is_sparse(std::int64_t unknown) const { return density(unknown) > 1; }
   bool is_near_sparse(std::int64_t unknown) const { return density(unknown) > 0; }
-  /// Which of the cells around an unknown its row touches, one bit each, and how many entries lie in its own:
-  /// filled by whoever passes over the matrix, after `sort`.
+  /// Cells around an unknown that its row touches, one bit each. own_cell_entries: number of entries in its
+  /// own cell. Both are filled after `sort`, by the function that reads the matrix.
   std::vector<std::uint32_t> touched;
   std::vector<std::int32_t> own_cell_entries;
-  /// Pieces, and the coarse unknowns as `level.place`, `.first`, `.size`.
+  /// Divides the cells into pieces, and makes the coarse unknowns: `level.place`, `.first`, `.size`.
   void split(const PressureSystem&, CoarseLevel<dim>& level);
 
   std::int32_t pieces() const { return static_cast<std::int32_t>(piece_start.size()) - 1; }
   std::size_t bytes() const;
 
-  /// Place of each unknown in cells from the grid's corner, per axis.
+  /// Place of each unknown from the grid's corner, per axis [cells].
   std::array<std::vector<float>, dim> at;
   std::vector<std::int32_t> order;                   // unknowns piece by piece
   std::vector<std::int32_t> piece_start;             // in order, and one more
@@ -71,14 +72,14 @@ class Aggregates {
   bool is_whole(std::int64_t begin, std::int64_t end) const;
   void find_parts(const PressureSystem&, std::int64_t begin, std::int64_t end);
   void link_pieces(const PressureSystem&);
-  /// A piece at a vertex, the corner of its cell that the vertex is, and the part that it belongs to; −1:
-  /// none.
+  /// A piece at a vertex. corner: which corner of the piece's cell the vertex is. part: the connected set of
+  /// the piece; −1: none.
   struct Member {
     std::int32_t piece;
     int corner, part;
   };
   void gather_vertices(CoarseLevel<dim>& level);
-  /// Numbers the parts of the pieces around one vertex that touch one another; returns how many there are.
+  /// Numbers the connected sets of the pieces around one vertex; returns how many there are.
   int join_members(std::vector<Member>&) const;
   bool linked(std::int32_t p, std::int32_t q, int direction) const;
 
@@ -86,7 +87,7 @@ class Aggregates {
   std::vector<std::int32_t> cell_, cell_start_;  // of each unknown; unknowns of each cell in order
   std::vector<std::int32_t> first_piece_;        // of each cell, and one more
   std::vector<std::uint32_t> piece_touches_;     // bits as `touched`, of all unknowns of the piece
-  std::vector<std::uint8_t> shared_cell_;        // of each piece: its cell holds another one
+  std::vector<std::uint8_t> shared_cell_;        // of each piece: its cell has another one
   std::vector<std::uint8_t> density_;            // of each cell: 2 sparse, 1 beside such a one, 0 neither
   std::vector<Link> links_;                      // between pieces of which one shares its cell, sorted
 };

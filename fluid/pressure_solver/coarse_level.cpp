@@ -9,12 +9,13 @@ namespace {
 
 /// A level with no more unknowns than this is solved by a dense factorisation.
 constexpr std::int32_t direct_size = 160;
-/// A level with fewer unknowns is one thread's work: waiting would cost more. Its making has one wait, a
-/// cycle has seven.
+/// Number of unknowns below which one thread computes a level: waiting would cost more. Building it has one
+/// wait, a cycle has seven.
 constexpr std::int32_t rows_for_team = 6000, rows_for_making = 600;
-/// Sweeps on a last level that does not get smaller, one of scattered drops, where Jacobi is nearly exact.
+/// Number of sweeps on a last level that does not get smaller, one of scattered drops. Jacobi is nearly exact
+/// there.
 constexpr int last_sweeps = 4;
-/// Of the sweeps: of 0.9, 1.0 and 1.1 none took fewer iterations.
+/// Damping of the sweeps; of 0.9, 1.0 and 1.1 none took fewer iterations.
 constexpr double damping = 0.9;
 
 void transpose(const SparseRows& rows, std::int32_t columns, SparseRows& out) {
@@ -196,8 +197,9 @@ void GridCycle<dim>::build(int threads) {
   Eigen::MatrixXd full = Eigen::MatrixXd::Zero(n, n);
   for (std::int32_t i = 0; i < n; ++i) {
     const auto row = static_cast<std::size_t>(i);
-    // Where no particle holds an unknown (all its weights are nil) or a part has neither P = 0 nor
-    // compressibility, a trace of mass keeps the factor positive.
+    // A small addition to the diagonal keeps the factor positive where nothing else does. One case is an
+    // unknown without particles (all its weights are nil). Another is a connected set with neither P = 0 nor
+    // compressibility.
     const double d = last.diagonal[row];
     full(i, i) = d > 0 ? d * (1 + 1e-6) : 1;
     for (std::int32_t e = last.matrix.start[row]; e < last.matrix.start[row + 1]; ++e)
@@ -227,8 +229,9 @@ void GridCycle<dim>::solve_last() {
   }
 }
 
-/// x = D⁻¹b; x += P A_c⁻¹ Pᵀ(b − A x); x += D⁻¹(b − A x): the two sweeps are equal, so that the whole is
-/// symmetric.
+/// Computes one cycle from this level down:
+///   x = D⁻¹b; x += P A_c⁻¹ Pᵀ(b − A x); x += D⁻¹(b − A x).
+/// The two sweeps are equal, so that the whole is symmetric.
 template <int dim>
 void GridCycle<dim>::descend(std::size_t level, const Team& team) {
   if (level + 1 == static_cast<std::size_t>(used_)) {

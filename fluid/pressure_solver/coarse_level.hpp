@@ -11,7 +11,7 @@
 
 namespace strake::fluid {
 
-/// Sparse rows without the diagonal; single precision, for they only precondition.
+/// Sparse rows without the diagonal. Single precision is enough for a preconditioner.
 struct SparseRows {
   std::vector<std::int32_t> start{0}, column;
   std::vector<float> value;
@@ -21,7 +21,7 @@ struct SparseRows {
     column.clear();
     value.clear();
   }
-  /// (this · x)_i
+  /// Returns (this · x)_i.
   float times(const float* x, std::int64_t i) const {
     return row_sum(value.data(), column.data(), x, start.data()[i], start.data()[i + 1]);
   }
@@ -30,7 +30,7 @@ struct SparseRows {
 /// Joins the rows that each thread made of its part.
 void join(const std::vector<SparseRows>& parts, SparseRows& whole);
 
-/// Row i of a sum is gathered entry by entry; entries of equal column are added. Columns stay in the order of
+/// Gathers one row of a sum entry by entry; entries of equal column are added. Columns stay in the order of
 /// their first entry: the same for the same input.
 class RowGatherer {
  public:
@@ -56,7 +56,7 @@ class RowGatherer {
   std::vector<double> value_;
 };
 
-/// Inverse of the diagonal that damps Jacobi's sweep by ω, so far that it contracts for any symmetric
+/// Returns the inverse of the diagonal, with Jacobi's damping ω. The sweep then contracts for any symmetric
 /// positive definite A: λ(D⁻¹A) <= 2 ω < 2 by Gershgorin's circles.
 inline double damped_inverse(double diagonal, double off_diagonal_sum, double damping) {
   const double d = std::max(diagonal, 0.5 * (diagonal + off_diagonal_sum)) / damping;
@@ -64,8 +64,8 @@ inline double damped_inverse(double diagonal, double off_diagonal_sum, double da
 }
 
 /// One level of the hierarchy above the particles: unknowns at the vertices of a grid of square cells. A
-/// vertex carries as many unknowns as there are parts of the water around it that do not touch one another,
-/// so that no pressure leaks from one side of a plate to the other.
+/// vertex has one unknown for each connected set of the water around it, so that no pressure leaks from one
+/// side of a plate to the other.
 template <int dim>
 struct CoarseLevel {
   using Place = std::array<std::int32_t, dim>;
@@ -79,21 +79,22 @@ struct CoarseLevel {
   std::vector<float> right, solution, rest;
 
   std::int32_t unknowns() const { return static_cast<std::int32_t>(place.size()); }
-  /// `inverse` from `matrix` and `diagonal`; room for the vectors.
+  /// Computes `inverse` from `matrix` and `diagonal`, and makes room for the vectors.
   void prepare();
-  /// Multilinear interpolation from the vertices with even numbers, and the Galerkin operator on them.
-  /// Returns false when that would not make the level much smaller.
+  /// Makes the next level: multilinear interpolation from the vertices with even numbers, and its Galerkin
+  /// operator. Returns false when the next level would have more than 0.8 of the unknowns.
   bool coarsen(CoarseLevel& next, int threads);
 
  private:
-  /// slot: of each unknown, −1 not reached, 0 reached, 1 in a part; reached, part: unknowns.
+  /// Memory of the search for connected sets. slot: of each unknown, −1 not reached, 0 reached, 1 in a set.
+  /// reached, part: unknowns.
   struct Search {
     std::vector<std::int32_t> slot, reached = {}, part = {};
   };
-  /// One vertex of the next level: an unknown for each connected part of the unknowns that it reaches, and
-  /// its row of the restriction.
+  /// Adds one vertex of the next level. It has an unknown for each connected set of the unknowns that it
+  /// reaches, and each has its row of the restriction.
   void add_vertex(const std::array<std::int32_t, 3>& vertex, CoarseLevel& next, Search&);
-  /// next.matrix and next.diagonal: the Galerkin product R A Rᵀ.
+  /// Computes next.matrix and next.diagonal by the Galerkin product R A Rᵀ.
   void multiply_out(CoarseLevel& next, int threads) const;
 };
 
@@ -105,8 +106,8 @@ class GridCycle {
   const CoarseLevel<dim>& finest() const { return levels_.front(); }
   /// Builds the levels above the finest.
   void build(int threads);
-  /// finest().solution ≈ A⁻¹ finest().right by one symmetric V-cycle. All threads of the team call it; ends
-  /// without a wait.
+  /// Computes finest().solution ≈ A⁻¹ finest().right by one symmetric V-cycle. All threads of the team call
+  /// it; it ends without a wait.
   void cycle(const Team& team) { descend(0, team); }
   std::size_t bytes() const;
   int levels() const { return used_; }

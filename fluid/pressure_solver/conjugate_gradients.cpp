@@ -19,7 +19,7 @@ struct Blocks {
   std::int64_t end(std::int64_t b) const { return std::min(n, (b + 1) * block_size); }
 };
 
-/// Four running sums let the processor overlap them.
+/// Returns a·b over [begin, end). The processor overlaps four running sums.
 template <class A, class B>
 double dot(const A* a, const B* b, std::int64_t begin, std::int64_t end) {
   double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
@@ -45,8 +45,7 @@ inline double times(const PressureSystem& system, const double* x, std::int64_t 
          row_sum(system.value.data(), system.column.data(), x, system.start.data()[k], system.stop.data()[k]);
 }
 
-/// What one thread computes with: its blocks of rows, and the vectors and partial sums that all threads
-/// share.
+/// The data of one thread: its blocks of rows, and the vectors and partial sums that all threads share.
 struct ThreadShare {
   const PressureSystem& system;
   const Blocks& blocks;
@@ -56,7 +55,7 @@ struct ThreadShare {
   std::int64_t first_block, last_block, begin, end;
 };
 
-/// r = b − A p₀, z = D⁻¹ r, and the partial sums b·b, r·r, r·z.
+/// Computes r = b − A p₀, z = D⁻¹ r, and the partial sums b·b, r·r, r·z.
 void first_residual(const ThreadShare& s) {
   const double* b = s.system.right.data();
   for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
@@ -72,7 +71,7 @@ void first_residual(const ThreadShare& s) {
   }
 }
 
-/// p = z + β p, in the first iteration p = z.
+/// Computes p = z + β p, in the first iteration p = z.
 template <class Real>
 void new_direction(const ThreadShare& s, const Real* z, double beta, bool is_first) {
   if (is_first)
@@ -81,8 +80,8 @@ void new_direction(const ThreadShare& s, const Real* z, double beta, bool is_fir
     for (std::int64_t k = s.begin; k < s.end; ++k) s.p[k] = z[k] + beta * s.p[k];
 }
 
-/// z = M⁻¹ r by the multilevel preconditioner, in single precision, and the partial sums r·z. relative:
-/// 1/|b|, which keeps single precision away from its limits.
+/// Computes z = M⁻¹ r by the multilevel preconditioner, in single precision, and the partial sums r·z.
+/// relative: 1/|b|, which scales r so that single precision neither overflows nor underflows.
 template <int dim>
 void precondition(const ThreadShare& s, Multilevel<dim>& preconditioner, double relative) {
   float *right = preconditioner.right(), *swept = preconditioner.swept();
@@ -99,8 +98,9 @@ void precondition(const ThreadShare& s, Multilevel<dim>& preconditioner, double 
   s.team.wait();
 }
 
-/// z from the preconditioner, or D⁻¹ r where there is none; p = z + β p with β = r·z / (r·z of the iteration
-/// before), which is 0 before the first. Returns r·z.
+/// Computes the next direction and returns r·z:
+///   p = z + β p, β = r·z / (r·z of the iteration before).
+/// z comes from the preconditioner, or is D⁻¹ r where there is none. In the first iteration p = z.
 template <int dim>
 double next_direction(const ThreadShare& s, Multilevel<dim>* preconditioner, double relative,
                       const std::vector<double>& third, double rz_before) {
@@ -113,7 +113,7 @@ double next_direction(const ThreadShare& s, Multilevel<dim>* preconditioner, dou
   return rz;
 }
 
-/// q = A p, and the partial sums p·q.
+/// Computes q = A p, and the partial sums p·q.
 void multiply(const ThreadShare& s) {
   for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
     const std::int64_t from = s.blocks.begin(block), to = s.blocks.end(block);
@@ -122,7 +122,8 @@ void multiply(const ThreadShare& s) {
   }
 }
 
-/// x += α p, r −= α q, and the partial sums r·r; with the diagonal alone also z = D⁻¹ r (in q) and r·z.
+/// Computes x += α p, r −= α q, and the partial sums r·r. With the diagonal alone it also computes z = D⁻¹ r
+/// (in q) and r·z.
 void advance(const ThreadShare& s, double alpha, bool diagonal_alone) {
   for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
     const std::int64_t from = s.blocks.begin(block), to = s.blocks.end(block);

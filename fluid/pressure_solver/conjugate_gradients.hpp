@@ -10,12 +10,12 @@
 
 namespace strake::fluid {
 
-/// Conjugate gradients in one parallel region per solve. Sums are taken over blocks of rows, each by one
-/// thread, and added in order: the result is the same for any number of threads.
+/// Solves by conjugate gradients, in one parallel region per solve. Sums are computed over blocks of rows,
+/// each by one thread, and added in order: the result is the same for any number of threads.
 class ConjugateGradients {
  public:
-  /// From solution.pressure to ‖b − A p‖₂ <= tolerance ‖b‖₂. preconditioner: built for this system; nullptr:
-  /// the diagonal. Ends as soon as the residual is no number.
+  /// Iterates from solution.pressure to ‖b − A p‖₂ <= tolerance ‖b‖₂. preconditioner: built for this system;
+  /// nullptr: the diagonal. Ends as soon as the residual is no number.
   template <int dim>
   void solve(const PressureSystem&, Multilevel<dim>* preconditioner, double tolerance, int max_iterations,
              int threads, PressureSolution& solution);
@@ -27,7 +27,7 @@ class ConjugateGradients {
   std::vector<double> first_, second_, third_;  // sums of each block
 };
 
-/// (A x)_k
+/// Returns (A x)_k.
 double row_times(const PressureSystem&, const double* x, std::int64_t k);
 
 }  // namespace strake::fluid

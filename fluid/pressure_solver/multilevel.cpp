@@ -9,7 +9,7 @@
 namespace strake::fluid {
 namespace {
 
-/// (A x)_k without the diagonal, in single precision.
+/// Returns (A x)_k without the diagonal, in single precision.
 inline float row_times(const PressureSystem& system, const float* x, std::int64_t k) {
   return row_sum(system.value.data(), system.column.data(), x, system.start.data()[k], system.stop.data()[k]);
 }
@@ -19,7 +19,7 @@ inline float row_times(const PressureSystem& system, const float* x, std::int64_
 template <int dim>
 void Multilevel<dim>::build(const PressureSystem& system, const Vectors<dim>& position, double radius,
                             double reach, int threads) {
-  // A trace wider than the reach: rounding must not let a row reach beyond the adjacent cells.
+  // Cells are 0.1 % wider than the reach: rounding must not let a row reach beyond the adjacent cells.
   pieces_.sort(system, position, 1.001 * radius, std::pow(reach, dim));
   read_rows(system, threads);
   pieces_.split(system, grids_.finest());

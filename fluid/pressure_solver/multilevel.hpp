@@ -12,17 +12,18 @@
 
 namespace strake::fluid {
 
-/// A symmetric positive definite approximation of A⁻¹: one sweep of damped Jacobi on the particles, a
-/// correction from a grid, and a second sweep. The grid is as wide as the reach of A; pressure is linear
-/// between its vertices. The grid's equation is solved by the same scheme on ever coarser grids. It is a pure
-/// function of system and places, built anew for each solve. Single precision: it only preconditions.
+/// Approximates A⁻¹ by a symmetric positive definite operator. It is one sweep of damped Jacobi on the
+/// particles, a correction from a grid, and a second sweep. The cells of the grid are as wide as the reach of
+/// A; pressure is linear between their vertices. The grid's equation is solved by the same scheme on ever
+/// coarser grids. The operator is a pure function of system and places, built anew for each solve. Single
+/// precision is enough for a preconditioner.
 template <int dim>
 class Multilevel {
  public:
   /// radius: reach of A [m]; reach: the same in spacings.
   void build(const PressureSystem&, const Vectors<dim>& position, double radius, double reach, int threads);
-  /// z ≈ A⁻¹ r: write r to right(), and D⁻¹ r to swept(); z stands in solution(). Each thread of the team
-  /// calls it after a wait, and finds its own share of z when it returns.
+  /// Computes z ≈ A⁻¹ r. The caller writes r to right(), and D⁻¹ r to swept(); z is in solution(). Each
+  /// thread of the team calls it after a wait, and its own share of z is ready when it returns.
   void apply(const PressureSystem&, const Team&);
   float* right() { return right_.data(); }
   float* swept() { return swept_.data(); }

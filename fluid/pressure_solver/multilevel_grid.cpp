@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
-// The first grid's equation, from one pass over the particles' rows.
+// Computes the first grid's equation, from one pass over the particles' rows.
 
 namespace strake::fluid {
 namespace {
 
-/// Neighbours further apart than so many cells see one another over the seam of a periodic direction.
+/// Distance in cells above which neighbours are connected over the seam of a periodic direction.
 constexpr float seam = 1.5f;
 
-/// Of the particles' sweep: of 0.9 to 1.2 the fewest iterations, with 2.1 and 3.1 l0; more slows films of one
-/// row down.
+/// Damping of the particles' sweep. Of 0.9 to 1.2 it has the fewest iterations, with 2.1 and 3.1 l0. A larger
+/// one slows films of one layer down.
 constexpr double damping = 0.95;
 
 constexpr float square(float x) {
@@ -30,8 +30,9 @@ void store(std::array<std::vector<float>, entries>& moment, std::size_t row,
 
 }  // namespace
 
-/// One pass over the rows: what the row holds beyond differences (P = 0 around it,
-/// compressibility); the second moments ½ Σ_j w_ij r_ij r_ijᵀ; and which cells it touches.
+/// Reads each row once and computes the data of the grid's equation. These are the excess of the diagonal
+/// over the row (P = 0 around it, compressibility); the second moments ½ Σ_j w_ij r_ij r_ijᵀ; and the cells
+/// that the row touches.
 template <int dim>
 void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
   const std::int64_t n = system.size();
@@ -93,7 +94,7 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
   }
 }
 
-/// Whether an entry enters the grid's equation without approximation, as w (P_i − P_j)(P_i − P_j)ᵀ with P the
+/// Whether an entry enters the grid's equation without approximation, as w (P_i − P_j)(P_i − P_j)ᵀ. P are the
 /// corners' weights. This is so where unknowns are sparse and over the seam of a periodic direction: a linear
 /// pressure around i does not represent p_j there.
 template <int dim>
@@ -182,7 +183,7 @@ void Multilevel<dim>::read_exact_entries(const PressureSystem& system, int threa
   join(parts_, exact_);
 }
 
-/// The part of the row of one corner of a piece: Σ_i N_i Σ_j w_ij (P_i − P_j).
+/// Adds the exact entries to the row of one corner of a piece: Σ_i N_i Σ_j w_ij (P_i − P_j).
 template <int dim>
 void Multilevel<dim>::add_exact_entries(std::int32_t piece, std::int32_t corner,
                                         RowGatherer& gatherer) const {
@@ -200,9 +201,10 @@ void Multilevel<dim>::add_exact_entries(std::int32_t piece, std::int32_t corner,
   }
 }
 
-/// The energy of a pressure p that is interpolated between the corners, ½ pᵀA p with p_i − p_j ≈ −∇p·r_ij:
+/// Computes the energy of a pressure p that is interpolated between the corners, ½ pᵀA p with
+/// p_i − p_j ≈ −∇p·r_ij:
 ///   E_ab = Σ_i [ e_i N_a N_b + ∇N_a · (½ Σ_j w_ij r_ij r_ijᵀ) ∇N_b ]
-/// over the unknowns i of a piece; N: the corners' weights at i, e: excess of the diagonal.
+/// over the unknowns i of a piece. N: the corners' weights at i, e: excess of the diagonal.
 template <int dim>
 typename Multilevel<dim>::Element Multilevel<dim>::element(std::int32_t piece) const {
   std::array<float, static_cast<std::size_t>(corners) * corners> sum{};

@@ -12,12 +12,12 @@
 namespace strake::fluid {
 namespace {
 
-/// The grids, set-up included, cost about as much as so many iterations with the diagonal (measured from 10
-/// 000 to 1 000 000 unknowns).
+/// Number of iterations with the diagonal that cost as much as the grids, set-up included. Measured with 1e4
+/// to 1e6 unknowns.
 constexpr double grids_in_jacobi_iterations = 30;
-/// Rows that are looked at for the compressible share, which is the same in all rows inside the water.
+/// Number of rows from which the compressible share is computed. It is the same in all rows inside the water.
 constexpr std::int64_t sampled_rows = 512;
-/// Below this many rows threads cost more than they bring.
+/// Number of rows below which threads cost more time than they save.
 constexpr std::int64_t rows_for_threads = 4000;
 
 double compressible_share(const PressureSystem& system) {

@@ -6,8 +6,9 @@ namespace strake::fluid {
 
 namespace {
 
-/// Rows that nothing is known to hold: neither P = 0 nor compressibility in the row itself, nor in one of
-/// those that the first and the last neighbour of each row join it to. All others are held for sure.
+/// Marks the rows whose pressure may be undetermined. Such a row has neither P = 0 beside it nor
+/// compressibility. Neither has any row that is connected with it through the first and the last neighbours
+/// of rows. All other rows are determined.
 std::vector<char> doubtful_rows(const PressureSystem& system) {
   const std::int64_t n = system.size();
   std::vector<char> doubtful(static_cast<std::size_t>(n));
@@ -32,7 +33,7 @@ std::vector<char> doubtful_rows(const PressureSystem& system) {
     char& both = doubtful[static_cast<std::size_t>(std::min(a, b))];
     both = static_cast<char>(both & doubtful[static_cast<std::size_t>(std::max(a, b))]);
   };
-  // A row whose first neighbour comes before it has that one's root, which is known by then.
+  // The root of a row whose first neighbour comes before it is that neighbour's, which is known by then.
   const std::int32_t* const column = system.column.data();
   for (std::int64_t k = 0; k < n; ++k) {
     const auto row = static_cast<std::size_t>(k);

@@ -8,11 +8,11 @@
 
 namespace strake::fluid {
 
-/// A p = b, symmetric positive definite: the pressure equation times −ρ n0 λ / (2d), ρ the water's density.
-/// Off-diagonal entries of row k: column[start[k]] … column[stop[k] − 1], sorted; room behind stop[k] is
-/// unused. They are numbers of single precision, since a weight's seventh digit says nothing and a product is
-/// as fast as its entries are read; the diagonal holds their exact sum, so that a row has no other error. The
-/// views are of `own`, or of whoever has the same rows already (then valid as long as those).
+/// The system A p = b, symmetric positive definite. It is the pressure equation times −n0 λ / (2d). The
+/// off-diagonal entries of row k are column[start[k]] … column[stop[k] − 1], sorted; room behind stop[k] is
+/// unused. They have single precision: a weight's seventh digit is without meaning, and a product is as fast
+/// as its entries are read. The diagonal is their exact sum, so that a row has no other error. The views are
+/// of `own`, or of the rows of another object (then valid as long as those).
 struct PressureSystem {
   std::vector<std::int32_t> particle;  // of the unknown
   std::span<const std::int64_t> start, stop;
@@ -34,9 +34,9 @@ struct PressureSystem {
   std::int64_t size() const { return static_cast<std::int64_t>(particle.size()); }
 };
 
-/// Gives each block of unknowns that touches no P = 0 particle one: only c = ∞ leaves the pressure of such a
-/// block open. Its right side is made compatible (mean removed) and its first unknown pinned. Returns the
-/// number of blocks.
+/// Makes the equation solvable in each block of unknowns without P = 0 and without compressibility. The
+/// pressure of such a block is open by a constant. The mean of its right side is subtracted, and its first
+/// unknown is pinned. Returns the number of blocks.
 int close_sealed_blocks(PressureSystem&);
 
 struct PressureSolution {
@@ -45,7 +45,7 @@ struct PressureSolution {
   double residual = 0;  // ‖b − A p‖₂ / ‖b‖₂
 };
 
-/// ‖b − A p‖₂ / ‖b‖₂.
+/// Returns ‖b − A p‖₂ / ‖b‖₂.
 double pressure_residual(const PressureSystem&, const Eigen::VectorXd& pressure);
 
 }  // namespace strake::fluid

@@ -8,7 +8,7 @@
 
 namespace strake::fluid {
 
-/// Two columns in one load, the first of them low.
+/// Two columns in one load; the first is in the low half.
 static_assert(std::endian::native == std::endian::little);
 struct TwoColumns {
   std::uint64_t both;
@@ -17,8 +17,8 @@ struct TwoColumns {
   std::uint64_t second() const { return both >> 32; }
 };
 
-/// Σ_e value_e x_column(e) over begin ≤ e < end, in single precision. Numbers are fetched one by one and
-/// worked on by four, which is faster than fetching instructions.
+/// Returns Σ_e value_e x_column(e) over begin ≤ e < end, in single precision. Numbers are loaded one by one
+/// and multiplied four at a time, which is faster than gather instructions.
 inline float row_sum(const float* value, const std::int32_t* column, const float* x, std::int64_t begin,
                      std::int64_t end) {
   const auto product = [&](std::int64_t e) {

@@ -8,9 +8,9 @@
 
 namespace strake::fluid {
 
-/// Where the threads of one parallel region wait for one another. A short wait is spent looking, for the
-/// loops between two waits take microseconds; a longer one sleeps, so that a busy machine gets its processor
-/// back.
+/// The threads of one parallel region wait here for one another. A thread tests the counter for a short time,
+/// because the loops between two waits last microseconds. Then it sleeps, so that a busy machine can use its
+/// processor.
 class Barrier {
  public:
   explicit Barrier(int threads) : threads_(threads) {}
@@ -37,7 +37,7 @@ class Barrier {
 
  private:
   static constexpr int looks = 300;  // a few microseconds
-  static constexpr int turns = 200;  // where nobody else wants the processor, some hundred microseconds
+  static constexpr int turns = 200;  // some hundred microseconds where the processor is free
   int threads_;
   alignas(64) std::atomic<int> arrived_{0};
   alignas(64) std::atomic<std::uint32_t> round_{0};
