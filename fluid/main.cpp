@@ -5,7 +5,7 @@
 
 #include <memory>
 
-// strake-fluid: reads its keys, builds the particle method, serves the coupler.
+// strake-fluid reads its keys, builds the particle method and answers the coupler.
 int main(int argc, char** argv) {
   using namespace strake;
   CommonKeys common;

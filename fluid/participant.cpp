@@ -17,10 +17,11 @@
 namespace strake::fluid {
 namespace {
 
-/// A stable step so many times below that of the water at rest means that the flow has blown up.
+/// Ratio of the step of water at rest to the stable step, above which the flow has blown up.
 constexpr double most_refinement = 1000;
 
-/// Largest speed of the body's points against the tank at t = 0: v_i − (v_T + ω_T × (x_i − pivot)).
+/// Returns the largest speed of the body's points against the tank at t = 0:
+/// |v_i − (v_T + ω_T × (x_i − pivot))|.
 double largest_speed(const Setup& setup, const TankMotion& tank) {
   const Field* velocity = find(setup.partner_initial, "velocity");
   if (velocity == nullptr || velocity->value.cols() == 0) return 0;
@@ -67,8 +68,8 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
       end_time_(common.end_time),
       initial_volume_(volume()),
       sends_history_(setup.history && has_body_) {
-  // A body that enters is measured from its contact, anything else from the first step (cases/VALIDATION.md,
-  // "Definitions").
+  // Sensors of a body that enters are measured from its contact, all others from the first step
+  // (cases/VALIDATION.md, "Definitions").
   for (const ProbeKeys& probe : parameters_.probes)
     measurements_.probes.push_back(is_sensor(probe) && entry_speed_ > 0 ? ProbeRecord::waiting_for_contact()
                                                                         : ProbeRecord{});
@@ -81,7 +82,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   committed_.measurements = measurements_;
 }
 
-/// A sensor that covers nothing would read zero for ever.
+/// Refuses a sensor that covers no point, since its value would always be zero.
 template <int dim>
 void FluidParticipant<dim>::check_sensors() const {
   for (const ProbeKeys& probe : parameters_.probes) {
@@ -104,10 +105,10 @@ void FluidParticipant<dim>::check_sensors() const {
   }
 }
 
-/// The next step: rest / ⌈rest / limit⌉, so that steps are equal as long as the limit stays and the last one
-/// ends with the window. The limit is asked for anew before each step, since the flow accelerates inside a
-/// long window: the case's largest step, what is stable at the present state, and sound where it is to be
-/// resolved.
+/// Returns the next step, rest / ⌈rest / limit⌉. So steps are equal as long as the limit stays, and the last
+/// one ends with the window. The limit is computed anew before each step, since the flow accelerates inside a
+/// long window. It is the smallest of the case's largest step, the stable step at the present state, and the
+/// step that resolves sound where the case asks for it.
 template <int dim>
 double FluidParticipant<dim>::longest_step(double t, double rest) const {
   const Scheme& scheme = parameters_.scheme;
@@ -130,8 +131,8 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   const bool volume = parameters_.interface == "volume" && has_body_;
   const Points displacement = in_space<dim>(state.interface_displacement),
                velocity = in_space<dim>(state.interface_velocity);
-  // Volume coupling: place and velocity of the structure's particles at the start of the window; the fluid
-  // takes them from there. Surface coupling: where the window ends.
+  // In volume coupling the structure's particles get place and velocity at the start of the window. The fluid
+  // then moves them. In surface coupling the motion leads to the end of the window.
   std::optional<WindowMotion> motion;
   InterfaceMotion held;
   if (has_body_) {
@@ -154,7 +155,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     const double rest = end - t0;
     double dt = longest_step(t0, rest);
     t1 = t0 + dt;
-    if (dt >= rest || !(t1 < end)) {  // the last one; a whole window has its very own length
+    if (dt >= rest || !(t1 < end)) {  // the last one; a single step has the window's own length
       t1 = end;
       dt = t0 == window.t ? window.dt : rest;
     }
@@ -181,7 +182,8 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   measurements_.internal_voids = std::max(measurements_.internal_voids, voids.internal_voids);
 }
 
-/// Contact is the first step in which any sensor exceeds ½ρV² (cases/VALIDATION.md, "Definitions").
+/// Adds the step to the probes and finds the contact. Contact is the first step in which any sensor exceeds
+/// ½ρV² (cases/VALIDATION.md, "Definitions").
 template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   std::vector<ProbeRecord>& records = measurements_.probes;
@@ -214,8 +216,8 @@ double FluidParticipant<dim>::pressure_or_place(const ProbeKeys& probe,
                             parameters_.tank.max.template head<dim>(), l0);
 }
 
-/// Volume and voids are measured where a frame is due, as the coupler counts: at the first window's end at or
-/// past each multiple of output.every, and at the end of the run.
+/// Whether a frame is due at the end of this window; volume and voids are measured then. The rule is the
+/// coupler's: the first window's end at or past each multiple of output.every, and the end of the run.
 template <int dim>
 bool FluidParticipant<dim>::frame_due(const Window& window) const {
   const double end = window.t + window.dt, slack = 1e-6 * window.dt;
@@ -224,7 +226,7 @@ bool FluidParticipant<dim>::frame_due(const Window& window) const {
          std::floor((end + slack) / every) > std::floor((window.t + slack) / every);
 }
 
-/// Water that has not left the tank, by number, ascending.
+/// Returns the numbers of the water particles that have not left the tank, ascending.
 template <int dim>
 std::vector<std::int64_t> FluidParticipant<dim>::water() const {
   std::vector<std::int64_t> numbers;
@@ -283,7 +285,8 @@ void FluidParticipant<dim>::flush() {
   if (frames_) frames_->flush();
 }
 
-/// Water, the walls' and bodies' first rows; dummies and what has left the tank stay out.
+/// Returns the frame of all particles with a pressure: water, first layers of walls and bodies, structure
+/// particles. Dummies and particles that have left the tank are not shown.
 template <int dim>
 Frame FluidParticipant<dim>::frame() const {
   const State<dim>& state = simulation_.state();
@@ -315,7 +318,7 @@ Frame FluidParticipant<dim>::frame() const {
 
 template <int dim>
 void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
-  flush();  // what a resume goes on from
+  flush();  // a resume continues from these files
   Archive archive;
   save(committed_.state, archive);
   save(committed_.measurements, archive);

@@ -16,16 +16,17 @@
 
 namespace strake::fluid {
 
-/// What the case says of the fluid, one line each; the first is the headline. speed, length: those of the
-/// body that enters [m/s], [m]; 0: none, and no Reynolds and Froude numbers.
+/// Describes the fluid of a case, one line each; the first is the headline. speed, length: those of the body
+/// that enters [m/s], [m]. With speed 0 nothing enters, and there are no Reynolds and Froude numbers.
 std::vector<std::string> describe(const Parameters&, const CommonKeys&, double speed = 0, double length = 0);
 
-/// Whether a probe is a pressure sensor, on the body or a wall; the others follow the water's places.
+/// Whether a probe is a pressure sensor, on the body or a wall; the others measure the water's places.
 inline bool is_sensor(const ProbeKeys& probe) {
   return probe.quantity == "pressure";
 }
 
-/// The MPS method as the scheme sees it: motion in, force out; sub-steps, sensors, accounts, frames.
+/// The particle method as a participant of the coupling: motion in, force out. It makes the sub-steps and
+/// keeps sensors, accounts and frames.
 template <int dim>
 class FluidParticipant final : public Participant {
  public:

@@ -47,7 +47,8 @@ void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monito
   }
 }
 
-/// Energies, speed, centre of mass, and, where a frame is due, the volume and its change since t = 0.
+/// Reports energies, speed and centre of mass. Where a frame is due it also reports the volume and its change
+/// since t = 0.
 template <int dim>
 void FluidParticipant<dim>::report_water(std::map<std::string, double>& monitor) const {
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
@@ -81,7 +82,7 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.body"] = static_cast<double>(body);
   monitor["count.solid"] = static_cast<double>(solid);
   monitor["count.steps"] = static_cast<double>(steps_);
-  // A body with an entry speed and sensors on it has a contact to wait for.
+  // With an entry speed and probes the run waits for a contact.
   if (entry_speed_ > 0 && !measurements_.probes.empty() && measurements_.contact_time < 0)
     monitor["count.awaiting_contact"] = 1;
   monitor["count.steps_committed"] = static_cast<double>(state.step);
@@ -96,8 +97,8 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["check.momentum_gap"] = momentum_gap();
 }
 
-/// |momentum not accounted for| over 2ρVa², 2ρVa³ in space, or, where nothing enters, over the largest
-/// impulse so far.
+/// Returns |momentum not accounted for| over 2ρVa², in space over 2ρVa³. Where nothing enters the scale is
+/// the largest impulse so far.
 template <int dim>
 double FluidParticipant<dim>::momentum_gap() const {
   const State<dim>& state = simulation_.state();

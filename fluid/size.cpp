@@ -34,7 +34,7 @@ double water_count(const Parameters& p) {
   return count;
 }
 
-/// Particles of walls and of the rows behind them.
+/// Counts the particles of `rows` layers behind the walls.
 double wall_count(const Parameters& p, double rows) {
   double count = 0;
   if (!p.tank_polygon.empty()) {
@@ -52,12 +52,12 @@ double wall_count(const Parameters& p, double rows) {
 
 }  // namespace
 
-// Bytes and seconds are of the sets-up of the cases in cases/, peak memory and time over the number of
-// particles.
+// Estimates the size of a case. Bytes and seconds were measured at the set-up of the cases in cases/: peak
+// memory and time over the number of particles.
 SizeEstimates sizes(const Parameters& p) {
   constexpr double plane = 1400, space = 2700;  // bytes of a particle, its neighbours and its equation
   constexpr double set_up_plane = 1e-6, set_up_space = 5e-6;  // [s] of a particle
-  constexpr double look = 5e-9;                               // [s] for a place, by each corner of the water
+  constexpr double look = 5e-9;                               // [s] for a place and each corner of the water
   const double bytes = p.dimension == 2 ? plane : space;
   const double seconds = p.dimension == 2 ? set_up_plane : set_up_space;
   const double rows = dummy_rows(p.scheme) + 1;
@@ -66,7 +66,7 @@ SizeEstimates sizes(const Parameters& p) {
   double corners = 0;
   for (const Shape& shape : water_shapes(p)) corners += static_cast<double>(shape.size());
   corners += static_cast<double>(p.tank_polygon.size());
-  // Walls off the lattice have the places of all the tank, which are moved until they settle.
+  // With walls off the lattice the places of the whole tank are moved by the packing.
   const bool packed = !p.tank_polygon.empty();
   return {{.what = "water particles",
            .count = water_count(p),

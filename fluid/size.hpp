@@ -5,7 +5,7 @@
 
 namespace strake::fluid {
 
-/// What the water and its tank make: particles of each kind, and the places of the tank's lattice.
+/// Estimates the particles of each kind, and the places of the tank's lattice.
 SizeEstimates sizes(const Parameters&);
 
 }  // namespace strake::fluid

@@ -57,7 +57,7 @@ std::string turbulence_text(const Scheme& s) {
   return fmt::format("SPS C_s {:.4g}", cs);
 }
 
-/// What solves the pressure equation, and why.
+/// Describes the solver of the pressure equation, and why it is chosen.
 std::string pressure_text(const Parameters& p, double dt) {
   const PressureChoice choice =
       p.dimension == 2 ? expected_pressure_solver<2>(p, dt) : expected_pressure_solver<3>(p, dt);
@@ -71,7 +71,7 @@ std::string absorbing_text(const Parameters& p) {
                                                                      : "bottom and sides");
 }
 
-/// The limits of the time step (fluid/THEORY.md (F63)).
+/// Lists the limits of the time step (fluid/THEORY.md (F63)).
 std::string limits_text(const Parameters& p, double speed) {
   const double l0 = p.spacing;
   std::string text = "limits of the step";
@@ -84,7 +84,7 @@ std::string limits_text(const Parameters& p, double speed) {
   return text;
 }
 
-/// The first step, with the water at rest: the case's largest unless a limit is shorter.
+/// Returns the first step, with the water at rest. It is the case's largest unless a limit is shorter.
 double first_step(const Parameters& p, double window, double speed) {
   const double l0 = p.spacing;
   double first = std::min({p.scheme.time_step, window, column_step(p), acoustic_step(p)});

@@ -27,8 +27,9 @@ WindowMotion::WindowMotion(const Window& window, const std::vector<Sample>& samp
   }
 }
 
-// Hermite: x(s) = h00 x0 + h10 dt v0 + h01 x1 + h11 dt v1, s = (t − t0)/dt. With the velocity of constant
-// acceleration at its end this is the parabola x0 + v0 τ + ½ a τ².
+// Interpolates the motion by Hermite's cubic:
+//   x(s) = h00 x0 + h10 dt v0 + h01 x1 + h11 dt v1, s = (t − t0)/dt.
+// With the velocity of constant acceleration at its end this is the parabola x0 + v0 τ + ½ a τ².
 WindowMotion::Knot WindowMotion::at(double t) const {
   std::size_t k = 1;
   while (k + 1 < knots_.size() && knots_[k].time < t) ++k;

@@ -6,7 +6,7 @@ namespace strake::fluid {
 /// measurement stands behind the value.
 struct LeastSquaresConstants {
   // A lattice, for comparison.
-  double first_row = 0.5;  // [l0] height of the first row over a face, and its depth under the free surface
+  double first_row = 0.5;  // [l0] height of the first layer over a face; its depth under the free surface
 
   // Moment matrices (fluid/THEORY.md (F33)).
   double least_ratio = 0.1;  // [-] smallest ratio of eigenvalues; at twice that a direction counts. Chosen
@@ -35,7 +35,7 @@ struct LeastSquaresConstants {
 
   // Residual, filter and shifting (F45), (F48), (F49).
   double memory_rate = 0.2;      // [-] how fast τ_r falls, against Δt/τ_r. Chosen
-  double filter_bound = 0.25;    // [-] part of δ that a step takes at most. Chosen
+  double filter_bound = 0.25;    // [-] part of δ that a step removes at most. Chosen
   double longest_shift = 0.1;    // [l0] Chosen
   double soft_stiffness = 0.02;  // [-] αS below which S is left out. Chosen
 };

@@ -7,9 +7,10 @@
 
 namespace strake::fluid {
 
-/// ∇p_i = A_i⁻¹ (Σ_water w (p_j − p_i) r/r² + Σ_layers w q P r/r² + (b/D) p_i N) (F47), q of
-/// wall_pressure_increment with the factor χ. A_i is of the same positions. So it is exact for a linear p
-/// with the slope (F34) at the walls and p = 0 at the depth D above a surface particle.
+/// Computes the pressure gradient (F47):
+///   ∇p_i = A_i⁻¹ (Σ_water w (p_j − p_i) r/r² + Σ_layers w q P r/r² + (b/D) p_i N).
+/// q is that of wall_pressure_increment with the factor χ, A_i is of the same positions. So ∇p is exact for a
+/// linear p with the slope (F34) at the walls and p = 0 at the depth D above a surface particle.
 template <int dim>
 template <bool seams>
 void LeastSquaresScheme<dim>::find_pressure_gradient(const Boundary<dim>& boundary, const State<dim>& state,

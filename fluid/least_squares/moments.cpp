@@ -33,8 +33,8 @@ template <int dim>
   inverse.noalias() = eigen.eigenvectors() * inverses.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// The sums of the parts, stored at once. Numbers that are written one by one and read as a vector would
-/// stall.
+/// Returns the sums of the lanes, stored at once. Numbers that are written one by one and read as a vector
+/// would stall.
 template <int dim>
 inline Vector<dim> vector_of(const Double8 (&lanes)[dim]) {
   Vector<dim> out;
@@ -195,7 +195,8 @@ void LeastSquaresScheme<dim>::sum_water(const Boundary<dim>& boundary, const Sta
   out.filled = 1 + out.volume;
 }
 
-/// Adds the wet layer particles, those of far to the sums with w_L and W, those of near to the others.
+/// Adds the wet layer particles to the sums. Those of far enter the sums with w_L and W, those of near the
+/// others.
 template <int dim>
 void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const State<dim>& state,
                                          const Neighbours& far, const Neighbours& near, std::int64_t i,
@@ -235,8 +236,8 @@ void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const St
   }
 }
 
-/// Takes the layers past the end of a body's face off again: they are no water above the particle. An edge is
-/// then as sharp as the lattice allows.
+/// Subtracts the layers past the end of a body's face: they are no water above the particle. An edge is then
+/// as sharp as the lattice allows.
 template <int dim>
 void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary, const State<dim>& state,
                                                    const Neighbours& far, std::int64_t i,
@@ -277,7 +278,7 @@ double LeastSquaresScheme<dim>::fit_surface(std::int64_t i, const ParticleSums& 
                  (tuned.least_depth + (tuned.first_row - tuned.least_depth) * sharp) * p_.spacing,
                  tuned.largest_depth * p_.spacing);
   double kappa = share * std::max(0.0, sums.m_projected.dot(normal)) / depth;
-  // A film or a drop has surface on both sides, so that m says little: its missing weight does.
+  // A film or a drop has surface on both sides, so that m is small. κ then follows from the missing weight.
   const double missing = (lattice_.weights - sums.weights) / (lattice_.weights - lattice_.first_weights);
   const double thin = missing * lattice_.first_moment / (tuned.first_row * p_.spacing);
   if (sums.weights < lattice_.first_weights && thin > kappa) {

@@ -35,14 +35,15 @@ void LeastSquaresScheme<dim>::share_rows(const Neighbours& far, PressureSystem& 
   system.right.resize(water);
 }
 
-/// Row i of (F40), with the sign of PressureSystem, s = n0 λ/(2d):
+/// Assembles row i of (F40), with the sign of PressureSystem and s = n0 λ/(2d):
 ///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²Δt²)
 ///     + (Σ_layers w (−n·P r) + s g)/(cΔt) (p_i − p_still)
 ///     = Σ_layers w q_ij − (1−σ) ρ g·m_P − s (ρ/Δt) (∇·u* − ε_i e_i) + s pⁿ/(c²Δt²)
 ///       + s (ρ γ/Δt²) (δ − pⁿ/(ρc²)),
-/// n the normals of absorbing walls, g and 1/c² those of SoundLayer at the particle's depth, γ of
-/// drift_share. δ = Σ W/Σ_lattice W − 1 is not below zero beside the surface. Where 1 − π > 0, that part of
-/// the change is left to the next steps (F45).
+/// n the normals of absorbing walls, γ of drift_share. With a SoundLayer 1/c² and the sum over absorbing
+/// walls are multiplied by its compressible part at the particle's depth, and g is its own. δ = Σ W/Σ_lattice
+/// W − 1 is not below zero beside the surface. Where 1 − π > 0, that part of the change is left to the next
+/// steps (F45).
 template <int dim>
 void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>& state,
                                        const Neighbours& far, const Vector<dim>& gravity, double dt,
@@ -56,7 +57,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const Stat
   const double compression = std::isfinite(c) ? scale / (c * c * dt * dt) : 0.0;
   const double drift =
       p_.scheme.source == Source::divergence ? 0.0 : scale * rho * drift_share(dt) / (dt * dt);
-  // Of the same time as the volumes.
+  // This pressure is of the same time as the volumes.
   const double* const p_measured =
       velocity_.age > 0 ? equation_.pressure_at_start.data() : state.pressure.data();
 #pragma omp parallel for schedule(static)
@@ -136,15 +137,15 @@ double LeastSquaresScheme<dim>::fastest(const Boundary<dim>& boundary, const Sta
   return std::sqrt(square);
 }
 
-// g·H, H the water's extent at the start: square of the speed of its waves [m²/s²].
+// Returns g·H, the square of the speed of the water's waves [m²/s²]. H is the water's extent at the start.
 template <int dim>
 double LeastSquaresScheme<dim>::wave_speed_squared() const {
   return now_.gravity.cwiseAbs().dot((p_.water.max - p_.water.min).template head<dim>());
 }
 
-// γ = Δt/τ' of (F41), the part of the density error that a step removes. Disorder, and with it the error,
-// grows while water passes a spacing. Removing it faster would disturb a slow flow. Under a free surface the
-// error is also one of depth, which waves level: there U_m ≥ √(gH).
+// Returns γ = Δt/τ' of (F41), the part of the density error that a step removes. Disorder, and with it the
+// error, grows while water passes a spacing. Removing it faster would disturb a slow flow. Under a free
+// surface the error is also one of depth, which waves level: there U_m ≥ √(gH).
 template <int dim>
 double LeastSquaresScheme<dim>::drift_share(double dt) const {
   const double share = drift_factor(p_.scheme, dt);
@@ -154,10 +155,11 @@ double LeastSquaresScheme<dim>::drift_share(double dt) const {
   return std::min(share, dt * speed / p_.spacing);
 }
 
-// Fraction of the residual divergence that is carried to the next step (F44), without the factors of each
-// particle: (1 − Δt u/l0) u²/(u² + gH), u = max|u| past the tank. Correcting all of it near a free surface
-// amplifies some modes by 2 % per step, because one-sided divergence and gradient are not adjoint. Inside
-// they fit better, and a residual that is left there makes the pressure lag behind the walls.
+// Returns the fraction of the residual divergence that is carried to the next step (F44):
+//   (1 − Δt u/l0) u²/(u² + gH), u = max|u| past the tank.
+// The factors of each particle come later. Correcting all of it near a free surface amplifies some modes by
+// 2 % per step, because one-sided divergence and gradient are not adjoint. Inside they fit better, and a
+// residual that is left there makes the pressure lag behind the walls.
 template <int dim>
 double LeastSquaresScheme<dim>::carried_fraction(double dt) const {
   if (!(now_.largest_speed > 0)) return 0;
@@ -165,9 +167,9 @@ double LeastSquaresScheme<dim>::carried_fraction(double dt) const {
          (1 + wave_speed_squared() / (now_.largest_speed * now_.largest_speed));
 }
 
-// π = min(1, Δt/τ_r) (F45): the fraction of the accumulated position error that this step corrects. After a
-// drop of the step, correcting all of it would need a pressure τ_r/Δt times larger. τ_r is bounded by the CFL
-// number: where steps are short because the water has become fast, nothing is deferred.
+// Returns π = min(1, Δt/τ_r) (F45), the fraction of the accumulated position error that this step corrects.
+// After a drop of the step, correcting all of it would need a pressure τ_r/Δt times larger. τ_r is bounded by
+// the CFL number: where steps are short because the water has become fast, nothing is deferred.
 template <int dim>
 double LeastSquaresScheme<dim>::corrected_fraction(const State<dim>& state, double dt) const {
   const double time = std::min(
@@ -175,14 +177,15 @@ double LeastSquaresScheme<dim>::corrected_fraction(const State<dim>& state, doub
   return dt < time ? dt / time : 1.0;
 }
 
-/// e_i of (F43): ∇·u of the new velocity at the same positions, with walls, less what the equation asked for:
+/// Computes e_i of (F43), the divergence that the step has left at the same positions:
 ///   e = ∇·u − Σ_layers w (u−U)·P r/s + Δt/(ρs) (own p − source)
-/// Where tension was limited water may open freely, and only a negative e is kept. Without that the next step
-/// would have to correct all of it at once.
+/// This is ∇·u of the new velocity, with walls, less what the equation asked for. Where tension was limited
+/// water may open freely, and only a negative e is kept. Without that the next step would have to correct all
+/// of it at once.
 template <int dim>
 void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<dim>& state,
                                                const Neighbours& far, const Neighbours& near, double dt) {
-  // Slowly against the rate Δt/τ_r at which the deferred part itself falls.
+  // τ_r falls slowly against the rate Δt/τ_r at which the deferred part itself falls.
   const double slowly = least_squares_constants().memory_rate;
   if (now_.deferred > 0)
     state.residual_step -= slowly * (1 - now_.deferred) * std::max(0.0, state.residual_step - dt);

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-// The stages of a step, from their parts.
+// Each stage of a step calls the functions of the scheme in order.
 
 namespace strake::fluid {
 

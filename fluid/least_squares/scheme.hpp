@@ -29,8 +29,8 @@ namespace strake::fluid {
 /// free surface too. Unknowns are the pressures of the water alone.
 ///
 /// A wall or body is a condition on the pressure's slope over its face, ∂p/∂n = (ρ/Δt) (u* − U)·n (F34). U is
-/// the wall's velocity at the end of the step, so it holds gravity, the wall's acceleration and an impact. In
-/// the sums a layer particle behind the face has the pressure p_i + q (F35).
+/// the wall's velocity at the end of the step, so the condition includes gravity, the wall's acceleration and
+/// an impact. In the sums a layer particle behind the face has the pressure p_i + q (F35).
 ///
 /// The free surface, p = 0, lies half a spacing above the first particles. It enters through the depth D of
 /// each particle, Σ w (p_j − p_i) = κ p_i (F39), without a decision which particle is surface. Disorder
@@ -43,8 +43,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
  public:
   LeastSquaresScheme(const Parameters&, const Boundary<dim>&, const State<dim>&);
 
-  /// Where c Δt ≤ l0. Walls of a moving tank take their velocity from the positions that they come from, so
-  /// each step stands alone there.
+  /// Whether c Δt ≤ l0 and the tank is at rest. Walls of a moving tank get their velocity from the positions
+  /// that they come from, so each step of theirs is a single one.
   bool may_substep(const StepData<dim>&, double dt) const override;
   typename FluidScheme<dim>::SpareMemory spare_memory() override {
     return {moments_.a_inverse, velocity_.memory};
@@ -58,8 +58,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   double correct(StepData<dim>&) override;
   void shift(StepData<dim>&) override;
 
-  /// Sums over the neighbours at the present positions; wet layers; State::surface of the water. far: rows of
-  /// at least the Laplacian's radius; near: of at least 2 l0.
+  /// Computes the sums over neighbours at the present positions, the wet layers, and State::surface of the
+  /// water. far: rows of at least the Laplacian's radius. near: rows of at least 2 l0.
   void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near);
   /// ∇u* of the water (F33), and the filter (F48). Later steps of a group repeat the filter's acceleration of
   /// its first step.
@@ -71,22 +71,22 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// The pressure equation (F40).
   void assemble(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
                 double dt, PressureSystem&);
-  /// Limits the pressure at the free surface, away from walls, to that of the inner water near by: a harmonic
+  /// Limits the pressure at the free surface, away from walls, to that of the inner water near by. A harmonic
   /// pressure has no maximum there. A drop or a film in flight gets p = 0.
   void limit_at_surface(const Boundary<dim>&, State<dim>&, const Neighbours& near);
-  /// Limits negative pressure by the distance to the free surface (F46). From here on a face pulls no
-  /// particle more than its own water does.
+  /// Limits negative pressure by the distance to the free surface (F46). Afterwards a face pulls no particle
+  /// more than its own water does.
   void limit_tension(const Boundary<dim>&, State<dim>&, const Neighbours& far);
   /// ∇p of the water [Pa/m] (F47).
   const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                         double dt);
-  /// −p n A of each first layer particle (F51); also State::pressure of the layers.
+  /// Returns −p n A of each first-layer particle (F51), and sets State::pressure of the first layers.
   LayerForces<dim> layer_forces(const Boundary<dim>&, State<dim>&, const Neighbours& near) const;
-  /// Moves particles towards even spacing (F49), (F50), along the surface where they are near it. near: rows
-  /// at the positions that they come from.
+  /// Moves particles towards even spacing (F49), (F50), and only along the surface where they are near it.
+  /// near: rows at the positions that they come from.
   void shift(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt) const;
-  /// State::residual_divergence (F43) and State::residual_wall_velocity of the new velocity, before the
-  /// particles move.
+  /// Computes State::residual_divergence (F43) and State::residual_wall_velocity of the new velocity, before
+  /// the particles move.
   void measure_residual(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
   /// ∇·u of the last `filter` or `measure_residual` [1/s].
@@ -94,13 +94,13 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
 
  private:
   using SingleVectors = Eigen::Matrix<float, dim, Eigen::Dynamic>;
-  // What enters as one factor or one term is as exact as the matrix, single precision.
+  // Values that enter as one factor or one term have single precision, as the matrix has.
 
   /// Sums over the neighbours of each water particle, of the last `measure`.
   struct Moments {
     std::vector<Tensor<dim>> b_inverse;    // B⁻¹, B = Σ_water w r⊗r/r²
     std::vector<Tensor<dim>> a_inverse;    // A⁻¹ (F47)
-    std::vector<float> entry;              // −w_L of each pair, where far has not got it
+    std::vector<float> entry;              // −w_L of each pair, where far does not have it
     std::vector<std::int64_t> water_stop;  // end of the water in each row of far
     SingleVectors m_projected;             // m_P: Σ w_L r over water, P r over wet layers [m]
     SingleVectors concentration;           // Σ w r/r² = ∇C n0/d [1/m]
@@ -108,7 +108,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Eigen::VectorXd diagonal;              // Σ w_L over water, the row's sum to the last bit
     Eigen::VectorXf volume;                // Σ W over water and wet layers
   };
-  /// The free surface as each water particle sees it (F37)–(F39), of the last `measure`.
+  /// The free surface near each water particle (F37)–(F39), of the last `measure`.
   struct FreeSurface {
     SingleVectors normal;                // N, away from the surface
     Eigen::VectorXf kappa;               // κ
@@ -172,11 +172,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   template <bool seams, bool shares>
   void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
   void cover_layers(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
-  /// Whether the rows stand as the matrix's; else Moments::entry does.
+  /// Whether the rows of far are those of the matrix; else Moments::entry has them.
   bool shares_entries(const Neighbours& far) const {
     return far.data() == PairData::entries && far.scale() == 1 / laplacian_.radius;
   }
-  /// Of an inverse of Σ w r⊗r/r² that can be inverted again.
+  /// Smallest determinant of an inverse of Σ w r⊗r/r² that can be inverted again.
   double least_determinant() const {
     return least_squares_constants().singular * std::pow(dim / gradient_.n0, dim);
   }
@@ -201,19 +201,20 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Whether particle i lies over the face of a layer particle: not past the face's end.
   bool is_over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t layer_particle) const;
   void average_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
-  /// u* − U at the face of layer particle j, as particle i sees it [m/s]. Past a face's end it is the mean
+  /// Returns u* − U at the face of layer particle j for particle i [m/s]. Past a face's end it is the mean
   /// over the particles over the face. Within 0.5 l0 of the end the two are blended linearly, to avoid a jump
   /// of the pressure.
   Vector<dim> relative_wall_velocity(const Boundary<dim>&, const State<dim>&, std::int64_t i,
                                      std::int64_t j) const;
-  /// Velocity of an absorbing wall towards the water, (p_i − p_still)/(ρc) n [m/s] (F60): a wave that goes
-  /// out meets the impedance ρc of the water.
+  /// Returns −U = (p_i − p_still)/(ρc) n of an absorbing wall [m/s] (F60). A wave that goes out meets the
+  /// impedance ρc of the water. With a SoundLayer it is multiplied by the compressible part at the particle.
   Vector<dim> absorbing_velocity(const Boundary<dim>&, const State<dim>&, std::int64_t i,
                                  std::int64_t j) const;
-  /// u − U past the faces that particle i touches [m/s].
+  /// Returns u − U of particle i past the faces that it lies over [m/s].
   Vector<dim> residual_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                      std::int64_t i) const;
-  /// Velocity past the faces that the step does not correct, the walls' counterpart of E_i [m/s].
+  /// Returns the velocity past the faces that the step does not correct [m/s]. It is the counterpart of E_i
+  /// at walls.
   Vector<dim> carried_wall_velocity(const State<dim>& state, std::int64_t i,
                                     const Vector<dim>& relative) const {
     Vector<dim> carried = equation_.carried[i] * state.residual_wall_velocity.col(i);
@@ -221,8 +222,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
       carried += now_.deferred * equation_.incompressible[i] * (relative - now_.gravity_velocity);
     return carried;
   }
-  /// q_ij of (F35) with the carried residual taken off. Without tension the face's pressure is not below zero
-  /// [Pa].
+  /// Returns q_ij of (F35), less the carried residual [Pa]. Without tension the face's pressure is not below
+  /// zero.
   double wall_pressure_increment(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j,
                                  const Vector<dim>& projected, double slope) const;
   /// χ (F36).
@@ -249,15 +250,15 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void share_rows(const Neighbours& far, PressureSystem&) const;
   template <bool seams>
   void find_pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
-  /// Depth of x under the water's upper edge at the start [m].
+  /// Returns the depth of x under the water's upper edge at the start [m].
   double depth_of(const Boundary<dim>&, const Vector<dim>& x) const;
   /// ρ g times that depth [Pa].
   double still_pressure(const Boundary<dim>&, const Vector<dim>& x) const;
-  /// Part of 1/(ρc²) that the water has at x.
+  /// Returns the part of 1/(ρc²) that the water has at x.
   double compressible(const Boundary<dim>& boundary, const Vector<dim>& x) const {
     return sound_.is_whole() ? 1.0 : sound_.compressible(depth_of(boundary, x));
   }
-  /// max|u| past the tank, the same for an observer who moves with it [m/s].
+  /// Returns max|u| past the tank [m/s]. An observer who moves with the tank finds the same value.
   double fastest(const Boundary<dim>&, const State<dim>&) const;
   double wave_speed_squared() const;
   double drift_share(double dt) const;
@@ -269,7 +270,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   SurfaceLattice<dim> lattice_;
   WallContact<dim> walls_;
   SoundLayer sound_;
-  bool full_;  // a closed tank without a gap or a body has no free surface, whatever disorder shows
+  bool full_;  // a closed tank without a gap or a body: no free surface, whatever the disorder
   Moments moments_;
   FreeSurface surface_;
   WallData wall_;

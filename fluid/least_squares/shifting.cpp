@@ -7,7 +7,7 @@
 namespace strake::fluid {
 namespace {
 
-/// The part of a shift from x that does not go through the face of a body or of a wall.
+/// Returns the part of a shift from x that goes through no face of a body or wall.
 template <int dim>
 Vector<dim> before_faces(const Boundary<dim>& boundary, const Vector<dim>& x, Vector<dim> move) {
   const auto along = [&](const Vector<dim>& normal) { move -= std::min(0.0, move.dot(normal)) * normal; };
@@ -19,13 +19,14 @@ Vector<dim> before_faces(const Boundary<dim>& boundary, const Vector<dim>& x, Ve
 
 }  // namespace
 
-/// δr = −(I + αS)⁻¹ α l0² ∇C, α = A |u| Δt/l0 (F49), at most 0.1 l0. S says how strongly l0² ∇C changes with
-/// the particle's place: 3 on a square lattice, 10 across a string of crowded particles. With α alone
-/// particles would be thrown past their places and back at every other step wherever S α > 1, and the
-/// pressure with them. Next to the free surface particles move only along it, and through no face.
+/// Moves each particle by δr = −(I + αS)⁻¹ α l0² ∇C, α = A |u| Δt/l0 (F49), at most 0.1 l0. S is the change
+/// of l0² ∇C with the particle's place: 3 on a square lattice, 10 across a string of crowded particles. With
+/// α alone particles would be thrown past their places and back at every other step wherever S α > 1, and the
+/// pressure would oscillate with them. Next to the free surface particles move only along it, and through no
+/// face.
 ///
-/// δu = (1−σ) ∇u·δr (F50). Beside a jet or a drop ∇u is one-sided, and a velocity that grows with the shift
-/// that it causes would run away.
+/// The velocity changes by δu = (1−σ) ∇u·δr (F50). Beside a jet or a drop ∇u is one-sided. A velocity that
+/// grows with the shift that it causes would run away.
 template <int dim>
 void LeastSquaresScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
                                     double dt) const {
@@ -36,7 +37,7 @@ void LeastSquaresScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& s
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (boundary.is_removed(state, i)) continue;
     const auto k = static_cast<std::size_t>(i);
-    // Relative to the tank, so that the result is the same for an observer who moves with it.
+    // The velocity is relative to the tank, so that an observer who moves with it finds the same result.
     Vector<dim> past = state.velocity.col(i);
     if (moves) past -= boundary.tank().velocity_at(state.position.col(i));
     const double alpha = std::min(1.0, p_.scheme.shifting * past.norm() * dt / p_.spacing);

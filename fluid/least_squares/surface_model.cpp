@@ -34,7 +34,8 @@ SurfaceLattice<dim>::SurfaceLattice(const LatticeConstants& laplacian, double l0
         second_moment += w * y * l0;
         above_second += part;
       }
-  // ∫_{y<d} W / ∫ W: planes of distance y to the particle, rings (2-D: pairs of points) of radius x in them.
+  // Integrates ∫_{y<d} W / ∫ W over planes of distance y to the particle. Each plane is divided into rings
+  // (2-D: pairs of points) of radius x.
   double half = 0;
   for (int j = 0; j < layers; ++j) {
     const double y = (j + 0.5) * layer_;

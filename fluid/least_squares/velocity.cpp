@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-// ∇u* of the water, and the filter of what it does not explain.
+// Computes ∇u* of the water, and the filter of the velocity that ∇u* does not explain.
 
 namespace strake::fluid {
 
@@ -28,7 +28,7 @@ inline Double4 squares(VecD<dim> a, VecD<dim> b, VecD<dim> c, VecD<dim> d) {
 
 }  // namespace
 
-// Σ w (u_j − u_i) ⊗ r/r² [Σ w r⊗r/r²]⁻¹
+// Computes ∇u = Σ w (u_j − u_i) ⊗ r/r² [Σ w r⊗r/r²]⁻¹.
 template <int dim>
 template <bool seams>
 void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, const State<dim>& state,
@@ -72,7 +72,8 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
   }
 }
 
-// ∇u(τ) = ∇u − τ ∇u·∇u (F53): the gradient at the particles after the time τ, if u moved with them unchanged.
+// Computes ∇u(τ) = ∇u − τ ∇u·∇u (F53). This is the gradient at the particles after the time τ if u moved with
+// them unchanged.
 template <int dim>
 void LeastSquaresScheme<dim>::advance_gradient(Motion& motion, double time) const {
   VecD<dim> turned[dim];
@@ -83,8 +84,9 @@ void LeastSquaresScheme<dim>::advance_gradient(Motion& motion, double time) cons
   for (int b = 0; b < dim; ++b) motion.gradient[b] -= time * turned[b];
 }
 
-// Δu_i = Δt (2d/(n0 λ)) Σ_j β l0 |δ_ij| δ_ij w, δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij; antisymmetric, so
-// momentum is exact. |δ| is bounded where the explicit step would overshoot.
+// Adds Δu_i of the filter (F48) to the velocity:
+//   Δu_i = Δt (2d/(n0 λ)) Σ_j β l0 |δ_ij| δ_ij w, δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij.
+// It is antisymmetric, so momentum is exact. |δ| is bounded where the explicit step would overshoot.
 template <int dim>
 template <bool seams>
 void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& state,

@@ -15,9 +15,9 @@ bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>& boundary, const State
          boundary.is_over(boundary.point_of(row), state.position.col(i));
 }
 
-/// Part of each face that water covers: Σ max(0, 1 − a/l0) over the water within l0 of the face, a the
-/// distance along it. On a lattice this is 1 inside, and at the end of the water the part that lies below its
-/// level.
+/// Computes the part of each face that water covers:
+///   Σ max(0, 1 − a/l0) over the water within l0 of the face, a the distance along it.
+/// On a lattice this is 1 inside, and at the end of the water the part that lies below its level.
 template <int dim>
 void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>& boundary, const State<dim>& state,
                                            const Neighbours& near) {
@@ -53,7 +53,8 @@ Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(const Boundary<dim>&
   if (!is_over(boundary, state, i, j)) return mean();
   Vector<dim> u = state.velocity.col(i) - state.velocity.col(j);
   if (walls_.corner(j)) return u;
-  // ∇u* carries the particle's velocity to the face; beside the free surface it is one-sided and left out.
+  // ∇u* extrapolates the particle's velocity to the face. Beside the free surface it is one-sided and left
+  // out.
   const double height =
       walls_.height(j, state.position.col(j),
                     boundary.tank().periodic().separation(state.position.col(j), state.position.col(i)) +
@@ -114,8 +115,8 @@ void LeastSquaresScheme<dim>::average_wall_velocity(const Boundary<dim>& boundar
   }
 }
 
-// Sound through a layer h: over the depth h the slope falls as exp(−x/(cΔt)), so that its mean is
-// (cΔt/h) (1 − exp(−h/(cΔt))) of that at the face; 1 for c = ∞.
+// Returns χ (F36), the mean slope of the pressure over h = l0/2, divided by that at the face. With sound the
+// slope falls as exp(−x/(cΔt)). Its mean is (cΔt/h) (1 − exp(−h/(cΔt))) of that at the face; 1 for c = ∞.
 template <int dim>
 double LeastSquaresScheme<dim>::slope_share(double dt) const {
   if (!std::isfinite(p_.sound_speed)) return 1;
@@ -123,8 +124,8 @@ double LeastSquaresScheme<dim>::slope_share(double dt) const {
   return (1 - std::exp(-layers)) / layers;
 }
 
-// The carried residual is left out for water that comes nearer to a face than a lattice row: it is stopped at
-// once.
+// Computes q_ij. The carried residual is reduced for water nearer to a face than the first layer of a
+// lattice, and zero below 0.3 l0: that water is stopped at once.
 template <int dim>
 double LeastSquaresScheme<dim>::wall_pressure_increment(const Boundary<dim>& boundary,
                                                         const State<dim>& state, std::int64_t i,
@@ -142,16 +143,19 @@ double LeastSquaresScheme<dim>::wall_pressure_increment(const Boundary<dim>& bou
       u + absorbing_velocity(boundary, state, i, j) - free * carried_wall_velocity(state, i, u);
   const double q = slope * past.dot(projected);
   if (equation_.tension || q >= 0) return q;
-  // p_i + (h/|P r|) q ≥ min(0, p_i), h the particle's height over the face; half the way in a corner.
+  // The limit is p_i + (h/|P r|) q ≥ min(0, p_i). h is the particle's height over the face; in a corner half
+  // of |P r|.
   const double part = std::clamp(height / projected.norm(), 0.0, 1.0);
   return std::max(q, part > tuned.smallest ? -std::max(0.0, state.pressure[i]) / part : 0.0);
 }
 
-// R_i of (F52). Let s be the gradient fitted from the water neighbours only,
+// Computes R_i of (F52). Let s be the gradient fitted from the water neighbours only,
 //   A ∇p = Σ_layers w q P r/r² + (A − a) s.
-// V (∇p − s)/2 = ½ V (A − a)⁻¹ Σ_layers w (q − ∇p·P r) P r/r² is the force from the walls on particle i that
-// the extrapolated face pressure p_i + h ∂p/∂n does not contain. On an even lattice the faces then carry p_i
-// + q/2, and momentum is exact. A film of one particle has no A − a across: `smallest` n0 is added.
+// The force from the walls on particle i that the extrapolated face pressure p_i + h ∂p/∂n does not contain
+// is
+//   V (∇p − s)/2 = ½ V (A − a)⁻¹ Σ_layers w (q − ∇p·P r) P r/r².
+// On an even lattice the faces then carry p_i + q/2, and momentum is exact. A film of one particle has no
+// A − a across: `smallest` n0 is added.
 template <int dim>
 Vector<dim> LeastSquaresScheme<dim>::wall_force(std::int64_t i, const FaceSums& faces) const {
   const Tensor<dim>& inverse = moments_.a_inverse[static_cast<std::size_t>(i)];

@@ -7,7 +7,7 @@ namespace strake::fluid {
 
 namespace {
 
-// Takes out of (d/n0) Σ_j (P_i + P_j) r_ij w/r² what lies along the walls of the tank.
+// Subtracts from (d/n0) Σ_j (P_i + P_j) r_ij w/r² the component along the walls of the tank.
 template <int dim>
 void smooth_walls(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                   const LatticeConstants& lattice, const Masks& masks, Vectors<dim>& gradient) {
@@ -19,7 +19,7 @@ void smooth_walls(const State<dim>& state, const Boundary<dim>& boundary, const 
     const auto inverses = near.inverses(i);
     Vector<dim> along = Vector<dim>::Zero();
     for (std::size_t e = columns.size(); e > 0 && columns[e - 1] >= water;
-         --e) {  // rows come after the water
+         --e) {  // layers come after the water
       const std::int64_t j = columns[e - 1];
       const double w = lattice.radius * inverses[e - 1] - 1;
       const Vector<dim> normal = boundary.normal_of(j);
@@ -33,11 +33,11 @@ void smooth_walls(const State<dim>& state, const Boundary<dim>& boundary, const 
   }
 }
 
-/// Share of the full lattice's half sum that the water behind a particle must have.
+/// Smallest sum of the water behind a particle, as a share of the full lattice's half sum.
 constexpr double thin_water = 0.7;
 constexpr double least_level = 0.5, largest_level = 2.0;
 
-// Σ w (r·n)/r² over the half lattice in front of n [1/m].
+// Computes Σ w (r·n)/r² over the half lattice in front of n [1/m].
 template <int dim>
 double half_lattice_sum(const LatticeConstants& lattice, double spacing) {
   const int reach = static_cast<int>(std::ceil(lattice.radius / spacing));
@@ -52,7 +52,7 @@ double half_lattice_sum(const LatticeConstants& lattice, double spacing) {
   return sum;
 }
 
-// Weighs the pairs of water and body by the water's level.
+// Multiplies the pairs of water and body by α_i, the level of the water particle.
 template <int dim>
 void level_faces(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                  const LatticeConstants& lattice, const Masks& masks, const Eigen::VectorXd& level,

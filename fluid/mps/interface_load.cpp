@@ -8,7 +8,8 @@ namespace strake::fluid {
 
 namespace {
 
-// −V (d/n0) Σ_i α_i (P_i + P_j) (r_i − r_j) w/r² over the water i around row j, α_i its level at a body.
+// Computes −V (d/n0) Σ_i α_i (P_i + P_j) (r_i − r_j) w/r² over the water i around layer particle j. α_i is
+// the level of the water at a body, and 1 at the tank.
 template <int dim>
 Vector<dim> pair_reaction(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                           const LatticeConstants& lattice, double volume, const Eigen::VectorXd* level,
@@ -29,7 +30,7 @@ Vector<dim> pair_reaction(const State<dim>& state, const Boundary<dim>& boundary
   return -volume * dim / lattice.n0 * sum;
 }
 
-// −p n A of a first row, p extrapolated over the half spacing to the face.
+// Computes −p n A of a first-layer particle, p extrapolated over the half spacing to the face.
 template <int dim>
 Vector<dim> face_force(const State<dim>& state, const Boundary<dim>& boundary, const LoadTerms<dim>& terms,
                        std::int64_t i) {
@@ -55,7 +56,7 @@ LayerForces<dim> layer_forces(const State<dim>& state, const Boundary<dim>& boun
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = boundary.water(); i < n; ++i) {
     const Kind kind = state.kind[static_cast<std::size_t>(i)];
-    // Structure particles have no face to integrate over: the pair force is their load with every gradient.
+    // Structure particles have no face to integrate over. The pair force is their load with every gradient.
     if (terms.gradient == Gradient::pairwise || kind == Kind::solid)
       force.col(i) = pair_reaction<dim>(state, boundary, near, terms.lattice, volume, terms.level, i);
     else if (kind == Kind::wall || kind == Kind::interface)

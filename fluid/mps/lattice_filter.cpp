@@ -6,8 +6,9 @@
 
 namespace strake::fluid {
 
-// Δu_i = Δt (2d/(n0 λ)) Σ_j ν_ij δ_ij w,   δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij,
-// ν_ij = β l0 √(max(P_i + P_j, 0)/(2ρ)), bounded where the explicit step would overshoot.
+// Computes the change Δu_i of the filter (F23):
+//   Δu_i = Δt (2d/(n0 λ)) Σ_j ν_ij δ_ij w,   δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij,
+//   ν_ij = β l0 √(max(P_i + P_j, 0)/(2ρ)), bounded where the explicit step would overshoot.
 template <int dim>
 Vectors<dim> filter_lattice(const FilterTerms<dim>& t) {
   Vectors<dim> change = Vectors<dim>::Zero(dim, t.water);

@@ -10,11 +10,11 @@ namespace {
 
 using std::size_t;
 
-/// A particle off the surface joins it when the circle of this radius around it is not covered by the equal
-/// circles of its neighbours; one on the surface leaves it when the smaller circle is covered [l0]. So a
-/// crack between two rows of water opens when their centres are 1.95 l0 apart, while a body's row that comes
-/// from outside closes the surface at 1.15 l0. The smaller one still covers itself on the lattice, where it
-/// needs 1/√2.
+/// Radii of the circles that decide whether a particle is surface [l0]. A particle inside joins the surface
+/// when its circle of the first radius is not covered by the equal circles of its neighbours. A surface
+/// particle leaves it when the smaller circle is covered. So a crack between two layers of water opens when
+/// their centres are 1.95 l0 apart, while a body's layer that comes from outside closes the surface at
+/// 1.15 l0. The smaller radius still covers itself on the lattice, where it needs 1/√2.
 constexpr double joining_radius = 1.05, leaving_radius = 0.72;
 
 /// Directions from a particle, evenly spread: every 5 degrees in the plane, a spiral of equal areas on the
@@ -22,7 +22,7 @@ constexpr double joining_radius = 1.05, leaving_radius = 0.72;
 template <int dim>
 struct Directions {
   static constexpr int count = dim == 2 ? 72 : 256;
-  static constexpr int open = 3;  // so many uncovered directions make an opening (15 degrees of the circle)
+  static constexpr int open = 3;  // uncovered directions that make an opening (15 degrees of the circle)
   std::array<std::array<double, count>, dim> axis;
   Directions() {
     for (size_t k = 0; k < static_cast<size_t>(count); ++k) {
@@ -41,8 +41,8 @@ struct Directions {
   }
 };
 
-/// Whether the circle (sphere) of radius R around i shows an opening: the point x_i + R s is inside the
-/// circle of j when s·r_ij > |r_ij|²/(2R).
+/// Whether the circle (sphere) of radius R around i has an opening. The point x_i + R s is inside the circle
+/// of j when s·r_ij > |r_ij|²/(2R).
 template <int dim>
 bool uncovered(const Vectors<dim>& position, const Neighbours& rows, Eigen::Index i, double radius) {
   static const Directions<dim> directions;

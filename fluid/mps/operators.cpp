@@ -11,14 +11,14 @@ namespace {
 
 using std::size_t;
 
-/// Where a moment matrix is worse than this a correction would amplify noise (fluid/THEORY.md (F21)).
+/// Limits of a moment matrix beyond which a correction would amplify noise (fluid/THEORY.md (F21)).
 constexpr double smallest_determinant = 0.05, largest_condition = 20;
 
 inline bool takes_part(std::span<const std::uint8_t> mask, std::int64_t i) {
   return mask.empty() || mask[static_cast<size_t>(i)];
 }
 
-/// Calls body(i) for every particle whose row takes part. Each call may write only what belongs to i.
+/// Calls body(i) for every particle whose row is computed. Each call may write only what belongs to i.
 template <class Body>
 void for_each_row(const Neighbours& rows, const Masks& masks, Body&& body) {
   const auto n = rows.size();
@@ -27,7 +27,7 @@ void for_each_row(const Neighbours& rows, const Masks& masks, Body&& body) {
     if (takes_part(masks.row, i)) body(i);
 }
 
-/// Calls body(j, w, 1/r) for every partner of i that takes part, in the order of the row.
+/// Calls body(j, w, 1/r) for every partner of i that `masks.column` includes, in the order of the row.
 template <class Body>
 inline void for_each_pair(const Neighbours& rows, const Masks& masks, std::int64_t i, double radius,
                           Body&& body) {
@@ -41,7 +41,7 @@ inline void for_each_pair(const Neighbours& rows, const Masks& masks, std::int64
   }
 }
 
-/// Σ_j f(j) r_ij w/r² of one row, f: scalar per pair.
+/// Computes Σ_j f(j) r_ij w/r² of one row, f: scalar per pair.
 template <int dim, class Value>
 inline Vector<dim> gradient_sum(const Vectors<dim>& position, const Neighbours& rows, const Masks& masks,
                                 std::int64_t i, double radius, Value&& value) {

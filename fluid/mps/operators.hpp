@@ -12,19 +12,19 @@
 
 namespace strake::fluid {
 
-/// Which particles take part: rows that are computed (the others are zero) and columns that are summed.
-/// An empty span is everyone; otherwise one byte per particle, non-zero takes part.
+/// Masks of the particles: rows that are computed (the others are zero) and columns that are summed. An empty
+/// span includes all particles; otherwise there is one byte per particle, non-zero where it is included.
 struct Masks {
   std::span<const std::uint8_t> row, column;
 };
 template <int dim>
 using Tensor = Eigen::Matrix<double, dim, dim>;
 
-/// In all of these `rows` may reach farther than `lattice.radius`; pairs beyond it do not count.
+/// `rows` may reach farther than `lattice.radius` in all of these; pairs beyond it do not count. Notation:
 /// r_ij = r_j − r_i, w = r_e/r − 1, d = dim, n0 and λ of `lattice`. Units: those of φ per m, or per m².
 
-/// (d/n0) Σ_j (φ_j − φ̂_i) r_ij w/r², φ̂_i the smallest φ of i and its neighbours that take part
-/// (fluid/THEORY.md (F16)).
+/// Computes (d/n0) Σ_j (φ_j − φ̂_i) r_ij w/r² (fluid/THEORY.md (F16)). φ̂_i is the smallest φ of i and its
+/// included neighbours.
 template <int dim>
 Vectors<dim> gradient_min_pressure(const Vectors<dim>& position, const Eigen::VectorXd& phi,
                                    const Neighbours& rows, const LatticeConstants& lattice,
@@ -63,8 +63,8 @@ template <int dim>
 Vectors<dim> laplacian(const Vectors<dim>& u, const Neighbours& rows, const LatticeConstants& lattice,
                        const Masks& = {});
 
-/// Row-wise sums of the conservative stress form: (d/n0) Σ_j (τ_i + τ_j)·r_ij w/r² (the first part of
-/// fluid/THEORY.md (F12)). Antisymmetric.
+/// Computes the conservative stress form (d/n0) Σ_j (τ_i + τ_j)·r_ij w/r² (the first part of fluid/THEORY.md
+/// (F12)). It is antisymmetric.
 template <int dim>
 Vectors<dim> stress_divergence(const Vectors<dim>& position, std::span<const Tensor<dim>> tau,
                                const Neighbours& rows, const LatticeConstants& lattice, const Masks& = {});

@@ -10,7 +10,7 @@ double drift_factor(const Scheme& scheme, double dt) {
 
 namespace {
 
-// f of the header, times −s ρ.
+// Returns f of assemble_pressure, times −s ρ.
 double right_side(const PressureTerms& terms, const Scheme& scheme, double scale, double gamma,
                   std::int64_t i) {
   const double dt = terms.dt;
@@ -89,7 +89,7 @@ void assemble_pressure(const Neighbours& neighbours, const PressureTerms& terms,
     own.stop[static_cast<std::size_t>(k)] = at;
     system.diagonal[k] = diagonal + scale / (c_dt * c_dt);
     system.right[k] = right_side(terms, scheme, scale, gamma, i);
-    if (system.diagonal[k] <= 0) {  // no neighbour and no compressibility: nothing holds a pressure
+    if (system.diagonal[k] <= 0) {  // no neighbour and no compressibility: the pressure is undetermined
       system.diagonal[k] = 1;
       system.right[k] = 0;
     }

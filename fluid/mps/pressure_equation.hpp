@@ -13,14 +13,14 @@
 
 namespace strake::fluid {
 
-/// What a particle is to the pressure equation.
+/// The role of a particle in the pressure equation.
 enum class Row : std::uint8_t {
   none,  // no unknown and not in the Laplacian: dummies, removed particles, the inside of a particle solid
   zero,  // free surface, dry wall: P = 0
   unknown,
 };
 
-/// What the equation is made of, one entry per particle.
+/// The data of the equation, one entry per particle.
 struct PressureTerms {
   std::span<const Row> row;
   const Eigen::VectorXd& divergence;     // ∇·u* [1/s]
@@ -35,15 +35,15 @@ struct PressureTerms {
 /// γ of fluid/THEORY.md (F29) for one step: Δt/τ where a time constant is given.
 double drift_factor(const Scheme&, double dt);
 
-/// fluid/THEORY.md (F26)–(F29), weakly compressible, one row per unknown i:
+/// Assembles fluid/THEORY.md (F27) or (F29), weakly compressible, one row per unknown i:
 ///   Σ_j β_ij w_ij (p_i − p_j) + s p_i/(c²Δt²) = −s ρ f_i ,   s = n0 λ/(2d)
-///   density     f = −δ/Δt²                              (δ = (n − n0)/n0, n at r* or r^k)
 ///   divergence  f = ∇·u*/Δt − pⁿ/(ρc²Δt²)
 ///   mixed       f = (1−γ) ∇·u*/Δt − pⁿ/(ρc²Δt²) − (γ/Δt²)(δ − pⁿ/(ρc²))
-/// β = 2ρ/(ρ_i+ρ_j) between structure particles, which is their inertia, and 1 where one of the two is water:
-/// a structure's outer row is a wall row, its pressure is that of the water on it. (With the mean density
-/// between water and structure as well, a heavy row loses touch with the water and its own ∇·u* drives its
-/// pressure without bound.) `system` is passed in so that its memory is used again.
+/// with δ = (n − n0)/n0, n at r* or r^k. Between structure particles β = 2ρ/(ρ_i+ρ_j), which is their
+/// inertia. β is 1 where one of the two is water: a structure's outer layer acts as a wall layer, with the
+/// pressure of the water on it. (With the mean density between water and structure as well, a heavy layer
+/// loses contact with the water and its own ∇·u* drives its pressure without bound.) `system` is passed in so
+/// that its memory is used again.
 template <int dim>
 void assemble_pressure(const Neighbours&, const PressureTerms&, const Scheme&,
                        const LatticeConstants& laplacian, PressureSystem& system);

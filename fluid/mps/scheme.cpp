@@ -72,9 +72,9 @@ void MpsScheme<dim>::measure_number_density(StepData<dim>& step) {
   classify_rows(step);
 }
 
-/// Whether so many neighbours of a surrounded structure particle are gone that it stands at a crack. Strain
-/// of 1 % takes at most 3 % of them, and a second layer at a crack lacks 2 %. The face of a crack lacks 15 %
-/// from an opening of 0.35 l0 on, and 35 to 40 % in the end.
+/// Whether a surrounded structure particle lies at a crack: its weight of structure neighbours is below 0.85
+/// n0. Strain of 1 % removes at most 3 % of it, and a second layer at a crack lacks 2 %. The face of a crack
+/// lacks 15 % from an opening of 0.35 l0 on, and 35 to 40 % in the end.
 template <int dim>
 bool MpsScheme<dim>::exposed_by_crack(const StepData<dim>& step, std::int64_t i,
                                       const Neighbours& near) const {
@@ -182,8 +182,9 @@ Load<dim> MpsScheme<dim>::load(StepData<dim>& step) {
   return load;
 }
 
-/// r = r* + Δt (u − u*) where the scheme works at r*, or rⁿ + Δt u where it works at rⁿ (F32). Both are
-/// rⁿ + Δt u, which adds no energy to the lattice's own oscillation; the mean of uⁿ and u would.
+/// Moves the water by r = r* + Δt (u − u*) or rⁿ + Δt u (F32). The first is for a scheme at r*, the second
+/// for one at rⁿ. Both are rⁿ + Δt u, which adds no energy to the lattice's own oscillation; the mean of uⁿ
+/// and u would.
 template <int dim>
 double MpsScheme<dim>::correct(StepData<dim>& step) {
   State<dim>& state = step.state;

@@ -11,9 +11,9 @@
 
 namespace strake::fluid {
 
-/// The MPS scheme of the paper (fluid/THEORY.md, sections 4 to 6): number density, weighted-average
-/// operators, and a pressure unknown on each first layer particle of walls and bodies. `gradient` chooses the
-/// form of ∇p.
+/// The MPS scheme of the paper (fluid/THEORY.md, sections 4 to 6). It uses the number density and
+/// weighted-average operators. Each first-layer particle of walls and bodies has a pressure unknown.
+/// `gradient` chooses the form of ∇p.
 template <int dim>
 class MpsScheme final : public FluidScheme<dim> {
  public:

@@ -7,7 +7,7 @@
 
 namespace strake::fluid {
 
-/// The fluid's side of an earlier run: returns the recorded force, whatever the motion. Over windows of
+/// The participant that returns the recorded force of an earlier run, whatever the motion. Over windows of
 /// another length it returns the mean of the record, so that the impulse is kept.
 class Replay final : public Participant {
  public:

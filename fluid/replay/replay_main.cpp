@@ -4,7 +4,7 @@
 
 #include <memory>
 
-// strake-fluid-replay: the fluid of an earlier run, as far as the structure felt it.
+// strake-fluid-replay: applies the recorded fluid force of an earlier run to the structure.
 int main(int argc, char** argv) {
   using namespace strake;
   std::filesystem::path run;

@@ -10,9 +10,10 @@ namespace strake::fluid {
 
 /// Groups acoustic sub-steps that share one frozen configuration of the particles (fluid/THEORY.md, section
 /// 8.10). Where c Δt ≤ l0, water moves by a thousandth of its spacing in a step. Neighbours, moments,
-/// surface, stresses, filter and shifting are then computed once per group. Pressure and velocity take every
-/// step. The last step moves the particles, x += T u, with T the length of the group and u the velocity at
-/// its end. This adds no energy to the lattice's own oscillation; the mean of the steps' velocities would.
+/// surface, stresses, filter and shifting are then computed once per group. Pressure and velocity are
+/// computed in every step. The last step moves the particles, x += T u, with T the length of the group and u
+/// the velocity at its end. This adds no energy to the lattice's own oscillation; the mean of the steps'
+/// velocities would.
 ///
 /// Between, the velocity gradient changes as if the particles had moved,
 ///   ∇u(τ) = ∇u − τ ∇u·∇u + O(τ²), τ the age of the configuration.
@@ -28,14 +29,14 @@ class AcousticSubstepping {
   /// l0 wide keeps its energy over a turn within 0.2 % at 0.05, and gains 2 % at 0.1.
   static constexpr double largest_displacement = 0.05;
 
-  /// A group of one step.
+  /// Returns a group of one step.
   static AcousticSubstepping single_step(double dt) {
     AcousticSubstepping group;
     group.step(dt, 0, 0, 0);
     return group;
   }
-  /// Before a step of dt: continues the group or begins a new one. rest: of the window after this step [s];
-  /// longest: duration of a group [s], zero for single steps; number: of the steps taken.
+  /// Continues the group or begins a new one, before a step of dt. rest: of the window after this step [s].
+  /// longest: duration of a group [s], zero for single steps. number: of the steps taken.
   void step(double dt, double rest, double longest, std::int64_t number) {
     dt_ = dt;
     rest_ = rest;
@@ -53,7 +54,7 @@ class AcousticSubstepping {
   double age() const { return age_; }        // of the configuration [s]
   double length() const { return length_; }  // largest possible duration of the group [s]
 
-  /// After a step: whether it was the group's last. fastest: largest speed of the water [m/s]; farthest:
+  /// Whether the step just taken was the group's last. fastest: largest speed of the water [m/s]. farthest:
   /// largest displacement of the bodies since the group began [m].
   bool ends(double fastest, double farthest, double spacing) {
     age_ += dt_;
@@ -63,7 +64,7 @@ class AcousticSubstepping {
     return over_;
   }
   bool is_over() const { return over_; }
-  /// After the state has been replaced.
+  /// Ends the group, after the state has been replaced.
   void forget() { over_ = true; }
 
  private:

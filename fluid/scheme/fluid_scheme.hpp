@@ -10,12 +10,11 @@
 
 namespace strake::fluid {
 
-/// Force of the water on everything that is not water, one column per particle [N] (per metre of depth in
-/// 2-D).
+/// The force of the water on all other particles, one column per particle [N] (per metre of depth in 2-D).
 template <int dim>
 using LayerForces = Vectors<dim>;
 
-/// What a scheme gives to walls and bodies in a step.
+/// The load of a step on walls and bodies.
 template <int dim>
 struct Load {
   LayerForces<dim> on_layers;
@@ -35,7 +34,7 @@ class FluidScheme {
 
   /// Whether steps of dt may share one configuration (acoustic_substepping.hpp).
   virtual bool may_substep(const StepData<dim>&, double) const { return false; }
-  /// Memory that the scheme does not need before `measure`: the viscous stage borrows it.
+  /// Memory that the scheme does not need before `measure`; the viscous stage uses it.
   struct SpareMemory {
     std::vector<Eigen::Matrix<double, dim, dim>>& tensors;  // one per particle of water
     SharedMemory& shared;                                   // of any size
@@ -44,19 +43,19 @@ class FluidScheme {
 
   /// Measures the configuration: sums over neighbours, free surface, State::surface.
   virtual void measure(StepData<dim>&) = 0;
-  /// u* = u + Δt (ν∇²u + ∇·τ + g) (fluid/THEORY.md (F30)).
+  /// Computes u* = u + Δt (ν∇²u + ∇·τ + g) (fluid/THEORY.md (F30)).
   virtual void predict(StepData<dim>&) = 0;
-  /// The pressure equation.
+  /// Assembles the pressure equation.
   virtual void assemble(StepData<dim>&, PressureSystem&) = 0;
   /// Limits the solved pressure in State::pressure, and extends it to dummies. tension: negative values are
   /// allowed.
   virtual void limit_pressure(StepData<dim>&, bool tension) = 0;
-  /// ∇p of the water.
+  /// Computes ∇p of the water.
   virtual void find_gradient(StepData<dim>&) = 0;
-  /// Load at the positions for which the pressure was solved.
+  /// Computes the load at the positions for which the pressure was solved.
   virtual Load<dim> load(StepData<dim>&) = 0;
-  /// u = u* − (Δt/ρ) ∇p (F31); moves particles, bodies and tank where a group of sub-steps ends (F32).
-  /// Returns the largest |∇·u| of inner water particles [1/s].
+  /// Computes u = u* − (Δt/ρ) ∇p (F31). Moves particles, bodies and tank where a group of sub-steps ends
+  /// (F32). Returns the largest |∇·u| of inner water particles [1/s].
   virtual double correct(StepData<dim>&) = 0;
   /// Moves particles towards even spacing.
   virtual void shift(StepData<dim>&) = 0;

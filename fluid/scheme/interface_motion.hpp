@@ -4,8 +4,8 @@
 
 namespace strake::fluid {
 
-/// The motion of the interface points over one step: end displacement from the reference mesh, velocity at
-/// the end, and the acceleration that enters the Neumann condition.
+/// The motion of the interface points over one step. displacement: from the reference mesh. The Neumann
+/// condition uses the acceleration.
 struct InterfaceMotion {
   Points displacement;  // 3×m [m] at the end of the step
   Points velocity;      // 3×m [m/s] at the end of the step

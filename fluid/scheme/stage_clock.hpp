@@ -6,7 +6,7 @@
 
 namespace strake::fluid {
 
-/// Adds the wall seconds of its life to one stage.
+/// Adds the wall seconds between its construction and its end to one stage.
 class StageClock {
  public:
   StageClock(std::map<std::string, double>& seconds, const char* stage)

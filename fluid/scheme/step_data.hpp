@@ -24,9 +24,9 @@ struct StepData {
   void search_neighbours();
   const Neighbours& near_density() { return search.within(density_lattice.radius); }
   const Neighbours& near_gradient() { return search.within(gradient_lattice.radius); }
-  /// u += Δt (ν∇²u + ∇·τ + g) of the water, with the account of gravity's impulse.
+  /// Computes u += Δt (ν∇²u + ∇·τ + g) of the water, and adds gravity's impulse to its account.
   void accelerate();
-  /// Bodies and tank at the end of the step. Volume coupling has placed its particles at the start.
+  /// Moves bodies and tank to the end of the step. Volume coupling has placed its particles at the start.
   void move_boundaries();
   /// Throws Error(solver_fault) that names the first water particle whose position or velocity is not finite.
   void check_finite() const;

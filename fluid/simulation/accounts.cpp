@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-// What a step gives to others and keeps account of: loads, lost particles, momentum.
+// The results of a step and its accounts: loads, lost particles, momentum.
 
 namespace strake::fluid {
 
@@ -39,7 +39,7 @@ void Simulation<dim>::Work::remove_lost() {
   if (!left) return;
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.is_removed(state, i) || !boundary.left_domain(state.position.col(i))) continue;
-    state.impulse_on_walls += step.mass * state.velocity.col(i);  // it takes its momentum out of the account
+    state.impulse_on_walls += step.mass * state.velocity.col(i);  // its momentum leaves the water
     state.position.col(i) = boundary.place_of_removed(state.lost++);
     state.velocity.col(i).setZero();
     state.pressure[i] = 0;
@@ -47,7 +47,8 @@ void Simulation<dim>::Work::remove_lost() {
   }
 }
 
-/// Accounts of the step; the load of collisions joins the interface force when the scheme conserves.
+/// Updates the accounts of the step. The impulses of collisions are added to the interface force when the
+/// scheme conserves.
 template <int dim>
 void Simulation<dim>::Work::finish() {
   State<dim>& state = step.state;

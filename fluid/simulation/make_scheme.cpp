@@ -6,8 +6,8 @@
 
 namespace strake::fluid {
 
-/// The joint stress and the least-squares scheme read the rows of the largest radius as the matrix of the
-/// pressure alone.
+/// Chooses the data of the neighbour rows. The joint stress and the least-squares scheme read the rows of the
+/// largest radius as the matrix of the pressure alone.
 PairData pair_data(const Scheme& scheme) {
   return scheme.gradient == Gradient::least_squares && scheme.sps == SpsForm::joint ? PairData::entries
                                                                                     : PairData::inverses;

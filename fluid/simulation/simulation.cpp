@@ -13,8 +13,8 @@ double column_step(const Parameters& p) {
 }
 
 double column_step(const Parameters& p, double field) {
-  // With least-squares nothing pushes particles apart: 1/71 of the period 2π √(l0/(π g)) of the shortest
-  // wave.
+  // Least-squares does not push particles apart. The step is 1/71 of 2π √(l0/(π g)), the period of the
+  // shortest wave.
   if (p.scheme.gradient == Gradient::least_squares) return 0.05 * std::sqrt(p.spacing / field);
   const double depth = p.water.max[1] - p.water.min[1];
   return 0.25 * p.spacing / (2 * std::sqrt(field * depth));
@@ -56,10 +56,11 @@ const InterfaceMesh& Simulation<dim>::interface() const {
   return work_->step.boundary.mesh();
 }
 
-/// The smallest limit of convection, gravity, viscosity and the column's weight (fluid/THEORY.md (F63)).
-/// Particles under a pressure ρgH push one another apart at the rate √(gH)/l0, whatever the gradient. A step
-/// is therefore 0.25 l0 over the speed 2√(gH). Measured on a still tank, H = 0.5 m, l0 = 0.01 m: at 0.11
-/// l0/√(gH) the water stays at rest, at 0.22 it scatters. Sound sets no limit.
+/// Returns the smallest limit of convection, gravity, viscosity and the column's weight (fluid/THEORY.md
+/// (F63)). In the MPS schemes particles under a pressure ρgH push one another apart at the rate √(gH)/l0. A
+/// step is therefore 0.25 l0 over the speed 2√(gH). Measured on a still tank, H = 0.5 m, l0 = 0.01 m: at
+/// 0.11 l0/√(gH) the water stays at rest, at 0.22 it scatters. With least-squares the limit is 0.05 √(l0/g).
+/// Sound sets no limit.
 template <int dim>
 double Simulation<dim>::stable_dt() const {
   const Work& w = *work_;

@@ -17,8 +17,8 @@ namespace strake::fluid {
 
 namespace {
 
-/// Velocity of the partner's points at the fluid's own points, interpolated at the nearest place of its
-/// faces.
+/// Interpolates the velocity of the partner's points to the fluid's own points, at the nearest place of the
+/// partner's faces.
 Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, const Points& velocity) {
   const bool same = partner.faces.cols() == 0 || mesh.dimension == 3;  // points of both meshes
   if (velocity.cols() == mesh.position.cols() && same) return velocity;
@@ -60,8 +60,8 @@ Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, c
   state.surface.assign(state.kind.size(), 1);
 }
 
-/// Begins a step: gravity g · ½(1 − cos(πt/ramp)) at the middle of the step, and the velocity of bodies and
-/// tank at its end.
+/// Sets the gravity of a step, and the velocity of bodies and tank at its end. During the ramp gravity is
+/// g · ½(1 − cos(πt/ramp)) at the middle of the step.
 template <int dim>
 void Simulation<dim>::Work::begin(double dt, double rest, double stable, const InterfaceMotion& given) {
   State<dim>& state = step.state;
@@ -73,8 +73,8 @@ void Simulation<dim>::Work::begin(double dt, double rest, double stable, const I
   if (step.p.gravity_ramp > 0 && t < step.p.gravity_ramp)
     ramp = 0.5 * (1 - std::cos(std::numbers::pi * t / step.p.gravity_ramp));
   step.gravity = ramp * step.p.gravity.template head<dim>();
-  // Volume coupling gives the positions of the structure's particles for this step, surface coupling those at
-  // its end.
+  // In volume coupling the structure's particles are placed for this step. In surface coupling only their
+  // velocity at the step's end is set.
   step.boundary.move(state, given.displacement, given.velocity, step.boundary.volume());
   step.boundary.move_tank(state, state.time + dt, false);
 }
@@ -99,14 +99,14 @@ void Simulation<dim>::Work::sort_along_cells() {
   step.search.invalidate();
 }
 
-/// ν∇²u + ∇·τ.
+/// Computes ν∇²u + ∇·τ.
 template <int dim>
 void Simulation<dim>::Work::find_stresses() {
   const StageClock clock(step.seconds, "predictor");
   State<dim>& state = step.state;
   const Boundary<dim>& boundary = step.boundary;
   const std::int64_t water = boundary.water();
-  // Air between a dry face and the water carries no stress.
+  // A dry face carries no stress, because air is between it and the water.
   wet.assign(state.kind.size(), 1);
   for (std::int64_t i = boundary.first_of_bodies(); i < static_cast<std::int64_t>(wet.size()); ++i) {
     const std::int32_t first = boundary.master_of(i);

@@ -15,8 +15,8 @@
 
 namespace strake::fluid {
 
-/// The stages of one step, and memory that they use again: private to Simulation. Where discretisations
-/// differ, the scheme has the stage.
+/// The stages of one step, and the memory that they use again; private to Simulation. Stages in which
+/// discretisations differ are functions of the scheme.
 template <int dim>
 struct Simulation<dim>::Work {
   Work(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
@@ -43,7 +43,7 @@ struct Simulation<dim>::Work {
   Vectors<dim> on_points;                   // on the boundary's points [N]
   Points force;                             // the same on the interface's [N]
   Eigen::Matrix2Xd on_solids;               // see carried_pressure; volume coupling
-  Vectors<dim> on_walls;                    // on each row of the tank with the dummies behind it [N]
+  Vectors<dim> on_walls;                    // on each wall particle, with the dummies behind it [N]
   Vector<dim> floor = Vector<dim>::Zero();  // on the tank floor [N]
   CollisionAccount<dim> collisions;
 

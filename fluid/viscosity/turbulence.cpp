@@ -67,7 +67,7 @@ void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const Lattic
         inflow += flux * scratch[j];
         share += flux;
       } else if (!flow.dry(j) && !walls.slip[static_cast<size_t>(j - walls.first)]) {
-        // k on the line through zero at the face: k_j = −k_i depth/distance.
+        // k is continued on the line through zero at the face: k_j = −k_i depth/distance.
         const auto normal = walls.normal.col(j - walls.first);
         const double depth = walls.depth[j - walls.first];
         const Vector<dim> r = flow.periodic.separation(flow.position.col(j), flow.position.col(i));
@@ -80,7 +80,7 @@ void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const Lattic
   }
 }
 
-// Pr = 2 S_lm S_lm, S = ½(∇u + ∇uᵀ). In the plane this is 2[(∂u/∂x)² + (∂v/∂y)²] + (∂u/∂y + ∂v/∂x)².
+// Returns Pr = 2 S_lm S_lm, S = ½(∇u + ∇uᵀ). In the plane this is 2[(∂u/∂x)² + (∂v/∂y)²] + (∂u/∂y + ∂v/∂x)².
 template <int dim>
 double production(const Tensor<dim>& velocity_gradient) {
   const Tensor<dim> strain_rate = 0.5 * (velocity_gradient + velocity_gradient.transpose());
@@ -106,7 +106,7 @@ SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<c
   return fields;
 }
 
-// F_sps = ∇·τ, τ_lm = 2 ν_t S_lm − (2/3) k δ_lm (F3).
+// Computes ∇·τ, τ_lm = 2 ν_t S_lm − (2/3) k δ_lm (F3).
 template <int dim>
 Vectors<dim> sps_acceleration(const Vectors<dim>& position, std::span<const Tensor<dim>> velocity_gradient,
                               const SpsFields& fields, const Neighbours& rows,

@@ -6,9 +6,9 @@
 
 namespace strake::fluid {
 
-/// ν∇²u [m/s²] with the Laplacian of fluid/THEORY.md (F18). kinematic_viscosity: ν [m²/s].
-/// Summed over all rows that take part it vanishes, so the value at a body's row times its mass is the
-/// reaction on it.
+/// Computes ν∇²u [m/s²] with the Laplacian of fluid/THEORY.md (F18). kinematic_viscosity: ν [m²/s]. The sum
+/// over all rows of the mask vanishes. So the value at a body's layer particle times its mass is the reaction
+/// on it.
 template <int dim>
 Vectors<dim> viscous_acceleration(const Vectors<dim>& velocity, const Neighbours& rows,
                                   const LatticeConstants& laplacian_lattice, double kinematic_viscosity,

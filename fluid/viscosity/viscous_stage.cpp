@@ -13,20 +13,21 @@
 namespace strake::fluid {
 namespace {
 
-/// Whether the pressure gradient gives up exact momentum for accuracy; then the stresses do as well.
+/// Whether the pressure gradient is exact for linear fields, and momentum is not. The stresses then have that
+/// form too.
 bool consistent(const Scheme& scheme) {
   return scheme.gradient == Gradient::corrected || scheme.gradient == Gradient::least_squares;
 }
 
 using std::size_t;
 
-/// Smallest determinant and condition of a neighbourhood that has a gradient. The lattice's corner has 0.25
-/// in the plane and 0.04 in space.
+/// Limits of a neighbourhood that has a gradient: smallest determinant and largest condition. The lattice's
+/// corner has the determinant 0.25 in the plane and 0.04 in space.
 template <int dim>
 constexpr double smallest_determinant = dim == 2 ? 0.05 : 0.01;
 constexpr double largest_condition = 20;
 
-/// body(j, 1/r, w) of the pairs within the radius.
+/// Calls body(j, 1/r, w) for the pairs within the radius.
 template <class Body>
 inline void each_pair(std::span<const std::int32_t> columns, const InverseRow& inverses, double radius,
                       Body&& body) {
@@ -34,7 +35,8 @@ inline void each_pair(std::span<const std::int32_t> columns, const InverseRow& i
     if (const double w = radius * inverses[e] - 1; w > 0) body(columns[e], inverses[e], w);
 }
 
-/// Of {r, u} of a pair, in space {r, 0, u, 0}: all of it twice, and r in every place.
+/// Rearranges the lanes {r, u} of a pair, in space {r, 0, u, 0}. `twice` repeats all of them; `arms` has r in
+/// every place.
 inline Double8 twice(const Double4& d) {
   return __builtin_shufflevector(d, d, 0, 1, 2, 3, 0, 1, 2, 3);
 }
@@ -45,8 +47,8 @@ inline Double8 arms(const Double8& d) {
   return __builtin_shufflevector(d, d, 0, 1, 2, 3, 0, 1, 2, 3);
 }
 
-/// Whether λ_max/λ_min ≤ c. In the plane (λ1 + λ2)²/(λ1 λ2) = c + 2 + 1/c where the condition is c; in space
-/// λ_min ≥ 4 det/tr² and λ_max ≤ tr accept what is far from the limit without its eigenvalues.
+/// Whether λ_max/λ_min ≤ c. In the plane (λ1 + λ2)²/(λ1 λ2) = c + 2 + 1/c where the condition is c. In space
+/// λ_min ≥ 4 det/tr² and λ_max ≤ tr accept tensors far from the limit without their eigenvalues.
 template <int dim>
 bool well_conditioned(const Tensor<dim>& moment, double determinant) {
   constexpr double c = largest_condition;
@@ -108,8 +110,8 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
   }
 }
 
-/// Writes place and velocity of each particle side by side; behind faces the velocity that carries the flow
-/// on.
+/// Writes place and velocity of each particle side by side. Behind faces it writes the velocity that
+/// continues the flow.
 template <int dim>
 void ViscousStage<dim>::take_samples(const ViscousFlow<dim>& flow) {
   const auto n = flow.position.cols();
@@ -132,7 +134,7 @@ void ViscousStage<dim>::take_samples(const ViscousFlow<dim>& flow) {
   }
 }
 
-// G = (d/n0) Σ (u_j − u_i)⊗r_ij w/r² · C_i, C_i = [(d/n0) Σ r⊗r w/r²]⁻¹ of the same neighbours.
+// Computes G = (d/n0) Σ (u_j − u_i)⊗r_ij w/r² · C_i, C_i = [(d/n0) Σ r⊗r w/r²]⁻¹ of the same neighbours.
 template <int dim>
 void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::VectorXd& k) {
   take_samples(flow);
@@ -195,7 +197,7 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
   }
 }
 
-// ν_t by the model from its energy, τ = (ν + ν_t)(G + Gᵀ) − (2/3) k I.
+// Computes ν_t by the model from its energy, and τ = (ν + ν_t)(G + Gᵀ) − (2/3) k I.
 template <int dim>
 void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energy, double production,
                               const ViscousFlow<dim>& flow) {
@@ -216,7 +218,7 @@ void ViscousStage<dim>::close(std::int64_t i, const Tensor<dim>& g, double energ
   stress_[static_cast<size_t>(i)] = stress;
 }
 
-// The k model: k is advanced with the ν_t of the old k; then ν_t and the stress follow from the new one.
+// Advances k of the k model with the ν_t of the old k. Then ν_t and the stress follow from the new k.
 template <int dim>
 void ViscousStage<dim>::transport(const ViscousFlow<dim>& flow, const LatticeConstants& lattice, double dt,
                                   Eigen::VectorXd& k) {
@@ -248,7 +250,8 @@ void ViscousStage<dim>::gather_force(bool corrected, const ViscousFlow<dim>& flo
   }
 }
 
-// Products with the rows of τ_j and G_j, lane by lane; the own τ_i and G_i meet the sum of the arms.
+// Computes the sum of f_ij over the neighbours of water particle i. τ_j and G_j are multiplied with the arms,
+// lane by lane. The particle's own τ_i and G_i are multiplied once, with the sum of the arms.
 template <int dim>
 template <bool corrected>
 Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<dim>& flow) const {
@@ -311,7 +314,8 @@ Vector<dim> ViscousStage<dim>::force_on_water(std::int64_t i, const ViscousFlow<
   return force;
 }
 
-// f of water i by row j. A corrected sum has no (τ_j − τ_i), and reads the flow that a smooth wall mirrors.
+// Returns f of water particle i by layer particle j. A corrected sum has no (τ_j − τ_i), and reads the flow
+// that a smooth wall mirrors.
 template <int dim>
 template <bool corrected>
 Vector<dim> ViscousStage<dim>::pair_with_layer(std::int64_t i, std::int64_t j, double w, double inverse,
@@ -347,13 +351,13 @@ Vector<dim> ViscousStage<dim>::force_on_layer(std::int64_t j, const ViscousFlow<
   return force;
 }
 
-// Operator by operator, the walls' own velocity at their rows.
+// Computes the paper's form operator by operator, with the walls' own velocity at their layers.
 template <int dim>
 void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow<dim>& flow, double dt,
                                  Eigen::VectorXd& k) {
   const Scheme& scheme = parameters.scheme;
   const double l0 = parameters.spacing, nu = parameters.kinematic_viscosity;
-  // Smooth walls: their terms are dropped (fluid/THEORY.md, section 2).
+  // Terms of smooth walls are left out (fluid/THEORY.md, section 2).
   seen_.assign(static_cast<size_t>(flow.position.cols()), 1);
   for (std::int64_t i = flow.walls.first; i < flow.position.cols(); ++i)
     if (flow.dry(i) || flow.walls.slip[static_cast<size_t>(i - flow.walls.first)])

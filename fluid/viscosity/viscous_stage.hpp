@@ -22,26 +22,28 @@ namespace strake::fluid {
 /// density τ_i = (ν + ν_t)_i (G_i + G_iᵀ) − (2/3) k_i I and ν̄ = ν + (ν_t,i + ν_t,j)/2,
 ///   f_ij = (d/n0) (τ_i + τ_j)·r_ij w/r² + (2d/(n0 λ)) ν̄ (u_j − u_i − ½ (G_i + G_j) r_ij) w ,
 ///   a_i = Σ_j f_ij .
-/// The first part is the stress through the pair; alone it does not see a velocity that alternates from
-/// particle to particle. The second is the compact Laplacian of what G misses: nothing in a linear or
-/// quadratic flow, all of it for the alternating one.
+/// The first part is the stress through the pair. Alone it does not see a velocity that alternates from
+/// particle to particle. The second is the compact Laplacian of what G leaves out: zero in a linear or
+/// quadratic flow, all of the alternating one.
 ///
-/// f is antisymmetric, so linear momentum is exact. A rigid rotation has no force. This holds at a free
+/// f is antisymmetric, so linear momentum is exact. A rigid rotation has no force. This is so at a free
 /// surface too, where missing neighbours mean that no stress acts; ∇u·n = 0 of the Laplacian alone would
 /// brake it. A pair of water i and layer particle j reads G_i, ν_i, k_i for both, and the velocity that
-/// continues the flow behind the face. A smooth face takes only the force along its normal.
+/// continues the flow behind the face. A smooth face feels only the force along its normal.
 ///
-/// With the corrected pressure gradient, which gives up exact momentum for accuracy, water inside sums
-/// (τ_j − τ_i)·C_i r_ij instead: a uniform stress has no force however the particles lie.
+/// With the least-squares and the corrected pressure gradient water inside sums (τ_j − τ_i)·C_i r_ij instead.
+/// A uniform stress then has no force however the particles lie, and momentum is no longer exact.
 ///
-/// `stress_pair` and `laplacian` are the forms of the paper's time, see turbulence.hpp.
+/// `stress_pair` is the form of the paper's time: `viscous_acceleration` for ν and `sps_acceleration` for the
+/// model.
 template <int dim>
 class ViscousStage {
  public:
-  /// k: the energy at the start of the step, advanced by dt with the k model, else overwritten [m²/s²].
+  /// Computes `acceleration`. k: the energy at the start of the step [m²/s²], advanced by dt with the k
+  /// model, else overwritten.
   void compute(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
 
-  /// Swaps in memory that its owners do not need during `compute`, and out again afterwards.
+  /// Exchanges memory that its owners do not need during `compute`. A second call gives it back.
   void exchange(std::vector<Tensor<dim>>& tensors, SharedMemory& one, SharedMemory& other) {
     correction_.swap(tensors);
     stresses_.swap(one);
@@ -54,7 +56,8 @@ class ViscousStage {
   Vectors<dim> acceleration;  // [m/s²]
 
  private:
-  /// Data of a neighbour, side by side in memory: place and velocity; the rows of τ, then those of G.
+  /// Data of a neighbour are side by side in memory: place and velocity in a Sample. A Stress has the rows of
+  /// τ, then those of G.
   using Sample = std::conditional_t<dim == 2, Four, Eight>;
   static constexpr int width = dim == 2 ? 2 : 4, parts = dim * width / 4;
   struct Stress {

@@ -76,7 +76,8 @@ void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
       const double w = radius * inverses[e] - 1;
       if (w <= 0) continue;
       const Vector<dim> r = flow.periodic.separation(at, flow.position.col(columns[e]));
-      // Water that was put back onto the face has no height to compute a slope from: half the depth is used.
+      // Water that was put back onto the face has no height from which a slope follows. Half the depth is
+      // used.
       const double d = std::max(0.5 * walls.depth[k], r.dot(normal) - walls.depth[k]);
       const Vector<dim> u = flow.velocity.col(columns[e]) - face;
       rise += w * d * u;
