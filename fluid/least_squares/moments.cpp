@@ -91,10 +91,9 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
       walls_(boundary, state, p.spacing),
       sound_(p.sound_depth, p.spacing) {
   const std::int64_t water = boundary.water();
-  constexpr double gap = 0.01;  // that a packed lattice between slopes may leave
-  full_ =
-      boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
-      static_cast<double>(water) * std::pow(p.spacing, dim) > (1 - gap) * boundary.tank().shape().volume();
+  full_ = boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
+          static_cast<double>(water) * std::pow(p.spacing, dim) >
+              (1 - least_squares_constants().gap) * boundary.tank().shape().volume();
   const auto count = static_cast<std::size_t>(water);
   moments_.b_inverse.resize(count);
   moments_.a_inverse.resize(count);

@@ -44,8 +44,8 @@ class Run:
         return math.nan if value is None else value
 
 
-def run(bin_dir, case, sets=()):
-    """Runs a case, a path or the text of one, and returns its Run."""
+def run(bin_dir, case, sets=(), environment=None):
+    """Runs a case, a path or the text of one, and returns its Run; the environment is this program's own by default."""
     with tempfile.TemporaryDirectory() as place:
         path = case if isinstance(case, pathlib.Path) else pathlib.Path(place) / "benchmark.toml"
         if path is not case:
@@ -56,7 +56,7 @@ def run(bin_dir, case, sets=()):
         words = [str(program), "run", str(path), "--quiet"]
         for pair in sets:
             words += ["--set", pair]
-        done = subprocess.run(words, cwd=place, stdout=subprocess.DEVNULL, env={**ENVIRONMENT, **os.environ})
+        done = subprocess.run(words, cwd=place, stdout=subprocess.DEVNULL, env={**ENVIRONMENT, **(environment or os.environ)})
         if done.returncode != 0:
             raise SystemExit(f"{' '.join(words[1:])}: ended with exit code {done.returncode}, its own message is above")
         return Run(pathlib.Path(place) / "runs" / path.stem)
