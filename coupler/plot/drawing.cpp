@@ -17,7 +17,7 @@ const Colour grey = {0.55, 0.58, 0.62}, dark = {0.11, 0.13, 0.16}, pale = {0.88,
              plain_water = {0.36, 0.55, 0.75}, plain_solid = {0.35, 0.37, 0.40};
 
 /// Metres to pixels.
-struct Frame {
+struct PlotArea {
   View view;
   double x = 0, y = 0, width = 0, height = 0, scale = 1;  // [px] of the drawn part, [px/m]
   Place operator()(const Place& p) const {
@@ -34,8 +34,8 @@ View whole(const Scene& scene) {
   return view;
 }
 
-Frame place(const View& view, const DrawingOptions& options, double below) {
-  Frame f;
+PlotArea place(const View& view, const DrawingOptions& options, double below) {
+  PlotArea f;
   f.view = view;
   f.x = left_margin;
   f.y = top_margin;
@@ -59,7 +59,7 @@ Colour colour_of(double value, const Range& range, bool solid) {
   return solid ? solid_colour(s) : water_colour(s);
 }
 
-void draw_marks(Canvas& canvas, const Frame& f, const std::vector<Mark>& marks, double spacing,
+void draw_marks(Canvas& canvas, const PlotArea& f, const std::vector<Mark>& marks, double spacing,
                 const Range& range, bool solid) {
   // Large discs are single particles. Smaller ones cover the square around each, so that the field has no
   // gaps; the smallest are squares, which cost less and look the same.
@@ -78,7 +78,7 @@ void draw_marks(Canvas& canvas, const Frame& f, const std::vector<Mark>& marks, 
   }
 }
 
-void draw_cells(Canvas& canvas, const Frame& f, const Scene& scene, const Range& range) {
+void draw_cells(Canvas& canvas, const PlotArea& f, const Scene& scene, const Range& range) {
   std::vector<Place> corner;
   for (const Patch& patch : scene.cells) {
     corner.clear();
@@ -88,7 +88,7 @@ void draw_cells(Canvas& canvas, const Frame& f, const Scene& scene, const Range&
   }
 }
 
-void draw_axes(Canvas& canvas, const Frame& f) {
+void draw_axes(Canvas& canvas, const PlotArea& f) {
   canvas.path(
       {{f.x, f.y}, {f.x + f.width, f.y}, {f.x + f.width, f.y + f.height}, {f.x, f.y + f.height}, {f.x, f.y}},
       {.colour = grey});
@@ -189,7 +189,7 @@ std::string draw(const Scene& scene, const DrawingOptions& options, Canvas::Kind
 
   const double below = axis_height + (water_bar || solid_bar ? bar_height : 0);
   const View view = options.view ? *options.view : whole(scene);
-  const Frame f = place(view, options, below);
+  const PlotArea f = place(view, options, below);
   // Even, as films want it.
   const int height = options.height > 0
                          ? options.height
