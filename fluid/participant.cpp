@@ -4,6 +4,7 @@
 #include "fluid/diagnostics/voids.hpp"
 #include "fluid/diagnostics/volume.hpp"
 #include "fluid/geometry/tank_shape.hpp"
+#include "fluid/level_face.hpp"
 #include "fluid/particles/state_archive.hpp"
 #include "proto/error.hpp"
 #include "proto/peak_memory.hpp"
@@ -46,6 +47,21 @@ Points initial_velocity(const Setup& setup) {
   return velocity ? Points(velocity->value) : Points::Zero(3, setup.partner_mesh.position.cols());
 }
 
+/// A level face of five spacings or more, met with steps that do not resolve sound: a line that says so; else
+/// nothing.
+std::vector<std::string> level_face_lines(const Parameters& p, const InterfaceMesh& body, double speed) {
+  const double width = level_face(body, p.water.max[1] - 0.5 * p.spacing);
+  constexpr double spacings = 5, steps_per_spacing = 5;
+  const double step = p.spacing / (steps_per_spacing * p.sound_speed);
+  if (p.submerged || !(speed > 0) || !std::isfinite(p.sound_speed) || p.scheme.time_step <= step ||
+      !(width >= std::pow(spacings * p.spacing, p.dimension - 1)))
+    return {};
+  return {
+      fmt::format("a level face of {:.3g} {} over the water: its first pressure, rho c V, needs "
+                  "fluid.scheme.time_step = {:.1g}",
+                  width, p.dimension == 2 ? "m" : "m^2", step)};
+}
+
 template <int dim>
 Points in_space(const Vectors<dim>& value) {
   Points points = Points::Zero(3, value.cols());
@@ -75,6 +91,8 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
                                                                         : ProbeRecord{});
   check_sensors();
   description_.lines = describe(parameters_, common, speed_, body_length_);
+  for (std::string& line : level_face_lines(parameters_, setup.partner_mesh, entry_speed_))
+    description_.lines.push_back(std::move(line));
   description_.columns = columns();
   if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
   force_ = Points::Zero(3, mesh().position.cols());

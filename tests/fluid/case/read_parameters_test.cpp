@@ -88,6 +88,17 @@ TEST(FluidKeys, the_paper_preset_is_the_papers_scheme) {
   EXPECT_EQ(p.scheme.turbulence, Turbulence::statics);
 }
 
+TEST(FluidKeys, steps_that_resolve_sound_are_for_bodies_that_may_fall_level) {
+  for (const std::string shape :
+       {"wedge.deadrise=30", "cylinder.radius=0.1", "sphere.radius=0.1", "mesh=a.msh"})
+    EXPECT_TRUE(std::isinf(read_with({"structure." + shape}).scheme.time_step)) << shape;
+  EXPECT_TRUE(std::isinf(read_with({"structure.solver=none"}).scheme.time_step));
+  for (const std::string body : {"plate.length=0.4", "solver=./own_program", "solver=replay"})
+    EXPECT_EQ(read_with({"structure." + body}).scheme.time_step, 2e-6) << body;
+  EXPECT_EQ(read_with({"structure.wedge.deadrise=30", "preset=paper"}).scheme.time_step, 2e-6);
+  EXPECT_EQ(read_with({"structure.wedge.deadrise=30", "fluid.scheme.time_step=2e-6"}).scheme.time_step, 2e-6);
+}
+
 TEST(FluidKeys, incompressible_water_takes_a_window_in_one_step) {
   EXPECT_EQ(read_with({"fluid.sound_speed=inf"}).scheme.time_step, 1e-5);
   EXPECT_EQ(read_with({"fluid.sound_speed=inf", "coupling.surface.window=1e-4"}).scheme.time_step, 1e-4);
