@@ -39,7 +39,7 @@ std::set<pid_t>& owned() {
   return pids;
 }
 
-constexpr milliseconds beat{5};  // between two tests of a process that is about to end
+constexpr milliseconds end_beat{5};  // between two tests of a process that is about to end
 
 /// The variable that every program started here has in its environment, and so has what it starts in turn.
 constexpr const char* started_by = "STRAKE_STARTED_BY";
@@ -283,7 +283,7 @@ std::optional<Exit> Child::exit() {
 
 std::optional<Exit> Child::wait(milliseconds limit) {
   const auto end = steady_clock::now() + limit;
-  while (!exit() && steady_clock::now() < end) std::this_thread::sleep_for(beat);
+  while (!exit() && steady_clock::now() < end) std::this_thread::sleep_for(end_beat);
   return exit_;
 }
 
@@ -315,7 +315,7 @@ void end_orphans() {
       any = true;
       kill(pid, SIGKILL);
       const auto end = steady_clock::now() + milliseconds(500);
-      while (!reap(pid) && steady_clock::now() < end) std::this_thread::sleep_for(beat);
+      while (!reap(pid) && steady_clock::now() < end) std::this_thread::sleep_for(end_beat);
     }
     if (!any) return;
   }
@@ -340,7 +340,7 @@ Captured capture(const std::filesystem::path& program, const std::vector<std::st
 
   const auto give_up = [&](ExitCode code, const std::string& problem) {
     kill(-pid, SIGKILL);
-    while (!reap(pid)) std::this_thread::sleep_for(beat);
+    while (!reap(pid)) std::this_thread::sleep_for(end_beat);
     owned().erase(pid);
     std::string words;
     for (const std::string& a : arguments) words += " " + a;
@@ -354,7 +354,7 @@ Captured capture(const std::filesystem::path& program, const std::vector<std::st
   while (open || !exit) {
     std::array<pollfd, 2> waits{
         {{ours[0].get(), POLLIN, 0}, {ours[1].get(), POLLIN, 0}}};  // poll skips closed ones
-    if (poll(waits.data(), waits.size(), open ? 50 : static_cast<int>(beat.count())) > 0)
+    if (poll(waits.data(), waits.size(), open ? 50 : static_cast<int>(end_beat.count())) > 0)
       for (std::size_t i = 0; i < 2; ++i) {
         if (waits[i].revents == 0) continue;
         std::array<char, 65536> buffer;

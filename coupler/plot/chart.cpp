@@ -21,7 +21,7 @@ using report::ReferenceLine;
 using report::Series;
 using report::usable;
 
-constexpr double small = 13, large = 16;                  // [px] letters
+constexpr double small_letters = 13, large_letters = 16;  // [px] letters
 constexpr double edge = 18, title_height = 34, row = 22;  // [px]
 constexpr double below = 46;                              // [px] of a box, for numbers and name of the x axis
 constexpr double sample_width = 28;                       // [px] of a line in the legend
@@ -96,15 +96,15 @@ void draw_axes(Sheet& sheet, const Axes& axes, const Box& box, int wanted) {
   for (const auto& [value, text] : axes.x.ticks(wanted)) {
     const double at = axes.x(value);
     sheet.path({{at, box.top}, {at, box.bottom}}, grid);
-    sheet.text(at, box.bottom + 18, text, small, Align::centre);
+    sheet.text(at, box.bottom + 18, text, small_letters, Align::centre);
   }
   for (const auto& [value, text] : axes.y.ticks(6)) {
     const double at = axes.y(value);
     sheet.path({{box.left, at}, {box.right, at}}, grid);
-    sheet.text(box.left - 6, at + 4.5, text, small, Align::right);
+    sheet.text(box.left - 6, at + 4.5, text, small_letters, Align::right);
   }
   sheet.path({{box.left, box.top}, {box.left, box.bottom}, {box.right, box.bottom}}, axis);
-  sheet.text(0.5 * (box.left + box.right), box.bottom + 38, axes.x.name, small, Align::centre);
+  sheet.text(0.5 * (box.left + box.right), box.bottom + 38, axes.x.name, small_letters, Align::centre);
 }
 
 void draw_series(Sheet& sheet, const Series& series, const Axes& axes, bool logarithmic) {
@@ -130,7 +130,8 @@ void draw_series(Sheet& sheet, const Series& series, const Axes& axes, bool loga
 void draw_plot(Sheet& sheet, const Plot& plot, Box box) {
   Axes axes = *axes_of(plot, box);
   double widest = 0;
-  for (const auto& [value, text] : axes.y.ticks(6)) widest = std::max(widest, sheet.text_width(text, small));
+  for (const auto& [value, text] : axes.y.ticks(6))
+    widest = std::max(widest, sheet.text_width(text, small_letters));
   const double begin = box.left;
   box.left = axes.x.from = begin + std::max(58.0, 31 + widest);
   const auto from = [&](const ReferenceLine& line) {
@@ -151,7 +152,7 @@ void draw_plot(Sheet& sheet, const Plot& plot, Box box) {
           band);
   if (bands) sheet.unclip();
   draw_axes(sheet, axes, box, static_cast<int>(4 + (box.right - begin) / 190));
-  sheet.text(begin + 15, 0.5 * (box.top + box.bottom), axes.y.name, small, Align::upwards);
+  sheet.text(begin + 15, 0.5 * (box.top + box.bottom), axes.y.name, small_letters, Align::upwards);
   clip();
   for (const ReferenceLine& line : plot.references)
     if (usable(line.value, plot.logarithmic))
@@ -169,14 +170,14 @@ double draw_legend(Sheet& sheet, const Plot& plot, double y, double width) {
   double x = 0;
   int rows = 1;
   for (const Entry& entry : entries_of(plot)) {
-    const double own = sample_width + 6 + sheet.text_width(entry.text, small) + 30;
+    const double own = sample_width + 6 + sheet.text_width(entry.text, small_letters) + 30;
     if (x > 0 && x + own > width) {
       x = 0;
       ++rows;
     }
     const double base = y + row * (rows - 1);
     draw_sample(sheet, entry, edge + x, base - 4);
-    sheet.text(edge + x + sample_width + 6, base, entry.text, small);
+    sheet.text(edge + x + sample_width + 6, base, entry.text, small_letters);
     x += own;
   }
   return row * rows;
@@ -192,7 +193,7 @@ std::string chart(const std::vector<Plot>& plots, const ChartOptions& options, C
   Canvas canvas(kind, options.width, options.height_of_plot * static_cast<int>(shown.size()), options.ratio);
   double y = 0;
   for (const Plot* plot : shown) {
-    canvas.text(edge, y + 22, plot->title, large, Align::left, true);
+    canvas.text(edge, y + 22, plot->title, large_letters, Align::left, true);
     const double top = y + title_height;
     const double legend = draw_legend(canvas, *plot, top + 12, options.width - 2 * edge);
     draw_plot(canvas, *plot,

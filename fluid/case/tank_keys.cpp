@@ -38,7 +38,7 @@ void read_shape(CaseTable& t, Parameters& p) {
 }
 
 /// Reads fluid.water, fluid.water_polygon, and any number of [[fluid.more_water]].
-void read_water(CaseTable& t, Parameters& p) {
+void read_water_shapes(CaseTable& t, Parameters& p) {
   const bool has_more = t.has("more_water");
   Shape polygon;
   t.points("water_polygon", polygon, {.unit = "m", .help = "2-D, in place of water: its corners"});
@@ -157,7 +157,7 @@ void read_motion_keys(CaseTable t, const CommonKeys& common, Parameters& p) {
 void read_tank(CaseTable t, const CommonKeys& common, Parameters& p) {
   p.end_time = common.end_time;
   read_shape(t, p);
-  read_water(t, p);
+  read_water_shapes(t, p);
   read_periodic(t, p);
   t.choice(
       "wall", p.wall, {{"free-slip", WallSlip::free_slip}, {"no-slip", WallSlip::no_slip}},

@@ -13,8 +13,6 @@
 namespace strake {
 namespace {
 
-const std::string frame_format = "strake frame 1";
-
 Error damaged(const std::filesystem::path& path, const std::string& problem) {
   return {ExitCode::case_file, path.string(), problem, "run the case again"};
 }
@@ -53,7 +51,7 @@ std::vector<FrameFile> list_frames(const std::filesystem::path& run_folder, cons
 
 std::optional<double> time_of_frame(const std::filesystem::path& path) {
   try {
-    return hdf5::Reader(path, frame_format).number("time");
+    return hdf5::Reader(path, hdf5::frame_format).number("time");
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -69,7 +67,7 @@ const FrameFile* nearest(const std::vector<FrameFile>& frames, double time) {
 }
 
 Frame read_frame(const std::filesystem::path& path) {
-  const hdf5::Reader file(path, frame_format);
+  const hdf5::Reader file(path, hdf5::frame_format);
   Frame frame;
   frame.time = file.number("time");
   const hdf5::RowMajor position = file.real("/position");

@@ -15,6 +15,9 @@
 
 namespace strake::hdf5 {
 
+/// What the attribute "format" of a frame says.
+inline const std::string frame_format = "strake frame 1";
+
 using Close = herr_t (*)(hid_t);
 
 /// Owns one HDF5 identifier.

@@ -12,7 +12,7 @@
 namespace strake {
 namespace {
 
-const std::string archive_format = "strake archive 1", frame_format = "strake frame 1";
+const std::string archive_format = "strake archive 1";
 
 /// Vectors have three components in a frame: ParaView draws no arrows for two.
 Eigen::MatrixXd padded(const Eigen::MatrixXd& value) {
@@ -159,7 +159,7 @@ void FrameSeries::write(const Frame& frame) {
     cells[i] = vertices ? static_cast<std::int64_t>(i) : frame.cells.data()[i];
 
   hdf5::Writer file;
-  file.attribute("/", "format", frame_format);
+  file.attribute("/", "format", hdf5::frame_format);
   file.attribute("/", "time", frame.time);
   file.dataset("/position", frame.position.data(), frame.position.cols(), 3);
   file.attribute("/position", "unit", std::string("m"));
@@ -198,7 +198,7 @@ void FrameSeries::truncate(double time) {
 }
 
 std::optional<FrameSeries::Entry> FrameSeries::entry_of(const std::filesystem::path& path) try {
-  const hdf5::Reader file(path, frame_format);
+  const hdf5::Reader file(path, hdf5::frame_format);
   Entry entry;
   entry.time = file.number("time");
   entry.file = "frames/" + path.filename().string();
