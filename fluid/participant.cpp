@@ -47,19 +47,20 @@ Points initial_velocity(const Setup& setup) {
   return velocity ? Points(velocity->value) : Points::Zero(3, setup.partner_mesh.position.cols());
 }
 
-/// A level face of five spacings or more, met with steps that do not resolve sound: a line that says so; else
-/// nothing.
-std::vector<std::string> level_face_lines(const Parameters& p, const InterfaceMesh& body, double speed) {
+/// A level face of five spacings or more, met in steps longer than sound takes for a spacing: a line that
+/// says so; else nothing.
+std::vector<std::string> level_face_lines(const Parameters& p, double window, const InterfaceMesh& body,
+                                          double speed) {
   const double width = level_face(body, p.water.max[1] - 0.5 * p.spacing);
-  constexpr double spacings = 5, steps_per_spacing = 5;
-  const double step = p.spacing / (steps_per_spacing * p.sound_speed);
-  if (p.submerged || !(speed > 0) || !std::isfinite(p.sound_speed) || p.scheme.time_step <= step ||
+  constexpr double spacings = 5, advised = 0.3;  // [l0]; the second is c Δt
+  const bool resolved = p.sound_speed * std::min(p.scheme.time_step, window) <= p.spacing;
+  if (!(speed > 0) || resolved || !std::isfinite(p.sound_speed) ||
       !(width >= std::pow(spacings * p.spacing, p.dimension - 1)))
     return {};
   return {
       fmt::format("a level face of {:.3g} {} over the water: its first pressure, rho c V, needs "
                   "fluid.scheme.time_step = {:.1g}",
-                  width, p.dimension == 2 ? "m" : "m^2", step)};
+                  width, p.dimension == 2 ? "m" : "m^2", advised * p.spacing / p.sound_speed)};
 }
 
 template <int dim>
@@ -91,7 +92,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
                                                                         : ProbeRecord{});
   check_sensors();
   description_.lines = describe(parameters_, common, speed_, body_length_);
-  for (std::string& line : level_face_lines(parameters_, setup.partner_mesh, entry_speed_))
+  for (std::string& line : level_face_lines(parameters_, common.window, setup.partner_mesh, entry_speed_))
     description_.lines.push_back(std::move(line));
   description_.columns = columns();
   if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);

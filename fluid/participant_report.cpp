@@ -82,9 +82,10 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.body"] = static_cast<double>(body);
   monitor["count.solid"] = static_cast<double>(solid);
   monitor["count.steps"] = static_cast<double>(steps_);
-  // With an entry speed and probes the run waits for a contact.
-  if (entry_speed_ > 0 && !measurements_.probes.empty() && measurements_.contact_time < 0)
-    monitor["count.awaiting_contact"] = 1;
+  // The run waits for the contact of a body that enters, where a sensor of pressure can detect it.
+  const std::vector<ProbeKeys>& probes = parameters_.probes;
+  const bool detects = std::any_of(probes.begin(), probes.end(), is_sensor);
+  if (entry_speed_ > 0 && detects && measurements_.contact_time < 0) monitor["count.awaiting_contact"] = 1;
   monitor["count.steps_committed"] = static_cast<double>(state.step);
   for (const char* prefix : {"count.", "check."}) {
     monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);

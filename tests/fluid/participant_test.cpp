@@ -126,6 +126,27 @@ void rewind_then_advance_again(const Case& c) {
   }
 }
 
+TEST(FluidParticipant, a_level_face_met_in_long_steps_gets_a_line) {
+  const auto says = [](const std::vector<std::string>& sets) {
+    const Case c(sets);
+    const auto lines = FluidParticipant<2>(c.parameters, c.common, entering()).description().lines;
+    return lines.back().find("a level face of 0.1 m") != std::string::npos;
+  };
+  EXPECT_TRUE(says({}));  // c Δt = 1.5 l0
+  EXPECT_FALSE(says({"fluid.scheme.time_step=5e-6"}));
+  EXPECT_FALSE(says({"fluid.sound_speed=inf"}));
+}
+
+TEST(FluidParticipant, only_a_sensor_of_pressure_waits_for_contact) {
+  const auto waits = [](const std::string& probe) {
+    const Case c({}, probe);
+    FluidParticipant<2> participant(c.parameters, c.common, entering());
+    return participant.advance(nth(0), at_speed(nth(0))).monitor.contains("count.awaiting_contact");
+  };
+  EXPECT_TRUE(waits("[0.0, 0.002]"));
+  EXPECT_FALSE(waits("[0.0, -0.05]\nquantity = \"level\""));
+}
+
 TEST(FluidParticipant, rewind_then_advance_again_is_bit_equal) {
   rewind_then_advance_again(Case());
 }
