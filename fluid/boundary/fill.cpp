@@ -132,17 +132,27 @@ bool holds(const std::vector<Eigen::Vector3d>& shape, Vector<dim> x, double spac
   return odd;
 }
 
+}  // namespace
+
+template <int dim>
+bool is_water_at(const Parameters& p, const Vector<dim>& x) {
+  if (p.water_shapes.empty()) return holds<dim>({p.water.min, p.water.max}, x, p.spacing);
+  return std::any_of(p.water_shapes.begin(), p.water_shapes.end(),
+                     [&](const auto& shape) { return holds<dim>(shape, x, p.spacing); });
+}
+
+template bool is_water_at<2>(const Parameters&, const Vector<2>&);
+template bool is_water_at<3>(const Parameters&, const Vector<3>&);
+
+namespace {
+
 /// Returns the middles of the cells between the tank's walls that are filled with water. Packing also needs
 /// the cells of the air, which are removed afterwards. A cell whose middle lies on a slanted wall is half
 /// water: every other one of each wall is filled.
 template <int dim>
 std::vector<Vector<dim>> water_places(const Parameters& p, const TankShape<dim>& tank,
                                       const WallParticles<dim>& walls) {
-  const auto shapes = water_shapes(p);
-  const auto is_water = [&](const Vector<dim>& x) {
-    return std::any_of(shapes.begin(), shapes.end(),
-                       [&](const auto& shape) { return holds<dim>(shape, x, p.spacing); });
-  };
+  const auto is_water = [&](const Vector<dim>& x) { return is_water_at<dim>(p, x); };
   const bool packed = !tank.on_lattice();
   std::array<long, 3> cells{1, 1, 1}, c{};
   for (int d = 0; d < dim; ++d)

@@ -25,6 +25,10 @@ struct BoxFault {
 /// tank, a tank too narrow to be periodic.
 std::optional<BoxFault> find_box_fault(const Parameters&);
 
+/// Whether x lies in one of the water's shapes.
+template <int dim>
+bool is_water_at(const Parameters&, const Vector<dim>& x);
+
 /// Makes the particles of water and tank at t = 0. Water stands at (i + ½) l0 in the water's shapes, clipped
 /// to the tank, and is packed against walls off the lattice (`pack`). Behind the tank's walls are one wall
 /// layer at l0/2 and `dummy_rows` layers behind it. Order: fluid, wall, dummy_wall. The pressure is 0, the

@@ -6,9 +6,11 @@
 
 namespace strake::fluid {
 
-/// Makes water and tank as `fill`, without the water that a submerged body displaces. With fluid.submerged
-/// the water inside the body's surface at the start, and within 0.25 l0 of it, is left out. On a face along
-/// the lattice this is the body's volume. In volume coupling the result is that of `fill`.
+/// Makes water and tank as `fill`, without the water that a submerged body displaces. With fluid.submerged as
+/// many particles are left out as cells fit into the body under water: those whose cells it covers most.
+/// Water that is then nearer than 0.3 l0 to a face is put there. On a face along the lattice that is the
+/// water inside. `pack_around` moves the rest to even distances. In volume coupling the result is that of
+/// `fill`.
 template <int dim>
 State<dim> fill_around(const Parameters&, const InterfaceMesh& body);
 

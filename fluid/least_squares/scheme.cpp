@@ -1,5 +1,6 @@
 #include "fluid/least_squares/scheme.hpp"
 
+#include "fluid/boundary/body_packing.hpp"
 #include "fluid/diagnostics/voids.hpp"
 #include "fluid/scheme/stage_clock.hpp"
 
@@ -28,6 +29,26 @@ double largest_displacement(const StepData<dim>& step) {
 template <int dim>
 bool LeastSquaresScheme<dim>::may_substep(const StepData<dim>& step, double dt) const {
   return p_.sound_speed * dt <= p_.spacing && !step.boundary.tank().moves();
+}
+
+template <int dim>
+void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
+  State<dim>& state = step.state;
+  const std::int64_t water = step.boundary.water();
+  start_ = {};
+  if (!water_is_packed(step.p, step.boundary)) return;
+  step.search_neighbours();
+  const std::vector<std::uint8_t> flags = state.surface;  // `measure` makes wet faces, and the surface
+  measure(step.boundary, state, *step.far, step.near_gradient());
+  state.surface = flags;
+  step.search.invalidate();
+  start_.place.resize(dim, water);
+  start_.deviation.resize(water);
+  for (std::int64_t i = 0; i < water; ++i) {
+    const auto id = state.id[static_cast<std::size_t>(i)];
+    start_.place.col(id) = step.boundary.tank().in_tank(state.position.col(i));
+    start_.deviation[id] = static_cast<float>(volume_deviation(i));
+  }
 }
 
 template <int dim>

@@ -49,6 +49,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   typename FluidScheme<dim>::SpareMemory spare_memory() override {
     return {moments_.a_inverse, velocity_.memory};
   }
+  void begin(StepData<dim>&) override;
   void measure(StepData<dim>&) override;
   void predict(StepData<dim>&) override;
   void assemble(StepData<dim>&, PressureSystem&) override;
@@ -122,6 +123,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Vectors<dim> mean_velocity;       // of the water over each face, less U [m/s]
     SingleVectors force;              // R_i of (F52) per weight of a layer particle [N]
     SingleVectors deferred_velocity;  // past the faces, left to the next steps [m/s]
+  };
+  /// The configuration at the start, where it is packed; else empty. Columns are those of State::id.
+  struct PackedStart {
+    Vectors<dim> place;         // in the tank as the case gives it [m]
+    Eigen::VectorXf deviation;  // δ
   };
   enum class Limit : std::uint8_t { none, at_surface, tension };
   /// Terms of each water particle in (F40), of the last `assemble`.
@@ -246,6 +252,13 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
                        std::int64_t i) const;
 
   // Pressure.
+  /// δ of particle i (F40): not below zero beside the surface.
+  double volume_deviation(std::int64_t i) const {
+    const double deviation = moments_.volume[i] / lattice_.volume - 1;
+    return surface_.share[i] > 0 ? std::max(deviation, 0.0) : deviation;
+  }
+  /// The part of δ that the packing at the start has left (F67).
+  double packed_deviation_of(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
   void begin_equation(const Boundary<dim>&, const State<dim>&, const Vector<dim>& gravity, double dt);
   void share_rows(const Neighbours& far, PressureSystem&) const;
   template <bool seams>
@@ -277,6 +290,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   EquationTerms equation_;
   StepNumbers now_;
   VelocityFit velocity_;
+  PackedStart start_;
   Vectors<dim> pressure_gradient_;  // of the last call [Pa/m]
 };
 

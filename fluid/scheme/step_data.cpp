@@ -1,5 +1,6 @@
 #include "fluid/scheme/step_data.hpp"
 
+#include "fluid/boundary/body_packing.hpp"
 #include "fluid/boundary/fill.hpp"
 #include "fluid/boundary/submerged.hpp"
 #include "proto/error.hpp"
@@ -31,7 +32,9 @@ StepData<dim>::StepData(const Parameters& parameters, const InterfaceMesh& partn
       boundary(p, partner, initial_velocity, state),
       search(std::max({density_lattice.radius, gradient_lattice.radius, divergence_lattice.radius,
                        laplacian_lattice.radius}),
-             skin * p.spacing, boundary.tank().periodic(), pair_data) {}
+             skin * p.spacing, boundary.tank().periodic(), pair_data) {
+  pack_around<dim>(p, boundary, state);
+}
 
 template <int dim>
 void StepData<dim>::search_neighbours() {

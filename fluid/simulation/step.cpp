@@ -1,5 +1,6 @@
 #include "fluid/simulation/step.hpp"
 
+#include "fluid/boundary/body_packing.hpp"
 #include "fluid/particles/reorder.hpp"
 #include "fluid/scheme/stage_clock.hpp"
 #include "fluid/simulation/make_scheme.hpp"
@@ -57,7 +58,8 @@ Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, c
     boundary.move(state, Points::Zero(3, m), velocity_on(boundary.mesh(), partner, initial_velocity), true);
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     state.initial_momentum += step.mass * state.velocity.col(i);
-  state.surface.assign(state.kind.size(), 1);
+  begin_at_rest<dim>(p, boundary, state);
+  scheme->begin(step);
 }
 
 /// Sets the gravity of a step, and the velocity of bodies and tank at its end. During the ramp gravity is

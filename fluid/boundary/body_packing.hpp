@@ -1,0 +1,26 @@
+#pragma once
+
+#include "fluid/boundary/boundary.hpp"
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/particles/state.hpp"
+
+namespace strake::fluid {
+
+/// Whether `pack_around` packs the water: a body stands in it at the start, with faces.
+template <int dim>
+bool water_is_packed(const Parameters&, const Boundary<dim>&);
+
+/// Moves the water that stands on a body at the start to even distances, without a gap (fluid/THEORY.md,
+/// section 10.1). Places within 6 l0 of the body move by
+///   δr_i = −A l0² ∇C_i, ∇C_i = (d/n0) Σ w r/r²
+/// over water and layers, until the largest move is below 0.1 % of l0 (at most 200 rounds). The lattice
+/// beyond does not move. The water's level is a mirror, and the first row under it moves along it alone.
+template <int dim>
+void pack_around(const Parameters&, Boundary<dim>&, State<dim>&);
+
+/// Makes all particles surface and all faces dry, as at the start of a run. Where water stands on a body, its
+/// faces count as wet before, and the pressure is ρg times the depth.
+template <int dim>
+void begin_at_rest(const Parameters&, const Boundary<dim>&, State<dim>&);
+
+}  // namespace strake::fluid
