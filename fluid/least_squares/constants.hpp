@@ -22,6 +22,7 @@ struct LeastSquaresConstants {
   double largest_depth = 2.0;   // [l0] largest depth D. Chosen
   double edge = 0.25;           // [W_1] missing weight that makes an edge, where D ≥ first_row. Chosen
   double shown_depth = 1.0;     // [l0] a particle less deep than this is shown as surface. Chosen
+  double inner_depth = 2;       // [l0] depth from which packed water has no surface at the start. Derived
   double gap = 0.01;            // [-] of a full tank's volume, that a packed lattice may leave. Chosen
 
   // Faces (F34)–(F36).

@@ -131,6 +131,45 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
   }
 }
 
+// Layers behind a curved face are closer together than a lattice, and packed water is not as even as one.
+// What this makes of δ and of m is no error of volume and no surface: it would drive currents in water at
+// rest.
+template <int dim>
+void LeastSquaresScheme<dim>::note_start(const Boundary<dim>& boundary, const State<dim>& state,
+                                         const Neighbours& far) {
+  const std::int64_t water = boundary.water();
+  start_.place.resize(dim, water);
+  start_.deviation.resize(water);
+  start_.opening.setZero(dim, water);
+  for (std::int64_t i = 0; i < water; ++i) {
+    const auto id = state.id[static_cast<std::size_t>(i)];
+    const Vector<dim> x = state.position.col(i);
+    start_.place.col(id) = boundary.tank().in_tank(x);
+    start_.deviation[id] = static_cast<float>(volume_deviation(i));
+    if (depth_of(boundary, x) < least_squares_constants().inner_depth * p_.spacing) continue;
+    start_.deviation[id] = static_cast<float>(moments_.volume[i] / lattice_.volume - 1);
+    const auto columns = far.row(i);
+    const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+    Vector<dim> opening = Vector<dim>::Zero();
+    for (std::size_t e = 0; e < columns.size(); ++e) {
+      if (columns[e] >= water && !walls_.wet(columns[e])) continue;
+      const double w = laplacian_.radius * far.inverse_of(first + static_cast<std::int64_t>(e)) - 1;
+      opening += w * boundary.tank().periodic().separation(x, state.position.col(columns[e]));
+    }
+    start_.opening.col(id) = opening.template cast<float>();
+  }
+}
+
+template <int dim>
+double LeastSquaresScheme<dim>::start_share(const Boundary<dim>& boundary, const State<dim>& state,
+                                            std::int64_t i) const {
+  if (start_.deviation.size() == 0) return 0;
+  const Vector<dim> moved =
+      boundary.tank().periodic().separation(start_.place.col(state.id[static_cast<std::size_t>(i)]),
+                                            boundary.tank().in_tank(state.position.col(i)));
+  return std::max(0.0, 1 - moved.norm() / p_.spacing);
+}
+
 /// Sums of particle i over the water, eight pairs at a time.
 template <int dim>
 template <bool seams, bool shares>
@@ -311,6 +350,8 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
   moments_.diagonal[i] = sums.diagonal;
   moments_.volume[i] = static_cast<float>(sums.volume);
 
+  if (const double started = start_share(boundary, state, i); started > 0)
+    sums.m -= started * start_.opening.col(state.id[k]).template cast<double>();
   const double least_moment = tuned.surface_begins * lattice_.second_moment;
   if (!full_ &&
       (sums.m.squaredNorm() > least_moment * least_moment || sums.weights < lattice_.first_weights)) {
@@ -333,6 +374,10 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
 #define STRAKE_INSTANTIATE(dim)                                                                        \
   template LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters&, const Boundary<dim>&,        \
                                                        const State<dim>&);                             \
+  template void LeastSquaresScheme<dim>::note_start(const Boundary<dim>&, const State<dim>&,           \
+                                                    const Neighbours&);                                \
+  template double LeastSquaresScheme<dim>::start_share(const Boundary<dim>&, const State<dim>&,        \
+                                                       std::int64_t) const;                            \
   template void LeastSquaresScheme<dim>::measure(const Boundary<dim>&, State<dim>&, const Neighbours&, \
                                                  const Neighbours&);
 STRAKE_INSTANTIATE(2)

@@ -72,7 +72,8 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const Stat
     }
     const double absorption = sound * wall.absorption + sheet;  // Y_i
     double deviation = volume_deviation(i);
-    if (start_.deviation.size() > 0) deviation -= packed_deviation_of(boundary, state, i);
+    if (const double started = start_share(boundary, state, i); started > 0)
+      deviation -= started * start_.deviation[state.id[static_cast<std::size_t>(i)]];
     const double share = surface_.share[i];
     if (std::isfinite(c)) deviation -= sound * p_measured[i] / (rho * c * c);
     const double own = local + absorption;
@@ -98,18 +99,6 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const Stat
       system.right[i] = 0;
     }
   }
-}
-
-/// Computes δ_0 max(0, 1 − |x − x_0|/l0), x_0 the particle's place at the start (F67). Layers behind a curved
-/// face are closer together than a lattice, and packed water is not as even as one. That part of δ is no
-/// error of volume. It would drive currents in water at rest.
-template <int dim>
-double LeastSquaresScheme<dim>::packed_deviation_of(const Boundary<dim>& boundary, const State<dim>& state,
-                                                    std::int64_t i) const {
-  const auto id = state.id[static_cast<std::size_t>(i)];
-  const Vector<dim> from_start = boundary.tank().periodic().separation(
-      start_.place.col(id), boundary.tank().in_tank(state.position.col(i)));
-  return start_.deviation[id] * std::max(0.0, 1 - from_start.norm() / p_.spacing);
 }
 
 template <int dim>

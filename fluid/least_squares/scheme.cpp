@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 // Each stage of a step calls the functions of the scheme in order.
 
@@ -33,21 +35,30 @@ bool LeastSquaresScheme<dim>::may_substep(const StepData<dim>& step, double dt) 
 
 template <int dim>
 void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
-  State<dim>& state = step.state;
-  const std::int64_t water = step.boundary.water();
   start_ = {};
   if (!water_is_packed(step.p, step.boundary)) return;
   step.search_neighbours();
-  const std::vector<std::uint8_t> flags = state.surface;  // `measure` makes wet faces, and the surface
-  measure(step.boundary, state, *step.far, step.near_gradient());
-  state.surface = flags;
+  const std::vector<std::uint8_t> flags = step.state.surface;  // `measure` makes faces wet, and the surface
+  measure(step.boundary, step.state, *step.far, step.near_gradient());
+  note_start(step.boundary, step.state, *step.far);
+  step.state.surface = flags;
   step.search.invalidate();
-  start_.place.resize(dim, water);
-  start_.deviation.resize(water);
-  for (std::int64_t i = 0; i < water; ++i) {
-    const auto id = state.id[static_cast<std::size_t>(i)];
-    start_.place.col(id) = step.boundary.tank().in_tank(state.position.col(i));
-    start_.deviation[id] = static_cast<float>(volume_deviation(i));
+  if (getenv("PK")) {
+    const auto& body = step.boundary.body_surface();
+    int n = 0;
+    for (std::int64_t i = 0; i < step.boundary.water(); ++i) {
+      const Vector<dim> x = step.state.position.col(i);
+      if (surface_.share[i] > 0 && p_.water.max[1] - x[1] > 2 * p_.spacing) {
+        ++n;
+        fprintf(stderr, "share %g at %g %g height %g\n", surface_.share[i], x[0], x[1],
+                body.nearest(x).distance / p_.spacing);
+      }
+    }
+    for (std::int64_t j = step.boundary.first_of_bodies(); j < step.state.position.cols(); ++j)
+      if (step.boundary.master_of(j) < 0 && !walls_.wet(j))
+        fprintf(stderr, "dry face at %g %g\n", body.point(step.boundary.point_of(j))[0],
+                body.point(step.boundary.point_of(j))[1]);
+    fprintf(stderr, "start: shares %d\n", n);
   }
 }
 

@@ -127,7 +127,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// The configuration at the start, where it is packed; else empty. Columns are those of State::id.
   struct PackedStart {
     Vectors<dim> place;         // in the tank as the case gives it [m]
-    Eigen::VectorXf deviation;  // δ
+    Eigen::VectorXf deviation;  // δ of (F40)
+    SingleVectors opening;      // m of (F37) under the level, else 0 [m]
   };
   enum class Limit : std::uint8_t { none, at_surface, tension };
   /// Terms of each water particle in (F40), of the last `assemble`.
@@ -177,6 +178,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   double fit_surface(std::int64_t i, const ParticleSums&);
   template <bool seams, bool shares>
   void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
+  /// Notes `start_` at the present configuration, of the last `measure`.
+  void note_start(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
+  /// Returns the part of `start_` that still counts: 1 at the particle's place at the start, 0 a spacing from
+  /// it, and 0 where the start is not packed (F67).
+  double start_share(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
   void cover_layers(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   /// Whether the rows of far are those of the matrix; else Moments::entry has them.
   bool shares_entries(const Neighbours& far) const {
@@ -257,8 +263,6 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     const double deviation = moments_.volume[i] / lattice_.volume - 1;
     return surface_.share[i] > 0 ? std::max(deviation, 0.0) : deviation;
   }
-  /// The part of δ that the packing at the start has left (F67).
-  double packed_deviation_of(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
   void begin_equation(const Boundary<dim>&, const State<dim>&, const Vector<dim>& gravity, double dt);
   void share_rows(const Neighbours& far, PressureSystem&) const;
   template <bool seams>
