@@ -163,7 +163,6 @@ void LeastSquaresScheme<dim>::note_start(const Boundary<dim>& boundary, const St
 template <int dim>
 double LeastSquaresScheme<dim>::start_share(const Boundary<dim>& boundary, const State<dim>& state,
                                             std::int64_t i) const {
-  if (start_.deviation.size() == 0) return 0;
   const Vector<dim> moved =
       boundary.tank().periodic().separation(start_.place.col(state.id[static_cast<std::size_t>(i)]),
                                             boundary.tank().in_tank(state.position.col(i)));
@@ -350,7 +349,7 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
   moments_.diagonal[i] = sums.diagonal;
   moments_.volume[i] = static_cast<float>(sums.volume);
 
-  if (const double started = start_share(boundary, state, i); started > 0)
+  if (const double started = starts_packed() ? start_share(boundary, state, i) : 0; started > 0)
     sums.m -= started * start_.opening.col(state.id[k]).template cast<double>();
   const double least_moment = tuned.surface_begins * lattice_.second_moment;
   if (!full_ &&

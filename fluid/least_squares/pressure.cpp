@@ -72,7 +72,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const Stat
     }
     const double absorption = sound * wall.absorption + sheet;  // Y_i
     double deviation = volume_deviation(i);
-    if (const double started = start_share(boundary, state, i); started > 0)
+    if (const double started = starts_packed() ? start_share(boundary, state, i) : 0; started > 0)
       deviation -= started * start_.deviation[state.id[static_cast<std::size_t>(i)]];
     const double share = surface_.share[i];
     if (std::isfinite(c)) deviation -= sound * p_measured[i] / (rho * c * c);
