@@ -23,20 +23,26 @@ constexpr double strength = 0.2;  // A, as of `pack`
 constexpr double longest = 0.1;   // [l0] of one move
 constexpr double rest = 1e-3;     // [l0] largest move at which it has settled
 constexpr int most_rounds = 200;
+constexpr int tag_rounds = 10;         // after which it is asked anew what lies beside the faces
 constexpr double nearest_face = 0.25;  // [l0] water is not moved nearer to a face
-constexpr double first_row = 0.75;     // [l0] water less deep than this stays at its level
+constexpr double closest = 0.4;        // [l0] distance of two particles below which water is refused
+constexpr double dry_distance = 1;     // [l0] from a face's first row to water, above which it is dry
+constexpr double dry_stretch = 4;      // [l0] around a dry face, in which others are counted
+constexpr long most_dry_in_plane = 5, most_dry_in_space = 20;
+constexpr double first_row = 0.75;  // [l0] water less deep than this stays at its level
 
 template <int dim>
 class Packing {
  public:
   Packing(const Parameters&, Boundary<dim>&, State<dim>&);
   void even_out();
+  /// Throws Error(case_file) where the water found no place.
+  void check() const;
 
  private:
-  using Rows = const Neighbours&;
   void choose_water();
   bool beside_open_side(const Vector<dim>&) const;
-  Rows search();
+  const Neighbours& search(int round);
   double move(Vectors<dim>& by);
   double below_level(Eigen::Index i) const { return level_ - place_(1, i); }
 
@@ -48,6 +54,8 @@ class Packing {
   LatticeConstants gradient_;
   double radius_;
   std::vector<std::int32_t> global_;  // places of the state: those that move, other water, layers
+  std::vector<double> away_;          // of each that moves: from the faces, at least [m]
+  std::vector<std::uint8_t> tags_;
   Eigen::Index movers_ = 0, water_ = 0;
   Vectors<dim> place_;
   NeighbourSearch<dim> search_;
@@ -85,12 +93,12 @@ bool Packing<dim>::beside_open_side(const Vector<dim>& x) const {
 
 template <int dim>
 void Packing<dim>::choose_water() {
-  const double reach = (depth + 1) * l0_ + 2 * radius_;
+  const double reach = depth * l0_ + radius_ + l0_;
   std::vector<std::int32_t> others, layers;
   for (std::int64_t i = 0; i < boundary_.first_of_bodies(); ++i) {
     const Vector<dim> x = state_.position.col(i);
     if (((x - body_.low()).array() < -reach).any() || ((body_.high() - x).array() < -reach).any()) continue;
-    const double distance = body_.nearest(x).distance;
+    const double distance = distance_to<dim>(body_, x, reach);
     if (distance > reach) continue;
     if (i >= boundary_.water()) {
       layers.push_back(static_cast<std::int32_t>(i));
@@ -98,6 +106,7 @@ void Packing<dim>::choose_water() {
     }
     const bool moves = distance < depth * l0_ && !beside_open_side(x);
     (moves ? global_ : others).push_back(static_cast<std::int32_t>(i));
+    if (moves) away_.push_back(distance);
   }
   movers_ = std::ssize(global_);
   global_.insert(global_.end(), others.begin(), others.end());
@@ -111,30 +120,39 @@ void Packing<dim>::choose_water() {
 }
 
 template <int dim>
-const Neighbours& Packing<dim>::search() {
-  const auto all = boundary_.tags(state_);
-  std::vector<std::uint8_t> tags(global_.size());
-  for (std::size_t k = 0; k < tags.size(); ++k) tags[k] = all[static_cast<std::size_t>(global_[k])];
+const Neighbours& Packing<dim>::search(int round) {
+  if (round % tag_rounds == 0) {
+    const auto all = boundary_.tags(state_);
+    tags_.resize(global_.size());
+    for (std::size_t k = 0; k < tags_.size(); ++k) tags_[k] = all[static_cast<std::size_t>(global_[k])];
+  }
   const auto keep = [this](std::int32_t i, std::int32_t j) {
     return boundary_.keep(state_, global_[static_cast<std::size_t>(i)], global_[static_cast<std::size_t>(j)]);
   };
-  return search_.update(place_, tags, keep);
+  return search_.update(place_, tags_, keep);
 }
 
 /// Moves the water, through no face. Returns the largest move [m].
 template <int dim>
 double Packing<dim>::move(Vectors<dim>& by) {
   const double least = nearest_face * l0_;
-#pragma omp parallel for schedule(dynamic, 64)
+#pragma omp parallel for schedule(static)
   for (Eigen::Index i = 0; i < movers_; ++i) {
     if (below_level(i) < first_row * l0_) by(1, i) = 0;
     if (const double length = by.col(i).norm(); length > longest * l0_) by.col(i) *= longest * l0_ / length;
     Vector<dim> x = place_.col(i) + by.col(i);
-    const auto near = body_.nearest(x);
-    if (const bool inside = body_.inside(x); inside || near.distance < least)
-      x = near.position + least * body_.normal(near.point);
+    double& away = away_[static_cast<std::size_t>(i)];
+    away -= by.col(i).norm();
+    if (away < least) {
+      const auto near = body_.nearest(x);
+      away = near.distance;
+      if (near.distance < least || body_.inside(x)) {
+        x = near.position + least * body_.normal(near.point);
+        away = 0;  // in a narrow place another face may be nearer
+      }
+    }
     if (const auto foot = boundary_.tank().behind(x)) x = foot->position + least * foot->normal;
-    x[1] = std::min(x[1], level_ - 0.25 * l0_);
+    x[1] = std::min(x[1], level_ - least);
     by.col(i) = x - place_.col(i);
     place_.col(i) = x;
     state_.position.col(global_[static_cast<std::size_t>(i)]) = x;
@@ -147,7 +165,7 @@ void Packing<dim>::even_out() {
   const auto& periodic = boundary_.tank().periodic();
   Vectors<dim> by(dim, movers_);
   for (int round = 0; round < most_rounds; ++round) {
-    const Neighbours& near = search();
+    const Neighbours& near = search(round);
 #pragma omp parallel for schedule(static)
     for (Eigen::Index i = 0; i < movers_; ++i) {
       Vector<dim> sum = Vector<dim>::Zero();
@@ -174,6 +192,41 @@ void Packing<dim>::even_out() {
   }
 }
 
+/// Refuses a stretch of faces under water without water, and water that is pressed together. In the tip of an
+/// acute corner a few faces stay dry.
+template <int dim>
+void Packing<dim>::check() const {
+  const auto refuse = [&](const Vector<dim>& at, const char* problem) {
+    throw Error(ExitCode::case_file, "fluid.submerged",
+                fmt::format("the water {} at ({:.6g}, {:.6g}{}): a gap there is narrower than two spacings",
+                            problem, at[0], at[1], dim == 3 ? fmt::format(", {:.6g}", at[dim - 1]) : ""),
+                fmt::format("make the gap between bodies or to a wall {:.3g} m or wider, close it, or refine "
+                            "fluid.spacing",
+                            2 * l0_));
+  };
+  const auto nearest_to = [&](const Vector<dim>& x, Eigen::Index but) {
+    double square = std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; i < water_; ++i)
+      if (i != but)
+        square = std::min(square, boundary_.tank().periodic().separation(x, place_.col(i)).squaredNorm());
+    return std::sqrt(square);
+  };
+  for (Eigen::Index i = 0; i < movers_; ++i)
+    if (away_[static_cast<std::size_t>(i)] < l0_ && nearest_to(place_.col(i), i) < closest * l0_)
+      refuse(place_.col(i), "is pressed together");
+  std::vector<Vector<dim>> dry;
+  for (int k = 0; k < static_cast<int>(body_.points()); ++k) {
+    const Vector<dim> before = body_.point(k) + 0.5 * l0_ * body_.normal(k);
+    if (level_ - before[1] < l0_ || boundary_.tank().distance(before) < 0.25 * l0_) continue;
+    if (is_water_at<dim>(p_, before) && nearest_to(before, -1) > dry_distance * l0_) dry.push_back(before);
+  }
+  for (const Vector<dim>& x : dry) {
+    const auto beside = [&](const Vector<dim>& y) { return (y - x).norm() < dry_stretch * l0_; };
+    if (std::count_if(dry.begin(), dry.end(), beside) > (dim == 2 ? most_dry_in_plane : most_dry_in_space))
+      refuse(x, "does not reach the body's face");
+  }
+}
+
 }  // namespace
 
 template <int dim>
@@ -181,6 +234,7 @@ void pack_around(const Parameters& p, Boundary<dim>& boundary, State<dim>& state
   if (!water_is_packed(p, boundary)) return;
   Packing<dim> packing(p, boundary, state);
   packing.even_out();
+  packing.check();
 }
 
 template <int dim>

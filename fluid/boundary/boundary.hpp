@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -20,6 +21,17 @@ namespace strake::fluid {
 /// The wetted surface of moving bodies: a closed line in the plane, a closed surface in space.
 template <int dim>
 using BodySurface = std::conditional_t<dim == 2, BodySurface2d, BodySurface3d>;
+
+/// Returns the distance of x to a body's faces, infinity beyond `limit` [m].
+template <int dim>
+double distance_to(const BodySurface<dim>& body, const Vector<dim>& x, double limit) {
+  double distance;
+  if constexpr (dim == 2)
+    distance = body.nearest(x).distance;
+  else
+    distance = body.near(x, limit).distance;
+  return distance <= limit ? distance : std::numeric_limits<double>::infinity();
+}
 
 /// Walls, moving bodies and, in volume coupling, the structure's own particles. Order of particles: water,
 /// tank layers, then bodies.

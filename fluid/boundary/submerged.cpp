@@ -36,7 +36,7 @@ long covered_points(const BodySurface<dim>& surface, const Vector<dim>& x, doubl
   if (((x - surface.low()).array() < -spacing).any() || ((surface.high() - x).array() < -spacing).any())
     return 0;
   const double half_diagonal = 0.5 * std::sqrt(dim) * spacing;
-  if (surface.nearest(x).distance > half_diagonal) return surface.inside(x) ? all : 0;
+  if (distance_to<dim>(surface, x, half_diagonal) > half_diagonal) return surface.inside(x) ? all : 0;
   long covered = 0;
   for (long k = 0; k < all; ++k) {
     Vector<dim> at = x;
@@ -91,10 +91,10 @@ State<dim> fill_around(const Parameters& p, const InterfaceMesh& body) {
     kept.push_back(static_cast<std::int32_t>(i));
     if (state.kind[k] != Kind::fluid) continue;
     const Vector<dim> x = state.position.col(i);
+    const double least = least_distance * p.spacing;
+    if (distance_to<dim>(surface, x, least) >= least && !surface.inside(x)) continue;
     const auto foot = surface.nearest(x);
-    const bool inside = surface.inside(x);
-    if (!inside && foot.distance >= least_distance * p.spacing) continue;
-    state.position.col(i) = foot.position + least_distance * p.spacing * surface.normal(foot.point);
+    state.position.col(i) = foot.position + least * surface.normal(foot.point);
   }
   select_particles<dim>(state, kept);
   std::iota(state.id.begin(), state.id.end(), 0);
