@@ -18,14 +18,17 @@ namespace strake::fluid {
 /// lattice has the height 0.5 l0. It stays wet until the water is 1.0 l0 away. The layers behind it follow.
 /// Dry layers do not enter any sum: water that flies towards a wall is not slowed before it is there. The
 /// flag is State::surface of the first layer (1: dry).
+///
+/// A face that the water meets obliquely takes on its velocity gradually, while contact passes it (F69). What is
+/// left is State::face_lag.
 template <int dim>
 class WallContact {
  public:
   WallContact(const Boundary<dim>&, const State<dim>&, double spacing);
 
   /// Places the faces where they are now, and marks them wet or dry from the water's places. near: rows of at
-  /// least 2 l0.
-  void update(const Boundary<dim>&, State<dim>&, const Neighbours& near);
+  /// least 2 l0. time: until the next update [s].
+  void update(const Boundary<dim>&, State<dim>&, const Neighbours& near, double time);
 
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
   /// Returns P r, the component of r along the face's normal. At an edge of the tank it is all of r across
@@ -34,6 +37,11 @@ class WallContact {
     const Vector<dim> axis = axis_.col(row - first_);
     const double along = axis.dot(r);
     return corner_[static_cast<std::size_t>(row)] ? Vector<dim>(r - along * axis) : Vector<dim>(along * axis);
+  }
+  /// Returns the velocity that the face lacks, along its normal [m/s]: zero but for faces newly met (F69).
+  Vector<dim> lag(const State<dim>& state, const Boundary<dim>& boundary, std::int64_t row) const {
+    const std::int32_t master = boundary.master_of(row);
+    return state.face_lag[master < 0 ? row : master] * normal(row);
   }
   bool corner(std::int64_t row) const { return corner_[static_cast<std::size_t>(row)] != 0; }
   /// Returns the normal of the face, into the water. Corners have none.
@@ -46,6 +54,13 @@ class WallContact {
   }
 
  private:
+  /// The water nearest to a face: its height over it [l0], and its number (−1: none).
+  struct Nearest {
+    double height;
+    std::int64_t particle;
+  };
+  Nearest nearest_water(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t row) const;
+  void join(const Boundary<dim>&, State<dim>&, const Neighbours&, std::int64_t row, const Nearest&) const;
   void place_bodies(const Boundary<dim>&, const State<dim>&);
   double spacing_;
   std::int64_t first_;  // layer particle

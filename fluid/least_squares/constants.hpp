@@ -34,6 +34,10 @@ struct LeastSquaresConstants {
   double tension_from = 3.1;        // [l0] from here on tension counts in full: the Laplacian's radius
   double largest_tension = 0.99e5;  // [Pa] atmosphere less the pressure of vapour
 
+  // Films and spray (F67).
+  double film_begins = 0.58;  // [-] ratio of B's eigenvalues below which φ > 0; a first row has 0.59. Chosen
+  double film_counts = 0.5;   // [-] the same for φ = 1. Chosen
+
   // Residual, filter and shifting (F45), (F48), (F49).
   double memory_rate = 0.2;      // [-] how fast τ_r falls, against Δt/τ_r. Chosen
   double filter_bound = 0.25;    // [-] part of δ that a step removes at most. Chosen

@@ -1,3 +1,4 @@
+#include "fluid/least_squares/film.hpp"
 #include "fluid/least_squares/scheme.hpp"
 #include "fluid/particles/pair_loop.hpp"
 
@@ -104,7 +105,7 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
     v->setZero(dim, water);
   for (Eigen::VectorXf* v :
        {&moments_.stiffness, &equation_.carried, &equation_.incompressible, &equation_.own, &moments_.volume,
-        &surface_.kappa, &surface_.slope_weight, &surface_.share})
+        &surface_.kappa, &surface_.slope_weight, &surface_.share, &film_.share})
     v->setZero(water);
   for (Eigen::VectorXd* v : {&equation_.source, &moments_.diagonal}) v->setZero(water);
   pressure_gradient_.setZero(dim, water);
@@ -114,8 +115,8 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
 
 template <int dim>
 void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
-                                      const Neighbours& near) {
-  walls_.update(boundary, state, near);
+                                      const Neighbours& near, double time) {
+  walls_.update(boundary, state, near, time);
   cover_layers(boundary, state, near);
   const std::int64_t water = boundary.water();
   const bool seams = boundary.tank().periodic().any(), shares = shares_entries(far);
@@ -129,6 +130,7 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
       seams ? fit<true, false>(boundary, state, far, near, i)
             : fit<false, false>(boundary, state, far, near, i);
   }
+  list_films();
 }
 
 // Layers behind a curved face are closer together than a lattice, and packed water is not as even as one.
@@ -343,6 +345,7 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
   sum_water<seams, shares>(boundary, state, far, i, sums);
   add_layers(boundary, state, far, near, i, sums);
   inverse_where_seen<dim>(sums.b, moments_.b_inverse[k]);
+  film_.share[i] = static_cast<float>(film_share<dim>(sums.b));
   moments_.m_projected.col(i) = sums.m_projected.template cast<float>();
   moments_.concentration.col(i) = sums.concentration.template cast<float>();
   moments_.stiffness[i] = static_cast<float>(sums.stiffness * p_.spacing * p_.spacing / gradient_.n0);
@@ -378,7 +381,7 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
   template double LeastSquaresScheme<dim>::start_share(const Boundary<dim>&, const State<dim>&,        \
                                                        std::int64_t) const;                            \
   template void LeastSquaresScheme<dim>::measure(const Boundary<dim>&, State<dim>&, const Neighbours&, \
-                                                 const Neighbours&);
+                                                 const Neighbours&, double);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -39,7 +39,7 @@ void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
   if (!water_is_packed(step.p, step.boundary)) return;
   step.search_neighbours();
   const std::vector<std::uint8_t> flags = step.state.surface;  // `measure` makes faces wet, and the surface
-  measure(step.boundary, step.state, *step.far, step.near_gradient());
+  measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
   note_start(step.boundary, step.state, *step.far);
   step.state.surface = flags;
   step.search.invalidate();
@@ -85,6 +85,7 @@ void LeastSquaresScheme<dim>::assemble(StepData<dim>& step, PressureSystem& syst
 template <int dim>
 void LeastSquaresScheme<dim>::limit_pressure(StepData<dim>& step, bool tension) {
   if (!tension) limit_tension(step.boundary, step.state, *step.far);
+  limit_film(step.state, step.near_gradient());
   limit_at_surface(step.boundary, step.state, step.near_gradient());
 }
 
@@ -113,6 +114,7 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
     if (boundary.is_removed(state, i)) continue;
     state.velocity.col(i) -= factor * pressure_gradient_.col(i);
   }
+  stop_films(boundary, state, step.near_gradient());
   measure_residual(boundary, state, *step.far, step.near_gradient(), step.dt);
 #pragma omp parallel for schedule(static) reduction(max : largest, fastest)
   for (std::int64_t i = 0; i < water; ++i) {

@@ -61,7 +61,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
 
   /// Computes the sums over neighbours at the present positions, the wet layers, and State::surface of the
   /// water. far: rows of at least the Laplacian's radius. near: rows of at least 2 l0.
-  void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near);
+  /// time: until the next call [s].
+  void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, double time);
   /// ∇u* of the water (F33), and the filter (F48). Later steps of a group repeat the filter's acceleration of
   /// its first step.
   void filter(const Boundary<dim>&, State<dim>&, const Neighbours& near, double dt,
@@ -130,6 +131,12 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Eigen::VectorXf deviation;  // δ of (F40)
     SingleVectors opening;      // m of (F37) under the level, else 0 [m]
   };
+  /// Films, jets and spray (F67), (F68).
+  struct Films {
+    Eigen::VectorXf share;                // φ
+    std::vector<std::int64_t> particles;  // with φ > 0, in order
+    Eigen::VectorXd value;                // scratch: one number of each of these
+  };
   enum class Limit : std::uint8_t { none, at_surface, tension };
   /// Terms of each water particle in (F40), of the last `assemble`.
   struct EquationTerms {
@@ -184,6 +191,10 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Returns the part of `start_` that still counts: 1 at the particle's place at the start, 0 a spacing from
   /// it (F67).
   double start_share(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
+  void list_films();
+  void limit_film(State<dim>&, const Neighbours& near);
+  void stop_films(const Boundary<dim>&, State<dim>&, const Neighbours& near);
+  double film_impulse(const Boundary<dim>&, const State<dim>&, const Neighbours& near, std::int64_t i) const;
   void cover_layers(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   /// Whether the rows of far are those of the matrix; else Moments::entry has them.
   bool shares_entries(const Neighbours& far) const {
@@ -292,6 +303,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   Moments moments_;
   FreeSurface surface_;
   WallData wall_;
+  Films film_;
   EquationTerms equation_;
   StepNumbers now_;
   VelocityFit velocity_;

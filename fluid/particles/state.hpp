@@ -44,6 +44,8 @@ struct State {
   std::vector<Kind> kind;        // n
   std::vector<std::int64_t> id;  // n, identity of a particle whatever its place
   std::vector<std::uint8_t> surface;  // n, free-surface flag of the last step (hysteresis)
+  Eigen::VectorXd face_lag;       // n [m/s], of layers: approach that a face newly met by water may still have
+  Eigen::VectorXd face_lag_rate;  // n [m/s²] how fast it falls
   std::vector<std::uint8_t>
       air_connected;  // n, of surface water: beside air that came from outside (voids.hpp)
 
@@ -72,6 +74,8 @@ struct State {
                       std::pair("kind", &State::kind),                                 //
                       std::pair("id", &State::id),                                     //
                       std::pair("surface", &State::surface),                           //
+                      std::pair("face_lag", &State::face_lag),                         //
+                      std::pair("face_lag_rate", &State::face_lag_rate),               //
                       std::pair("aired", &State::air_connected));
   }
   /// Lists all other members likewise.
