@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <span>
 #include <vector>
@@ -187,7 +185,6 @@ void Packing<dim>::even_out() {
       by.col(i) = -strength * l0_ * l0_ * dim / gradient_.n0 * sum;
     }
     const double moved = move(by);
-    if (getenv("PK")) fprintf(stderr, "even %d moved %g\n", round, moved / l0_);
     if (moved < rest * l0_) break;
   }
 }
