@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <span>
 #include <vector>
@@ -28,9 +26,11 @@ constexpr double nearest_face = 0.25;  // [l0] water is not moved nearer to a fa
 constexpr double closest = 0.4;        // [l0] distance of two particles below which water is refused
 constexpr double dry_distance = 1;     // [l0] from a face's first row to water, above which it is dry
 constexpr double dry_stretch = 4;      // [l0] around a dry face, in which others are counted
+constexpr double covered = 0.1;        // [l0] distance of a face to a wall below which it is covered
 constexpr long most_dry_in_plane = 5, most_dry_in_space = 20;
 constexpr double first_row = 0.75;  // [l0] water less deep than this stays at its level
 
+/// The places around a body that are moved, and those around them.
 template <int dim>
 class Packing {
  public:
@@ -187,7 +187,6 @@ void Packing<dim>::even_out() {
       by.col(i) = -strength * l0_ * l0_ * dim / gradient_.n0 * sum;
     }
     const double moved = move(by);
-    if (getenv("PK")) fprintf(stderr, "even %d moved %g\n", round, moved / l0_);
     if (moved < rest * l0_) break;
   }
 }
@@ -216,9 +215,10 @@ void Packing<dim>::check() const {
       refuse(place_.col(i), "is pressed together");
   std::vector<Vector<dim>> dry;
   for (int k = 0; k < static_cast<int>(body_.points()); ++k) {
-    const Vector<dim> before = body_.point(k) + 0.5 * l0_ * body_.normal(k);
-    if (level_ - before[1] < l0_ || boundary_.tank().distance(before) < 0.25 * l0_) continue;
-    if (is_water_at<dim>(p_, before) && nearest_to(before, -1) > dry_distance * l0_) dry.push_back(before);
+    const Vector<dim> at = body_.point(k), normal = body_.normal(k), before = at + 0.5 * l0_ * normal;
+    const Vector<dim> outside = at + covered * l0_ * normal;
+    if (level_ - before[1] < l0_ || boundary_.tank().distance(outside) < 0) continue;
+    if (is_water_at<dim>(p_, outside) && nearest_to(before, -1) > dry_distance * l0_) dry.push_back(before);
   }
   for (const Vector<dim>& x : dry) {
     const auto beside = [&](const Vector<dim>& y) { return (y - x).norm() < dry_stretch * l0_; };

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 // Each stage of a step calls the functions of the scheme in order.
 
@@ -43,23 +41,6 @@ void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
   note_start(step.boundary, step.state, *step.far);
   step.state.surface = flags;
   step.search.invalidate();
-  if (getenv("PK")) {
-    const auto& body = step.boundary.body_surface();
-    int n = 0;
-    for (std::int64_t i = 0; i < step.boundary.water(); ++i) {
-      const Vector<dim> x = step.state.position.col(i);
-      if (surface_.share[i] > 0 && p_.water.max[1] - x[1] > 2 * p_.spacing) {
-        ++n;
-        fprintf(stderr, "share %g at %g %g height %g\n", surface_.share[i], x[0], x[1],
-                body.nearest(x).distance / p_.spacing);
-      }
-    }
-    for (std::int64_t j = step.boundary.first_of_bodies(); j < step.state.position.cols(); ++j)
-      if (step.boundary.master_of(j) < 0 && !walls_.wet(j))
-        fprintf(stderr, "dry face at %g %g\n", body.point(step.boundary.point_of(j))[0],
-                body.point(step.boundary.point_of(j))[1]);
-    fprintf(stderr, "start: shares %d\n", n);
-  }
 }
 
 template <int dim>

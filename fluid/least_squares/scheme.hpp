@@ -189,7 +189,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void note_start(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   bool starts_packed() const { return start_.deviation.size() > 0; }
   /// Returns the part of `start_` that still counts: 1 at the particle's place at the start, 0 a spacing from
-  /// it (F67).
+  /// it (F68).
   double start_share(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
   void list_films();
   void limit_film(State<dim>&, const Neighbours& near);

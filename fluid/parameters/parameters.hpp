@@ -23,7 +23,7 @@ enum class SpsForm { joint, stress_pair };
 enum class Preconditioner { automatic, jacobi, multilevel };
 enum class WallSlip { no_slip, free_slip };
 
-/// The scheme, fluid/THEORY.md (F13)–(F66). Defaults are preset "improved"; the paper's values are in read().
+/// The scheme, fluid/THEORY.md (F13)–(F68). Defaults are preset "improved"; the paper's values are in read().
 struct Scheme {
   double radius_density = 2.1, radius_gradient = 2.1, radius_divergence = 2.1,
          radius_laplacian = 3.1;  // [l0]

@@ -1,0 +1,158 @@
+#include "fluid/geometry/body_surface_2d.hpp"
+#include "fluid/simulation/simulation.hpp"
+#include "proto/error.hpp"
+#include "structure/body/shape.hpp"
+#include "structure/body/surface.hpp"
+#include "tests/fluid/plate_case.hpp"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+namespace strake::fluid {
+namespace {
+
+constexpr double l0 = 0.01, g = 9.81;
+
+Parameters pool() {
+  Parameters p = tank_case(0.6, 0.5, l0);
+  p.sound_speed = std::numeric_limits<double>::infinity();
+  p.submerged = true;
+  return p;
+}
+
+InterfaceMesh cylinder(double radius) {
+  return structure::outline(structure::circle_polygon({0.0037, -0.2543}, radius, l0), l0);
+}
+
+/// A square of 0.12 m, turned by an angle [deg].
+InterfaceMesh square(double angle, const Eigen::Vector2d& middle) {
+  const double turn = angle * std::numbers::pi / 180, c = 0.06 * std::cos(turn), s = 0.06 * std::sin(turn);
+  const Eigen::Vector2d right(c, s), up(-s, c);
+  return structure::outline(
+      {middle - right - up, middle + right - up, middle + right + up, middle - right + up}, l0);
+}
+
+InterfaceMotion held(const Simulation<2>& simulation) {
+  const Points zero = Points::Zero(3, simulation.interface().position.cols());
+  return {zero, zero, zero};
+}
+
+struct Packed {
+  std::int64_t water = 0;
+  double closest = std::numeric_limits<double>::infinity();  // two particles [l0]
+  double lowest = std::numeric_limits<double>::infinity();   // over a face [l0]
+  double widest = 0;  // from a face's first row to the water nearest to it [l0]
+};
+Packed measure(const InterfaceMesh& mesh) {
+  const Parameters p = pool();
+  const Simulation<2> simulation(p, mesh, Points::Zero(3, mesh.position.cols()));
+  const State<2>& state = simulation.state();
+  const BodySurface2d body(mesh, l0);
+  Packed out;
+  out.water = std::count(state.kind.begin(), state.kind.end(), Kind::fluid);
+  for (std::int64_t i = 0; i < out.water; ++i) {
+    const Eigen::Vector2d x = state.position.col(i);
+    EXPECT_FALSE(body.inside(x));
+    const double height = body.nearest(x).distance / l0;
+    out.lowest = std::min(out.lowest, height);
+    if (height > 8) continue;
+    for (std::int64_t j = 0; j < i; ++j)
+      out.closest = std::min(out.closest, (state.position.col(j) - x).norm() / l0);
+  }
+  for (int k = 0; k < body.points(); ++k) {
+    const Eigen::Vector2d before = body.point(k) + 0.5 * l0 * body.normal(k);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::int64_t i = 0; i < out.water; ++i)
+      nearest = std::min(nearest, (state.position.col(i) - before).norm() / l0);
+    out.widest = std::max(out.widest, nearest);
+  }
+  return out;
+}
+
+TEST(BodyPacking, WaterStandsOnTheBodyWithoutAGap) {
+  struct Body {
+    const char* name;
+    InterfaceMesh mesh;
+    double area;
+  };
+  const double r = 0.08;
+  for (const Body& body : {Body{"cylinder", cylinder(r), std::numbers::pi * r * r},
+                           Body{"square", square(0, {0.0037, -0.2543}), 0.0144},
+                           Body{"square, 20 deg", square(20, {0.0037, -0.2543}), 0.0144}}) {
+    const Packed found = measure(body.mesh);
+    fmt::print("{}: {} particles, {:.2f} l0 apart, {:.2f} l0 over faces, at most {:.2f} l0 aside\n",
+               body.name, found.water, found.closest, found.lowest, found.widest);
+    const double expected = (0.6 * 0.5 - body.area) / (l0 * l0);
+    EXPECT_NEAR(static_cast<double>(found.water), expected, 4) << body.name;
+    EXPECT_GT(found.closest, 0.7) << body.name;
+    EXPECT_GT(found.lowest, 0.25) << body.name;
+    EXPECT_LT(found.widest, 0.75) << body.name;
+  }
+}
+
+// The hydrostatic pressure and its slope are exact for packed water, so nothing moves it.
+TEST(BodyPacking, PackedWaterIsAtRestAndCarriesTheBody) {
+  for (const InterfaceMesh& body : {cylinder(0.08), square(20, {0.0037, -0.2543})}) {
+    Simulation<2> simulation(pool(), body, Points::Zero(3, body.position.cols()));
+    double area = 0;
+    for (Eigen::Index f = 0; f < body.faces.cols(); ++f) {
+      const Eigen::Vector3d a = body.position.col(body.faces(0, f)), b = body.position.col(body.faces(1, f));
+      area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+    }
+    for (int step = 0; step < 5; ++step) simulation.step(1e-3, held(simulation));
+    const Eigen::Vector3d force = simulation.interface_force().rowwise().sum();
+    const State<2>& state = simulation.state();
+    double fastest = 0;
+    for (Eigen::Index i = 0; i < state.position.cols(); ++i)
+      if (state.position.col(i).norm() < 0.29 && state.position(1, i) < -0.1)
+        fastest = std::max(fastest, state.velocity.col(i).norm());
+    EXPECT_NEAR(force.y(), 1000 * g * area, 0.005 * 1000 * g * area);
+    EXPECT_LT(std::abs(force.x()), 0.01 * force.y());
+    EXPECT_LT(fastest, 1e-5);
+  }
+}
+
+TEST(BodyPacking, ABoxOnTheLatticeHardlyMovesTheLattice) {
+  Parameters p = pool();
+  const InterfaceMesh box = square(0, {0.0, -0.25});
+  const State<2> around = Simulation<2>(p, box, Points::Zero(3, box.position.cols())).state();
+  const auto water = std::count(around.kind.begin(), around.kind.end(), Kind::fluid);
+  EXPECT_EQ(water, 60 * 50 - 12 * 12);
+  const auto off_lattice = [&](std::int64_t i) {
+    const Eigen::Vector2d cells = around.position.col(i) / l0 - Eigen::Vector2d::Constant(0.5);
+    return (cells.array() - cells.array().round()).abs().maxCoeff();
+  };
+  for (std::int64_t i = 0; i < water; ++i) EXPECT_LT(off_lattice(i), 0.02);
+}
+
+TEST(BodyPacking, DoesNotDependOnTheNumberOfThreads) {
+  Parameters p = pool();
+  const InterfaceMesh body = cylinder(0.08);
+  const Points rest = Points::Zero(3, body.position.cols());
+  const Vectors<2> one = Simulation<2>(p, body, rest).state().position;
+  p.threads = 2;
+  EXPECT_EQ(one, Simulation<2>(p, body, rest).state().position);
+}
+
+TEST(BodyPacking, RefusesAGapThatWaterCannotFill) {
+  const InterfaceMesh body = square(0, {0.0037, -0.5 + 0.06 + 0.4 * l0});
+  try {
+    const Simulation<2> simulation(pool(), body, Points::Zero(3, body.position.cols()));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.where(), "fluid.submerged");
+    EXPECT_NE(std::string(error.what()).find("narrower than two spacings"), std::string::npos)
+        << error.what();
+  }
+  const InterfaceMesh on_floor = square(0, {0.0037, -0.5 + 0.06});
+  EXPECT_NO_THROW(Simulation<2>(pool(), on_floor, Points::Zero(3, on_floor.position.cols())));
+}
+
+}  // namespace
+}  // namespace strake::fluid
