@@ -103,7 +103,7 @@ double tangent_to_surface(const Boundary<dim>& boundary, const State<dim>& state
   return std::min(steepest, std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine);
 }
 
-/// Sets the lag of a face that has become wet (F69). Contact passes it in the time
+/// Sets the lag of a face that has become wet (F71). Contact passes it in the time
 ///   T = l0 / max(u_n / tan β, u_t) ,
 /// u_n and u_t the approach and the slip of the nearest water, β the angle between face and surface. The lag
 /// falls from u_n to zero in T, sooner where the water would come nearer than stopped_height. A level face has

@@ -19,7 +19,7 @@ namespace strake::fluid {
 /// Dry layers do not enter any sum: water that flies towards a wall is not slowed before it is there. The
 /// flag is State::surface of the first layer (1: dry).
 ///
-/// A face that the water meets obliquely takes on its velocity gradually, while contact passes it (F69). What is
+/// A face that the water meets obliquely takes on its velocity gradually, while contact passes it (F71). What is
 /// left is State::face_lag.
 template <int dim>
 class WallContact {
@@ -38,7 +38,7 @@ class WallContact {
     const double along = axis.dot(r);
     return corner_[static_cast<std::size_t>(row)] ? Vector<dim>(r - along * axis) : Vector<dim>(along * axis);
   }
-  /// Returns the velocity that the face lacks, along its normal [m/s]: zero but for faces newly met (F69).
+  /// Returns the velocity that the face lacks, along its normal [m/s]: zero but for faces newly met (F71).
   Vector<dim> lag(const State<dim>& state, const Boundary<dim>& boundary, std::int64_t row) const {
     const std::int32_t master = boundary.master_of(row);
     return state.face_lag[master < 0 ? row : master] * normal(row);

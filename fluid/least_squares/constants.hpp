@@ -34,7 +34,7 @@ struct LeastSquaresConstants {
   double tension_from = 3.1;        // [l0] from here on tension counts in full: the Laplacian's radius
   double largest_tension = 0.99e5;  // [Pa] atmosphere less the pressure of vapour
 
-  // Films and spray (F67).
+  // Films and spray (F69).
   double film_begins = 0.58;  // [-] ratio of B's eigenvalues below which φ > 0; a first row has 0.59. Chosen
   double film_counts = 0.5;   // [-] the same for φ = 1. Chosen
 

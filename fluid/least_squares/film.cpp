@@ -47,7 +47,7 @@ void LeastSquaresScheme<dim>::list_films() {
     if (film_.share[i] > 0) film_.particles.push_back(i);
 }
 
-/// Bounds the pressure of particle i by that of the neighbours that are no film (F67):
+/// Bounds the pressure of particle i by that of the neighbours that are no film (F69):
 ///   p_i ≤ (1 − φ_i) p_i + φ_i max_j (1 − φ_j) p_j
 template <int dim>
 void LeastSquaresScheme<dim>::limit_film(State<dim>& state, const Neighbours& near) {
@@ -72,7 +72,7 @@ void LeastSquaresScheme<dim>::limit_film(State<dim>& state, const Neighbours& ne
   }
 }
 
-/// Computes λ_i of (F68) from the velocity u' of the step; zero where the film does not close.
+/// Computes λ_i of (F70) from the velocity u' of the step; zero where the film does not close.
 template <int dim>
 double LeastSquaresScheme<dim>::film_impulse(const Boundary<dim>& boundary, const State<dim>& state,
                                              const Neighbours& near, std::int64_t i) const {
@@ -95,7 +95,7 @@ double LeastSquaresScheme<dim>::film_impulse(const Boundary<dim>& boundary, cons
   return divergence < 0 && response > 0 ? -film_.share[i] * divergence / (response * (1 + films)) : 0.0;
 }
 
-/// Stops what closes in a film (F68). With a_j = w B_i⁻¹ r_ij/r² the divergence is ∇·u_i = Σ a_j·(u_j − u_i), and
+/// Stops what closes in a film (F70). With a_j = w B_i⁻¹ r_ij/r² the divergence is ∇·u_i = Σ a_j·(u_j − u_i), and
 ///   u_j += λ_i a_j ,  u_i −= λ_i Σ a_j ,  λ_i = −φ_i ∇·u_i/(Σ|a_j|² + |Σ a_j|²)/(1 + Σ φ_j)
 /// is the smallest change that ends it. It keeps momentum and never adds energy. The last factor holds for films
 /// beside one another, which all change at once.

@@ -37,7 +37,7 @@ void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
   if (!water_is_packed(step.p, step.boundary)) return;
   step.search_neighbours();
   const std::vector<std::uint8_t> flags = step.state.surface;  // `measure` makes faces wet, and the surface
-  measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
+  measure(step.boundary, step.state, *step.far, step.near_gradient(), 0);
   note_start(step.boundary, step.state, *step.far);
   step.state.surface = flags;
   step.search.invalidate();
@@ -46,7 +46,7 @@ void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
 template <int dim>
 void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
   const StageClock clock(step.seconds, "density");
-  measure(step.boundary, step.state, *step.far, step.near_gradient());
+  measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
   follow_air(step.state, step.near_gradient(), step.boundary.water(), step.newly_connected);
 }
 

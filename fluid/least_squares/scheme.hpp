@@ -131,7 +131,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Eigen::VectorXf deviation;  // δ of (F40)
     SingleVectors opening;      // m of (F37) under the level, else 0 [m]
   };
-  /// Films, jets and spray (F67), (F68).
+  /// Films, jets and spray (F69), (F70).
   struct Films {
     Eigen::VectorXf share;                // φ
     std::vector<std::int64_t> particles;  // with φ > 0, in order
