@@ -172,10 +172,14 @@ def wave(folder):
           "origin     own calculation: tests/benchmark/exact_answers.py, 32 waves, steps of 1 ms; ideal water"])
 
 
+def drop_rates(state):
+    """Of the semi-axes and A in u = A x, v = -A y: da/dt = A a, db/dt = -A b, dA/dt = A^2 (b^2 - a^2)/(a^2 + b^2)."""
+    a, b, rate = state
+    return numpy.array([rate * a, -rate * b, rate**2 * (b**2 - a**2) / (a**2 + b**2)])
+
+
 def drop(folder):
-    """Semi-axes of a drop with u = A x, v = -A y: da/dt = A a, db/dt = -A b, dA/dt = A^2 (b^2 - a^2)/(a^2 + b^2); in its middle
-    p = rho A^2 a^2 b^2/(a^2 + b^2). Time in 1/A(0), lengths in the radius at first."""
-    rates = lambda s: numpy.array([s[2] * s[0], -s[2] * s[1], s[2] ** 2 * (s[1] ** 2 - s[0] ** 2) / (s[0] ** 2 + s[1] ** 2)])
+    """In its middle p = rho A^2 a^2 b^2/(a^2 + b^2). Time in 1/A(0), lengths in the radius at first."""
     state, rows = numpy.array([1.0, 1.0, 1.0]), []
     print("\nElliptic drop, round at first, time in 1/A\n  t     a/R       b/R       A(t)/A    p in the middle/(rho A^2 R^2)")
     for n in range(2001):
@@ -183,7 +187,7 @@ def drop(folder):
         rows.append((n * 1e-3, a, b, rate, (rate * a * b) ** 2 / (a**2 + b**2)))
         if n % 250 == 0:
             print("  " + "  ".join(f"{v:.6f}" if k else f"{v:.2f}" for k, v in enumerate(rows[-1])))
-        state = runge_kutta(rates, state, 1e-3)
+        state = runge_kutta(drop_rates, state, 1e-3)
     columns = list(numpy.array(rows[::20]).T)
     keep(folder, "elliptic_drop.csv", columns[0], columns[1:], ["time [1]", "a [1]", "b [1]", "A [1]", "p [1]"],
          ["Semi-axes of a drop, round at first, u = A x, v = -A y; time in 1/A(0), lengths in the radius, p in rho A(0)^2 R^2, in the middle.",
