@@ -9,10 +9,9 @@ Each run is cases/plate_entry.toml, coupled at every fluid step, from a gap of 1
   turbulence  fem plate, 6.26 m/s, l0 = 0.01 m: model none, static and k up to the first peak of the deflection
 Measured at the middle of the plate's lower face over a sensor of 2 l0 (cases/VALIDATION.md). t_c is the first step in which the pressure
 exceeds rho V^2/2. The impulse is the integral of p over every step since t_c; the peak is the largest mean over 50 us. References are
-theory, not experiment: potential flow in this tank (1.0338 rho V a); linear acoustics of a rigid plate in it (0.99 rho V a after 133 us,
-1.27 rho V a after 300 us; rho c V until a/c = 133 us); 0.2596 mm per m/s of mid deflection (modal Galerkin, incompressible,
-cases/VALIDATION.md). Potential flow's impulse is that of the contact itself. The impulse of the 300 us after it grows as the free surface
-rises beside the edges over some (V t)^(2/3) a^(1/3), a twentieth of a by then. 4.43 m/s is the speed after a fall of 1 m; the paper's 4.23
+theory, not experiment (cases/VALIDATION.md). Incompressible (plate_edge.py): 1.0338 rho V a at contact in this tank, and 1.55 (V t/a)^(2/3)
+more as the water flows round the edges. With sound (linear_plate.py): rho c V until a/c = 133 us, 0.9975 rho V a after 133 us, 1.264 rho V a
+after 300 us, 0.2556 mm per m/s of mid deflection. 4.43 m/s is the speed after a fall of 1 m; the paper's 4.23
 is probably a misprint of it."""
 import math
 
@@ -80,11 +79,12 @@ def spacing_table(arguments):
         impact, head = Impact(run, SPEED), (f"{l0:g}", f"{sound:g}", f"{step:g}")
         cost = f"{impact.cost:.0f}"
         if sound == math.inf:
-            for name, value in (("impulse, contact's step", impact.at_once), ("impulse at 300 us", impact.at[300e-6])):
-                table.row(*head, name, f"{value:.3f}", "1.0338", *judged(value, 1.0338, 0.05),
+            grown = 1.0338 + 1.55 * (SPEED * 300e-6 / HALF) ** (2 / 3)
+            for name, value, reference in (("impulse, contact's step", impact.at_once, 1.0338), ("impulse at 300 us", impact.at[300e-6], grown)):
+                table.row(*head, name, f"{value:.3f}", f"{reference:.4f}", *judged(value, reference, 0.05),
                           "theory: potential flow", cost)
             continue
-        for after, reference in ((133e-6, 0.99), (300e-6, 1.27)):
+        for after, reference in ((133e-6, 0.9975), (300e-6, 1.264)):
             value = impact.at[after]
             table.row(*head, f"impulse at {1e6 * after:.0f} us", f"{value:.3f}", f"{reference:g}", *judged(value, reference, 0.08),
                       "theory: linear acoustics", cost)
@@ -102,7 +102,7 @@ def spacing_table(arguments):
 def steps_table(arguments):
     l0, steps = min(arguments.spacing), (5e-6, 2e-6, 5e-7)
     print(f"\nRigid plate, c = 1500 m/s, l0 = {l0:g} m: 50-us mean of the first peak over rho c V [1], its spread over the steps\n"
-          "(gates: 10 % of 1; 3 % between steps), impulses in rho V a (theory 0.99 and 1.27; gate 8 %)")
+          "(gates: 10 % of 1; 3 % between steps), impulses in rho V a (theory 0.9975 and 1.264; gate 8 %)")
     table = runs.Table([("V [m/s]", 7), *((f"mean, {s:g}", 11) for s in steps), ("spread", 7), ("met", 7),
                         *((f"{a} us, {s:g}", 13) for a in (133, 300) for s in steps), ("met", 7),
                         *((f"1 step, {s:g}", 13) for s in steps)])
@@ -117,7 +117,7 @@ def steps_table(arguments):
         spread = max(means) / min(means) - 1
         met = "yes" if max(abs(m - 1) for m in means) <= 0.10 and spread <= 0.03 else "NO"
         late = [i.at[after] for after in (133e-6, 300e-6) for i in impacts]
-        held = all(abs(v / r - 1) <= 0.08 for v, r in zip(late, 3 * [0.99] + 3 * [1.27]))
+        held = all(abs(v / r - 1) <= 0.08 for v, r in zip(late, 3 * [0.9975] + 3 * [1.264]))
         table.row(f"{speed:g}", *(f"{m:.3f}" for m in means), f"{100 * spread:.1f} %", met, *(f"{v:.3f}" for v in late),
                   "yes" if held else "NO", *(f"{i.first:.3f}" for i in impacts))
         picture.line([1e6 * t for t, _ in impacts[1].series],
@@ -131,7 +131,7 @@ def turbulence_table(arguments):
     print("\nElastic plate (fem), 6.26 m/s, l0 = 0.01 m, c = 1500 m/s: what the turbulence model changes (gate: less than 1 %)")
     table = runs.Table([("model", 8), ("first p [MPa]", 13), ("change", 9), ("50-us mean [MPa]", 16), ("change", 9),
                         ("impulse [Pa s]", 14), ("change", 9), ("first deflection [mm]", 21), ("change", 9),
-                        ("theory 1.625 mm", 30)])
+                        ("theory 1.600 mm", 30)])
     models = ("none", "static", "k")
     jobs = [(case, [*sets, f"fluid.scheme.turbulence.model={model}", *arguments.set])
             for model in models for case, sets in (entry(0.01, SPEED, SOUND, 2e-6, after=9e-4, solver="fem"),)]
@@ -142,7 +142,7 @@ def turbulence_table(arguments):
         without = without or figures
         changes = ["" if model == "none" else f"{100 * (f / w - 1):+.4f} %" for f, w in zip(figures, without)]
         shown = [f"{figures[0] / 1e6:.3f}", f"{figures[1] / 1e6:.3f}", f"{figures[2]:.1f}", f"{1000 * figures[3]:.4f}"]
-        table.row(model, *(cell for pair in zip(shown, changes) for cell in pair), runs.off(figures[3], 1.625e-3))
+        table.row(model, *(cell for pair in zip(shown, changes) for cell in pair), runs.off(figures[3], 1.600e-3))
     table.keep(arguments.keep, "plates-turbulence.csv")
 
 
