@@ -115,6 +115,7 @@ class Run {
     if (resume) {
       check_same_case(case_, folder_.path);
       checkpoint = checkpoints_.choose([this](const std::string& line) { messages_.warn(line); });
+      check_end_time(case_, folder_.path, checkpoint);
       remove_unfinished(folder_.path);
     }
     begin_record();
@@ -139,6 +140,7 @@ class Run {
 
   /// The first files of the folder: what is run, by whom, and the log.
   void begin_record() {
+    recorded_ = true;
     record_.set("case", std::filesystem::absolute(case_.path).string());
     record_.set("tag", folder_.tag);
     record_.set("set", case_.sets);
@@ -346,8 +348,10 @@ class Run {
       std::filesystem::remove_all(folder_.path, ignored);
       return;
     }
+    if (!recorded_) return;  // a refused resume: run.json and summary.json tell of the run as it is
     record_.failed(error);
     attempt([&] { record_.write(); });
+    if (!started_ && options_.folder.resume) return;
     attempt([&] {
       if (files_) files_->flush();
     });
@@ -387,6 +391,7 @@ class Run {
   RunPlan plan_;
   LoopState saved_;                // of the latest checkpoint
   double wall_before_ = 0;         // [s] of the run that this one resumes
+  bool recorded_ = false;          // run.json tells of this run
   bool started_ = false;           // the first window has begun
   bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint
 };

@@ -129,6 +129,24 @@ def resume_is_exact(place, run):
     equal(run, cut, "resume")
 
 
+def resume_loses_nothing(place):
+    words = ["run", CASE, *QUICK, "--set", "run.checkpoint_windows=20", "--tag", "kept"]
+    run = place / "runs" / "plate_entry-kept"
+
+    def contents():
+        return {str(f.relative_to(run)): f.read_bytes() for f in run.rglob("*") if f.is_file() and f.suffix != ".log"}
+    whole = strake(*words, "--set", "end_time=5e-4", cwd=place)
+    expect(whole.returncode == 0 and rows(run) == 50, f"a run with checkpoints: exit {whole.returncode}")
+    before = contents()
+    for end in ("2e-4", "4.5e-4"):
+        earlier = strake(*words, "--resume", "--set", f"end_time={end}", cwd=place)
+        expect(earlier.returncode == 2 and "is computed to t = 0.0005 s" in earlier.stderr and "--tag" in earlier.stderr,
+               f"--resume to an earlier end_time is refused: exit {earlier.returncode}\n{earlier.stderr}")
+    expect(contents() == before, "a refused resume leaves every file as it was")
+    later = strake(*words, "--resume", "--set", "end_time=6e-4", cwd=place)
+    expect(later.returncode == 0 and rows(run) == 60, f"--resume to a later end_time: exit {later.returncode}\n{later.stderr}")
+
+
 def replay_repeats(place, run):
     result = strake("replay", run, "--onto", CASE, *QUICK, "--set", "end_time=2.3e-3", cwd=place)
     expect(result.returncode == 0, f"replay: exit {result.returncode}\n{result.stderr}")
@@ -191,6 +209,7 @@ with folder() as place:
     compare_draws(place, recorded)
     strict_fails(place)
     resume_is_exact(place, recorded)
+    resume_loses_nothing(place)
     replay_repeats(place, recorded)
     export_writes_decks(place, recorded)
     full_disk(place)
