@@ -55,6 +55,7 @@ class FluidParticipant final : public Participant {
   void report_accounts(std::map<std::string, double>& monitor) const;
   void report_water(std::map<std::string, double>& monitor) const;
   double momentum_gap() const;
+  void write_first_frame();
   Frame frame() const;
 
   Parameters parameters_;
@@ -67,18 +68,21 @@ class FluidParticipant final : public Participant {
   double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;
   std::optional<FrameWriter> frames_;
+  bool has_first_frame_ = false;  // that at t = 0
   Measurements measurements_;
   std::int64_t steps_ = 0;  // with those that were rewound
   struct Committed {
     State<dim> state;
     Measurements measurements;
     std::int64_t steps = 0;
+    double time = 0;  // [s] end of the window, the same number as the structure's; sums of steps drift
   };
   Committed committed_;
 
   bool sends_history_;
 
   // The last window, kept for `finish`.
+  double window_end_ = 0;  // [s]
   std::vector<Sample> history_;
   bool measures_water_ = false;
   Points force_;                                     // its mean force [N]

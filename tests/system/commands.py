@@ -73,6 +73,9 @@ def run_and_judge(place):
     verdict = result.stdout.find("p_mid impulse")
     expect(0 < verdict < result.stdout.find("done  "), "the verdict is printed before the run ends")
     expect("\033" not in result.stdout and "\r" not in result.stdout, "a pipe gets plain lines")
+    times = {side: re.findall(r'Time Value="([^"]*)"', (run / f"{side}.xdmf").read_text()) for side in ("fluid", "structure")}
+    expect(times["fluid"] == times["structure"], f"both sides stamp a frame with one number {times}")
+    expect(times["fluid"][0] == "0" and len(times["fluid"]) == 24, f"a frame at t = 0 and one each 0.1 ms {times['fluid']}")
     summary = json.loads((run / "summary.json").read_text())
     expect(set(summary) == SUMMARY, "summary.json has exactly its keys")
     expect(summary["windows"] == 230 and rows(run) == 230, "one row per window")
