@@ -86,7 +86,9 @@ void add_picture_options(CLI::App* command, strake::PictureOptions& options, con
   command->add_option("--view", options.view, "corners of what is drawn [m]; default all")
       ->type_name("x0,y0,x1,y1");
   command->add_option("--range", options.range, "of the field's colours, SI units")->type_name("LO,HI");
-  command->add_option("--scale", options.scale, "factor on the structure's deformation")
+  command
+      ->add_option("--scale", options.scale,
+                   "factor on the structure's deformation, without its rigid motion")
       ->capture_default_str();
   command->add_option("-o", options.out, out)->type_name("FILE");
 }
@@ -138,7 +140,7 @@ void add_check(CLI::App& app, strake::CheckOptions& options, const StopRequest& 
   command->add_option("CASE", options.case_file, "case file")->required();
   add_sets(*command, options.sets);
   command->add_option("--picture", options.picture,
-                      "write shape, cells, particles, supports and wet surface of the structure as an SVG");
+                      "write shape, cells, particles, supports and wet surface of the structure as an .svg");
   command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
   command->callback([&] { action = [&] { return strake::check(options, stop); }; });
 }
@@ -158,9 +160,10 @@ void add_compare(CLI::App& app, strake::CompareOptions& options, Action& action)
   command
       ->add_option("RUN", options.operands, "run folder; or two or more run folders, CSV files, FILE:COLUMN")
       ->required();
-  auto* probes =
-      command->add_option("--probe", options.probes, "quantity, e.g. mid.y; default all that they share");
+  auto* probes = command->add_option("--probe", options.probes,
+                                     "quantity, e.g. mid.y; default the probes and forces that they share");
   probes->type_name("NAME")->take_all()->allow_extra_args(false);
+  command->add_flag("--all", options.all, "every column that they share")->excludes(probes);
   command->add_option("--from", options.from, "begin of the span")->type_name("S");
   command->add_option("--to", options.to, "end of the span")->type_name("S");
   command->add_option("--after", options.after, "where --from and --to count from, on the clock of the first")

@@ -42,7 +42,8 @@ ExitCode explain(const std::string& key, bool markdown);
 
 struct CompareOptions {
   std::vector<std::string> operands;  // run folders, CSV files, FILE:COLUMN; the first is the reference
-  std::vector<std::string> probes;    // empty: what they share
+  std::vector<std::string> probes;    // empty: the probes and forces that they share
+  bool all = false;                   // empty probes mean every column that they share
   std::optional<double> from, to;     // [s] after `after`
   std::string after = "start";        // "start" | "contact"
   std::vector<std::string> shifts;    // of those after the first: a time in s, "contact", "peak"

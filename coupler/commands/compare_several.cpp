@@ -39,14 +39,15 @@ Limit read_limit(const std::string& text) {
   return limit;
 }
 
-/// The requested columns; without a request those of every record, without columns that belong to another
-/// (p.mean, p.max).
+/// The requested columns; without a request the probes and forces of every record, with `all` every column
+/// but those that belong to another (p.mean, p.max).
 std::vector<std::string> choose(const std::vector<RecordSource>& sources,
-                                const std::vector<std::string>& asked) {
+                                const std::vector<std::string>& asked, bool all) {
   if (!asked.empty()) return asked;
   std::vector<std::string> shared;
   const auto most = std::find_if(sources.begin(), sources.end(), [](const auto& s) { return s.is_run(); });
-  for (const std::string& name : (most == sources.end() ? sources.front() : *most).quantities()) {
+  const RecordSource& one = most == sources.end() ? sources.front() : *most;
+  for (const std::string& name : all ? one.quantities() : one.telling_quantities()) {
     const auto dot = name.rfind('.');
     const std::string last = dot == std::string::npos ? "" : name.substr(dot + 1);
     if (last == "mean" || last == "min" || last == "max" || last == "impulse") continue;
@@ -54,12 +55,38 @@ std::vector<std::string> choose(const std::vector<RecordSource>& sources,
       shared.push_back(name);
   }
   if (!shared.empty()) return shared;
+  if (!all) return choose(sources, asked, true);
   std::string holds;
   for (const RecordSource& source : sources)
     holds += fmt::format("\n{} holds {}", source.name(), joined(source.quantities()));
   throw Error(ExitCode::command_line, "strake compare",
               "the records have no quantity of the same name" + holds,
               "choose with --probe NAME and FILE:COLUMN");
+}
+
+/// max |q| of a quantity over all records.
+double largest_of(const std::vector<Record>& records) {
+  double largest = 0;
+  for (const Record& record : records)
+    for (const double value : record.curve.value) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+/// Whether a component is zero, or round-off of its largest sister (force.x beside force.y).
+bool is_still(const std::string& quantity, const std::vector<std::string>& all,
+              const std::vector<RecordSource>& sources) {
+  constexpr double round_off = 1e-9;
+  const std::string family = quantity.substr(0, quantity.rfind('.'));
+  double own = 0, of_family = 0;
+  for (const std::string& other : all) {
+    if (other.substr(0, other.rfind('.')) != family) continue;
+    std::vector<Record> records;
+    for (const RecordSource& source : sources) records.push_back(source.record(other));
+    const double largest = largest_of(records);
+    of_family = std::max(of_family, largest);
+    if (other == quantity) own = largest;
+  }
+  return own <= round_off * of_family;
 }
 
 std::string number(const std::optional<double>& value) {
@@ -203,7 +230,14 @@ ExitCode compare_several(const CompareOptions& options) {
   for (std::size_t r = 0; r < sources.size(); ++r)
     fmt::print("({}) {}{}\n", r + 1, visible(sources[r].name()),
                r == 0 ? "   what the others are held against" : "");
-  const std::vector<std::string> quantities = choose(sources, options.probes);
+  std::vector<std::string> quantities = choose(sources, options.probes, options.all), still;
+  if (options.probes.empty() && !options.all) {
+    const std::vector<std::string> chosen = quantities;
+    std::erase_if(quantities, [&](const std::string& q) { return is_still(q, chosen, sources); });
+    if (quantities.empty()) quantities = chosen;  // all are zero: say that
+    for (const std::string& q : chosen)
+      if (std::find(quantities.begin(), quantities.end(), q) == quantities.end()) still.push_back(q);
+  }
   std::vector<std::vector<Record>> all;
   std::vector<Comparison> made;
   bool within = true;
@@ -220,9 +254,11 @@ ExitCode compare_several(const CompareOptions& options) {
   std::size_t points = 0;
   for (const Comparison& c : made) points = std::max(points, c.points);
   fmt::print(
-      "\nvalues between rows are linear; l2 at the rows of both, dtw at {} equal steps; deviations are from "
-      "(1)\n",
+      "\nvalues between rows are linear; peaks of a run's probes are those of its solver's steps; l2 at the "
+      "rows of both, dtw at {} equal steps; deviations are from (1)\n",
       points);
+  if (!still.empty()) fmt::print("zero in all of them: {}\n", visible(joined(still)));
+  if (options.probes.empty() && !options.all) fmt::print("all columns that they share: --all\n");
   if (!options.csv.empty()) {
     write_overlay(options.csv, quantities, all, made);
     fmt::print("overlay  {}\n", options.csv.string());

@@ -59,6 +59,8 @@ def check_leaves_nothing(place):
     radial = strake("check", CASE, *QUICK, "--set", "coupling.surface.mapping.kind=radial-basis", cwd=place)
     expect(radial.returncode == 0 and re.search(r"condition \S+, the worst of \d+ systems", radial.stdout),
            f"check prints the condition of a radial basis\n{radial.stderr}")
+    drawn = strake("check", CASE, *QUICK, "--picture", "x.png", cwd=place)
+    expect(drawn.returncode == 2 and "x.svg" in drawn.stderr, f"check --picture refuses what it cannot draw\n{drawn.stderr}")
     expect(not any(place.iterdir()), "check leaves nothing behind")
     explicit = strake("check", CASE, "--set", "structure.solver=particle", "--set",
                       "coupling.surface.converged.max_iterations=1", cwd=place)
@@ -100,6 +102,15 @@ def compare_draws(place, run):
         drawn = (place / name).read_bytes() if (place / name).exists() else b""
         expect(drawn.startswith(b"\x89PNG") or b"<svg" in drawn[:200], f"compare --plot {name}: exit {result.returncode}\n{result.stderr}")
         expect(f"plot  {name}" in result.stdout, f"compare --plot {name} says what it wrote")
+    several = strake("compare", run, run, cwd=place)
+    told = re.findall(r"^(\S+) \[.*\]   ", several.stdout, re.M)
+    expect(told == ["force.y", "p_mid"] and "zero in all of them" in several.stdout and "--all" in several.stdout,
+           f"compare of runs tells of probes and forces that are not zero: {told}")
+    found = json.loads((run / "summary.json").read_text())["probes"]["p_mid"]
+    peak = re.search(r"p_mid.*?\n  peak +\[Pa\] +(\S+)", several.stdout, re.S)
+    expect(peak and abs(float(peak.group(1)) / found["peak"] - 1) < 1e-5, f"their peaks are those of the steps: {peak and peak.group(1)}, {found['peak']}")
+    everything = strake("compare", run, run, "--all", cwd=place)
+    expect("\ncfl [1]" in everything.stdout and "\nmid.x [m]" in everything.stdout, "--all tells of every column")
     wrong = strake("compare", run, "--plot", "one.jpg", cwd=place)
     expect(wrong.returncode == 2 and ".svg" in wrong.stderr, f"compare --plot refuses other kinds\n{wrong.stderr}")
 
