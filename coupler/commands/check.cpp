@@ -103,6 +103,9 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
 /// Checks everything that `run` would refuse, and sets up both solvers if that does not take long. No window
 /// is advanced, no file is left.
 ExitCode check(const CheckOptions& options, const StopRequest& stop) {
+  if (!options.picture.empty() && options.picture.extension() != ".svg")
+    throw Error(ExitCode::command_line, "--picture " + options.picture.string(), "check draws an .svg",
+                "--picture " + std::filesystem::path(options.picture).replace_extension(".svg").string());
   const CaseView view = read_case(options.case_file, options.sets, &stop);
   const bool built = can_be_built(view);
   if (built)
