@@ -171,7 +171,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   floor_.setZero();
   cfl_ = 0;
   pressure_iterations_ = 0;
-  const double end = window_end_ = window.t + window.dt;
+  const double end = progress_.time = window.t + window.dt;
   for (double t0 = window.t, t1 = t0; t0 < end; t0 = t1) {
     const double rest = end - t0;
     double dt = longest_step(t0, rest);
@@ -188,7 +188,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
       moves = motion->step(t0, t1);
     }
     const StepReport report = simulation_.step(dt, moves, t1 < end ? end - t1 : 0);
-    ++steps_;
+    ++progress_.steps;
     force_ += dt / window.dt * simulation_.interface_force();
     if (sends_history_) history_.push_back({t1, {{"force", "N", true, simulation_.interface_force()}}});
     floor_ += dt / window.dt * simulation_.floor_force();
@@ -295,8 +295,7 @@ template <int dim>
 void FluidParticipant<dim>::commit(bool write_output) {
   committed_.state = simulation_.state();
   committed_.measurements = measurements_;
-  committed_.steps = steps_;
-  committed_.time = window_end_;
+  committed_.progress = progress_;
   if (!frames_) return;
   frames_->check();
   if (write_output) frames_->write(frame());
@@ -310,7 +309,7 @@ void FluidParticipant<dim>::flush() {
 /// Writes the water at t = 0, once: when the first window begins, not while `check` looks at a case.
 template <int dim>
 void FluidParticipant<dim>::write_first_frame() {
-  if (frames_ && !std::exchange(has_first_frame_, true)) frames_->write(frame());
+  if (frames_ && !std::exchange(progress_.has_first_frame, true)) frames_->write(frame());
 }
 
 /// Returns the frame of all particles with a pressure: water, first layers of walls and bodies, structure
@@ -325,7 +324,7 @@ Frame FluidParticipant<dim>::frame() const {
   }
   const auto n = static_cast<Eigen::Index>(shown.size());
   Eigen::MatrixXd pressure(1, n), velocity = Eigen::MatrixXd::Zero(3, n), kind(1, n), surface(1, n), id(1, n);
-  Frame frame{.time = committed_.time,
+  Frame frame{.time = committed_.progress.time,
               .position = Points::Zero(3, n),
               .cells = {},
               .point_data = {},
@@ -353,8 +352,8 @@ void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
   Archive archive;
   save(committed_.state, archive);
   save(committed_.measurements, archive);
-  archive.integer["participant.steps"] = {committed_.steps};
-  archive.real["participant.time"] = Eigen::MatrixXd::Constant(1, 1, committed_.time);
+  archive.integer["participant.steps"] = {committed_.progress.steps};
+  archive.real["participant.time"] = Eigen::MatrixXd::Constant(1, 1, committed_.progress.time);
   write_archive(folder / "fluid.h5", archive);
 }
 
@@ -371,13 +370,14 @@ void FluidParticipant<dim>::resume(const std::filesystem::path& folder) {
                             simulation_.state().position.cols()),
                 "resume with the case the run was started with");
   const auto steps = archive.integer.find("participant.steps");
-  steps_ = steps != archive.integer.end() && !steps->second.empty() ? steps->second.front() : state.step;
+  progress_.steps =
+      steps != archive.integer.end() && !steps->second.empty() ? steps->second.front() : state.step;
   const auto time = archive.real.find("participant.time");  // version 0.1.0 did not write it
-  const double end = time != archive.real.end() && time->second.size() == 1 ? time->second(0) : state.time;
-  committed_ = {std::move(state), std::move(measurements), steps_, end};
+  progress_.time = time != archive.real.end() && time->second.size() == 1 ? time->second(0) : state.time;
+  progress_.has_first_frame = true;
+  committed_ = {std::move(state), std::move(measurements), progress_};
   rewind();
-  has_first_frame_ = true;
-  if (frames_) frames_->truncate(committed_.time);
+  if (frames_) frames_->truncate(committed_.progress.time);
 }
 
 template class FluidParticipant<2>;

@@ -68,21 +68,23 @@ class FluidParticipant final : public Participant {
   double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;
   std::optional<FrameWriter> frames_;
-  bool has_first_frame_ = false;  // that at t = 0
   Measurements measurements_;
-  std::int64_t steps_ = 0;  // with those that were rewound
+  struct Progress {
+    std::int64_t steps = 0;        // with those that were rewound
+    double time = 0;               // [s] end of the window, the same number as the structure's
+    bool has_first_frame = false;  // that at t = 0
+  };
+  Progress progress_;
   struct Committed {
     State<dim> state;
     Measurements measurements;
-    std::int64_t steps = 0;
-    double time = 0;  // [s] end of the window, the same number as the structure's; sums of steps drift
+    Progress progress;  // its time is that of the frame: sums of steps drift
   };
   Committed committed_;
 
   bool sends_history_;
 
   // The last window, kept for `finish`.
-  double window_end_ = 0;  // [s]
   std::vector<Sample> history_;
   bool measures_water_ = false;
   Points force_;                                     // its mean force [N]
