@@ -72,21 +72,36 @@ double largest_of(const std::vector<Record>& records) {
   return largest;
 }
 
-/// Whether a component is zero, or round-off of its largest sister (force.x beside force.y).
+/// Whether a component is zero, or round-off of its largest sister (force.x beside force.y). A moment is
+/// round-off where its lever arm [m] is.
 bool is_still(const std::string& quantity, const std::vector<std::string>& all,
               const std::vector<RecordSource>& sources) {
-  constexpr double round_off = 1e-9;
-  const std::string family = quantity.substr(0, quantity.rfind('.'));
+  constexpr double smallest_part = 1e-9, smallest_arm = 1e-6;
+  const auto family_of = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
+  const bool moment = family_of(quantity) == "moment";
+  const std::string family = moment ? "force" : family_of(quantity);
   double own = 0, of_family = 0;
   for (const std::string& other : all) {
-    if (other.substr(0, other.rfind('.')) != family) continue;
+    if (family_of(other) != family && other != quantity) continue;
     std::vector<Record> records;
     for (const RecordSource& source : sources) records.push_back(source.record(other));
     const double largest = largest_of(records);
-    of_family = std::max(of_family, largest);
+    if (family_of(other) == family) of_family = std::max(of_family, largest);
     if (other == quantity) own = largest;
   }
-  return own <= round_off * of_family;
+  return own <= (moment ? smallest_arm : smallest_part) * of_family;
+}
+
+/// What is compared. Without a request the components that are zero in all records go to `still`.
+std::vector<std::string> choose_telling(const std::vector<RecordSource>& sources,
+                                        const CompareOptions& options, std::vector<std::string>& still) {
+  const std::vector<std::string> chosen = choose(sources, options.probes, options.all);
+  if (!options.probes.empty() || options.all) return chosen;
+  std::vector<std::string> quantities;
+  for (const std::string& q : chosen) (is_still(q, chosen, sources) ? still : quantities).push_back(q);
+  if (!quantities.empty()) return quantities;
+  still.clear();
+  return chosen;  // all are zero: that is what there is to say
 }
 
 std::string number(const std::optional<double>& value) {
@@ -230,14 +245,8 @@ ExitCode compare_several(const CompareOptions& options) {
   for (std::size_t r = 0; r < sources.size(); ++r)
     fmt::print("({}) {}{}\n", r + 1, visible(sources[r].name()),
                r == 0 ? "   what the others are held against" : "");
-  std::vector<std::string> quantities = choose(sources, options.probes, options.all), still;
-  if (options.probes.empty() && !options.all) {
-    const std::vector<std::string> chosen = quantities;
-    std::erase_if(quantities, [&](const std::string& q) { return is_still(q, chosen, sources); });
-    if (quantities.empty()) quantities = chosen;  // all are zero: say that
-    for (const std::string& q : chosen)
-      if (std::find(quantities.begin(), quantities.end(), q) == quantities.end()) still.push_back(q);
-  }
+  std::vector<std::string> still;
+  const std::vector<std::string> quantities = choose_telling(sources, options, still);
   std::vector<std::vector<Record>> all;
   std::vector<Comparison> made;
   bool within = true;

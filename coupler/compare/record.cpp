@@ -60,6 +60,15 @@ std::optional<double> contact_of(const fs::path& run) {
   return earliest;
 }
 
+bool is_load(const std::string& column) {
+  return column.starts_with("force.") || column.starts_with("moment.");
+}
+
+/// Whether a column says where a rigid body or a frame of supports is, what it does and what acts on it.
+bool tells_of_place(const std::string& column) {
+  return column.starts_with("body.") || column.starts_with("support.");
+}
+
 /// A peak of summary.json: value and time, where both are numbers.
 std::optional<CurvePoint> told_peak(const nlohmann::json& probe, const std::string& metric) {
   const auto value = probe.find(metric), time = probe.find("time_of_" + metric);
@@ -150,8 +159,7 @@ std::vector<std::string> RecordSource::telling_quantities() const {
   if (!chosen_.empty() || peaks_.empty()) return names;  // a file, or a run whose probes nobody has told yet
   std::vector<std::string> telling;
   for (const std::string& name : names)
-    if (peaks_.contains(name) || name.starts_with("force.") || name.starts_with("moment."))
-      telling.push_back(name);
+    if (is_load(name) || (peaks_.contains(name) && !tells_of_place(name))) telling.push_back(name);
   return telling;
 }
 
