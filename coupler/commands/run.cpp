@@ -127,7 +127,7 @@ class Run {
     wall_before_ = summary_.wall_seconds;
     record_.write();
     open_files();
-    summary_.describe(session_->columns());
+    summary_.describe(files_->table().columns);
     summary_.coupler_seconds["setup"] = seconds_since(start_);
 
     const RunHeader header =
@@ -297,6 +297,7 @@ class Run {
     summary_.wall_seconds = elapsed();
     summary_.coupler_seconds["cpu"] = cpu_seconds();
     summary_.coupler_memory = peak_memory();
+    if (files_) summary_.take_history(files_->table());
     summary_.verdicts = verdicts_.all(data(code == ExitCode::done));
     write_text(folder_.path / "summary.json",
                summary_.json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
