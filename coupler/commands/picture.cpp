@@ -123,6 +123,8 @@ ExitCode draw_picture(const PictureOptions& options) {
       fmt::print("  {} of the {}: {:.4g} to {:.4g} {}\n", of->name,
                  of == &scene.water_field ? "water" : "structure", prefix.factor * of->all.lo,
                  prefix.factor * of->all.hi, with_prefix(prefix, of->unit));
+      if (of == &scene.solid_field && scene.cells.empty())
+        fmt::print("    at particles, half a spacing inside a face; a probe at the face extrapolates\n");
     }
   return ExitCode::done;
 }
