@@ -93,9 +93,9 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
                                .say = [](const std::string& line) { put(stderr, visible(line) + "\n"); },
                                .stop = &stop});
   print_head(view, options);
+  for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session.mapping_lines()));
-  for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
 }
 
 }  // namespace
@@ -121,9 +121,10 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
                   "the case has no structure of ours to draw", "leave --picture out");
     write_picture(view, options.picture, stop);
   }
-  fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));
-  fmt::print("\n{}: nothing to refuse{}\n  next    strake run {}\n", options.case_file.string(),
-             built ? "" : " before it is built", options.case_file.string());
+  if (options.all) fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));
+  fmt::print("\n{}: nothing to refuse{}\n", options.case_file.string(), built ? "" : " before it is built");
+  if (!options.all) fmt::print("  values  strake check {} --all\n", options.case_file.string());
+  fmt::print("  next    strake run {}\n", options.case_file.string());
   return ExitCode::done;
 }
 

@@ -32,6 +32,7 @@ struct CheckOptions {
   std::filesystem::path case_file;
   std::vector<std::string> sets;
   std::filesystem::path picture;  // SVG to write; empty: none
+  bool all = false;               // also every value and its origin
   bool patient = false;
 };
 ExitCode check(const CheckOptions&, const StopRequest&);

@@ -26,6 +26,12 @@ def help_and_version(place):
     expect(result.returncode == 0, "--help exits 0")
     for command in ("run", "check", "explain", "compare", "replay", "export", "picture", "film", "report", "study", "watch", "manual"):
         expect(f"  {command} " in result.stdout, f"--help names {command}")
+    for words, meant in ((("rnu", "x.toml"), "run"), (("chekc",), "check"), (("run", "x.toml", "--tga", "a"), "--tag"),
+                         (("compare", "a", "--porbe=mid.y"), "--probe")):
+        wrong = strake(*words, cwd=place)
+        expect(wrong.returncode == 2 and f"did you mean {meant}?" in wrong.stderr, f"{' '.join(words)}: {wrong.stderr.strip()}")
+    other = strake("gallop", cwd=place)
+    expect(other.returncode == 2 and '"gallop" is no command' in other.stderr, f"an unknown command: {other.stderr.strip()}")
     version = strake("--version", cwd=place)
     expect(version.returncode == 0 and version.stdout.startswith("strake "), f"--version: {version.stdout.strip()}")
 
@@ -53,7 +59,9 @@ def manual_is_found(place):
 def check_leaves_nothing(place):
     result = strake("check", CASE, *QUICK, cwd=place)
     expect(result.returncode == 0, f"check: exit {result.returncode}\n{result.stderr}")
-    expect("added-mass ratio" in result.stdout and "# default" in result.stdout, "check prints derived and resolved values")
+    expect("added-mass ratio" in result.stdout and "# default" not in result.stdout, "check prints derived values")
+    every = strake("check", CASE, *QUICK, "--all", cwd=place)
+    expect(every.returncode == 0 and "# default" in every.stdout, "check --all prints every value and its origin")
     for line in ("largest distance", "fluid points are not covered", "structure points feel no load", "rows sum to 1"):
         expect(line in result.stdout, f"check prints the mapping's quality: {line}")
     radial = strake("check", CASE, *QUICK, "--set", "coupling.surface.mapping.kind=radial-basis", cwd=place)
