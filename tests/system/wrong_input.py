@@ -126,7 +126,7 @@ with folder() as place:
     case.write_text(text)
     for command in ("check", "run"):
         said = strake(command, case, cwd=place).stderr
-        for words in ("end_time = -1", 'fluid.density = "heavy"', "structure.material.E is not a key", "did you mean young?",
+        for words in (": end_time = -1", 'fluid.density = "heavy"', "structure.material.E is not a key", "did you mean young?",
                       "structure.material.poisson = 7", "output.evry is not a key", "structure.plate.thickness = 0"):
             expect(said.count(words) == 1, f"{command} says everything that is wrong, once: {words}\n{said.rstrip()}")
 

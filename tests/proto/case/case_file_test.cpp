@@ -120,7 +120,7 @@ TEST(CaseTable, RefusesUnknownKeysOnlyBelowThePrefix) {
 }
 
 TEST(CaseFile, ReadToItsEndSaysEverythingThatIsWrong) {
-  CaseFile file = CaseFile::parse("spacing = -1\nchoice = \"c\"\nflag = 3\n[m]\nE = 1\nnu = 0.7\nroh = 2\n");
+  CaseFile file = CaseFile::parse("spacing = -1\nchoice = \"c\"\nflag = 3\n[m]\nE = 1\nnu = 0.7\nrho = 2\n");
   double spacing = 0.1, young = 1, poisson = 0.3, density = 1;
   bool flag = false, behind_the_choice = false;
   std::string choice = "a";
@@ -143,7 +143,7 @@ TEST(CaseFile, ReadToItsEndSaysEverythingThatIsWrong) {
       ExitCode::case_file);
   for (const char* words :
        {"case.toml:1:11: spacing = -1", "case.toml:3:8: flag = 3", "did you mean young?",
-        "m.nu is not a key; did you mean poisson?", "m.roh is not a key; did you mean density?"})
+        "m.nu is not a key; did you mean poisson?", "m.rho is not a key; did you mean density?"})
     EXPECT_NE(all.find(words), std::string::npos) << words << "\n" << all;
   EXPECT_EQ(spacing, 0.1) << "read on with the default";
   // A choice decides what is read next: what was wrong before it is said with it.
