@@ -14,10 +14,10 @@ namespace strake {
 
 /// One quantity over time, in SI units, from a run or from another program or experiment.
 struct Record {
-  std::string name;  // where it comes from: "runs/plate_entry", "ansys.csv:uy"
-  std::string unit;  // "m", "Pa", …
-  Curve curve;       // lines of history.csv or of the file; those without a value are left out
-  Curve means;       // mean since the line before, if the run recorded it ("p_mid.mean"); else empty
+  std::string name;     // where it comes from: "runs/plate_entry", "ansys.csv:uy"
+  std::string unit;     // "m", "Pa", …
+  Curve curve;          // lines of history.csv or of the file; those without a value are left out
+  Curve means;          // mean since the line before, if the run recorded it ("p_mid.mean"); else empty
   Curve extremes = {};  // largest |q| since the line before, with its sign, if the run recorded it
   /// Peaks over all steps of a run's solver, as its summary.json has them.
   std::optional<CurvePoint> first_peak = {}, peak = {};
