@@ -18,6 +18,7 @@
 #include <fcntl.h>
 #include <functional>
 #include <system_error>
+#include <utility>
 
 namespace {
 
@@ -86,9 +87,30 @@ void add_picture_options(CLI::App* command, strake::PictureOptions& options, con
   command->add_option("--view", options.view, "corners of what is drawn [m]; default all")
       ->type_name("x0,y0,x1,y1");
   command->add_option("--range", options.range, "of the field's colours, SI units")->type_name("LO,HI");
-  command->add_option("--scale", options.scale, "factor on the structure's deformation")
+  command
+      ->add_option("--scale", options.scale,
+                   "factor on the structure's deformation, without its rigid motion")
       ->capture_default_str();
   command->add_option("-o", options.out, out)->type_name("FILE");
+}
+
+/// The first word that is no command of the program, or no option of a command, and the one that was probably
+/// meant. Both are empty where all words are known.
+std::pair<std::string, std::string> mistaken_word(const CLI::App& command) {
+  const bool program = command.get_parent() == nullptr;
+  std::vector<std::string> known;
+  if (program)
+    for (const CLI::App* one : command.get_subcommands([](const CLI::App*) { return true; }))
+      known.push_back(one->get_name());
+  else
+    for (const CLI::Option* option : command.get_options())
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string& word : command.remaining()) {
+    const bool option = word.starts_with("--");
+    if (option == program) continue;
+    return {word, strake::did_you_mean(word.substr(0, word.find('=')), known)};
+  }
+  return {};
 }
 
 /// CLI11's words in the form of ours.
@@ -97,6 +119,13 @@ ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   const std::string name = command == &app ? "strake" : "strake " + command->get_name();
   std::string problem = error.what();
+  if (const auto [word, meant] = mistaken_word(*command); !word.empty()) {
+    const std::string what = command == &app ? "command" : "option";
+    put(stderr, to_text(Error(ExitCode::command_line, name, fmt::format("\"{}\" is no {}", word, what),
+                              meant.empty() ? name + " --help lists the " + what + "s"
+                                            : fmt::format("did you mean {}?  ({} --help)", meant, name))));
+    return ExitCode::command_line;
+  }
   if (problem.ends_with('\n')) problem.pop_back();
   put(stderr, to_text(Error(ExitCode::command_line, name, problem, name + " --help")));
   return ExitCode::command_line;
@@ -138,7 +167,8 @@ void add_check(CLI::App& app, strake::CheckOptions& options, const StopRequest& 
   command->add_option("CASE", options.case_file, "case file")->required();
   add_sets(*command, options.sets);
   command->add_option("--picture", options.picture,
-                      "write shape, cells, particles, supports and wet surface of the structure as an SVG");
+                      "write shape, cells, particles, supports and wet surface of the structure as an .svg");
+  command->add_flag("--all", options.all, "also print every value and where it came from");
   command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
   command->callback([&] { action = [&] { return strake::check(options, stop); }; });
 }
@@ -158,9 +188,10 @@ void add_compare(CLI::App& app, strake::CompareOptions& options, Action& action)
   command
       ->add_option("RUN", options.operands, "run folder; or two or more run folders, CSV files, FILE:COLUMN")
       ->required();
-  auto* probes =
-      command->add_option("--probe", options.probes, "quantity, e.g. mid.y; default all that they share");
+  auto* probes = command->add_option("--probe", options.probes,
+                                     "quantity, e.g. mid.y; default the probes and forces that they share");
   probes->type_name("NAME")->take_all()->allow_extra_args(false);
+  command->add_flag("--all", options.all, "every column that they share")->excludes(probes);
   command->add_option("--from", options.from, "begin of the span")->type_name("S");
   command->add_option("--to", options.to, "end of the span")->type_name("S");
   command->add_option("--after", options.after, "where --from and --to count from, on the clock of the first")

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace strake::fluid {
 namespace {
@@ -146,6 +147,7 @@ double FluidParticipant<dim>::longest_step(double t, double rest) const {
 
 template <int dim>
 void FluidParticipant<dim>::start(const Window& window, const Input& input) {
+  write_first_frame();
   const State<dim>& state = simulation_.state();
   const bool volume = parameters_.interface == "volume" && has_body_;
   const Points displacement = in_space<dim>(state.interface_displacement),
@@ -169,7 +171,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   floor_.setZero();
   cfl_ = 0;
   pressure_iterations_ = 0;
-  const double end = window.t + window.dt;
+  const double end = progress_.time = window.t + window.dt;
   for (double t0 = window.t, t1 = t0; t0 < end; t0 = t1) {
     const double rest = end - t0;
     double dt = longest_step(t0, rest);
@@ -186,7 +188,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
       moves = motion->step(t0, t1);
     }
     const StepReport report = simulation_.step(dt, moves, t1 < end ? end - t1 : 0);
-    ++steps_;
+    ++progress_.steps;
     force_ += dt / window.dt * simulation_.interface_force();
     if (sends_history_) history_.push_back({t1, {{"force", "N", true, simulation_.interface_force()}}});
     floor_ += dt / window.dt * simulation_.floor_force();
@@ -293,7 +295,7 @@ template <int dim>
 void FluidParticipant<dim>::commit(bool write_output) {
   committed_.state = simulation_.state();
   committed_.measurements = measurements_;
-  committed_.steps = steps_;
+  committed_.progress = progress_;
   if (!frames_) return;
   frames_->check();
   if (write_output) frames_->write(frame());
@@ -302,6 +304,12 @@ void FluidParticipant<dim>::commit(bool write_output) {
 template <int dim>
 void FluidParticipant<dim>::flush() {
   if (frames_) frames_->flush();
+}
+
+/// Writes the water at t = 0, once: when the first window begins, not while `check` looks at a case.
+template <int dim>
+void FluidParticipant<dim>::write_first_frame() {
+  if (frames_ && !std::exchange(progress_.has_first_frame, true)) frames_->write(frame());
 }
 
 /// Returns the frame of all particles with a pressure: water, first layers of walls and bodies, structure
@@ -316,8 +324,11 @@ Frame FluidParticipant<dim>::frame() const {
   }
   const auto n = static_cast<Eigen::Index>(shown.size());
   Eigen::MatrixXd pressure(1, n), velocity = Eigen::MatrixXd::Zero(3, n), kind(1, n), surface(1, n), id(1, n);
-  Frame frame{
-      .time = state.time, .position = Points::Zero(3, n), .cells = {}, .point_data = {}, .cell_data = {}};
+  Frame frame{.time = committed_.progress.time,
+              .position = Points::Zero(3, n),
+              .cells = {},
+              .point_data = {},
+              .cell_data = {}};
   for (Eigen::Index k = 0; k < n; ++k) {
     const auto i = shown[static_cast<std::size_t>(k)];
     frame.position.col(k).template head<dim>() = state.position.col(i);
@@ -341,7 +352,8 @@ void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
   Archive archive;
   save(committed_.state, archive);
   save(committed_.measurements, archive);
-  archive.integer["participant.steps"] = {committed_.steps};
+  archive.integer["participant.steps"] = {committed_.progress.steps};
+  archive.real["participant.time"] = Eigen::MatrixXd::Constant(1, 1, committed_.progress.time);
   write_archive(folder / "fluid.h5", archive);
 }
 
@@ -358,10 +370,14 @@ void FluidParticipant<dim>::resume(const std::filesystem::path& folder) {
                             simulation_.state().position.cols()),
                 "resume with the case the run was started with");
   const auto steps = archive.integer.find("participant.steps");
-  steps_ = steps != archive.integer.end() && !steps->second.empty() ? steps->second.front() : state.step;
-  committed_ = {std::move(state), std::move(measurements), steps_};
+  progress_.steps =
+      steps != archive.integer.end() && !steps->second.empty() ? steps->second.front() : state.step;
+  const auto time = archive.real.find("participant.time");  // version 0.1.0 did not write it
+  progress_.time = time != archive.real.end() && time->second.size() == 1 ? time->second(0) : state.time;
+  progress_.has_first_frame = true;
+  committed_ = {std::move(state), std::move(measurements), progress_};
   rewind();
-  if (frames_) frames_->truncate(committed_.state.time);
+  if (frames_) frames_->truncate(committed_.progress.time);
 }
 
 template class FluidParticipant<2>;

@@ -55,6 +55,7 @@ class FluidParticipant final : public Participant {
   void report_accounts(std::map<std::string, double>& monitor) const;
   void report_water(std::map<std::string, double>& monitor) const;
   double momentum_gap() const;
+  void write_first_frame();
   Frame frame() const;
 
   Parameters parameters_;
@@ -68,11 +69,16 @@ class FluidParticipant final : public Participant {
   Description description_;
   std::optional<FrameWriter> frames_;
   Measurements measurements_;
-  std::int64_t steps_ = 0;  // with those that were rewound
+  struct Progress {
+    std::int64_t steps = 0;        // with those that were rewound
+    double time = 0;               // [s] end of the window, the same number as the structure's
+    bool has_first_frame = false;  // that at t = 0
+  };
+  Progress progress_;
   struct Committed {
     State<dim> state;
     Measurements measurements;
-    std::int64_t steps = 0;
+    Progress progress;  // its time is that of the frame: sums of steps drift
   };
   Committed committed_;
 

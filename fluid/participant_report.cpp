@@ -81,7 +81,7 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.wall"] = static_cast<double>(wall);
   monitor["count.body"] = static_cast<double>(body);
   monitor["count.solid"] = static_cast<double>(solid);
-  monitor["count.steps"] = static_cast<double>(steps_);
+  monitor["count.steps"] = static_cast<double>(progress_.steps);
   // The run waits for the contact of a body that enters, where a sensor of pressure can detect it.
   const std::vector<ProbeKeys>& probes = parameters_.probes;
   const bool detects = std::any_of(probes.begin(), probes.end(), is_sensor);

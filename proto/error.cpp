@@ -16,8 +16,10 @@ std::string text_of(const std::string& where, const std::string& problem, const 
   std::string text = where;
   if (!where.empty() && !first.empty()) text += ": ";
   text += first + "\n";
-  // Details carry their own indentation when they show a line of the case file.
-  while (std::getline(lines, line)) text += (line.starts_with(' ') ? line : "  " + line) + "\n";
+  // Details carry their own indentation when they show a line of the case file. Without a place all lines are
+  // those of other errors.
+  while (std::getline(lines, line))
+    text += (line.starts_with(' ') || where.empty() ? line : "  " + line) + "\n";
   std::istringstream fixes(fix);
   const char* head = "  fix: ";
   while (std::getline(fixes, line)) {

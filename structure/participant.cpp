@@ -143,6 +143,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
 
 void StructureParticipant::start(const Window& window, const Input& input) {
   const auto begin = std::chrono::steady_clock::now();
+  if (!std::exchange(has_first_frame_, true)) write_frame();
   try {
     step(window, input);
   } catch (const StepFailed& failed) {
@@ -264,7 +265,12 @@ void StructureParticipant::commit(bool write_output) {
   solver_->save();
   committed_ = state_;
   committed_steps_ = steps_;
-  if (!write_output || !frames_) return;
+  if (write_output) write_frame();
+}
+
+/// Writes the body at the end of the last window; at t = 0 before the first one.
+void StructureParticipant::write_frame() {
+  if (!frames_) return;
   Frame frame = solver_->frame();
   frame.time = state_.time;
   frames_->write(frame);
@@ -304,6 +310,7 @@ void StructureParticipant::resume(const std::filesystem::path& folder) {
   const auto steps = archive.integer.find("participant.steps");
   const bool counted = steps != archive.integer.end() && !steps->second.empty();
   steps_ = committed_steps_ = counted ? static_cast<long>(steps->second.front()) : solver_->steps();
+  has_first_frame_ = true;
   if (frames_) frames_->truncate(state_.time);
 }
 

@@ -40,6 +40,7 @@ class StructureParticipant final : public Participant {
     std::vector<ProbeRecord> probes;          // one per column of a probe
     double energy_scale = 0, energy_gap = 0;  // [J] largest energy so far; largest |ΔE − work| so far
   };
+  void write_frame();
   void solve_once();
   void step(const Window&, const Input&);
   void follow(const Window&);
@@ -59,10 +60,11 @@ class StructureParticipant final : public Participant {
   Description description_;
   Eigen::VectorXd loaded_share_;  // n: share of each point that the water loads; empty: all of it
   std::optional<FrameSeries> frames_;
-  double first_energy_;       // [J] at t = 0
-  double seconds_ = 0;        // wall, in the solver
-  long steps_ = 0;            // taken, those of rewound windows too
-  long committed_steps_ = 0;  // steps_ at the last commit
+  bool has_first_frame_ = false;  // that at t = 0
+  double first_energy_;           // [J] at t = 0
+  double seconds_ = 0;            // wall, in the solver
+  long steps_ = 0;                // taken, those of rewound windows too
+  long committed_steps_ = 0;      // steps_ at the last commit
   State state_, committed_;
   std::optional<Advanced> failed_;  // instead of a result: a shorter window, please
 };

@@ -5,6 +5,7 @@
 #include "coupler/participant/stop_request.hpp"
 #include "proto/case/case_depth.hpp"
 #include "proto/case/case_file.hpp"
+#include "proto/case/refusals.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/error.hpp"
 
@@ -198,34 +199,10 @@ std::optional<double> CaseView::number(const std::string& key) const {
   return *end == '\0' ? std::optional<double>(number) : std::nullopt;
 }
 
-CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
-                   const StopRequest* stop, const std::vector<std::string>& by_hand) {
-  CaseFile file = CaseFile::load(case_file, sets);
-  const CommonKeys common = read_common(file);
-  const CouplingKeys coupling = read_coupling(file);
-  const std::vector<CompareBlock> blocks = read_compare_blocks(file);
-  file.root().table("fluid").accept_all();  // its program judges it
-  file.root().table("structure").accept_all();
-  file.refuse_unknown();
-  check_windows(file, common);
-  check_across(file, common);
+namespace {
 
-  CaseView view{.path = file.path(),
-                .folder = file.folder(),
-                .hash = file.hash(),
-                .common = common,
-                .coupling = coupling,
-                .blocks = blocks,
-                .fluid = std::nullopt,
-                .structure = std::nullopt,
-                .sets = sets,
-                .resolved = {},
-                .value = {}};
-  if (common.fluid_solver != "none")
-    view.fluid = look_at("fluid", common.fluid_solver, file, sets, stop, by_hand);
-  if (common.structure_solver != "none")
-    view.structure = look_at("structure", common.structure_solver, file, sets, stop, by_hand);
-
+/// Puts together what the three programs read: the text of case.toml, and each key's value.
+void resolve(const CaseFile& file, CaseView& view) {
   const std::string own = file.echo();
   view.resolved = without_sides(own);
   for (const auto& side : {view.fluid, view.structure})
@@ -241,6 +218,58 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
       view.resolved += "\n# read by a program of the user's: as given, files relative to " +
                        file.folder().string() + "\n" +
                        file.as_given(side->side, std::filesystem::absolute(side->program).string());
+}
+
+}  // namespace
+
+CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
+                   const StopRequest* stop, const std::vector<std::string>& by_hand) {
+  CaseFile file = CaseFile::load(case_file, sets);
+  std::optional<CommonKeys> read;
+  CouplingKeys coupling;
+  std::vector<CompareBlock> blocks;
+  std::vector<Error> refused;
+  const auto collect = [&refused](const auto& look) {
+    try {
+      look();
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::case_file) throw;
+      refused.push_back(error);
+    }
+  };
+  collect([&] {
+    file.read_all([&] {
+      read = read_common(file);
+      coupling = read_coupling(file);
+      blocks = read_compare_blocks(file);
+      file.root().table("fluid").accept_all();  // its program judges it
+      file.root().table("structure").accept_all();
+      file.refuse_unknown();
+    });
+    check_windows(file, *read);
+    check_across(file, *read);
+  });
+  if (!read) throw refused.front();
+  const CommonKeys common = *read;
+
+  CaseView view{.path = file.path(),
+                .folder = file.folder(),
+                .hash = file.hash(),
+                .common = common,
+                .coupling = coupling,
+                .blocks = blocks,
+                .fluid = std::nullopt,
+                .structure = std::nullopt,
+                .sets = sets,
+                .resolved = {},
+                .value = {}};
+  if (common.fluid_solver != "none")
+    collect([&] { view.fluid = look_at("fluid", common.fluid_solver, file, sets, stop, by_hand); });
+  if (common.structure_solver != "none")
+    collect(
+        [&] { view.structure = look_at("structure", common.structure_solver, file, sets, stop, by_hand); });
+  if (!refused.empty()) throw all_of(refused);
+  resolve(file, view);
   return view;
 }
 

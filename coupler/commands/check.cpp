@@ -93,9 +93,9 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
                                .say = [](const std::string& line) { put(stderr, visible(line) + "\n"); },
                                .stop = &stop});
   print_head(view, options);
+  for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session.mapping_lines()));
-  for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
 }
 
 }  // namespace
@@ -103,6 +103,9 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
 /// Checks everything that `run` would refuse, and sets up both solvers if that does not take long. No window
 /// is advanced, no file is left.
 ExitCode check(const CheckOptions& options, const StopRequest& stop) {
+  if (!options.picture.empty() && options.picture.extension() != ".svg")
+    throw Error(ExitCode::command_line, "--picture " + options.picture.string(), "check draws an .svg",
+                "--picture " + std::filesystem::path(options.picture).replace_extension(".svg").string());
   const CaseView view = read_case(options.case_file, options.sets, &stop);
   const bool built = can_be_built(view);
   if (built)
@@ -118,9 +121,10 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
                   "the case has no structure of ours to draw", "leave --picture out");
     write_picture(view, options.picture, stop);
   }
-  fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));
-  fmt::print("\n{}: nothing to refuse{}\n  next    strake run {}\n", options.case_file.string(),
-             built ? "" : " before it is built", options.case_file.string());
+  if (options.all) fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));
+  fmt::print("\n{}: nothing to refuse{}\n", options.case_file.string(), built ? "" : " before it is built");
+  if (!options.all) fmt::print("  values  strake check {} --all\n", options.case_file.string());
+  fmt::print("  next    strake run {}\n", options.case_file.string());
   return ExitCode::done;
 }
 

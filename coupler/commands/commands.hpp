@@ -32,6 +32,7 @@ struct CheckOptions {
   std::filesystem::path case_file;
   std::vector<std::string> sets;
   std::filesystem::path picture;  // SVG to write; empty: none
+  bool all = false;               // also every value and its origin
   bool patient = false;
 };
 ExitCode check(const CheckOptions&, const StopRequest&);
@@ -42,7 +43,8 @@ ExitCode explain(const std::string& key, bool markdown);
 
 struct CompareOptions {
   std::vector<std::string> operands;  // run folders, CSV files, FILE:COLUMN; the first is the reference
-  std::vector<std::string> probes;    // empty: what they share
+  std::vector<std::string> probes;    // empty: the probes and forces that they share
+  bool all = false;                   // empty probes mean every column that they share
   std::optional<double> from, to;     // [s] after `after`
   std::string after = "start";        // "start" | "contact"
   std::vector<std::string> shifts;    // of those after the first: a time in s, "contact", "peak"

@@ -39,14 +39,15 @@ Limit read_limit(const std::string& text) {
   return limit;
 }
 
-/// The requested columns; without a request those of every record, without columns that belong to another
-/// (p.mean, p.max).
+/// The requested columns; without a request the probes and forces of every record, with `all` every column
+/// but those that belong to another (p.mean, p.max).
 std::vector<std::string> choose(const std::vector<RecordSource>& sources,
-                                const std::vector<std::string>& asked) {
+                                const std::vector<std::string>& asked, bool all) {
   if (!asked.empty()) return asked;
   std::vector<std::string> shared;
   const auto most = std::find_if(sources.begin(), sources.end(), [](const auto& s) { return s.is_run(); });
-  for (const std::string& name : (most == sources.end() ? sources.front() : *most).quantities()) {
+  const RecordSource& one = most == sources.end() ? sources.front() : *most;
+  for (const std::string& name : all ? one.quantities() : one.telling_quantities()) {
     const auto dot = name.rfind('.');
     const std::string last = dot == std::string::npos ? "" : name.substr(dot + 1);
     if (last == "mean" || last == "min" || last == "max" || last == "impulse") continue;
@@ -54,12 +55,53 @@ std::vector<std::string> choose(const std::vector<RecordSource>& sources,
       shared.push_back(name);
   }
   if (!shared.empty()) return shared;
+  if (!all) return choose(sources, asked, true);
   std::string holds;
   for (const RecordSource& source : sources)
     holds += fmt::format("\n{} holds {}", source.name(), joined(source.quantities()));
   throw Error(ExitCode::command_line, "strake compare",
               "the records have no quantity of the same name" + holds,
               "choose with --probe NAME and FILE:COLUMN");
+}
+
+/// max |q| of a quantity over all records.
+double largest_of(const std::vector<Record>& records) {
+  double largest = 0;
+  for (const Record& record : records)
+    for (const double value : record.curve.value) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+/// Whether a component is zero, or round-off of its largest sister (force.x beside force.y). A moment is
+/// round-off where its lever arm [m] is.
+bool is_still(const std::string& quantity, const std::vector<std::string>& all,
+              const std::vector<RecordSource>& sources) {
+  constexpr double smallest_part = 1e-9, smallest_arm = 1e-6;
+  const auto family_of = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
+  const bool moment = family_of(quantity) == "moment";
+  const std::string family = moment ? "force" : family_of(quantity);
+  double own = 0, of_family = 0;
+  for (const std::string& other : all) {
+    if (family_of(other) != family && other != quantity) continue;
+    std::vector<Record> records;
+    for (const RecordSource& source : sources) records.push_back(source.record(other));
+    const double largest = largest_of(records);
+    if (family_of(other) == family) of_family = std::max(of_family, largest);
+    if (other == quantity) own = largest;
+  }
+  return own <= (moment ? smallest_arm : smallest_part) * of_family;
+}
+
+/// What is compared. Without a request the components that are zero in all records go to `still`.
+std::vector<std::string> choose_telling(const std::vector<RecordSource>& sources,
+                                        const CompareOptions& options, std::vector<std::string>& still) {
+  const std::vector<std::string> chosen = choose(sources, options.probes, options.all);
+  if (!options.probes.empty() || options.all) return chosen;
+  std::vector<std::string> quantities;
+  for (const std::string& q : chosen) (is_still(q, chosen, sources) ? still : quantities).push_back(q);
+  if (!quantities.empty()) return quantities;
+  still.clear();
+  return chosen;  // all are zero: that is what there is to say
 }
 
 std::string number(const std::optional<double>& value) {
@@ -203,7 +245,8 @@ ExitCode compare_several(const CompareOptions& options) {
   for (std::size_t r = 0; r < sources.size(); ++r)
     fmt::print("({}) {}{}\n", r + 1, visible(sources[r].name()),
                r == 0 ? "   what the others are held against" : "");
-  const std::vector<std::string> quantities = choose(sources, options.probes);
+  std::vector<std::string> still;
+  const std::vector<std::string> quantities = choose_telling(sources, options, still);
   std::vector<std::vector<Record>> all;
   std::vector<Comparison> made;
   bool within = true;
@@ -220,9 +263,11 @@ ExitCode compare_several(const CompareOptions& options) {
   std::size_t points = 0;
   for (const Comparison& c : made) points = std::max(points, c.points);
   fmt::print(
-      "\nvalues between rows are linear; l2 at the rows of both, dtw at {} equal steps; deviations are from "
-      "(1)\n",
+      "\nvalues between rows are linear; peaks of a run's probes are those of its solver's steps; l2 at the "
+      "rows of both, dtw at {} equal steps; deviations are from (1)\n",
       points);
+  if (!still.empty()) fmt::print("zero in all of them: {}\n", visible(joined(still)));
+  if (options.probes.empty() && !options.all) fmt::print("all columns that they share: --all\n");
   if (!options.csv.empty()) {
     write_overlay(options.csv, quantities, all, made);
     fmt::print("overlay  {}\n", options.csv.string());

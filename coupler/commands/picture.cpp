@@ -4,6 +4,7 @@
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/plot/drawing.hpp"
 #include "coupler/plot/encoder.hpp"
+#include "coupler/plot/ticks.hpp"
 #include "proto/files/frame_file.hpp"
 #include "proto/files/result_file.hpp"
 
@@ -116,6 +117,15 @@ ExitCode draw_picture(const PictureOptions& options) {
                                 kind == ".png" ? picture::Canvas::Kind::png : picture::Canvas::Kind::svg));
   fmt::print("{}: the frame at {:.6g} s, {} particles of water{}\n", out.string(), scene.time,
              scene.water.size(), scene.cut.empty() ? "" : ", " + scene.cut);
+  for (const picture::Quantity* of : {&scene.water_field, &scene.solid_field})
+    if (!of->all.empty()) {
+      const Prefix prefix = prefix_for(std::max(std::abs(of->all.lo), std::abs(of->all.hi)), of->unit);
+      fmt::print("  {} of the {}: {:.4g} to {:.4g} {}\n", of->name,
+                 of == &scene.water_field ? "water" : "structure", prefix.factor * of->all.lo,
+                 prefix.factor * of->all.hi, with_prefix(prefix, of->unit));
+      if (of == &scene.solid_field && scene.cells.empty())
+        fmt::print("    at particles, half a spacing inside a face; a probe at the face extrapolates\n");
+    }
   return ExitCode::done;
 }
 

@@ -45,7 +45,8 @@ std::string page_of_runs(const std::vector<Recorded>& runs, const std::vector<do
   return report::page(title, lead,
                       report::what_was_run(runs) + report::drawing_of_case(runs) + report::metrics(runs) +
                           report::failures(runs) + report::histories(runs) + report::pictures(runs, at) +
-                          report::checks(runs) + report::settings(runs) + report::how_to_run_again(runs));
+                          report::checks(runs) + report::limits(runs) + report::settings(runs) +
+                          report::how_to_run_again(runs));
 }
 
 std::vector<Recorded> recorded_runs(const report::StudyData& study, const report::RunsByName& runs) {
@@ -99,7 +100,7 @@ std::string page_of_study(const std::filesystem::path& folder, const std::vector
                           report::study_checks(study) + report::failures(recorded_runs(study, runs)) +
                           report::drawing_of_case(drawn) + report::study_histories(study, runs) +
                           report::study_convergence(study) + report::pictures(drawn, at) +
-                          report::study_runs(study, runs));
+                          report::limits(drawn) + report::study_runs(study, runs));
 }
 
 }  // namespace

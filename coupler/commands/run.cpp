@@ -115,6 +115,7 @@ class Run {
     if (resume) {
       check_same_case(case_, folder_.path);
       checkpoint = checkpoints_.choose([this](const std::string& line) { messages_.warn(line); });
+      check_end_time(case_, folder_.path, checkpoint);
       remove_unfinished(folder_.path);
     }
     begin_record();
@@ -126,7 +127,7 @@ class Run {
     wall_before_ = summary_.wall_seconds;
     record_.write();
     open_files();
-    summary_.describe(session_->columns());
+    summary_.describe(files_->table().columns);
     summary_.coupler_seconds["setup"] = seconds_since(start_);
 
     const RunHeader header =
@@ -139,6 +140,7 @@ class Run {
 
   /// The first files of the folder: what is run, by whom, and the log.
   void begin_record() {
+    recorded_ = true;
     record_.set("case", std::filesystem::absolute(case_.path).string());
     record_.set("tag", folder_.tag);
     record_.set("set", case_.sets);
@@ -295,6 +297,7 @@ class Run {
     summary_.wall_seconds = elapsed();
     summary_.coupler_seconds["cpu"] = cpu_seconds();
     summary_.coupler_memory = peak_memory();
+    if (files_) summary_.take_history(files_->table());
     summary_.verdicts = verdicts_.all(data(code == ExitCode::done));
     write_text(folder_.path / "summary.json",
                summary_.json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
@@ -346,8 +349,10 @@ class Run {
       std::filesystem::remove_all(folder_.path, ignored);
       return;
     }
+    if (!recorded_) return;  // a refused resume: run.json and summary.json tell of the run as it is
     record_.failed(error);
     attempt([&] { record_.write(); });
+    if (!started_ && options_.folder.resume) return;
     attempt([&] {
       if (files_) files_->flush();
     });
@@ -387,6 +392,7 @@ class Run {
   RunPlan plan_;
   LoopState saved_;                // of the latest checkpoint
   double wall_before_ = 0;         // [s] of the run that this one resumes
+  bool recorded_ = false;          // run.json tells of this run
   bool started_ = false;           // the first window has begun
   bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint
 };

@@ -24,6 +24,12 @@ std::optional<double> known(const RunData& data, const std::string& name) {
   return found->second;
 }
 
+/// Whether a participant keeps a record of this probe: it tells a metric of it, at least the last value.
+bool has_record(const RunData& data, const std::string& probe) {
+  const auto found = data.monitor.lower_bound(probe + ":");
+  return found != data.monitor.end() && found->first.starts_with(probe + ":");
+}
+
 /// Contact time of a probe. Contact is one moment of the whole body: a probe without its own takes the
 /// earliest of the others.
 std::optional<double> contact_time(const RunData& data, const std::string& probe) {
@@ -169,10 +175,15 @@ std::optional<double> measured(const CompareBlock& block, const std::string& met
   const bool settles = metric == "first_peak" || metric == "time_of_first_peak" || metric == "impulse";
   if (!settles && !data.finished) return std::nullopt;
   if (const auto value = known(data, name)) return value;
-  // The record of a probe itself is the only source of what its definition ties to steps.
-  if (settles || metric == "peak" || metric == "time_of_peak" || metric == "mean_peak_50us")
-    return std::nullopt;
-  return from_history(block, metric, data, 0, data.time);
+  // A probe's own record is the only source of what its definition ties to steps. A column without such a
+  // record (of a solver of another's, or a force) has the lines of history.csv, once they are complete.
+  const bool of_steps = settles || metric == "peak" || metric == "time_of_peak" || metric == "mean_peak_50us";
+  if (of_steps && (!data.finished || has_record(data, block.probe))) return std::nullopt;
+  if (!settles) return from_history(block, metric, data, 0, data.time);
+  const double begin = contact_time(data, block.probe).value_or(0);
+  const double end = metric == "impulse" ? begin + impulse_window : data.time;
+  if (data.time < end * (1 - slack)) return std::nullopt;
+  return from_history(block, metric, data, begin, end);
 }
 
 bool is_magnitude(const std::string& metric) {

@@ -33,6 +33,27 @@ double impulse_of(const Record& r, double from, double to) {
   return sum;
 }
 
+/// The peak over all steps within the span, where the run has told it; else that of its rows' extremes.
+std::optional<CurvePoint> peak_in_span(const Record& r, double from, double to) {
+  if (r.peak && r.peak->time >= from && r.peak->time <= to) return r.peak;
+  if (r.extremes.size() == 0) return peak(clip(r.curve, from, to));
+  Curve part;
+  for (std::size_t k = 0; k < r.extremes.size(); ++k)
+    if (r.extremes.time[k] >= from && r.extremes.time[k] <= to) {
+      part.time.push_back(r.extremes.time[k]);
+      part.value.push_back(r.extremes.value[k]);
+    }
+  return peak(part);
+}
+
+/// The same for the first peak after `origin`. A span that begins later has another first peak than the run.
+std::optional<CurvePoint> first_peak_in_span(const Record& r, double origin, double from, double to) {
+  const bool told = r.first_peak && (from <= origin || from <= r.curve.time.front());
+  if (told && r.first_peak->time >= from && r.first_peak->time <= to) return r.first_peak;
+  const Curve& curve = r.extremes.size() > 0 ? r.extremes : r.curve;
+  return first_peak(clip(curve, from, to), std::max(from, origin));
+}
+
 std::optional<double> frequency(const Curve& c, double from, double to) {
   const auto t = period(c, from, to);
   return t ? std::optional(1 / *t) : std::nullopt;
@@ -141,7 +162,8 @@ Comparison compare_records(const std::vector<Record>& records, const std::string
   result.points = std::clamp<std::size_t>(result.points, 2, most_points);
 
   const auto peak_of = [&](std::size_t r, bool first_one) {
-    return first_one ? first_peak(part[r], std::max(from, result.origin[r])) : peak(part[r]);
+    return first_one ? first_peak_in_span(records[r], result.origin[r], from, to)
+                     : peak_in_span(records[r], from, to);
   };
   const auto value_of = [&](const std::string& name, std::size_t r) -> std::optional<double> {
     if (name == "impulse") return impulse_of(records[r], from, to);

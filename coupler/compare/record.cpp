@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <tuple>
 
 namespace strake {
 namespace {
@@ -59,6 +60,33 @@ std::optional<double> contact_of(const fs::path& run) {
   return earliest;
 }
 
+bool is_load(const std::string& column) {
+  return column.starts_with("force.") || column.starts_with("moment.");
+}
+
+/// Whether a column says where a rigid body or a frame of supports is, what it does and what acts on it.
+bool tells_of_place(const std::string& column) {
+  return column.starts_with("body.") || column.starts_with("support.");
+}
+
+/// A peak of summary.json: value and time, where both are numbers.
+std::optional<CurvePoint> told_peak(const nlohmann::json& probe, const std::string& metric) {
+  const auto value = probe.find(metric), time = probe.find("time_of_" + metric);
+  if (value == probe.end() || time == probe.end() || !value->is_number() || !time->is_number())
+    return std::nullopt;
+  return CurvePoint{.time = time->get<double>(), .value = value->get<double>()};
+}
+
+/// q_k with the largest |q| of value, least and most, row by row; the value alone where the rows differ.
+Curve largest_of(const Curve& value, const Curve& least, const Curve& most) {
+  Curve extremes = value;
+  if (least.time != value.time || most.time != value.time) return extremes;
+  for (std::size_t k = 0; k < value.size(); ++k)
+    for (const double q : {least.value[k], most.value[k]})
+      if (std::abs(q) > std::abs(extremes.value[k])) extremes.value[k] = q;
+  return extremes;
+}
+
 std::size_t index_of(const Table& table, const std::string& name) {
   return static_cast<std::size_t>(&table.column(name) - table.value.data());
 }
@@ -72,8 +100,10 @@ SiUnit in_si(const std::string& unit) {
 }
 
 void Record::shift(double by) {
-  for (Curve* c : {&curve, &means})
+  for (Curve* c : {&curve, &means, &extremes})
     for (double& t : c->time) t += by;
+  for (std::optional<CurvePoint>* point : {&first_peak, &peak})
+    if (*point) (*point)->time += by;
   if (contact) *contact += by;
 }
 
@@ -96,7 +126,14 @@ RecordSource::RecordSource(const std::string& operand) : name_(operand) {
     throw Error(ExitCode::case_file, operand, "holds no history.csv",
                 "name the folder of a run that `strake run` has made, e.g. runs/plate_entry");
   table_ = read_table(is_run_ ? path / "history.csv" : path);
-  if (is_run_) contact_ = contact_of(path);
+  if (is_run_) {
+    contact_ = contact_of(path);
+    std::ifstream stream(path / "summary.json");
+    const nlohmann::json summary = nlohmann::json::parse(stream, nullptr, false);
+    if (!summary.is_discarded() && summary.contains("probes") && summary["probes"].is_object())
+      for (const auto& [probe, entry] : summary["probes"].items())
+        if (entry.is_object()) peaks_[probe] = {told_peak(entry, "first_peak"), told_peak(entry, "peak")};
+  }
   if (table_.columns.size() < 2)
     throw Error(ExitCode::case_file, table_.path.string(), "has one column",
                 "the first column holds the time, the others what was measured: time [s],uy [m]");
@@ -115,6 +152,15 @@ std::vector<std::string> RecordSource::quantities() const {
     if (column.name != "time" && column.name != "window" && &column != &table_.columns.front())
       names.push_back(column.name);
   return names;
+}
+
+std::vector<std::string> RecordSource::telling_quantities() const {
+  std::vector<std::string> names = quantities();
+  if (!chosen_.empty() || peaks_.empty()) return names;  // a file, or a run whose probes nobody has told yet
+  std::vector<std::string> telling;
+  for (const std::string& name : names)
+    if (is_load(name) || (peaks_.contains(name) && !tells_of_place(name))) telling.push_back(name);
+  return telling;
 }
 
 std::string RecordSource::column_for(const std::string& quantity) const {
@@ -151,7 +197,13 @@ Record RecordSource::record(const std::string& quantity) const {
     throw Error(ExitCode::case_file, table_.path.string(),
                 fmt::format("{} has {} values over time", column, record.curve.size()),
                 "a comparison takes two rows at least: let the run go further, or choose another column");
-  if (const auto means = table_.find(column + ".mean"); is_run_ && means) record.means = curve(*means);
+  if (!is_run_) return record;
+  if (const auto means = table_.find(column + ".mean")) record.means = curve(*means);
+  if (table_.find(column + ".min") && table_.find(column + ".max"))
+    record.extremes = largest_of(record.curve, curve(index_of(table_, column + ".min")),
+                                 curve(index_of(table_, column + ".max")));
+  if (const auto found = peaks_.find(column); found != peaks_.end())
+    std::tie(record.first_peak, record.peak) = found->second;
   return record;
 }
 

@@ -4,18 +4,23 @@
 #include "proto/files/history.hpp"
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace strake {
 
 /// One quantity over time, in SI units, from a run or from another program or experiment.
 struct Record {
-  std::string name;  // where it comes from: "runs/plate_entry", "ansys.csv:uy"
-  std::string unit;  // "m", "Pa", …
-  Curve curve;       // lines of history.csv or of the file; those without a value are left out
-  Curve means;       // mean since the line before, if the run recorded it ("p_mid.mean"); else empty
+  std::string name;     // where it comes from: "runs/plate_entry", "ansys.csv:uy"
+  std::string unit;     // "m", "Pa", …
+  Curve curve;          // lines of history.csv or of the file; those without a value are left out
+  Curve means;          // mean since the line before, if the run recorded it ("p_mid.mean"); else empty
+  Curve extremes = {};  // largest |q| since the line before, with its sign, if the run recorded it
+  /// Peaks over all steps of a run's solver, as its summary.json has them.
+  std::optional<CurvePoint> first_peak = {}, peak = {};
   std::optional<double> contact = {};  // [s], of a run that met water
   /// Moves it in time [s].
   void shift(double);
@@ -31,6 +36,8 @@ class RecordSource {
   bool is_run() const { return is_run_; }
   /// Its quantities over time: probes and columns of a run, columns of a file.
   std::vector<std::string> quantities() const;
+  /// Those of its quantities that tell most: probes and forces of a run, all columns of a file.
+  std::vector<std::string> telling_quantities() const;
   /// A file with one column beside the time, or with a chosen one, has that for every quantity.
   bool has(const std::string& quantity) const;
   /// Throws Error(case_file): no such column, an unknown unit of time, times that do not ascend, fewer than
@@ -43,6 +50,8 @@ class RecordSource {
   bool is_run_ = false;
   Table table_;
   std::optional<double> contact_;
+  std::map<std::string, std::pair<std::optional<CurvePoint>, std::optional<CurvePoint>>>
+      peaks_;  // probe → first peak, peak; of summary.json
 };
 
 /// A unit as SI: {"kPa"} → {1000, "Pa"}. What is not known stays as it is.

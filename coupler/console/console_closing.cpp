@@ -69,6 +69,23 @@ std::string found_text(const Json& probe, const Style& style) {
   return text;
 }
 
+/// Force and moment on the body, without components that are round-off beside the largest force.
+std::vector<std::string> telling_loads(const Json& probes) {
+  constexpr double least_part = 1e-6;  // of the largest force; of a moment a lever arm of a micrometre [m]
+  const auto peak_of = [](const Json& entry) {
+    return entry["peak"].is_number() ? std::abs(entry["peak"].get<double>()) : 0.0;
+  };
+  double largest = 0;
+  for (const auto& [name, entry] : probes.items())
+    if (name.starts_with("force.")) largest = std::max(largest, peak_of(entry));
+  std::vector<std::string> loads;
+  for (const auto& [name, entry] : probes.items())
+    if ((name.starts_with("force.") || name.starts_with("moment.")) && largest > 0 &&
+        peak_of(entry) > least_part * largest)
+      loads.push_back(name);
+  return loads;
+}
+
 void add_found(const Json& probes, const RunHeader& header, const Style& style,
                std::vector<std::string>& lines) {
   std::vector<std::pair<std::string, std::string>> found;
@@ -76,6 +93,8 @@ void add_found(const Json& probes, const RunHeader& header, const Style& style,
     if (probes.contains(column.name))
       if (std::string text = found_text(probes[column.name], style); !text.empty())
         found.emplace_back(visible(column.name), visible(text));
+  for (const std::string& load : telling_loads(probes))
+    found.emplace_back(load, found_text(probes[load], style));
   std::size_t width = 0;
   for (const auto& [name, text] : found) width = std::max(width, name.size());
   for (std::size_t k = 0; k < found.size(); ++k)

@@ -30,6 +30,11 @@ void check_meshes(const InterfaceMesh& structure, const InterfaceMesh& fluid) {
   if (structure.position.cols() == 0)
     throw Error(ExitCode::case_file, where, "the structure's interface has no points",
                 "give the structure a surface that the fluid can wet, or coupling.surface away");
+  if (fluid.position.cols() == 0 && structure.faces.cols() == 0 && structure.mass.size() == 0)
+    throw Error(ExitCode::case_file, where,
+                "the structure's interface has points but no faces: the fluid finds no surface to wet",
+                "let the structure give its faces: segments in 2-D, triangles in 3-D, counter-clockwise seen "
+                "from outside");
   if (fluid.position.cols() == 0)
     throw Error(ExitCode::case_file, where, "the fluid's interface has no points",
                 "is the structure inside the tank?");

@@ -6,6 +6,8 @@
 #include "proto/files/frame_file.hpp"
 #include "proto/interface.hpp"
 
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -93,11 +95,33 @@ void take_water(const Frame& frame, const std::string& field, const Cut& cut, Sc
   }
 }
 
-/// Positions with the deformation drawn larger; what the supports do is no deformation.
-Points enlarged(const Frame& frame, const Eigen::Vector3d& of_supports, double scale) {
-  const Frame::Array* u = find(frame.point_data, "displacement");
-  if (scale == 1 || u == nullptr) return frame.position;
-  return frame.position + (scale - 1) * (u->value.colwise() - of_supports);
+/// Positions with the deformation drawn larger, x + (s − 1) d.
+Points enlarged(const Frame& frame, const std::map<std::string, std::string>& keys, double scale) {
+  if (scale == 1) return frame.position;
+  const auto bend = deformation(keys, frame);
+  return bend ? Points(frame.position + (scale - 1) * *bend) : frame.position;
+}
+
+/// Whether the whole body turns or goes where no support at a constant speed takes it.
+bool moves_freely(const std::map<std::string, std::string>& keys) {
+  return std::any_of(keys.begin(), keys.end(), [](const auto& key) {
+    return (key.first.starts_with("structure.free.") && key.second == "true") ||
+           key.first.starts_with("structure.motion.");
+  });
+}
+
+/// Displacements of the rigid motion that fits best: the least Σ |R (X_i − X̄) + x̄ − x_i|², X = x − u. R comes
+/// from the singular vectors of Σ (X_i − X̄)(x_i − x̄)ᵀ (Kabsch 1976).
+Points rigid_part(const Points& at, const Points& u) {
+  const Points before = at - u;
+  const Eigen::Vector3d mean = at.rowwise().mean(), mean_before = before.rowwise().mean();
+  const Points arm = before.colwise() - mean_before;
+  const Eigen::Matrix3d moment = arm * (at.colwise() - mean).transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moment, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
+  mirror(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0 ? -1 : 1;
+  const Eigen::Matrix3d turn = svd.matrixV() * mirror * svd.matrixU().transpose();
+  return ((turn * arm).colwise() + mean) - before;
 }
 
 void take_structure(const Frame& frame, const Points& at, const std::string& field, const Cut& cut,
@@ -135,6 +159,8 @@ void take_structure(const Frame& frame, const Points& at, const std::string& fie
     }
     for (const Place& p : patch.corner) span(p);
     keep(patch.value);
+    for (const int k : cell)  // a cell has the colour of its mean; the extremes are those of its points
+      if (value && std::isfinite((*value)(k))) scene.solid_field.all.add((*value)(k));
     scene.cells.push_back(std::move(patch));
   }
   if (value) {
@@ -165,8 +191,11 @@ std::optional<Eigen::VectorXd> scalar(const Frame& frame, const std::string& nam
   return array->value.colwise().norm().transpose();
 }
 
-Eigen::Vector3d motion_of_supports(const std::map<std::string, std::string>& keys, double time) {
-  return time * vector(keys, "structure.velocity");
+std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame& frame) {
+  const Frame::Array* u = find(frame.point_data, "displacement");
+  if (u == nullptr || u->value.rows() != 3 || u->value.cols() == 0) return std::nullopt;
+  if (moves_freely(keys)) return Points(u->value - rigid_part(frame.position, u->value));
+  return Points(u->value.colwise() - frame.time * vector(keys, "structure.velocity"));
 }
 
 Range shown_range(std::vector<double> values) {
@@ -224,9 +253,8 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
     const auto given = keys.find("coupling.interface");
     if (given != keys.end() && given->second == "volume" && scene.spacing > 0)
       scene.solid_spacing = scene.spacing;
-    const Eigen::Vector3d driven = motion_of_supports(keys, frame.time);
     const bool has = find(frame.point_data, options.field) != nullptr && options.field != "velocity";
-    take_structure(frame, enlarged(frame, driven, options.scale), has ? options.field : "von_mises", cut,
+    take_structure(frame, enlarged(frame, keys, options.scale), has ? options.field : "von_mises", cut,
                    scene);
     known += (known.empty() ? "" : "; of the structure: ") + names(frame);
   }

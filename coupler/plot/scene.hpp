@@ -66,7 +66,7 @@ struct SceneOptions {
   /// A scalar of the fluid's frames, "speed" (|velocity|), or one of the structure's ("von_mises", "damage").
   /// The other side shows its pressure, or its von Mises stress.
   std::string field = "pressure";
-  double scale = 1;  // of the structure's displacement beyond that of its driven supports
+  double scale = 1;  // of the structure's deformation: its displacement without rigid motion
 };
 
 /// The frames of a run and the settings of its case, read once for many scenes.
@@ -82,8 +82,10 @@ Scene read_scene(const RunFrames&, const SceneOptions&);
 /// One number per point of a field of the frame. It is the field itself, or the length of a vector ("speed":
 /// velocity). Name and unit go to `quantity`. Nothing if the frame has no such field.
 std::optional<Eigen::VectorXd> scalar(const Frame&, const std::string& name, Quantity& quantity);
-/// How far the driven supports have come by that time [m]; no part of a deformation.
-Eigen::Vector3d motion_of_supports(const std::map<std::string, std::string>& keys, double time);
+/// Displacement of each point less the rigid motion of the whole [m], 3 x n; nothing without displacements.
+/// The rigid motion is that of driven supports, V t; of a body that is free or follows a table the one that
+/// fits its points best.
+std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame&);
 /// The shown range of values: from zero where the least is but a small part of the largest.
 Range shown_range(std::vector<double> values);
 

@@ -246,8 +246,11 @@ void Participants::State::answered(Member& m, wire::Reply reply) {
   if (const auto* fault = std::get_if<wire::Fault>(&reply.what)) {
     std::string where = fault->where;
     // A solver does not know the window; an error in a file or an option has its own place.
-    if (fault->code == ExitCode::solver_fault || where.empty()) where = with_place(where, m.name, m.place());
-    throw Error(fault->code, where, fault->problem, fault->fix);
+    // "A bug of ours" is believed of our own programs alone.
+    const bool bug_of_others = fault->code == ExitCode::our_bug && !m.ours;
+    const ExitCode code = bug_of_others ? ExitCode::solver_fault : fault->code;
+    if (code == ExitCode::solver_fault || where.empty()) where = with_place(where, m.name, m.place());
+    throw Error(code, where, fault->problem, fault->fix);
   }
   if (m.may_repeat == reply.sequence && reply.sequence != (m.asked.empty() ? 0 : m.sequence)) {
     m.may_repeat.reset();

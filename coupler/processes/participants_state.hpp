@@ -26,6 +26,7 @@ std::string bytes_of(const std::string& hexadecimal);  // empty if it is not
 struct Participants::Member {
   std::string name;
   std::optional<Child> child;  // none: started by hand
+  bool ours = false;           // a program of Strake that this run started
   std::filesystem::path log;
   Clock::time_point expected_since;
   std::chrono::duration<double> tell_after{0};  // of waiting, until a line says so (again)

@@ -71,10 +71,13 @@ std::vector<Recording> recordings(const std::vector<Recorded>& runs) {
     const double own = largest(runs, r.column);
     if (own == 0) return true;
     const auto dot = r.column.rfind('.');
-    if (dot == std::string::npos || r.column.size() - dot != 2 || r.column.starts_with("force")) return false;
+    if (dot == std::string::npos || r.column.size() - dot != 2) return false;
     double of_sisters = 0;
     for (const char* axis : {"x", "y", "z"})
       of_sisters = std::max(of_sisters, largest(runs, r.column.substr(0, dot + 1) + axis));
+    if (r.column.starts_with("moment."))  // a lever arm of a micrometre
+      for (const char* axis : {"x", "y", "z"})
+        of_sisters = std::max(of_sisters, 1e-3 * largest(runs, std::string("force.") + axis));
     return own < 1e-3 * of_sisters;
   });
   return found;
@@ -86,6 +89,12 @@ std::optional<CurvePoint> first_peak_of(const Recorded& run, const std::string& 
   const auto value = result->metric("first_peak"), time = result->metric("time_of_first_peak");
   if (!value || !time) return std::nullopt;
   return CurvePoint{*time, *value};
+}
+
+/// Half the width of the band that the tolerance allows round a reference.
+double half_band(const Judged& judged) {
+  const double tolerance = judged.tolerance.value_or(0);
+  return judged.reference == 0 ? tolerance : tolerance * std::abs(judged.reference);
 }
 
 /// References of the metrics that are values of the curve itself. Those of an impulse belong to its own
@@ -101,7 +110,8 @@ std::vector<ReferenceLine> lines_for(const std::vector<Recorded>& runs, const st
       if (judged.probe != probe || (impulse ? judged.metric != "impulse" : !of_curve)) continue;
       std::string metric = judged.metric;
       std::replace(metric.begin(), metric.end(), '_', ' ');
-      ReferenceLine line = {metric + ", " + judged.kind, judged.reference};
+      ReferenceLine line = {.name = metric + ", " + judged.kind, .value = judged.reference};
+      line.within = half_band(judged);
       if (impulse) {
         const auto contact = run.contact.find(probe);
         const double from = contact == run.contact.end() ? 0 : contact->second;
@@ -157,6 +167,8 @@ Names names_of(const std::vector<Recorded>& runs, const std::string& column) {
   if (column.ends_with(".impulse"))
     return {"impulse of " + column.substr(0, column.size() - 8) + " since contact", "impulse"};
   if (column == "force.y") return {"force on the structure, upwards", "force"};
+  if (column.starts_with("force.")) return {column + " on the structure", "force"};
+  if (column.starts_with("moment.")) return {column + " on the structure, about its middle", "moment"};
   const std::string quantity = measured(runs, column);
   return quantity.empty() || quantity == column ? Names{column, column}
                                                 : Names{quantity + " " + column, quantity};
@@ -197,10 +209,12 @@ std::string history_figures(const std::vector<Recorded>& runs, const std::string
 std::string histories(const std::vector<Recorded>& runs) {
   const std::string figures = history_figures(runs, "");
   if (figures.empty()) return {};
-  return section("histories", "Histories",
-                 "<p>Lines join the values at the ends of windows; a ring is the first peak as measured at "
-                 "every step, which may stand between and above them. References are dashed.</p>\n" +
-                     figures);
+  return section(
+      "histories", "Histories",
+      "<p>Lines join the values at the ends of windows; a ring is the first peak as measured at "
+      "every step, which may stand between and above them. References are dashed, with the band that their "
+      "tolerance allows.</p>\n" +
+          figures);
 }
 
 }  // namespace strake::report

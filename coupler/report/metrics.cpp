@@ -16,9 +16,10 @@ namespace {
 struct Reference {
   std::string probe, metric, kind, source;
   double value = 0;
+  std::optional<double> tolerance;  // relative; of a reference of 0 in its unit
   bool same(const Judged& judged) const {
     return probe == judged.probe && metric == judged.metric && kind == judged.kind &&
-           source == judged.source && value == judged.reference;
+           source == judged.source && value == judged.reference && tolerance == judged.tolerance;
   }
 };
 
@@ -28,7 +29,8 @@ std::vector<Reference> references_of(const std::vector<Recorded>& runs) {
     for (const Judged& judged : run.compare)
       if (std::none_of(references.begin(), references.end(),
                        [&](const Reference& r) { return r.same(judged); }))
-        references.push_back({judged.probe, judged.metric, judged.kind, judged.source, judged.reference});
+        references.push_back(
+            {judged.probe, judged.metric, judged.kind, judged.source, judged.reference, judged.tolerance});
   return references;
 }
 
@@ -49,6 +51,21 @@ std::string words(std::string metric) {
   if (metric == "mean_peak_50us") return "largest mean of 50 µs";
   std::replace(metric.begin(), metric.end(), '_', ' ');
   return metric;
+}
+
+/// "± 15 %", of a reference of 0 "± 3 mm".
+std::string allowed(const Reference& reference, const std::string& unit) {
+  if (!reference.tolerance) return {};
+  const double part = *reference.tolerance;
+  const std::string text = reference.value == 0 ? quantity(part, unit) : fmt::format("{:.3g} %", 100 * part);
+  return fmt::format(" <span class=\"n\" data-value=\"{}\">± {}</span>", exact(part), escape(text));
+}
+
+/// Whether a time integral or a mean of 50 µs of this quantity tells anything: of loads, not of a deflection.
+bool is_load(const std::string& unit) {
+  for (const char* load : {"Pa", "N", "N/m", "N m"})
+    if (unit == load) return true;
+  return false;
 }
 
 const Judged* judged_by(const Recorded& run, const Reference& reference) {
@@ -76,7 +93,9 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
     if (const ProbeResult* result = run.probe(probe))
       for (const auto& [metric, value] : result->metrics)
         if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) metrics.push_back(metric);
-  std::erase_if(metrics, [&](const std::string& metric) {  // metrics that no run has
+  const bool load = is_load(unit_of(runs, probe, "peak"));
+  std::erase_if(metrics, [&](const std::string& metric) {  // metrics that no run has, or that mean nothing
+    if (!load && (metric == "impulse" || metric == "mean_peak_50us")) return true;
     return std::none_of(runs.begin(), runs.end(), [&](const Recorded& run) {
       const ProbeResult* result = run.probe(probe);
       return result != nullptr && result->metric(metric);
@@ -116,6 +135,7 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
       for (std::size_t i = 0; i < references.size(); ++i)
         if (references[i].probe == probe && references[i].metric == metric && references[i].kind == kind)
           cell += (cell.empty() ? "" : "<br>") + number_cell(references[i].value, unit) +
+                  allowed(references[i], unit) +
                   fmt::format(" <a href=\"#source-{0}\" aria-label=\"source {0}\">[{0}]</a>", i + 1);
       cells.push_back(cell.empty() ? "–" : cell);
     }
@@ -173,8 +193,8 @@ std::string metrics(const std::vector<Recorded>& runs) {
   for (const Reference& reference : references) list(reference.probe);  // what is judged comes first
   for (const Recorded& run : runs)
     for (const ProbeResult& result : run.probes) list(result.probe);
-  // A component of a millionth of its sisters is round-off: it stands apart, folded away.
-  double largest = 0;
+  // A component of a millionth of its sisters is round-off: it stands apart, folded away. A moment counts by
+  // its lever arm, in metres, beside the force.
   const auto size = [&](const std::string& probe) {
     double most = 0;
     for (const Recorded& run : runs)
@@ -185,13 +205,18 @@ std::string metrics(const std::vector<Recorded>& runs) {
   const auto component = [](const std::string& probe) {
     return probe.size() > 2 && probe[probe.size() - 2] == '.';
   };
+  const auto family = [](const std::string& probe) {
+    return probe.starts_with("moment.") ? std::string("force") : probe.substr(0, probe.rfind('.'));
+  };
+  std::map<std::string, double> largest;  // by family
   for (const std::string& probe : probes)
-    if (component(probe)) largest = std::max(largest, size(probe));
+    if (component(probe) && !probe.starts_with("moment."))
+      largest[family(probe)] = std::max(largest[family(probe)], size(probe));
   std::string body, folded;
   for (const std::string& probe : probes) {
     const bool judged = std::any_of(references.begin(), references.end(),
                                     [&](const Reference& r) { return r.probe == probe; });
-    const bool noise = component(probe) && !judged && size(probe) < 1e-6 * largest;
+    const bool noise = component(probe) && !judged && size(probe) <= 1e-6 * largest[family(probe)];
     (noise ? folded : body) += metric_table(runs, references, probe);
   }
   if (!folded.empty())

@@ -37,22 +37,41 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// The word after an option in a command line of the case's first lines.
+std::string option_in(const std::string& line, const std::string& option) {
+  const std::size_t at = line.find(option + " ");
+  if (at == std::string::npos) return {};
+  const std::size_t begin = at + option.size() + 1;
+  return line.substr(begin, line.find(' ', begin) - begin);
+}
+
+/// Whether a note of the case's first lines is about this run. One that begins with the tag of a `run` line
+/// is about that variant. What the case expects stands beside the numbers where references judge them.
+bool is_of_this_run(const Recorded& run, const std::string& word, const std::string& text) {
+  if (word == "expect" && !run.compare.empty()) return false;
+  const std::string first = text.substr(0, text.find_first_of(" ,:("));
+  for (const auto& [other, line] : run.notes)
+    if (other == "run" && !first.empty() && option_in(line, "--tag") == first)
+      return run.folder.filename().string().ends_with("-" + first);
+  return true;
+}
+
 }  // namespace
 
 std::string what_was_run(const std::vector<Recorded>& runs) {
   HtmlTable table("The runs of this report");
   table.head({"run", "state", "solvers", "simulated", "windows", "iterations of a window", "wall time",
-              "threads", "started (UTC)", "Strake"});
+              "threads", "host", "started (UTC)", "Strake", "compiler"});
   std::string problems;
   for (const Recorded& run : runs) {
-    table.row(
-        {escape(run.name), state_badge(run), solvers(run), number_cell(run.end_time, "s"),
-         number_cell(run.windows, "1"), number_cell(run.mean_iterations, "1"),
-         fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(run.wall_seconds),
-                     duration(run.wall_seconds)),
-         number_cell(run.origin.threads, "1"),
-         "<span class=\"n\">" + escape(minute(run.origin.started)) + "</span>",
-         escape(run.origin.version + (run.origin.commit.empty() ? "" : " (" + run.origin.commit + ")"))});
+    table.row({escape(run.name), state_badge(run), solvers(run), number_cell(run.end_time, "s"),
+               number_cell(run.windows, "1"), number_cell(run.mean_iterations, "1"),
+               fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(run.wall_seconds),
+                           duration(run.wall_seconds)),
+               number_cell(run.origin.threads, "1"), escape(run.origin.host),
+               "<span class=\"n\">" + escape(minute(run.origin.started)) + "</span>",
+               escape(run.origin.version + (run.origin.commit.empty() ? "" : " (" + run.origin.commit + ")")),
+               escape(run.origin.compiler)});
     for (const std::string& problem : run.problems)
       problems += "<li>" + escape(run.name + ": " + problem) + "</li>\n";
     if (!run.origin.error.empty())
@@ -68,11 +87,30 @@ std::string what_was_run(const std::vector<Recorded>& runs) {
   for (const Recorded& run : runs) {
     std::string notes;
     for (const auto& [word, text] : run.notes)
-      if (word != "run" && said.insert(word + text).second)
+      if (word != "run" && is_of_this_run(run, word, text) && said.insert(word + text).second)
         notes += "<dt>" + escape(word) + "</dt><dd>" + escape(text) + "</dd>\n";
     if (!notes.empty()) body += "<dl>\n" + notes + "</dl>\n";
   }
   return section("runs", "What was run", body + table.html());
+}
+
+std::string limits(const std::vector<Recorded>& runs) {
+  std::set<std::string> spacings;
+  bool water = false;
+  for (const Recorded& run : runs) {
+    const bool has = run.solver.contains("fluid");
+    water = water || has;
+    if (has && !run.setting("fluid.spacing").empty()) spacings.insert(run.setting("fluid.spacing"));
+  }
+  if (!water) return {};
+  std::string items =
+      "<li>The water has no air over it: cushions under flat faces, pockets that waves shut in and spray in "
+      "air are not computed.</li>\n";
+  if (spacings.size() == 1)
+    items += "<li>All runs have one spacing, " + escape(*spacings.begin()) +
+             " m: how far their numbers depend on it is not shown here. Halve fluid.spacing and report both "
+             "runs.</li>\n";
+  return section("limits", "Limits", "<ul>\n" + items + "</ul>\n");
 }
 
 std::string drawing_of_case(const std::vector<Recorded>& runs) {

@@ -108,6 +108,8 @@ void read_record(const Json& record, Recorded& run) {
   run.origin.version = string_of(record, "strake");
   run.origin.commit = string_of(record, "commit");
   run.origin.started = string_of(record, "started");
+  run.origin.host = string_of(record, "host");
+  run.origin.compiler = string_of(record, "compiler");
   run.origin.threads = number_of(record, "threads");
   if (const auto code = number_of(record, "exit_code")) run.exit_code = static_cast<int>(*code);
   const Json& error = member(record, "error");

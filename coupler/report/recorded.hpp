@@ -41,6 +41,7 @@ struct FailureEvent {
 /// Who ran it, and how: of run.json.
 struct Origin {
   std::string version, commit, started, error;
+  std::string host, compiler;
   std::vector<std::string> command;
   std::optional<double> threads;
 };

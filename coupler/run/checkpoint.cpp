@@ -2,6 +2,7 @@
 
 #include "coupler/run/checksums.hpp"
 #include "proto/error.hpp"
+#include "proto/files/history.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/files/whole_file.hpp"
 
@@ -175,6 +176,29 @@ RunPlan Checkpoints::resume(const fs::path& source, Session& session, Summary& s
   }
   forget(source);
   return plan;
+}
+
+/// Compares the end of the case with the last row of history.csv, t_h, and with the checkpoint's number.
+/// A resume cuts all files behind its checkpoint, so an end before t_h would lose rows.
+void check_end_time(const CaseView& view, const fs::path& run_folder, const fs::path& checkpoint) {
+  constexpr double slack = 1e-6;  // as in WindowLoop
+  const fs::path path = run_folder / "history.csv";
+  if (std::error_code none; !fs::exists(path, none)) return;  // whoever opens it says so
+  const Table history = read_table(path);
+  if (history.columns.size() < 2 || history.rows() == 0) return;
+  const double window = history.value[0].back(), computed = history.value[1].back();
+  const double past = view.common.end_time - computed, tolerance = slack * window_of(view);
+  const std::string upto = fmt::format("is computed to t = {:.6g} s", computed);
+  if (past < -tolerance)
+    throw Error(
+        ExitCode::command_line, run_folder.string(),
+        fmt::format("{}; going on to end_time = {:.6g} s would lose what lies behind it", upto,
+                    view.common.end_time),
+        fmt::format("set end_time = {:.6g} or later, or run it to the earlier time under a --tag of its own",
+                    computed));
+  if (past < tolerance && window <= static_cast<double>(Checkpoints::window_of(checkpoint)))
+    throw Error(ExitCode::command_line, run_folder.string(), upto + ", the end_time: nothing is left to do",
+                "set a later end_time to go on");
 }
 
 void check_same_case(const CaseView& view, const fs::path& run_folder) {

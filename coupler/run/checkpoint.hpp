@@ -46,4 +46,9 @@ class Checkpoints {
 /// says how long, how often and how fast may change.
 void check_same_case(const CaseView&, const std::filesystem::path& run_folder);
 
+/// Throws Error(command_line) when the case ends before the run does, or has no window left to compute. A
+/// resume from this checkpoint would drop rows, or end with a summary of nothing.
+void check_end_time(const CaseView&, const std::filesystem::path& run_folder,
+                    const std::filesystem::path& checkpoint);
+
 }  // namespace strake

@@ -1,5 +1,6 @@
 #include "coupler/run/run_files.hpp"
 
+#include "coupler/summary/history_metrics.hpp"
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
 
@@ -25,6 +26,9 @@ std::vector<Column> history_columns(const RunFiles::Options& options) {
                                    {"force.x", newton},
                                    {"force.y", newton}});
     if (dimension == 3) columns.push_back({"force.z", newton});
+    if (options.tells_moment && dimension == 2) columns.push_back({"moment.z", "N"});
+    if (options.tells_moment && dimension == 3)
+      columns.insert(columns.end(), {{"moment.x", "N m"}, {"moment.y", "N m"}, {"moment.z", "N m"}});
     columns.push_back({"work_gap", "1"});
   }
   columns.insert(columns.end(), options.columns.begin(), options.columns.end());
@@ -71,6 +75,13 @@ std::unique_ptr<History> open(const std::filesystem::path& path, const std::vect
   return history;
 }
 
+/// Whether the run that is continued was begun by a version that wrote no moments.
+bool is_without_moment(const std::filesystem::path& history, const std::optional<LoopState>& resumed) {
+  std::error_code none;
+  if (!resumed || resumed->windows == 0 || !std::filesystem::exists(history, none)) return false;
+  return !read_table(history).find("moment.z");
+}
+
 void add_force(std::vector<double>& row, const Eigen::Vector3d& force, int dimension) {
   row.push_back(force.x());
   row.push_back(force.y());
@@ -81,6 +92,7 @@ void add_force(std::vector<double>& row, const Eigen::Vector3d& force, int dimen
 
 RunFiles::RunFiles(Options options) : options_(std::move(options)) {
   const auto& folder = options_.folder;
+  options_.tells_moment = !is_without_moment(folder / "history.csv", options_.resumed);
   table_.columns = history_columns(options_);
   table_.value.resize(table_.columns.size());
   history_ = open(folder / "history.csv", table_.columns, options_.resumed, &table_);
@@ -90,6 +102,13 @@ RunFiles::RunFiles(Options options) : options_(std::move(options)) {
   if (options_.resumed) interface_->resume(options_.resumed->time);
 }
 
+void RunFiles::add_moment(std::vector<double>& row, const WindowReport& report) const {
+  const Eigen::Vector3d moment =
+      moment_about_middle(options_.mesh.position, report.displacement, report.force);
+  if (options_.dimension == 3) row.insert(row.end(), {moment.x(), moment.y()});
+  row.push_back(moment.z());
+}
+
 void RunFiles::append(const CommittedWindow& window, const std::vector<double>& values, double wall) {
   const WindowReport& report = window.report;
   std::vector<double> row = {static_cast<double>(window.number), window.time};
@@ -97,6 +116,7 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
     row.push_back(report.iterations);
     row.push_back(report.residual);
     add_force(row, report.total_force(), options_.dimension);
+    if (options_.tells_moment) add_moment(row, report);
     row.push_back(report.work.gap());
   }
   row.insert(row.end(), values.begin(), values.end());

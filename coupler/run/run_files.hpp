@@ -27,6 +27,7 @@ class RunFiles {
     std::vector<Column> measured;                 // fields with a residual, Scheme::measured
     std::optional<LoopState> resumed;             // lines after it are dropped
     std::function<void(const std::string&)> say;  // receives messages for the user; may be empty
+    bool tells_moment = true;                     // history.csv has the moment of the force
   };
   explicit RunFiles(Options);
 
@@ -39,6 +40,7 @@ class RunFiles {
   const Table& table() const { return table_; }
 
  private:
+  void add_moment(std::vector<double>& row, const WindowReport&) const;
   void append_timing(const CommittedWindow&, double wall);
   std::unique_ptr<History> open_timing(const std::vector<Column>&) const;
   Options options_;

@@ -184,6 +184,7 @@ RunRecord::RunRecord(fs::path folder, const std::vector<std::string>& command_li
   data_["commit"] = strake_commit();
   data_["command"] = command_line;
   data_["host"] = host_name();
+  data_["compiler"] = compiler();
   data_["started"] = utc_now();
   data_["ended"] = nullptr;
   data_["exit_code"] = nullptr;
@@ -220,6 +221,14 @@ std::string strake_version() {
 }
 std::string strake_commit() {
   return STRAKE_COMMIT;
+}
+
+std::string compiler() {
+#ifdef __clang__
+  return fmt::format("clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#else
+  return fmt::format("gcc {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#endif
 }
 
 std::string utc_now() {

@@ -1,6 +1,8 @@
 #include "coupler/study/results.hpp"
 
 #include "coupler/compare/comparison.hpp"
+#include "coupler/console/join.hpp"
+#include "proto/error.hpp"
 
 #include <fmt/format.h>
 
@@ -179,6 +181,31 @@ Results collect(const Plan& plan, std::map<std::string, Outcome> outcome) {
     for (const auto& [probe, unit] : units_of(summary_of(o.folder))) results.unit.emplace(probe, unit);
   }
   return results;
+}
+
+void refuse_unknown_probes(const Results& results) {
+  std::vector<std::string> known;
+  for (const auto& [run, values] : results.values)
+    for (const auto& [name, value] : values)
+      if (const auto colon = name.find(':'); colon != std::string::npos)
+        known.push_back(name.substr(0, colon));
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  if (known.empty()) return;
+  const auto look = [&](const std::string& table, const std::string& probe) {
+    if (probe.empty() || std::find(known.begin(), known.end(), probe) != known.end()) return;
+    const std::string near = did_you_mean(probe, known);
+    throw Error(ExitCode::case_file,
+                fmt::format("{}: [[{}]] probe = \"{}\"", results.plan->file.string(), table, probe),
+                "no run has it; they have " + joined(known),
+                near.empty() ? "name one of them; a second start runs nothing again"
+                             : fmt::format("did you mean \"{}\"? A second start runs nothing again", near));
+  };
+  const Plan& plan = *results.plan;
+  for (const Quantity& q : plan.columns) look("column", q.probe);
+  for (const Check& check : plan.checks) look("check", check.quantity.probe);
+  for (const Reference& reference : plan.references) look("reference", reference.quantity.probe);
+  for (const Convergence& convergence : plan.convergences) look("convergence", convergence.quantity.probe);
 }
 
 std::vector<CheckResult> judge_checks(const Results& results) {

@@ -29,6 +29,8 @@ struct Results {
   std::vector<const PlannedRun*> runs(const Filter&) const;
 };
 Results collect(const Plan&, std::map<std::string, Outcome>);
+/// Throws Error(case_file) for a probe that the plan asks for and no finished run has.
+void refuse_unknown_probes(const Results&);
 
 /// One deviation and its limit.
 struct CheckResult {

@@ -315,6 +315,7 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
     print_claims(claims);
   }
   print_checks(checks);
+  refuse_unknown_probes(results);
   return close_study(options, stop, results, checks, folder, seconds);
 }
 

@@ -1,6 +1,7 @@
 #include "coupler/summary/summary.hpp"
 
 #include "coupler/summary/failure_notes.hpp"
+#include "coupler/summary/history_metrics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -100,19 +101,34 @@ void Summary::add(const CommittedWindow& window) {
   drop_peaks_before_contact();
 }
 
+/// Earliest contact that a sensor has found [s]; 0 where nobody looks for one, infinite while it is awaited.
+double Summary::contact_time() const {
+  if (fluid_.contains("count.awaiting_contact")) return std::numeric_limits<double>::infinity();
+  double contact = 0;
+  for (const auto& [key, value] : results_)
+    if (key.ends_with(":contact")) contact = contact == 0 ? value : std::min(contact, value);
+  return contact;
+}
+
 /// A first peak is one after contact (cases/VALIDATION.md, "Definitions"), which only the fluid detects.
 /// Values of a structure's probe before contact are vibrations of a body in the air.
 void Summary::drop_peaks_before_contact() {
-  double contact = fluid_.contains("count.awaiting_contact") ? std::numeric_limits<double>::infinity() : 0;
-  if (contact == 0)
-    for (const auto& [key, value] : results_)
-      if (key.ends_with(":contact")) contact = contact == 0 ? value : std::min(contact, value);
+  const double contact = contact_time();
   for (const std::string& probe : probes_) {
     const auto time = results_.find(probe + ":time_of_first_peak");
     if (time == results_.end() || time->second >= contact) continue;
     results_.erase(time);
     results_.erase(probe + ":first_peak");
   }
+}
+
+void Summary::take_history(const Table& history) {
+  const double contact = contact_time();
+  of_history_ = columns_without_record(history, probes_);
+  for (const std::string& column : of_history_)
+    for (const auto& [metric, value] :
+         metrics_of_column(history, column, std::isfinite(contact) ? std::optional(contact) : std::nullopt))
+      results_[column + ":" + metric] = value;
 }
 
 double Summary::mean_iterations() const {
@@ -147,13 +163,14 @@ Json Summary::json() const {
       {"fluid", bytes(fluid_)}, {"structure", bytes(structure_)}, {"coupler", bytes(coupler_memory)}};
 
   json["probes"] = Json::object();
-  for (const std::string& probe : probes_) {
-    const auto unit = unit_.find(probe);
-    Json entry;
-    entry["unit"] = unit == unit_.end() ? Json(nullptr) : Json(unit->second);
-    for (const char* metric : metrics) entry[metric] = lookup(results_, probe + ":" + metric);
-    json["probes"][probe] = entry;
-  }
+  for (const auto* names : {&probes_, &of_history_})
+    for (const std::string& probe : *names) {
+      const auto unit = unit_.find(probe);
+      Json entry;
+      entry["unit"] = unit == unit_.end() ? Json(nullptr) : Json(unit->second);
+      for (const char* metric : metrics) entry[metric] = lookup(results_, probe + ":" + metric);
+      json["probes"][probe] = entry;
+    }
 
   json["checks"]["work_gap"] = coupled_ ? finite(work_gap_) : Json(nullptr);
   for (const char* check : {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids",

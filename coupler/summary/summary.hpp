@@ -21,6 +21,8 @@ class Summary {
   /// Columns of history.csv: where the units of the probes come from.
   void describe(const std::vector<Column>&);
   void add(const CommittedWindow&);
+  /// Results of the columns that no participant keeps a record of; taken anew at each call.
+  void take_history(const Table& history);
 
   ExitCode exit_code = ExitCode::done;
   double wall_seconds = 0;
@@ -45,6 +47,7 @@ class Summary {
   void load(const Archive&);
 
  private:
+  double contact_time() const;
   void drop_peaks_before_contact();
   std::string case_, tag_;
   double time_ = 0;
@@ -53,6 +56,7 @@ class Summary {
   double work_gap_ = 0;
   bool coupled_ = false;
   std::vector<std::string> probes_;          // in the order of their first mention
+  std::vector<std::string> of_history_;      // without a record: force.y, moment.z …
   std::map<std::string, std::string> unit_;  // of columns
   std::map<std::string, double> results_;
   std::map<std::string, double> fluid_, structure_;  // reserved monitors as last reported

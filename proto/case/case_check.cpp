@@ -1,9 +1,11 @@
 // Reports keys that no program declared.
 #include "proto/case/case_document.hpp"
+#include "proto/case/refusals.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace strake {
 namespace {
@@ -78,7 +80,7 @@ std::string advice(const Document& document, const std::string& path) {
   const auto explain = [&](const std::string& table) {
     return document.explained ? fmt::format("  ({})", command(table)) : std::string();
   };
-  if (const std::string near = did_you_mean(name, siblings); !near.empty())
+  if (const std::string near = meant_key(name, siblings); !near.empty())
     return fmt::format("did you mean {}?{}", quoted_key(near), explain(parent));
   if (!elsewhere.empty())
     return fmt::format("did you mean {}?{}", elsewhere.front(),
@@ -109,8 +111,26 @@ void CaseFile::refuse_unknown(const std::string& prefix) const {
   for (std::size_t i = 1; i < search.found.size(); ++i)
     problem += fmt::format("\n{}: {} is not a key; {}", place(search.found[i]), search.found[i].path,
                            advice(document, search.found[i].path));
-  throw Error(ExitCode::case_file, place(search.found.front()), problem,
-              advice(document, search.found.front().path));
+  const Error unknown(ExitCode::case_file, place(search.found.front()), problem,
+                      advice(document, search.found.front().path));
+  if (!document.collects) throw unknown;
+  document_->refused.push_back(unknown);
+}
+
+void CaseFile::read_all(const std::function<void()>& read) {
+  Document& document = *document_;
+  document.collects = true;
+  document.refused.clear();
+  std::optional<Error> last;
+  try {
+    read();
+  } catch (const Error& error) {
+    last = error;
+  }
+  document.collects = false;
+  if (last && last->code() != ExitCode::case_file) throw *last;
+  if (!document.refused.empty()) throw all_of(document.refused);
+  if (last) throw *last;
 }
 
 }  // namespace strake

@@ -19,6 +19,21 @@ class Declaration {
   /// True if there is a value; throws if there is none and one is needed. sample: the line that the fix
   /// proposes.
   bool given(bool required, const std::string& sample) const;
+  /// Takes the value by `read`. Where a file is read to its end, an error is remembered. The reading ends
+  /// only if no value makes sense in its place: of a missing key, of a choice.
+  template <class Read>
+  void take(bool needed, const Read& read) {
+    if (!document_.collects) return read();
+    try {
+      read();
+    } catch (const Error& error) {
+      document_.refused.push_back(error);
+      refused_ = true;
+      if (needed) throw;
+    }
+  }
+  /// Whether `take` has remembered an error.
+  bool refused() const { return refused_; }
   /// True if the value shall come from preset "paper".
   bool takes_paper(bool has_paper);
   /// echoed = false: the value would not pass its own checks; it means "not given".
@@ -32,6 +47,7 @@ class Declaration {
 
  private:
   CaseFile::Document& document_;
+  bool refused_ = false;
 };
 
 }  // namespace strake

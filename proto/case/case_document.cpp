@@ -80,6 +80,29 @@ bool lies_below(const std::string& path, const std::string& prefix) {
   return path.starts_with(prefix) && (path[prefix.size()] == '.' || path[prefix.size()] == '[');
 }
 
+std::string meant_key(const std::string& word, const std::vector<std::string>& known) {
+  static const std::map<std::string, std::vector<std::string>> other_names = {
+      {"young", {"E", "e", "youngs_modulus", "young_modulus", "elastic_modulus", "modulus"}},
+      {"poisson", {"nu", "poisson_ratio", "poissons_ratio"}},
+      {"density", {"rho", "mass", "mass_density"}},
+      {"kinematic_viscosity", {"nu", "viscosity"}},
+      {"gravity", {"g"}},
+      {"velocity", {"v", "speed"}},
+      {"spacing", {"h", "dx", "l0", "particle_distance", "resolution"}},
+      {"sound_speed", {"c", "c0", "speed_of_sound"}},
+      {"thickness", {"t", "h"}},
+      {"length", {"L", "l", "width"}},
+      {"radius", {"r", "R"}},
+      {"deadrise", {"angle", "beta"}},
+      {"end_time", {"t_end", "tend", "end", "duration", "time"}},
+      {"time_step", {"dt", "timestep", "step"}},
+      {"window", {"dt", "time_step"}}};
+  for (const std::string& key : known)
+    if (const auto names = other_names.find(key); names != other_names.end())
+      if (std::find(names->second.begin(), names->second.end(), word) != names->second.end()) return key;
+  return did_you_mean(word, known);
+}
+
 std::string to_toml(double value) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
@@ -239,7 +262,7 @@ Error CaseFile::Document::missing(const std::string& path, const std::string& ex
   // helpful.
   for (auto&& [there, node] : table && table->is_table() ? *table->as_table() : toml::table()) {
     const std::string stranger = parent + "." + quoted_key(std::string(there.str()));
-    if (index.contains(stranger) || did_you_mean(std::string(there.str()), {key}).empty()) continue;
+    if (index.contains(stranger) || meant_key(std::string(there.str()), {key}).empty()) continue;
     const Set* set = set_of(stranger);
     return {ExitCode::case_file, set ? "--set " + set->argument : place(there.source().begin),
             stranger + " is not a key",

@@ -29,6 +29,10 @@ std::pair<std::string, std::string> parent_and_name(const std::string& path);
 /// True if `path` is `prefix` or lies below it; everything lies below the empty prefix.
 bool lies_below(const std::string& path, const std::string& prefix);
 
+/// The key of `known` that a word means: another name of the quantity (E is young), or a slip of the pen.
+/// Empty if there is none.
+std::string meant_key(const std::string& word, const std::vector<std::string>& known);
+
 std::string to_toml(double);  // shortest text that reads back to the same value: 0.01, 2.1e11, inf
 std::string to_toml(const std::string&);
 std::string to_toml(const toml::node&);
@@ -52,6 +56,8 @@ struct CaseFile::Document {
   bool only_declares = false;
   bool explained = true;  // `strake explain` lists its keys
   std::string preset = "improved";
+  bool collects = false;       // in read_all: what is wrong goes to `refused`
+  std::vector<Error> refused;  // so far
 
   std::vector<KeyInfo> keys;  // one per declaration, in order
   std::vector<bool> echoed;   // false: the value would not pass its own checks (it means "not given")

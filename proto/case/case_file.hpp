@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -81,6 +82,10 @@ class CaseFile {
   CaseTable root();
   /// The file is no case (a study): its messages do not point to `strake explain`.
   void not_a_case();
+  /// Reads by `read` and throws one Error(case_file) with everything that it refuses. A wrong number or flag
+  /// that has a default is remembered and the reading goes on. What decides how to read on ends it: a choice,
+  /// a missing key. A check across keys counts only where all keys are right.
+  void read_all(const std::function<void()>& read);
   /// Error for every key below `prefix` ("fluid"; empty: the whole file) that no declaration has touched,
   /// with did-you-mean. Call after all reading.
   void refuse_unknown(const std::string& prefix = {}) const;

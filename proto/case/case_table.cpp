@@ -169,21 +169,24 @@ void CaseTable::number(const std::string& name, double& value, const NumberKey& 
   d.default_passes = !key.required && in_range(value, key, infinite);
   if (key.paper) d.info.paper_value = to_toml(*key.paper);
   d.expected = "a number" + in_unit(key.unit) + (declared.empty() ? "" : ", " + declared) + or_inf;
-  if (d.given(key.required, "<number>")) {
-    const std::optional<double> given = as_number(*d.node, d.set);
-    std::string fix;
-    if (!given)
-      if (const auto* text = d.node->as_string())
-        if (const std::string number = without_unit(text->get(), key.unit); !number.empty())
-          fix = d.name() + " = " + number;
-    if (!given || !in_range(*given, key, infinite)) throw d.wrong(d.expected, fix);
-    if (!in_range(*given, wide, infinite))
-      throw d.wrong("a number" + in_unit(key.unit) + ", " + range_text(wide.min, wide.max, wide.exclusive) +
-                    or_inf);
-    value = *given;
-  } else if (d.takes_paper(key.paper.has_value())) {
-    value = *key.paper;
-  }
+  d.take(key.required && !d.node, [&] {
+    if (d.given(key.required, "<number>")) {
+      const std::optional<double> given = as_number(*d.node, d.set);
+      std::string fix;
+      if (!given)
+        if (const auto* text = d.node->as_string())
+          if (const std::string number = without_unit(text->get(), key.unit); !number.empty())
+            fix = d.name() + " = " + number;
+      if (!given || !in_range(*given, key, infinite)) throw d.wrong(d.expected, fix);
+      if (!in_range(*given, wide, infinite))
+        throw d.wrong("a number" + in_unit(key.unit) + ", " + range_text(wide.min, wide.max, wide.exclusive) +
+                      or_inf);
+      value = *given;
+    } else if (d.takes_paper(key.paper.has_value())) {
+      value = *key.paper;
+    }
+  });
+  if (d.refused() && !in_range(value, wide, infinite)) value = std::clamp(1.0, wide.min, wide.max);
   d.record(to_toml(value), in_range(value, key, infinite));
 }
 
@@ -196,14 +199,17 @@ void CaseTable::integer(const std::string& name, int& value, const IntegerKey& k
   d.default_passes = !key.required && value >= key.min && value <= key.max;
   if (key.paper) d.info.paper_value = fmt::format("{}", *key.paper);
   d.expected = "a whole number" + (d.info.range.empty() ? "" : ", " + d.info.range);
-  if (d.given(key.required, "<whole number>")) {
-    const std::optional<double> given = as_number(*d.node, d.set);  // 1e3 is whole, too
-    if (!given || *given != std::floor(*given) || *given < key.min || *given > key.max)
-      throw d.wrong(d.expected);
-    value = static_cast<int>(*given);
-  } else if (d.takes_paper(key.paper.has_value())) {
-    value = *key.paper;
-  }
+  d.take(key.required && !d.node, [&] {
+    if (d.given(key.required, "<whole number>")) {
+      const std::optional<double> given = as_number(*d.node, d.set);  // 1e3 is whole, too
+      if (!given || *given != std::floor(*given) || *given < key.min || *given > key.max)
+        throw d.wrong(d.expected);
+      value = static_cast<int>(*given);
+    } else if (d.takes_paper(key.paper.has_value())) {
+      value = *key.paper;
+    }
+  });
+  if (d.refused()) value = std::clamp(value, key.min, key.max);
   d.record(fmt::format("{}", value), value >= key.min && value <= key.max);
 }
 
@@ -212,13 +218,15 @@ void CaseTable::flag(const std::string& name, bool& value, const FlagKey& key) {
   d.info.default_value = value ? "true" : "false";
   if (key.paper) d.info.paper_value = *key.paper ? "true" : "false";
   d.expected = "true or false";
-  if (d.node) {
-    const auto* given = d.node->as_boolean();
-    if (!given) throw d.wrong(d.expected);
-    value = given->get();
-  } else if (d.takes_paper(key.paper.has_value())) {
-    value = *key.paper;
-  }
+  d.take(false, [&] {
+    if (d.node) {
+      const auto* given = d.node->as_boolean();
+      if (!given) throw d.wrong(d.expected);
+      value = given->get();
+    } else if (d.takes_paper(key.paper.has_value())) {
+      value = *key.paper;
+    }
+  });
   d.record(value ? "true" : "false");
 }
 
@@ -227,7 +235,9 @@ void CaseTable::vector(const std::string& name, Eigen::Vector3d& value, const Ve
   d.info.default_value = key.required ? "" : to_text(value);
   d.default_passes = !key.required;
   d.expected = "[x, y] or [x, y, z]" + in_unit(key.unit);
-  if (d.given(key.required, "[x, y]")) value = read_vector(d, *d.node);
+  d.take(key.required && !d.node, [&] {
+    if (d.given(key.required, "[x, y]")) value = read_vector(d, *d.node);
+  });
   d.record(to_text(value), d.node || !key.required);
 }
 
@@ -237,16 +247,18 @@ void CaseTable::box(const std::string& name, Box& value, const VectorKey& key) {
   d.default_passes = !key.required && is_box(value);
   d.info.default_value = d.default_passes ? text(value) : "";
   d.expected = "two corners [[x, y], [x, y]]" + in_unit(key.unit) + ", the lower one first";
-  if (d.given(key.required, "[[x, y], [x, y]]")) {
-    const toml::array* corners = d.node->as_array();
-    if (!corners || corners->size() != 2) throw d.wrong(d.expected);
-    const Box given{read_vector(d, *corners->get(0)), read_vector(d, *corners->get(1))};
-    if (!is_box(given)) {
-      const Box ordered{given.min.cwiseMin(given.max), given.min.cwiseMax(given.max)};
-      throw d.wrong(d.expected, is_box(ordered) ? d.name() + " = " + text(ordered) : "");
+  d.take(key.required, [&] {
+    if (d.given(key.required, "[[x, y], [x, y]]")) {
+      const toml::array* corners = d.node->as_array();
+      if (!corners || corners->size() != 2) throw d.wrong(d.expected);
+      const Box given{read_vector(d, *corners->get(0)), read_vector(d, *corners->get(1))};
+      if (!is_box(given)) {
+        const Box ordered{given.min.cwiseMin(given.max), given.min.cwiseMax(given.max)};
+        throw d.wrong(d.expected, is_box(ordered) ? d.name() + " = " + text(ordered) : "");
+      }
+      value = given;
     }
-    value = given;
-  }
+  });
   d.record(text(value), is_box(value));
 }
 

@@ -99,24 +99,26 @@ void CaseTable::choice(const std::string& name, std::string& value, const std::v
   d.info.default_value = key.required ? "" : value;
   d.default_passes = false;
   if (key.paper) d.info.paper_value = *key.paper;
-  if (d.given(key.required, choices.empty() ? "\"<text>\"" : to_toml(choices.front()))) {
-    const std::optional<std::string> given = as_text(d);
-    if (!given) throw d.wrong(d.expected);
-    if (key.or_path && given->find('/') != std::string::npos) {
-      value = absolute_below(document_->folder(), *given).string();  // perhaps of another machine
-    } else if (is_choice(*given)) {
-      value = *given;
-    } else if (std::find(key.not_built.begin(), key.not_built.end(), *given) != key.not_built.end()) {
-      throw d.wrong(d.expected + "; " + to_toml(*given) + " is not built yet", "choose another");
-    } else {
-      const std::string near = did_you_mean(*given, choices);
-      throw d.wrong(d.expected, !near.empty()      ? "did you mean " + to_toml(near) + "?"
-                                : is_choice(value) ? d.name() + " = " + to_toml(value) + " is the default"
-                                                   : "");
+  d.take(true, [&] {
+    if (d.given(key.required, choices.empty() ? "\"<text>\"" : to_toml(choices.front()))) {
+      const std::optional<std::string> given = as_text(d);
+      if (!given) throw d.wrong(d.expected);
+      if (key.or_path && given->find('/') != std::string::npos) {
+        value = absolute_below(document_->folder(), *given).string();  // perhaps of another machine
+      } else if (is_choice(*given)) {
+        value = *given;
+      } else if (std::find(key.not_built.begin(), key.not_built.end(), *given) != key.not_built.end()) {
+        throw d.wrong(d.expected + "; " + to_toml(*given) + " is not built yet", "choose another");
+      } else {
+        const std::string near = did_you_mean(*given, choices);
+        throw d.wrong(d.expected, !near.empty()      ? "did you mean " + to_toml(near) + "?"
+                                  : is_choice(value) ? d.name() + " = " + to_toml(value) + " is the default"
+                                                     : "");
+      }
+    } else if (d.takes_paper(key.paper.has_value())) {
+      value = *key.paper;
     }
-  } else if (d.takes_paper(key.paper.has_value())) {
-    value = *key.paper;
-  }
+  });
   d.record(value, d.node || is_choice(value));
 }
 

@@ -3,10 +3,12 @@
 #include "structure/body/solid_grid.hpp"
 #include "structure/mesh_files/mesh_file.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace strake::structure {
 namespace {
@@ -212,6 +214,56 @@ void read_supports(CaseTable t, bool all, Solid& solid) {
 
 }  // namespace
 
+namespace {
+
+/// x ↦ R (s x) + move: R turns about the axis through the origin.
+struct Placing {
+  double scale = 1, angle = 0;  // angle in degrees
+  Eigen::Vector3d axis = {0, 0, 1}, move = {0, 0, 0};
+};
+
+Placing read_placing(CaseTable t, const Parameters& p, bool all, bool boxes) {
+  Placing placing;
+  t.number("scale", placing.scale,
+           {.min = 0, .exclusive = true, .help = "factor on all lengths, first: 0.001 for a mesh in mm"});
+  t.number(
+      "angle", placing.angle,
+      {.unit = "deg",
+       .min = -360,
+       .max = 360,
+       .help = "turn about the axis through the origin, counter-clockwise, second; particles stay on their "
+               "lattice, which is not turned"});
+  t.vector("axis", placing.axis, {.help = "of the turn; two dimensions: z alone"});
+  t.vector("move", placing.move, {.unit = "m", .help = "shift, last"});
+  if (placing.axis.norm() == 0) throw t.error("axis", "a direction", "axis = [0, 0, 1]");
+  if (all) return placing;
+  const bool turned = placing.angle != 0;
+  if (p.shape.kind != ShapeKind::solid && (turned || placing.scale != 1 || !placing.move.isZero()))
+    throw t.error(turned               ? "angle"
+                  : placing.scale != 1 ? "scale"
+                                       : "move",
+                  "nothing: it belongs to a body of structure.mesh or structure.box",
+                  "a plate at an angle: structure.box for a rigid one, structure.mesh for an elastic one");
+  if (turned && boxes && p.kind != "rigid")
+    throw t.error("angle", fmt::format("0 for boxes: the cells of a {} structure follow the axes", p.kind),
+                  "give the body as structure.mesh, or structure.solver = \"rigid\"");
+  return placing;
+}
+
+void place(Solid& solid, const Placing& placing) {
+  const double turn = placing.angle * std::numbers::pi / 180;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(turn, placing.axis.normalized()).toRotationMatrix();
+  solid.node = ((placing.scale * R) * solid.node).colwise() + placing.move;
+  if (solid.dimension == 2) solid.node.row(2).setZero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<std::size_t>(axis);
+    if (turn != 0) solid.plane.at(k).clear();  // no longer made of boxes along the axes
+    for (double& plane : solid.plane.at(k)) plane = placing.scale * plane + placing.move[axis];
+  }
+}
+
+}  // namespace
+
 void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
   const bool all = file.only_declares();
   std::vector<SolidBox> boxes;
@@ -230,8 +282,11 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
     t.file(
         "mesh", mesh,
         {.help =
-             "cells of the body: Gmsh (.msh, text, quadrilaterals or hexahedra) or Abaqus (.inp); physical "
-             "names of cells are parts, those of their sides faces"});
+             "cells of the body: Gmsh (.msh, text) or Abaqus (.inp); triangles, tetrahedra and prisms are "
+             "cut into "
+             "quadrilaterals and hexahedra; physical names of cells are parts, those of their sides faces"});
+  const Placing placing = read_placing(
+      t.table("placed", "where a body of structure.mesh or structure.box goes"), p, all, mesh.empty());
   const bool body = p.shape.kind == ShapeKind::solid;
   if (!all && !body)
     for (const char* key : {"part", "support"})
@@ -240,6 +295,7 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
                       "structure.plate.supports for a plate");
   if (!all && body)
     p.solid = mesh.empty() ? solid_of_boxes(p.dimension, boxes) : read_mesh(mesh, p.dimension, p.material);
+  if (!all && body) place(p.solid, placing);
   if (!all && mesh.empty() && t.has("part"))
     throw t.error("part", "nothing: parts of structure.box say in their own table what they are",
                   "leave it out");

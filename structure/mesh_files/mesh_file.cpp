@@ -1,6 +1,7 @@
 #include "structure/mesh_files/mesh_file.hpp"
 
 #include "proto/error.hpp"
+#include "structure/mesh_files/cut_cells.hpp"
 #include "structure/mesh_files/mesh_text.hpp"
 
 #include <Eigen/Dense>
@@ -77,9 +78,10 @@ class MeshReader {
       number_nodes(element);
     }
     if (cells_.empty())
-      throw wrong(0, fmt::format("has no {}", dimension_ == 2 ? "quadrilaterals" : "hexahedra"),
-                  dimension_ == 2 ? "in Gmsh: Mesh.RecombineAll = 1, gmsh -2; save all physical groups"
-                                  : "gmsh -3 with recombined, extruded volumes; or fluid.dimension = 2");
+      throw wrong(0,
+                  fmt::format("has no {}",
+                              dimension_ == 2 ? "triangles or quadrilaterals" : "tetrahedra or hexahedra"),
+                  dimension_ == 2 ? "gmsh -2; save all physical groups" : "gmsh -3; or fluid.dimension = 2");
     add_cells(material);
     find_facets(solid_);
     name_faces();
@@ -93,13 +95,9 @@ class MeshReader {
   }
 
   void refuse_other_cells(const MeshText::Element& element) const {
-    if (element.kind == "triangle" && dimension_ == 2)
-      throw wrong(element.line, "a triangle: cells are quadrilaterals",
-                  "in Gmsh: Mesh.RecombineAll = 1, or Recombine Surface");
-    if (dimension_ == 3 &&
-        (element.kind == "tetrahedron" || element.kind == "prism" || element.kind == "pyramid"))
-      throw wrong(element.line, fmt::format("a {}: cells are hexahedra", element.kind),
-                  "in Gmsh: a transfinite or extruded volume with Recombine");
+    if (dimension_ == 3 && element.kind == "pyramid")
+      throw wrong(element.line, "a pyramid: cells are hexahedra, tetrahedra or prisms",
+                  "in Gmsh: volumes of tetrahedra alone, or extruded ones with Recombine");
   }
 
   void number_nodes(const MeshText::Element& element) {
@@ -184,7 +182,8 @@ Solid read_mesh(const std::filesystem::path& path, int dimension, const Material
   if (kind != ".msh" && kind != ".inp")
     throw Error(ExitCode::case_file, path.string(), "a mesh file ends in .msh (Gmsh) or .inp (Abaqus)",
                 "gmsh -2 -format msh41 FILE.geo");
-  const MeshText text = kind == ".msh" ? read_gmsh(path) : read_abaqus(path);
+  MeshText text = kind == ".msh" ? read_gmsh(path) : read_abaqus(path);
+  if (has_simplices(text, dimension)) text = cut_into_quadrilaterals(text, dimension);
   return MeshReader(path, text, dimension).read(material);
 }
 

@@ -120,7 +120,8 @@ def navigation(found):
         return {label or title(root / name): name}
 
     use = {"cases/TUTORIAL.md": "Tutorial", "cases/README.md": "Cases", "cases/VALIDATION.md": "Validation",
-           "proto/CASE_FILE.md": "Case file", "proto/RESULTS.md": "Results of a run", "proto/WIRE.md": "Messages"}
+           "proto/CASE_FILE.md": "Case file", "proto/STUDY_FILE.md": "Study file", "proto/RESULTS.md": "Results of a run",
+           "proto/WIRE.md": "Messages"}
     rooms = []
     for room, label in ROOMS.items():
         page = f"{room}/README.md"

@@ -26,6 +26,12 @@ def help_and_version(place):
     expect(result.returncode == 0, "--help exits 0")
     for command in ("run", "check", "explain", "compare", "replay", "export", "picture", "film", "report", "study", "watch", "manual"):
         expect(f"  {command} " in result.stdout, f"--help names {command}")
+    for words, meant in ((("rnu", "x.toml"), "run"), (("chekc",), "check"), (("run", "x.toml", "--tga", "a"), "--tag"),
+                         (("compare", "a", "--porbe=mid.y"), "--probe")):
+        wrong = strake(*words, cwd=place)
+        expect(wrong.returncode == 2 and f"did you mean {meant}?" in wrong.stderr, f"{' '.join(words)}: {wrong.stderr.strip()}")
+    other = strake("gallop", cwd=place)
+    expect(other.returncode == 2 and '"gallop" is no command' in other.stderr, f"an unknown command: {other.stderr.strip()}")
     version = strake("--version", cwd=place)
     expect(version.returncode == 0 and version.stdout.startswith("strake "), f"--version: {version.stdout.strip()}")
 
@@ -53,12 +59,16 @@ def manual_is_found(place):
 def check_leaves_nothing(place):
     result = strake("check", CASE, *QUICK, cwd=place)
     expect(result.returncode == 0, f"check: exit {result.returncode}\n{result.stderr}")
-    expect("added-mass ratio" in result.stdout and "# default" in result.stdout, "check prints derived and resolved values")
+    expect("added-mass ratio" in result.stdout and "# default" not in result.stdout, "check prints derived values")
+    every = strake("check", CASE, *QUICK, "--all", cwd=place)
+    expect(every.returncode == 0 and "# default" in every.stdout, "check --all prints every value and its origin")
     for line in ("largest distance", "fluid points are not covered", "structure points feel no load", "rows sum to 1"):
         expect(line in result.stdout, f"check prints the mapping's quality: {line}")
     radial = strake("check", CASE, *QUICK, "--set", "coupling.surface.mapping.kind=radial-basis", cwd=place)
     expect(radial.returncode == 0 and re.search(r"condition \S+, the worst of \d+ systems", radial.stdout),
            f"check prints the condition of a radial basis\n{radial.stderr}")
+    drawn = strake("check", CASE, *QUICK, "--picture", "x.png", cwd=place)
+    expect(drawn.returncode == 2 and "x.svg" in drawn.stderr, f"check --picture refuses what it cannot draw\n{drawn.stderr}")
     expect(not any(place.iterdir()), "check leaves nothing behind")
     explicit = strake("check", CASE, "--set", "structure.solver=particle", "--set",
                       "coupling.surface.converged.max_iterations=1", cwd=place)
@@ -73,6 +83,9 @@ def run_and_judge(place):
     verdict = result.stdout.find("p_mid impulse")
     expect(0 < verdict < result.stdout.find("done  "), "the verdict is printed before the run ends")
     expect("\033" not in result.stdout and "\r" not in result.stdout, "a pipe gets plain lines")
+    times = {side: re.findall(r'Time Value="([^"]*)"', (run / f"{side}.xdmf").read_text()) for side in ("fluid", "structure")}
+    expect(times["fluid"] == times["structure"], f"both sides stamp a frame with one number {times}")
+    expect(times["fluid"][0] == "0" and len(times["fluid"]) == 24, f"a frame at t = 0 and one each 0.1 ms {times['fluid']}")
     summary = json.loads((run / "summary.json").read_text())
     expect(set(summary) == SUMMARY, "summary.json has exactly its keys")
     expect(summary["windows"] == 230 and rows(run) == 230, "one row per window")
@@ -97,6 +110,15 @@ def compare_draws(place, run):
         drawn = (place / name).read_bytes() if (place / name).exists() else b""
         expect(drawn.startswith(b"\x89PNG") or b"<svg" in drawn[:200], f"compare --plot {name}: exit {result.returncode}\n{result.stderr}")
         expect(f"plot  {name}" in result.stdout, f"compare --plot {name} says what it wrote")
+    several = strake("compare", run, run, cwd=place)
+    told = re.findall(r"^(\S+) \[.*\]   ", several.stdout, re.M)
+    expect(told == ["force.y", "p_mid"] and "zero in all of them" in several.stdout and "--all" in several.stdout,
+           f"compare of runs tells of probes and forces that are not zero: {told}")
+    found = json.loads((run / "summary.json").read_text())["probes"]["p_mid"]
+    peak = re.search(r"p_mid.*?\n  peak +\[Pa\] +(\S+)", several.stdout, re.S)
+    expect(peak and abs(float(peak.group(1)) / found["peak"] - 1) < 1e-5, f"their peaks are those of the steps: {peak and peak.group(1)}, {found['peak']}")
+    everything = strake("compare", run, run, "--all", cwd=place)
+    expect("\ncfl [1]" in everything.stdout and "\nmid.x [m]" in everything.stdout, "--all tells of every column")
     wrong = strake("compare", run, "--plot", "one.jpg", cwd=place)
     expect(wrong.returncode == 2 and ".svg" in wrong.stderr, f"compare --plot refuses other kinds\n{wrong.stderr}")
 
@@ -127,6 +149,24 @@ def resume_is_exact(place, run):
     resumed = strake(*words, "--resume", cwd=place)
     expect(resumed.returncode == 0, f"resume: exit {resumed.returncode}\n{resumed.stderr}")
     equal(run, cut, "resume")
+
+
+def resume_loses_nothing(place):
+    words = ["run", CASE, *QUICK, "--set", "run.checkpoint_windows=20", "--tag", "kept"]
+    run = place / "runs" / "plate_entry-kept"
+
+    def contents():
+        return {str(f.relative_to(run)): f.read_bytes() for f in run.rglob("*") if f.is_file() and f.suffix != ".log"}
+    whole = strake(*words, "--set", "end_time=5e-4", cwd=place)
+    expect(whole.returncode == 0 and rows(run) == 50, f"a run with checkpoints: exit {whole.returncode}")
+    before = contents()
+    for end in ("2e-4", "4.5e-4"):
+        earlier = strake(*words, "--resume", "--set", f"end_time={end}", cwd=place)
+        expect(earlier.returncode == 2 and "is computed to t = 0.0005 s" in earlier.stderr and "--tag" in earlier.stderr,
+               f"--resume to an earlier end_time is refused: exit {earlier.returncode}\n{earlier.stderr}")
+    expect(contents() == before, "a refused resume leaves every file as it was")
+    later = strake(*words, "--resume", "--set", "end_time=6e-4", cwd=place)
+    expect(later.returncode == 0 and rows(run) == 60, f"--resume to a later end_time: exit {later.returncode}\n{later.stderr}")
 
 
 def replay_repeats(place, run):
@@ -191,6 +231,7 @@ with folder() as place:
     compare_draws(place, recorded)
     strict_fails(place)
     resume_is_exact(place, recorded)
+    resume_loses_nothing(place)
     replay_repeats(place, recorded)
     export_writes_decks(place, recorded)
     full_disk(place)

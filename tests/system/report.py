@@ -84,6 +84,16 @@ def png_pixels(path):
     return width, height, rows_
 
 
+def max_of_frame(path, field):
+    """Largest value of a field of a frame; None without h5py."""
+    try:
+        import h5py
+    except ImportError:
+        return None
+    with h5py.File(path) as frame:
+        return float(frame["point"][field][()].max())
+
+
 def pictures(place, run):
     result = strake("picture", run, "--at", "2e-3", "--size", "640x400", "--view=-0.3,-0.2,0.3,0.05", "-o", "p.png", cwd=place)
     expect(result.returncode == 0 and "0.002 s" in result.stdout, f"picture: exit {result.returncode}\n{result.stderr}")
@@ -99,6 +109,14 @@ def pictures(place, run):
     result = strake("picture", run, "--field", "speed", "--scale", "5", "-o", "p.svg", cwd=place)
     drawn = xml.etree.ElementTree.parse(place / "p.svg").getroot() if result.returncode == 0 else None
     expect(drawn is not None and drawn.tag.endswith("svg"), f"a picture as SVG is XML\n{result.stderr}")
+    result = strake("picture", run, "--field", "von_mises", "-o", "s.png", cwd=place)
+    said = re.search(r"von_mises of the structure: \S+ to (\S+) (\S*)Pa", result.stdout)
+    last = sorted((run / "frames").glob("structure-*.h5"))[-1]
+    most = max_of_frame(last, "von_mises")
+    factor = {"": 1, "k": 1e3, "M": 1e6}[said.group(2)] if said else 1
+    expect(said and (most is None or abs(float(said.group(1)) * factor / most - 1) < 1e-3),
+           f"picture says the largest stress of the points: {result.stdout} {most}")
+    expect("half a spacing inside a face" in result.stdout, "and that particles do not stand at the face")
     for wrong, code, word in ((["--field", "warmth"], 2, "pressure"), (["--size", "3"], 2, "1280x720"), (["-o", "x.gif"], 2, ".png"),
                               (["--view", "1,1,0,0"], 2, "corner"), (["--range", "5"], 2, "0,1e6")):
         result = strake("picture", run, *wrong, cwd=place)
@@ -153,7 +171,9 @@ def report_of_runs(place, runs):
     for run in runs:
         summary = json.loads((run / "summary.json").read_text())
         expect(run.name in page.words, f"{run.name} is named")
-        wanted = [v for probe in summary["probes"].values() for k, v in probe.items() if k != "unit" and v is not None]
+        of_loads = ("impulse", "mean_peak_50us")  # of a deflection they mean nothing
+        wanted = [v for probe in summary["probes"].values() for k, v in probe.items()
+                  if k != "unit" and v is not None and (k not in of_loads or probe["unit"] in ("Pa", "N", "N/m"))]
         wanted += [v for v in summary["checks"].values() if v is not None] + [summary["end_time"], summary["seconds"]["wall"]]
         wanted += [x for c in summary["compare"] for x in (c["value"], c["reference"]) if x is not None]
         missing = [v for v in wanted if not has(page, v)]
@@ -163,10 +183,17 @@ def report_of_runs(place, runs):
             if verdict["value"] is None:
                 expect("not reached" in page.words or "outside" in page.words, f"{verdict['metric']} is not reached, and said so")
                 continue
+            expect(f"± {100 * verdict['tolerance']:.3g} %" in page.words, f"the tolerance of {verdict['metric']} stands there")
             off = (verdict["value"] - verdict["reference"]) / abs(verdict["reference"])
             expect(has(page, off), f"deviation {100 * off:.2f} % of {verdict['metric']}")
     for word in ("flat-bottom slamming", "structure.velocity", "time [ms]", "p_mid", "first peak", "--tag", "momentum_gap", "400 mm"):
         expect(word in page.words, f"the page says {word!r}")
+    record = json.loads((runs[0] / "run.json").read_text())
+    for word in (record["host"], record["compiler"], "Limits", "no air", "one spacing"):
+        expect(word in page.words, f"the page says {word!r}")
+    expect("aerated" not in re.sub(r"strake run \S+.*", "", page.words), "notes of another variant are left out")
+    table = (place / "report.html").read_text().partition("Probe mid.y")[2].partition("</table>")[0]
+    expect("peak" in table and "impulse" not in table, "there is no impulse of a deflection")
     expect(page.tags.count("svg") > 4 and len(page.images) >= 2 * len(runs), f"{len(page.images)} pictures, plots")
     one = strake("report", runs[0], "--at", "1e-3,2e-3", cwd=place)
     page = read_page(runs[0] / "report.html")

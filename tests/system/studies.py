@@ -1,6 +1,8 @@
 """A study from its file to its table: runs done, skipped, resumed and refused, and records compared with each other."""
 import json
 import os
+import re
+import shutil
 import signal
 
 from processes import *  # noqa: F403: the test's own vocabulary
@@ -126,7 +128,32 @@ def records_beside_each_other(place):
     expect(alone.returncode == 2 and "for two records" in alone.stderr, f"options of two records want two\n{alone.stderr}")
 
 
-for test in (runs_all_then_nothing, a_run_that_fails_leaves_the_others, goes_on_after_ctrl_c, wrong_files_are_refused,
+def the_page_has_every_key(place):
+    page = (ROOT / "proto" / "STUDY_FILE.md").read_text()
+    source = (ROOT / "coupler" / "study" / "case" / "read_plan.cpp").read_text()
+    keys = set(re.findall(r'(?:table|root)\.(?:text|texts|number|integer|choice|file|tables|table)\(\s*"(\w+)"', source))
+    missing = [key for key in keys if not re.search(rf"`(\[\[|value\.)?{key}(\]\])?`", page)]
+    expect(len(keys) > 20 and not missing, f"proto/STUDY_FILE.md has all {len(keys)} keys, missing {missing}")
+    example = page.partition("```toml\n")[2].partition("```")[0]
+    shutil.copy(ROOT / "cases" / "plate_entry.toml", place)
+    (place / "example.toml").write_text(example)
+    listed = strake("study", "example.toml", "--list", cwd=place)
+    expect(listed.returncode == 0 and listed.stdout.count("strake run") == 4, f"its example is a study of four runs\n{listed.stdout}{listed.stderr}")
+
+
+def an_unknown_column_is_an_error(place):
+    study = STUDY.partition("[[exclude]]")[0]
+    (place / "strip.toml").write_text(study + '[[column]]\nprobe = "tip.y"\nmetric = "finall"\n')
+    metric = strake("study", "strip.toml", cwd=place)
+    expect(metric.returncode == 3 and 'did you mean "final"' in metric.stderr and not (place / "runs").exists(),
+           f"an unknown metric is refused before the first run\n{metric.stderr}")
+    (place / "strip.toml").write_text(STUDY.replace('[[column]]\nprobe = "tip.y"', '[[column]]\nprobe = "tipp.y"'))
+    probe = strake("study", "strip.toml", cwd=place)
+    expect(probe.returncode == 3 and 'did you mean "tip.y"' in probe.stderr, f"an unknown probe is an error\n{probe.stderr}")
+    expect(len(table_of(place)["runs"]) == 4, "after the table is written")
+
+
+for test in (the_page_has_every_key, an_unknown_column_is_an_error, runs_all_then_nothing, a_run_that_fails_leaves_the_others, goes_on_after_ctrl_c, wrong_files_are_refused,
              records_beside_each_other):
     with folder() as place:
         test(pathlib.Path(place))

@@ -110,7 +110,7 @@ def page(place, folder):
     status, text = get(address + "api/news")
     news = json.loads(text)
     expect(status == 200 and news["state"] == "finished" and news["window"] == 200, "and the news of the run")
-    expect(news["frames"]["fluid"]["count"] == 20, f"and its frames: {news['frames']}")
+    expect(news["frames"]["fluid"]["count"] == 21, f"and its frames, with that at t = 0: {news['frames']}")
     wrong = address[:-2] + ("0" if address[-2] != "0" else "1") + "/"
     status, text = get(wrong)
     expect(status == 403 and "holds no valid token" in text, f"a wrong token: {status} {text.strip()}")

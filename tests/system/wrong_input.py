@@ -118,6 +118,18 @@ with folder() as place:
         expect(result.stdout.count("\n") < 30 and "Traceback" not in text, f"{what}: brief")
         expect(not (place / "runs" / "wrong").exists(), f"{what}: no run folder is left")
 
+    text = TEXT
+    for old, new in (("end_time = 0.03 ", "end_time = -1 "), ("density = 1000.0", 'density = "heavy"'), ("young = 2.1e11", "E = 2.1e11"),
+                     ("poisson = 0.3", "poisson = 7"), ("every = 1.0e-4", "evry = 1.0e-4"), ("thickness = 0.02", "thickness = 0")):
+        expect(text.count(old) > 0, f"several errors: the case holds {old!r}")
+        text = text.replace(old, new, 1)
+    case.write_text(text)
+    for command in ("check", "run"):
+        said = strake(command, case, cwd=place).stderr
+        for words in (": end_time = -1", 'fluid.density = "heavy"', "structure.material.E is not a key", "did you mean young?",
+                      "structure.material.poisson = 7", "output.evry is not a key", "structure.plate.thickness = 0"):
+            expect(said.count(words) == 1, f"{command} says everything that is wrong, once: {words}\n{said.rstrip()}")
+
     (place / "nan.csv").write_text("time [s],mid.y [m]\n0,0\n1e-3,nan\n")
     case.write_text(TEXT.replace('kind = "theory"', 'file = "nan.csv"\nkind = "theory"', 1))
     result = strake("run", case, cwd=place)

@@ -34,8 +34,10 @@ void require(bool condition, const std::string& option) {
 
 /// Declares all keys of this program, and checks that the machine's memory suffices.
 void declare(CaseFile& file, const Program& program) {
-  program.declare(file);
-  file.refuse_unknown(program.prefix);
+  file.read_all([&] {
+    program.declare(file);
+    file.refuse_unknown(program.prefix);
+  });
   if (program.sizes) refuse_oversized(file, program.sizes());
 }
 

@@ -123,12 +123,43 @@ Filter read_filter(CaseTable& table, const std::vector<Axis>& axes) {
   return filter;
 }
 
+/// Refuses a metric that no summary.json has, beside the one that was probably meant.
+void refuse_metric(CaseTable& table, const Quantity& q) {
+  static const std::vector<std::string> of_probes = {
+      "first_peak", "time_of_first_peak", "peak", "time_of_peak", "impulse", "mean_peak_50us", "final", "l2",
+      "dtw"};
+  static const std::vector<std::string> of_runs = {"work_gap",
+                                                   "momentum_gap",
+                                                   "structure_energy_drift",
+                                                   "inner_fraction_min",
+                                                   "voids",
+                                                   "openings",
+                                                   "penetrations",
+                                                   "lost",
+                                                   "volume_drift",
+                                                   "wall",
+                                                   "windows",
+                                                   "iterations",
+                                                   "iterations.mean",
+                                                   "iterations.max",
+                                                   "iterations.unconverged",
+                                                   "iterations.taken_back"};
+  const auto& known = q.probe.empty() ? of_runs : of_probes;
+  if (std::find(known.begin(), known.end(), q.metric) != known.end()) return;
+  if (q.probe.empty() && q.metric.starts_with("failure.")) return;
+  const std::string near = did_you_mean(q.metric, known);
+  throw table.error("metric", fmt::format("one of {}", joined(known)),
+                    near.empty() ? "" : fmt::format("did you mean \"{}\"?", near));
+}
+
 Quantity read_quantity(CaseTable& table) {
   Quantity q;
-  table.text("probe", q.probe, {.help = "probe and component, e.g. mid.y; none: a number of the run itself"});
+  table.text("probe", q.probe,
+             {.help = "probe and component, e.g. mid.y, force.y; none: a number of the run itself"});
   table.text(
       "metric", q.metric,
       {.required = true, .help = "first_peak, impulse, … of the probe; momentum_gap, wall, … of the run"});
+  refuse_metric(table, q);
   return q;
 }
 

@@ -160,10 +160,7 @@ ArrayMessage field_message(const Frame& frame, const FieldRequest& request) {
     message.add("value", shown);
   }
   if (fluid) return message;
-  if (const Frame::Array* u = find(frame, "displacement"); u != nullptr && u->value.rows() == 3) {
-    const Points bend = u->value.colwise() - picture::motion_of_supports(request.keys, frame.time);
-    message.add("bend", flat(bend, index));
-  }
+  if (const auto bend = picture::deformation(request.keys, frame)) message.add("bend", flat(*bend, index));
   if (!cells) return message;
   const Surface surface = surface_of(frame.cells, request.dimension);
   message.add("triangle", surface.triangle);

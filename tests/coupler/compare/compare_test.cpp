@@ -169,6 +169,22 @@ TEST(Compare, WaitsForTheEndWhereALaterValueCouldChangeIt) {
   EXPECT_EQ(judge(block_of("p", "final", 1, 0.1), data).front().result, Result::pass);
 }
 
+TEST(Compare, TakesPeaksFromTheHistoryWhereNoSolverKeepsARecord) {
+  Table history;
+  history.columns = {{"window", "1"}, {"time", "s"}, {"floor.y", "m"}};
+  history.value = {{1, 2, 3, 4}, {0.1, 0.2, 0.3, 0.4}, {1, 3, -1, -4}};
+  RunData data{.monitor = {}, .history = &history, .time = 0.4, .finished = false};
+  EXPECT_EQ(judge(block_of("floor.y", "first_peak", 3, 0.01), data).front().result, Result::not_reached);
+  data.finished = true;
+  EXPECT_EQ(judge(block_of("floor.y", "first_peak", 3, 0.01), data).front().result, Result::pass);
+  EXPECT_EQ(judge(block_of("floor.y", "time_of_first_peak", 0.2, 0.01), data).front().result, Result::pass);
+  EXPECT_EQ(judge(block_of("floor.y", "peak", -4, 0.01), data).front().result, Result::pass);
+  EXPECT_EQ(judge(block_of("floor.y", "time_of_peak", 0.4, 0.01), data).front().result, Result::pass);
+  // A solver that keeps a record has the last word: it counts a first peak from contact on alone.
+  data.monitor["floor.y:final"] = -4;
+  EXPECT_EQ(judge(block_of("floor.y", "first_peak", 3, 0.01), data).front().result, Result::not_reached);
+}
+
 TEST(Compare, TakesToleranceAsAbsoluteWhereTheReferenceIsZero) {
   const RunData data = {{{"p:impulse", 0.03}}};
   EXPECT_EQ(judge(block_of("p", "impulse", 0, 0.05), data).front().result, Result::pass);

@@ -71,6 +71,34 @@ TEST(Comparison, ImpulseOfARunCountsWhatHappensWithinItsWindows) {
   EXPECT_NEAR(*row_of(c, "impulse").value[0], 0.7, 1e-12);
 }
 
+TEST(Comparison, TakesThePeaksOfTheStepsWhereARunHasThem) {
+  const TemporaryFolder folder;
+  file_with(folder, "history.csv",
+            "window [1],time [s],force.y [N/m],p [Pa],p.mean [Pa],p.min [Pa],p.max [Pa],cfl [1]\n"
+            "1,0.1,1,0,1,0,2,0.1\n2,0.2,2,1,3,0,9,0.1\n3,0.3,3,0,0,-1,1,0.1\n4,0.4,2,0,0,-12,0,0.1\n");
+  const RecordSource killed(folder.path().string());  // without summary.json
+  EXPECT_EQ(killed.telling_quantities().size(), 6u);
+  const Record of_windows = killed.record("p");
+  const Comparison rough = compare_records({of_windows, of_windows}, "p", {});
+  EXPECT_EQ(row_of(rough, "peak").value[0], -12);
+  EXPECT_EQ(row_of(rough, "time_of_peak").value[0], 0.4 - 0.1);
+  EXPECT_EQ(row_of(rough, "first_peak").value[0], 9);
+  file_with(folder, "summary.json",
+            R"({"probes": {"p": {"unit": "Pa", "first_peak": 9.5, "time_of_first_peak": 0.15,
+                                 "peak": -12.5, "time_of_peak": 0.35}}})");
+  const RecordSource run(folder.path().string());
+  EXPECT_EQ(run.telling_quantities(), (std::vector<std::string>{"force.y", "p"}));
+  const Record record = run.record("p");
+  const Comparison c = compare_records({record, record}, "p", {});
+  EXPECT_EQ(row_of(c, "first_peak").value[0], 9.5);
+  EXPECT_EQ(row_of(c, "peak").value[0], -12.5);
+  EXPECT_NEAR(*row_of(c, "time_of_peak").value[0], 0.25, 1e-12);
+  const Comparison early = compare_records({record, record}, "p", {.from = {}, .to = 0.3});
+  EXPECT_EQ(row_of(early, "peak").value[0], 9);  // the run's own peak comes later
+  const Comparison late = compare_records({record, record}, "p", {.from = 0.2, .to = {}});
+  EXPECT_EQ(row_of(late, "peak").value[0], -12.5);
+}
+
 TEST(Comparison, ShiftsByContactByPeakOrBySeconds) {
   const auto hump = [](double at) {
     return [at](double t) { return std::exp(-std::pow((t - at) / 0.02, 2)); };

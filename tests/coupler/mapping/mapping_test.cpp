@@ -265,6 +265,7 @@ TEST(Mapping, RefusesMeshesThatDoNotBelongTogether) {
   nowhere.position(1, 3) = NAN;
   expect_refused([&] { nearest_projection(empty, line); }, "structure's interface has no points");
   expect_refused([&] { nearest_neighbour(line, empty); }, "fluid's interface has no points");
+  expect_refused([&] { nearest_neighbour(bare, empty); }, "points but no faces");
   expect_refused([&] { nearest_projection(line, plane); }, "2-dimensional");
   expect_refused([&] { nearest_projection(bare, line); }, "no faces");
   expect_refused([&] { nearest_projection(broken, line); }, "names point 9");

@@ -4,6 +4,7 @@
 #include "coupler/plot/section.hpp"
 #include "coupler/plot/ticks.hpp"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -79,6 +80,31 @@ TEST(Scene, TheShownRangeLeavesOutSpikesAndBeginsAtZeroWhereThatIsNear) {
   EXPECT_TRUE(picture::shown_range({}).empty());
   const picture::Range one = picture::shown_range({5, 5, 5});
   EXPECT_LT(one.lo, one.hi);
+}
+
+TEST(Scene, TheDeformationOfAFreeBodyIsWithoutItsRigidMotion) {
+  Points before(3, 5);
+  before << 0, 1, 2, 1, 0.3, 0, 0.1, 0, -0.4, 0.2, 0, 0, 0, 0, 0;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  Frame frame;
+  frame.time = 0.5;
+  frame.position = (turn * before).colwise() + Eigen::Vector3d(3, -2, 0);
+  frame.point_data = {{"displacement", "m", frame.position - before}};
+  const std::map<std::string, std::string> free = {{"structure.velocity", "[0,-4,0]"},
+                                                   {"structure.free.y", "true"}};
+  EXPECT_LT(picture::deformation(free, frame)->norm(), 1e-14);
+  // Points that move apart evenly: the fit leaves that alone.
+  frame.position.col(0) += turn * Eigen::Vector3d(-1e-3, 0, 0);
+  frame.position.col(2) += turn * Eigen::Vector3d(1e-3, 0, 0);
+  frame.point_data[0].value = frame.position - before;
+  const Points bend = *picture::deformation(free, frame);
+  EXPECT_NEAR(bend.col(2).norm(), 1e-3, 3e-4);
+  EXPECT_LT(bend.norm(), 2e-3);
+  // Driven supports go V t; the rest is deformation.
+  frame.position = before.colwise() + Eigen::Vector3d(0, -2, 0);
+  frame.point_data[0].value = frame.position - before;
+  EXPECT_LT(picture::deformation({{"structure.velocity", "[0,-4,0]"}}, frame)->norm(), 1e-14);
+  EXPECT_FALSE(picture::deformation({}, Frame{}));
 }
 
 TEST(Section, OfACubeIsASquareAndOfAFacetALine) {

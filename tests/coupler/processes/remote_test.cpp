@@ -421,6 +421,14 @@ TEST_F(Remote, AFaultKeepsItsCodePlaceAndFix) {
   EXPECT_EQ(e.fix(), "young = 2.1e11");
 }
 
+TEST_F(Remote, AFaultOfAForeignProgramIsNoBugOfOurs) {
+  const Error e = error_of([](Script& s) {
+    s.say(wire::Fault{"somewhere", "this is a bug in Strake", "", ExitCode::our_bug});
+  });
+  EXPECT_EQ(e.code(), ExitCode::solver_fault);
+  EXPECT_NE(e.where().find("fluid"), std::string::npos) << e.where();
+}
+
 TEST_F(Remote, SilenceBeyondTheLimitIsNamed) {
   options_.deadlines.answer_within = milliseconds(200);
   const Error e = error_of([](Script&) {});

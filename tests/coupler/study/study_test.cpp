@@ -78,6 +78,24 @@ TEST_F(StudyFile, IsRefusedWithItsPlaceWhenANameIsUnknown) {
             std::string::npos);
 }
 
+TEST_F(StudyFile, AnUnknownColumnIsAnErrorThatNamesWhatThereIs) {
+  EXPECT_NE(problem(axes_ + "[[column]]\nprobe = \"mid.y\"\nmetric = \"first_paek\"\n")
+                .find("time_of_first_peak, peak"),
+            std::string::npos);
+  EXPECT_NE(problem(axes_ + "[[column]]\nmetric = \"momentumgap\"\n").find("momentum_gap"),
+            std::string::npos);
+  const Plan plan = read(axes_ + "[[column]]\nprobe = \"force.y\"\nmetric = \"peak\"\n" +
+                         "[[column]]\nprobe = \"mid.q\"\nmetric = \"peak\"\n");
+  Results results = {.plan = &plan, .outcome = {}, .values = {}, .unit = {}};
+  EXPECT_NO_THROW(refuse_unknown_probes(results)) << "while no run is done nobody knows";
+  results.values["1-fem"] = {{"force.y:final", 1}, {"mid.y:final", 1}, {"wall", 2}};
+  EXPECT_NE(text_of_error([&] { refuse_unknown_probes(results); }, ExitCode::case_file)
+                .find("did you mean \"mid.y\"?"),
+            std::string::npos);
+  results.values["2-ccx"] = {{"mid.q:final", 1}};
+  EXPECT_NO_THROW(refuse_unknown_probes(results)) << "one run has it";
+}
+
 TEST(GridConvergence, FindsTheOrderOfAPowerLawForAnyRatios) {
   for (const double p : {0.7, 1.0, 2.0, 3.3})
     for (const auto& h :

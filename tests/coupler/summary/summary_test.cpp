@@ -1,6 +1,7 @@
 #include "coupler/summary/summary.hpp"
 
 #include "coupler/summary/failure_notes.hpp"
+#include "coupler/summary/history_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -91,6 +92,39 @@ TEST(Summary, TellsWhereAndWhenABodyFailsAndTheConsoleHearsItOnce) {
   EXPECT_TRUE(surface.look(monitor).empty());
   EXPECT_EQ(volume.look(monitor).size(), 2U);
   EXPECT_TRUE(resumed.look(monitor).empty());
+}
+
+TEST(Summary, TellsForceAndMomentAndForeignColumnsFromTheHistory) {
+  Table history;
+  history.columns = {{"window", "1"},   {"time", "s"},  {"force.y", "N/m"},     {"moment.z", "N"},
+                     {"work_gap", "1"}, {"mid.y", "m"}, {"p_mid", "Pa"},        {"p_mid.max", "Pa"},
+                     {"floor.y", "m"},  {"cfl", "1"},   {"energy.kinetic", "J"}};
+  for (std::size_t c = 0; c < history.columns.size(); ++c) history.value.push_back({1, 5, 2, 0});
+  history.value[1] = {1e-4, 2e-4, 3e-4, 7e-4};
+  Summary summary("plate_entry", "");
+  summary.describe(history.columns);
+  summary.add(window_with(1, true, 0, 0));
+  for (int twice = 0; twice < 2; ++twice) summary.take_history(history);
+  const auto json = summary.json()["probes"];
+  EXPECT_EQ(keys(json), (std::set<std::string>{"mid.y", "p_mid", "force.y", "moment.z", "floor.y"}));
+  EXPECT_EQ(json["force.y"]["unit"], "N/m");
+  EXPECT_EQ(json["force.y"]["first_peak"], 5);
+  EXPECT_EQ(json["force.y"]["time_of_peak"], 2e-4);
+  EXPECT_NEAR(json["force.y"]["impulse"].get<double>(), 0.75e-3, 1e-12);  // 300 µs from the start on
+  EXPECT_EQ(json["floor.y"]["final"], 0);
+  EXPECT_TRUE(json["floor.y"]["impulse"].is_null()) << "of a length there is none";
+}
+
+TEST(HistoryMetrics, MomentIsThatOfACoupleAndDoesNotChangeWhereTheBodyGoes) {
+  Points x(3, 3), u = Points::Zero(3, 3), f = Points::Zero(3, 3);
+  x << -1, 0.5, 1, 0, 0, 0, 0, 0, 0;
+  f(1, 0) = -2;
+  f(1, 2) = 2;
+  EXPECT_NEAR(moment_about_middle(x, u, f).z(), 4, 1e-14);
+  u.row(1).setConstant(-3);
+  f(0, 1) = 7;  // along the row of points
+  EXPECT_NEAR(moment_about_middle(x, u, f).z(), 4, 1e-14);
+  EXPECT_EQ(moment_about_middle(x, Points(3, 0), f).z(), 0);
 }
 
 TEST(Summary, ForgetsAResultThatAParticipantWithdraws) {

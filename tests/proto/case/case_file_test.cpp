@@ -1,6 +1,7 @@
 #include "proto/case/case_file.hpp"
 
 #include "proto/case/case_document.hpp"
+#include "proto/case/refusals.hpp"
 #include "tests/proto/plate_case.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
@@ -116,6 +117,58 @@ TEST(CaseTable, RefusesUnknownKeysOnlyBelowThePrefix) {
   file.refuse_unknown("fluid");
   file.refuse_unknown("not_there");
   EXPECT_THROW(file.refuse_unknown("coupling"), Error);
+}
+
+TEST(CaseFile, ReadToItsEndSaysEverythingThatIsWrong) {
+  CaseFile file = CaseFile::parse("spacing = -1\nchoice = \"c\"\nflag = 3\n[m]\nE = 1\nnu = 0.7\nrho = 2\n");
+  double spacing = 0.1, young = 1, poisson = 0.3, density = 1;
+  bool flag = false, behind_the_choice = false;
+  std::string choice = "a";
+  const auto read = [&] {
+    file.root().number("spacing", spacing, {.min = 0});
+    file.root().flag("flag", flag, {});
+    CaseTable m = file.root().table("m");
+    m.number("young", young, {.unit = "Pa"});
+    m.number("poisson", poisson, {});
+    m.number("density", density, {});
+    if (spacing < 0) throw file.root().error("spacing", "a check across keys that nobody hears");
+  };
+  const std::string all = text_of_error(
+      [&] {
+        file.read_all([&] {
+          read();
+          file.refuse_unknown();
+        });
+      },
+      ExitCode::case_file);
+  for (const char* words :
+       {"case.toml:1:11: spacing = -1", "case.toml:3:8: flag = 3", "did you mean young?",
+        "m.nu is not a key; did you mean poisson?", "m.rho is not a key; did you mean density?"})
+    EXPECT_NE(all.find(words), std::string::npos) << words << "\n" << all;
+  EXPECT_EQ(spacing, 0.1) << "read on with the default";
+  // A choice decides what is read next: what was wrong before it is said with it.
+  const std::string some = text_of_error(
+      [&] {
+        file.read_all([&] {
+          file.root().number("spacing", spacing, {.min = 0});
+          file.root().choice("choice", choice, {"a", "b"}, {});
+          behind_the_choice = true;
+        });
+      },
+      ExitCode::case_file);
+  EXPECT_FALSE(behind_the_choice);
+  EXPECT_NE(some.find("spacing = -1"), std::string::npos);
+  EXPECT_NE(some.find("\ncase.toml:2:10: choice"), std::string::npos) << some;
+  // Without read_all the first error ends the reading, as ever.
+  EXPECT_EQ(text_of_error(read, ExitCode::case_file).find("flag"), std::string::npos);
+}
+
+TEST(Refusals, AreSaidOnceEach) {
+  const Error one(ExitCode::case_file, "a.toml:1", "is wrong\n  1 | here", "write 2"),
+      other(ExitCode::case_file, "b", "too");
+  EXPECT_EQ(to_text(all_of({one})), to_text(one));
+  const Error both(ExitCode::case_file, "", to_text(one) + to_text(other));  // as another program said them
+  EXPECT_EQ(to_text(all_of({one, both})), to_text(one) + to_text(other));
 }
 
 TEST(CaseTable, TellsWhatIsGivenAndWhere) {

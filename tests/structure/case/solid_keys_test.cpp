@@ -45,6 +45,20 @@ void refuses(const std::string& structure, const std::string& part, const std::v
   }
 }
 
+TEST(BodyKeys, ABodyOfBoxesIsScaledThenTurnedThenMoved) {
+  const std::string box = "box = [{ name = \"a\", min = [0, 0], max = [200, 10] }]\nmaterial.density = 100\n";
+  const Parameters p = read_body(box + "placed = { scale = 0.001, angle = 90, move = [1, 2] }\n");
+  const MassProperties mass = mass_of(p.solid);
+  EXPECT_NEAR(mass.mass, 100 * 0.2 * 0.01, 1e-12);
+  EXPECT_LT((mass.centre - Eigen::Vector3d(1 - 0.005, 2 + 0.1, 0)).norm(), 1e-12);
+  EXPECT_FALSE(p.solid.made_of_boxes());
+  const Parameters moved = read_body(box + "placed = { scale = 0.001, move = [1, 2] }\n", {}, "fem");
+  ASSERT_TRUE(moved.solid.made_of_boxes());
+  EXPECT_NEAR(moved.solid.plane[0].back(), 1.2, 1e-12);
+  refuses(box + "placed.angle = 10\n", "follow the axes", {}, "fem");
+  refuses("plate = { length = 0.4, thickness = 0.02 }\nplaced.angle = 10\n", "structure.box for a rigid one");
+}
+
 // The case.toml of a run contains every key, the tables of rigid bodies with their defaults too.
 TEST(BodyKeys, TheResolvedCaseOfAnElasticBodyIsACase) {
   const std::string plate = "plate = { length = 0.4, thickness = 0.02 }\n";

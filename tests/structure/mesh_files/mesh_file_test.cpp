@@ -181,7 +181,8 @@ TEST_F(MeshFile, WhatIsWrongIsNamedWithItsLine) {
   says(complaint("a.msh", changed(msh2, "2.2 0 8", "2.2 1 8")), "a.msh:2 | a binary mesh file");
   says(complaint("a.msh", changed(msh2, "2.2 0 8", "1 0 8")), "is not 2.2 or 4.1");
   says(complaint("a.msh", changed(msh2, "2 1 0 0", "2 1 zero 0")), "a.msh:13 | expected NUMBER X Y Z");
-  says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 2 2 2 2 2 5 6")), "Recombine");
+  EXPECT_EQ(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 2 2 2 2 2 5 6")), "")
+      << "a triangle beside a quadrilateral";
   says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 3 2 2 2 2 5 66 3")), "names node 66");
   says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "3 16 2 2 2 2 5 6 3 1 1 1 1")), "ElementOrder");
   says(complaint("a.msh", changed(msh2, "6 2 1 0", "6 2 1 0.5")), "the plane z = 0");
@@ -190,7 +191,7 @@ TEST_F(MeshFile, WhatIsWrongIsNamedWithItsLine) {
   // A twisted cell has other sides than the file says: the cell is named, not the side.
   says(complaint("a.msh", changed(msh2, "2 3 2 1 1 1 2 5 4", "2 3 2 1 1 1 2 4 5")),
        "cell 1 of part \"steel\"");
-  says(complaint("a.msh", msh2, 3), "has no hexahedra");
+  says(complaint("a.msh", msh2, 3), "has no tetrahedra or hexahedra");
   says(complaint("a.msh", changed(msh2, "$Elements\n3", "$Elements\n9")), "expected");
   says(complaint("a.inp", changed(inp, "TYPE=CPE4", "TYPE=CPE8")), "CPE8");
   says(complaint("a.inp", changed(inp, "1., 1.", "1., one")),
@@ -203,6 +204,72 @@ TEST_F(MeshFile, ACellThatIsTurnedInsideOutIsNamed) {
   crossed.replace(crossed.find(from), from.size(), "2 3 2 1 1 1 5 2 4");
   const SolidFault fault = fault_of(read_mesh(file("a.msh", crossed), 2, {}));
   EXPECT_NE(fault.problem.find("turned inside out"), std::string::npos) << fault.problem;
+}
+
+const std::string triangles = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 7 "clamp"
+2 1 "steel"
+$EndPhysicalNames
+$Nodes
+5
+1 0 0 0
+2 2 0 0
+3 2 1 0
+4 0 1 0
+5 3 0.5 0
+$EndNodes
+$Elements
+4
+1 1 2 7 4 4 1
+2 2 2 1 1 1 2 3
+3 2 2 1 1 1 4 3
+4 2 2 1 1 2 5 3
+$EndElements
+)";
+
+TEST_F(MeshFile, TrianglesAreCutIntoQuadrilateralsOfTheSameBody) {
+  const Solid solid = read_mesh(file("t.msh", triangles), 2, {.density = 10});
+  EXPECT_EQ(solid.cell.cols(), 9);
+  EXPECT_EQ(fault_of(solid).problem, "");
+  const MassProperties mass = mass_of(solid);
+  EXPECT_NEAR(mass.mass, 10 * 2.5, 1e-12);
+  EXPECT_NEAR(mass.centre.x(), (2 * 1 + 0.5 * (2 + 1.0 / 3)) / 2.5, 1e-12);
+  ASSERT_EQ(solid.supported.size(), 1u);
+  EXPECT_EQ(solid.supported[0].facet.size(), 2u);  // the named side, in two
+  EXPECT_EQ(solid.facet.cols(), 10);
+}
+
+TEST_F(MeshFile, TetrahedraAndPrismsAreCutIntoHexahedraOfTheSameBody) {
+  const std::string head =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"foot\"\n$EndPhysicalNames\n";
+  const std::string tetrahedra =
+      head +
+      "$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n"
+      "$Elements\n3\n1 2 2 7 1 1 2 3\n2 4 2 1 1 1 2 3 4\n3 4 2 1 1 2 4 3 5\n$EndElements\n";
+  const Solid pair = read_mesh(file("tets.msh", tetrahedra), 3, {.density = 6});
+  EXPECT_EQ(pair.cell.cols(), 8);
+  EXPECT_EQ(fault_of(pair).problem, "");
+  EXPECT_NEAR(mass_of(pair).mass, 1 + 2, 1e-12);
+  EXPECT_EQ(pair.facet.cols(), 6 * 3);  // six outer triangles, three sides each
+  ASSERT_EQ(pair.supported.size(), 1u);
+  EXPECT_EQ(pair.supported[0].facet.size(), 3u);
+  const std::string prism = head +
+                            "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 2\n5 1 0 2\n6 0 1 2\n$EndNodes\n"
+                            "$Elements\n2\n1 2 2 7 1 1 2 3\n2 6 2 1 1 1 2 3 4 5 6\n$EndElements\n";
+  const Solid wedge = read_mesh(file("prism.msh", prism), 3, {.density = 6});
+  EXPECT_EQ(wedge.cell.cols(), 6);
+  EXPECT_EQ(fault_of(wedge).problem, "");
+  EXPECT_NEAR(mass_of(wedge).mass, 6, 1e-12);
+  EXPECT_NE(complaint("pyramid.msh",
+                      head + "$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n$EndNodes\n"
+                             "$Elements\n1\n1 7 2 1 1 1 2 3 4 5\n$EndElements\n",
+                      3)
+                .find("a pyramid"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "proto/files/history.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// Columns of history.csv that no participant keeps a record of its steps for: force and moment on the body,
+/// its place, all columns of a solver of another's. Counters, energies and what belongs to a probe are left
+/// out. recorded: probes with a record.
+std::vector<std::string> columns_without_record(const Table& history,
+                                                const std::vector<std::string>& recorded);
+
+/// Peak, first peak, impulse and last value of such a column by the lines of history.csv, "peak" → value. The
+/// impulse is that of forces and moments alone, over 300 µs after contact.
+/// contact [s]: from where a first peak counts; none: contact was not met, nothing counts from it.
+std::map<std::string, double> metrics_of_column(const Table& history, const std::string& column,
+                                                std::optional<double> contact);
+
+/// M = Σ (x_i − c) × f_i, the moment of the forces on a body's points about its middle [N m; 2-D: N m per m].
+/// position: where the points were at t = 0, 3 x n. displacement, force: 3 x n. c: the middle of the box
+/// round `position`, moved by the points' mean displacement.
+Eigen::Vector3d moment_about_middle(const Points& position, const Eigen::Ref<const Points>& displacement,
+                                    const Eigen::Ref<const Points>& force);
+
+}  // namespace strake
