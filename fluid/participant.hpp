@@ -54,12 +54,16 @@ class FluidParticipant final : public Participant {
   void report_sensors(std::map<std::string, double>& monitor) const;
   void report_accounts(std::map<std::string, double>& monitor) const;
   void report_water(std::map<std::string, double>& monitor) const;
+  double momentum_scale() const;
   double momentum_gap() const;
+  GuardScales guard_scales() const;
+  void watch_step(double t1, double dt, WindowExtremes&) const;
+  void watch_window(const Window&, const WindowExtremes&);
+  void watch_accounts(std::map<std::string, double>& monitor);
   Frame frame() const;
 
   Parameters parameters_;
-  double speed_;        // [m/s] largest of the interface against the tank at t = 0
-  double entry_speed_;  // [m/s] the same of a body that starts outside the water; 0: nothing enters
+  double entry_speed_;  // [m/s] of a body that starts outside the water, at t = 0; 0: nothing enters
   double body_length_;  // [m] extent of the interface in x
   Simulation<dim> simulation_;
   bool has_body_;
@@ -68,6 +72,7 @@ class FluidParticipant final : public Participant {
   Description description_;
   std::optional<FrameWriter> frames_;
   Measurements measurements_;
+  Guard guard_;
   std::int64_t steps_ = 0;  // with those that were rewound
   struct Committed {
     State<dim> state;

@@ -95,6 +95,7 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
   print_head(view, options);
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session.mapping_lines()));
+  fmt::print("{}", block_text("resolution", session.resolution()));
   for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
 }
 
