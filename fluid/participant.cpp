@@ -195,7 +195,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     cfl_ = std::max(cfl_, report.cfl);
     pressure_iterations_ = std::max(pressure_iterations_, report.pressure_iterations);
     follow_probes(t0, t1);
-    watch_step(t1, dt, extremes);
+    watch_step(t1, dt, report.cfl * parameters_.spacing / dt, extremes);
   }
   watch_window(window, extremes);
   measures_water_ = frame_due(window);

@@ -57,7 +57,7 @@ class FluidParticipant final : public Participant {
   double momentum_scale() const;
   double momentum_gap() const;
   GuardScales guard_scales() const;
-  void watch_step(double t1, double dt, WindowExtremes&) const;
+  void watch_step(double t1, double dt, double speed, WindowExtremes&) const;
   void watch_window(const Window&, const WindowExtremes&);
   void watch_accounts(std::map<std::string, double>& monitor);
   Frame frame() const;

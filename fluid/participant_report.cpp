@@ -167,14 +167,14 @@ GuardScales FluidParticipant<dim>::guard_scales() const {
 }
 
 template <int dim>
-void FluidParticipant<dim>::watch_step(double t1, double dt, WindowExtremes& of) const {
+void FluidParticipant<dim>::watch_step(double t1, double dt, double speed, WindowExtremes& of) const {
   const auto take = [&](Extreme found, Extreme& largest) {
     if (found.value <= largest.value) return;
     largest = found;
     largest.time = t1;
     largest.step = dt;
   };
-  take(simulation_.fastest(), of.speed);
+  if (speed > of.speed.value) take(simulation_.fastest(), of.speed);
   take(simulation_.highest_pressure(), of.pressure);
 }
 
@@ -186,18 +186,21 @@ void FluidParticipant<dim>::watch_window(const Window& window, const WindowExtre
   guard_.extremes(measurements_.guard, extremes);
 }
 
-/// Passes the accounts of a window to the guard, and its alarms to the coupler. While little has happened the
-/// momentum is compared with a hundredth of the water's own, M√(gH), since the share of nothing says nothing.
+/// Passes the accounts of a window to the guard, and its alarms to the coupler. The momentum is compared with
+/// the largest impulse, and with a hundredth of the water's own M√(gH) while little has happened: a share of
+/// nothing says nothing.
 template <int dim>
 void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monitor) {
   const State<dim>& state = simulation_.state();
   GuardRecord& record = measurements_.guard;
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim) * monitor.at("count.fluid");
-  const double drop = parameters_.water.max.y() - parameters_.tank.min.y();
+  const double depth = parameters_.water.max.y() - parameters_.tank.min.y();
   constexpr double little = 0.01;
-  const double least = little * mass * std::sqrt(parameters_.gravity.norm() * drop), scale = momentum_scale();
-  if (scale > 0)
-    guard_.momentum(record, state.time, monitor.at("check.momentum_gap") * scale / std::max(scale, least));
+  const double scale = momentum_scale();
+  const double least = std::max({scale, little * mass * std::sqrt(parameters_.gravity.norm() * depth),
+                                 state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(),
+                                 state.impulse_on_bodies.norm()});
+  if (least > 0) guard_.momentum(record, state.time, monitor.at("check.momentum_gap") * scale / least);
   if (measures_water_) {
     guard_.volume(record, state.time, monitor.at("check.volume_drift"));
     guard_.hollow(record, state.time,
@@ -206,15 +209,15 @@ void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monito
   guard_.report(record, monitor);
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                               \
-  template std::vector<Column> FluidParticipant<dim>::columns() const;                        \
-  template void FluidParticipant<dim>::report_sensors(std::map<std::string, double>&) const;  \
-  template void FluidParticipant<dim>::report_water(std::map<std::string, double>&) const;    \
-  template void FluidParticipant<dim>::report_accounts(std::map<std::string, double>&) const; \
-  template double FluidParticipant<dim>::momentum_gap() const;                                \
-  template GuardScales FluidParticipant<dim>::guard_scales() const;                           \
-  template void FluidParticipant<dim>::watch_step(double, double, WindowExtremes&) const;     \
-  template void FluidParticipant<dim>::watch_window(const Window&, const WindowExtremes&);    \
+#define STRAKE_INSTANTIATE(dim)                                                                   \
+  template std::vector<Column> FluidParticipant<dim>::columns() const;                            \
+  template void FluidParticipant<dim>::report_sensors(std::map<std::string, double>&) const;      \
+  template void FluidParticipant<dim>::report_water(std::map<std::string, double>&) const;        \
+  template void FluidParticipant<dim>::report_accounts(std::map<std::string, double>&) const;     \
+  template double FluidParticipant<dim>::momentum_gap() const;                                    \
+  template GuardScales FluidParticipant<dim>::guard_scales() const;                               \
+  template void FluidParticipant<dim>::watch_step(double, double, double, WindowExtremes&) const; \
+  template void FluidParticipant<dim>::watch_window(const Window&, const WindowExtremes&);        \
   template void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>&);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

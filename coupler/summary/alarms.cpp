@@ -39,13 +39,13 @@ const std::array<AlarmWords, 6> all_words = {
                                     pressure_text(value), pressure_text(bound));
                },
                "particles are too coarse for the contact", "half of fluid.spacing"},
-    AlarmWords{"dry", "1",
-               [](double value, double) {
-                 return fmt::format("faces under water carry no water, {:.0f} % of their area does",
-                                    100 * value);
-               },
-               "the water does not follow the body, or did not touch it at the start",
-               "another fluid.spacing that the body's place is a multiple of, or shorter windows"},
+    AlarmWords{
+        "dry", "1",
+        [](double value, double) {
+          return fmt::format("faces under water have lost it, they carry {:.0f} % of its load", 100 * value);
+        },
+        "the water did not touch the body at the start, or does not follow it",
+        "a body whose faces lie on multiples of fluid.spacing, another fluid.spacing, or shorter windows"},
     AlarmWords{"momentum", "1",
                [](double value, double bound) {
                  return fmt::format("{:.3g} % of the momentum has no source, more than {:.3g} %", 100 * value,

@@ -23,8 +23,8 @@ using Json = nlohmann::ordered_json;
 /// (fluid/diagnostics/volume.hpp).
 /// - openings, penetrations, lost: particles that are not where water is, as shares of the water.
 constexpr std::array<CheckBounds, 9> check_bounds = {{
-    {"largest_speed", "water's speed / its bound", 1 / 1.3, 1, false},
-    {"largest_pressure", "pressure on faces / its bound", 1 / 1.3, 1, false},
+    {"largest_speed", "water's speed", 1 / 1.3, 1, false},
+    {"largest_pressure", "pressure on faces", 1 / 1.3, 1, false},
     {"work_gap", "work gap", 1e-6, 0.05, false},
     {"momentum_gap", "momentum gap", 0.02, 0.1, false},
     {"structure_energy_drift", "energy drift", 0.01, 0.05, false},
@@ -39,23 +39,26 @@ Grade grade_of(double value, double good, double poor) {
   return size <= good ? Grade::good : size <= poor ? Grade::poor : Grade::bad;
 }
 
-/// "5.4e-03 (good to 0.02)": the value, and the bound that it keeps or breaks.
+/// "momentum gap 5.4e-02 (good to 0.02, bad from 0.1)": the value, and the bounds that it keeps or breaks.
 std::string graded_text(const CheckBounds& check, double value, const Json& entry) {
-  const std::string grade = entry["grade"].get<std::string>();
-  const double good = entry["good"].get<double>(), poor = entry["poor"].get<double>();
-  const std::string key = check.key;
-  const bool share = key == "largest_speed" || key == "largest_pressure" || key == "volume_drift";
-  const auto number = [&](double x, bool is_bound) {
-    if (check.per_particle) return fmt::format("{:.0f}", is_bound ? std::floor(x) : x);
-    if (!share) return is_bound ? fmt::format("{:g}", x) : fmt::format("{:.1e}", x);
-    if (key == "volume_drift" && !is_bound) return fmt::format("{:+.2f} %", 100 * x);
-    return fmt::format("{:.0f} %", 100 * x);
+  const std::string key = check.key, grade = entry["grade"].get<std::string>();
+  const bool of_bound = key.starts_with("largest_"), change = key == "volume_drift";
+  const auto bound = [&](const char* which) {
+    const double x = entry[which].get<double>();
+    if (check.per_particle) return fmt::format("{:.0f}", std::floor(x));
+    return of_bound || change ? fmt::format("{:.0f} %", 100 * x) : fmt::format("{:g}", x);
   };
-  const std::string limit = grade == "good"   ? number(good, true)
-                            : grade == "poor" ? number(good, true) + ", bad from " + number(poor, true)
-                                              : number(poor, true);
-  return fmt::format("{} {} ({} {})", check.words, number(value, false),
-                     grade == "bad" ? "at most" : "good to", limit);
+  std::string text = check.per_particle ? fmt::format("{:.0f}", value)
+                     : of_bound         ? fmt::format("{:.0f} % of its bound", 100 * value)
+                     : change           ? fmt::format("{:+.2f} %", 100 * value)
+                                        : fmt::format("{:.1e}", value);
+  if (grade == "good")
+    text += " (to " + bound("good") + ")";
+  else if (grade == "poor")
+    text += " (good to " + bound("good") + ", bad from " + bound("poor") + ")";
+  else
+    text += " (at most " + bound("poor") + ")";
+  return fmt::format("{} {}", check.words, text);
 }
 
 }  // namespace

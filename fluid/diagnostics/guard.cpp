@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace strake::fluid {
 namespace {
@@ -16,7 +17,8 @@ constexpr double reach = 1.5;          // [l0] around a piece, over which the sl
 constexpr double under = 2;            // [l0] below the still level from where on a pushing face must be wet
 constexpr double least_load = 0.1;     // of ρgd, below which such faces have lost their water
 constexpr double least_wet = 0.05;     // of their area, likewise where there is no gravity
-constexpr double longest_path = 2;     // [l0] that they may advance without water
+constexpr double longest_path = 2;     // [l0] that they may advance without water, and
+constexpr double trough = 0.25;        // [a] likewise: a body that falls back may meet its own trough
 constexpr double echoes = 4;           // [H/c] after which the weight of compressible water rests on a body
 constexpr double most_momentum = 0.1;  // these three are bounds of coupler/summary/check_grades.cpp as well
 constexpr double most_volume = 0.05;
@@ -89,12 +91,20 @@ double Guard::pressure_bound(const GuardRecord& record, double step) const {
   return margin * s.density * signal * speed + s.density * s.gravity * s.drop;
 }
 
+/// Finds the pieces near each other along x, then by their distance.
 void Guard::find_neighbours(const std::vector<FacePiece>& pieces) {
   beside_.assign(pieces.size(), {});
+  std::vector<int> order(pieces.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto place = [&](int k) -> const Eigen::Vector3d& { return pieces[static_cast<std::size_t>(k)].at; };
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return place(i).x() < place(j).x(); });
   const double r = reach * scales_.spacing;
-  for (std::size_t i = 0; i < pieces.size(); ++i)
-    for (std::size_t j = 0; j < pieces.size(); ++j)
-      if ((pieces[i].at - pieces[j].at).squaredNorm() <= r * r) beside_[i].push_back(static_cast<int>(j));
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t j = i; j < order.size() && place(order[j]).x() - place(order[i]).x() <= r; ++j) {
+      if ((place(order[i]) - place(order[j])).squaredNorm() > r * r) continue;
+      beside_[static_cast<std::size_t>(order[i])].push_back(order[j]);
+      if (i != j) beside_[static_cast<std::size_t>(order[j])].push_back(order[i]);
+    }
 }
 
 /// Takes sin β as the mean over the pieces near by, so that a keel has the slope of its sides, and a round
@@ -118,8 +128,8 @@ void Guard::faces(GuardRecord& record, const std::vector<FacePiece>& pieces) {
 /// Compares the load of faces that push still water, or rest in it, with the weight of the water above:
 ///   Σ max(p, 0) A < 0.1 Σ ρ g d A, d the depth below the still level.
 /// Without gravity their wet area decides. A cavity behind a body is dry by right, and so is a face that
-/// recedes. The alarm comes when such faces have advanced by 2 l0. In a body that begins in the water it
-/// comes after 4 H/c, when the water's weight has come to rest.
+/// recedes. The alarm comes when such faces have advanced by 2 l0 and a/4. In a body that begins in the water
+/// and has not felt it yet, it comes after 4 H/c, when the water's weight has come to rest.
 void Guard::water_on_faces(GuardRecord& record, double t, double dt,
                            const std::vector<FacePiece>& pieces) const {
   const GuardScales& s = scales_;
@@ -146,8 +156,9 @@ void Guard::water_on_faces(GuardRecord& record, double t, double dt,
   if (record.dry_since < 0) record.dry_since = t - dt;
   record.dry_path += dt * push / area;
   const double wait = std::isfinite(s.sound_speed) ? echoes * s.drop / s.sound_speed : dt;
-  const bool rests_dry = s.submerged && t - record.dry_since > wait * (1 + 1e-9);
-  if (rests_dry || record.dry_path > longest_path * s.spacing)
+  const bool from_the_start = record.dry_since <= s.gravity_ramp * (1 + 1e-9);
+  const bool rests_dry = s.submerged && from_the_start && t - record.dry_since > wait * (1 + 1e-9);
+  if (rests_dry || record.dry_path > std::max(longest_path * s.spacing, trough * s.half_width))
     raise(record, Alarm::dry, {.value = share, .at = centre / area, .time = t, .step = 0},
           weight > 0 ? least_load : least_wet);
 }

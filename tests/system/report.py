@@ -154,7 +154,7 @@ def report_of_runs(place, runs):
         summary = json.loads((run / "summary.json").read_text())
         expect(run.name in page.words, f"{run.name} is named")
         wanted = [v for probe in summary["probes"].values() for k, v in probe.items() if k != "unit" and v is not None]
-        wanted += [v for v in summary["checks"].values() if v is not None] + [summary["end_time"], summary["seconds"]["wall"]]
+        wanted += [v for v in summary["checks"].values() if isinstance(v, (int, float))] + [summary["end_time"], summary["seconds"]["wall"]]
         wanted += [x for c in summary["compare"] for x in (c["value"], c["reference"]) if x is not None]
         missing = [v for v in wanted if not has(page, v)]
         expect(not missing, f"{run.name}: {len(wanted)} numbers of summary.json stand on the page {missing[:3]}")
