@@ -182,6 +182,9 @@ template <int dim>
 void FluidParticipant<dim>::watch_window(const Window& window, const WindowExtremes& extremes) {
   const std::vector<FacePiece> pieces = simulation_.face_pieces();
   guard_.faces(measurements_.guard, pieces);
+  const Vectors<dim>& velocity = simulation_.state().interface_velocity;
+  if (pieces.empty() && velocity.cols() > 0)
+    guard_.body(measurements_.guard, velocity.colwise().norm().maxCoeff());
   guard_.water_on_faces(measurements_.guard, window.t + window.dt, window.dt, pieces);
   guard_.extremes(measurements_.guard, extremes);
 }

@@ -15,6 +15,7 @@ namespace {
 constexpr double margin = 1.3;         // what the bounds of speed and pressure leave to scatter
 constexpr double reach = 1.5;          // [l0] around a piece, over which the slope of a face is averaged
 constexpr double under = 2;            // [l0] below the still level from where on a pushing face must be wet
+constexpr double least_part = 0.25;    // of the faces under water, that must push it to be judged
 constexpr double least_load = 0.1;     // of ρgd, below which such faces have lost their water
 constexpr double least_wet = 0.05;     // of their area, likewise where there is no gravity
 constexpr double longest_path = 2;     // [l0] that they may advance without water, and
@@ -81,13 +82,14 @@ double Guard::speed_bound(const GuardRecord& record) const {
   return margin * std::sqrt(record.jet * record.jet + std::numbers::pi * std::numbers::pi * meets);
 }
 
-/// Computes 1.3 ρ c' (v_n + 2√(gH)) + ρgH. A face that meets water gets at most what sound carries away (von
-/// Karman 1929). A step Δt of incompressible water crosses the half width a: c' = min(c, a/Δt).
+/// Computes 1.3 ρ c' (π/2 v_n + 2√(gH)) + ρgH. A face that meets water gets at most what sound carries away
+/// (von Karman 1929). The water that piles up before the face comes towards it: they meet with π/2 v_n
+/// (Wagner). A step Δt of incompressible water crosses the half width a: c' = min(c, a/Δt).
 double Guard::pressure_bound(const GuardRecord& record, double step) const {
   const GuardScales& s = scales_;
   if (!(s.half_width > 0)) return 0;
   const double signal = step > 0 ? std::min(s.sound_speed, s.half_width / step) : s.sound_speed;
-  const double speed = record.normal_speed + 2 * std::sqrt(s.gravity * s.drop);
+  const double speed = 0.5 * std::numbers::pi * record.normal_speed + 2 * std::sqrt(s.gravity * s.drop);
   return margin * s.density * signal * speed + s.density * s.gravity * s.drop;
 }
 
@@ -125,20 +127,28 @@ void Guard::faces(GuardRecord& record, const std::vector<FacePiece>& pieces) {
   }
 }
 
+void Guard::body(GuardRecord& record, double speed) const {
+  record.normal_speed = std::max(record.normal_speed, speed);
+  record.jet = std::max(record.jet, jet(speed, 0));
+}
+
 /// Compares the load of faces that push still water, or rest in it, with the weight of the water above:
 ///   Σ max(p, 0) A < 0.1 Σ ρ g d A, d the depth below the still level.
-/// Without gravity their wet area decides. A cavity behind a body is dry by right, and so is a face that
-/// recedes. The alarm comes when such faces have advanced by 2 l0 and a/4. In a body that begins in the water
-/// and has not felt it yet, it comes after 4 H/c, when the water's weight has come to rest.
+/// Without gravity their wet area decides. Faces on the tank's wall do not count. A cavity behind a body is
+/// dry by right, and so is a face that recedes. The alarm comes when such faces have advanced by 2 l0 and
+/// a/4. In a body that begins in the water and has not felt it yet, it comes after 4 H/c, when the water's
+/// weight has come to rest.
 void Guard::water_on_faces(GuardRecord& record, double t, double dt,
                            const std::vector<FacePiece>& pieces) const {
   const GuardScales& s = scales_;
   if ((!s.enters && !s.submerged) || t <= s.gravity_ramp) return;
-  double area = 0, wet = 0, load = 0, weight = 0, push = 0;
+  double all = 0, area = 0, wet = 0, load = 0, weight = 0, push = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const FacePiece& piece : pieces) {
     const double depth = s.top - piece.at.y(), speed = piece.velocity.dot(piece.normal);
-    if (depth < under * s.spacing || speed < 0) continue;
+    if (depth < under * s.spacing || piece.on_wall) continue;
+    all += piece.area;
+    if (speed < 0) continue;
     area += piece.area;
     centre += piece.area * piece.at;
     push += piece.area * speed;
@@ -148,7 +158,7 @@ void Guard::water_on_faces(GuardRecord& record, double t, double dt,
     load += piece.area * std::max(0.0, piece.pressure);
   }
   const double share = weight > 0 ? load / weight : area > 0 ? wet / area : 1;
-  if (share >= (weight > 0 ? least_load : least_wet)) {
+  if (area < least_part * all || share >= (weight > 0 ? least_load : least_wet)) {
     record.dry_since = -1;
     record.dry_path = 0;
     return;

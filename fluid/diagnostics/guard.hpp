@@ -42,6 +42,7 @@ struct FacePiece {
   double area = 0;                                     // [m, m² in 3-D]
   double pressure = 0;                                 // [Pa] of the last step
   bool wet = false;
+  bool on_wall = false;  // within a spacing of the tank's wall, where there is no room for water
 };
 
 /// The numbers of a case from which all bounds follow.
@@ -101,6 +102,8 @@ class Guard {
 
   /// Takes the faces at time t [s]: the speeds that they can give.
   void faces(GuardRecord&, const std::vector<FacePiece>&);
+  /// Takes the largest speed of a body without faces, as in volume coupling [m/s]. Its slope is unknown.
+  void body(GuardRecord&, double speed) const;
   /// Looks at the faces at the end of a window of length dt [s]: whether they have lost their water.
   void water_on_faces(GuardRecord&, double t, double dt, const std::vector<FacePiece>&) const;
   /// Compares the extremes of a window with their bounds.

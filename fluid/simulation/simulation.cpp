@@ -159,6 +159,7 @@ std::vector<FacePiece> Simulation<dim>::face_pieces() const {
     piece.normal.template head<dim>() = body.normal(k);
     piece.velocity.template head<dim>() = body.velocity(k);
     piece.area = body.area(k);
+    piece.on_wall = std::abs(boundary.tank().distance(body.point(k))) < w.step.p.spacing;
     piece.pressure = -w.on_points.col(k).dot(body.normal(k)) / piece.area;
   }
   const State<dim>& state = w.step.state;

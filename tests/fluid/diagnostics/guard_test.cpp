@@ -53,6 +53,14 @@ TEST(Guard, BoundsTheJetOfALevelFaceByThePressureOfSound) {
   EXPECT_EQ(Guard(water()).jet(-1, 0.5), 0) << "a face that recedes throws nothing";
 }
 
+TEST(Guard, TakesABodyWithoutFacesForLevel) {
+  const Guard guard(water());
+  GuardRecord record;
+  guard.body(record, 6);
+  EXPECT_EQ(record.jet, guard.jet(6, 0));
+  EXPECT_EQ(record.normal_speed, 6);
+}
+
 TEST(Guard, BoundsWaterUnderGravityByTheFrontOfADamBreakAndTheWallItMeets) {
   GuardScales dam = {.gravity = 9.81, .drop = 0.6};
   EXPECT_NEAR(Guard(dam).speed_bound({}), 1.3 * std::numbers::pi * 2 * std::sqrt(9.81 * 0.6), 1e-9);
@@ -66,8 +74,9 @@ TEST(Guard, BoundsPressureByWhatSoundOrTheStepCarriesAway) {
   Guard guard(water());
   GuardRecord record;
   guard.faces(record, wedge(0, 6, 0.25, 0.008, 0.1));
-  EXPECT_NEAR(guard.pressure_bound(record, 2e-6), 1.3 * 1000 * 1500 * 6, 1);
-  EXPECT_NEAR(guard.pressure_bound(record, 1e-3), 1.3 * 1000 * 250 * 6, 1) << "a/Δt = 250 m/s";
+  EXPECT_NEAR(guard.pressure_bound(record, 2e-6), 1.3 * 1000 * 1500 * 3 * std::numbers::pi, 1);
+  EXPECT_NEAR(guard.pressure_bound(record, 1e-3), 1.3 * 1000 * 250 * 3 * std::numbers::pi, 1)
+      << "a/Δt = 250 m/s";
   GuardScales tank = water();
   tank.half_width = 0;
   EXPECT_EQ(Guard(tank).pressure_bound(record, 2e-6), 0) << "unknown without a body";
@@ -162,6 +171,12 @@ TEST(Guard, MissesTheWeightOfTheWaterOnABodyThatBeginsInIt) {
   guard.water_on_faces(whole, 6e-3, 2e-3, resting(0));
   EXPECT_FALSE(whole.raised(Alarm::dry)) << "a body that has felt the water may leave it";
   EXPECT_NEAR(light.alarm(4, static_cast<int>(Alarm::dry)), 0.03, 1e-12);
+  // The foot of a plate on the tank's floor has no room for water.
+  GuardRecord foot;
+  std::vector<FacePiece> dry_foot = resting(0);
+  for (FacePiece& piece : dry_foot) piece.on_wall = true;
+  for (int k = 1; k < 4; ++k) guard.water_on_faces(foot, k * 1e-3, 1e-3, dry_foot);
+  EXPECT_FALSE(foot.raised(Alarm::dry));
   // Sound needs 4 H/c = 2.7 ms to bring the weight; and gravity that grows is waited for.
   scales.sound_speed = 1500;
   GuardRecord soon, late, ramped;
