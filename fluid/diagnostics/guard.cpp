@@ -13,6 +13,7 @@ namespace strake::fluid {
 namespace {
 
 constexpr double margin = 1.3;         // what the bounds of speed and pressure leave to scatter
+constexpr double graze = 0.1;          // sine of the angle under which a jet may meet a bent face
 constexpr double reach = 1.5;          // [l0] around a piece, over which the slope of a face is averaged
 constexpr double under = 2;            // [l0] below the still level from where on a pushing face must be wet
 constexpr double least_part = 0.25;    // of the faces under water, that must push it to be judged
@@ -62,16 +63,16 @@ GuardRecord load_guard(const Archive& archive) {
 Guard::Guard(const GuardScales& scales) : scales_(scales) {}
 
 /// Computes the speed of the jet that a face throws:
-///   J = min(π v_n / max(sin β, l0/(2a)), max(√(2 c v_n), π v_n)).
+///   J = min(π v_n / max(sin β, l0/(2a)), max(2√(2 c v_n), π v_n)).
 /// Contact runs along the face with (π/2) v_n / sin β, and the jet with twice that (Wagner 1932; for a wedge
 /// π V / tan β). Particles do not show a slope that rises by less than l0/2 over the half width a. The
-/// pressure is at most ρ c v_n, which makes √(2 c v_n) of it (Bernoulli).
+/// pressure is at most ρ c v_n. It makes √(2 c v_n) against the contact, which runs as fast (Bernoulli).
 double Guard::jet(double normal_speed, double sine) const {
   if (!(normal_speed > 0)) return 0;
   const double least = scales_.half_width > 0 ? std::min(1.0, 0.5 * scales_.spacing / scales_.half_width) : 1;
   const double flow = std::numbers::pi * normal_speed;
   return std::min(flow / std::max(sine, least),
-                  std::max(std::sqrt(2 * scales_.sound_speed * normal_speed), flow));
+                  std::max(2 * std::sqrt(2 * scales_.sound_speed * normal_speed), flow));
 }
 
 /// Computes 1.3 √(J² + π² (V_tank² + 4 g H)). 2√(gH) is the front of a dam break (Ritter 1892), the fastest
@@ -82,14 +83,16 @@ double Guard::speed_bound(const GuardRecord& record) const {
   return margin * std::sqrt(record.jet * record.jet + std::numbers::pi * std::numbers::pi * meets);
 }
 
-/// Computes 1.3 ρ c' (π/2 v_n + 2√(gH)) + ρgH. A face that meets water gets at most what sound carries away
-/// (von Karman 1929). The water that piles up before the face comes towards it: they meet with π/2 v_n
-/// (Wagner). A step Δt of incompressible water crosses the half width a: c' = min(c, a/Δt).
+/// Computes 1.3 ρ c' (π/2 v_n + 0.1 J + 2√(gH)) + ρgH. A face that meets water gets at most what sound
+/// carries away (von Karman 1929). The water that piles up before the face comes towards it: they meet with
+/// π/2 v_n (Wagner). A jet meets a face again where that is bent or has facets, under some six degrees. A
+/// step Δt of incompressible water crosses the half width a: c' = min(c, a/Δt).
 double Guard::pressure_bound(const GuardRecord& record, double step) const {
   const GuardScales& s = scales_;
   if (!(s.half_width > 0)) return 0;
   const double signal = step > 0 ? std::min(s.sound_speed, s.half_width / step) : s.sound_speed;
-  const double speed = 0.5 * std::numbers::pi * record.normal_speed + 2 * std::sqrt(s.gravity * s.drop);
+  const double speed =
+      0.5 * std::numbers::pi * record.normal_speed + graze * record.jet + 2 * std::sqrt(s.gravity * s.drop);
   return margin * s.density * signal * speed + s.density * s.gravity * s.drop;
 }
 
