@@ -66,7 +66,7 @@ CLI::App* add_run_options(CLI::App* command, strake::RunOptions& options) {
       ->check(CLI::IsMember({"fluid", "structure", "both"}))
       ->type_name("fluid|structure|both");
   command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
-  command->add_flag("--strict", options.strict, "exit 1 when a compare block fails");
+  command->add_flag("--strict", options.strict, "exit 1 when a compare block fails, or an alarm was raised");
   command->add_flag("--profile", options.profile, "say at the end where the time went");
   command->add_flag("!--no-trace", options.trace, "write no trace.json");
   auto* quiet = command->add_flag("--quiet", options.quiet, "print only warnings and verdicts");

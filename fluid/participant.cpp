@@ -77,8 +77,7 @@ template <int dim>
 FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const CommonKeys& common,
                                         const Setup& setup)
     : parameters_(parameters),
-      speed_(largest_speed(setup, parameters.motion)),
-      entry_speed_(parameters.submerged ? 0 : speed_),
+      entry_speed_(parameters.submerged ? 0 : largest_speed(setup, parameters.motion)),
       body_length_(extent(setup.partner_mesh)),
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup)),
       has_body_(simulation_.interface().position.cols() > 0),
@@ -92,12 +91,14 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
     measurements_.probes.push_back(is_sensor(probe) && entry_speed_ > 0 ? ProbeRecord::waiting_for_contact()
                                                                         : ProbeRecord{});
   check_sensors();
-  description_.lines = describe(parameters_, common, speed_, body_length_);
+  description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_length_);
   for (std::string& line : level_face_lines(parameters_, common.window, setup.partner_mesh, entry_speed_))
     description_.lines.push_back(std::move(line));
   description_.columns = columns();
   if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
   force_ = Points::Zero(3, mesh().position.cols());
+  guard_ = Guard(guard_scales());
+  guard_.faces(measurements_.guard, simulation_.face_pieces());
   committed_.state = simulation_.state();
   committed_.measurements = measurements_;
 }
@@ -172,6 +173,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   cfl_ = 0;
   pressure_iterations_ = 0;
   const double end = progress_.time = window.t + window.dt;
+  WindowExtremes extremes;
   for (double t0 = window.t, t1 = t0; t0 < end; t0 = t1) {
     const double rest = end - t0;
     double dt = longest_step(t0, rest);
@@ -195,7 +197,9 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
     cfl_ = std::max(cfl_, report.cfl);
     pressure_iterations_ = std::max(pressure_iterations_, report.pressure_iterations);
     follow_probes(t0, t1);
+    watch_step(t1, dt, report.cfl * parameters_.spacing / dt, extremes);
   }
+  watch_window(window, extremes);
   measures_water_ = frame_due(window);
   if (!measures_water_) return;
   const Voids voids = count_voids<dim>(state, water(), parameters_.spacing, parameters_.open_top);
@@ -277,6 +281,7 @@ Advanced FluidParticipant<dim>::finish() {
   report_sensors(monitor);
   report_accounts(monitor);
   report_water(monitor);
+  watch_accounts(monitor);
   if (!has_body_) monitor["floor.y"] = floor_[1];
   monitor["cfl"] = cfl_;
   monitor["pressure_iterations"] = pressure_iterations_;

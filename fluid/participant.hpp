@@ -54,13 +54,17 @@ class FluidParticipant final : public Participant {
   void report_sensors(std::map<std::string, double>& monitor) const;
   void report_accounts(std::map<std::string, double>& monitor) const;
   void report_water(std::map<std::string, double>& monitor) const;
+  double momentum_scale() const;
   double momentum_gap() const;
   void write_first_frame();
+  GuardScales guard_scales() const;
+  void watch_step(double t1, double dt, double speed, WindowExtremes&) const;
+  void watch_window(const Window&, const WindowExtremes&);
+  void watch_accounts(std::map<std::string, double>& monitor);
   Frame frame() const;
 
   Parameters parameters_;
-  double speed_;        // [m/s] largest of the interface against the tank at t = 0
-  double entry_speed_;  // [m/s] the same of a body that starts outside the water; 0: nothing enters
+  double entry_speed_;  // [m/s] of a body that starts outside the water, at t = 0; 0: nothing enters
   double body_length_;  // [m] extent of the interface in x
   Simulation<dim> simulation_;
   bool has_body_;
@@ -75,6 +79,7 @@ class FluidParticipant final : public Participant {
     bool has_first_frame = false;  // that at t = 0
   };
   Progress progress_;
+  Guard guard_;
   struct Committed {
     State<dim> state;
     Measurements measurements;

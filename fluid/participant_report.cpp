@@ -4,8 +4,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strake::fluid {
+namespace {
+
+/// Returns the height that water can fall through along gravity: from its highest place at the start to the
+/// tank's floor, across the tank where gravity is inclined. It is infinite along a direction that repeats
+/// itself. A tank that moves may throw its water to the top.
+template <int dim>
+double drop_of(const Parameters& p) {
+  double drop = 0;
+  const double g = p.gravity.norm();
+  for (int d = 0; d < dim && g > 0; ++d) {
+    if (p.gravity[d] == 0) continue;
+    const bool falls = d == 1 && p.gravity[1] < 0 && !p.motion.moves();
+    const double extent = (falls ? p.water.max[d] : p.tank.max[d]) - p.tank.min[d];
+    drop += p.periodic[static_cast<std::size_t>(d)] ? std::numeric_limits<double>::infinity()
+                                                    : std::abs(p.gravity[d]) / g * extent;
+  }
+  return drop;
+}
+
+/// Returns the largest speed of the tank's walls over the run, from a thousand instants [m/s].
+double tank_speed(const Parameters& p) {
+  if (!p.motion.moves()) return 0;
+  constexpr int instants = 1000;
+  const double size = (p.tank.max - p.tank.min).norm();
+  double largest = 0;
+  for (int k = 0; k <= instants; ++k) {
+    const RigidMotion motion = p.motion.at(p.end_time * k / instants);
+    largest = std::max(largest, motion.velocity.norm() + std::abs(motion.angular_velocity) * size);
+  }
+  return largest;
+}
+
+}  // namespace
 
 template <int dim>
 std::vector<Column> FluidParticipant<dim>::columns() const {
@@ -98,25 +132,96 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["check.momentum_gap"] = momentum_gap();
 }
 
-/// Returns |momentum not accounted for| over 2ρVa², in space over 2ρVa³. Where nothing enters the scale is
-/// the largest impulse so far.
+/// Returns 2ρVa², in space 2ρVa³. Where nothing enters it is the largest impulse so far.
 template <int dim>
-double FluidParticipant<dim>::momentum_gap() const {
+double FluidParticipant<dim>::momentum_scale() const {
   const State<dim>& state = simulation_.state();
-  const double mass = parameters_.density * std::pow(parameters_.spacing, dim), half = 0.5 * body_length_;
-  double scale = 2 * parameters_.density * entry_speed_ * std::pow(half, dim);
-  if (scale == 0)
-    scale = std::max(
-        {state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), state.impulse_on_bodies.norm()});
-  return scale > 0 ? fluid::momentum_gap<dim>(state, mass).norm() / scale : 0.0;
+  const double scale = 2 * parameters_.density * entry_speed_ * std::pow(0.5 * body_length_, dim);
+  if (scale > 0) return scale;
+  return std::max(
+      {state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), state.impulse_on_bodies.norm()});
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                               \
-  template std::vector<Column> FluidParticipant<dim>::columns() const;                        \
-  template void FluidParticipant<dim>::report_sensors(std::map<std::string, double>&) const;  \
-  template void FluidParticipant<dim>::report_water(std::map<std::string, double>&) const;    \
-  template void FluidParticipant<dim>::report_accounts(std::map<std::string, double>&) const; \
-  template double FluidParticipant<dim>::momentum_gap() const;
+/// Returns |momentum not accounted for| over `momentum_scale`.
+template <int dim>
+double FluidParticipant<dim>::momentum_gap() const {
+  const double mass = parameters_.density * std::pow(parameters_.spacing, dim), scale = momentum_scale();
+  return scale > 0 ? fluid::momentum_gap<dim>(simulation_.state(), mass).norm() / scale : 0.0;
+}
+
+template <int dim>
+GuardScales FluidParticipant<dim>::guard_scales() const {
+  const Parameters& p = parameters_;
+  return {.density = p.density,
+          .sound_speed = p.sound_speed,
+          .spacing = p.spacing,
+          .cfl = p.scheme.cfl,
+          .gravity = p.gravity.norm(),
+          .gravity_ramp = p.gravity_ramp,
+          .top = p.water.max.y(),
+          .drop = drop_of<dim>(p),
+          .half_width = 0.5 * body_length_,
+          .tank_speed = tank_speed(p),
+          .enters = entry_speed_ > 0,
+          .submerged = p.submerged};
+}
+
+template <int dim>
+void FluidParticipant<dim>::watch_step(double t1, double dt, double speed, WindowExtremes& of) const {
+  const auto take = [&](Extreme found, Extreme& largest) {
+    if (found.value <= largest.value) return;
+    largest = found;
+    largest.time = t1;
+    largest.step = dt;
+  };
+  if (speed > of.speed.value) take(simulation_.fastest(), of.speed);
+  take(simulation_.highest_pressure(), of.pressure);
+}
+
+template <int dim>
+void FluidParticipant<dim>::watch_window(const Window& window, const WindowExtremes& extremes) {
+  const std::vector<FacePiece> pieces = simulation_.face_pieces();
+  guard_.faces(measurements_.guard, pieces);
+  const Vectors<dim>& velocity = simulation_.state().interface_velocity;
+  if (pieces.empty() && velocity.cols() > 0)
+    guard_.body(measurements_.guard, velocity.colwise().norm().maxCoeff());
+  guard_.water_on_faces(measurements_.guard, window.t + window.dt, window.dt, pieces);
+  guard_.extremes(measurements_.guard, extremes);
+}
+
+/// Passes the accounts of a window to the guard, and its alarms to the coupler. The momentum is compared with
+/// the largest impulse, and with a hundredth of the water's own M√(gH) while little has happened: a share of
+/// nothing says nothing.
+template <int dim>
+void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monitor) {
+  const State<dim>& state = simulation_.state();
+  GuardRecord& record = measurements_.guard;
+  const double mass = parameters_.density * std::pow(parameters_.spacing, dim) * monitor.at("count.fluid");
+  const double depth = parameters_.water.max.y() - parameters_.tank.min.y();
+  constexpr double little = 0.01;
+  const double scale = momentum_scale();
+  const double least = std::max({scale, little * mass * std::sqrt(parameters_.gravity.norm() * depth),
+                                 state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(),
+                                 state.impulse_on_bodies.norm()});
+  if (least > 0) guard_.momentum(record, state.time, monitor.at("check.momentum_gap") * scale / least);
+  if (measures_water_) {
+    guard_.volume(record, state.time, monitor.at("check.volume_drift"));
+    guard_.hollow(record, state.time,
+                  static_cast<double>(measurements_.internal_voids) / monitor.at("count.fluid"));
+  }
+  guard_.report(record, monitor);
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                   \
+  template std::vector<Column> FluidParticipant<dim>::columns() const;                            \
+  template void FluidParticipant<dim>::report_sensors(std::map<std::string, double>&) const;      \
+  template void FluidParticipant<dim>::report_water(std::map<std::string, double>&) const;        \
+  template void FluidParticipant<dim>::report_accounts(std::map<std::string, double>&) const;     \
+  template double FluidParticipant<dim>::momentum_gap() const;                                    \
+  template GuardScales FluidParticipant<dim>::guard_scales() const;                               \
+  template void FluidParticipant<dim>::watch_step(double, double, double, WindowExtremes&) const; \
+  template void FluidParticipant<dim>::watch_window(const Window&, const WindowExtremes&);        \
+  template void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>&);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

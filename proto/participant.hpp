@@ -44,6 +44,7 @@ struct Advanced {
   /// Named scalars. Names in Description::columns go to history.csv. Reserved prefixes go elsewhere:
   ///   "seconds.<stage>"  wall seconds so far (timing.csv, summary)      "count.<what>"  counts so far
   ///   (summary) "check.<what>"     conservation checks so far (summary)           "memory.peak"   bytes
+  ///   "alarm.<kind>.<part>" a value that the case cannot have: time, x, y, z, value, bound, step (summary)
   ///   "<probe>:<metric>" accumulated probe result (first_peak, time_of_first_peak, peak, time_of_peak,
   ///   impulse,
   ///                      mean_peak_50us, final, contact); absent until it is known

@@ -96,6 +96,7 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
   for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session.mapping_lines()));
+  fmt::print("{}", block_text("resolution", session.resolution()));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct RunOptions {
   RunFolderOptions folder;
   std::vector<std::string> by_hand;  // sides that the user starts: "fluid", "structure"
   bool patient = false;              // no deadline but death
-  bool strict = false;               // exit 1 when a compare block fails
+  bool strict = false;               // exit 1 when a compare block fails or an alarm was raised
   bool quiet = false, json = false;
   bool trace = true;     // write trace.json
   bool profile = false;  // say where the time went

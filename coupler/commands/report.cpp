@@ -43,10 +43,10 @@ std::string page_of_runs(const std::vector<Recorded>& runs, const std::vector<do
   if (runs.size() > 1) title += fmt::format(": {} runs", runs.size());
   const std::string lead = "<p>" + report::escape(verdict_sentence(runs)) + "</p>\n";
   return report::page(title, lead,
-                      report::what_was_run(runs) + report::drawing_of_case(runs) + report::metrics(runs) +
-                          report::failures(runs) + report::histories(runs) + report::pictures(runs, at) +
-                          report::checks(runs) + report::limits(runs) + report::settings(runs) +
-                          report::how_to_run_again(runs));
+                      report::what_was_run(runs) + report::alarms(runs) + report::drawing_of_case(runs) +
+                          report::metrics(runs) + report::failures(runs) + report::histories(runs) +
+                          report::pictures(runs, at) + report::checks(runs) + report::resolution(runs) +
+                          report::limits(runs) + report::settings(runs) + report::how_to_run_again(runs));
 }
 
 std::vector<Recorded> recorded_runs(const report::StudyData& study, const report::RunsByName& runs) {
@@ -97,10 +97,11 @@ std::string page_of_study(const std::filesystem::path& folder, const std::vector
   const std::string title = study.title.empty() ? study.name.empty() ? "study" : study.name : study.title;
   return report::page(title, lead,
                       report::study_summary(study) + report::study_claims(study) +
-                          report::study_checks(study) + report::failures(recorded_runs(study, runs)) +
-                          report::drawing_of_case(drawn) + report::study_histories(study, runs) +
-                          report::study_convergence(study) + report::pictures(drawn, at) +
-                          report::limits(drawn) + report::study_runs(study, runs));
+                          report::study_checks(study) + report::alarms(recorded_runs(study, runs)) +
+                          report::failures(recorded_runs(study, runs)) + report::drawing_of_case(drawn) +
+                          report::study_histories(study, runs) + report::study_convergence(study) +
+                          report::pictures(drawn, at) + report::limits(drawn) +
+                          report::study_runs(study, runs));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "coupler/run/run_header.hpp"
 #include "coupler/run/run_log.hpp"
 #include "coupler/run/session.hpp"
+#include "coupler/summary/alarms.hpp"
 #include "coupler/summary/comparison_status.hpp"
 #include "coupler/summary/failure_notes.hpp"
 #include "coupler/summary/summary.hpp"
@@ -57,6 +58,10 @@ struct RunMessages {
     if (log) log->warn(line);
     reporter.warning(line);
   }
+  void alarm(const std::string& line) const {
+    if (log) log->error("alarm: {}", line);
+    reporter.alarm(line);
+  }
   void wait(const Awaited& whom, double elapsed) {
     if (const std::string line = wait_log.line(whom); log && !line.empty()) log->info(line);
     reporter.wait({.whom = whom, .elapsed = elapsed});
@@ -103,6 +108,7 @@ class Run {
       fail(told);
       throw told;
     }
+    if (options_.strict && !summary_.alarms().empty()) return ExitCode::outside_tolerance;
     for (const Verdict& verdict : summary_.verdicts)
       if (options_.strict && verdict.result == Verdict::Result::fail) return ExitCode::outside_tolerance;
     return ExitCode::done;
@@ -128,6 +134,7 @@ class Run {
     record_.write();
     open_files();
     summary_.describe(files_->table().columns);
+    summary_.resolution = session_->resolution();
     summary_.coupler_seconds["setup"] = seconds_since(start_);
 
     const RunHeader header =
@@ -198,6 +205,7 @@ class Run {
   void windows() {
     started_ = true;
     FailureNotes failure(case_.common.interface == "surface" && case_.coupled(), plan_.start.time);
+    AlarmNotes alarms(plan_.start.time);
     WindowLoop loop = session_->loop(plan_);
     auto saved = Clock::now();
     while (!loop.finished()) {
@@ -216,6 +224,8 @@ class Run {
                  .history = &files_->table()};
       messages_.reporter.window(row);
       for (const std::string& line : failure.look(window.report.structure)) messages_.note(line);
+      for (const auto* monitor : {&window.report.fluid, &window.report.structure})
+        for (const std::string& line : alarms.look(*monitor)) messages_.alarm(line);
       if (window.taken_back > 0)
         messages_.log->warn("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s",
                             window.number, window.time, window.why, window.taken_back,

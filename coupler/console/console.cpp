@@ -29,6 +29,9 @@ class QuietReporter final : public Reporter {
   void window(const RunRow&) override {}
   void verdict(const Verdict&) override {}  // all at the end, also those that were not reached
   void note(const std::string&) override {}
+  void alarm(const std::string& line) override {
+    put(stream_, fmt::format("{}  {}\n", painted(style_, "31", "alarm"), visible(line)));
+  }
   void warning(const std::string& line) override {
     put(stream_, fmt::format("{}  {}\n", painted(style_, "33", "warning"), visible(line)));
   }

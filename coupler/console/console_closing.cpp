@@ -1,5 +1,6 @@
 #include "coupler/console/console.hpp"
 #include "coupler/plot/ticks.hpp"
+#include "coupler/summary/check_grades.hpp"
 #include "coupler/timing/profile.hpp"
 #include "proto/number_text.hpp"
 #include "proto/visible.hpp"
@@ -25,21 +26,28 @@ std::string counted(long number, const std::string& what) {
   return fmt::format("{} {}{}", grouped(number), what, number == 1 ? "" : "s");
 }
 
-/// The first things that a specialist wants from a run; unknown ones are left out.
-std::string checks_text(const Json& checks) {
-  std::string text;
-  const auto add = [&](const char* key, auto&& words) {
-    if (checks[key].is_number()) text += "  " + words(checks[key].get<double>());
-  };
-  add("work_gap", [](double x) { return fmt::format("work gap {:.1e}", x); });
-  add("momentum_gap", [](double x) { return fmt::format("momentum gap {:.1e}", x); });
-  add("structure_energy_drift", [](double x) { return fmt::format("energy drift {:.1e}", x); });
-  add("volume_drift", [](double x) { return fmt::format("volume {:+.2f} %", 100 * x); });
-  add("inner_fraction_min",
-      [](double x) { return fmt::format("inner particles at least {:.1f} %", 100 * x); });
-  for (const char* count : {"voids", "openings", "penetrations", "lost"})
-    add(count, [count](double x) { return fmt::format("{} {:.0f}", count, x); });
-  return text;
+/// The checks in words, the worst first, then those without a bound.
+void add_checks(const Json& checks, std::vector<std::string>& lines) {
+  std::vector<std::string> texts = grade_lines(checks);
+  std::string others;
+  if (checks["inner_fraction_min"].is_number())
+    others =
+        fmt::format("inner particles at least {:.1f} %", 100 * checks["inner_fraction_min"].get<double>());
+  if (checks["voids"].is_number()) others += fmt::format("   voids {:.0f}", checks["voids"].get<double>());
+  if (!others.empty()) texts.push_back("also  " + others);
+  for (std::size_t k = 0; k < texts.size(); ++k)
+    lines.push_back(fmt::format("  {:<8}{}", k == 0 ? "checks" : "", texts[k]));
+}
+
+/// One line that counts the alarms, where there were any.
+void add_alarms(const Summary& summary, const Style& style, std::vector<std::string>& lines) {
+  const std::vector<RaisedAlarm> alarms = summary.alarms();
+  if (alarms.empty()) return;
+  std::string kinds;
+  for (const RaisedAlarm& alarm : alarms)
+    kinds += fmt::format("{}{} from t = {:.4g} s", kinds.empty() ? "" : ", ", alarm.kind, alarm.time);
+  lines.push_back("  " + painted(style, "31", counted(static_cast<long>(alarms.size()), "alarm")) + ": " +
+                  kinds + "; do not trust the results from there on");
 }
 
 std::string value_text(double value, const std::string& unit, const Style& style) {
@@ -121,8 +129,8 @@ std::vector<std::string> closing_lines(const RunEnd& end, const RunHeader& heade
                                    counted(summary.taken_back(), "window") + " taken back for shorter ones"));
   for (const Verdict& verdict : summary.verdicts) lines.push_back("  " + verdict_text(verdict, style));
   add_found(json["probes"], header, style, lines);
-  if (const std::string checks = checks_text(json["checks"]); !checks.empty())
-    lines.push_back("  checks" + checks);
+  add_alarms(summary, style, lines);
+  add_checks(json["checks"], lines);
   if (end.profile != nullptr)
     for (const std::string& text : end.profile->lines()) lines.push_back("  " + visible(text));
 

@@ -73,6 +73,7 @@ class JsonReporter final : public Reporter {
     put({{"kind", "verdict"}, {"line", verdict.line()}, {"verdict", json_of(verdict)}});
   }
   void note(const std::string& line) override { put({{"kind", "note"}, {"text", line}}); }
+  void alarm(const std::string& line) override { put({{"kind", "alarm"}, {"text", line}}); }
   void warning(const std::string& line) override { put({{"kind", "warning"}, {"text", line}}); }
   void error(const Error& error) override {
     put({{"kind", "error"},

@@ -180,6 +180,9 @@ class TableReporter final : public Reporter {
 
   void verdict(const Verdict& verdict) override { put(verdict_text(verdict, style_)); }
   void note(const std::string& line) override { put("  " + visible(line)); }
+  void alarm(const std::string& line) override {
+    put("  " + painted(style_, "31", "alarm") + "      " + visible(line));
+  }
   void warning(const std::string& line) override {
     put("  " + painted(style_, "33", "warning") + "    " + visible(line));
   }

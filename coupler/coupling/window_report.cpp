@@ -25,7 +25,8 @@ std::map<std::string, double> WindowReport::monitor() const {
   for (const auto* side : {&fluid, &structure})
     for (const auto& [name, value] : *side) {
       const auto begins = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
-      if (!begins("seconds.") && !begins("count.") && !begins("check.") && !begins("memory."))
+      if (!begins("seconds.") && !begins("count.") && !begins("check.") && !begins("memory.") &&
+          !begins("alarm."))
         merged.emplace(name, value);
     }
   return merged;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace strake::report {
 namespace {
@@ -180,7 +181,22 @@ constexpr Check known_checks[] = {
     {"penetrations", "Most water particles inside the structure's outline at any time", "0"},
     {"lost", "Water particles that left the domain", "0, unless a splash leaves an open tank"},
     {"volume_drift", "Change of the water's volume since the start, as a share", "a per cent or less"},
+    {"largest_speed", "Largest speed of the water over the largest that body and gravity can give it",
+     "below 0.77, which is what theory gives without the margin"},
+    {"largest_pressure", "Largest pressure on a face over the largest that an impact can give",
+     "below 0.77, likewise"},
 };
+
+std::string grade_badge(const Recorded& run, const std::string& check) {
+  const auto found = run.grades.find(check);
+  if (found == run.grades.end() || found->second.grade.empty()) return {};
+  const CheckGrade& is = found->second;
+  const char* look = is.grade == "good" ? "good" : is.grade == "poor" ? "open" : "bad";
+  std::string bounds;
+  if (is.good && is.poor)
+    bounds = fmt::format(" <span class=\"words\">good to {:.3g}, bad from {:.3g}</span>", *is.good, *is.poor);
+  return " " + badge(look, is.grade) + bounds;
+}
 
 }  // namespace
 
@@ -290,7 +306,7 @@ std::string checks(const std::vector<Recorded>& runs) {
       std::optional<double> value;
       for (const auto& [own, number] : run.checks)
         if (own == name) value = number;
-      cells.push_back(number_cell(value, "1"));
+      cells.push_back(number_cell(value, "1") + grade_badge(run, name));
       any = any || value;
     }
     if (!any) continue;
@@ -303,6 +319,38 @@ std::string checks(const std::vector<Recorded>& runs) {
     table.row(cells);
   }
   return table.empty() ? std::string() : section("checks", "Conservation checks", table.html());
+}
+
+std::string alarms(const std::vector<Recorded>& runs) {
+  std::string list;
+  for (const Recorded& run : runs)
+    for (const std::string& line : run.alarms)
+      list += "<li>" + badge("bad", "alarm") + " " + escape(runs.size() > 1 ? run.name + ": " + line : line) +
+              "</li>\n";
+  if (list.empty()) return {};
+  return section("alarms", "Alarms",
+                 "<p>These values cannot come from the case. Do not trust what follows them.</p>\n<ul>\n" +
+                     list + "</ul>\n");
+}
+
+std::string resolution(const std::vector<Recorded>& runs) {
+  std::set<std::string> spacings;
+  std::string list;
+  const std::string one_spacing = "one spacing:";
+  for (const Recorded& run : runs) {
+    if (const std::string spacing = run.setting("fluid.spacing"); !spacing.empty()) spacings.insert(spacing);
+    for (const std::string& line : run.resolution)
+      if (!line.starts_with(one_spacing))
+        list += "<li>" + escape(runs.size() > 1 ? run.name + ": " + line : line) + "</li>\n";
+  }
+  if (spacings.empty()) return {};
+  std::string all;
+  for (const std::string& spacing : spacings) all += (all.empty() ? "" : ", ") + spacing;
+  list += "<li>" +
+          escape(spacings.size() == 1 ? "not checked against a second spacing (all runs have " + all + " m)"
+                                      : "the runs have the spacings " + all + " m: compare them") +
+          "</li>\n";
+  return section("resolution", "Resolution", "<ul>\n" + list + "</ul>\n");
 }
 
 }  // namespace strake::report

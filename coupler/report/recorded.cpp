@@ -144,7 +144,15 @@ void read_summary(const Json& summary, Recorded& run) {
       run.probes.push_back(std::move(result));
     }
   if (checks.is_object())
-    for (const auto& [name, value] : checks.items()) run.checks.emplace_back(name, number_of(checks, name));
+    for (const auto& [name, value] : checks.items())
+      if (!value.is_object()) run.checks.emplace_back(name, number_of(checks, name));
+  if (const Json& grades = member(checks, "grades"); grades.is_object())
+    for (const auto& [name, entry] : grades.items())
+      run.grades[name] = {string_of(entry, "grade"), number_of(entry, "good"), number_of(entry, "poor")};
+  for (const Json& entry : member(summary, "alarms"))
+    if (const std::string text = string_of(entry, "text"); !text.empty()) run.alarms.push_back(text);
+  for (const Json& entry : member(summary, "resolution"))
+    if (entry.is_string()) run.resolution.push_back(entry.get<std::string>());
   const Json& failure = member(summary, "failure");
   run.failure_energy = number_of(failure, "energy");
   if (failure.is_object())

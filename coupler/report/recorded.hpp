@@ -46,6 +46,12 @@ struct Origin {
   std::optional<double> threads;
 };
 
+/// How a check turned out: "good" up to the first bound, "poor" up to the second, else "bad".
+struct CheckGrade {
+  std::string grade;
+  std::optional<double> good, poor;
+};
+
 /// A run folder as it lies on disk, whole or not: what cannot be read is said in `problems`, and the rest
 /// still shows.
 struct Recorded {
@@ -63,6 +69,8 @@ struct Recorded {
   std::map<std::string, double> contact;  // probe → [s]
   std::vector<ProbeResult> probes;
   std::vector<std::pair<std::string, std::optional<double>>> checks;
+  std::map<std::string, CheckGrade> grades;  // check → how it turned out
+  std::vector<std::string> alarms, resolution;
   std::vector<Judged> compare;
   std::vector<FailureEvent> failure;
   std::optional<double> failure_energy;

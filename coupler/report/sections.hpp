@@ -24,6 +24,10 @@ std::string failures(const std::vector<Recorded>&);
 std::string checks(const std::vector<Recorded>&);
 /// What the runs cannot show: air, the influence of the spacing. Empty where there is no water.
 std::string limits(const std::vector<Recorded>&);
+/// What the guards of the runs found.
+std::string alarms(const std::vector<Recorded>&);
+/// What the spacings resolve, and whether a second one was run.
+std::string resolution(const std::vector<Recorded>&);
 std::string how_to_run_again(const std::vector<Recorded>&);
 
 /// The plots of `histories` alone: one figure per quantity that any of the runs recorded, and its first peak.

@@ -18,6 +18,8 @@ RunHeader header_of(const CaseView& view, const Session& session, const RunPlan&
                    .end_time = plan.end,
                    .windows = plan.n_windows(),
                    .from = plan.start};
+  if (std::vector<std::string> lines = session.resolution(); !lines.empty())
+    header.blocks.emplace_back("resolution", std::move(lines));
   if (resumed)
     header.blocks.push_back(
         {"resumed", {fmt::format("after window {} (t = {:.6g} s)", plan.start.windows, plan.start.time)}});

@@ -3,6 +3,7 @@
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
+#include "coupler/summary/resolution.hpp"
 #include "proto/error.hpp"
 #include "proto/number_text.hpp"
 
@@ -193,6 +194,13 @@ std::vector<std::string> Session::mapping_lines() const {
   for (std::string& line : quality_lines(back->quality(), structure_->mesh().position, true))
     lines.push_back(std::move(line));
   return lines;
+}
+
+std::vector<std::string> Session::resolution() const {
+  if (structure_ == nullptr) return resolution_lines(case_, {}, {});
+  const Field* velocity = find(structure_->description().initial, "velocity");
+  return resolution_lines(case_, structure_->mesh(),
+                          velocity == nullptr ? Points() : Points(velocity->value));
 }
 
 std::vector<std::string> Session::warnings() const {

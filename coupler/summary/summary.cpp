@@ -1,5 +1,6 @@
 #include "coupler/summary/summary.hpp"
 
+#include "coupler/summary/check_grades.hpp"
 #include "coupler/summary/failure_notes.hpp"
 #include "coupler/summary/history_metrics.hpp"
 
@@ -135,6 +136,12 @@ double Summary::mean_iterations() const {
   return windows_ == 0 ? 0 : static_cast<double>(iterations_) / static_cast<double>(windows_);
 }
 
+std::vector<RaisedAlarm> Summary::alarms() const {
+  std::map<std::string, double> both = structure_;
+  both.insert(fluid_.begin(), fluid_.end());
+  return alarms_of(both);
+}
+
 Json Summary::json() const {
   Json json;
   json["case"] = case_;
@@ -173,10 +180,16 @@ Json Summary::json() const {
     }
 
   json["checks"]["work_gap"] = coupled_ ? finite(work_gap_) : Json(nullptr);
-  for (const char* check : {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids",
-                            "openings", "penetrations", "lost", "volume_drift"})
+  for (const char* check :
+       {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids", "openings", "penetrations",
+        "lost", "volume_drift", "largest_speed", "largest_pressure"})
     json["checks"][check] = either(fluid_, structure_, std::string("check.") + check);
+  json["checks"]["grades"] = grades_of(
+      json["checks"], json["particles"]["fluid"].is_number() ? json["particles"]["fluid"].get<double>() : 0);
+  json["alarms"] = Json::array();
+  for (const RaisedAlarm& alarm : alarms()) json["alarms"].push_back(json_of(alarm));
 
+  json["resolution"] = resolution;
   json["failure"] = failure_json(structure_);
 
   json["compare"] = Json::array();

@@ -2,6 +2,7 @@
 
 #include "coupler/compare/compare.hpp"
 #include "coupler/coupling/window_loop.hpp"
+#include "coupler/summary/alarms.hpp"
 #include "proto/error.hpp"
 
 #include <nlohmann/json.hpp>
@@ -29,6 +30,7 @@ class Summary {
   std::map<std::string, double> coupler_seconds;  // stage → [s]
   double coupler_memory = 0;                      // [bytes] peak
   std::vector<Verdict> verdicts;
+  std::vector<std::string> resolution;  // what the spacings resolve, in words
 
   double end_time() const { return time_; }
   long windows() const { return windows_; }
@@ -39,6 +41,9 @@ class Summary {
   double work_gap() const { return work_gap_; }
   /// "<probe>:<metric>" as last reported, for `judge`.
   const std::map<std::string, double>& probe_results() const { return results_; }
+
+  /// The alarms that the participants have raised so far, the earliest first.
+  std::vector<RaisedAlarm> alarms() const;
 
   nlohmann::ordered_json json() const;
 

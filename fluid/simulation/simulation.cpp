@@ -146,6 +146,62 @@ Eigen::Vector3d Simulation<dim>::floor_force() const {
   floor.head<dim>() = work_->floor;
   return floor;
 }
+
+template <int dim>
+std::vector<FacePiece> Simulation<dim>::face_pieces() const {
+  const Work& w = *work_;
+  const Boundary<dim>& boundary = w.step.boundary;
+  const BodySurface<dim>& body = boundary.body_surface();
+  std::vector<FacePiece> pieces(static_cast<std::size_t>(body.points()));
+  for (int k = 0; k < body.points(); ++k) {
+    FacePiece& piece = pieces[static_cast<std::size_t>(k)];
+    piece.at.template head<dim>() = body.point(k);
+    piece.normal.template head<dim>() = body.normal(k);
+    piece.velocity.template head<dim>() = body.velocity(k);
+    piece.area = body.area(k);
+    piece.on_wall = std::abs(boundary.tank().distance(body.point(k))) < w.step.p.spacing;
+    piece.pressure = -w.on_points.col(k).dot(body.normal(k)) / piece.area;
+  }
+  const State<dim>& state = w.step.state;
+  for (std::int64_t i = boundary.first_of_bodies(); i < static_cast<std::int64_t>(state.kind.size()); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    const int point = boundary.point_of(i);
+    if (state.kind[row] == Kind::interface && point >= 0 && state.surface[row] == 0)
+      pieces[static_cast<std::size_t>(point)].wet = true;
+  }
+  return pieces;
+}
+
+template <int dim>
+Extreme Simulation<dim>::highest_pressure() const {
+  const Work& w = *work_;
+  const BodySurface<dim>& body = w.step.boundary.body_surface();
+  Extreme highest;
+  for (int k = 0; k < body.points(); ++k) {
+    const double pressure = -w.on_points.col(k).dot(body.normal(k)) / body.area(k);
+    if (!(pressure > highest.value)) continue;
+    highest.value = pressure;
+    highest.at.template head<dim>() = body.point(k);
+  }
+  return highest;
+}
+
+template <int dim>
+Extreme Simulation<dim>::fastest() const {
+  const Work& w = *work_;
+  double square = 0;
+  std::int64_t place = -1;
+  for (std::int64_t i = 0; i < w.step.boundary.water(); ++i) {
+    const double of_particle = w.step.state.velocity.col(i).squaredNorm();
+    if (!(of_particle > square)) continue;
+    square = of_particle;
+    place = i;
+  }
+  Extreme fastest{.value = std::sqrt(square)};
+  if (place >= 0) fastest.at.template head<dim>() = w.step.state.position.col(place);
+  return fastest;
+}
+
 template class Simulation<2>;
 template class Simulation<3>;
 

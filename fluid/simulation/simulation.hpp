@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/diagnostics/guard.hpp"
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/particles/state.hpp"
 #include "fluid/scheme/interface_motion.hpp"
@@ -8,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace strake::fluid {
 
@@ -57,6 +59,13 @@ class Simulation {
   double sensor_pressure(const Eigen::Vector3d& at, double diameter) const;
   /// Returns the force of the water on the tank floor (the walls' lower side) [N].
   Eigen::Vector3d floor_force() const;
+  /// Returns the pieces of the bodies' faces where they are now, with the load of the last step. In volume
+  /// coupling there are none.
+  std::vector<FacePiece> face_pieces() const;
+  /// Returns the highest pressure of the last step on a piece of the bodies' faces, −(force · n)/area [Pa].
+  Extreme highest_pressure() const;
+  /// Returns the fastest particle of water now: its speed [m/s] and place.
+  Extreme fastest() const;
 
  private:
   struct Work;

@@ -36,14 +36,15 @@ TEST(Summary, HoldsExactlyTheKeysThatScriptsRelyOn) {
   EXPECT_EQ(keys(json),
             (std::set<std::string>{"case", "tag", "exit_code", "end_time", "windows", "iterations",
                                    "particles", "steps", "steps_committed", "seconds", "peak_memory_bytes",
-                                   "probes", "checks", "failure", "compare"}));
+                                   "probes", "checks", "alarms", "resolution", "failure", "compare"}));
   EXPECT_EQ(keys(json["iterations"]), (std::set<std::string>{"mean", "max", "unconverged", "taken_back"}));
   EXPECT_EQ(keys(json["particles"]), (std::set<std::string>{"fluid", "wall", "solid"}));
   EXPECT_EQ(keys(json["seconds"]), (std::set<std::string>{"wall", "fluid", "structure", "coupler"}));
   EXPECT_EQ(keys(json["peak_memory_bytes"]), (std::set<std::string>{"fluid", "structure", "coupler"}));
   EXPECT_EQ(keys(json["checks"]),
             (std::set<std::string>{"work_gap", "momentum_gap", "structure_energy_drift", "inner_fraction_min",
-                                   "voids", "openings", "penetrations", "lost", "volume_drift"}));
+                                   "voids", "openings", "penetrations", "lost", "volume_drift",
+                                   "largest_speed", "largest_pressure", "grades"}));
 }
 
 TEST(Summary, CollectsWhatTheParticipantsReport) {

@@ -1,0 +1,131 @@
+#include "coupler/summary/alarms.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace strake {
+namespace {
+
+/// What an alarm says. The lengths of the step in use and of the flow's own step are known for each.
+struct AlarmWords {
+  const char* kind;
+  const char* unit;
+  std::string (*what)(double value, double bound);
+  const char* cause;  // where the step is not the suspect
+  const char* remedy;
+};
+
+std::string pressure_text(double pascal) {
+  const double size = std::abs(pascal);
+  if (size >= 1e6) return fmt::format("{:.3g} MPa", 1e-6 * pascal);
+  if (size >= 1e3) return fmt::format("{:.3g} kPa", 1e-3 * pascal);
+  return fmt::format("{:.3g} Pa", pascal);
+}
+
+const std::array<AlarmWords, 6> all_words = {
+    AlarmWords{"speed", "m/s",
+               [](double value, double bound) {
+                 return fmt::format("water at {:.3g} m/s, where this flow gives at most {:.3g}", value,
+                                    bound);
+               },
+               "particles are too coarse for the jet or the contact", "half of fluid.spacing"},
+    AlarmWords{"pressure", "Pa",
+               [](double value, double bound) {
+                 return fmt::format("{} on the body, where this impact gives at most {}",
+                                    pressure_text(value), pressure_text(bound));
+               },
+               "particles are too coarse for the contact", "half of fluid.spacing"},
+    AlarmWords{
+        "dry", "1",
+        [](double value, double) {
+          return fmt::format("faces under water have lost it, they carry {:.0f} % of its load", 100 * value);
+        },
+        "the water did not touch the body at the start, or does not follow it",
+        "a body whose faces lie on multiples of fluid.spacing, another fluid.spacing, or shorter windows"},
+    AlarmWords{"momentum", "1",
+               [](double value, double bound) {
+                 return fmt::format("{:.3g} % of the momentum has no source, more than {:.3g} %", 100 * value,
+                                    100 * bound);
+               },
+               "pressure on faces and in the water differ", "half of fluid.spacing"},
+    AlarmWords{"volume", "1",
+               [](double value, double bound) {
+                 return fmt::format("the water's volume has changed by {:+.3g} %, more than {:.3g} %",
+                                    100 * value, 100 * bound);
+               },
+               "particles have spread or piled up", "half of fluid.spacing"},
+    AlarmWords{"hollow", "1",
+               [](double value, double bound) {
+                 return fmt::format(
+                     "the water has come apart inside, at {:.3g} % of its particles, more than {:.3g} %",
+                     100 * value, 100 * bound);
+               },
+               "tension has opened holes", "half of fluid.spacing"}};
+
+constexpr double short_step = 0.2;  // of the flow's own, below which the step is the suspect
+
+double monitored(const std::map<std::string, double>& monitor, const std::string& name) {
+  const auto found = monitor.find(name);
+  return found == monitor.end() ? std::nan("") : found->second;
+}
+
+std::string advice_of(const AlarmWords& words, double step, double flow_step) {
+  if (step > 0 && step < short_step * flow_step)
+    return fmt::format(
+        "probably single particles between jet and wall, in steps of {:.1g} s that are short for this flow; "
+        "try "
+        "fluid.scheme.time_step = {:.1g} with a window as long, or half of fluid.spacing",
+        step, flow_step);
+  return fmt::format("probably {}; try {}", words.cause, words.remedy);
+}
+
+}  // namespace
+
+std::vector<RaisedAlarm> alarms_of(const std::map<std::string, double>& monitor) {
+  std::vector<RaisedAlarm> alarms;
+  for (const AlarmWords& words : all_words) {
+    const auto part = [&](const char* name) {
+      return monitored(monitor, fmt::format("alarm.{}.{}", words.kind, name));
+    };
+    RaisedAlarm alarm{.kind = words.kind, .time = part("time"), .line = {}};
+    if (!std::isfinite(alarm.time)) continue;
+    alarm.value = part("value");
+    alarm.bound = part("bound");
+    alarm.x = part("x");
+    alarm.y = part("y");
+    alarm.z = part("z");
+    alarm.placed = std::isfinite(alarm.x) && std::isfinite(alarm.y) && std::isfinite(alarm.z);
+    alarm.line = fmt::format("t = {:.6g} s", alarm.time);
+    if (alarm.placed) alarm.line += fmt::format(" at ({:.4g}, {:.4g}, {:.4g}) m", alarm.x, alarm.y, alarm.z);
+    alarm.line += fmt::format(": {}; {}", words.what(alarm.value, alarm.bound),
+                              advice_of(words, part("step"), monitored(monitor, "alarm.flow_step")));
+    alarms.push_back(std::move(alarm));
+  }
+  std::stable_sort(alarms.begin(), alarms.end(),
+                   [](const RaisedAlarm& a, const RaisedAlarm& b) { return a.time < b.time; });
+  return alarms;
+}
+
+std::vector<std::string> AlarmNotes::look(const std::map<std::string, double>& monitor) {
+  std::vector<std::string> lines;
+  for (const RaisedAlarm& alarm : alarms_of(monitor))
+    if (!std::exchange(told_[alarm.kind], true) && alarm.time > since_) lines.push_back(alarm.line);
+  return lines;
+}
+
+nlohmann::ordered_json json_of(const RaisedAlarm& alarm) {
+  using Json = nlohmann::ordered_json;
+  const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  return {{"kind", alarm.kind},
+          {"time", finite(alarm.time)},
+          {"at", alarm.placed ? Json{alarm.x, alarm.y, alarm.z} : Json(nullptr)},
+          {"value", finite(alarm.value)},
+          {"bound", finite(alarm.bound)},
+          {"text", alarm.line}};
+}
+
+}  // namespace strake

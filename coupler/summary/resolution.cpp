@@ -1,0 +1,146 @@
+#include "coupler/summary/resolution.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace strake {
+namespace {
+
+// Bounds of resolution. Two layers of particles bend wrongly by tens of per cent, four by some per cent
+// (cases/VALIDATION.md, "Strips: deflection and frequencies"). The force of a wedge keeps to some 15 % from
+// twelve spacings per half wetted width on, and to 5 % from thirty on.
+constexpr double enough_layers = 4;
+constexpr double coarse = 12, fine = 30;  // [l0]
+constexpr double level_slope = 0.02;  // below it a face meets the water at once, and no peak runs along it
+constexpr double steep_slope = 0.6;   // above some 30 degrees the pressure has no peak at the jet root
+
+/// The y of the second corner of fluid.water, "[[-1, -0.5, 0], [1, 0, 0]]"; nothing for other shapes of
+/// water.
+std::optional<double> water_level(const CaseView& view) {
+  const auto water = view.value.find("fluid.water");
+  if (water == view.value.end()) return std::nullopt;
+  std::vector<double> corners;
+  for (const char* at = water->second.c_str(); *at != '\0';) {
+    char* end = nullptr;
+    const double number = std::strtod(at, &end);
+    if (end == at) {
+      ++at;
+      continue;
+    }
+    corners.push_back(number);
+    at = end;
+  }
+  if (corners.size() != 4 && corners.size() != 6) return std::nullopt;
+  return corners[corners.size() / 2 + 1];
+}
+
+std::optional<std::string> layers_line(const CaseView& view) {
+  if (!view.structure || view.structure->solver != "particle") return std::nullopt;
+  const auto thickness = view.number("structure.plate.thickness");
+  const bool volume = view.common.interface == "volume";
+  const auto spacing = view.number(volume ? "fluid.spacing" : "structure.particle.spacing");
+  if (!thickness || !spacing || !(*spacing > 0)) return std::nullopt;
+  const double layers = *thickness / *spacing;
+  if (!(layers < enough_layers - 1e-6)) return std::nullopt;
+  return fmt::format("{:.0f} particle layers across the plate: its stiffness needs 4 or more; {}", layers,
+                     volume ? "smaller fluid.spacing" : "smaller structure.particle.spacing");
+}
+
+/// Spacings on half the width that will be wet at the end. Water rises along an inclined face by π/2 of the
+/// depth (Wagner 1932).
+std::optional<std::string> width_line(const CaseView& view, const InterfaceMesh& body, const Points& velocity,
+                                      double spacing, double level) {
+  if (body.position.cols() == 0 || velocity.cols() != body.position.cols()) return std::nullopt;
+  const double lowest = body.position.row(1).minCoeff(), speed = -velocity.row(1).minCoeff();
+  if (!(speed > 0) || lowest < level - 1e-9) return std::nullopt;
+  const double depth = speed * view.common.end_time - (lowest - level);
+  if (!(depth > 0)) return "the body does not reach the water before end_time";
+  const double half = half_width_below(body, lowest + 0.5 * std::numbers::pi * depth), count = half / spacing;
+  if (count >= fine)
+    return fmt::format("{:.0f} spacings on half the wetted width of {:.3g} m at the end: forces to some 5 %",
+                       count, half);
+  const std::string judged = count >= coarse ? "forces to some 15 %, to 5 % from 30 on"
+                                             : "too few for forces: 12 give some 15 %, 30 some 5 %";
+  return fmt::format("{:.1f} spacings on half the wetted width of {:.3g} m at the end: {}", count, half,
+                     judged);
+}
+
+/// The slope of the body's face at the place nearest to `at`, as |dy/dx|; bodies in the plane.
+double slope_at(const InterfaceMesh& body, const Eigen::Vector3d& at) {
+  double nearest = std::numeric_limits<double>::infinity(), slope = 0;
+  for (Eigen::Index f = 0; f < body.faces.cols(); ++f) {
+    const Eigen::Vector3d a = body.position.col(body.faces(0, f)),
+                          t = body.position.col(body.faces(1, f)) - a;
+    if (t.squaredNorm() == 0) continue;
+    const double s = std::clamp((at - a).dot(t) / t.squaredNorm(), 0.0, 1.0);
+    const double distance = (a + s * t - at).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    slope = t.x() == 0 ? std::numeric_limits<double>::infinity() : std::abs(t.y() / t.x());
+  }
+  return slope;
+}
+
+std::vector<std::string> sensor_lines(const CaseView& view, const InterfaceMesh& body, double spacing) {
+  std::vector<std::string> lines;
+  if (body.dimension != 2 || body.faces.cols() == 0) return lines;
+  Eigen::Index keel = 0;
+  body.position.row(1).minCoeff(&keel);
+  for (const ProbeKeys& probe : view.common.probes) {
+    if (probe.of != "fluid" || (probe.quantity != "pressure" && !probe.quantity.empty())) continue;
+    const double slope = slope_at(body, probe.at), c = std::abs(probe.at.x() - body.position(0, keel));
+    if (!(slope > level_slope) || !(slope < steep_slope) || c == 0) continue;
+    const double diameter = probe.diameter > 0 ? probe.diameter : 2 * spacing, width = peak_width(c, slope);
+    if (diameter > width)
+      lines.push_back(
+          fmt::format("sensor {} of {:.3g} mm is wider than the pressure peak that passes it, {:.2g} mm: "
+                      "it shows less than the peak",
+                      probe.name, 1e3 * diameter, 1e3 * width));
+  }
+  return lines;
+}
+
+}  // namespace
+
+double half_width_below(const InterfaceMesh& body, double y) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  const auto take = [&](double x) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  };
+  for (Eigen::Index k = 0; k < body.position.cols(); ++k)
+    if (body.position(1, k) <= y) take(body.position(0, k));
+  for (Eigen::Index f = 0; f < body.faces.cols(); ++f)
+    for (Eigen::Index k = 0; k < body.faces.rows(); ++k) {
+      const Eigen::Vector3d a = body.position.col(body.faces(k, f)),
+                            b = body.position.col(body.faces((k + 1) % body.faces.rows(), f));
+      if ((a.y() <= y) != (b.y() <= y)) take(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+    }
+  return high > low ? 0.5 * (high - low) : 0;
+}
+
+double peak_width(double c, double slope) {
+  constexpr double half_heights = 20.2;  // [δ]: 4q/(1+q)² = 1/2 at q = 3 ± √8, x/δ = (5 − 4q − q² − 2 ln q)/π
+  return half_heights * c * slope * slope / (2 * std::numbers::pi);
+}
+
+std::vector<std::string> resolution_lines(const CaseView& view, const InterfaceMesh& body,
+                                          const Points& velocity) {
+  std::vector<std::string> lines;
+  const auto spacing = view.number("fluid.spacing");
+  if (!view.fluid || view.fluid->solver != "mps" || !spacing) return lines;
+  if (const auto line = layers_line(view)) lines.push_back(*line);
+  if (const auto level = water_level(view))
+    if (const auto line = width_line(view, body, velocity, *spacing, *level)) lines.push_back(*line);
+  for (std::string& line : sensor_lines(view, body, *spacing)) lines.push_back(std::move(line));
+  lines.push_back("one spacing: not checked against a second spacing (strake study varies fluid.spacing)");
+  return lines;
+}
+
+}  // namespace strake

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "coupler/case/case_view.hpp"
+#include "proto/interface.hpp"
+
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// Says in words what the spacings of a case resolve, one line each. They are particle layers across a plate,
+/// spacings per half wetted width of a body that enters, and sensors wider than the peak that passes them.
+/// The last line says that one spacing alone proves nothing. No line without water of ours. body: the
+/// structure's mesh; velocity: of its points at t = 0 (3×n, or empty).
+std::vector<std::string> resolution_lines(const CaseView&, const InterfaceMesh& body, const Points& velocity);
+
+/// Half the width, along x, of the part of a body that a level water surface at height y would wet [m].
+double half_width_below(const InterfaceMesh& body, double y);
+
+/// Width of the pressure peak that passes a place of a wedge at half-wetted width `c` [m], between its half
+/// heights. slope: tan of the deadrise. Wagner's jet root: 20.2 δ, with the jet's thickness δ = c tan²β/(2π).
+double peak_width(double c, double slope);
+
+}  // namespace strake

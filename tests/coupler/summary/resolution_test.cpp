@@ -1,0 +1,85 @@
+#include "coupler/summary/resolution.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace strake {
+namespace {
+
+/// A wedge of that half width [m] and slope, its apex at the still level, falling at 6 m/s.
+struct Wedge {
+  InterfaceMesh mesh;
+  Points velocity;
+  Wedge(double half, double slope) {
+    mesh.dimension = 2;
+    mesh.position = Points::Zero(3, 3);
+    mesh.position.col(1) << half, slope * half, 0;
+    mesh.position.col(2) << -half, slope * half, 0;
+    mesh.faces.resize(2, 3);
+    mesh.faces << 0, 1, 2, 1, 2, 0;
+    velocity = Points::Zero(3, 3);
+    velocity.row(1).setConstant(-6);
+  }
+};
+
+CaseView case_with(double spacing, double end_time) {
+  CaseView view;
+  view.fluid = SideView{.side = "fluid", .solver = "mps", .program = {}, .lines = {}, .echo = {}};
+  view.structure = SideView{.side = "structure", .solver = "rigid", .program = {}, .lines = {}, .echo = {}};
+  view.common.end_time = end_time;
+  view.value = {{"fluid.spacing", std::to_string(spacing)}, {"fluid.water", "[[-1, -0.75, 0], [1, 0, 0]]"}};
+  return view;
+}
+
+bool says(const std::vector<std::string>& lines, const std::string& words) {
+  for (const std::string& line : lines)
+    if (line.find(words) != std::string::npos) return true;
+  return false;
+}
+
+TEST(Resolution, CountsSpacingsOnTheHalfWidthThatIsWetAtTheEnd) {
+  const Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
+  EXPECT_NEAR(half_width_below(wedge.mesh, 0.05), 0.05 / std::tan(std::numbers::pi / 6), 1e-12);
+  EXPECT_NEAR(half_width_below(wedge.mesh, 1), 0.25, 1e-12) << "not beyond the chines";
+  // V t = 0.072 m at 0.012 s: the wetted half width is (π/2) 0.072 / tan 30° = 0.196 m.
+  EXPECT_TRUE(says(resolution_lines(case_with(0.005, 0.012), wedge.mesh, wedge.velocity), "39 spacings"));
+  EXPECT_TRUE(says(resolution_lines(case_with(0.01, 0.012), wedge.mesh, wedge.velocity), "some 15 %"));
+  EXPECT_TRUE(says(resolution_lines(case_with(0.02, 0.012), wedge.mesh, wedge.velocity), "too few"));
+}
+
+TEST(Resolution, SaysThatOneSpacingIsNotCheckedAgainstASecond) {
+  EXPECT_TRUE(says(resolution_lines(case_with(0.01, 1), {}, {}), "not checked against a second spacing"));
+  CaseView dry = case_with(0.01, 1);
+  dry.fluid.reset();
+  EXPECT_TRUE(resolution_lines(dry, {}, {}).empty());
+}
+
+TEST(Resolution, FindsSensorsWiderThanThePeakThatPassesThem) {
+  // 10 degrees: at 0.1 m from the keel the peak is 3.2 · 0.1 · tan² 10° = 10 mm wide.
+  const double slope = std::tan(std::numbers::pi / 18);
+  EXPECT_NEAR(peak_width(0.1, slope), 0.01, 2e-4);
+  const Wedge wedge(0.25, slope);
+  CaseView view = case_with(0.01, 0.012);
+  view.common.probes.push_back(
+      {.name = "p", .of = "fluid", .at = {0.1, 0.1 * slope, 0}, .quantity = "pressure", .diameter = 0.02});
+  EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "sensor p"));
+  view.common.probes[0].diameter = 0.005;
+  EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "sensor p"));
+  view.common.probes[0].diameter = 0;  // two spacings
+  EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "sensor p"));
+}
+
+TEST(Resolution, WantsFourParticleLayersAcrossAPlate) {
+  CaseView view = case_with(0.01, 0.012);
+  view.structure->solver = "particle";
+  view.value["structure.plate.thickness"] = "0.02";
+  view.value["structure.particle.spacing"] = "0.005";
+  EXPECT_FALSE(says(resolution_lines(view, {}, {}), "layers"));
+  view.common.interface = "volume";
+  EXPECT_TRUE(says(resolution_lines(view, {}, {}), "2 particle layers")) << "there fluid.spacing counts";
+}
+
+}  // namespace
+}  // namespace strake
