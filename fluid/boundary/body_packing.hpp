@@ -15,6 +15,7 @@ bool water_is_packed(const Parameters&, const Boundary<dim>&);
 ///   δr_i = −A l0² ∇C_i, ∇C_i = (d/n0) Σ w r/r²
 /// over water and layers, until the largest move is below 0.1 % of l0 (at most 200 rounds). The lattice
 /// beyond does not move. The water's level is a mirror, and the first row under it moves along it alone.
+/// Throws Error(case_file) where a stretch of faces gets no water, or water is pressed together (F67).
 template <int dim>
 void pack_around(const Parameters&, Boundary<dim>&, State<dim>&);
 

@@ -86,8 +86,8 @@ typename WallContact<dim>::Nearest WallContact<dim>::nearest_water(const Boundar
   return nearest;
 }
 
-/// Returns tan β of the angle between a face with the normal n and the surface of the water about particle i. The
-/// surface's normal is −Σ w r over the water.
+/// Returns tan β of the angle between a face with the normal n and the surface of the water about particle i.
+/// The surface's normal is −Σ w r over the water.
 template <int dim>
 double tangent_to_surface(const Boundary<dim>& boundary, const State<dim>& state, const Neighbours& near,
                           std::int64_t i, const Vector<dim>& n, double reach) {
@@ -106,8 +106,8 @@ double tangent_to_surface(const Boundary<dim>& boundary, const State<dim>& state
 /// Sets the lag of a face that has become wet (F71). Contact passes it in the time
 ///   T = l0 / max(u_n / tan β, u_t) ,
 /// u_n and u_t the approach and the slip of the nearest water, β the angle between face and surface. The lag
-/// falls from u_n to zero in T, sooner where the water would come nearer than stopped_height. A level face has
-/// β = 0 and no lag: there the whole face meets the water at once.
+/// falls from u_n to zero in T, sooner where the water would come nearer than stopped_height. A level face
+/// has β = 0 and no lag: there the whole face meets the water at once.
 template <int dim>
 void WallContact<dim>::join(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
                             std::int64_t j, const Nearest& nearest) const {

@@ -19,8 +19,8 @@ namespace strake::fluid {
 /// Dry layers do not enter any sum: water that flies towards a wall is not slowed before it is there. The
 /// flag is State::surface of the first layer (1: dry).
 ///
-/// A face that the water meets obliquely takes on its velocity gradually, while contact passes it (F71). What is
-/// left is State::face_lag.
+/// A face that the water meets obliquely takes on its velocity gradually, while contact passes it (F71). What
+/// is left is State::face_lag.
 template <int dim>
 class WallContact {
  public:

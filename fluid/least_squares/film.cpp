@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <cmath>
 
-// Computes what water in a film, a jet's tip or spray may do. Its neighbours lie nearly on one line (in space:
-// in one plane). Across that line ∇·u rests on few pairs, and most of what it says is the particle's own motion.
-// The pressure that follows drives the particle on instead of stopping it: −∇p_i points away from the wall, and
-// p_i itself is most of ∇p_i. Measured on a wedge of 15° at 5 m/s with steps of 2e-6 s: 0.4 to 36.8 MPa within
-// 30 µs. So the pressure of such water is bounded by that of firm water beside it, and what closes is stopped as
-// in a plastic impact.
+// Computes what water in a film, a jet's tip or spray may do. Its neighbours lie nearly on one line (in
+// space: in one plane). Across that line ∇·u rests on few pairs, and most of what it says is the particle's
+// own motion. The pressure that follows drives the particle on instead of stopping it: −∇p_i points away from
+// the wall, and p_i itself is most of ∇p_i. Measured on a wedge of 15° at 5 m/s with steps of 2e-6 s: 0.4
+// to 36.8 MPa within 30 µs. So the pressure of such water is bounded by that of firm water beside it, and
+// what closes is stopped as in a plastic impact.
 
 namespace strake::fluid {
 
@@ -95,10 +95,11 @@ double LeastSquaresScheme<dim>::film_impulse(const Boundary<dim>& boundary, cons
   return divergence < 0 && response > 0 ? -film_.share[i] * divergence / (response * (1 + films)) : 0.0;
 }
 
-/// Stops what closes in a film (F70). With a_j = w B_i⁻¹ r_ij/r² the divergence is ∇·u_i = Σ a_j·(u_j − u_i), and
+/// Stops what closes in a film (F70). With a_j = w B_i⁻¹ r_ij/r² the divergence is ∇·u_i = Σ a_j·(u_j − u_i),
+/// and
 ///   u_j += λ_i a_j ,  u_i −= λ_i Σ a_j ,  λ_i = −φ_i ∇·u_i/(Σ|a_j|² + |Σ a_j|²)/(1 + Σ φ_j)
-/// is the smallest change that ends it. It keeps momentum and never adds energy. The last factor holds for films
-/// beside one another, which all change at once.
+/// is the smallest change that ends it. It keeps momentum and never adds energy. The last factor holds for
+/// films beside one another, which all change at once.
 template <int dim>
 void LeastSquaresScheme<dim>::stop_films(const Boundary<dim>& boundary, State<dim>& state,
                                          const Neighbours& near) {

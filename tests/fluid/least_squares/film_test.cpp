@@ -47,8 +47,8 @@ TEST(Film, TheShareRisesLinearlyBetweenTheTwoRatiosWhateverTheDirection) {
   const Eigen::Rotation2Dd turn(0.7);
   for (const double part : {0.0, 0.25, 0.5, 1.0}) {
     const double ratio = tuned.film_begins - part * (tuned.film_begins - tuned.film_counts);
-    const Eigen::Matrix2d b =
-        turn.toRotationMatrix() * Eigen::Vector2d(3, 3 * ratio).asDiagonal() * turn.toRotationMatrix().transpose();
+    const Eigen::Matrix2d b = turn.toRotationMatrix() * Eigen::Vector2d(3, 3 * ratio).asDiagonal() *
+                              turn.toRotationMatrix().transpose();
     EXPECT_NEAR(film_share<2>(b), part, 1e-9);
     // In space at the middle eigenvalue where det/(tr/3)^3 is largest, and at both ends.
     for (const double middle : {ratio, 0.5 * (1 + ratio), 1.0})

@@ -42,11 +42,11 @@ InterfaceMesh wedge(double deadrise, double spacing) {
 
 /// F/(ρV³t) of a wedge at constant speed over its path's second half, from a gap of half a spacing.
 struct Entry {
-  double mean = 0, rms = 0;    // about the mean
-  double rough = 0;            // rms of the difference from the mean of the steps before and after
+  double mean = 0, rms = 0;         // about the mean
+  double rough = 0;                 // rms of the difference from the mean of the steps before and after
   double largest = 0, fastest = 0;  // of the force, of the water [m/s]
-  double last = 0, tenths[2];  // of the last step, and of two of a tenth of its length after it
-  double gap = 0;              // of momentum, over the impulse on the body
+  double last = 0, tenths[2];       // of the last step, and of two of a tenth of its length after it
+  double gap = 0;                   // of momentum, over the impulse on the body
   std::int64_t penetrations = 0;
 };
 
@@ -120,13 +120,15 @@ TEST(WedgeEntry, TheForceGrowsWithTimeAsTheSimilaritySolutionHasItWithoutBursts)
 }
 
 // A step of 2e-6 s resolves sound, c = 1500 m/s, and is 1/25 of the stable one. Then films and faces that are
-// newly met must not feed on their own pressure: without (F69) to (F71) the largest force is 31 times the mean of the long
-// steps, and the water reaches 221 m/s.
+// newly met must not feed on their own pressure: without (F69) to (F71) the largest force is 31 times the
+// mean of the long steps, and the water reaches 221 m/s.
 TEST(WedgeEntry, StepsThatResolveSoundGiveTheForceOfLongOnesWithoutBursts) {
   const double deadrise = std::numbers::pi / 9;
-  const Entry coarse = enter(deadrise, 0.012, 0.04, 5e-5, 1500), fine = enter(deadrise, 0.012, 0.04, 2e-6, 1500);
-  fmt::print("wedge, 20 degrees: mean {:.1f} and {:.1f}, largest {:.1f} and {:.1f}, water {:.1f} and {:.1f} m/s\n",
-             coarse.mean, fine.mean, coarse.largest, fine.largest, coarse.fastest, fine.fastest);
+  const Entry coarse = enter(deadrise, 0.012, 0.04, 5e-5, 1500),
+              fine = enter(deadrise, 0.012, 0.04, 2e-6, 1500);
+  fmt::print(
+      "wedge, 20 degrees: mean {:.1f} and {:.1f}, largest {:.1f} and {:.1f}, water {:.1f} and {:.1f} m/s\n",
+      coarse.mean, fine.mean, coarse.largest, fine.largest, coarse.fastest, fine.fastest);
   EXPECT_NEAR(fine.mean, coarse.mean, 0.25 * coarse.mean);
   EXPECT_LT(fine.largest, 3 * coarse.largest);
   EXPECT_LT(fine.fastest, 1.3 * coarse.fastest);
