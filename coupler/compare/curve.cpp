@@ -88,7 +88,8 @@ double noise(const Curve& c, double from, double to) {
 
 // Σ (t − t̄)(q − q̄) / Σ (t − t̄)²
 double slope(const Curve& c, double from, double to) {
-  const Curve part = clip(c, from, to);
+  if (c.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  const Curve part = clip(c, std::max(from, c.time.front()), std::min(to, c.time.back()));
   const auto n = static_cast<double>(part.size());
   double t_sum = 0, q_sum = 0;
   for (std::size_t k = 0; k < part.size(); ++k) {

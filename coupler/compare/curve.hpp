@@ -29,8 +29,8 @@ double impulse(const Curve&, double from, double to);  // ∫ q dt, trapezoidal
 double mean(const Curve&, double from, double to);     // impulse / (to − from)
 double rms(const Curve&, double from, double to);  // √((1/T) ∫ q² dt), exact for the linear interpolant
 double noise(const Curve&, double from, double to);  // rms of q less its mean
-/// Slope of the least-squares line through the samples within [from, to] and the interpolated ends. NaN for
-/// fewer than two.
+/// Slope of the least-squares line through the samples within [from, to] and the interpolated ends, as far as
+/// the record reaches. NaN for fewer than two.
 double slope(const Curve&, double from, double to);
 /// Mean time between upward crossings of the mean within [from, to]. A crossing is noise if the curve does
 /// not reach half the rms about that mean on either side of it. None for fewer than two crossings.

@@ -26,18 +26,21 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"largest_depth", &LeastSquaresConstants::largest_depth},
     {"edge", &LeastSquaresConstants::edge},
     {"shown_depth", &LeastSquaresConstants::shown_depth},
+    {"inner_depth", &LeastSquaresConstants::inner_depth},
     {"gap", &LeastSquaresConstants::gap},
     {"face_reach", &LeastSquaresConstants::face_reach},
     {"stopped", &LeastSquaresConstants::stopped},
     {"no_tension_to", &LeastSquaresConstants::no_tension_to},
     {"tension_from", &LeastSquaresConstants::tension_from},
     {"largest_tension", &LeastSquaresConstants::largest_tension},
+    {"film_begins", &LeastSquaresConstants::film_begins},
+    {"film_counts", &LeastSquaresConstants::film_counts},
     {"memory_rate", &LeastSquaresConstants::memory_rate},
     {"filter_bound", &LeastSquaresConstants::filter_bound},
     {"longest_shift", &LeastSquaresConstants::longest_shift},
     {"soft_stiffness", &LeastSquaresConstants::soft_stiffness},
 };
-static_assert(sizeof(LeastSquaresConstants) == 22 * sizeof(double), "a number is missing in the list above");
+static_assert(sizeof(LeastSquaresConstants) == 25 * sizeof(double), "a number is missing in the list above");
 
 const bool changed = [] {
   const char* asked = std::getenv("STRAKE_CONSTANT");

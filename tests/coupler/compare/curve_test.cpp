@@ -90,6 +90,8 @@ TEST(Curve, FitsALineThroughNoiseThatIsEvenAboutIt) {
   EXPECT_NEAR(slope(curve, 0.2, 3.8), 3 - 12 * 0.5 / (10 * 3.141592653589793 * 3.6 * 3.6), 1e-3);
   EXPECT_NEAR(noise(curve, 0.2, 3.8), std::sqrt(0.125 + 9 * 3.6 * 3.6 / 12), 0.02);
   EXPECT_TRUE(std::isnan(slope({{1}, {1}}, 1, 1)));
+  // A record that begins after `from` gives its own slope: nothing is known before it.
+  EXPECT_NEAR(slope({{0.1, 0.2, 0.3}, {0.3, 0.6, 0.9}}, 0, 0.3), 3, 1e-12);
   const Deviation off = deviation(curve, {{1, 2}, {-4, 0}});
   EXPECT_NEAR(off.largest, 1, 1e-9);
   EXPECT_NEAR(off.mean, 0.5, 1e-9);

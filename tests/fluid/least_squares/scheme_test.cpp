@@ -54,7 +54,7 @@ struct Column {
   }
   void measure() {
     far = &search.update(state.position, boundary.tags(state));
-    scheme.measure(boundary, state, *far, near());
+    scheme.measure(boundary, state, *far, near(), dt);
   }
   const Neighbours& near() { return search.within(p.scheme.radius_gradient * p.spacing); }
   double hydrostatic(std::int64_t i) const { return -p.density * 9.81 * state.position(1, i); }
