@@ -146,7 +146,7 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
           state.position.col(j) + (depth_[j - first_] + covered * spacing_) * axis_.col(j - first_);
       is_wet = !boundary.body_surface().inside(before);
     }
-    if (is_wet && was_dry && state.step > 0 && !corner(j))
+    if (is_wet && was_dry && state.step > 0 && j >= boundary.first_of_bodies())
       join(boundary, state, near, j, nearest);
     else if (!is_wet)
       state.face_lag[j] = 0;

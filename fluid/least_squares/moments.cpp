@@ -345,7 +345,7 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
   sum_water<seams, shares>(boundary, state, far, i, sums);
   add_layers(boundary, state, far, near, i, sums);
   inverse_where_seen<dim>(sums.b, moments_.b_inverse[k]);
-  film_.share[i] = static_cast<float>(film_share<dim>(sums.b));
+  film_.share[i] = 0;
   moments_.m_projected.col(i) = sums.m_projected.template cast<float>();
   moments_.concentration.col(i) = sums.concentration.template cast<float>();
   moments_.stiffness[i] = static_cast<float>(sums.stiffness * p_.spacing * p_.spacing / gradient_.n0);
@@ -359,6 +359,7 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
       (sums.m.squaredNorm() > least_moment * least_moment || sums.weights < lattice_.first_weights)) {
     leave_out_past_faces(boundary, state, far, i, sums);
     const double depth = fit_surface(i, sums);
+    film_.share[i] = surface_.share[i] > 0 ? static_cast<float>(film_share<dim>(sums.b)) : 0.0F;
     state.surface[k] = depth >= 0 && depth < tuned.shown_depth * p_.spacing ? 1 : 0;
     return;
   }

@@ -435,7 +435,7 @@ TEST(FluidParticipant, a_frame_that_cannot_be_written_is_told_at_a_later_commit)
   strake::Setup setup = entering();
   setup.run_folder = folder.path();
   FluidParticipant<2> participant(c.parameters, c.common, setup);
-  std::filesystem::create_directory(folder / "frames/fluid-000000.h5");  // a place that is taken
+  std::filesystem::create_directory(folder / "frames/fluid-000001.h5");  // a place that is taken
   participant.advance(nth(0), at_speed(nth(0)));
   participant.commit(true);
   try {
