@@ -97,6 +97,10 @@ bool Waiting::for_request(int socket, milliseconds limit) {
   {
     const std::lock_guard lock(mutex_);
     since_[socket] = Clock::now();
+    if (owed_ > 0 && since_.size() > 1) {
+      --owed_;
+      close_first();
+    }
   }
   const bool comes = head_comes(socket, limit);
   wake_beyond(socket, 0);
@@ -107,9 +111,17 @@ bool Waiting::for_request(int socket, milliseconds limit) {
 
 void Waiting::close_oldest() {
   const std::lock_guard lock(mutex_);
+  // Under load the threads may not yet wait for the connections that they were given. One is closed when they
+  // do.
+  if (since_.empty())
+    ++owed_;
+  else
+    close_first();
+}
+
+void Waiting::close_first() {
   const auto oldest = std::min_element(since_.begin(), since_.end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (oldest == since_.end()) return;
   ::shutdown(oldest->first, SHUT_RDWR);
   since_.erase(oldest);
 }

@@ -25,7 +25,9 @@ class Waiting {
  private:
   using Clock = std::chrono::steady_clock;
   std::mutex mutex_;
+  void close_first();                       // with the lock, one at least waiting
   std::map<int, Clock::time_point> since_;  // by descriptor
+  std::size_t owed_ = 0;                    // calls of close_oldest that found nobody waiting
 };
 
 /// Threads as they are needed, each with one connection. Where all are taken, `make_room` is called.
