@@ -121,6 +121,15 @@ class Boundary {
   double within(int point, const Vector<2>& x) const requires(dim == 2) {
     return body_surface_.within(body_surface_.edge_of(point), x);
   }
+  /// Whether the face of that wet point ends at both sides in a corner of at most a right angle, as those of
+  /// plates and boxes do; plane bodies alone.
+  bool is_between_sharp_corners(int point) const {
+    if constexpr (dim == 2) return body_surface_.is_between_sharp_corners(body_surface_.edge_of(point));
+    return false;
+  }
+  /// The same distance from the nearer free end [m]: a sharp corner that does not stand at a wall. Infinite
+  /// where there is none; plane bodies.
+  double inside_free_end(int point, const Vector<2>& x) const requires(dim == 2);
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
   /// The same of the face in front of a first-layer particle, of tank or body.

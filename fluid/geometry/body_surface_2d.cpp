@@ -17,7 +17,8 @@ namespace {
 using Vector2 = BodySurface2d::Vector2;
 
 /// A corner whose angle inside the body is smaller has a tip thinner than a spacing along its first piece.
-constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
+constexpr double sharp_angle = 1.5;                            // [rad], 86 degrees
+constexpr double right_angle = 0.5 * std::numbers::pi + 1e-6;  // [rad], with room for round-off
 /// Round-off allowance along a piece, as a share of its length.
 constexpr double tie = 1e-9;
 
@@ -267,9 +268,20 @@ bool BodySurface2d::separates(const Vector2& a, const Vector2& b) const {
 double BodySurface2d::within(int edge, const Vector2& x) const {
   const Edge& r = edges_[static_cast<std::size_t>(edge)];
   if (r.closed) return std::numeric_limits<double>::infinity();
-  const Vector2 first = vertex_.col(r.vertex), last = vertex_.col(r.vertex + r.count);
-  const Vector2 begins = vertex_.col(r.vertex + 1) - first, ends = last - vertex_.col(r.vertex + r.count - 1);
-  return std::min((x - first).dot(begins) / begins.norm(), (last - x).dot(ends) / ends.norm());
+  return std::min(end_of(edge, false, x).inside, end_of(edge, true, x).inside);
+}
+
+bool BodySurface2d::is_between_sharp_corners(int edge) const {
+  const Edge& r = edges_[static_cast<std::size_t>(edge)];
+  return !r.closed && r.start_angle < right_angle && r.end_angle < right_angle;
+}
+
+BodySurface2d::End BodySurface2d::end_of(int edge, bool last, const Vector2& x) const {
+  const Edge& r = edges_[static_cast<std::size_t>(edge)];
+  const int at = last ? r.vertex + r.count : r.vertex;
+  const Vector2 place = vertex_.col(at), inwards = vertex_.col(last ? at - 1 : at + 1) - place;
+  return {place, (x - place).dot(inwards) / inwards.norm(),
+          !r.closed && (last ? r.end_angle : r.start_angle) < right_angle};
 }
 
 bool BodySurface2d::inside(const Vector2& x) const {

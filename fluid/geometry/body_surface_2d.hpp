@@ -66,6 +66,14 @@ class BodySurface2d {
   /// Returns the distance of x from the nearer end of that edge, along its first and last piece [m]. It is
   /// negative past an end, and infinite where the edge has no end.
   double within(int edge, const Vector2& x) const;
+  /// One end of an edge, and how far inside it x lies, along the face [m].
+  struct End {
+    Vector2 place;
+    double inside;
+    bool sharp;  // a corner of at most a right angle, where water leaves the body
+  };
+  End end_of(int edge, bool last, const Vector2& x) const;
+  bool is_between_sharp_corners(int edge) const;
 
   struct Foot {
     int point = -1;  // piece it lies on

@@ -29,6 +29,10 @@ struct LeastSquaresConstants {
   double face_reach = 1.6;  // [l0] water this near to a face's middle gives the mean velocity there. Chosen
   double stopped = 0.3;     // [l0] height below which no residual velocity past a face is left. Chosen
 
+  // Images in faces (F72).
+  double alike = 0.8;      // [-] cosine of two normals above which both are one face. Chosen
+  double one_plane = 0.3;  // [l0] two heights over one face fit the places so far. Chosen
+
   // Limits on the pressure (F46).
   double no_tension_to = 1.6;       // [l0] distance to the surface up to which p ≥ 0. Chosen
   double tension_from = 3.1;        // [l0] from here on tension counts in full: the Laplacian's radius

@@ -91,6 +91,7 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
       lattice_(laplacian_, p.spacing),
       walls_(boundary, state, p.spacing),
       sound_(p.sound_depth, p.spacing) {
+  images_.factor = image_factor();
   const std::int64_t water = boundary.water();
   full_ = boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
           static_cast<double>(water) * std::pow(p.spacing, dim) >
@@ -120,7 +121,9 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
   cover_layers(boundary, state, near);
   const std::int64_t water = boundary.water();
   const bool seams = boundary.tank().periodic().any(), shares = shares_entries(far);
-  if (!shares) make_room(moments_.entry, far.column().size());
+  find_images(boundary, state, far);
+  moments_.own_entries = !shares || images_.any;
+  if (moments_.own_entries) make_room(moments_.entry, far.column().size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (shares)
@@ -129,6 +132,10 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
     else
       seams ? fit<true, false>(boundary, state, far, near, i)
             : fit<false, false>(boundary, state, far, near, i);
+  }
+  if (images_.any) {
+#pragma omp parallel for schedule(static)
+    for (std::int64_t i = 0; i < water; ++i) add_images(boundary, state, far, i);
   }
   list_films();
 }
@@ -183,7 +190,7 @@ void LeastSquaresScheme<dim>::sum_water(const Boundary<dim>& boundary, const Sta
   const auto k = static_cast<std::size_t>(i);
   const std::int64_t first = far.start()[k];
   const float* const shared = far.entry().data() + first;
-  float* const entries = shares ? nullptr : moments_.entry.data() + first;
+  float* const entries = moments_.own_entries ? moments_.entry.data() + first : nullptr;
   moments_.water_stop[k] = first + static_cast<std::int64_t>(inner);
   // w_L, W and w/r² of eight pairs at a time; the last is zero beyond the gradient's radius.
   Double8 diagonals{}, volumes{}, stiffnesses{}, opens[dim]{}, crowdings[dim]{};
@@ -196,6 +203,7 @@ void LeastSquaresScheme<dim>::sum_water(const Boundary<dim>& boundary, const Sta
     if constexpr (shares) {
       single = -simd::load(shared + e, count);
       inverse = (one + simd::widened(single)) * far.scale();
+      if (entries) simd::store(-single, entries + e, inner - e);
     } else {
       inverse = Double8{};
       for (int p = 0; p < count; ++p) inverse[p] = far.inverse_of(first + static_cast<std::int64_t>(e) + p);
@@ -275,8 +283,8 @@ void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const St
   }
 }
 
-/// Subtracts the layers past the end of a body's face: they are no water above the particle. An edge is then
-/// as sharp as the lattice allows.
+/// Subtracts the layers past the end of a body's face: they are no water above the particle. Within l0 of the
+/// end, face and free surface share the particle (F73).
 template <int dim>
 void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary, const State<dim>& state,
                                                    const Neighbours& far, std::int64_t i,
@@ -289,12 +297,17 @@ void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary
   const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
   for (std::size_t e = water_pairs(columns, water); e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
-    if (j < boundary.first_of_bodies() || !walls_.wet(j) || is_over(boundary, state, i, j)) continue;
+    if (j < boundary.first_of_bodies() || !walls_.wet(j)) continue;
+    double past = is_over(boundary, state, i, j) ? 0.0 : 1.0;
+    if constexpr (dim == 2)
+      if (!boundary.volume())
+        past = std::max(past, 1 - boundary.inside_free_end(boundary.point_of(j), x) / p_.spacing);
+    if (!(past > 0)) continue;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
     const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
-    const double far_weight = reach * inverse - 1;
+    const double far_weight = past * (reach * inverse - 1);
     sums.weights -= far_weight;
-    sums.filled -= wall_.cover[j - water] * volume_weight(1 / (inverse * reach));
+    sums.filled -= past * wall_.cover[j - water] * volume_weight(1 / (inverse * reach));
     sums.m -= far_weight * r;
     sums.m_projected -= far_weight * walls_.projection(j, r);
   }

@@ -1,4 +1,4 @@
-#include "fluid/least_squares/scheme.hpp"
+#include "fluid/least_squares/images.hpp"
 #include "fluid/mps/pressure_equation.hpp"
 #include "fluid/particles/pair_loop.hpp"
 
@@ -30,7 +30,7 @@ void LeastSquaresScheme<dim>::share_rows(const Neighbours& far, PressureSystem& 
   system.start = far.start();
   system.stop = moments_.water_stop;
   system.column = far.column();
-  system.value = shares_entries(far) ? far.entry() : moments_.entry;
+  system.value = moments_.own_entries ? moments_.entry : far.entry();
   system.diagonal.resize(water);
   system.right.resize(water);
 }
@@ -50,6 +50,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const Stat
                                        PressureSystem& system) {
   average_wall_velocity(boundary, state, far);
   begin_equation(boundary, state, gravity, dt);
+  find_image_velocities(boundary, state, now_.gravity_velocity, dt);
   share_rows(far, system);
   const double fraction = carried_fraction(dt), part = corrected_fraction(state, dt);
   const double rho = p_.density, c = p_.sound_speed;
@@ -92,7 +93,8 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const Stat
                  own * state.pressure[i] - source);
     system.right[i] =
         rho / dt * (wall.flux - scale * (divergence(i) - carried * state.residual_divergence[i])) -
-        (1 - share) * rho * gravity.dot(moments_.m_projected.col(i).template cast<double>()) + source;
+        rho * gravity.dot((1 - share) * moments_.m_projected.col(i).template cast<double>() + wall.images) +
+        source;
     // Without a neighbour and without compressibility the pressure is undetermined: it is set to zero.
     if (system.diagonal[i] <= 0 || boundary.is_removed(state, i)) {
       system.diagonal[i] = 1;
@@ -122,6 +124,13 @@ typename LeastSquaresScheme<dim>::WallTerms LeastSquaresScheme<dim>::wall_terms(
     out.projected += w * projected;
     if (absorbs) out.absorption -= w * boundary.tank().absorbing(j).dot(projected) / (p_.sound_speed * dt);
   }
+  for_each_image(boundary, state, far, i,
+                 [&](std::size_t, double w, const Vector<dim>& r, const Vector<dim>& n, double slope) {
+                   const double up = n.dot(r);
+                   out.flux -= w * slope * up;
+                   out.projected -= w * up * n;
+                   out.images += w * (r - up * n);
+                 });
   return out;
 }
 
@@ -194,6 +203,7 @@ void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>& boundary, St
     state.residual_step = dt;
   fit_velocity(boundary, state, near);
   average_wall_velocity(boundary, state, far);
+  find_image_velocities(boundary, state, Vector<dim>::Zero(), dt);
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
   const double factor = dt / (p_.density * scale);
 #pragma omp parallel for schedule(static)

@@ -17,6 +17,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -102,12 +103,13 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   struct Moments {
     std::vector<Tensor<dim>> b_inverse;    // B⁻¹, B = Σ_water w r⊗r/r²
     std::vector<Tensor<dim>> a_inverse;    // A⁻¹ (F47)
-    std::vector<float> entry;              // −w_L of each pair, where far does not have it
+    std::vector<float> entry;              // −(w_L + w_m) of each pair, where far does not have it
+    bool own_entries = false;              // `entry` is the matrix
     std::vector<std::int64_t> water_stop;  // end of the water in each row of far
     SingleVectors m_projected;             // m_P: Σ w_L r over water, P r over wet layers [m]
     SingleVectors concentration;           // Σ w r/r² = ∇C n0/d [1/m]
     Eigen::VectorXf stiffness;             // S of (F66)
-    Eigen::VectorXd diagonal;              // Σ w_L over water, the row's sum to the last bit
+    Eigen::VectorXd diagonal;              // Σ (w_L + w_m) over water, the row's sum to the last bit
     Eigen::VectorXf volume;                // Σ W over water and wet layers
   };
   /// The free surface near each water particle (F37)–(F39), of the last `measure`.
@@ -124,6 +126,18 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Vectors<dim> mean_velocity;       // of the water over each face, less U [m/s]
     SingleVectors force;              // R_i of (F52) per weight of a layer particle [N]
     SingleVectors deferred_velocity;  // past the faces, left to the next steps [m/s]
+  };
+  /// Faces in which a water particle and its neighbours are mirrored (F72), of the last `measure`.
+  struct Images {
+    struct Face {
+      std::int32_t layer;      // particle of the first layer behind the face
+      double height, part;     // of the particle over the face [m]; part of the face's end, 0 … 1
+      double normal_velocity;  // slope of the pressure over ρ/Δt at that height [m/s]
+    };
+    std::vector<std::array<Face, dim>> faces;  // of each water particle
+    std::vector<std::uint8_t> count;           // how many of them
+    bool any = false;
+    double factor = 1;  // f
   };
   /// The configuration at the start, where it is packed; else empty. Columns are those of State::id.
   struct PackedStart {
@@ -182,6 +196,16 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
                   std::int64_t i, ParticleSums&) const;
   void leave_out_past_faces(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
                             ParticleSums&) const;
+  void find_images(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
+  void find_image_faces(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i);
+  void add_images(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i);
+  void find_image_velocities(const Boundary<dim>&, const State<dim>&, const Vector<dim>& steady, double dt);
+  double image_factor() const;
+  /// Calls visit(e, w_m, r, n, slope) for each pair of row i that is mirrored in a face. e: its number in the
+  /// row; r: to the neighbour; n: the normal; slope: mean of both particles' normal_velocity [m/s].
+  template <class Visit>
+  void for_each_image(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
+                      const Visit&) const;
   double fit_surface(std::int64_t i, const ParticleSums&);
   template <bool seams, bool shares>
   void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
@@ -222,6 +246,10 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   }
 
   // Walls and bodies.
+  /// Returns how far inside the end of a layer particle's face particle i lies, along the face [l0]. It is
+  /// infinite for a face without an end. In space it is ∓infinity past and inside the end.
+  double inside_end(const Boundary<dim>&, const State<dim>&, std::int64_t i,
+                    std::int64_t layer_particle) const;
   /// Whether particle i lies over the face of a layer particle: not past the face's end.
   bool is_over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t layer_particle) const;
   void average_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
@@ -265,6 +293,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     double flux = 0,
            absorption = 0;                        // Σ w (u*−U)·P r [m²/s]; absorbing walls' part of Y_i
     Vector<dim> projected = Vector<dim>::Zero();  // Σ w P r [m]
+    Vector<dim> images = Vector<dim>::Zero();     // Σ w_m r of images, r along the face [m]
   };
   WallTerms wall_terms(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
                        std::int64_t i) const;
@@ -301,6 +330,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   SoundLayer sound_;
   bool full_;  // a closed tank without a gap or a body: no free surface, whatever the disorder
   Moments moments_;
+  Images images_;
   FreeSurface surface_;
   WallData wall_;
   Films film_;

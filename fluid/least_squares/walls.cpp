@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strake::fluid {
 
@@ -13,6 +14,17 @@ bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>& boundary, const State
                                       std::int64_t row) const {
   return row < boundary.first_of_bodies() || boundary.volume() ||
          boundary.is_over(boundary.point_of(row), state.position.col(i));
+}
+
+template <int dim>
+double LeastSquaresScheme<dim>::inside_end(const Boundary<dim>& boundary, const State<dim>& state,
+                                           std::int64_t i, std::int64_t row) const {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  if (row < boundary.first_of_bodies() || boundary.volume()) return far;
+  if constexpr (dim == 2)
+    return boundary.within(boundary.point_of(row), state.position.col(i)) / p_.spacing;
+  else
+    return boundary.is_over(boundary.point_of(row), state.position.col(i)) ? far : -far;
 }
 
 /// Computes the part of each face that water covers:
@@ -225,27 +237,29 @@ LayerForces<dim> LeastSquaresScheme<dim>::layer_forces(const Boundary<dim>& boun
   return forces;
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                                             \
-  template bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>&, const State<dim>&, std::int64_t,     \
-                                                 std::int64_t) const;                                       \
-  template Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(                                     \
-      const Boundary<dim>&, const State<dim>&, std::int64_t, std::int64_t) const;                           \
-  template void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>&, const State<dim>&,              \
-                                                      const Neighbours&);                                   \
-  template void LeastSquaresScheme<dim>::average_wall_velocity(const Boundary<dim>&, const State<dim>&,     \
-                                                               const Neighbours&);                          \
-  template Vector<dim> LeastSquaresScheme<dim>::absorbing_velocity(const Boundary<dim>&, const State<dim>&, \
-                                                                   std::int64_t, std::int64_t) const;       \
-  template double LeastSquaresScheme<dim>::depth_of(const Boundary<dim>&, const Vector<dim>&) const;        \
-  template double LeastSquaresScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const;  \
-  template double LeastSquaresScheme<dim>::wall_pressure_increment(                                         \
-      const Boundary<dim>&, const State<dim>&, std::int64_t, std::int64_t, const Vector<dim>&, double)      \
-      const;                                                                                                \
-  template Vector<dim> LeastSquaresScheme<dim>::wall_force(std::int64_t, const FaceSums&) const;            \
-  template Vector<dim> LeastSquaresScheme<dim>::residual_wall_velocity(                                     \
-      const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t) const;                      \
-  template double LeastSquaresScheme<dim>::slope_share(double) const;                                       \
-  template LayerForces<dim> LeastSquaresScheme<dim>::layer_forces(const Boundary<dim>&, State<dim>&,        \
+#define STRAKE_INSTANTIATE(dim)                                                                              \
+  template double LeastSquaresScheme<dim>::inside_end(const Boundary<dim>&, const State<dim>&, std::int64_t, \
+                                                      std::int64_t) const;                                   \
+  template bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>&, const State<dim>&, std::int64_t,      \
+                                                 std::int64_t) const;                                        \
+  template Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(                                      \
+      const Boundary<dim>&, const State<dim>&, std::int64_t, std::int64_t) const;                            \
+  template void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>&, const State<dim>&,               \
+                                                      const Neighbours&);                                    \
+  template void LeastSquaresScheme<dim>::average_wall_velocity(const Boundary<dim>&, const State<dim>&,      \
+                                                               const Neighbours&);                           \
+  template Vector<dim> LeastSquaresScheme<dim>::absorbing_velocity(const Boundary<dim>&, const State<dim>&,  \
+                                                                   std::int64_t, std::int64_t) const;        \
+  template double LeastSquaresScheme<dim>::depth_of(const Boundary<dim>&, const Vector<dim>&) const;         \
+  template double LeastSquaresScheme<dim>::still_pressure(const Boundary<dim>&, const Vector<dim>&) const;   \
+  template double LeastSquaresScheme<dim>::wall_pressure_increment(                                          \
+      const Boundary<dim>&, const State<dim>&, std::int64_t, std::int64_t, const Vector<dim>&, double)       \
+      const;                                                                                                 \
+  template Vector<dim> LeastSquaresScheme<dim>::wall_force(std::int64_t, const FaceSums&) const;             \
+  template Vector<dim> LeastSquaresScheme<dim>::residual_wall_velocity(                                      \
+      const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t) const;                       \
+  template double LeastSquaresScheme<dim>::slope_share(double) const;                                        \
+  template LayerForces<dim> LeastSquaresScheme<dim>::layer_forces(const Boundary<dim>&, State<dim>&,         \
                                                                   const Neighbours&) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

@@ -30,6 +30,8 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"gap", &LeastSquaresConstants::gap},
     {"face_reach", &LeastSquaresConstants::face_reach},
     {"stopped", &LeastSquaresConstants::stopped},
+    {"alike", &LeastSquaresConstants::alike},
+    {"one_plane", &LeastSquaresConstants::one_plane},
     {"no_tension_to", &LeastSquaresConstants::no_tension_to},
     {"tension_from", &LeastSquaresConstants::tension_from},
     {"largest_tension", &LeastSquaresConstants::largest_tension},
@@ -40,7 +42,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"longest_shift", &LeastSquaresConstants::longest_shift},
     {"soft_stiffness", &LeastSquaresConstants::soft_stiffness},
 };
-static_assert(sizeof(LeastSquaresConstants) == 25 * sizeof(double), "a number is missing in the list above");
+static_assert(sizeof(LeastSquaresConstants) == 27 * sizeof(double), "a number is missing in the list above");
 
 const bool changed = [] {
   const char* asked = std::getenv("STRAKE_CONSTANT");
