@@ -77,9 +77,10 @@ template <int dim>
 FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const CommonKeys& common,
                                         const Setup& setup)
     : parameters_(parameters),
-      entry_speed_(parameters.submerged ? 0 : largest_speed(setup, parameters.motion)),
       body_length_(extent(setup.partner_mesh)),
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup)),
+      start_speeds_{.entry = parameters.submerged ? 0 : largest_speed(setup, parameters.motion),
+                    .water = parameters.initial_velocity.is_zero() ? 0 : simulation_.fastest().value},
       has_body_(simulation_.interface().position.cols() > 0),
       output_every_(common.output_every),
       end_time_(common.end_time),
@@ -88,11 +89,12 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   // Sensors of a body that enters are measured from its contact, all others from the first step
   // (cases/VALIDATION.md, "Definitions").
   for (const ProbeKeys& probe : parameters_.probes)
-    measurements_.probes.push_back(is_sensor(probe) && entry_speed_ > 0 ? ProbeRecord::waiting_for_contact()
-                                                                        : ProbeRecord{});
+    measurements_.probes.push_back(
+        is_sensor(probe) && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   check_sensors();
   description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_length_);
-  for (std::string& line : level_face_lines(parameters_, common.window, setup.partner_mesh, entry_speed_))
+  for (std::string& line :
+       level_face_lines(parameters_, common.window, setup.partner_mesh, start_speeds_.entry))
     description_.lines.push_back(std::move(line));
   description_.columns = columns();
   if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
@@ -214,7 +216,7 @@ void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   std::vector<ProbeRecord>& records = measurements_.probes;
   std::vector<std::int64_t> particles;
   if (!std::all_of(parameters_.probes.begin(), parameters_.probes.end(), is_sensor)) particles = water();
-  const double threshold = 0.5 * parameters_.density * entry_speed_ * entry_speed_;
+  const double threshold = 0.5 * parameters_.density * start_speeds_.entry * start_speeds_.entry;
   bool contact = false;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const ProbeKeys& probe = parameters_.probes[i];
@@ -222,7 +224,7 @@ void FluidParticipant<dim>::follow_probes(double t0, double t1) {
     contact = contact || (is_sensor(probe) && value > threshold);
     records[i].add(t0, t1, value);
   }
-  if (!contact || entry_speed_ == 0 || measurements_.contact_time >= 0) return;
+  if (!contact || start_speeds_.entry == 0 || measurements_.contact_time >= 0) return;
   measurements_.contact_time = t0;
   for (std::size_t i = 0; i < records.size(); ++i)
     if (is_sensor(parameters_.probes[i])) records[i].contact(t0);

@@ -64,9 +64,14 @@ class FluidParticipant final : public Participant {
   Frame frame() const;
 
   Parameters parameters_;
-  double entry_speed_;  // [m/s] of a body that starts outside the water, at t = 0; 0: nothing enters
   double body_length_;  // [m] extent of the interface in x
   Simulation<dim> simulation_;
+  /// Largest speeds at t = 0 [m/s].
+  struct StartSpeeds {
+    double entry;  // of a body that starts outside the water; 0: nothing enters
+    double water;  // that the case gives the water; 0: it starts with the tank
+  };
+  StartSpeeds start_speeds_;
   bool has_body_;
   double output_every_, end_time_;  // [s]
   double initial_volume_;           // of the water [m², m³ in 3-D]

@@ -119,7 +119,8 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   // The run waits for the contact of a body that enters, where a sensor of pressure can detect it.
   const std::vector<ProbeKeys>& probes = parameters_.probes;
   const bool detects = std::any_of(probes.begin(), probes.end(), is_sensor);
-  if (entry_speed_ > 0 && detects && measurements_.contact_time < 0) monitor["count.awaiting_contact"] = 1;
+  if (start_speeds_.entry > 0 && detects && measurements_.contact_time < 0)
+    monitor["count.awaiting_contact"] = 1;
   monitor["count.steps_committed"] = static_cast<double>(state.step);
   for (const char* prefix : {"count.", "check."}) {
     monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);
@@ -132,14 +133,18 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["check.momentum_gap"] = momentum_gap();
 }
 
-/// Returns 2ρVa², in space 2ρVa³. Where nothing enters it is the largest impulse so far.
+/// Returns 2ρVa², in space 2ρVa³. Where nothing enters it is the largest impulse so far, or the mass of the
+/// water times the largest speed that the case gives it, where that is more.
 template <int dim>
 double FluidParticipant<dim>::momentum_scale() const {
   const State<dim>& state = simulation_.state();
-  const double scale = 2 * parameters_.density * entry_speed_ * std::pow(0.5 * body_length_, dim);
+  const double scale = 2 * parameters_.density * start_speeds_.entry * std::pow(0.5 * body_length_, dim);
   if (scale > 0) return scale;
+  const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
+  const double own =
+      start_speeds_.water > 0 ? mass * static_cast<double>(water().size()) * start_speeds_.water : 0;
   return std::max(
-      {state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), state.impulse_on_bodies.norm()});
+      {state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), state.impulse_on_bodies.norm(), own});
 }
 
 /// Returns |momentum not accounted for| over `momentum_scale`.
@@ -162,7 +167,8 @@ GuardScales FluidParticipant<dim>::guard_scales() const {
           .drop = drop_of<dim>(p),
           .half_width = 0.5 * body_length_,
           .tank_speed = tank_speed(p),
-          .enters = entry_speed_ > 0,
+          .water_speed = start_speeds_.water,
+          .enters = start_speeds_.entry > 0,
           .submerged = p.submerged};
 }
 

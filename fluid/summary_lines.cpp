@@ -111,8 +111,10 @@ std::string step_text(const Parameters& p, double window, double step) {
 std::vector<std::string> describe(const Parameters& p, const CommonKeys& common, double speed,
                                   double length) {
   std::int64_t water = 0, wall = 0, dummies = 0;
+  double own = 0;  // largest speed that the case gives the water [m/s]
   const auto count = [&](const auto& state) {
     for (const Kind kind : state.kind) ++(kind == Kind::fluid ? water : kind == Kind::wall ? wall : dummies);
+    if (!p.initial_velocity.is_zero()) own = state.velocity.colwise().norm().maxCoeff();
   };
   if (p.dimension == 2)
     count(fill<2>(p));
@@ -128,12 +130,13 @@ std::vector<std::string> describe(const Parameters& p, const CommonKeys& common,
     headline += fmt::format("   Fr {:.1f}", speed / std::sqrt(p.gravity.norm() * length));
 
   const Scheme& s = p.scheme;
-  const double step = first_step(p, common.window, speed);
+  if (own > 0) headline += fmt::format("   starts with up to {:.3g} m/s", own);
+  const double fastest = std::max(speed, own), step = first_step(p, common.window, fastest);
   return {headline,
           fmt::format("tank of {} wall particles with {} rows ({}) behind them{}", grouped(wall),
                       dummy_rows(s), grouped(dummies), absorbing_text(p)),
           step_text(p, common.window, step),
-          limits_text(p, speed),
+          limits_text(p, fastest),
           fmt::format("source {}   gradient {}   surface {}   {}", source_text(s), name(s.gradient),
                       surface_text(s), turbulence_text(s)),
           pressure_text(p, step)};

@@ -211,6 +211,12 @@ State<dim> fill(const Parameters& parameters) {
       state.velocity(0, k) -= start.angular_velocity * r[1];
       state.velocity(1, k) += start.angular_velocity * r[0];
     }
+  if (!parameters.initial_velocity.is_zero())
+    for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(water.size()); ++k) {
+      Eigen::Vector3d x = Eigen::Vector3d::Zero();
+      x.head<dim>() = state.position.col(k);
+      state.velocity.col(k) += parameters.initial_velocity.at(x).template head<dim>();
+    }
   return state;
 }
 

@@ -32,8 +32,8 @@ bool is_water_at(const Parameters&, const Vector<dim>& x);
 /// Makes the particles of water and tank at t = 0. Water stands at (i + ½) l0 in the water's shapes, clipped
 /// to the tank, and is packed against walls off the lattice (`pack`). Behind the tank's walls are one wall
 /// layer at l0/2 and `dummy_rows` layers behind it. Order: fluid, wall, dummy_wall. The pressure is 0, the
-/// velocity that of the tank at t = 0. Throws Error(case_file) where `find_box_fault` finds one. Bodies are
-/// added later, by `Simulation`.
+/// velocity that of the tank at t = 0; water has its own besides (`InitialVelocity`). Throws Error(case_file)
+/// where `find_box_fault` finds one. Bodies are added later, by `Simulation`.
 template <int dim>
 State<dim> fill(const Parameters&);
 

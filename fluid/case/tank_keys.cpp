@@ -69,6 +69,38 @@ void read_water_shapes(CaseTable& t, Parameters& p) {
   }
 }
 
+/// Reads the linear field of velocity at t = 0. Water does not expand: its divergence, the trace, is 0.
+void read_initial_velocity(CaseTable t, Parameters& p) {
+  constexpr double round_off = 1e-9;  // of the trace, over the largest entry
+  InitialVelocity& initial = p.initial_velocity;
+  Shape rows;
+  t.vector("value", initial.value, {.unit = "m/s", .help = "in the origin of the case"});
+  t.points("gradient", rows,
+           {.unit = "1/s",
+            .at_least = 2,
+            .help = "grows by this per metre, [[du/dx, du/dy], [dv/dx, dv/dy]]; drop that is drawn out: "
+                    "[[A, 0], [0, -A]], solid rotation: [[0, -w], [w, 0]]"});
+  if (!rows.empty() && std::ssize(rows) != p.dimension)
+    throw t.error("gradient", p.dimension == 2 ? "two rows of two numbers" : "three rows of three numbers",
+                  p.dimension == 2 ? "gradient = [[1.0, 0.0], [0.0, -1.0]]"
+                                   : "gradient = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.0]]");
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    initial.gradient.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
+  if (p.dimension == 2 && (initial.value.z() != 0 || !initial.gradient.col(2).isZero(0)))
+    throw t.error(initial.value.z() != 0 ? "value" : "gradient", "nothing along z in two dimensions",
+                  "leave the third number out");
+  const double trace = initial.gradient.trace(), largest = initial.gradient.cwiseAbs().maxCoeff();
+  if (std::abs(trace) > round_off * largest)
+    throw t.error("gradient",
+                  fmt::format("du/dx + dv/dy{} = 0, not {:.6g} 1/s: water does not expand",
+                              p.dimension == 3 ? " + dw/dz" : "", trace),
+                  "change one of the diagonal");
+  for (int d = 0; d < p.dimension; ++d)
+    if (p.periodic[static_cast<std::size_t>(d)] && !initial.gradient.col(d).isZero(0))
+      throw t.error("gradient", "nothing that grows along a periodic axis: both ends are one place",
+                    "leave that axis out of fluid.periodic");
+}
+
 void read_periodic(CaseTable& t, Parameters& p) {
   std::vector<std::string> axes;
   t.texts("periodic", axes,
@@ -164,6 +196,10 @@ void read_tank(CaseTable t, const CommonKeys& common, Parameters& p) {
       {.paper = "no-slip",
        .help = "of the tank for viscous stresses; the layer of water on a wall is far thinner than spacing"});
   read_absorbing(t, p);
+  read_initial_velocity(
+      t.table("initial_velocity",
+              "of the water at t = 0, beside the tank's; walls and bodies turn it in the first step"),
+      p);
   read_motion_keys(t.table("motion", "how the tank moves: a table, or a sine; at rest where it is not given"),
                    common, p);
 }

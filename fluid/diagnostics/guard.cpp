@@ -75,15 +75,17 @@ double Guard::jet(double normal_speed, double sine) const {
                   std::max(2 * std::sqrt(2 * scales_.sound_speed * normal_speed), flow));
 }
 
-/// Computes 1.3 √(J² + π² (V_tank² + 4 g H)). 2√(gH) is the front of a dam break (Ritter 1892), the fastest
-/// that gravity makes of water of that height. What it meets throws it aside with π times its speed at most,
-/// as an upright face does that moves (Wagner, sin β = 1); so do the walls of a tank that moves.
+/// Computes 1.3 √(J² + π² (V_tank² + U² + 4 g H)). U is the speed that the case gives the water at the start.
+/// 2√(gH) is the front of a dam break (Ritter 1892), the fastest that gravity makes of water of that height.
+/// What it meets throws it aside with π times its speed at most, as an upright face does that moves (Wagner,
+/// sin β = 1); so do the walls of a tank that moves.
 double Guard::speed_bound(const GuardRecord& record) const {
-  const double meets = scales_.tank_speed * scales_.tank_speed + 4 * scales_.gravity * scales_.drop;
+  const double meets = scales_.tank_speed * scales_.tank_speed + scales_.water_speed * scales_.water_speed +
+                       4 * scales_.gravity * scales_.drop;
   return margin * std::sqrt(record.jet * record.jet + std::numbers::pi * std::numbers::pi * meets);
 }
 
-/// Computes 1.3 ρ c' (π/2 v_n + 0.1 J + 2√(gH)) + ρgH. A face that meets water gets at most what sound
+/// Computes 1.3 ρ c' (π/2 v_n + 0.1 J + U + 2√(gH)) + ρgH. A face that meets water gets at most what sound
 /// carries away (von Karman 1929). The water that piles up before the face comes towards it: they meet with
 /// π/2 v_n (Wagner). A jet meets a face again where that is bent or has facets, under some six degrees. A
 /// step Δt of incompressible water crosses the half width a: c' = min(c, a/Δt).
@@ -91,8 +93,8 @@ double Guard::pressure_bound(const GuardRecord& record, double step) const {
   const GuardScales& s = scales_;
   if (!(s.half_width > 0)) return 0;
   const double signal = step > 0 ? std::min(s.sound_speed, s.half_width / step) : s.sound_speed;
-  const double speed =
-      0.5 * std::numbers::pi * record.normal_speed + graze * record.jet + 2 * std::sqrt(s.gravity * s.drop);
+  const double speed = 0.5 * std::numbers::pi * record.normal_speed + graze * record.jet + s.water_speed +
+                       2 * std::sqrt(s.gravity * s.drop);
   return margin * s.density * signal * speed + s.density * s.gravity * s.drop;
 }
 

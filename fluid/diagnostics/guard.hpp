@@ -57,6 +57,7 @@ struct GuardScales {
   double drop = 0;         // H, the height that water can fall through [m]
   double half_width = 0;   // a of the body along x [m]; 0: no body
   double tank_speed = 0;   // largest of the tank's walls [m/s]
+  double water_speed = 0;  // largest that the case gives the water at t = 0 [m/s]
   bool enters = false;     // the body comes from outside the water
   bool submerged = false;  // it begins in the water
 };

@@ -66,6 +66,14 @@ inline Scheme with_gradient(Scheme scheme, Gradient gradient) {
   return scheme;
 }
 
+/// The velocity of the water at t = 0, value + gradient x, x from the origin of the case.
+struct InitialVelocity {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();     // [m/s]
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();  // ∂u_i/∂x_j [1/s]
+  bool is_zero() const { return value.isZero(0) && gradient.isZero(0); }
+  Eigen::Vector3d at(const Eigen::Vector3d& x) const { return value + gradient * x; }
+};
+
 struct Parameters {
   int dimension = 2;
   double spacing = 0.01;                 // l0 [m]
@@ -81,6 +89,7 @@ struct Parameters {
   std::vector<std::vector<Eigen::Vector3d>>
       water_shapes;                     // [m] two corners of a box, or a polygon; empty: the box
   bool submerged = false;               // no water inside a body at the start
+  InitialVelocity initial_velocity;     // of the water, in addition to that of the tank
   bool open_top = true;                 // box: no lid; polygon: no wall from its last corner to its first
   std::array<bool, 3> periodic{};       // axes along which the tank repeats itself
   WallSlip wall = WallSlip::free_slip;  // of tank and bodies

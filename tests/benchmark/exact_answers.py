@@ -5,8 +5,10 @@ usage: tests/benchmark/exact_answers.py [ANSWER]… [--keep DIR]     (default: a
   cylinder   mean slamming coefficient of a cylinder by the formula of Campbell & Weynberg (cases/cylinder_entry.toml)
   release    added mass and first acceleration of a cylinder let go under water in a tank (cases/cylinder_release.toml)
   wave       a steep standing wave that starts at rest from a cosine (cases/standing_wave_steep.toml)
-  drop       an elliptic drop without gravity, round at first and drawn out by its own motion (no case yet)
-writes the curves of wave and drop to DIR as CSV, with the head that files of cases/reference/ have."""
+  drop       an elliptic drop without gravity, round at first and drawn out by its own motion (cases/elliptic_drop.toml)
+  floating   heave of a cylinder and of a box that float in a tank, let go over their place of rest (cases/floating_cylinder.toml)
+  wall       an elastic wall of a tank: its frequencies with water before it, and its rest (cases/elastic_wall.toml)
+writes the curves of wave, drop and floating to DIR as CSV, with the head that files of cases/reference/ have."""
 import argparse
 import math
 import pathlib
@@ -181,7 +183,7 @@ def drop_rates(state):
 def drop(folder):
     """In its middle p = rho A^2 a^2 b^2/(a^2 + b^2). Time in 1/A(0), lengths in the radius at first."""
     state, rows = numpy.array([1.0, 1.0, 1.0]), []
-    print("\nElliptic drop, round at first, time in 1/A\n  t     a/R       b/R       A(t)/A    p in the middle/(rho A^2 R^2)")
+    print("\nElliptic drop, round at first, time in 1/A; its energy is pi/4 rho A(0)^2 R^4\n  t     a/R       b/R       A(t)/A    p in the middle/(rho A^2 R^2)")
     for n in range(2001):
         a, b, rate = state
         rows.append((n * 1e-3, a, b, rate, (rate * a * b) ** 2 / (a**2 + b**2)))
@@ -189,9 +191,136 @@ def drop(folder):
             print("  " + "  ".join(f"{v:.6f}" if k else f"{v:.2f}" for k, v in enumerate(rows[-1])))
         state = runge_kutta(drop_rates, state, 1e-3)
     columns = list(numpy.array(rows[::20]).T)
-    keep(folder, "elliptic_drop.csv", columns[0], columns[1:], ["time [1]", "a [1]", "b [1]", "A [1]", "p [1]"],
-         ["Semi-axes of a drop, round at first, u = A x, v = -A y; time in 1/A(0), lengths in the radius, p in rho A(0)^2 R^2, in the middle.",
+    columns[-1] = DENSITY * columns[-1]
+    keep(folder, "elliptic_drop.csv", columns[0], columns[1:], ["time [s]", "a [m]", "b [m]", "A [1/s]", "p [Pa]"],
+         ["Semi-axes of a drop of water, round at first with R = 1 m, u = A x, v = -A y with A = 1/s; p is the pressure in its middle.",
           "origin     own calculation: tests/benchmark/exact_answers.py; da/dt = A a, db/dt = -A b, dA/dt = A^2 (b^2 - a^2)/(a^2 + b^2)"])
+
+
+def spaced(first, last, size, power=1, dense_end=False):
+    """Points from first to last, about `size` apart; with the power 2 they crowd towards one end."""
+    first, last = numpy.array(first), numpy.array(last)
+    s = numpy.linspace(0, 1, max(4, round(math.hypot(*(last - first)) / size)) + 1)
+    s = 1 - (1 - s) ** power if dense_end else s**power
+    return first + s[:, None] * (last - first)
+
+
+def half_box(half, draught, size):
+    """Right half of a box from its waterline to its middle; points crowd at the corner, where the velocity has no bound."""
+    return numpy.vstack([spaced((half, 0), (half, -draught), size, 2, True), spaced((half, -draught), (0, -draught), size, 2)[1:]])
+
+
+def half_cylinder(radius, size):
+    """The same of a cylinder whose axis lies in the level."""
+    turn = line(0, -math.pi / 2, round(math.pi / 2 * radius / size))
+    return radius * numpy.stack([numpy.cos(turn), numpy.sin(turn)], 1)
+
+
+def heave_operators(body, side, depth, size):
+    """Linear operators of a body that heaves between walls at +-side; its right half by symmetry, elements of about `size`.
+    Returns the surface's points; a matrix that gives dphi/dn there, and a row that gives the integral of phi n_y over the whole body,
+    both of the potentials phi on the surface and, last, of the body's speed. Two points stand at each end of the surface."""
+    walls = numpy.vstack([spaced(body[-1], (0, -depth), size), spaced((0, -depth), (side, -depth), size)[1:], spaced((side, -depth), (side, 0), size)[1:]])
+    surface = spaced((side, 0), body[0], size)
+    points = numpy.vstack([walls, surface, body[:-1]])
+    start, end, count = len(walls), len(walls) + len(surface), len(points)
+    first = numpy.delete(numpy.arange(count), [start - 1, end - 1])
+    last = numpy.roll(numpy.arange(count), -1)[first]  # the last point is followed by the first: the curve is closed
+    dipoles, sources = numpy.zeros((2, count, count))
+    pieces = plate_edge.influences(points, points[first], points[last])
+    for matrix, of_first, of_last in ((dipoles, *pieces[:2]), (sources, *pieces[2:])):
+        numpy.add.at(matrix.T, first, of_first.T)
+        numpy.add.at(matrix.T, last, of_last.T)
+    dipoles[numpy.diag_indices(count)] -= dipoles.sum(1)
+    wet = slice(len(first) - len(body) + 1, len(first))  # the body's elements
+    lift = points[first[wet], 0] - points[last[wet], 0]  # length times n_y, n out of the water
+    length = numpy.hypot(*(points[last[wet]] - points[first[wet]]).T)
+    matrix = dipoles.copy()
+    matrix[:, start:end] = -sources[:, start:end]
+    right = numpy.hstack([-dipoles[:, start:end], ((pieces[2] + pieces[3])[:, wet] @ (lift / length))[:, None]])
+    for row, of in ((start - 1, 0), (end, len(surface) - 1)):  # wall and body meet the surface: the same potential
+        matrix[row], right[row] = 0, 0
+        matrix[row, row] = right[row, of] = 1
+    answer = numpy.linalg.solve(matrix, right)
+    weight = numpy.zeros(count)
+    numpy.add.at(weight, first[wet], lift)  # half of each element, and both halves of the body
+    numpy.add.at(weight, last[wet], lift)
+    return surface, answer[start:end], weight @ answer
+
+
+def heave(heavier, body, side, depth, size, step, end):
+    """Height z(t) over its start of a body that is let go under a level surface, h = 0, P = 0; linear theory. M is the water in its place, m = heavier M:
+    dh/dt = dP/dn,  dP/dt = -g h,  m d2z/dt2 = (M - m) g - rho g b z - rho d/dt (integral of P n_y), b its width at the level.
+    Returns times, z, the added mass under P = 0, and the water that rose at the surface over the water that the body pushed away."""
+    surface, rises, force = heave_operators(body, side, depth, size)
+    n, added, half = len(surface), DENSITY * force[-1], body[0, 0]
+    in_place = DENSITY * (-body[:-1, 0] - body[1:, 0]) @ numpy.diff(body[:, 1])
+    mass = heavier * in_place
+
+    def rates(state):
+        level, potential, place, speed = state[:n], state[n:-2], state[-2], state[-1]
+        lift = GRAVITY * (in_place - mass + DENSITY * (force[:-1] @ level - 2 * half * place))
+        return numpy.concatenate([rises @ numpy.append(potential, speed), -GRAVITY * level, [speed, lift / (mass + added)]])
+
+    state, places = numpy.zeros(2 * n + 2), [0.0]
+    for _ in range(round(end / step)):
+        state = runge_kutta(rates, state, step)
+        places.append(state[-2])
+    gain = -((state[1:n] + state[:n - 1]) / 2 * numpy.diff(surface[:, 0])).sum()  # from the wall to the body
+    return step * numpy.arange(len(places)), numpy.array(places), added, gain / (-half * state[-2])
+
+
+def floating(folder):
+    side, depth = 1.5, 0.6
+    print(f"\nBodies let go under a level surface, in a tank {2 * side:g} m wide and {depth:g} m deep\n  "
+          "size [m]  added mass [kg/m]  first acceleration [m/s^2]  lowest [mm]  at [s]  next highest [mm]  at [s]")
+    curves = []
+    for name in ("Cylinder of radius 0.2 m, its axis in the level, 5 % heavier than the water in its place", "Box 0.4 m wide and 0.2 m deep, likewise"):
+        print(name)
+        for size in (0.04, 0.02, 0.01):
+            body = half_box(0.2, 0.2, size / 2) if curves else half_cylinder(0.2, size / 2)
+            times, places, added, _ = heave(1.05, body, side, depth, size, 2e-3, 2.0)
+            low = places.argmin()
+            high = low + places[low:].argmax()
+            print(f"  {size:8g}  {added:17.2f}  {2 * places[1] / times[1] ** 2:26.4f}  {1e3 * places[low]:11.3f}  {times[low]:6.3f}"
+                  f"  {1e3 * places[high]:17.3f}  {times[high]:6.3f}", flush=True)
+        curves.append(places[::10])
+    keep(folder, "floating_body.csv", times[::10], curves, ["time [s]", "cylinder [m]", "box [m]"],
+         ["Height over its start of a body that is let go in a tank 3 m wide and 0.6 m deep, 5 % heavier than the water in its place: a cylinder of",
+          "radius 0.2 m with its axis in the level, and a box 0.4 m wide and 0.2 m deep.",
+          "origin     own calculation: tests/benchmark/exact_answers.py, elements of 10 mm, steps of 2 ms; linear theory of ideal water"])
+
+
+def wet_wall(height, depth, length, stiffness, mass, shapes, waves):
+    """An upright beam, clamped at the floor and free above, is the wall of a tank of that length: stiffness w_yyyy + (mass + water) w_tt = load.
+    w = sum of q_i (y/height)^2 L_i(2 y/height - 1), Legendre's polynomials. The water's potential, 0 on its surface:
+    phi = sum of b_n cos(k_n y) cosh(k_n (length - x)), k_n = (n - 1/2) pi/depth, with dphi/dx of the wall at x = 0.
+    Returns the dry and the wet frequencies [Hz] and the top's deflection at rest [m]. Gravity changes the wet ones by g/(omega^2 depth) or less."""
+    points, weight = numpy.polynomial.legendre.leggauss(200)
+    points, weight = (points + 1) / 2, weight / 2
+    shape = [numpy.polynomial.Polynomial([0, 0, 1]) * numpy.polynomial.Legendre.basis(i, [0, 1]).convert(kind=numpy.polynomial.Polynomial)
+             for i in range(shapes)]
+    along = numpy.array([p(points) for p in shape])
+    bend = numpy.array([p.deriv(2)(points) for p in shape]) / height**2
+    wetted = numpy.array([p(points * depth / height) for p in shape])
+    k = (numpy.arange(waves) + 0.5) * math.pi / depth
+    parts = depth * (wetted * weight) @ numpy.cos(numpy.outer(points * depth, k))
+    own = mass * height * (along * weight) @ along.T
+    water = DENSITY * (parts * 2 / (depth * k * numpy.tanh(k * length))) @ parts.T
+    spring = stiffness * height * (bend * weight) @ bend.T
+    load = DENSITY * GRAVITY * depth**2 * (wetted * weight) @ (1 - points)
+    inverse = numpy.linalg.inv(numpy.linalg.cholesky(spring))
+    dry, wet = (1 / (2 * math.pi * numpy.sqrt(numpy.linalg.eigvalsh(inverse @ matter @ inverse.T)[::-1])) for matter in (own, own + water))
+    return dry, wet, numpy.linalg.solve(spring, load) @ [p(1.0) for p in shape]
+
+
+def wall(_):
+    stiffness, mass = 7e10 * 0.015**3 / 12 / (1 - 0.33**2), 2700 * 0.015
+    print("\nElastic wall 0.6 m high, 15 mm of aluminium, clamped below; 0.5 m of water before it, 0.5 m long"
+          "\n  shapes  waves  f1 dry [Hz]  f1 wet [Hz]  f2 wet [Hz]  top at rest [mm]")
+    for shapes, waves in ((2, 80), (4, 80), (6, 80), (8, 10), (8, 20), (8, 40), (8, 80), (8, 160)):
+        dry, wet, top = wet_wall(0.6, 0.5, 0.5, stiffness, mass, shapes, waves)
+        print(f"  {shapes:6d}  {waves:5d}  {dry[0]:11.4f}  {wet[0]:11.4f}  {wet[1]:11.3f}  {1e3 * top:16.5f}")
 
 
 def keep(folder, name, first, columns, names, head):
@@ -203,7 +332,7 @@ def keep(folder, name, first, columns, names, head):
     (folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-ANSWERS = {"plate": plate, "cylinder": cylinder, "release": release, "wave": wave, "drop": drop}
+ANSWERS = {"plate": plate, "cylinder": cylinder, "release": release, "wave": wave, "drop": drop, "floating": floating, "wall": wall}
 
 
 def main():

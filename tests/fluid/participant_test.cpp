@@ -6,6 +6,7 @@
 #include "proto/files/result_file.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -368,6 +369,30 @@ TEST(FluidParticipant, impulse_counts_from_the_first_step_above_the_stagnation_p
   }
   EXPECT_TRUE(touched);
   EXPECT_GT(impulse, 0);
+}
+
+TEST(FluidParticipant, a_drop_that_starts_with_a_velocity_of_its_own_has_a_scale_for_its_momentum) {
+  const Case c({"fluid.gravity=[0, 0, 0]", "fluid.sound_speed=inf",
+                "fluid.initial_velocity.gradient=[[4, 0], [0, -4]]", "fluid.scheme.time_step=inf",
+                "fluid.tank=[[-0.2, -0.2], [0.2, 0.2]]", "fluid.water=[[-0.1, -0.1], [0.1, 0.1]]"},
+               "[-0.2, 0.0]");
+  FluidParticipant<2> participant(c.parameters, c.common, {});
+  const double largest = 4 * 0.095 * std::sqrt(2.0);
+  EXPECT_NE(
+      participant.description().lines.front().find(fmt::format("starts with up to {:.3g} m/s", largest)),
+      std::string::npos)
+      << participant.description().lines.front();
+  Advanced last;
+  for (int k = 0; k < 20; ++k) {
+    last = participant.advance(nth(k, 1e-3), {});
+    participant.commit(false);
+  }
+  EXPECT_GT(last.monitor.at("check.momentum_gap"), 0) << "over a scale that is not zero";
+  EXPECT_LT(last.monitor.at("check.momentum_gap"), 0.01);
+  EXPECT_FALSE(last.monitor.contains("alarm.speed.time"));
+  EXPECT_GT(last.monitor.at("check.largest_speed"), 0.1) << "the guard knows the speed";
+  const double centre = std::hypot(last.monitor.at("water.centre.x"), last.monitor.at("water.centre.y"));
+  EXPECT_LT(centre, 1e-4);
 }
 
 TEST(FluidParticipant, a_still_tank_alone_reports_its_floor_load_and_no_force) {

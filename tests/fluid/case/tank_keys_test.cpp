@@ -33,6 +33,8 @@ Parameters read_with(const std::string& keys, const std::string& name = "case.to
   EXPECT_EQ(echoed.tank_polygon.size(), parameters.tank_polygon.size());
   EXPECT_EQ(echoed.water_shapes.size(), parameters.water_shapes.size());
   EXPECT_EQ(echoed.periodic, parameters.periodic);
+  EXPECT_EQ(echoed.initial_velocity.value, parameters.initial_velocity.value);
+  EXPECT_EQ(echoed.initial_velocity.gradient, parameters.initial_velocity.gradient);
   EXPECT_EQ(echoed.motion.roll, parameters.motion.roll);
   EXPECT_EQ(echoed.motion.table.has_value(), parameters.motion.table.has_value());
   return parameters;
@@ -112,6 +114,42 @@ TEST(TankKeys, sound_may_keep_to_the_water_near_the_surface) {
   expect_error(box + "sound_depth = 0.01\n", "the sheet");
   expect_error(box + "sound_depth = 10.0\n", "the sheet");
   expect_error(box + "sound_depth = 0.1\n[fluid.scheme]\ngradient = \"pairwise\"\n", "least-squares");
+}
+
+TEST(TankKeys, the_water_may_start_with_a_linear_velocity) {
+  EXPECT_TRUE(read_with(box).initial_velocity.is_zero());
+  const auto of = [](const std::string& keys) { return box + "[fluid.initial_velocity]\n" + keys; };
+  const auto p = read_with(of("value = [0.5, 0.0]\ngradient = [[2.0, -1.0], [3.0, -2.0]]\n"));
+  EXPECT_LT((p.initial_velocity.at({0.1, 0.2, 0}) - Eigen::Vector3d(0.5, -0.1, 0)).norm(), 1e-12);
+  const auto state = fill<2>(p);
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+    const bool water = state.kind[static_cast<std::size_t>(i)] == Kind::fluid;
+    const double x = state.position(0, i), y = state.position(1, i);
+    ASSERT_NEAR(state.velocity(0, i), water ? 0.5 + 2 * x - y : 0, 1e-12);
+    ASSERT_NEAR(state.velocity(1, i), water ? 3 * x - 2 * y : 0, 1e-12);
+  }
+  expect_error(of("gradient = [[2.0, 0.0], [0.0, -1.9]]\n"), "does not expand");
+  expect_error(of("gradient = [[2.0, 0.0], [0.0, -2.0], [0.0, 0.0]]\n"), "two rows");
+  expect_error(of("value = [0.0, 0.0, 1.0]\n"), "nothing along z");
+  expect_error(of("gradient = [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]\n"), "nothing along z");
+  expect_error("periodic = [\"x\"]\n" + of("gradient = [[0.0, 0.0], [1.0, 0.0]]\n"), "periodic axis");
+  const std::string space =
+      "dimension = 3\ntank = [[0, 0, 0], [0.4, 0.4, 0.2]]\nwater = [[0, 0, 0], [0.4, 0.2, 0.2]]\n"
+      "[fluid.initial_velocity]\n";
+  const auto turning = read_with(space + "gradient = [[0, 0, 1], [0, 0, 0], [-1, 0, 0]]\n");
+  EXPECT_EQ(turning.initial_velocity.at({1, 2, 3}), Eigen::Vector3d(3, 0, -1));
+  expect_error(space + "gradient = [[0, 1], [1, 0]]\n", "three rows");
+}
+
+TEST(TankKeys, a_moving_tank_carries_water_that_has_a_velocity_of_its_own) {
+  const auto p = read_with(box +
+                           "initial_velocity = { value = [0.0, 0.25] }\n[fluid.motion]\namplitude = 0.1\n"
+                           "direction = [1.0, 0.0, 0.0]\nfrequency = 0.5\n");
+  const auto start = p.motion.at(0).velocity;
+  EXPECT_GT(start.x(), 0.1);
+  const auto state = fill<2>(p);
+  EXPECT_NEAR(state.velocity(0, 0), start.x(), 1e-12);
+  EXPECT_NEAR(state.velocity(1, 0), 0.25, 1e-12);
 }
 
 TEST(TankKeys, periodic_axes_are_checked) {

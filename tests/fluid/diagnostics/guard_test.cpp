@@ -70,6 +70,13 @@ TEST(Guard, BoundsWaterUnderGravityByTheFrontOfADamBreakAndTheWallItMeets) {
   EXPECT_FALSE(record.raised(Alarm::speed));
 }
 
+TEST(Guard, CountsTheSpeedThatTheWaterStartsWith) {
+  const Guard drop({.water_speed = 2});
+  EXPECT_NEAR(drop.speed_bound({}), 1.3 * std::numbers::pi * 2, 1e-9);
+  EXPECT_NEAR(Guard({.half_width = 0.25, .water_speed = 2}).pressure_bound({}, 1e-3), 1.3 * 1000 * 250 * 2,
+              1e-6);
+}
+
 TEST(Guard, BoundsPressureByWhatSoundOrTheStepCarriesAway) {
   Guard guard(water());
   GuardRecord record;
