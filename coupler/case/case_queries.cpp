@@ -21,6 +21,16 @@ std::array<std::uint8_t, 32> case_hash(const std::filesystem::path& case_file,
   return CaseFile::load(case_file, sets).hash();
 }
 
+std::vector<std::string> given_among(const std::vector<std::string>& keys,
+                                     const std::filesystem::path& case_file,
+                                     const std::vector<std::string>& sets) {
+  const CaseFile file = CaseFile::load(case_file, sets);
+  std::vector<std::string> given;
+  for (const std::string& key : keys)
+    if (file.has(key)) given.push_back(key);
+  return given;
+}
+
 std::vector<KeyInfo> coupler_declarations() {
   CaseFile file = CaseFile::declarations_only();
   read_common(file);

@@ -22,6 +22,10 @@ std::vector<CompareBlock> compare_blocks_of(const std::filesystem::path& case_fi
 /// SHA-256 of the case, its --set strings and the files that it names.
 std::array<std::uint8_t, 32> case_hash(const std::filesystem::path& case_file,
                                        const std::vector<std::string>& sets);
+/// Those of `keys` ("coupling.surface.window") that the case or a --set string gives.
+std::vector<std::string> given_among(const std::vector<std::string>& keys,
+                                     const std::filesystem::path& case_file,
+                                     const std::vector<std::string>& sets);
 /// Declarations of all keys that the coupler reads.
 std::vector<KeyInfo> coupler_declarations();
 

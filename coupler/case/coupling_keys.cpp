@@ -39,7 +39,10 @@ void read_convergence(CaseTable converged, Convergence& keys) {
                    {.min = 0, .max = 1, .help = "of the displacement increment of the window, or its value"});
   converged.number(
       "absolute", keys.absolute,
-      {.unit = "m", .min = 0, .help = "residual that is always enough; 0: 1e-6 of fluid.spacing"});
+      {.unit = "m",
+       .min = 0,
+       .help = "residual that is always enough; 0: 0.02 m/s^2 times the window's square, at most 1e-6 of "
+               "fluid.spacing"});
   converged.number("residual_relative", keys.residual_relative,
                    {.min = 0, .max = 1, .help = "of the window's first residual; 0: it does not count"});
   std::string measure = "increment";

@@ -4,6 +4,7 @@
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "coupler/run/session.hpp"
+#include "coupler/summary/pace.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
@@ -39,7 +40,7 @@ void print_properties(const CaseView& view, const StopRequest& stop) {
                visible(rows));
 }
 
-/// The title, how large each side is, and what of them is not built.
+/// The title, how large each side is, how the run steps and what that costs, and what is not built.
 void print_head(const CaseView& view, const CheckOptions& options) {
   std::vector<std::string> sizes, not_built;
   for (const auto& side : {view.fluid, view.structure}) {
@@ -49,7 +50,8 @@ void print_head(const CaseView& view, const CheckOptions& options) {
       not_built.push_back(side->side + ": " + text);
   }
   fmt::print("{}\n", visible(view.common.title.empty() ? options.case_file.string() : view.common.title));
-  fmt::print("{}{}", block_text("size", sizes), block_text("not built", not_built));
+  fmt::print("{}{}{}", block_text("size", sizes), block_text("steps", pace_lines(view)),
+             block_text("not built", not_built));
 }
 
 /// Whether both sides are small enough for a check to set them up.
@@ -84,6 +86,10 @@ void write_picture(const CaseView& view, const std::filesystem::path& path, cons
   fmt::print("\npicture    {}\n", path.string());
 }
 
+void print_warning(const std::string& text) {
+  fmt::print("  warning    {}\n", visible(text));
+}
+
 /// What both sides say of the case when they are set up, as a run would do it.
 void print_understood(const CaseView& view, const CheckOptions& options, const StopRequest& stop) {
   const TemporaryFolder folder;
@@ -93,10 +99,10 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
                                .say = [](const std::string& line) { put(stderr, visible(line) + "\n"); },
                                .stop = &stop});
   print_head(view, options);
-  for (const std::string& warning : session.warnings()) fmt::print("  warning    {}\n", visible(warning));
+  for (const std::string& warning : session.warnings()) print_warning(warning);
+  fmt::print("{}", block_text("resolution", session.resolution()));
   for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session.mapping_lines()));
-  fmt::print("{}", block_text("resolution", session.resolution()));
 }
 
 }  // namespace
@@ -109,10 +115,12 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
                 "--picture " + std::filesystem::path(options.picture).replace_extension(".svg").string());
   const CaseView view = read_case(options.case_file, options.sets, &stop);
   const bool built = can_be_built(view);
-  if (built)
+  if (built) {
     print_understood(view, options, stop);
-  else
+  } else {
     print_head(view, options);
+    for (const std::string& warning : far_off_lines(view, 0)) print_warning(warning);
+  }
 
   const bool ours = view.structure && view.structure->solver.find('/') == std::string::npos;
   if (built && ours && view.structure->solver != "replay") print_properties(view, stop);

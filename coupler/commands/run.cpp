@@ -407,6 +407,12 @@ class Run {
   bool saved_on_request_ = false;  // Ctrl-C found time for a checkpoint
 };
 
+std::vector<std::string> sets_of(const RunOptions& options) {
+  if (!options.folder.resume) return options.sets;
+  return settled_sets(options.case_file, options.sets,
+                      find_run_folder(options.case_file, options.folder).path);
+}
+
 void check_by_hand(const RunOptions& options, const CaseView& view) {
   for (const std::string& side : options.by_hand)
     if (side == "fluid" ? !view.fluid : !view.structure)
@@ -423,7 +429,7 @@ ExitCode run(const RunOptions& options, const StopRequest& stop) {
   try {
     if (!options.folder.first_free_tag)
       find_run_folder(options.case_file, options.folder);  // the quickest refusal first
-    view = read_case(options.case_file, options.sets, &stop, options.by_hand);
+    view = read_case(options.case_file, sets_of(options), &stop, options.by_hand);
     check_by_hand(options, *view);
     run.emplace(*view, create_run_folder(options.case_file, options.folder), options, stop, *reporter);
   } catch (const Error& error) {

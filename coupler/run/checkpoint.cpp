@@ -1,5 +1,6 @@
 #include "coupler/run/checkpoint.hpp"
 
+#include "coupler/case/case_queries.hpp"
 #include "coupler/run/checksums.hpp"
 #include "proto/error.hpp"
 #include "proto/files/history.hpp"
@@ -201,6 +202,26 @@ void check_end_time(const CaseView& view, const fs::path& run_folder, const fs::
                 "set a later end_time to go on");
 }
 
+std::vector<std::string> settled_sets(const fs::path& case_file, std::vector<std::string> sets,
+                                      const fs::path& run_folder) {
+  std::ifstream stream(run_folder / "case.toml");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) return sets;  // check_same_case says so
+  const auto before = flatten_toml(text.str(), "case.toml");
+  const std::string step = "fluid.scheme.time_step", window = "coupling.surface.window",
+                    probes = "output.default_probes";
+  const std::vector<std::string> given = given_among({step, window, probes}, case_file, sets);
+  const auto is_given = [&](const std::string& key) {
+    return std::find(given.begin(), given.end(), key) != given.end();
+  };
+  for (const std::string& key : {step, window})
+    if (const auto found = before.find(key); found != before.end() && !is_given(key))
+      sets.push_back(key + "=" + found->second);
+  if (!before.contains(probes) && !is_given(probes)) sets.push_back(probes + "=false");
+  return sets;
+}
+
 void check_same_case(const CaseView& view, const fs::path& run_folder) {
   const fs::path path = run_folder / "case.toml";
   std::ifstream stream(path);
@@ -215,7 +236,9 @@ void check_same_case(const CaseView& view, const fs::path& run_folder) {
   for (const auto& [key, value] : now) {
     const auto found = before.find(key);
     const std::string was = found == before.end() ? "not there" : found->second;
-    if (was != value && !may_change(key)) changes += fmt::format("\n{} was {}, is {}", key, was, value);
+    const bool older = found == before.end() && key == "output.default_probes" && value == "false";
+    if (was != value && !older && !may_change(key))
+      changes += fmt::format("\n{} was {}, is {}", key, was, value);
   }
   if (!changes.empty())
     throw Error(ExitCode::command_line, run_folder.string(),

@@ -42,6 +42,11 @@ class Checkpoints {
   std::filesystem::path folder_;
 };
 
+/// The --set strings of a run that goes on, with those that keep the defaults it began with. The default
+/// window follows from end_time, which may change, and runs of an older version had no default probes.
+std::vector<std::string> settled_sets(const std::filesystem::path& case_file, std::vector<std::string> sets,
+                                      const std::filesystem::path& run_folder);
+
 /// Throws Error(command_line) when the case means something else than it did when the run began. What only
 /// says how long, how often and how fast may change.
 void check_same_case(const CaseView&, const std::filesystem::path& run_folder);

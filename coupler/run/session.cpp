@@ -3,6 +3,7 @@
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
+#include "coupler/summary/pace.hpp"
 #include "coupler/summary/resolution.hpp"
 #include "proto/error.hpp"
 #include "proto/number_text.hpp"
@@ -18,6 +19,12 @@ namespace {
 
 CouplingCase coupling_case(const CaseView& view) {
   return {view.common, view.coupling, view.number("fluid.spacing")};
+}
+
+/// Largest length of a mesh along an axis [m].
+double extent_of(const InterfaceMesh& mesh) {
+  if (mesh.position.cols() == 0) return 0;
+  return (mesh.position.rowwise().maxCoeff() - mesh.position.rowwise().minCoeff()).maxCoeff();
 }
 
 std::string accelerator_title(const std::string& kind) {
@@ -227,6 +234,8 @@ std::vector<std::string> Session::warnings() const {
                       quality.without_load, quality.n_structure,
                       fluid_->mesh().faces.cols() > 0 ? "" : ", with kind = \"radial-basis\""));
   }
+  for (std::string& line : far_off_lines(case_, structure_ == nullptr ? 0 : extent_of(structure_->mesh())))
+    warnings.push_back(std::move(line));
   return warnings;
 }
 

@@ -157,19 +157,6 @@ void read_turbulence(CaseTable t, Scheme& s) {
   t.flag("wall_damping", s.wall_damping, {.help = "van Driest's factor near the tank's walls"});
 }
 
-/// Whether the body may meet the water with a level face, whose first pressure is ρ c V and lasts some a/c, a
-/// its half width: a plate or a box does. So may a body that only its own program, or an earlier run, knows.
-bool may_fall_level(CaseFile& file, const CommonKeys& common) {
-  if (file.only_declares()) return true;
-  const std::string& solver = common.structure_solver;
-  if (solver == "none") return false;
-  if (solver != "fem" && solver != "particle" && solver != "ccx" && solver != "rigid") return true;
-  const CaseTable structure = file.root().table("structure");
-  for (const char* shape : {"mesh", "outline", "wedge", "cylinder", "sphere"})
-    if (structure.has(shape)) return false;
-  return true;
-}
-
 /// Sets the default of the largest step and reads the key. A window shorter than the usual step becomes the
 /// step. Without sound the step is the window, except in the paper preset: an incompressible impact is one
 /// impulse. With shorter steps, the one that makes contact would depend on the interface motion that the
@@ -191,8 +178,9 @@ void read_time_step(CaseTable& t, const CommonKeys& common, double sound_speed, 
        .infinite = true,
        .help =
            "largest; steps end with a window, and inf leaves them to the limits of stability; not given in "
-           "preset improved: with sound_speed = inf the window, else inf for water alone and for bodies that "
-           "are no plate or box"});
+           "preset improved: with sound_speed = inf the window, else inf unless a plate or box may fall "
+           "level "
+           "on the water"});
   t.number("acoustic_cfl", s.acoustic_cfl,
            {.min = 0,
             .help = "sound speed times time step over spacing, to resolve pressure waves; 0: no such limit"});
@@ -321,7 +309,7 @@ Parameters read(CaseFile& file, const CommonKeys& common) {
   for (ProbeKeys& probe : p.probes)
     if (probe.diameter == 0) probe.diameter = 2 * p.spacing;
   read_scheme(fluid.table("scheme", "the particle method; preset = paper | improved sets the defaults"),
-              common, p.sound_speed, may_fall_level(file, common), p.scheme);
+              common, p.sound_speed, common.chosen.level, p.scheme);
   if (!file.only_declares()) check_together(file, common, p);
   return p;
 }

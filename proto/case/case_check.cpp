@@ -65,14 +65,20 @@ class Search {
 std::string advice(const Document& document, const std::string& path) {
   const std::pair<std::string, std::string> split = parent_and_name(path);
   const auto &parent = split.first, &name = split.second;  // a lambda of clang 14 takes no structured binding
-  std::vector<std::string> siblings, elsewhere;
+  std::vector<std::string> siblings, near_by, elsewhere;
   const auto consider = [&](const std::string& known) {
     const auto [table, key] = parent_and_name(known);
     if (table == parent && !key.empty()) siblings.push_back(key);
-    if (key == name && table != parent && known.find('[') == std::string::npos) elsewhere.push_back(known);
+    if (table == parent || known.find('[') != std::string::npos) return;
+    // Further down another name of the quantity will do: structure.E is structure.material.young.
+    const bool below = !parent.empty() && lies_below(table, parent);
+    if (below && key == name) near_by.insert(near_by.begin(), known);
+    if (below && key != name && means(key, name)) near_by.push_back(known);
+    if (key == name) elsewhere.push_back(known);
   };
   for (const KeyInfo& key : document.keys) consider(key.path);
   for (const std::string& table : document.tables) consider(table);
+  elsewhere.insert(elsewhere.begin(), near_by.begin(), near_by.end());
   const auto command = [](const std::string& table) -> std::string {
     const bool all = table.empty() || table.find('[') != std::string::npos;
     return all ? "strake explain" : "strake explain " + table;
@@ -80,7 +86,9 @@ std::string advice(const Document& document, const std::string& path) {
   const auto explain = [&](const std::string& table) {
     return document.explained ? fmt::format("  ({})", command(table)) : std::string();
   };
-  if (const std::string near = meant_key(name, siblings); !near.empty())
+  const bool sibling =
+      std::any_of(siblings.begin(), siblings.end(), [&](const std::string& key) { return means(key, name); });
+  if (const std::string near = meant_key(name, siblings); !near.empty() && (sibling || near_by.empty()))
     return fmt::format("did you mean {}?{}", quoted_key(near), explain(parent));
   if (!elsewhere.empty())
     return fmt::format("did you mean {}?{}", elsewhere.front(),
@@ -126,6 +134,9 @@ void CaseFile::read_all(const std::function<void()>& read) {
     read();
   } catch (const Error& error) {
     last = error;
+  } catch (const std::exception&) {  // of values that stand in for refused ones
+    document.collects = false;
+    if (document.refused.empty()) throw;
   }
   document.collects = false;
   if (last && last->code() != ExitCode::case_file) throw *last;

@@ -19,18 +19,16 @@ class Declaration {
   /// True if there is a value; throws if there is none and one is needed. sample: the line that the fix
   /// proposes.
   bool given(bool required, const std::string& sample) const;
-  /// Takes the value by `read`. Where a file is read to its end, an error is remembered. The reading ends
-  /// only if no value makes sense in its place: of a missing key, of a choice.
+  /// Takes the value by `read`. Where a file is read to its end, an error is remembered and the reading goes
+  /// on with the default, or with any value of the range.
   template <class Read>
-  void take(bool needed, const Read& read) {
-    if (!document_.collects) return read();
-    try {
-      read();
-    } catch (const Error& error) {
-      document_.refused.push_back(error);
-      refused_ = true;
-      if (needed) throw;
-    }
+  void take(const Read& read) {
+    take(false, read);
+  }
+  /// The same for a key that decides how to read on, a choice: the reading ends.
+  template <class Read>
+  void take_or_end(const Read& read) {
+    take(true, read);
   }
   /// Whether `take` has remembered an error.
   bool refused() const { return refused_; }
@@ -46,6 +44,18 @@ class Declaration {
   bool default_passes = true;  // the default may be offered as a fix
 
  private:
+  template <class Read>
+  void take(bool decides, const Read& read) {
+    if (!document_.collects) return read();
+    try {
+      read();
+    } catch (const Error& error) {
+      document_.refused.push_back(error);
+      refused_ = true;
+      if (decides) throw;
+    }
+  }
+
   CaseFile::Document& document_;
   bool refused_ = false;
 };

@@ -80,7 +80,7 @@ bool lies_below(const std::string& path, const std::string& prefix) {
   return path.starts_with(prefix) && (path[prefix.size()] == '.' || path[prefix.size()] == '[');
 }
 
-std::string meant_key(const std::string& word, const std::vector<std::string>& known) {
+bool means(const std::string& key, const std::string& word) {
   static const std::map<std::string, std::vector<std::string>> other_names = {
       {"young", {"E", "e", "youngs_modulus", "young_modulus", "elastic_modulus", "modulus"}},
       {"poisson", {"nu", "poisson_ratio", "poissons_ratio"}},
@@ -97,9 +97,14 @@ std::string meant_key(const std::string& word, const std::vector<std::string>& k
       {"end_time", {"t_end", "tend", "end", "duration", "time"}},
       {"time_step", {"dt", "timestep", "step"}},
       {"window", {"dt", "time_step"}}};
+  const auto names = other_names.find(key);
+  return key == word || (names != other_names.end() &&
+                         std::find(names->second.begin(), names->second.end(), word) != names->second.end());
+}
+
+std::string meant_key(const std::string& word, const std::vector<std::string>& known) {
   for (const std::string& key : known)
-    if (const auto names = other_names.find(key); names != other_names.end())
-      if (std::find(names->second.begin(), names->second.end(), word) != names->second.end()) return key;
+    if (means(key, word)) return key;
   return did_you_mean(word, known);
 }
 

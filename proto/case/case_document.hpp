@@ -29,6 +29,8 @@ std::pair<std::string, std::string> parent_and_name(const std::string& path);
 /// True if `path` is `prefix` or lies below it; everything lies below the empty prefix.
 bool lies_below(const std::string& path, const std::string& prefix);
 
+/// Whether a word is the key's name (without its tables) or another name of the quantity: E is young.
+bool means(const std::string& key, const std::string& word);
 /// The key of `known` that a word means: another name of the quantity (E is young), or a slip of the pen.
 /// Empty if there is none.
 std::string meant_key(const std::string& word, const std::vector<std::string>& known);

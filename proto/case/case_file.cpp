@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace strake {
@@ -224,6 +225,30 @@ std::filesystem::path CaseFile::folder() const {
 }
 const std::string& CaseFile::preset() const {
   return document_->preset;
+}
+bool CaseFile::has(const std::string& path) const {
+  return document_->at(path) != nullptr;
+}
+bool CaseFile::is_true(const std::string& path) const {
+  const toml::node* node = document_->at(path);
+  const auto* flag = node == nullptr ? nullptr : node->as_boolean();
+  return flag != nullptr && flag->get();
+}
+std::vector<double> CaseFile::numbers_at(const std::string& path) const {
+  std::vector<double> numbers;
+  std::vector<const toml::node*> rest{document_->at(path)};
+  while (!rest.empty()) {
+    const toml::node* node = rest.back();
+    rest.pop_back();
+    if (node == nullptr) continue;
+    if (const toml::array* array = node->as_array()) {
+      for (std::size_t i = array->size(); i-- > 0;) rest.push_back(array->get(i));
+    } else if (const auto number = node->value<double>();
+               node->is_number() && number && std::isfinite(*number)) {
+      numbers.push_back(*number);
+    }
+  }
+  return numbers;
 }
 bool CaseFile::only_declares() const {
   return document_->only_declares;

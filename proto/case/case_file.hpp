@@ -82,9 +82,9 @@ class CaseFile {
   CaseTable root();
   /// The file is no case (a study): its messages do not point to `strake explain`.
   void not_a_case();
-  /// Reads by `read` and throws one Error(case_file) with everything that it refuses. A wrong number or flag
-  /// that has a default is remembered and the reading goes on. What decides how to read on ends it: a choice,
-  /// a missing key. A check across keys counts only where all keys are right.
+  /// Reads by `read` and throws one Error(case_file) with everything that it refuses. A wrong or missing
+  /// number, flag, vector, box or text is remembered and the reading goes on. What decides how to read on
+  /// ends it: a choice. A check across keys counts only where all keys are right.
   void read_all(const std::function<void()>& read);
   /// Error for every key below `prefix` ("fluid"; empty: the whole file) that no declaration has touched,
   /// with did-you-mean. Call after all reading.
@@ -101,6 +101,11 @@ class CaseFile {
   std::filesystem::path path() const;
   std::filesystem::path folder() const;  // relative paths in the case are relative to it
   const std::string& preset() const;     // "paper" | "improved"
+  /// The finite numbers that stand at a key ("fluid.spacing", one; "fluid.water", its coordinates in order);
+  /// empty if it is not given. Declares nothing, so a default may depend on keys that are read later.
+  std::vector<double> numbers_at(const std::string& path) const;
+  bool has(const std::string& path) const;      // given in the file or by --set
+  bool is_true(const std::string& path) const;  // given as true
   /// True for `declarations_only`: checks across keys have nothing to check.
   bool only_declares() const;
 
@@ -149,6 +154,9 @@ class CaseTable {
   /// Reads a text, number or flag, or a list of them, each written as KeyInfo::value is. So `when` of a
   /// compare block can be compared with any declared key. Empty if the key is not given.
   std::vector<std::string> scalars_as_text(const std::string& name, const std::string& help = {});
+  /// Refuses a key of the user's, if it is given, with words of its own. Where a file is read to its end, the
+  /// reading goes on.
+  void refuse(const std::string& name, const std::string& expected, const std::string& fix);
   /// A key of the design that is not built yet: refused by name, with that reason.
   void not_built(const std::string& name, const std::string& help);
 

@@ -58,6 +58,38 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   return probe;
 }
 
+/// Adds the probes of a plate where a case has none. They are the deflection at its middle, and the pressure
+/// at the middle of its lower face. Other bodies have their force in the history.
+void add_plate_probes(const CaseFile& file, CommonKeys& keys) {
+  const std::vector<double> length = file.numbers_at("structure.plate.length"),
+                            thickness = file.numbers_at("structure.plate.thickness"),
+                            bottom = file.numbers_at("structure.plate.bottom"),
+                            tank = file.numbers_at("fluid.tank");
+  if (length.empty() || thickness.empty()) return;
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, bottom.size()); ++k)
+    at[static_cast<Eigen::Index>(k)] = bottom[k];
+  const std::string& solver = keys.structure_solver;
+  const bool elastic = solver == "fem" || solver == "particle" || solver == "ccx";
+  if (elastic)
+    keys.probes.push_back({.name = "middle",
+                           .of = "structure",
+                           .at = at + Eigen::Vector3d(0, 0.5 * thickness.front(), 0),
+                           .quantity = "deflection"});
+  // A sensor needs a wet face of known points inside the tank.
+  const bool wet = keys.fluid_solver == "mps" && keys.interface == "surface" &&
+                   (elastic || solver == "rigid") && !file.has("structure.surface_spacing") &&
+                   !file.has("structure.loaded_faces") && !file.has("structure.wet");
+  const std::size_t n = tank.size() / 2;
+  bool inside = n == 2 || n == 3;
+  for (std::size_t k = 0; inside && k < n; ++k) {
+    const double x = at[static_cast<Eigen::Index>(k)];
+    inside = tank[k] <= x && x <= tank[n + k];
+  }
+  if (wet && inside)
+    keys.probes.push_back({.name = "p_middle", .of = "fluid", .at = at, .quantity = "pressure"});
+}
+
 }  // namespace
 
 CommonKeys read_common(CaseFile& file) {
@@ -80,10 +112,15 @@ CommonKeys read_common(CaseFile& file) {
   coupling.choice(
       "interface", keys.interface, {"surface", "volume"},
       {.help = "surface: wet surface, partitioned; volume: all solid particles, the unified loop"});
-  double surface_window = 1e-5, volume_window = 2e-6;
+  keys.chosen = choose_window(file, keys);
+  double surface_window = keys.chosen.window, volume_window = 2e-6;
   CaseTable surface = coupling.table("surface", "used where interface = \"surface\"");
   surface.number("window", surface_window,
-                 {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval"});
+                 {.unit = "s",
+                  .min = 0,
+                  .exclusive = true,
+                  .help = "exchange interval; the default is for a level face that meets the water, else "
+                          "it follows spacing, speed and structure (`strake check` says which and why)"});
   surface.choice(
       "interpolation", keys.interpolation, {"mean", "constant", "linear", "quadratic", "b-spline"},
       {.help = "what a structure with steps of its own feels in a window: the load's mean, or its "
@@ -103,6 +140,11 @@ CommonKeys read_common(CaseFile& file) {
                 {.unit = "s", .min = 0, .exclusive = true, .help = "time between field frames"});
   for (const CaseTable& probe : output.tables("probe", "one place, one quantity, over time"))
     keys.probes.push_back(read_probe(probe, keys.probes));
+  bool default_probes = true;
+  output.flag("default_probes", default_probes,
+              {.help = "a plate without any output.probe has two: middle, its deflection, and p_middle, the "
+                       "pressure at the middle of its lower face"});
+  if (default_probes && !output.has("probe")) add_plate_probes(file, keys);
   return keys;
 }
 

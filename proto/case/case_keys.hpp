@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/case/window_choice.hpp"
+
 #include <Eigen/Core>
 
 #include <string>
@@ -31,6 +33,7 @@ struct CommonKeys {
   std::string interface = "surface";  // "surface" | "volume"
   std::string fluid_solver = "mps", structure_solver = "fem";
   double window = 1e-5;  // [s] of the chosen interface (coupling.surface.window or coupling.volume.window)
+  WindowChoice chosen;   // what coupling.surface.window is where the case gives none
   std::string interpolation = "mean";  // load over a window as the structure takes it: its mean, or a history
                                        // "constant" | "linear" | "quadratic" between its samples
   int threads = 2;                     // run.threads

@@ -169,7 +169,7 @@ void CaseTable::number(const std::string& name, double& value, const NumberKey& 
   d.default_passes = !key.required && in_range(value, key, infinite);
   if (key.paper) d.info.paper_value = to_toml(*key.paper);
   d.expected = "a number" + in_unit(key.unit) + (declared.empty() ? "" : ", " + declared) + or_inf;
-  d.take(key.required && !d.node, [&] {
+  d.take([&] {
     if (d.given(key.required, "<number>")) {
       const std::optional<double> given = as_number(*d.node, d.set);
       std::string fix;
@@ -199,7 +199,7 @@ void CaseTable::integer(const std::string& name, int& value, const IntegerKey& k
   d.default_passes = !key.required && value >= key.min && value <= key.max;
   if (key.paper) d.info.paper_value = fmt::format("{}", *key.paper);
   d.expected = "a whole number" + (d.info.range.empty() ? "" : ", " + d.info.range);
-  d.take(key.required && !d.node, [&] {
+  d.take([&] {
     if (d.given(key.required, "<whole number>")) {
       const std::optional<double> given = as_number(*d.node, d.set);  // 1e3 is whole, too
       if (!given || *given != std::floor(*given) || *given < key.min || *given > key.max)
@@ -218,7 +218,7 @@ void CaseTable::flag(const std::string& name, bool& value, const FlagKey& key) {
   d.info.default_value = value ? "true" : "false";
   if (key.paper) d.info.paper_value = *key.paper ? "true" : "false";
   d.expected = "true or false";
-  d.take(false, [&] {
+  d.take([&] {
     if (d.node) {
       const auto* given = d.node->as_boolean();
       if (!given) throw d.wrong(d.expected);
@@ -235,7 +235,7 @@ void CaseTable::vector(const std::string& name, Eigen::Vector3d& value, const Ve
   d.info.default_value = key.required ? "" : to_text(value);
   d.default_passes = !key.required;
   d.expected = "[x, y] or [x, y, z]" + in_unit(key.unit);
-  d.take(key.required && !d.node, [&] {
+  d.take([&] {
     if (d.given(key.required, "[x, y]")) value = read_vector(d, *d.node);
   });
   d.record(to_text(value), d.node || !key.required);
@@ -247,7 +247,7 @@ void CaseTable::box(const std::string& name, Box& value, const VectorKey& key) {
   d.default_passes = !key.required && is_box(value);
   d.info.default_value = d.default_passes ? text(value) : "";
   d.expected = "two corners [[x, y], [x, y]]" + in_unit(key.unit) + ", the lower one first";
-  d.take(key.required, [&] {
+  d.take([&] {
     if (d.given(key.required, "[[x, y], [x, y]]")) {
       const toml::array* corners = d.node->as_array();
       if (!corners || corners->size() != 2) throw d.wrong(d.expected);
@@ -259,6 +259,7 @@ void CaseTable::box(const std::string& name, Box& value, const VectorKey& key) {
       value = given;
     }
   });
+  if (d.refused() && !is_box(value)) value = Box{{0, 0, 0}, {1, 1, 1}};  // only to read on
   d.record(text(value), is_box(value));
 }
 
@@ -318,6 +319,14 @@ std::vector<CaseTable> CaseTable::tables(const std::string& name, const std::str
   for (const CaseTable& element : elements) document_->tables.insert(element.path_);
   if (!help.empty()) d.record("", false);
   return elements;
+}
+
+void CaseTable::refuse(const std::string& name, const std::string& expected, const std::string& fix) {
+  if (!has(name)) return;
+  const Error refused = error(name, expected, fix);
+  if (!document_->collects) throw refused;
+  document_->accepted.insert(document_->join(path_, name));
+  document_->refused.push_back(refused);
 }
 
 void CaseTable::accept_all() {

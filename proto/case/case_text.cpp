@@ -68,13 +68,15 @@ void CaseTable::text(const std::string& name, std::string& value, const TextKey&
   d.info.default_value = key.required ? "" : value;
   d.default_passes = false;
   if (key.paper) d.info.paper_value = *key.paper;
-  if (d.given(key.required, "\"<text>\"")) {
-    const std::optional<std::string> given = as_text(d);
-    if (!given) throw d.wrong(d.expected, d.name() + " = " + to_toml(to_toml(*d.node)));
-    value = *given;
-  } else if (d.takes_paper(key.paper.has_value())) {
-    value = *key.paper;
-  }
+  d.take([&] {
+    if (d.given(key.required, "\"<text>\"")) {
+      const std::optional<std::string> given = as_text(d);
+      if (!given) throw d.wrong(d.expected, d.name() + " = " + to_toml(to_toml(*d.node)));
+      value = *given;
+    } else if (d.takes_paper(key.paper.has_value())) {
+      value = *key.paper;
+    }
+  });
   d.record(value, d.node || !value.empty());
 }
 
@@ -99,7 +101,7 @@ void CaseTable::choice(const std::string& name, std::string& value, const std::v
   d.info.default_value = key.required ? "" : value;
   d.default_passes = false;
   if (key.paper) d.info.paper_value = *key.paper;
-  d.take(true, [&] {
+  d.take_or_end([&] {
     if (d.given(key.required, choices.empty() ? "\"<text>\"" : to_toml(choices.front()))) {
       const std::optional<std::string> given = as_text(d);
       if (!given) throw d.wrong(d.expected);

@@ -29,12 +29,6 @@ std::string count_text(double count) {
   return text;
 }
 
-/// "60 MB", "3.2 GB", "4e3 GB".
-std::string memory_text(double bytes) {
-  if (bytes < 1e9) return fmt::format("{:.0f} MB", std::max(1.0, 1e-6 * bytes));
-  return fmt::format("{:.2g} GB", 1e-9 * bytes);
-}
-
 /// `value` with two digits, rounded to the side on which it still fits.
 double rounded(double value, bool up) {
   const double digit = std::pow(10, std::floor(std::log10(value)) - 1);
@@ -73,6 +67,11 @@ std::string shown_key(const CaseFile& file, const SizeEstimate& estimate) {
 }
 
 }  // namespace
+
+std::string memory_text(double bytes) {
+  if (bytes < 1e9) return fmt::format("{:.0f} MB", std::max(1.0, 1e-6 * bytes));
+  return fmt::format("{:.2g} GB", 1e-9 * bytes);
+}
 
 double memory_of(const SizeEstimates& estimates) {
   double bytes = 0;

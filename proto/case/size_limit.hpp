@@ -34,6 +34,9 @@ double usable_memory();
 /// time is too long.
 bool is_large(const SizeEstimates&, double times = 1);
 
+/// "60 MB", "3.2 GB", "4e3 GB".
+std::string memory_text(double bytes);
+
 /// "about 10 000 water particles, 4 000 wall particles: 60 MB".
 std::string size_text(const SizeEstimates&);
 

@@ -20,6 +20,9 @@ const std::vector<std::pair<std::string, Support>> supports = {
     {"free", Support::free}, {"clamped", Support::clamped}, {"pinned", Support::pinned}};
 
 void read_plate(CaseTable t, Plate& plate) {
+  t.refuse(
+      "angle", "nothing: a plate lies along x",
+      "a plate at an angle: structure.mesh, or structure.box for a rigid one, with structure.placed.angle");
   t.number("length", plate.length,
            {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "along x"});
   t.number("thickness", plate.thickness,

@@ -60,6 +60,11 @@ def check_leaves_nothing(place):
     result = strake("check", CASE, *QUICK, cwd=place)
     expect(result.returncode == 0, f"check: exit {result.returncode}\n{result.stderr}")
     expect("added-mass ratio" in result.stdout and "# default" not in result.stdout, "check prints derived values")
+    head = result.stdout.split("  fluid  ")[0]
+    expect("  steps " in head and "on one core" in head, "check says first how the run steps and what it costs")
+    expect("Strake would take" not in result.stdout, "check finds no key far off in a case of ours")
+    slow = strake("check", CASE, *QUICK, "--set", "coupling.surface.window=1e-3", cwd=place)
+    expect("coupling.surface.window = 0.001 is 100 times what Strake would take" in slow.stdout, "check names a key that is far off")
     every = strake("check", CASE, *QUICK, "--all", cwd=place)
     expect(every.returncode == 0 and "# default" in every.stdout, "check --all prints every value and its origin")
     for line in ("largest distance", "fluid points are not covered", "structure points feel no load", "rows sum to 1"):

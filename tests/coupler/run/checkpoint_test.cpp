@@ -144,6 +144,25 @@ TEST_F(CheckpointTest, TheLatestIsNeverWrittenThrough) {
   EXPECT_TRUE(fs::is_empty(elsewhere.path()));
 }
 
+TEST_F(CheckpointTest, ARunThatGoesOnKeepsTheDefaultsItBeganWith) {
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(place_.path() / name) << text;
+    return place_.path() / name;
+  };
+  const fs::path given = write("given.toml", "end_time = 2.0\n");
+  using Sets = std::vector<std::string>;
+  EXPECT_EQ(settled_sets(given, {"a=1"}, place_.path()), Sets{"a=1"}) << "no case.toml there";
+  write("case.toml", "[fluid.scheme]\ntime_step = inf\n[coupling.surface]\nwindow = 5e-05\n");
+  EXPECT_EQ(
+      settled_sets(given, {}, place_.path()),
+      (Sets{"fluid.scheme.time_step=inf", "coupling.surface.window=5e-05", "output.default_probes=false"}));
+  write("case.toml",
+        "[fluid.scheme]\ntime_step = inf\n[coupling.surface]\nwindow = 5e-05\n[output]\ndefault_probes = "
+        "true\n");
+  const Sets own = {"coupling.surface.window=1e-5", "fluid.scheme.time_step=1e-6"};
+  EXPECT_EQ(settled_sets(given, own, place_.path()), own) << "the user's own are compared, not replaced";
+}
+
 TEST_F(CheckpointTest, NoneAtAllIsRefused) {
   expect_refusal(ExitCode::command_line, [&] { chosen(); });
 }

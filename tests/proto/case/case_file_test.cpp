@@ -163,6 +163,93 @@ TEST(CaseFile, ReadToItsEndSaysEverythingThatIsWrong) {
   EXPECT_EQ(text_of_error(read, ExitCode::case_file).find("flag"), std::string::npos);
 }
 
+TEST(CaseFile, AMissingKeyDoesNotEndTheReading) {
+  CaseFile file = CaseFile::parse("flag = 3\n");
+  const std::string all = text_of_error(
+      [&] {
+        file.read_all([&] {
+          double length = 0, width = 0;
+          Eigen::Vector3d at = Eigen::Vector3d::Zero();
+          Box box;
+          std::string name;
+          bool flag = false;
+          CaseTable root = file.root();
+          root.number("length", length, {.unit = "m", .min = 0, .exclusive = true, .required = true});
+          root.vector("at", at, {.required = true});
+          root.box("tank", box, {.required = true});
+          root.text("name", name, {.required = true});
+          root.number("width", width, {.unit = "m", .min = 0, .exclusive = true, .required = true});
+          EXPECT_GT(width, 0) << "any value of the range, to read on";
+          EXPECT_LT(box.min.x(), box.max.x());
+          root.flag("flag", flag, {});
+        });
+      },
+      ExitCode::case_file);
+  for (const char* words : {"length is missing", "at is missing", "tank is missing", "name is missing",
+                            "width is missing", "flag = 3"})
+    EXPECT_NE(all.find(words), std::string::npos) << words << "\n" << all;
+}
+
+TEST(CaseFile, AKeyCanBeRefusedWithWordsOfItsOwn) {
+  CaseFile file = CaseFile::parse("angle = 3\nE = 2\n");
+  const auto read = [&] {
+    file.root().refuse("angle", "nothing: it lies along x", "something else");
+    file.root().refuse("not_given", "nothing", "");
+    file.refuse_unknown();
+  };
+  const std::string all = text_of_error([&] { file.read_all(read); }, ExitCode::case_file);
+  EXPECT_NE(all.find("nothing: it lies along x"), std::string::npos) << all;
+  EXPECT_NE(all.find("E is not a key"), std::string::npos) << "the reading goes on\n" << all;
+  EXPECT_EQ(all.find("angle is not a key"), std::string::npos) << all;
+  EXPECT_THROW(file.root().refuse("angle", "nothing", ""), Error);
+}
+
+TEST(CaseFile, AFaultOfValuesThatStandInIsNotTold) {
+  CaseFile file = CaseFile::parse("flag = 3\n");
+  const std::string all = text_of_error(
+      [&] {
+        file.read_all([&] {
+          bool flag = false;
+          file.root().flag("flag", flag, {});
+          throw std::out_of_range("of a vector");
+        });
+      },
+      ExitCode::case_file);
+  EXPECT_NE(all.find("flag = 3"), std::string::npos) << all;
+  EXPECT_THROW(file.read_all([] { throw std::out_of_range("of a vector"); }), std::out_of_range);
+}
+
+TEST(CaseFile, AnotherNameOfAKeyFurtherDownIsUnderstood) {
+  for (const auto& [word, meant] : {std::pair{"E", "structure.material.young"},
+                                    {"nu", "structure.material.poisson"},
+                                    {"rho", "structure.material.density"},
+                                    {"density", "structure.material.density"}}) {
+    CaseFile file = CaseFile::parse(std::string("[structure]\n") + word + " = 1.0\n");
+    double number = 1;
+    CaseTable m = file.root().table("structure").table("material");
+    file.root().table("fluid").number("density", number, {});
+    file.root().table("fluid").number("kinematic_viscosity", number, {});
+    for (const char* key : {"density", "young", "poisson"}) m.number(key, number, {});
+    const std::string text = text_of_error([&] { file.refuse_unknown(); }, ExitCode::case_file);
+    EXPECT_NE(text.find(std::string("did you mean ") + meant + "?"), std::string::npos) << text;
+  }
+}
+
+TEST(CaseFile, NumbersCanBeLookedAtWithoutDeclaringThem) {
+  CaseFile file =
+      CaseFile::parse("a = 2\nb = [[-1, 0.5], [1.5, 3]]\nc = true\nd = [1, inf]\n", "case.toml", {"e.f=7"});
+  EXPECT_EQ(file.numbers_at("a"), std::vector<double>{2});
+  EXPECT_EQ(file.numbers_at("b"), (std::vector<double>{-1, 0.5, 1.5, 3}));
+  EXPECT_TRUE(file.numbers_at("c").empty());
+  EXPECT_EQ(file.numbers_at("d"), std::vector<double>{1});
+  EXPECT_EQ(file.numbers_at("e.f"), std::vector<double>{7});
+  EXPECT_TRUE(file.numbers_at("nothing.there").empty());
+  EXPECT_TRUE(file.is_true("c"));
+  EXPECT_FALSE(file.is_true("a"));
+  EXPECT_TRUE(file.has("e"));
+  EXPECT_TRUE(file.declared().empty());
+}
+
 TEST(Refusals, AreSaidOnceEach) {
   const Error one(ExitCode::case_file, "a.toml:1", "is wrong\n  1 | here", "write 2"),
       other(ExitCode::case_file, "b", "too");

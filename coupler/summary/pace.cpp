@@ -1,0 +1,219 @@
+#include "coupler/summary/pace.hpp"
+
+#include "proto/case/size_limit.hpp"
+#include "proto/number_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+namespace strake {
+namespace {
+
+// Time of a particle and step on one core [s], of water and walls together. Measured: wedge and cylinder
+// 1.2e-6, sphere 4e-6, plate with steps that share the water's positions 0.4e-6. Iterations of a window: V
+// section of finite elements 3.9, plate 1.8, free cylinder and sphere 1.1 to 1.6, driven bodies 1.
+constexpr double plane_seconds = 1.2e-6, space_seconds = 4e-6, shared = 1.0 / 3;
+constexpr double elastic_iterations = 3, free_iterations = 1.5;
+constexpr double jet = 4;            // fastest water over the body's speed, about
+constexpr double sound_step = 2e-6;  // [s] the step where a level face meets the water
+constexpr double far_off = 20;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// The number before `what` in "about 10 000 water particles, 400 wall particles: 60 MB"; 0 if there is none.
+double count_of(const std::string& text, const std::string& what) {
+  const std::size_t end = text.find(" " + what);
+  if (end == std::string::npos) return 0;
+  std::size_t begin = end;
+  while (begin > 0 && (std::isdigit(static_cast<unsigned char>(text[begin - 1])) || text[begin - 1] == ' ' ||
+                       text[begin - 1] == '.' || text[begin - 1] == 'e' || text[begin - 1] == '+'))
+    --begin;
+  std::string digits;
+  for (const char c : text.substr(begin, end - begin))
+    if (c != ' ') digits += c;
+  return std::strtod(digits.c_str(), nullptr);
+}
+
+/// The memory behind the colon of the same line [bytes].
+double bytes_of(const std::string& text) {
+  const std::size_t colon = text.rfind(": ");
+  if (colon == std::string::npos) return 0;
+  return std::strtod(text.c_str() + colon + 2, nullptr) * (text.ends_with("GB") ? 1e9 : 1e6);
+}
+
+/// Euclidean norm of a resolved vector, "[0, -9.81, 0]".
+double norm_of(const CaseView& view, const std::string& key) {
+  const auto found = view.value.find(key);
+  if (found == view.value.end()) return 0;
+  double square = 0;
+  for (const char* at = found->second.c_str(); *at != '\0';) {
+    char* end = nullptr;
+    const double number = std::strtod(at, &end);
+    if (end == at) {
+      ++at;
+      continue;
+    }
+    square += number * number;
+    at = end;
+  }
+  return std::sqrt(square);
+}
+
+/// Step that the flow allows once it is fast: cfl l0/u and 0.05 √(l0/g).
+double flow_step(const CaseView& view) {
+  const double l0 = view.number("fluid.spacing").value_or(0), g = norm_of(view, "fluid.gravity"),
+               cfl = view.number("fluid.scheme.cfl").value_or(0.2);
+  const double speed = (view.structure ? jet : 2) * view.common.chosen.speed;
+  double step = speed > 0 ? cfl * l0 / speed : infinite;
+  if (g > 0) step = std::min(step, 0.05 * std::sqrt(l0 / g));
+  return step;
+}
+
+/// Iterations of a window, about: one where the load does not decide the motion.
+double iterations_of(const CaseView& view) {
+  if (!view.coupled() || !view.coupling.iterates() || view.structure->solver == "replay") return 1;
+  if (view.structure->solver != "rigid") return elastic_iterations;
+  for (const char* way : {"x", "y", "z", "angle", "rotation"}) {
+    const auto free = view.value.find(std::string("structure.free.") + way);
+    if (free != view.value.end() && free->second == "true") return free_iterations;
+  }
+  return 1;
+}
+
+std::string step_reason(const CaseView& view, const Pace& pace) {
+  const double given = view.number("fluid.scheme.time_step").value_or(infinite);
+  if (given <= pace.step * (1 + 1e-9)) {
+    if (view.common.chosen.level && given <= sound_step) return "it resolves the sound of a level impact";
+    if (!std::isfinite(view.number("fluid.sound_speed").value_or(infinite)) &&
+        std::abs(given - pace.window) < 1e-9 * given)
+      return "incompressible water takes a window in one step";
+    return "fluid.scheme.time_step";
+  }
+  if (pace.window <= pace.step * (1 + 1e-9))
+    return "a step ends with the window; shorter where the water is fast";
+  return "the flow limits it, while the water is fast";
+}
+
+std::string cost_of(double seconds) {
+  constexpr double minute = 60, hour = 3600, most = 100;  // a rough guess has two digits
+  if (seconds < most) return fmt::format("{:.0f} s", std::max(1.0, seconds));
+  if (seconds < most * minute) return fmt::format("{:.0f} min", seconds / minute);
+  return fmt::format("{:.3g} h", seconds / hour);
+}
+
+}  // namespace
+
+std::optional<Pace> pace_of(const CaseView& view) {
+  const auto l0 = view.number("fluid.spacing");
+  if (!view.fluid || view.fluid->solver != "mps" || view.common.interface != "surface" || !l0) return {};
+  Pace pace;
+  const double flow = flow_step(view), given = view.number("fluid.scheme.time_step").value_or(infinite);
+  const bool sound = std::isfinite(view.number("fluid.sound_speed").value_or(infinite));
+  pace.window = view.common.window;
+  pace.chosen_window = view.common.chosen.window;
+  pace.step = std::min({given, pace.window, flow});
+  pace.chosen_step =
+      std::min({sound && view.common.chosen.level ? sound_step : infinite, pace.chosen_window, flow});
+  pace.windows = std::ceil(view.common.end_time / pace.window - 1e-9);
+  pace.steps = pace.windows * std::ceil(pace.window / pace.step - 1e-9);
+  pace.iterations = iterations_of(view);
+  for (const auto& side : {view.fluid, view.structure}) {
+    if (!side) continue;
+    for (const std::string& text : lines_with(size_words, *side)) {
+      pace.bytes += bytes_of(text);
+      pace.particles += count_of(text, "water particles") + count_of(text, "wall particles");
+    }
+  }
+  const bool plane = view.number("fluid.dimension").value_or(2) < 2.5;
+  pace.seconds = pace.particles * pace.steps * pace.iterations * (plane ? plane_seconds : space_seconds);
+  if (sound && pace.step <= sound_step) pace.seconds *= shared;
+  return pace;
+}
+
+std::vector<std::string> pace_lines(const CaseView& view) {
+  const auto pace = pace_of(view);
+  if (!pace) return {};
+  const WindowChoice& chosen = view.common.chosen;
+  const bool by_hand = std::abs(pace->window - chosen.window) > 1e-9 * chosen.window;
+  std::vector<std::string> lines = {
+      fmt::format("time step about {:.2g} s: {}", pace->step, step_reason(view, *pace)),
+      by_hand ? fmt::format("window {:.6g} s, as given; the default would be {:.6g} s: {}", pace->window,
+                            chosen.window, chosen.why)
+              : fmt::format("window {:.6g} s: {}", pace->window, chosen.why)};
+  const bool elastic =
+      view.structure && view.structure->solver != "rigid" && view.structure->solver != "replay";
+  if (pace->particles > 0)
+    lines.push_back(fmt::format(
+        "about {} steps of {} particles{}: some {} on one core, within a factor of three{}; {} of memory",
+        grouped(std::llround(pace->steps)), grouped(std::llround(pace->particles)),
+        pace->iterations > 1 ? fmt::format(", {:g} iterations of a window", pace->iterations) : "",
+        cost_of(pace->seconds), elastic ? " (a soft or light body: up to ten times as long)" : "",
+        memory_text(pace->bytes)));
+  return lines;
+}
+
+namespace {
+
+/// "a 40th of" or "40 times".
+std::string times(double ratio) {
+  return ratio < 1 ? fmt::format("1/{:.0f} of", 1 / ratio) : fmt::format("{:.0f} times", ratio);
+}
+
+bool is_far_off(double ratio) {
+  return ratio > 0 && std::isfinite(ratio) && (ratio >= far_off || ratio <= 1 / far_off);
+}
+
+void look_at_steps(const CaseView& view, const Pace& pace, std::vector<std::string>& lines) {
+  if (const double ratio = pace.window / pace.chosen_window; is_far_off(ratio)) {
+    const std::string cost = ratio < 1 ? fmt::format("{:.0f} times as many windows", 1 / ratio)
+                             : view.structure
+                                 ? "the load is a mean over it, and the body's answer within it is lost"
+                                 : "the history has few rows";
+    lines.push_back(fmt::format("coupling.surface.window = {:.3g} is {} what Strake would take, {:.3g} s: {}",
+                                pace.window, times(ratio), pace.chosen_window, cost));
+  }
+  const double given = view.number("fluid.scheme.time_step").value_or(infinite);
+  // The step is judged with the window that Strake would take: one that is far off has its own line.
+  if (const double ratio = given / pace.chosen_step; given < infinite && ratio < 1 && is_far_off(ratio))
+    lines.push_back(
+        fmt::format("fluid.scheme.time_step = {:.3g} is {} what Strake would take, some {:.1g} s: the run "
+                    "takes about {:.0f} times as long",
+                    given, times(ratio), pace.chosen_step, 1 / ratio));
+  if (const double ratio = pace.step / sound_step; pace.chosen_step <= sound_step && is_far_off(ratio))
+    lines.push_back(
+        fmt::format("steps of {:.3g} s are {} what Strake would take, {:.1g} s: the first pressure of a "
+                    "level face, rho c "
+                    "V, is not resolved",
+                    pace.step, times(ratio), sound_step));
+}
+
+}  // namespace
+
+std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
+  std::vector<std::string> lines;
+  const auto pace = pace_of(view);
+  if (!pace || view.common.preset != "improved") return lines;
+  look_at_steps(view, *pace, lines);
+  constexpr double usual = 40;  // spacings across a body
+  const double l0 = view.number("fluid.spacing").value_or(0);
+  if (const double ratio = extent > 0 ? l0 / (extent / usual) : 1; is_far_off(ratio))
+    lines.push_back(fmt::format(
+        "fluid.spacing = {:.3g} is {} a {:.0f}th of the body's {:.3g} m, {:.2g} m: {}", l0, times(ratio),
+        usual, extent, extent / usual,
+        ratio > 1 ? "forces are not to be trusted"
+                  : fmt::format("some {:.0e} times the run time",
+                                std::pow(1 / ratio, view.number("fluid.dimension").value_or(2) + 1))));
+  constexpr double sound = 1500;  // [m/s]
+  const double c = view.number("fluid.sound_speed").value_or(infinite);
+  if (is_far_off(c / sound))
+    lines.push_back(fmt::format(
+        "fluid.sound_speed = {:.3g} is {} that of water, {:g} m/s: {}", c, times(c / sound), sound,
+        c < sound ? "no flat impact has more than rho c V, and the water is as soft"
+                  : "the first pressure of a flat impact, rho c V, is as much higher"));
+  return lines;
+}
+
+}  // namespace strake

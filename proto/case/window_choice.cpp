@@ -1,0 +1,172 @@
+#include "proto/case/window_choice.hpp"
+
+#include "proto/case/case_file.hpp"
+#include "proto/case/case_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace strake {
+namespace {
+
+// The cases of a wedge, cylinder and sphere were tuned by hand to windows of 0.04 to 0.06 l0/U before.
+constexpr double travel = 0.05;                               // [l0] of the body in a window
+constexpr double gravity_steps = 4;                           // of 0.05 √(l0/g), fluid/THEORY.md (F63)
+constexpr double sound_travel = 20;                           // [l0] of the structure's sound in a window
+constexpr double rows = 100;                                  // of the history, at least
+constexpr double rows_of_water = 400;                         // the same for water alone
+constexpr double steel_young = 2.1e11, steel_density = 7800;  // [Pa], [kg/m³] where the case gives none
+
+double first_of(const CaseFile& file, const std::string& path, double otherwise) {
+  const std::vector<double> numbers = file.numbers_at(path);
+  return numbers.empty() ? otherwise : numbers.front();
+}
+
+double norm_of(const CaseFile& file, const std::string& path, double otherwise) {
+  const std::vector<double> numbers = file.numbers_at(path);
+  if (numbers.empty()) return otherwise;
+  double square = 0;
+  for (const double x : numbers) square += x * x;
+  return std::sqrt(square);
+}
+
+bool is_elastic(const CommonKeys& keys) {
+  return keys.structure_solver == "fem" || keys.structure_solver == "particle" ||
+         keys.structure_solver == "ccx";
+}
+
+bool falls_free(const CaseFile& file) {
+  for (const char* way : {"x", "y", "z", "angle", "rotation"})
+    if (file.is_true(std::string("structure.free.") + way)) return true;
+  return false;
+}
+
+bool is_driven(const CaseFile& file) {
+  if (file.has("structure.motion.file") || file.has("fluid.motion.file")) return true;
+  return norm_of(file, "fluid.motion.amplitude", 0) > 0 || norm_of(file, "fluid.motion.roll", 0) > 0;
+}
+
+/// Whether the body moves against the water, or may come to.
+bool may_move(const CaseFile& file, const CommonKeys& keys) {
+  for (const char* path :
+       {"structure.velocity", "structure.angular_velocity", "structure.initial_velocity.value"})
+    if (norm_of(file, path, 0) > 0) return true;
+  if (file.has("structure.initial_velocity.file") || falls_free(file) || is_driven(file)) return true;
+  // An elastic plate without supports is free as a whole.
+  return is_elastic(keys) && !file.has("structure.plate.supports") && !file.has("structure.box");
+}
+
+/// Whether the body may meet the water with a level face: a plate or box that moves. So may a body that only
+/// its own program, or an earlier run, knows.
+bool may_fall_level(const CaseFile& file, const CommonKeys& keys) {
+  const std::string& solver = keys.structure_solver;
+  if (file.only_declares()) return true;
+  if (solver == "none") return false;
+  if (!is_elastic(keys) && solver != "rigid") return true;
+  for (const char* shape : {"mesh", "outline", "wedge", "cylinder", "sphere"})
+    if (file.has(std::string("structure.") + shape)) return false;
+  return !file.is_true("fluid.submerged") && may_move(file, keys);
+}
+
+/// Depth of the water [m]: the difference of the two corners' heights, or of the tank's; 0 if unknown.
+double depth_of(const CaseFile& file) {
+  for (const char* path : {"fluid.water", "fluid.tank"}) {
+    const std::vector<double> corners = file.numbers_at(path);
+    if (corners.size() == 4 || corners.size() == 6)
+      return std::max(0.0, corners[corners.size() / 2 + 1] - corners[1]);
+  }
+  return 0;
+}
+
+/// Speed of the body or of waves in the water [m/s].
+double speed_of(const CaseFile& file, const CommonKeys& keys, double g) {
+  double speed = norm_of(file, "structure.velocity", 0);
+  if (falls_free(file)) speed += g * keys.end_time;
+  if (is_elastic(keys) || is_driven(file) || speed == 0)
+    speed = std::max(speed, std::sqrt(g * depth_of(file)));
+  return speed;
+}
+
+/// Takes the bound if it is shorter than those before, with its words.
+void bound(WindowChoice& choice, double window, const std::string& why) {
+  if (!(window > 0) || !(window < choice.window)) return;
+  choice.window = window;
+  choice.why = why;
+}
+
+void bound_by_body(const CaseFile& file, const CommonKeys& keys, double l0, double g, WindowChoice& choice) {
+  if (choice.speed > 0)
+    bound(choice, travel * l0 / choice.speed,
+          fmt::format("at {:.3g} m/s the body or the water moves a twentieth of a spacing in it",
+                      choice.speed));
+  if (g > 0)
+    bound(choice, gravity_steps * 0.05 * std::sqrt(l0 / g), "four steps of the limit that gravity sets");
+  if (!is_elastic(keys)) return;
+  const double young = first_of(file, "structure.material.young", steel_young),
+               density = first_of(file, "structure.material.density", steel_density);
+  if (young > 0 && density > 0)
+    bound(choice, sound_travel * l0 / std::sqrt(young / density),
+          "the structure's sound travels twenty spacings in it, so that its bending is followed");
+}
+
+}  // namespace
+
+double round_window(double value, double whole) {
+  if (!(value > 0) || !std::isfinite(value)) return value;
+  constexpr std::array<double, 5> steps = {5, 4, 2.5, 2, 1};
+  constexpr double round_off = 1e-9;
+  constexpr int looks = 5;  // down to a tenth of the largest
+  const auto power = static_cast<int>(std::floor(std::log10(value) + round_off));
+  double largest = 0;
+  int looked = 0;
+  for (int p = power; looked < looks; --p)
+    for (const double step : steps) {
+      const double window = p < 0 ? step / std::pow(10.0, -p) : step * std::pow(10.0, p);
+      if (window > value * (1 + round_off) || looked == looks) continue;
+      ++looked;
+      if (largest == 0) largest = window;
+      const double parts = whole / window;
+      if (std::abs(parts - std::round(parts)) < round_off * std::max(1.0, parts)) return window;
+    }
+  return largest;
+}
+
+WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
+  WindowChoice choice;
+  choice.level = may_fall_level(file, keys);
+  const double l0 = first_of(file, "fluid.spacing", 0), g = norm_of(file, "fluid.gravity", 9.81);
+  choice.speed = speed_of(file, keys, g);
+  const std::string& solver = keys.structure_solver;
+  const bool known = is_elastic(keys) || solver == "rigid" || solver == "none";
+  if (keys.preset == "paper" || keys.fluid_solver != "mps" || !known) {
+    choice.why = "the usual one where Strake does not know the flow";
+    return choice;
+  }
+  if (choice.level) {
+    choice.why = "a level face may meet the water: five steps of 2e-6 s, which resolve its sound";
+    return choice;
+  }
+  if (!(l0 > 0) || !(keys.end_time > 0)) return choice;  // refused elsewhere
+  if (solver == "none") {
+    choice.window = keys.end_time / rows_of_water;
+    choice.why = fmt::format("{:g} rows of the history: water alone exchanges nothing", rows_of_water);
+  } else {
+    choice.window = keys.end_time / rows;
+    choice.why = fmt::format("{:g} rows of the history", rows);
+    bound_by_body(file, keys, l0, g, choice);
+  }
+  const double every = first_of(file, "output.every", 0);
+  bound(choice, every, "as long as output.every");
+  choice.window = round_window(choice.window, std::max(0.0, every));
+  const double step = first_of(file, "fluid.scheme.time_step", 0);
+  if (step > choice.window) {
+    choice.window = step;
+    choice.why = "as long as fluid.scheme.time_step";
+  }
+  return choice;
+}
+
+}  // namespace strake

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+namespace strake {
+
+class CaseFile;
+struct CommonKeys;
+
+/// coupling.surface.window of a case that gives none, and why.
+struct WindowChoice {
+  double window = 1e-5;  // [s]
+  bool level = true;     // a level face may meet the water: its first pressure needs steps that resolve sound
+  double speed = 0;      // [m/s] of the body, or of waves in the water
+  std::string why;       // the bound that decided, in words
+};
+
+/// Chooses the exchange window of surface coupling from what the case gives of fluid and structure.
+/// keys: title, preset, end_time, solvers and interface have been read. Declares no key.
+///
+/// A level face that may meet the water, and what Strake does not know (a program of the user's, a replay,
+/// preset paper, no fluid) keep 1e-5 s. Elsewhere the window is the shortest of
+///
+///   0.05 l0 / U                 the body, or water with waves of its depth, moves a twentieth of a spacing
+///   0.2 √(l0/g)                 four of the steps that gravity allows
+///   20 l0 / √(E/ρ_s)            elastic bodies: bending as short as the water can load
+///   end_time / 100              rows of the history
+///   output.every                if it is given
+///
+/// rounded down to 1, 2, 2.5, 4 or 5 times a power of ten. U is the largest of the body's speed at t = 0 (and
+/// g end_time beside it where the body falls free) and, for elastic or driven bodies, √(g H). Water alone has
+/// no exchange; it takes end_time / 400. A given fluid.scheme.time_step is never longer than the window.
+WindowChoice choose_window(const CaseFile&, const CommonKeys& keys);
+
+/// Rounds down to 1, 2, 2.5, 4 or 5 times a power of ten that divides `whole`. Where none of the next few
+/// divides it, the largest is taken. whole = 0: every one divides it.
+double round_window(double value, double whole = 0);
+
+}  // namespace strake

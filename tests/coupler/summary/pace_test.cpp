@@ -1,0 +1,99 @@
+// What a case costs, and keys that are far from what Strake would take.
+
+#include "coupler/summary/pace.hpp"
+
+#include <gtest/gtest.h>
+
+namespace strake {
+namespace {
+
+/// A rigid wedge of 10 500 particles at 5 m/s for 10 ms; windows of 1e-4 s, as chosen.
+CaseView wedge() {
+  CaseView view;
+  view.fluid =
+      SideView{.side = "fluid",
+               .solver = "mps",
+               .program = {},
+               .lines = {"size   about 10 000 water particles, 500 wall particles, 90 000 places in the "
+                         "tank: 60 MB"},
+               .echo = {}};
+  view.structure = SideView{.side = "structure", .solver = "rigid", .program = {}, .lines = {}, .echo = {}};
+  view.common.end_time = 0.01;
+  view.common.window = 1e-4;
+  view.common.chosen = {.window = 1e-4, .level = false, .speed = 5, .why = "of a reason"};
+  view.value = {{"fluid.spacing", "0.01"},         {"fluid.scheme.cfl", "0.2"},
+                {"fluid.scheme.time_step", "inf"}, {"fluid.gravity", "[0, 0, 0]"},
+                {"fluid.dimension", "2"},          {"fluid.sound_speed", "1500"}};
+  return view;
+}
+
+bool says(const std::vector<std::string>& lines, const std::string& words) {
+  for (const std::string& line : lines)
+    if (line.find(words) != std::string::npos) return true;
+  return false;
+}
+
+TEST(Pace, CountsStepsParticlesAndMemory) {
+  const auto pace = pace_of(wedge());
+  ASSERT_TRUE(pace);
+  EXPECT_DOUBLE_EQ(pace->step, 1e-4) << "the window; the flow would allow 0.2 l0/(4 V)";
+  EXPECT_EQ(pace->steps, 100);
+  EXPECT_EQ(pace->particles, 10500);
+  EXPECT_DOUBLE_EQ(pace->bytes, 60e6);
+  EXPECT_GT(pace->seconds, 0.2);
+  EXPECT_LT(pace->seconds, 20);
+  CaseView view = wedge();
+  view.common.window = 1e-3;
+  EXPECT_DOUBLE_EQ(pace_of(view)->step, 1e-4);
+  EXPECT_EQ(pace_of(view)->windows, 10);
+  view.value["structure.free.y"] = "true";
+  EXPECT_GT(pace_of(view)->seconds, pace->seconds) << "iterations";
+}
+
+TEST(Pace, IsSaidWithItsReasons) {
+  const auto lines = pace_lines(wedge());
+  EXPECT_TRUE(says(lines, "window 0.0001 s: of a reason"));
+  EXPECT_TRUE(says(lines, "10 500 particles"));
+  EXPECT_TRUE(says(lines, "60 MB of memory"));
+  CaseView view = wedge();
+  view.common.window = 2e-4;
+  EXPECT_TRUE(says(pace_lines(view), "window 0.0002 s, as given; the default would be 0.0001 s"));
+  view.fluid.reset();
+  EXPECT_TRUE(pace_lines(view).empty());
+}
+
+TEST(Pace, KeysThatAreTwentyTimesOffAreSaid) {
+  CaseView view = wedge();
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+  view.common.window = 1e-6;
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "coupling.surface.window = 1e-06 is 1/100 of"))
+      << far_off_lines(view, 0.5)[0];
+  view.common.window = 3e-3;
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "30 times what Strake would take, 0.0001 s"));
+  view = wedge();
+  view.value["fluid.scheme.time_step"] = "2e-6";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.scheme.time_step = 2e-06 is 1/50 of"));
+  view.value["fluid.scheme.time_step"] = "1e-5";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+  EXPECT_TRUE(says(far_off_lines(view, 0.015), "fluid.spacing"));
+  EXPECT_TRUE(says(far_off_lines(view, 10), "fluid.spacing"));
+  view.value["fluid.sound_speed"] = "20";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.sound_speed"));
+  view.value["fluid.sound_speed"] = "inf";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "incompressible by choice";
+  view.value["fluid.sound_speed"] = "20";
+  view.common.preset = "paper";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+}
+
+TEST(Pace, ALevelFaceWantsStepsThatResolveItsSound) {
+  CaseView view = wedge();
+  view.common.window = 1e-4;
+  view.common.chosen = {.window = 1e-5, .level = true, .speed = 5, .why = "level"};
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "first pressure of a level face"));
+  view.value["fluid.scheme.time_step"] = "1e-5";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+}
+
+}  // namespace
+}  // namespace strake

@@ -1,0 +1,132 @@
+// The exchange window and the probes of a case that gives neither.
+
+#include "proto/case/window_choice.hpp"
+
+#include "proto/case/case_file.hpp"
+#include "proto/case/case_keys.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace strake {
+namespace {
+
+const std::string water = R"(
+end_time = 0.02
+[fluid]
+spacing = 0.01
+tank = [[-1.0, -0.5], [1.0, 0.5]]
+water = [[-1.0, -0.5], [1.0, 0.0]]
+)";
+
+CommonKeys read_with(const std::vector<std::string>& sets) {
+  CaseFile file = CaseFile::parse(water, "case.toml", sets);
+  return read_common(file);
+}
+
+double window_with(const std::vector<std::string>& sets) {
+  return read_with(sets).window;
+}
+
+using Sets = std::vector<std::string>;
+const Sets wedge = {"structure.solver=rigid", "structure.wedge.deadrise=30", "structure.velocity=[0,-5]"};
+const Sets plate = {"structure.plate.length=0.4", "structure.plate.thickness=0.02",
+                    "structure.plate.bottom=[0,0.012]", "structure.velocity=[0,-6]"};
+
+Sets with(Sets sets, const Sets& more) {
+  sets.insert(sets.end(), more.begin(), more.end());
+  return sets;
+}
+
+TEST(WindowChoice, ALevelFaceThatMeetsTheWaterKeepsAcousticWindows) {
+  EXPECT_EQ(window_with(plate), 1e-5);
+  EXPECT_TRUE(read_with(plate).chosen.level);
+  EXPECT_EQ(window_with({"structure.box=[{min=[0,0.1],max=[1,0.2]}]", "structure.velocity=[0,-6]"}), 1e-5);
+  EXPECT_EQ(window_with({"structure.solver=./own"}), 1e-5) << "what Strake does not know";
+  EXPECT_EQ(window_with({"structure.solver=replay"}), 1e-5);
+  EXPECT_EQ(window_with(with(wedge, {"preset=paper"})), 1e-5);
+  EXPECT_EQ(window_with({"fluid.solver=none"}), 1e-5);
+}
+
+TEST(WindowChoice, AFaceThatDoesNotFallNeedsNoSteps) {
+  const Sets held = {"structure.plate.length=1", "structure.plate.supports.left=clamped",
+                     "structure.material.young=1e7"};
+  EXPECT_FALSE(read_with(held).chosen.level);
+  EXPECT_GT(window_with(held), 1e-5);
+  EXPECT_TRUE(read_with(with(held, {"structure.free.y=true"})).chosen.level);
+  EXPECT_TRUE(read_with(with(held, {"fluid.motion.amplitude=0.1"})).chosen.level);
+  EXPECT_FALSE(read_with(with(plate, {"fluid.submerged=true"})).chosen.level);
+}
+
+TEST(WindowChoice, FollowsSpacingAndSpeed) {
+  EXPECT_EQ(window_with(wedge), 1e-4) << "0.05 l0/V";
+  EXPECT_EQ(window_with(with(wedge, {"fluid.spacing=0.005"})), 5e-5);
+  EXPECT_EQ(window_with(with(wedge, {"structure.velocity=[0,-10]"})), 5e-5);
+  EXPECT_EQ(window_with(with(wedge, {"end_time=0.002"})), 2e-5) << "a hundred rows of the history";
+  EXPECT_EQ(window_with(with(wedge, {"output.every=4e-5"})), 4e-5);
+  EXPECT_EQ(window_with(with(wedge, {"output.every=3e-4", "fluid.spacing=0.008"})), 5e-5) << "divides it";
+  // A body let go: g end_time is its speed.
+  EXPECT_EQ(window_with({"structure.solver=rigid", "structure.cylinder.radius=0.1", "structure.free.y=true",
+                         "end_time=0.5"}),
+            1e-4);
+}
+
+TEST(WindowChoice, FollowsTheStructure) {
+  // Aluminium: c = 5092 m/s, twenty spacings in 39 µs; rubber follows the waves, 0.05 l0/√(gH).
+  const Sets vee = {"structure.mesh=a.msh", "structure.velocity=[0,-5]", "structure.material.density=2700"};
+  EXPECT_EQ(window_with(with(vee, {"structure.material.young=70e9"})), 2.5e-5);
+  EXPECT_EQ(window_with(with(vee, {"structure.material.young=2e9"})), 1e-4);
+  EXPECT_EQ(
+      window_with(with(vee, {"structure.material.young=2e9", "structure.velocity=[0,0]", "end_time=1"})),
+      2e-4);
+  EXPECT_NE(read_with(with(vee, {"structure.material.young=70e9"})).chosen.why.find("structure's sound"),
+            std::string::npos);
+}
+
+TEST(WindowChoice, WaterAloneHasFourHundredRows) {
+  EXPECT_EQ(window_with({"structure.solver=none", "end_time=4"}), 1e-2);
+}
+
+TEST(WindowChoice, AGivenKeyIsStronger) {
+  EXPECT_EQ(window_with(with(wedge, {"coupling.surface.window=3e-6"})), 3e-6);
+  EXPECT_EQ(read_with(with(wedge, {"coupling.surface.window=3e-6"})).chosen.window, 1e-4);
+  EXPECT_EQ(window_with(with(wedge, {"fluid.scheme.time_step=5e-4"})), 5e-4) << "a step fits into a window";
+}
+
+TEST(WindowChoice, RoundsToPlainNumbers) {
+  EXPECT_EQ(round_window(9.9e-5), 5e-5);
+  EXPECT_EQ(round_window(1e-4), 1e-4);
+  EXPECT_EQ(round_window(4.9e-5), 4e-5);
+  EXPECT_EQ(round_window(4.9e-5, 5e-4), 2.5e-5) << "divides half a millisecond";
+  EXPECT_EQ(round_window(30), 25);
+}
+
+std::string names(const CommonKeys& keys) {
+  std::string text;
+  for (const ProbeKeys& probe : keys.probes) text += probe.name + ":" + probe.quantity + " ";
+  return text;
+}
+
+TEST(DefaultProbes, APlateHasItsDeflectionAndThePressureBelow) {
+  const CommonKeys keys = read_with(plate);
+  ASSERT_EQ(names(keys), "middle:deflection p_middle:pressure ");
+  EXPECT_EQ(keys.probes[0].at, Eigen::Vector3d(0, 0.022, 0));
+  EXPECT_EQ(keys.probes[1].at, Eigen::Vector3d(0, 0.012, 0));
+  EXPECT_EQ(names(read_with(with(plate, {"structure.solver=rigid"}))), "p_middle:pressure ");
+  EXPECT_EQ(names(read_with(with(plate, {"fluid.solver=none"}))), "middle:deflection ");
+  EXPECT_EQ(names(read_with(with(plate, {"structure.plate.bottom=[0,2]"}))), "middle:deflection ")
+      << "no sensor outside the tank";
+  EXPECT_EQ(names(read_with(wedge)), "");
+}
+
+TEST(DefaultProbes, GiveWayToThoseOfTheCase) {
+  EXPECT_EQ(names(read_with(with(plate, {"output.default_probes=false"}))), "");
+  EXPECT_EQ(names(read_with(with(plate, {"output.probe[0].name=tip", "output.probe[0].of=structure",
+                                         "output.probe[0].at=[0,0]"}))),
+            "tip:deflection ");
+}
+
+}  // namespace
+}  // namespace strake
