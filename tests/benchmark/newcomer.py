@@ -2,9 +2,9 @@
 
 usage: tests/benchmark/newcomer.py [BIN_DIR] [--cases N] [--first K] [--seed S] [--limit SECONDS] [--show K]
        (default: build/bin, 30 cases from number 0 of the seed 2026, at most 600 s each: half an hour)
-Drawn: shape (wedge, cylinder, flat plate, inclined box; sphere and wedge in space), angle, speed, free with a mass or driven, spacing (6 to 30
-to half the body's breadth), sound speed (default or incompressible), solver (rigid; fem or particle for plates), start above the water or in
-it. Nothing else is set. Each case runs to 10 ms.
+Drawn are the shape (wedge, cylinder, flat plate, inclined box; sphere and wedge in space), angle and speed, a free body with its mass or a
+driven one, and the start above the water or in it. So are the spacing (6 to 30 to half the body's breadth), the sound speed (default or
+incompressible) and the solver (rigid; fem or particle for plates). Nothing else is set. Each case runs to 10 ms.
 
 A case is sane when it ends with exit 0 and
   force   the vertical impulse of the water on a driven body that enters by more than a spacing is between 0.4 and 2.5 of theory (below), and positive;
