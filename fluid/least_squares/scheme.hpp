@@ -206,6 +206,9 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   template <class Visit>
   void for_each_image(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
                       const Visit&) const;
+  double surface_share(double m) const;
+  /// Whether particle i starts deeper than two rows in packed water.
+  bool starts_under_level(const State<dim>&, std::int64_t i) const;
   double fit_surface(std::int64_t i, const ParticleSums&);
   template <bool seams, bool shares>
   void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
