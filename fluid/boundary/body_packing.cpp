@@ -41,7 +41,6 @@ class Packing {
 
  private:
   void choose_water();
-  bool beside_open_side(const Vector<dim>&) const;
   const Neighbours& search(int round);
   double move(Vectors<dim>& by);
   double below_level(Eigen::Index i) const { return level_ - place_(1, i); }
@@ -75,22 +74,6 @@ Packing<dim>::Packing(const Parameters& p, Boundary<dim>& boundary, State<dim>& 
   choose_water();
 }
 
-/// Whether water at x ends nearby at another place than body, walls or level.
-template <int dim>
-bool Packing<dim>::beside_open_side(const Vector<dim>& x) const {
-  const int reach = static_cast<int>(std::ceil(radius_ / l0_)) - 1, side = 2 * reach + 1;
-  const int all = dim == 2 ? side * side : side * side * side;
-  for (int k = 0; k < all; ++k) {
-    Vector<dim> at = x;
-    for (int d = 0, rest = k; d < dim; ++d, rest /= side) at[d] += l0_ * (rest % side - reach);
-    if (at[1] > level_) continue;
-    at = boundary_.tank().periodic().wrap(at, boundary_.tank().shape().low());
-    if (is_water_at<dim>(p_, at) || !boundary_.tank().shape().contains(at) || body_.inside(at)) continue;
-    return true;
-  }
-  return false;
-}
-
 template <int dim>
 void Packing<dim>::choose_water() {
   const double reach = depth * l0_ + radius_ + l0_;
@@ -104,7 +87,7 @@ void Packing<dim>::choose_water() {
       layers.push_back(static_cast<std::int32_t>(i));
       continue;
     }
-    const bool moves = distance < depth * l0_ && !beside_open_side(x);
+    const bool moves = distance < depth * l0_ && !beside_open_side<dim>(p_, boundary_, x, radius_);
     (moves ? global_ : others).push_back(static_cast<std::int32_t>(i));
     if (moves) away_.push_back(distance);
   }
@@ -243,13 +226,38 @@ bool water_is_packed(const Parameters& p, const Boundary<dim>& boundary) {
 }
 
 template <int dim>
+bool water_starts_packed(const Parameters& p, const Boundary<dim>& boundary) {
+  return water_is_packed(p, boundary) || !boundary.tank().shape().on_lattice();
+}
+
+template <int dim>
+bool beside_open_side(const Parameters& p, const Boundary<dim>& boundary, const Vector<dim>& x,
+                      double radius) {
+  const double level = p.water.max[1];
+  const int reach = static_cast<int>(std::ceil(radius / p.spacing)) - 1, side = 2 * reach + 1;
+  const int all = dim == 2 ? side * side : side * side * side;
+  for (int k = 0; k < all; ++k) {
+    Vector<dim> at = x;
+    for (int d = 0, rest = k; d < dim; ++d, rest /= side) at[d] += p.spacing * (rest % side - reach);
+    if (at[1] > level) continue;
+    at = boundary.tank().periodic().wrap(at, boundary.tank().shape().low());
+    if (is_water_at<dim>(p, at) || !boundary.tank().shape().contains(at)) continue;
+    if (!boundary.body_surface().empty() && boundary.body_surface().inside(at)) continue;
+    return true;
+  }
+  return false;
+}
+
+template <int dim>
 void begin_at_rest(const Parameters& p, const Boundary<dim>& boundary, State<dim>& state) {
   state.surface.assign(state.kind.size(), 1);
-  if (!water_is_packed(p, boundary)) return;
   // `WallContact` keeps faces wet that have water within a spacing, and dries the others.
-  for (std::int64_t i = boundary.first_of_bodies(); i < state.position.cols(); ++i)
+  const std::int64_t from =
+      boundary.tank().shape().on_lattice() ? boundary.first_of_bodies() : boundary.water();
+  const std::int64_t to = water_is_packed(p, boundary) ? state.position.cols() : boundary.first_of_bodies();
+  for (std::int64_t i = from; i < to; ++i)
     if (boundary.master_of(i) < 0) state.surface[static_cast<std::size_t>(i)] = 0;
-  if (p.gravity_ramp > 0) return;
+  if (!water_is_packed(p, boundary) || p.gravity_ramp > 0) return;
   const double slope = -p.density * p.gravity[1];
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     state.pressure[i] = slope * std::max(0.0, p.water.max[1] - state.position(1, i));
@@ -260,6 +268,10 @@ template void pack_around<3>(const Parameters&, Boundary<3>&, State<3>&);
 
 template bool water_is_packed<2>(const Parameters&, const Boundary<2>&);
 template bool water_is_packed<3>(const Parameters&, const Boundary<3>&);
+template bool water_starts_packed<2>(const Parameters&, const Boundary<2>&);
+template bool water_starts_packed<3>(const Parameters&, const Boundary<3>&);
+template bool beside_open_side<2>(const Parameters&, const Boundary<2>&, const Vector<2>&, double);
+template bool beside_open_side<3>(const Parameters&, const Boundary<3>&, const Vector<3>&, double);
 template void begin_at_rest<2>(const Parameters&, const Boundary<2>&, State<2>&);
 template void begin_at_rest<3>(const Parameters&, const Boundary<3>&, State<3>&);
 

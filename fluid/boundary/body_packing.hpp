@@ -10,6 +10,14 @@ namespace strake::fluid {
 template <int dim>
 bool water_is_packed(const Parameters&, const Boundary<dim>&);
 
+/// Whether some of the water is packed at the start: on a body, or on walls that cut through the lattice.
+template <int dim>
+bool water_starts_packed(const Parameters&, const Boundary<dim>&);
+
+/// Whether water at x ends within the radius [m] at another place than body, walls or level.
+template <int dim>
+bool beside_open_side(const Parameters&, const Boundary<dim>&, const Vector<dim>& x, double radius);
+
 /// Moves the water that stands on a body at the start to even distances, without a gap (fluid/THEORY.md,
 /// section 10.1). Places within 6 l0 of the body move by
 ///   δr_i = −A l0² ∇C_i, ∇C_i = (d/n0) Σ w r/r²
@@ -19,8 +27,9 @@ bool water_is_packed(const Parameters&, const Boundary<dim>&);
 template <int dim>
 void pack_around(const Parameters&, Boundary<dim>&, State<dim>&);
 
-/// Makes all particles surface and all faces dry, as at the start of a run. Where water stands on a body, its
-/// faces count as wet before, and the pressure is ρg times the depth.
+/// Makes all particles surface and all faces dry, as at the start of a run. Faces that packed water stands
+/// on count as wet before: those of a body, and the walls of a tank off the lattice. About a body the
+/// pressure is ρg times the depth.
 template <int dim>
 void begin_at_rest(const Parameters&, const Boundary<dim>&, State<dim>&);
 

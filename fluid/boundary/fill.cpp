@@ -170,7 +170,7 @@ std::vector<Vector<dim>> water_places(const Parameters& p, const TankShape<dim>&
         if (edge ? halved[*edge]++ % 2 == 0 : tank.contains(x)) places.push_back(x);
       }
   if (!packed) return places;
-  if constexpr (dim == 2) pack(places, tank, walls, p.spacing);
+  if constexpr (dim == 2) pack(places, tank, walls, p.spacing, p.water.max[1]);
   std::erase_if(places, [&](const Vector<dim>& x) { return !is_water(x); });
   return places;
 }

@@ -15,6 +15,8 @@ constexpr double strength = 0.2;  // A; 0.1 is slower, 0.4 oscillates
 constexpr double longest = 0.1;   // [l0] of one move
 constexpr double rest = 1e-3;     // [l0] largest move at which it has settled
 constexpr int most_rounds = 300;
+constexpr double first_row =
+    0.75;  // [l0] from the water's level; water and air nearer to it stay in their rows
 
 /// Returns the middles of the cells beside the tank's bounding box that lie above an open side.
 std::vector<Vector<2>> lid(const TankShape<2>& tank, double spacing) {
@@ -35,7 +37,7 @@ std::vector<Vector<2>> lid(const TankShape<2>& tank, double spacing) {
 }  // namespace
 
 void pack(std::vector<Vector<2>>& places, const TankShape<2>& tank, const WallParticles<2>& walls,
-          double spacing) {
+          double spacing, double level) {
   // The places that move come first, then the fixed ones around them.
   const auto distance = [&](const Vector<2>& x) { return tank.distance_to_slanted(x); };
   const auto moving = std::stable_partition(
@@ -66,6 +68,7 @@ void pack(std::vector<Vector<2>>& places, const TankShape<2>& tank, const WallPa
         concentration += (lattice.radius * inverses[e] - 1) * inverses[e] * inverses[e] *
                          (position.col(columns[e]) - position.col(i));
       Vector<2> step = -strength * spacing * spacing * 2 / lattice.n0 * concentration;
+      if (std::abs(position(1, i) - level) < first_row * spacing) step[1] = 0;
       if (const double length = step.norm(); length > longest * spacing) step *= longest * spacing / length;
       move.col(i) = step;
     }

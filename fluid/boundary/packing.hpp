@@ -11,7 +11,9 @@ namespace strake::fluid {
 /// (Colagrossi, Bouscasse, Antuono & Marrone 2012). All places within 8 l0 of such a wall move by
 ///   δr_i = −A l0² ∇C_i, ∇C_i = (d/n0) Σ_j w r_ij/r²,
 /// summed over places and wall layers, until the largest move is below 0.1 % of l0 (at most 300 rounds). The
-/// lattice beyond does not move. An open side is closed by places of the lattice during the packing.
-void pack(std::vector<Vector<2>>& places, const TankShape<2>&, const WallParticles<2>&, double spacing);
+/// lattice beyond does not move. An open side is closed by places of the lattice during the packing. The rows
+/// beside the water's level [m] stay in their heights: uneven first rows would be waves at the start.
+void pack(std::vector<Vector<2>>& places, const TankShape<2>&, const WallParticles<2>&, double spacing,
+          double level);
 
 }  // namespace strake::fluid

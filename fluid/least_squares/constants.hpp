@@ -43,9 +43,10 @@ struct LeastSquaresConstants {
   double film_counts = 0.5;   // [-] the same for φ = 1. Chosen
 
   // Residual, filter and shifting (F45), (F48), (F49).
-  double memory_rate = 0.2;      // [-] how fast τ_r falls, against Δt/τ_r. Chosen
-  double filter_bound = 0.25;    // [-] part of δ that a step removes at most. Chosen
-  double longest_shift = 0.1;    // [l0] Chosen
+  double memory_rate = 0.2;    // [-] how fast τ_r falls, against Δt/τ_r. Chosen
+  double filter_bound = 0.25;  // [-] part of δ that a step removes at most. Chosen
+  double filter_floor = 0.02;  // [√(g l0)] least |δ| of the filter; 0: trapezoid at 10 mm/s, 0.05: as 0.02
+  double longest_shift = 0.1;  // [l0] Chosen
   double soft_stiffness = 0.02;  // [-] αS below which S is left out. Chosen
 };
 

@@ -1,3 +1,4 @@
+#include "fluid/boundary/body_packing.hpp"
 #include "fluid/least_squares/film.hpp"
 #include "fluid/least_squares/scheme.hpp"
 #include "fluid/particles/pair_loop.hpp"
@@ -156,6 +157,7 @@ void LeastSquaresScheme<dim>::note_start(const Boundary<dim>& boundary, const St
     start_.place.col(id) = boundary.tank().in_tank(x);
     start_.deviation[id] = static_cast<float>(volume_deviation(i));
     if (depth_of(boundary, x) < least_squares_constants().inner_depth * p_.spacing) continue;
+    if (beside_open_side<dim>(p_, boundary, x, laplacian_.radius)) continue;
     start_.deviation[id] = static_cast<float>(moments_.volume[i] / lattice_.volume - 1);
     const auto columns = far.row(i);
     const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
@@ -289,6 +291,10 @@ template <int dim>
 void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary, const State<dim>& state,
                                                    const Neighbours& far, std::int64_t i,
                                                    ParticleSums& sums) const {
+  // Of water that starts under the level it is σ before. What lacks at a corner there is the body, and no
+  // air.
+  const double open = starts_under_level(state, i) ? surface_share(sums.m.norm()) : 1;
+  if (!(open > 0)) return;
   const auto& periodic = boundary.tank().periodic();
   const std::int64_t water = boundary.water();
   const Vector<dim> x = state.position.col(i);
@@ -303,6 +309,7 @@ void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary
       if (!boundary.volume())
         past = std::max(past, 1 - boundary.inside_free_end(boundary.point_of(j), x) / p_.spacing);
     if (!(past > 0)) continue;
+    past *= open;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
     const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
     const double far_weight = past * (reach * inverse - 1);
@@ -313,15 +320,28 @@ void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary
   }
 }
 
+template <int dim>
+bool LeastSquaresScheme<dim>::starts_under_level(const State<dim>& state, std::int64_t i) const {
+  if (!starts_packed()) return false;
+  const double height = start_.place(1, state.id[static_cast<std::size_t>(i)]);
+  return p_.water.max[1] - height > least_squares_constants().inner_depth * p_.spacing;
+}
+
+/// σ (F37) of |m|.
+template <int dim>
+double LeastSquaresScheme<dim>::surface_share(double m) const {
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const double least = tuned.surface_begins * lattice_.second_moment;
+  return std::clamp((m - least) / (tuned.surface_counts * lattice_.second_moment - least), 0.0, 1.0);
+}
+
 /// σ, N, D, κ and b of particle i (F37)–(F39), (F47). Returns D [m], or a negative number where the particle
 /// is not shown as surface.
 template <int dim>
 double LeastSquaresScheme<dim>::fit_surface(std::int64_t i, const ParticleSums& sums) {
   const LeastSquaresConstants& tuned = least_squares_constants();
-  const double least_moment = tuned.surface_begins * lattice_.second_moment;
   const double m = sums.m.norm();
-  double share = std::clamp(
-      (m - least_moment) / (tuned.surface_counts * lattice_.second_moment - least_moment), 0.0, 1.0);
+  double share = surface_share(m);
   Vector<dim> normal = Vector<dim>::Zero();
   if (m > 0) normal = sums.m / m;
   const double sharp = std::clamp((1 - sums.weights / lattice_.first_weights) / tuned.edge, 0.0, 1.0);

@@ -34,7 +34,7 @@ bool LeastSquaresScheme<dim>::may_substep(const StepData<dim>& step, double dt) 
 template <int dim>
 void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
   start_ = {};
-  if (!water_is_packed(step.p, step.boundary)) return;
+  if (!water_starts_packed(step.p, step.boundary)) return;
   step.search_neighbours();
   const std::vector<std::uint8_t> flags = step.state.surface;  // `measure` makes faces wet, and the surface
   measure(step.boundary, step.state, *step.far, step.near_gradient(), 0);

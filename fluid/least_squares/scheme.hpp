@@ -206,6 +206,9 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   template <class Visit>
   void for_each_image(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
                       const Visit&) const;
+  double surface_share(double m) const;
+  /// Whether particle i starts deeper than two rows in packed water.
+  bool starts_under_level(const State<dim>&, std::int64_t i) const;
   double fit_surface(std::int64_t i, const ParticleSums&);
   template <bool seams, bool shares>
   void fit(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, std::int64_t i);
@@ -294,6 +297,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
            absorption = 0;                        // Σ w (u*−U)·P r [m²/s]; absorbing walls' part of Y_i
     Vector<dim> projected = Vector<dim>::Zero();  // Σ w P r [m]
     Vector<dim> images = Vector<dim>::Zero();     // Σ w_m r of images, r along the face [m]
+    bool body = false;                            // whether a face of a body is among them
   };
   WallTerms wall_terms(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
                        std::int64_t i) const;
@@ -320,7 +324,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   double fastest(const Boundary<dim>&, const State<dim>&) const;
   double wave_speed_squared() const;
   double drift_share(double dt) const;
-  double carried_fraction(double dt) const;
+  /// ε of (F44) but for the particle's own factors.
+  struct CarriedFraction {
+    double elsewhere = 0, beside_body = 0;
+  };
+  CarriedFraction carried_fraction(double dt) const;
   double corrected_fraction(const State<dim>&, double dt) const;
 
   Parameters p_;

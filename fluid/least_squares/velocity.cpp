@@ -86,7 +86,8 @@ void LeastSquaresScheme<dim>::advance_gradient(Motion& motion, double time) cons
 
 // Adds Δu_i of the filter (F48) to the velocity:
 //   Δu_i = Δt (2d/(n0 λ)) Σ_j β l0 |δ_ij| δ_ij w, δ_ij = u_j − u_i − ½ (∇u_i + ∇u_j) r_ij.
-// It is antisymmetric, so momentum is exact. |δ| is bounded where the explicit step would overshoot.
+// It is antisymmetric, so momentum is exact. |δ| is bounded where the explicit step would overshoot, and it
+// counts as at least filter_floor √(g l0): what is left of waves shorter than some spacings fades.
 template <int dim>
 template <bool seams>
 void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<dim>& state,
@@ -96,6 +97,8 @@ void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<d
   const double rate = 2.0 * dim / (gradient_.n0 * gradient_.lambda0) * p_.scheme.filter * p_.spacing;
   const double factor = rate * dt;
   const double bound = least_squares_constants().filter_bound / (rate * substepping.length() * gradient_.n0);
+  const double least =
+      std::min(bound, least_squares_constants().filter_floor * std::sqrt(p_.gravity.norm() * p_.spacing));
   const bool single = substepping.is_single();
   if (!single) velocity_.filtered.resize(dim, boundary.water());
 #pragma omp parallel for schedule(static)
@@ -117,9 +120,11 @@ void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<d
     for (; e + 4 <= inner; e += 4) {  // four roots take as long as one
       const VecD<dim> a = jump_of(columns[e]), b = jump_of(columns[e + 1]), c = jump_of(columns[e + 2]),
                       d = jump_of(columns[e + 3]);
-      const Double4 size = simd::root(squares<dim>(a, b, c, d)), most = bound - Double4{};
+      const Double4 size = simd::root(squares<dim>(a, b, c, d)), most = bound - Double4{},
+                    floor = least - Double4{};
       const Double4 inverse{inverses[e], inverses[e + 1], inverses[e + 2], inverses[e + 3]};
-      const Double4 weight = (gradient_.radius * inverse - 1.0) * (size < most ? size : most);
+      const Double4 limited = size < most ? size : most;
+      const Double4 weight = (gradient_.radius * inverse - 1.0) * (limited > floor ? limited : floor);
       sum += a * weight[0];
       sum += b * weight[1];
       sum += c * weight[2];
@@ -128,7 +133,7 @@ void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<d
     for (; e < inner; ++e) {
       const VecD<dim> jump = jump_of(columns[e]);
       const double size = std::sqrt(squares<dim>(jump, jump, jump, jump)[0]);
-      sum += jump * ((gradient_.radius * inverses[e] - 1) * std::min(size, bound));
+      sum += jump * ((gradient_.radius * inverses[e] - 1) * std::clamp(size, least, bound));
     }
     for (int d = 0; d < dim; ++d) state.velocity(d, i) += factor * sum[d];
     if (!single)

@@ -104,6 +104,14 @@ const std::map<std::string, double>& Simulation<dim>::seconds() const {
   return work_->step.seconds;
 }
 
+/// Returns the part of a face of that length that lies within the reach of a sensor, `away` from its middle
+/// [m]. Whole faces would shift the sensor's middle by up to half a face. On a slope that is a change of
+/// pressure.
+static double covered_part(double away, double length, double reach) {
+  const double covered = std::min(away + 0.5 * length, reach) - std::max(away - 0.5 * length, -reach);
+  return std::clamp(covered / length, 0.0, 1.0);
+}
+
 template <int dim>
 double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diameter) const {
   const Work& w = *work_;
@@ -133,9 +141,9 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
     const Vector<dim> normal = face.normalized();
     Eigen::Vector3d middle = at;  // the sensor moves with the tank
     middle.template head<dim>() = w.step.boundary.tank().face_of(i);
-    if (!covers(middle)) continue;
-    load -= w.on_walls.col(i - w.step.boundary.water()).dot(normal);
-    area += face.norm();
+    const double part = dim == 2 ? covered_part((middle - at).norm(), face.norm(), reach) : covers(middle);
+    load -= part * w.on_walls.col(i - w.step.boundary.water()).dot(normal);
+    area += part * face.norm();
   }
   return area > 0 ? load / area : 0.0;
 }

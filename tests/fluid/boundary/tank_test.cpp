@@ -156,6 +156,22 @@ TEST(TankShape, WaterOnASlopeHasNearlyFullSupport) {
   }
 }
 
+// Rows at uneven depths would be waves at the start.
+TEST(TankShape, PackedWaterKeepsTheRowUnderItsLevel) {
+  for (const double degrees : {30.0, 45.0, 60.0}) {
+    const Parameters p = sloping(degrees);
+    const auto state = fill<2>(p);
+    int count = 0;
+    for (std::size_t i = 0; i < state.kind.size(); ++i) {
+      const double depth = p.water.max.y() - state.position(1, static_cast<Eigen::Index>(i));
+      if (state.kind[i] != Kind::fluid || depth > 0.75 * l0) continue;
+      EXPECT_NEAR(depth, 0.5 * l0, 1e-9) << degrees;
+      ++count;
+    }
+    EXPECT_GT(count, 60) << degrees;
+  }
+}
+
 // At 45 degrees the slope goes through the middles of cells. Half of them are water, whichever way round-off
 // decides.
 TEST(TankShape, RoundOffDecidesOfNoParticle) {

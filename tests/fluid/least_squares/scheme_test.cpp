@@ -144,6 +144,24 @@ TEST(LeastSquaresScheme, FilterLeavesALinearVelocityAloneAndKeepsMomentum) {
   EXPECT_LT(rough.velocity.leftCols(water).squaredNorm(), 0.99 * start.leftCols(water).squaredNorm());
 }
 
+// |δ| counts as at least a part of √(g l0): small differences of neighbours fade at a rate that does not fall
+// with them.
+TEST(LeastSquaresScheme, FilterTakesTheSamePartOfAllSmallDifferences) {
+  Column column(incompressible(0.01), 0);
+  const auto part_taken = [&](double size) {
+    State<2> rough = column.state;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> jump(-size, size);
+    const auto water = column.boundary.water();
+    for (std::int64_t i = 0; i < water; ++i) rough.velocity.col(i) << jump(random), jump(random);
+    const double before = rough.velocity.leftCols(water).norm();
+    column.scheme.filter(column.boundary, rough, column.near(), dt);
+    return 1 - rough.velocity.leftCols(water).norm() / before;
+  };
+  EXPECT_GT(part_taken(1e-5), 1e-3);
+  EXPECT_NEAR(part_taken(1e-5), part_taken(1e-4), 1e-9);
+}
+
 // Beside a face shifts go one way: a particle that another one presses on stays before it.
 TEST(LeastSquaresScheme, ShiftsGoThroughNoWall) {
   Column column(incompressible(0.01), 0);

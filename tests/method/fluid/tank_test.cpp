@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace strake::fluid {
 namespace {
@@ -115,6 +117,71 @@ TEST(Tank, WaterBetweenSlopesWeighsOnThem) {
   EXPECT_NEAR(-load.y() / count, weight, 0.02 * weight);
   EXPECT_NEAR(load.x() / count, 0, 0.02 * weight);
   EXPECT_EQ(state.lost, 0);
+}
+
+/// Mean and largest speed of the water [m/s].
+struct Speeds {
+  double rms = 0, largest = 0;
+};
+Speeds speeds_of(const State<2>& state) {
+  const auto water = std::count(state.kind.begin(), state.kind.end(), Kind::fluid);
+  const auto velocity = state.velocity.leftCols(water);
+  return {std::sqrt(velocity.squaredNorm() / static_cast<double>(water)),
+          velocity.colwise().norm().maxCoeff()};
+}
+
+// Slopes of 45 degrees. Rows at uneven depths, a start with dry faces, and a residual that was removed in
+// each step kept the water in motion for ever: 10 mm/s in the mean, 50 to 130 mm/s at the most.
+TEST(Tank, StillWaterBetweenSlopesComesToRest) {
+  constexpr double l0 = 0.015, depth = 0.3, dt = 2e-3, over_depth = 2.0 / 3;
+  Parameters p = tank_case(0.6, depth, l0, 6 * l0);
+  const double rim = 0.3 + depth + 6 * l0;
+  p.tank_polygon = {{-rim, 6 * l0, 0}, {-0.3, -depth, 0}, {0.3, -depth, 0}, {rim, 6 * l0, 0}};
+  p.water = {{-rim, -depth, 0}, {rim, 0, 0}};
+  p.end_time = 3;
+  Simulation<2> simulation(p, {}, {});
+  const auto share = [&](double at) {  // of ρ g times the depth, at that part of the depth
+    const Eigen::Vector3d x(0.3 + (1 - at) * depth, -at * depth, 0);
+    return simulation.sensor_pressure(x, 4 * l0) / (p.density * g * at * depth);
+  };
+  double middle = 0, low = 0, largest = 0;
+  for (int step = 0; step < 1500; ++step) {
+    simulation.step(dt, {});
+    if (step < 1000) continue;
+    middle += share(0.5) / 500;
+    low += share(over_depth) / 500;
+    largest = std::max(largest, speeds_of(simulation.state()).largest);
+  }
+  EXPECT_NEAR(middle, 1, 0.005);
+  EXPECT_NEAR(low, 1, 0.005);
+  EXPECT_LT(largest, 0.01);
+  EXPECT_LT(speeds_of(simulation.state()).rms, 1.5e-3);
+  EXPECT_EQ(simulation.state().lost, 0);
+}
+
+// Particles 0.1 l0 off their lattice, between seams, so that no wall stands beside the surface. With the
+// residual removed in each step the mean speed after 1.5 s was 5 mm/s with long and 20 mm/s with short steps.
+TEST(Tank, DisorderedWaterSettlesWhateverTheStep) {
+  constexpr double l0 = 0.015;
+  for (const double dt : {2e-3, 5e-4}) {
+    Parameters p = tank_case(0.6, 0.3, l0);
+    p.tank.max.y() = 6 * l0;
+    p.periodic = {true, false, false};
+    p.end_time = 1.5;
+    Simulation<2> simulation(p, {}, {});
+    State<2> start = simulation.state();
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> move(-0.1 * l0, 0.1 * l0);
+    const auto water = std::count(start.kind.begin(), start.kind.end(), Kind::fluid);
+    for (std::int64_t i = 0; i < water; ++i)
+      start.position.col(i) += Eigen::Vector2d(move(random), move(random));
+    for (std::size_t i = 0; i < start.kind.size(); ++i)
+      if (start.kind[i] == Kind::wall && start.position(1, static_cast<Eigen::Index>(i)) < -0.3)
+        start.surface[i] = 0;  // the floor is wet
+    simulation.set_state(start);
+    for (double t = 0; t < 1.5; t += dt) simulation.step(dt, {});
+    EXPECT_LT(speeds_of(simulation.state()).rms, 3e-3) << dt;
+  }
 }
 
 /// A channel of 20 particles between walls at y = 0 and 0.2 m that repeats itself along x, closed above.
