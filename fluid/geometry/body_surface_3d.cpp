@@ -20,6 +20,8 @@ using Vector3 = Eigen::Vector3d;
 
 /// Round-off allowance at an edge, as a share of the distance to it.
 constexpr double tie = 1e-9;
+constexpr double right_angle = 0.5 * std::numbers::pi + 1e-6;  // [rad], with room for round-off
+constexpr double flat = 1 - 1e-8;  // cosine of the turn between two triangles of one plane
 
 }  // namespace
 
@@ -61,6 +63,7 @@ BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, doubl
   patch_corner_scale_ = sum.colwise().norm().cwiseInverse();
   move(still, still, true);
   find_local_edges();
+  find_plane_patches();
   add_layers();
 }
 
@@ -146,9 +149,23 @@ void BodySurface3d::find_local_edges() {
       const bool owned =
           mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->patch < border->other);
       edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
-                       in_triangle(mesh_.position, p.triangle, b - x), owned});
+                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->angle < right_angle});
     }
     edge_start_.push_back(edge_.size());
+  }
+}
+
+void BodySurface3d::find_plane_patches() {
+  std::vector<int> first(patches_.area.size(), -1);  // triangle
+  between_sharp_corners_.assign(patches_.area.size(), 0);
+  for (const auto& border : patches_.border)
+    between_sharp_corners_[static_cast<std::size_t>(border.patch)] = 1;
+  for (const auto& border : patches_.border)
+    if (!(border.angle < right_angle)) between_sharp_corners_[static_cast<std::size_t>(border.patch)] = 0;
+  for (int t = 0; t < static_cast<int>(mesh_.faces.cols()); ++t) {
+    const auto patch = static_cast<std::size_t>(patches_.of_triangle[static_cast<std::size_t>(t)]);
+    if (first[patch] < 0) first[patch] = t;
+    if (face_normal_.col(t).dot(face_normal_.col(first[patch])) < flat) between_sharp_corners_[patch] = 0;
   }
 }
 

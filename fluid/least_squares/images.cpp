@@ -32,11 +32,15 @@ template <int dim>
 void LeastSquaresScheme<dim>::find_images(const Boundary<dim>& boundary, const State<dim>& state,
                                           const Neighbours& far) {
   const std::int64_t water = boundary.water();
-  images_.faces.resize(static_cast<std::size_t>(water));
   images_.count.assign(static_cast<std::size_t>(water), 0);
   bool any = false;
   images_.any = false;
-  if (dim == 3 || boundary.volume() || boundary.first_of_bodies() == state.position.cols()) return;
+  if (boundary.volume()) return;
+  for (std::int64_t k = 0; k < boundary.body_surface().points() && !any; ++k)
+    any = boundary.is_between_sharp_corners(static_cast<int>(k));
+  if (!any) return;
+  any = false;
+  images_.faces.resize(static_cast<std::size_t>(water));
 #pragma omp parallel for schedule(static) reduction(|| : any)
   for (std::int64_t i = 0; i < water; ++i) {
     find_image_faces(boundary, state, far, i);

@@ -305,9 +305,8 @@ void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary
     const std::int64_t j = columns[e];
     if (j < boundary.first_of_bodies() || !walls_.wet(j)) continue;
     double past = is_over(boundary, state, i, j) ? 0.0 : 1.0;
-    if constexpr (dim == 2)
-      if (!boundary.volume())
-        past = std::max(past, 1 - boundary.inside_free_end(boundary.point_of(j), x) / p_.spacing);
+    if (!boundary.volume())
+      past = std::max(past, 1 - boundary.inside_free_end(boundary.point_of(j), x) / p_.spacing);
     if (!(past > 0)) continue;
     past *= open;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));

@@ -201,6 +201,13 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void add_images(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i);
   void find_image_velocities(const Boundary<dim>&, const State<dim>&, const Vector<dim>& steady, double dt);
   double image_factor() const;
+  /// Returns σ of particle i, as far as pairs mirrored in a face with the normal n see it. In space the
+  /// surface on the face's own side does not count: there the face ends, and `part` says so.
+  double open_share(std::int64_t i, const Vector<dim>& n) const {
+    const double share = surface_.share[i];
+    if constexpr (dim == 2) return share;
+    return share * (1 - std::max(0.0, n.dot(surface_.normal.col(i).template cast<double>())));
+  }
   /// Calls visit(e, w_m, r, n, slope) for each pair of row i that is mirrored in a face. e: its number in the
   /// row; r: to the neighbour; n: the normal; slope: mean of both particles' normal_velocity [m/s].
   template <class Visit>
@@ -250,7 +257,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
 
   // Walls and bodies.
   /// Returns how far inside the end of a layer particle's face particle i lies, along the face [l0]. It is
-  /// infinite for a face without an end. In space it is ∓infinity past and inside the end.
+  /// infinite for a face without an end.
   double inside_end(const Boundary<dim>&, const State<dim>&, std::int64_t i,
                     std::int64_t layer_particle) const;
   /// Whether particle i lies over the face of a layer particle: not past the face's end.
