@@ -117,8 +117,8 @@ class Boundary {
     else
       return body_surface_.faces(point, x);
   }
-  /// Distance of x from the nearest end of the face of that wet point, along the face [m]: negative past it,
-  /// infinite where no end is near.
+  /// Returns the distance of x from the nearest end of the face of that wet point, along the face [m]. It is
+  /// negative past the end, and infinite where no end is near.
   double within(int point, const Vector<dim>& x) const {
     if constexpr (dim == 2)
       return body_surface_.within(body_surface_.edge_of(point), x);
@@ -133,8 +133,7 @@ class Boundary {
     else
       return body_surface_.is_between_sharp_corners(point);
   }
-  /// The same distance from the nearest free end [m]: a sharp corner that does not stand at a wall. Infinite
-  /// where there is none.
+  /// Returns the same distance from the nearest free end: a sharp corner that does not stand at a wall [m].
   double inside_free_end(int point, const Vector<dim>& x) const;
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }

@@ -131,6 +131,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   struct Images {
     struct Face {
       std::int32_t layer;      // particle of the first layer behind the face
+      float end;               // e of (F72), how near the face's free end is: 0 … 1
       double height, part;     // of the particle over the face [m]; part of the face's end, 0 … 1
       double normal_velocity;  // slope of the pressure over ρ/Δt at that height [m/s]
     };
@@ -201,12 +202,10 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void add_images(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i);
   void find_image_velocities(const Boundary<dim>&, const State<dim>&, const Vector<dim>& steady, double dt);
   double image_factor() const;
-  /// Returns σ of particle i, as far as pairs mirrored in a face with the normal n see it. In space the
-  /// surface on the face's own side does not count: there the face ends, and `part` says so.
-  double open_share(std::int64_t i, const Vector<dim>& n) const {
-    const double share = surface_.share[i];
-    if constexpr (dim == 2) return share;
-    return share * (1 - std::max(0.0, n.dot(surface_.normal.col(i).template cast<double>())));
+  /// Returns τ of (F72), the share of the free surface in particle i beside a face with the normal n.
+  double open_share(std::int64_t i, const typename Images::Face& face, const Vector<dim>& n) const {
+    const double behind = std::max(0.0, n.dot(surface_.normal.col(i).template cast<double>()));
+    return surface_.share[i] * (1 - face.end * behind);
   }
   /// Calls visit(e, w_m, r, n, slope) for each pair of row i that is mirrored in a face. e: its number in the
   /// row; r: to the neighbour; n: the normal; slope: mean of both particles' normal_velocity [m/s].
