@@ -39,7 +39,7 @@ void LeastSquaresScheme<dim>::for_each_image(const Boundary<dim>& boundary, cons
         if (std::abs(n.dot(r) - (other.height - one.height)) > tuned.one_plane * p_.spacing) continue;
         const double level = 1 - std::abs(n.dot(r)) / row;
         if (!(level > 0)) continue;
-        const double inner = (1 - open_share(i, one, n)) * (1 - open_share(columns[e], other, n));
+        const float inner = (1 - open_share(i, one, n)) * (1 - open_share(columns[e], other, n));
         if (!(inner > 0)) continue;
         const double w =
             images_.factor * inner * level * (one.part * other.part) * (reach / std::sqrt(square) - 1);

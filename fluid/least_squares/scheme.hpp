@@ -17,6 +17,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -203,9 +204,9 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void find_image_velocities(const Boundary<dim>&, const State<dim>&, const Vector<dim>& steady, double dt);
   double image_factor() const;
   /// Returns τ of (F72), the share of the free surface in particle i beside a face with the normal n.
-  double open_share(std::int64_t i, const typename Images::Face& face, const Vector<dim>& n) const {
-    const double behind = std::max(0.0, n.dot(surface_.normal.col(i).template cast<double>()));
-    return surface_.share[i] * (1 - face.end * behind);
+  float open_share(std::int64_t i, const typename Images::Face& face, const Vector<dim>& n) const {
+    const float behind = surface_.normal.col(i).dot(n.template cast<float>());
+    return surface_.share[i] * (1 - face.end * std::max(0.0F, behind));
   }
   /// Calls visit(e, w_m, r, n, slope) for each pair of row i that is mirrored in a face. e: its number in the
   /// row; r: to the neighbour; n: the normal; slope: mean of both particles' normal_velocity [m/s].

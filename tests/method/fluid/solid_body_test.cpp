@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 // impulse of contact is that of potential flow, by tests/benchmark/plates_3d.py: 0.9 and 1.3 % more than half
 // the added mass in a boundless fluid.
 constexpr double half = 0.1, speed = 5, density = 1000;  // a [m], V [m/s], kg/m³
-constexpr double of_disc = 1.3459, of_square = 1.8434;   // [ρa³V]
+constexpr double of_disc = 1.3463, of_square = 1.8434;   // [ρa³V]
 
 enum class Shape { disc, square };
 struct Contact {
