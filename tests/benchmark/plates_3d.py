@@ -3,8 +3,8 @@
 usage: tests/benchmark/plates_3d.py [BIN_DIR] [--theory] [--shape square|disc]… [--cells N]… [--at-once N] [--set KEY=VALUE]… [--keep DIR]
        (default: build/bin, both shapes, 5 and 10 spacings per half width, two runs at a time; --theory: no runs; needs numpy)
 The half width or radius is a = 0.1 m, V = 5 m/s, the basin 6 a square and 3 a deep; steps of 1e-4 and 1e-5 s, from a gap of 0.1 l0.
-t_c is the first step with a load. The impulse is that of the force on the whole body. cases/VALIDATION.md, "Plates in space", has
-the figures.
+t_c is the start of the first step with a load. The impulse is that of the force on the whole body. With steps of 1e-4 s the flow
+round the edges begins 100 us late, and the impulse after 300 us is not judged. cases/VALIDATION.md, "Plates in space".
 
 Theory: the level surface has p = 0 beside the plate, the walls are rigid. With waves k = 2 pi (m, n)/W of a basin W wide and H deep
 the velocity V under the plate needs the impulse q of pressure, q = sum Q_j f_j, with
@@ -13,8 +13,8 @@ the velocity V under the plate needs the impulse q of pressure, q = sum Q_j f_j,
   disc    f = integral from r to 1 of P_2j+1(t)/sqrt(t^2 - r^2) dt, Legendre's P, hence F = (2 pi/k) int_0^1 P_2j+1(t) sin(k t) dt
 Waves left out add to A as one over the highest of them, so A is carried on from two sums. Beside an edge
 the impulse is rho B sqrt(s), s the distance. The water that flows round the edge acts as an edge further out by 1.118 (B V t)^(2/3)
-(plate_edge.py), so after contact the impulse grows by (pi/4) rho (integral of B^2 1.118 (B V t)^(2/3) along the edge), to first order
-in (V t/a)^(2/3)."""
+(plate_edge.py). So after contact the impulse grows by (pi/4) rho (integral of B^2 1.118 (B V t)^(2/3) along the edge), to first
+order in (V t/a)^(2/3)."""
 import math
 import pathlib
 import tempfile
@@ -159,7 +159,8 @@ def main():
     if arguments.theory:
         return
     print("\nRuns: impulse over that of potential flow")
-    table = runs.Table([("shape", 6), ("cells", 5), ("step [s]", 8), ("contact", 8), ("gate", 5), ("after 300 us", 12), ("gate", 5), ("met", 4), ("wall [s]", 8)])
+    table = runs.Table([("shape", 6), ("cells", 5), ("step [s]", 8), ("contact", 8), ("gate", 5), ("after 300 us", 12), ("gate", 5), ("met", 4),
+                        ("momentum gap", 12), ("wall [s]", 8)])
     with tempfile.TemporaryDirectory() as place:
         keys = [(shape, cells, step) for shape in shapes for cells in arguments.cells or [5, 10] for step in (1e-4, 1e-5)]
         jobs = [(case(*key, pathlib.Path(place)), ["run.threads=1", *arguments.set]) for key in keys]
@@ -170,9 +171,11 @@ def main():
             met = next(number for number, load in enumerate(loads) if load * step > 0.01 * scale)
             last = met + round(after / step)
             at_once, later = step * loads[met] / scale, step * sum(loads[met:last]) / scale / (1 + growth * (SPEED * after / HALF) ** (2 / 3))
-            gate = 0.05
-            table.row(shape, cells, f"{step:g}", runs.off(at_once, 1), f"{100 * gate:g} %", runs.off(later, 1), f"{100 * gate:g} %",
-                      "yes" if max(abs(at_once - 1), abs(later - 1)) <= gate else "NO", f"{run.summary['seconds']['wall']:.0f}")
+            judged, gate = cells >= 10, 0.05
+            wrong = judged and (abs(at_once - 1) > gate or (step < 5e-5 and abs(later - 1) > gate))
+            table.row(shape, cells, f"{step:g}", runs.off(at_once, 1), "5 %" if judged else "", runs.off(later, 1),
+                      "5 %" if judged and step < 5e-5 else "", ("NO" if wrong else "yes") if judged else "",
+                      f"{run.summary['checks']['momentum_gap']:.1e}", f"{run.summary['seconds']['wall']:.0f}")
     table.keep(arguments.keep, "plates-3d.csv")
 
 

@@ -214,7 +214,7 @@ TEST(BodySurface3d, PlaneFacesBetweenCornersOfAtMostARightAngleAreFound) {
   const BodySurface3d disc(disc_surface(0.1, 0, 0.04, l0), l0, reach);
   for (int k = 0; k < disc.points(); ++k)
     EXPECT_EQ(disc.is_between_sharp_corners(k), std::abs(disc.normal(k).y()) > 0.9) << disc.point(k);
-  // A wedge of 30 degrees: apex and chines are blunt, the corners of its deck and of its ends are not.
+  // Apex and chines of a wedge of 30 degrees are blunt. The corners of its deck and of its ends are not.
   const auto corner =
       structure::wedge_polygon({.deadrise = std::numbers::pi / 6, .width = 0.2, .height = 0.12});
   const BodySurface3d wedge(structure::prism_surface(structure::outline(corner, l0), 0.1, 0, l0), l0, reach);

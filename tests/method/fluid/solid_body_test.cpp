@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Plates that meet the water of a basin 6 a wide and 3 a deep with the speed V, c = ∞ and no weight. The
-// impulse of contact is that of potential flow, by tests/benchmark/plates_3d.py: 0.9 and 1.3 % more than half
+// Plates meet the water of a basin 6 a wide and 3 a deep with the speed V; c = ∞ and no weight. The impulse
+// of contact is that of potential flow, by tests/benchmark/plates_3d.py. It is 1.0 and 1.3 % more than half
 // the added mass in a boundless fluid.
 constexpr double half = 0.1, speed = 5, density = 1000;  // a [m], V [m/s], kg/m³
 constexpr double of_disc = 1.3463, of_square = 1.8434;   // [ρa³V]
@@ -51,8 +51,7 @@ Contact contact(Shape shape, double spacing, double dt, double gap, double after
   return result;
 }
 
-// Without pairs mirrored in the plate (F72) and edges shared with the surface (F73) a disc has +20.6 and
-// +13.8 %, a square plate +23.3 and +14.7 %.
+// Without (F72) and (F73) a disc has +20.6 and +13.8 %, a square plate +23.3 and +14.7 %.
 TEST(SolidBody, OneStepOfADiscHasItsAddedMass) {
   const double coarse = contact(Shape::disc, 0.02, 1e-4, 0).at_once,
                fine = contact(Shape::disc, 0.01, 1e-4, 0).at_once;
