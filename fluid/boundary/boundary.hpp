@@ -117,19 +117,24 @@ class Boundary {
     else
       return body_surface_.faces(point, x);
   }
-  /// Distance of x from the nearer end of that edge, along the face [m]; plane bodies.
-  double within(int point, const Vector<2>& x) const requires(dim == 2) {
-    return body_surface_.within(body_surface_.edge_of(point), x);
+  /// Returns the distance of x from the nearest end of the face of that wet point, along the face [m]. It is
+  /// negative past the end, and infinite where no end is near.
+  double within(int point, const Vector<dim>& x) const {
+    if constexpr (dim == 2)
+      return body_surface_.within(body_surface_.edge_of(point), x);
+    else
+      return body_surface_.within(point, x);
   }
-  /// Whether the face of that wet point ends at both sides in a corner of at most a right angle, as those of
-  /// plates and boxes do; plane bodies alone.
+  /// Whether that face has corners of at most a right angle at all its ends. Those of plates and boxes have.
+  /// In space it is plane as well.
   bool is_between_sharp_corners(int point) const {
-    if constexpr (dim == 2) return body_surface_.is_between_sharp_corners(body_surface_.edge_of(point));
-    return false;
+    if constexpr (dim == 2)
+      return body_surface_.is_between_sharp_corners(body_surface_.edge_of(point));
+    else
+      return body_surface_.is_between_sharp_corners(point);
   }
-  /// The same distance from the nearer free end [m]: a sharp corner that does not stand at a wall. Infinite
-  /// where there is none; plane bodies.
-  double inside_free_end(int point, const Vector<2>& x) const requires(dim == 2);
+  /// Returns the same distance from the nearest free end: a sharp corner that does not stand at a wall [m].
+  double inside_free_end(int point, const Vector<dim>& x) const;
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
   /// The same of the face in front of a first-layer particle, of tank or body.

@@ -17,8 +17,7 @@ namespace {
 using Vector2 = BodySurface2d::Vector2;
 
 /// A corner whose angle inside the body is smaller has a tip thinner than a spacing along its first piece.
-constexpr double sharp_angle = 1.5;                            // [rad], 86 degrees
-constexpr double right_angle = 0.5 * std::numbers::pi + 1e-6;  // [rad], with room for round-off
+constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
 /// Round-off allowance along a piece, as a share of its length.
 constexpr double tie = 1e-9;
 

@@ -1,5 +1,6 @@
 #include "fluid/geometry/body_surface_3d.hpp"
 
+#include "proto/geometry/corner.hpp"
 #include "proto/geometry/polygon.hpp"
 
 #include <Eigen/Geometry>
@@ -61,6 +62,7 @@ BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, doubl
   patch_corner_scale_ = sum.colwise().norm().cwiseInverse();
   move(still, still, true);
   find_local_edges();
+  find_plane_patches();
   add_layers();
 }
 
@@ -146,9 +148,23 @@ void BodySurface3d::find_local_edges() {
       const bool owned =
           mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->patch < border->other);
       edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
-                       in_triangle(mesh_.position, p.triangle, b - x), owned});
+                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->angle < right_angle});
     }
     edge_start_.push_back(edge_.size());
+  }
+}
+
+// A patch without an edge is the whole of a closed surface, which is not plane.
+void BodySurface3d::find_plane_patches() {
+  between_sharp_corners_.assign(patches_.area.size(), 1);
+  for (const auto& border : patches_.border)
+    if (!(border.angle < right_angle)) between_sharp_corners_[static_cast<std::size_t>(border.patch)] = 0;
+  std::vector<int> first(patches_.area.size(), -1);  // triangle of each patch
+  for (int t = 0; t < static_cast<int>(mesh_.faces.cols()); ++t) {
+    const auto patch = static_cast<std::size_t>(patches_.of_triangle[static_cast<std::size_t>(t)]);
+    if (first[patch] < 0) first[patch] = t;
+    if (face_normal_.col(t).cross(face_normal_.col(first[patch])).norm() > flat_angle)
+      between_sharp_corners_[patch] = 0;
   }
 }
 
@@ -206,7 +222,7 @@ void BodySurface3d::add_beyond(const std::vector<const SurfacePatches::Border*>&
                                             length.begin() - 1);
     const SurfacePatches::Border& border = *chain[e];
     const double angle = std::min(border.angle, std::numbers::pi);
-    if (angle < 0.5 * std::numbers::pi + round_off) continue;
+    if (angle < right_angle) continue;
     const bool concave = angle > std::numbers::pi - round_off;
     const double slope = concave ? 0.0 : 1 / std::tan(angle - 0.5 * std::numbers::pi);
     const Vector3 a = mesh_.position.col(border.from), b = mesh_.position.col(border.to);

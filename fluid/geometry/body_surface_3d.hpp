@@ -7,6 +7,9 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace strake::fluid {
@@ -67,6 +70,19 @@ class BodySurface3d {
   bool separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const;
   /// Whether x lies over the patch of wet point k: not past its edges.
   bool faces(int k, const Vector3& x) const;
+  /// Returns the distance of x from the nearest edge of that patch, along the face [m]. It is negative past
+  /// the edge, and infinite where no edge is near or x is past an edge that does not count.
+  /// `counts(sharp, place)` says which edges count. sharp: a corner of at most a right angle, where water
+  /// leaves the body.
+  template <class Counts>
+  double within(int k, const Vector3& x, const Counts& counts) const;
+  double within(int k, const Vector3& x) const {
+    return within(k, x, [](bool, const Vector3&) { return true; });
+  }
+  /// Whether the patch of wet point k lies in one plane at the start and has such corners alone.
+  bool is_between_sharp_corners(int k) const {
+    return between_sharp_corners_[static_cast<std::size_t>(edge_of(k))] != 0;
+  }
   bool inside(const Vector3& x) const { return grid_.inside(x); }
 
   struct Foot {
@@ -84,9 +100,10 @@ class BodySurface3d {
  private:
   struct LocalEdge {  // of a patch, from a wet point near it, in the two edges of its triangle
     Eigen::Vector2d from, to;
-    bool owned;
+    bool owned, sharp;
   };
   void find_local_edges();
+  void find_plane_patches();
   void add_layers();
   void go_beyond();
   void add_beyond(const std::vector<const SurfacePatches::Border*>& chain);
@@ -105,12 +122,35 @@ class BodySurface3d {
   std::vector<int> point_in_;            // a wet point of each triangle
   std::vector<std::size_t> edge_start_;  // of each wet point
   std::vector<LocalEdge> edge_;
-  Eigen::Matrix3Xi patch_corner_;       // corners of triangles, each patch with its own
-  Eigen::VectorXd patch_corner_scale_;  // 1/|Σ area vectors| of the reference [1/m²]
-  Points now_, rate_;                   // of the mesh's points
+  std::vector<std::uint8_t> between_sharp_corners_;  // of each patch
+  Eigen::Matrix3Xi patch_corner_;                    // corners of triangles, each patch with its own
+  Eigen::VectorXd patch_corner_scale_;               // 1/|Σ area vectors| of the reference [1/m²]
+  Points now_, rate_;                                // of the mesh's points
   Points point_, velocity_, normal_, normal_rate_, area_;
   Points face_normal_;  // of the triangles
   TriangleGrid grid_;
 };
+
+template <class Counts>
+double BodySurface3d::within(int k, const Vector3& x, const Counts& counts) const {
+  const auto first = edge_start_[static_cast<std::size_t>(k)],
+             last = edge_start_[static_cast<std::size_t>(k) + 1];
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (first == last) return infinity;
+  const int t = points_.point[static_cast<std::size_t>(k)].triangle;
+  const Vector3 e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0), middle = point_.col(k);
+  const auto in_space = [&](const Eigen::Vector2d& at) -> Vector3 { return at.x() * e1 + at.y() * e2; };
+  const Vector3 foot = in_space(in_triangle(now_, t, x - middle));
+  double nearest = infinity, counted = infinity;
+  for (auto e = first; e < last; ++e) {
+    const Vector3 from = in_space(edge_[e].from), along = in_space(edge_[e].to) - from;
+    const Vector3 place = from + std::clamp((foot - from).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
+    const double away = (foot - place).norm();
+    nearest = std::min(nearest, away);
+    if (away < counted && counts(edge_[e].sharp, middle + place)) counted = away;
+  }
+  if (holds(k, x)) return counted;
+  return counted <= nearest ? -counted : infinity;
+}
 
 }  // namespace strake::fluid

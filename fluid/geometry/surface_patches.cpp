@@ -19,9 +19,6 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-/// Turn between two triangles below which they lie in one plane.
-constexpr double flat_angle = 1e-4;  // [rad]
-
 class Sets {
  public:
   explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }

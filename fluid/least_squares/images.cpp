@@ -32,11 +32,14 @@ template <int dim>
 void LeastSquaresScheme<dim>::find_images(const Boundary<dim>& boundary, const State<dim>& state,
                                           const Neighbours& far) {
   const std::int64_t water = boundary.water();
-  images_.faces.resize(static_cast<std::size_t>(water));
   images_.count.assign(static_cast<std::size_t>(water), 0);
-  bool any = false;
   images_.any = false;
-  if (dim == 3 || boundary.volume() || boundary.first_of_bodies() == state.position.cols()) return;
+  if (boundary.volume()) return;
+  int point = 0;
+  while (point < boundary.body_surface().points() && !boundary.is_between_sharp_corners(point)) ++point;
+  if (point == boundary.body_surface().points()) return;
+  bool any = false;
+  images_.faces.resize(static_cast<std::size_t>(water));
 #pragma omp parallel for schedule(static) reduction(|| : any)
   for (std::int64_t i = 0; i < water; ++i) {
     find_image_faces(boundary, state, far, i);
@@ -60,8 +63,6 @@ void LeastSquaresScheme<dim>::find_image_faces(const Boundary<dim>& boundary, co
     const std::int32_t j = columns[e - 1];
     if (boundary.master_of(j) >= 0 || !walls_.wet(j) || walls_.corner(j)) continue;
     if (!boundary.is_between_sharp_corners(boundary.point_of(j))) continue;
-    const double part = std::clamp(inside_end(boundary, state, i, j) + 0.5, 0.0, 1.0);
-    if (!(part > 0)) continue;
     const Vector<dim> n = walls_.normal(j),
                       r = boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
     const double up = n.dot(r), aside = r.squaredNorm() - up * up, height = up - walls_.depth(j);
@@ -69,9 +70,18 @@ void LeastSquaresScheme<dim>::find_image_faces(const Boundary<dim>& boundary, co
     std::uint8_t f = 0;
     while (f < count && walls_.normal(faces[f].layer).dot(n) < alike) ++f;
     if (f == dim || (f < count && nearest[f] <= aside)) continue;
+    const double part = std::clamp(inside_end(boundary, state, i, j) + 0.5, 0.0, 1.0);
+    if (!(part > 0)) continue;
     if (f == count) ++count;
     nearest[f] = aside;
-    faces[f] = {j, height, part, 0};
+    faces[f] = {.layer = j, .end = 0, .height = height, .part = part, .normal_velocity = 0};
+  }
+  if constexpr (dim == 3) {
+    const Vector<dim> x = state.position.col(i);
+    for (std::uint8_t f = 0; f < count; ++f) {
+      const double inside = boundary.inside_free_end(boundary.point_of(faces[f].layer), x) / p_.spacing;
+      faces[f].end = static_cast<float>(std::clamp(2 - inside, 0.0, 1.0));
+    }
   }
   images_.count[k] = count;
 }

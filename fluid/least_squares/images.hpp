@@ -8,8 +8,9 @@
 namespace strake::fluid {
 
 /// Calls visit(e, w_m, r, n, slope) for each pair of row i that is mirrored in a face (F72):
-///   w_m = f (1−σ_i) (1−σ_k) part_i part_k (1 − |n·r|/(l0/2)) (R/d − 1) ,  d² = r² + 4 h_i h_k < R² ,  |n·r|
-///   < l0/2
+///   w_m = f (1−τ_i) (1−τ_k) part_i part_k (1 − |n·r|/(l0/2)) (R/d − 1) ,  d² = r² + 4 h_i h_k < R² ,  |n·r|
+///   < l0/2 ,  τ = σ (1 − e max(0, n·N))
+/// e is 0 in the plane; `end` of the face in space.
 /// The faces of i and k must have nearly one normal n and one plane: |n·r − (h_k − h_i)| < `one_plane` l0.
 /// Row k gets the same weights, to the last bit.
 template <int dim>
@@ -21,7 +22,6 @@ void LeastSquaresScheme<dim>::for_each_image(const Boundary<dim>& boundary, cons
   if (images_.count[own] == 0) return;
   const LeastSquaresConstants& tuned = least_squares_constants();
   const double reach = laplacian_.radius, row = tuned.first_row * p_.spacing;
-  if (!(surface_.share[i] < 1)) return;
   const auto columns = far.row(i);
   for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
     const auto k = static_cast<std::size_t>(columns[e]);
@@ -39,7 +39,8 @@ void LeastSquaresScheme<dim>::for_each_image(const Boundary<dim>& boundary, cons
         if (std::abs(n.dot(r) - (other.height - one.height)) > tuned.one_plane * p_.spacing) continue;
         const double level = 1 - std::abs(n.dot(r)) / row;
         if (!(level > 0)) continue;
-        const double inner = (1 - surface_.share[i]) * (1 - surface_.share[columns[e]]);
+        const float inner = (1 - open_share(i, one, n)) * (1 - open_share(columns[e], other, n));
+        if (!(inner > 0)) continue;
         const double w =
             images_.factor * inner * level * (one.part * other.part) * (reach / std::sqrt(square) - 1);
         visit(e, w, r, n, 0.5 * (one.normal_velocity + other.normal_velocity));

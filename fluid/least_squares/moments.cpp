@@ -286,7 +286,7 @@ void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const St
 }
 
 /// Subtracts the layers past the end of a body's face: they are no water above the particle. Within l0 of the
-/// end, face and free surface share the particle (F73).
+/// end, face and free surface share the particle (F73). In the plane `past` goes on to rise outside the end.
 template <int dim>
 void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary, const State<dim>& state,
                                                    const Neighbours& far, std::int64_t i,
@@ -305,9 +305,8 @@ void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary
     const std::int64_t j = columns[e];
     if (j < boundary.first_of_bodies() || !walls_.wet(j)) continue;
     double past = is_over(boundary, state, i, j) ? 0.0 : 1.0;
-    if constexpr (dim == 2)
-      if (!boundary.volume())
-        past = std::max(past, 1 - boundary.inside_free_end(boundary.point_of(j), x) / p_.spacing);
+    if (!boundary.volume() && (dim == 2 || past < 1))
+      past = std::max(past, 1 - boundary.inside_free_end(boundary.point_of(j), x) / p_.spacing);
     if (!(past > 0)) continue;
     past *= open;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));

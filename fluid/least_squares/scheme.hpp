@@ -17,6 +17,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -131,6 +132,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   struct Images {
     struct Face {
       std::int32_t layer;      // particle of the first layer behind the face
+      float end;               // e of (F72), how near the face's free end is: 0 … 1
       double height, part;     // of the particle over the face [m]; part of the face's end, 0 … 1
       double normal_velocity;  // slope of the pressure over ρ/Δt at that height [m/s]
     };
@@ -201,6 +203,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void add_images(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i);
   void find_image_velocities(const Boundary<dim>&, const State<dim>&, const Vector<dim>& steady, double dt);
   double image_factor() const;
+  /// Returns τ of (F72), the share of the free surface in particle i beside a face with the normal n.
+  float open_share(std::int64_t i, const typename Images::Face& face, const Vector<dim>& n) const {
+    const float behind = surface_.normal.col(i).dot(n.template cast<float>());
+    return surface_.share[i] * (1 - face.end * std::max(0.0F, behind));
+  }
   /// Calls visit(e, w_m, r, n, slope) for each pair of row i that is mirrored in a face. e: its number in the
   /// row; r: to the neighbour; n: the normal; slope: mean of both particles' normal_velocity [m/s].
   template <class Visit>
@@ -250,7 +257,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
 
   // Walls and bodies.
   /// Returns how far inside the end of a layer particle's face particle i lies, along the face [l0]. It is
-  /// infinite for a face without an end. In space it is ∓infinity past and inside the end.
+  /// infinite for a face without an end.
   double inside_end(const Boundary<dim>&, const State<dim>&, std::int64_t i,
                     std::int64_t layer_particle) const;
   /// Whether particle i lies over the face of a layer particle: not past the face's end.

@@ -21,10 +21,7 @@ double LeastSquaresScheme<dim>::inside_end(const Boundary<dim>& boundary, const 
                                            std::int64_t i, std::int64_t row) const {
   constexpr double far = std::numeric_limits<double>::infinity();
   if (row < boundary.first_of_bodies() || boundary.volume()) return far;
-  if constexpr (dim == 2)
-    return boundary.within(boundary.point_of(row), state.position.col(i)) / p_.spacing;
-  else
-    return boundary.is_over(boundary.point_of(row), state.position.col(i)) ? far : -far;
+  return boundary.within(boundary.point_of(row), state.position.col(i)) / p_.spacing;
 }
 
 /// Computes the part of each face that water covers:

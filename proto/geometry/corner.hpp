@@ -1,5 +1,7 @@
 #pragma once
 
+#include <numbers>
+
 // Where the surface of a body or a tank has a corner (in the plane) or an edge (in space).
 
 namespace strake {
@@ -8,6 +10,12 @@ namespace strake {
 inline constexpr double corner_angle = 0.35;  // [rad], 20 degrees
 /// So does a smaller turn that stands alone: a smooth surface turns about as much beside it.
 inline constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
+
+/// Largest angle inside a body at which water leaves its corner: that of plates and boxes, with room for
+/// round-off.
+inline constexpr double right_angle = 0.5 * std::numbers::pi + 1e-6;  // [rad]
+/// Two triangles that turn by less lie in one plane.
+inline constexpr double flat_angle = 1e-4;  // [rad]
 
 /// Whether a turn makes a corner; `beside` is the largest turn next to it [rad, both positive].
 inline bool is_corner(double turn, double beside) {

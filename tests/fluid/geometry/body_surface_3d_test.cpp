@@ -8,7 +8,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -158,6 +160,71 @@ TEST(BodySurface3d, RowsGoOnBeyondBluntEdges) {
   }
   // tan(30 degrees): at each of ten places along apex and chines two, seen through either face.
   EXPECT_EQ(beyond, 3 * 2 * 10 * 2);
+}
+
+// A wet point of the patch with that normal, the nearest to x.
+int wet_point(const BodySurface3d& body, const Vector3d& normal, const Vector3d& x) {
+  int nearest = -1;
+  for (int k = 0; k < body.points(); ++k)
+    if (body.normal(k).dot(normal) > 0.999 &&
+        (nearest < 0 || (body.point(k) - x).norm() < (body.point(nearest) - x).norm()))
+      nearest = k;
+  return nearest;
+}
+
+TEST(BodySurface3d, HowFarAPlaceLiesInsideAFaceIsCountedFromItsNearestEdge) {
+  const Eigen::AngleAxisd turn(0.4, Vector3d(1, 2, -1).normalized());
+  const Vector3d way(0.1, -0.2, 0.3);
+  BodySurface3d body = box_body();
+  const Points X = body.mesh().position, x = (turn.toRotationMatrix() * X).colwise() + way;
+  body.move(x - X, Points::Zero(3, X.cols()), true);
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<double> beside(-2 * l0, 2 * l0), along(-0.03, 0.07), below(-2 * l0, 0);
+  for (int n = 0; n < 2000;
+       ++n) {  // under the lower face, near its edge x = 0.1 and the corner with z = 0.05
+    const Vector3d place(0.1 + beside(generator), below(generator), along(generator)),
+        at = turn * place + way;
+    const int k = wet_point(body, turn * Vector3d(0, -1, 0), at);
+    const double in_x = 0.1 - place.x(), in_z = 0.05 - place.z();
+    const double inside =
+        in_x >= 0 && in_z >= 0 ? std::min(in_x, in_z) : -std::hypot(std::min(in_x, 0.0), std::min(in_z, 0.0));
+    EXPECT_NEAR(body.within(k, at), inside, 1e-12) << place.transpose();
+    EXPECT_EQ(body.within(k, at) >= 0, body.faces(k, at)) << place.transpose();
+  }
+}
+
+TEST(BodySurface3d, AnEdgeThatDoesNotCountIsNoEndOfAFace) {
+  const BodySurface3d body = box_body();
+  const Vector3d down(0, -1, 0);
+  const auto at_x = [](bool sharp, const Vector3d& place) { return sharp && place.x() > 0.1 - 1e-9; };
+  const auto inside = [&](const Vector3d& x) { return body.within(wet_point(body, down, x), x, at_x); };
+  EXPECT_NEAR(inside({0.092, -0.005, 0.049}), 0.008, 1e-12);
+  EXPECT_NEAR(inside({0.107, -0.005, 0.03}), -0.007, 1e-12);
+  EXPECT_EQ(inside({0.08, -0.005, 0.055}), std::numeric_limits<double>::infinity());  // past the other edge
+  EXPECT_EQ(inside({0, -0.005, 0.049}), std::numeric_limits<double>::infinity());     // too far away
+  const BodySurface3d sphere = sphere_body(0.05);
+  EXPECT_EQ(sphere.within(0, sphere.point(0)), std::numeric_limits<double>::infinity());
+}
+
+TEST(BodySurface3d, PlaneFacesBetweenCornersOfAtMostARightAngleAreFound) {
+  const BodySurface3d box = box_body(), sphere = sphere_body(0.05);
+  for (int k = 0; k < box.points(); ++k) EXPECT_TRUE(box.is_between_sharp_corners(k));
+  for (int k = 0; k < sphere.points(); ++k) EXPECT_FALSE(sphere.is_between_sharp_corners(k));
+  // A disc: its level faces are plane, its rim is curved.
+  const BodySurface3d disc(disc_surface(0.1, 0, 0.04, l0), l0, reach);
+  for (int k = 0; k < disc.points(); ++k)
+    EXPECT_EQ(disc.is_between_sharp_corners(k), std::abs(disc.normal(k).y()) > 0.9) << disc.point(k);
+  // Apex and chines of a wedge of 30 degrees are blunt. The corners of its deck and of its ends are not.
+  const auto corner =
+      structure::wedge_polygon({.deadrise = std::numbers::pi / 6, .width = 0.2, .height = 0.12});
+  const BodySurface3d wedge(structure::prism_surface(structure::outline(corner, l0), 0.1, 0, l0), l0, reach);
+  const int deck = wet_point(wedge, {0, 1, 0}, {0, 0.12, 0});
+  ASSERT_GE(deck, 0);
+  EXPECT_TRUE(wedge.is_between_sharp_corners(deck));
+  for (int k = 0; k < wedge.points(); ++k) {
+    const bool blunt = wedge.normal(k).y() < -0.1 || std::abs(wedge.normal(k).x()) > 0.9;
+    EXPECT_EQ(wedge.is_between_sharp_corners(k), !blunt) << wedge.point(k);
+  }
 }
 
 TEST(BodySurface3d, LoadsOnWetPointsKeepForceAndMomentOnTheMesh) {
