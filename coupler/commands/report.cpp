@@ -1,9 +1,6 @@
-#include "coupler/commands/report.hpp"
-
+#include "coupler/commands/commands.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/report/page.hpp"
 #include "coupler/report/sections.hpp"
-#include "coupler/report/study_sections.hpp"
 #include "proto/files/result_file.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +19,7 @@ std::string verdict_sentence(const std::vector<Recorded>& runs) {
   int judged = 0, passed = 0, unfinished = 0;
   for (const Recorded& run : runs) {
     unfinished += run.finished() ? 0 : 1;
-    for (const report::Judged& one : run.compare) {
+    for (const study::CheckResult& one : run.compare) {
       ++judged;
       passed += one.pass.value_or(false) ? 1 : 0;
     }

@@ -1,7 +1,7 @@
 #include "coupler/plot/chart.hpp"
 
+#include "coupler/plot/canvas.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/plot/page_canvas.hpp"
 #include "coupler/plot/plot_axes.hpp"
 
 #include <fmt/format.h>
