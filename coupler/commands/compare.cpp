@@ -8,7 +8,6 @@
 #include "coupler/console/console.hpp"
 #include "coupler/plot/canvas.hpp"
 #include "coupler/plot/chart.hpp"
-#include "coupler/plot/plot.hpp"
 #include "coupler/plot/ticks.hpp"
 #include "proto/case/case_keys.hpp"
 #include "proto/error.hpp"

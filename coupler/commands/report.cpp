@@ -35,8 +35,7 @@ std::string verdict_sentence(const std::vector<Recorded>& runs) {
 std::string page_of_runs(const std::vector<Recorded>& runs, const std::vector<double>& at) {
   std::set<std::string> titles;
   for (const Recorded& run : runs) titles.insert(run.title.empty() ? run.name : run.title);
-  std::string title;
-  for (const std::string& one : titles) title += (title.empty() ? "" : ", ") + one;
+  std::string title = fmt::format("{}", fmt::join(titles, ", "));
   if (runs.size() > 1) title += fmt::format(": {} runs", runs.size());
   const std::string lead = "<p>" + report::escape(verdict_sentence(runs)) + "</p>\n";
   return report::page(title, lead,

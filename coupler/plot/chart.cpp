@@ -2,7 +2,7 @@
 
 #include "coupler/plot/canvas.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/plot/plot_axes.hpp"
+#include "coupler/plot/plot.hpp"
 
 #include <fmt/format.h>
 

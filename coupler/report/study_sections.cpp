@@ -4,6 +4,7 @@
 #include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
 #include "proto/lookup.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -216,16 +217,13 @@ std::string study_runs(const StudyData& study, const RunsByName& runs) {
   HtmlTable table("The runs behind it");
   table.head({"run", "folder", "state", "what it said"});
   for (const StudyData::Run& run : study.runs) {
-    std::string said;
+    std::vector<std::string> said = {"its folder holds no run"};
     if (const auto found = runs.find(run.name); found != runs.end()) {
-      for (const std::string& problem : found->second.problems) said += (said.empty() ? "" : "; ") + problem;
-      if (!found->second.origin.error.empty())
-        said += (said.empty() ? "" : "; ") + found->second.origin.error;
-    } else {
-      said = "its folder holds no run";
+      said = found->second.problems;
+      if (const std::string& error = found->second.origin.error; !error.empty()) said.push_back(error);
     }
     table.row({escape(run.name), "<code>" + escape(run.folder.generic_string()) + "</code>", state_of(run),
-               words_cell(said)});
+               words_cell(joined(said, "; "))});
   }
   return section("again", "How to run it again", body + table.html());
 }
