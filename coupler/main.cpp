@@ -1,12 +1,8 @@
 // strake: the commands, their options, and the one place where errors are printed.
 #include "coupler/commands/commands.hpp"
-#include "coupler/commands/picture.hpp"
-#include "coupler/commands/report.hpp"
-#include "coupler/commands/watch.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
-#include "coupler/run/foreign_error.hpp"
-#include "coupler/study/study.hpp"
+#include "proto/error.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -209,11 +205,7 @@ void add_compare(CLI::App& app, strake::CompareOptions& options, Action& action)
   command->add_option("--csv", options.csv, "write all records at common times")->type_name("FILE");
   command->add_option("--plot", options.plot, "draw the curves over one another as a .png or .svg")
       ->type_name("FILE");
-  command->callback([&] {
-    action = [&] {
-      return options.of_one_run() ? strake::compare_run(options) : strake::compare_several(options);
-    };
-  });
+  command->callback([&] { action = [&] { return strake::compare(options); }; });
 }
 
 void add_export(CLI::App& app, strake::ExportOptions& options, const StopRequest& stop, Action& action) {

@@ -47,4 +47,8 @@ std::string visible(std::string_view text, std::string_view kept) {
   return shown;
 }
 
+std::string joined(const std::vector<std::string>& words, const std::string& separator) {
+  return fmt::format("{}", fmt::join(words, separator));
+}
+
 }  // namespace strake

@@ -4,6 +4,7 @@
 #include "coupler/acceleration/iqn_ils.hpp"
 #include "coupler/acceleration/iqn_imvj.hpp"
 #include "proto/error.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 
@@ -123,10 +124,7 @@ void AcceleratorState::load(const Archive& archive) {
       omega->second.size() != 1)
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5", "the accelerator's state is missing",
                 "resume from the other checkpoint");
-  const auto get = [&](const std::string& name) {
-    const auto found = archive.real.find("accelerator." + name);
-    return found == archive.real.end() ? Eigen::MatrixXd() : found->second;
-  };
+  const auto get = [&](const std::string& name) { return at_or(archive.real, "accelerator." + name); };
   iteration = static_cast<int>(counts->second[0]);
   if (const auto left = archive.integer.find("accelerator.careful");
       left != archive.integer.end() && left->second.size() == 1)

@@ -1,6 +1,7 @@
 #include "coupler/acceleration/secants.hpp"
 
 #include "proto/error.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 
@@ -164,10 +165,7 @@ void Secants::save(Archive& archive, const std::string& name) const {
 
 void Secants::load(const Archive& archive, const std::string& name) {
   *this = {};
-  const auto get = [&](const std::string& what) {
-    const auto found = archive.real.find(name + what);
-    return found == archive.real.end() ? MatrixXd() : found->second;
-  };
+  const auto get = [&](const std::string& what) { return at_or(archive.real, name + what); };
   const auto counts = archive.integer.find(name + ".windows"), sizes = archive.integer.find(name + ".counts");
   if (counts == archive.integer.end() || sizes == archive.integer.end() || sizes->second.size() != 2)
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5", fmt::format("{} is missing", name),

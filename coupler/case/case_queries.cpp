@@ -1,7 +1,7 @@
 #include "coupler/case/case_queries.hpp"
 
-#include "coupler/case/compare_blocks.hpp"
 #include "coupler/case/coupling_keys.hpp"
+#include "coupler/compare/compare_block.hpp"
 #include "proto/case/case_file.hpp"
 
 namespace strake {

@@ -1,6 +1,6 @@
 #include "coupler/case/case_view.hpp"
 
-#include "coupler/case/compare_blocks.hpp"
+#include "coupler/compare/compare_block.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "proto/case/case_depth.hpp"
@@ -8,6 +8,7 @@
 #include "proto/case/refusals.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/error.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -156,6 +157,17 @@ std::string program_name(const std::string& side, const std::string& solver) {
   return "strake-structure-" + solver;
 }
 
+std::vector<double> numbers_in(const std::string& value) {
+  std::vector<double> numbers;
+  for (const char* at = value.c_str(); *at != '\0';) {
+    char* end = nullptr;
+    const double number = std::strtod(at, &end);
+    if (end != at) numbers.push_back(number);
+    at = end == at ? at + 1 : end;
+  }
+  return numbers;
+}
+
 std::map<std::string, std::string> flatten_toml(const std::string& text, const std::string& name) {
   require_shallow(text, name);
   try {
@@ -183,19 +195,23 @@ std::optional<std::string> ask_solver(const CaseView& view, const std::string& s
   return ask(program, {mode}, view.path, sets, stop);
 }
 
-CaseLookup CaseView::lookup() const {
-  return [values = value](const std::string& key) -> std::optional<std::string> {
-    const auto found = values.find(key);
-    if (found == values.end()) return std::nullopt;
-    return found->second;
+CaseLookup lookup_in(std::map<std::string, std::string> values) {
+  return [values = std::move(values)](const std::string& key) -> std::optional<std::string> {
+    return values.contains(key) ? std::optional(values.at(key)) : std::nullopt;
   };
 }
 
+bool CaseView::moves_freely() const {
+  return std::any_of(value.begin(), value.end(), [](const auto& key) {
+    return key.first.starts_with("structure.free.") && key.second == "true";
+  });
+}
+
 std::optional<double> CaseView::number(const std::string& key) const {
-  const auto found = value.find(key);
-  if (found == value.end() || found->second.empty()) return std::nullopt;
+  const std::string text = at_or(value, key);
+  if (text.empty()) return std::nullopt;
   char* end = nullptr;
-  const double number = std::strtod(found->second.c_str(), &end);
+  const double number = std::strtod(text.c_str(), &end);
   return *end == '\0' ? std::optional<double>(number) : std::nullopt;
 }
 

@@ -42,7 +42,8 @@ struct CaseView {
   std::string resolved;                      // case.toml of the run folder: every key, defaults marked
   std::map<std::string, std::string> value;  // key → resolved value as text
 
-  CaseLookup lookup() const;
+  /// Whether the whole body is free in some direction.
+  bool moves_freely() const;
   /// The resolved value as a number, or nothing.
   std::optional<double> number(const std::string& key) const;
   bool coupled() const { return fluid && structure; }
@@ -67,6 +68,11 @@ std::optional<std::string> ask_solver(const CaseView&, const std::string& side, 
 
 /// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.
 std::string program_name(const std::string& side, const std::string& solver);
+
+/// The numbers of a resolved value in their order: "[[-1, 0], [1, 0.5]]" → −1, 0, 1, 0.5.
+std::vector<double> numbers_in(const std::string& value);
+
+CaseLookup lookup_in(std::map<std::string, std::string> values);
 
 /// Every value of a TOML text by its full key: numbers in shortest form, arrays as "[0, -6.26, 0]".
 std::map<std::string, std::string> flatten_toml(const std::string& text, const std::string& name);

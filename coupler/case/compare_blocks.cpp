@@ -1,7 +1,7 @@
-#include "coupler/case/compare_blocks.hpp"
-
+#include "coupler/compare/compare_block.hpp"
 #include "proto/case/case_file.hpp"
 #include "proto/files/history.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -37,12 +37,6 @@ const std::vector<std::string>& known_metrics() {
 
 bool needs_reference(const std::string& metric) {
   return metric == "l2" || metric == "dtw" || metric == "largest_deviation" || metric == "mean_deviation";
-}
-
-std::string list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 /// Refuses a reference with anything but finite numbers, with its line.
@@ -96,7 +90,7 @@ std::vector<CompareBlock::Metric> read_metrics(CaseTable block, bool only_declar
   for (const std::string& name : only_declares ? known_metrics() : given) {
     if (std::find(known_metrics().begin(), known_metrics().end(), name) == known_metrics().end()) {
       const std::string near = did_you_mean(name, known_metrics());
-      throw value.error(name, "a metric: " + list(known_metrics()),
+      throw value.error(name, "a metric: " + joined(known_metrics()),
                         near.empty() ? "" : "did you mean " + near + "?");
     }
     CompareBlock::Metric metric = {name, 0, 0};

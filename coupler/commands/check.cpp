@@ -61,6 +61,11 @@ bool can_be_built(const CaseView& view) {
   return true;
 }
 
+Error nothing_to_draw(const std::filesystem::path& path) {
+  return {ExitCode::command_line, "--picture " + path.string(), "the case has no structure of ours to draw",
+          "leave --picture out"};
+}
+
 /// One drawing per discretisation, one above the other.
 void write_picture(const CaseView& view, const std::filesystem::path& path, const StopRequest& stop) {
   std::string drawings;
@@ -77,9 +82,7 @@ void write_picture(const CaseView& view, const std::filesystem::path& path, cons
       width = std::max(width, number("width"));
     } catch (const Error&) {  // the table says why
     }
-  if (drawings.empty())
-    throw Error(ExitCode::command_line, "--picture " + path.string(),
-                "the case has no structure of ours to draw", "leave --picture out");
+  if (drawings.empty()) throw nothing_to_draw(path);
   write_whole(path, fmt::format("<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' "
                                 "viewBox='0 0 {0:.0f} {1:.0f}'>\n{2}</svg>\n",
                                 width, y, drawings));
@@ -125,9 +128,7 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
   const bool ours = view.structure && view.structure->solver.find('/') == std::string::npos;
   if (built && ours && view.structure->solver != "replay") print_properties(view, stop);
   if (!options.picture.empty()) {
-    if (!view.structure || !ours)
-      throw Error(ExitCode::command_line, "--picture " + options.picture.string(),
-                  "the case has no structure of ours to draw", "leave --picture out");
+    if (!view.structure || !ours) throw nothing_to_draw(options.picture);
     write_picture(view, options.picture, stop);
   }
   if (options.all) fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));

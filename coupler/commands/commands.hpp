@@ -51,12 +51,10 @@ struct CompareOptions {
   std::vector<std::string> within;    // "METRIC=PART": the verdict
   std::filesystem::path csv;          // overlay to write; empty: none
   std::filesystem::path plot;         // .png or .svg to draw; empty: none
-  bool of_one_run() const;            // one run, at most with probes and a plot: its case's references
 };
-/// The compare blocks of a run's own case.toml against its summary and history.
-ExitCode compare_run(const CompareOptions&);
-/// Two records or more against the first, metric by metric.
-ExitCode compare_several(const CompareOptions&);
+/// The compare blocks of a run's own case.toml against its summary and history, where one run is named, at
+/// most with probes and a plot. Else the records against the first of them, metric by metric.
+ExitCode compare(const CompareOptions&);
 
 struct KeysOptions {
   std::filesystem::path folder = "keys";
@@ -83,5 +81,61 @@ struct ReplayOptions {
   RunOptions run;
 };
 ExitCode replay(const ReplayOptions&, const StopRequest&);
+
+struct ReportOptions {
+  std::vector<std::filesystem::path> what;  // run folders, or one folder of a study
+  std::filesystem::path out;                // empty: report.html in the first folder
+  std::vector<double> at;                   // [s] of the pictures
+};
+/// Writes one page about runs, or about a study.
+ExitCode write_report(const ReportOptions&);
+
+struct WatchOptions {
+  std::filesystem::path run;  // empty: the newest under `runs`
+  std::filesystem::path runs = "runs";
+  bool web = false;  // a page instead of the terminal's view
+  int port = 0;      // of the page; 0: a free one
+  std::string bind = "127.0.0.1";
+};
+/// Shows a running or finished run until it ends, or the reader has enough. Returns the run's own exit code
+/// once it has ended; participant_lost for a run that was killed; done where the reader left first.
+ExitCode watch_run(const WatchOptions&, const StopRequest&);
+
+/// What `picture` and `film` have in common.
+struct PictureOptions {
+  std::filesystem::path run, out;  // out: .png or .svg; empty: RUN/<field>.png, of a film RUN/<field>.mp4
+  std::optional<double> at;        // [s]; none: the last frame
+  std::string field = "pressure";
+  std::string size, view, range;  // "1280x720", "x0,y0,x1,y1" [m], "lo,hi"; empty: the run's own
+  double scale = 1;
+};
+/// Draws one frame of a run.
+ExitCode draw_picture(const PictureOptions&);
+
+struct FilmOptions {
+  PictureOptions picture;
+  int frames_per_second = 25;
+  std::optional<double> from, to;  // [s]
+};
+/// Draws all frames between two times in the same colours and view, and has ffmpeg make a film of them.
+ExitCode make_film(const FilmOptions&, const StopRequest&);
+
+struct StudyOptions {
+  std::filesystem::path file;           // study.toml
+  std::filesystem::path runs = "runs";  // the study is runs/<study>
+  int jobs = 0;                         // runs at once; 0: as the file says, else one for each core
+  bool again = false;                   // also what is done
+  bool list = false;                    // say what would be run
+  bool strict = false;                  // exit 1 when a check fails
+  bool quiet = false;
+};
+
+/// Runs a study and writes runs/<study>/study.csv (a line for each run) and study.json (that, checks, orders
+/// of convergence, claims). Exit code of the first run that failed, else done (or 1 under `strict`).
+ExitCode study_command(const StudyOptions&, const StopRequest&);
+
+/// Converts an exception that our code did not throw. If the system refused an operation on a file it is exit
+/// 6, else a bug of ours at that place (exit 70).
+Error error_of(const std::exception&, const std::string& where);
 
 }  // namespace strake

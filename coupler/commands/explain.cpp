@@ -1,8 +1,9 @@
 #include "coupler/case/case_queries.hpp"
 #include "coupler/case/case_view.hpp"
 #include "coupler/commands/commands.hpp"
-#include "coupler/console/join.hpp"
 #include "coupler/participant/launch.hpp"
+#include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 

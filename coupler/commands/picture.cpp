@@ -1,5 +1,4 @@
-#include "coupler/commands/picture.hpp"
-
+#include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/plot/drawing.hpp"
@@ -66,12 +65,6 @@ picture::DrawingOptions drawing_of(const PictureOptions& options) {
   return drawing;
 }
 
-void widen(picture::Range& range, const picture::Range& other) {
-  if (other.empty()) return;
-  range.add(other.lo);
-  range.add(other.hi);
-}
-
 /// Sets colours and view of a whole film to the range of a few of its frames. The first and last are among
 /// them.
 void settle(const PictureOptions& options, const picture::RunFrames& run,
@@ -86,10 +79,10 @@ void settle(const PictureOptions& options, const picture::RunFrames& run,
         picture::read_scene(run, {.time = frames[of].time, .field = options.field, .scale = options.scale});
     water_name = scene.water_field.name;
     solid_name = scene.solid_field.name;
-    widen(water, scene.water_field.shown);
-    widen(solid, scene.solid_field.shown);
-    widen(x, scene.x);
-    widen(y, scene.y);
+    water.add(scene.water_field.shown);
+    solid.add(scene.solid_field.shown);
+    x.add(scene.x);
+    y.add(scene.y);
     spacing = std::max(scene.spacing, scene.solid_spacing);
   }
   // --range is of the named field; what the other side shows keeps its colours as well.
@@ -105,16 +98,12 @@ void settle(const PictureOptions& options, const picture::RunFrames& run,
 ExitCode draw_picture(const PictureOptions& options) {
   const std::filesystem::path out =
       options.out.empty() ? options.run / (options.field + ".png") : options.out;
-  const std::string kind = out.extension().string();
-  if (kind != ".png" && kind != ".svg")
-    throw Error(ExitCode::command_line, "-o " + out.string(), "a picture is a .png or an .svg",
-                "-o picture.png");
+  const picture::Canvas::Kind kind = picture::kind_of(out, "-o", "a picture", "picture.png");
   const picture::DrawingOptions drawing = drawing_of(options);
   picture::SceneOptions wanted = {.field = options.field, .scale = options.scale};
   if (options.at) wanted.time = *options.at;
   const picture::Scene scene = picture::read_scene(picture::find_frames(options.run), wanted);
-  write_text(out, picture::draw(scene, drawing,
-                                kind == ".png" ? picture::Canvas::Kind::png : picture::Canvas::Kind::svg));
+  write_text(out, picture::draw(scene, drawing, kind));
   fmt::print("{}: the frame at {:.6g} s, {} particles of water{}\n", out.string(), scene.time,
              scene.water.size(), scene.cut.empty() ? "" : ", " + scene.cut);
   for (const picture::Quantity* of : {&scene.water_field, &scene.solid_field})

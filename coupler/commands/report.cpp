@@ -1,9 +1,6 @@
-#include "coupler/commands/report.hpp"
-
+#include "coupler/commands/commands.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/report/page.hpp"
 #include "coupler/report/sections.hpp"
-#include "coupler/report/study_sections.hpp"
 #include "proto/files/result_file.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +19,7 @@ std::string verdict_sentence(const std::vector<Recorded>& runs) {
   int judged = 0, passed = 0, unfinished = 0;
   for (const Recorded& run : runs) {
     unfinished += run.finished() ? 0 : 1;
-    for (const report::Judged& one : run.compare) {
+    for (const study::CheckResult& one : run.compare) {
       ++judged;
       passed += one.pass.value_or(false) ? 1 : 0;
     }
@@ -38,8 +35,7 @@ std::string verdict_sentence(const std::vector<Recorded>& runs) {
 std::string page_of_runs(const std::vector<Recorded>& runs, const std::vector<double>& at) {
   std::set<std::string> titles;
   for (const Recorded& run : runs) titles.insert(run.title.empty() ? run.name : run.title);
-  std::string title;
-  for (const std::string& one : titles) title += (title.empty() ? "" : ", ") + one;
+  std::string title = fmt::format("{}", fmt::join(titles, ", "));
   if (runs.size() > 1) title += fmt::format(": {} runs", runs.size());
   const std::string lead = "<p>" + report::escape(verdict_sentence(runs)) + "</p>\n";
   return report::page(title, lead,

@@ -3,11 +3,8 @@
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/run/checkpoint.hpp"
-#include "coupler/run/foreign_error.hpp"
-#include "coupler/run/resume_hint.hpp"
 #include "coupler/run/run_files.hpp"
 #include "coupler/run/run_folder.hpp"
-#include "coupler/run/run_header.hpp"
 #include "coupler/run/run_log.hpp"
 #include "coupler/run/session.hpp"
 #include "coupler/summary/alarms.hpp"
@@ -16,10 +13,13 @@
 #include "coupler/summary/summary.hpp"
 #include "coupler/timing/run_clocks.hpp"
 #include "proto/case/size_limit.hpp"
+#include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/peak_memory.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
@@ -64,9 +64,51 @@ struct RunMessages {
   }
   void wait(const Awaited& whom, double elapsed) {
     if (const std::string line = wait_log.line(whom); log && !line.empty()) log->info(line);
-    reporter.wait({.whom = whom, .elapsed = elapsed});
+    reporter.wait(whom, elapsed);
   }
 };
+
+/// The head of console and log, before the first window. history: the columns of its file.
+RunHeader header_of(const CaseView& view, const Session& session, const RunPlan& plan,
+                    const std::filesystem::path& folder, const std::vector<Column>& history, bool resumed) {
+  RunHeader header{.title = view.common.title,
+                   .folder = folder,
+                   .blocks = session.understood(),
+                   .warnings = session.warnings(),
+                   .coupled = view.coupled(),
+                   .dimension = session.dimension(),
+                   .columns = session.columns(),
+                   .probes = view.common.probes,
+                   .history = history,
+                   .end_time = plan.end,
+                   .windows = plan.n_windows(),
+                   .from = plan.start};
+  if (std::vector<std::string> lines = session.resolution(); !lines.empty())
+    header.blocks.emplace_back("resolution", std::move(lines));
+  if (resumed)
+    header.blocks.push_back(
+        {"resumed", {fmt::format("after window {} (t = {:.6g} s)", plan.start.windows, plan.start.time)}});
+  return header;
+}
+
+/// Adds to the error that stopped a run the checkpoint to resume from, if there is one, and the loss.
+/// checkpoint: the latest, as the user would type it; empty: none. saved: its content.
+Error with_resume_hint(const Error& error, const std::filesystem::path& checkpoint, const LoopState& saved,
+                       const Summary& summary) {
+  const long lost = summary.windows() - saved.windows;
+  const std::string windows = fmt::format("{} finished window{}, {:.6g} s of simulated time", lost,
+                                          lost == 1 ? "" : "s", summary.end_time() - saved.time);
+  const std::string resume_hint =
+      checkpoint.empty()
+          ? fmt::format(
+                "nothing to go on from: the first checkpoint was still to come (run.checkpoint)\n"
+                "lost: {}",
+                windows)
+          : fmt::format("--resume goes on with window {} (t = {:.6g} s), from {}\ncomputed again: {}",
+                        saved.windows + 1, saved.time, checkpoint.string(), windows);
+  return Error(error.code(), error.where(), error.problem(),
+               error.fix().empty() ? resume_hint : error.fix() + "\n" + resume_hint);
+}
 
 /// One run, from its folder to its last file.
 class Run {
@@ -309,9 +351,8 @@ class Run {
     summary_.coupler_memory = peak_memory();
     if (files_) summary_.take_history(files_->table());
     summary_.verdicts = verdicts_.all(data(code == ExitCode::done));
-    write_text(folder_.path / "summary.json",
-               summary_.json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-    nlohmann::ordered_json contact = nlohmann::ordered_json::object();  // [s] where `compare` counts from
+    write_text(folder_.path / "summary.json", json_text(summary_.json(), 2) + "\n");
+    Json contact = Json::object();  // [s] where `compare` counts from
     const std::string metric = ":contact";
     for (const auto& [name, time] : summary_.probe_results())
       if (name.ends_with(metric)) contact[name.substr(0, name.size() - metric.size())] = time;
@@ -393,7 +434,7 @@ class Run {
   RunMessages messages_;
   RunRecord record_;
   Summary summary_;
-  nlohmann::ordered_json programs_;
+  Json programs_;
   ComparisonStatus verdicts_;
   RunClocks clocks_;
   std::unique_ptr<RunFiles> files_;
@@ -437,6 +478,13 @@ ExitCode run(const RunOptions& options, const StopRequest& stop) {
     throw;
   }
   return run->execute();
+}
+
+Error error_of(const std::exception& error, const std::string& where) {
+  if (const auto* refused = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
+    return {ExitCode::cannot_write, refused->path1().string(), refused->code().message(),
+            "check the path, and what this user may do there"};
+  return {ExitCode::our_bug, where, fmt::format("{}\nthis is a bug in Strake", error.what())};
 }
 
 }  // namespace strake

@@ -1,5 +1,4 @@
-#include "coupler/commands/watch.hpp"
-
+#include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"
@@ -100,8 +99,7 @@ ExitCode on_terminal(watch::WatchedRun& run, const StopRequest& stop) {
       watch::Screen now = screen_now();
       now.height -= 1;
       std::vector<std::string> lines = watch::screen_lines(run, now);
-      lines.push_back(now.colour ? "\033[2mq ends watching; the run goes on\033[0m"
-                                 : "q ends watching; the run goes on");
+      lines.push_back(painted({.colour = now.colour}, "2", "q ends watching; the run goes on"));
       screen.draw(lines);
       left = screen.leaves(std::chrono::duration_cast<std::chrono::milliseconds>(terminal_interval));
       run.update();

@@ -1,6 +1,7 @@
 #include "coupler/compare/compare.hpp"
 
-#include "coupler/compare/curve.hpp"
+#include "coupler/compare/record.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 
@@ -19,9 +20,8 @@ constexpr double impulse_window = 3.0e-4;  // [s]
 constexpr double slack = 1e-9;
 
 std::optional<double> known(const RunData& data, const std::string& name) {
-  const auto found = data.monitor.find(name);
-  if (found == data.monitor.end() || !std::isfinite(found->second)) return std::nullopt;
-  return found->second;
+  const double value = at_or(data.monitor, name, std::nan(""));
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 /// Whether a participant keeps a record of this probe: it tells a metric of it, at least the last value.
@@ -38,24 +38,6 @@ std::optional<double> contact_time(const RunData& data, const std::string& probe
   for (const auto& [name, time] : data.monitor)
     if (name.ends_with(":contact") && std::isfinite(time) && (!earliest || time < *earliest)) earliest = time;
   return earliest;
-}
-
-/// A column of history.csv over time without its empty cells; empty when there is no such column.
-Curve column(const Table& table, const std::string& name) {
-  Curve curve;
-  const std::vector<double>* time = nullptr;
-  const std::vector<double>* value = nullptr;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    if (table.columns[c].name == "time") time = &table.value[c];
-    if (table.columns[c].name == name) value = &table.value[c];
-  }
-  if (!time || !value) return curve;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    if (!std::isfinite((*value)[row]) || !std::isfinite((*time)[row])) continue;
-    curve.time.push_back((*time)[row]);
-    curve.value.push_back((*value)[row]);
-  }
-  return curve;
 }
 
 /// Mean over [from, to] of a column whose values are means since the line before.
@@ -77,7 +59,7 @@ double mean_of_means(const Curve& c, double from, double to) {
 std::optional<CurvePoint> largest(const Table& history, const std::string& probe, double from, double to) {
   std::optional<CurvePoint> best;
   for (const char* suffix : {"", ".min", ".max"}) {
-    const Curve c = column(history, probe + suffix);
+    const Curve c = curve_of(history, probe + suffix);
     for (std::size_t k = 0; k < c.size(); ++k)
       if (c.time[k] > from && c.time[k] <= to * (1 + slack) &&
           (!best || std::abs(c.value[k]) > std::abs(best->value)))
@@ -101,7 +83,7 @@ std::optional<double> from_history(const CompareBlock& block, const std::string&
                                    double from, double to) {
   if (!data.history) return std::nullopt;
   if (metric == "impulse") {
-    const Curve running = column(*data.history, block.probe + ".impulse");
+    const Curve running = curve_of(*data.history, block.probe + ".impulse");
     if (running.size() > 0) return value_at(running, to) - value_at(running, from);
   }
   if (metric == "peak" || metric == "time_of_peak") {
@@ -110,10 +92,10 @@ std::optional<double> from_history(const CompareBlock& block, const std::string&
     return metric == "peak" ? point->value : point->time;
   }
   if (metric == "mean") {
-    const Curve means = column(*data.history, block.probe + ".mean");
+    const Curve means = curve_of(*data.history, block.probe + ".mean");
     if (means.size() > 0) return mean_of_means(means, from, to);
   }
-  const Curve curve = column(*data.history, block.probe);
+  const Curve curve = curve_of(*data.history, block.probe);
   if (curve.size() == 0) return std::nullopt;
   if (metric == "impulse") return impulse(curve, from, to);
   if (metric == "mean") return mean(curve, from, to);
@@ -205,8 +187,7 @@ Curve reference_curve(const CompareBlock& block) {
 }
 
 double Verdict::deviation() const {
-  if (!value) return std::numeric_limits<double>::quiet_NaN();
-  return reference == 0 ? *value : (*value - reference) / std::abs(reference);
+  return value ? strake::deviation(*value, reference) : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::string Verdict::line() const {

@@ -27,8 +27,7 @@ struct Verdict {
   double reference = 0, tolerance = 0;
   Result result = Result::not_reached;
   std::string kind, source;
-  /// (value − reference) / |reference|; the plain difference where the reference is 0.
-  double deviation() const;
+  double deviation() const;  // of the value from the reference
   /// "pass  mid.y first_peak 0.00160, expected 0.001625: -1.5 % (within 15 %), theory: source".
   std::string line() const;
 };

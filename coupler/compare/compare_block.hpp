@@ -9,6 +9,8 @@
 
 namespace strake {
 
+class CaseFile;
+
 /// Returns the resolved value of a case key as text ("fem", "inf", "0.01", "[0, -6.26, 0]"). None if there is
 /// no such key.
 using CaseLookup = std::function<std::optional<std::string>(const std::string& key)>;
@@ -45,5 +47,9 @@ struct CompareBlock {
 /// True if every condition of the block is met. Numbers compare as numbers (inf too), lists of numbers item
 /// by item, the rest as text.
 bool applies(const CompareBlock&, const CaseLookup&);
+
+/// Declares and reads every [[compare]] table; a reference file is read and must be finite throughout.
+/// Throws Error(case_file) with its place.
+std::vector<CompareBlock> read_compare_blocks(CaseFile&);
 
 }  // namespace strake

@@ -91,6 +91,10 @@ double shift_onto(const Record& first, const Record& other, const std::string& h
   return seconds;
 }
 
+bool is_value_of_curve(const std::string& metric) {
+  return metric == "first_peak" || metric == "peak" || metric == "final" || metric == "mean";
+}
+
 std::string metric_unit(const std::string& metric, const std::string& unit) {
   if (metric.starts_with("time_of_") || metric == "period" || metric == "onset") return "s";
   if (metric == "l2" || metric == "dtw") return "1";

@@ -39,6 +39,9 @@ Comparison compare_records(const std::vector<Record>&, const std::string& quanti
 /// Unit of a metric of a quantity in `unit`. "impulse" of "Pa" is in "Pa s", "l2" of anything in "1".
 std::string metric_unit(const std::string& metric, const std::string& unit);
 
+/// Whether a metric is a value of the curve itself, and so a line across its plot.
+bool is_value_of_curve(const std::string& metric);
+
 /// The metrics that `compare_records` gives.
 const std::vector<std::string>& record_metrics();
 

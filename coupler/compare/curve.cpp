@@ -139,6 +139,10 @@ std::optional<double> onset(const Curve& c, double from, double to) {
   return std::nullopt;
 }
 
+double deviation(double value, double reference) {
+  return reference == 0 ? value : (value - reference) / std::abs(reference);
+}
+
 Deviation deviation(const Curve& a, const Curve& reference) {
   if (a.size() == 0 || reference.size() == 0)
     return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};

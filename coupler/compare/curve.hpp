@@ -38,6 +38,8 @@ std::optional<double> period(const Curve&, double from, double to);
 /// Time from the curve's first sample at which |q| first reaches half of its mean over [from, to]. It marks
 /// the front of a plateau. None if that never happens.
 std::optional<double> onset(const Curve&, double from, double to);
+/// (value − reference) / |reference|; the plain difference where the reference is 0.
+double deviation(double value, double reference);
 /// Deviation |a − b| at the samples of the reference b. It has a meaning only if a reaches as far as b.
 struct Deviation {
   double largest = 0, mean = 0;

@@ -1,6 +1,7 @@
 #include "coupler/compare/record.hpp"
 
 #include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <tuple>
 
@@ -51,17 +51,11 @@ constexpr std::array<Unit, 26> units = {{{"ms", 1e-3, "s"},
 
 /// The earliest contact that run.json names.
 std::optional<double> contact_of(const fs::path& run) {
-  std::ifstream stream(run / "run.json");
-  const nlohmann::json record = nlohmann::json::parse(stream, nullptr, false);
   std::optional<double> earliest;
-  if (record.is_discarded() || !record.contains("contact") || !record["contact"].is_object()) return earliest;
-  for (const auto& [probe, time] : record["contact"].items())
+  const Json record = read_json(run / "run.json");
+  for (const auto& [probe, time] : member(record, "contact").items())
     if (time.is_number() && (!earliest || time.get<double>() < *earliest)) earliest = time.get<double>();
   return earliest;
-}
-
-bool is_load(const std::string& column) {
-  return column.starts_with("force.") || column.starts_with("moment.");
 }
 
 /// Whether a column says where a rigid body or a frame of supports is, what it does and what acts on it.
@@ -70,11 +64,9 @@ bool tells_of_place(const std::string& column) {
 }
 
 /// A peak of summary.json: value and time, where both are numbers.
-std::optional<CurvePoint> told_peak(const nlohmann::json& probe, const std::string& metric) {
-  const auto value = probe.find(metric), time = probe.find("time_of_" + metric);
-  if (value == probe.end() || time == probe.end() || !value->is_number() || !time->is_number())
-    return std::nullopt;
-  return CurvePoint{.time = time->get<double>(), .value = value->get<double>()};
+std::optional<CurvePoint> told_peak(const Json& probe, const std::string& metric) {
+  const auto value = number_of(probe, metric), time = number_of(probe, "time_of_" + metric);
+  return value && time ? std::optional(CurvePoint{.time = *time, .value = *value}) : std::nullopt;
 }
 
 /// q_k with the largest |q| of value, least and most, row by row; the value alone where the rows differ.
@@ -92,6 +84,23 @@ std::size_t index_of(const Table& table, const std::string& name) {
 }
 
 }  // namespace
+
+Curve curve_of(const Table& table, const std::string& column) {
+  Curve curve;
+  const auto time = table.find("time"), value = table.find(column);
+  if (!time || !value) return curve;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const double t = table.value[*time][row], q = table.value[*value][row];
+    if (!std::isfinite(t) || !std::isfinite(q)) continue;
+    curve.time.push_back(t);
+    curve.value.push_back(q);
+  }
+  return curve;
+}
+
+bool is_load(const std::string& column) {
+  return column.starts_with("force.") || column.starts_with("moment.");
+}
 
 SiUnit in_si(const std::string& unit) {
   for (const Unit& known : units)
@@ -128,11 +137,9 @@ RecordSource::RecordSource(const std::string& operand) : name_(operand) {
   table_ = read_table(is_run_ ? path / "history.csv" : path);
   if (is_run_) {
     contact_ = contact_of(path);
-    std::ifstream stream(path / "summary.json");
-    const nlohmann::json summary = nlohmann::json::parse(stream, nullptr, false);
-    if (!summary.is_discarded() && summary.contains("probes") && summary["probes"].is_object())
-      for (const auto& [probe, entry] : summary["probes"].items())
-        if (entry.is_object()) peaks_[probe] = {told_peak(entry, "first_peak"), told_peak(entry, "peak")};
+    const Json summary = read_json(path / "summary.json");
+    for (const auto& [probe, entry] : member(summary, "probes").items())
+      if (entry.is_object()) peaks_[probe] = {told_peak(entry, "first_peak"), told_peak(entry, "peak")};
   }
   if (table_.columns.size() < 2)
     throw Error(ExitCode::case_file, table_.path.string(), "has one column",

@@ -54,6 +54,11 @@ class RecordSource {
       peaks_;  // probe → first peak, peak; of summary.json
 };
 
+/// Whether a column of a run is a component of force or moment on the body.
+bool is_load(const std::string& column);
+/// A column over "time" without the rows in which one of them is empty; empty where there is no such column.
+Curve curve_of(const Table&, const std::string& column);
+
 /// A unit as SI: {"kPa"} → {1000, "Pa"}. What is not known stays as it is.
 struct SiUnit {
   double factor = 1;

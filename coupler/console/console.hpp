@@ -46,12 +46,6 @@ struct RunRow {
   const Table* history = nullptr;                   // its last line is this window; may be null
 };
 
-/// An answer that has not come yet.
-struct RunWait {
-  Awaited whom;
-  double elapsed = 0;  // [s] since the run began
-};
-
 /// How a run ended.
 struct RunEnd {
   const Summary* summary = nullptr;
@@ -68,7 +62,8 @@ class Reporter {
   virtual ~Reporter() = default;
   virtual void start(const RunHeader&) = 0;
   virtual void window(const RunRow&) = 0;
-  virtual void wait(const RunWait&) {}  // several times a second while an answer is awaited
+  /// An answer is awaited, several times a second; elapsed: [s] since the run began.
+  virtual void wait(const Awaited&, double /*elapsed*/) {}
   virtual void verdict(const Verdict&) = 0;
   virtual void note(const std::string& line) = 0;   // what has happened
   virtual void alarm(const std::string& line) = 0;  // a value that the case cannot have (summary/alarms.hpp)

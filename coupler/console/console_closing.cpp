@@ -2,6 +2,7 @@
 #include "coupler/plot/ticks.hpp"
 #include "coupler/summary/check_grades.hpp"
 #include "coupler/timing/profile.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/number_text.hpp"
 #include "proto/visible.hpp"
 
@@ -18,8 +19,6 @@ namespace strake {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::size_t most_probes = 6;
 
 std::string counted(long number, const std::string& what) {
@@ -30,10 +29,9 @@ std::string counted(long number, const std::string& what) {
 void add_checks(const Json& checks, std::vector<std::string>& lines) {
   std::vector<std::string> texts = grade_lines(checks);
   std::string others;
-  if (checks["inner_fraction_min"].is_number())
-    others =
-        fmt::format("inner particles at least {:.1f} %", 100 * checks["inner_fraction_min"].get<double>());
-  if (checks["voids"].is_number()) others += fmt::format("   voids {:.0f}", checks["voids"].get<double>());
+  if (const auto inner = number_of(checks, "inner_fraction_min"))
+    others = fmt::format("inner particles at least {:.1f} %", 100 * *inner);
+  if (const auto voids = number_of(checks, "voids")) others += fmt::format("   voids {:.0f}", *voids);
   if (!others.empty()) texts.push_back("also  " + others);
   for (std::size_t k = 0; k < texts.size(); ++k)
     lines.push_back(fmt::format("  {:<8}{}", k == 0 ? "checks" : "", texts[k]));
@@ -59,30 +57,25 @@ std::string value_text(double value, const std::string& unit, const Style& style
 
 /// The known results of a probe: "first peak 1.742 mm at 2.35 ms   peak -3.1 mm at 21 ms".
 std::string found_text(const Json& probe, const Style& style) {
-  const std::string unit = probe["unit"].is_string() ? probe["unit"].get<std::string>() : "1";
-  const auto number = [&](const char* key) {
-    return probe[key].is_number() ? std::optional(probe[key].get<double>()) : std::nullopt;
-  };
+  const std::string unit = probe["unit"].is_string() ? string_of(probe, "unit") : "1";
   std::string text;
   const auto add = [&](const std::string& words, std::optional<double> value, std::optional<double> time) {
     if (!value) return;
     text += (text.empty() ? "" : "   ") + words + " " + value_text(*value, unit, style);
     if (time) text += " at " + value_text(*time, "s", style);
   };
-  const auto first = number("first_peak"), peak = number("peak");
-  if (peak == 0.0 && number("final") == 0.0) return {};  // of a body that does not deform
-  add("first peak", first, number("time_of_first_peak"));
-  if (peak != first) add("peak", peak, number("time_of_peak"));
-  add("at the end", number("final"), std::nullopt);
+  const auto first = number_of(probe, "first_peak"), peak = number_of(probe, "peak");
+  if (peak == 0.0 && number_of(probe, "final") == 0.0) return {};  // of a body that does not deform
+  add("first peak", first, number_of(probe, "time_of_first_peak"));
+  if (peak != first) add("peak", peak, number_of(probe, "time_of_peak"));
+  add("at the end", number_of(probe, "final"), std::nullopt);
   return text;
 }
 
 /// Force and moment on the body, without components that are round-off beside the largest force.
 std::vector<std::string> telling_loads(const Json& probes) {
   constexpr double least_part = 1e-6;  // of the largest force; of a moment a lever arm of a micrometre [m]
-  const auto peak_of = [](const Json& entry) {
-    return entry["peak"].is_number() ? std::abs(entry["peak"].get<double>()) : 0.0;
-  };
+  const auto peak_of = [](const Json& entry) { return std::abs(number_of(entry, "peak").value_or(0)); };
   double largest = 0;
   for (const auto& [name, entry] : probes.items())
     if (name.starts_with("force.")) largest = std::max(largest, peak_of(entry));

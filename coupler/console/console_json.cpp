@@ -1,10 +1,9 @@
 #include "coupler/console/console.hpp"
 #include "coupler/timing/profile.hpp"
+#include "proto/files/json_file.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-
-#include <cmath>
 
 // strake run --json: the lines are described in proto/RESULTS.md.
 
@@ -12,13 +11,7 @@ namespace strake {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double wait_interval = 10;  // [s] between two lines about one answer
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 class JsonReporter final : public Reporter {
  public:
@@ -47,26 +40,26 @@ class JsonReporter final : public Reporter {
                  {"window", window.number},
                  {"time", window.time},
                  {"iterations", window.report.iterations},
-                 {"residual", number(window.report.residual)},
+                 {"residual", finite(window.report.residual)},
                  {"converged", window.report.converged},
                  {"elapsed", row.elapsed}};
     Json values = Json::object();
     if (row.history != nullptr)
       for (std::size_t k = 0; k < row.history->columns.size(); ++k)
-        values[row.history->columns[k].name] = number(row.history->value[k].back());
+        values[row.history->columns[k].name] = finite(row.history->value[k].back());
     line["values"] = values;
     put(line);
   }
 
-  void wait(const RunWait& wait) override {
-    if (wait.whom.waited < wait_interval || wait.elapsed < last_wait_ + wait_interval) return;
-    last_wait_ = wait.elapsed;
+  void wait(const Awaited& whom, double elapsed) override {
+    if (whom.waited < wait_interval || elapsed < last_wait_ + wait_interval) return;
+    last_wait_ = elapsed;
     put({{"kind", "waiting"},
-         {"participant", wait.whom.name},
-         {"asked", wait.whom.asked},
-         {"seconds", wait.whom.waited},
-         {"doing", wait.whom.doing},
-         {"part", wait.whom.doing.empty() ? Json(nullptr) : number(wait.whom.part)}});
+         {"participant", whom.name},
+         {"asked", whom.asked},
+         {"seconds", whom.waited},
+         {"doing", whom.doing},
+         {"part", whom.doing.empty() ? Json(nullptr) : finite(whom.part)}});
   }
 
   void verdict(const Verdict& verdict) override {
@@ -94,7 +87,7 @@ class JsonReporter final : public Reporter {
  private:
   void put(const Json& line) {
     // In ASCII, so that no control character of a text reaches a terminal.
-    strake::put(stream_, line.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n");
+    strake::put(stream_, json_text(line, -1, true) + "\n");
   }
   std::FILE* stream_;
   double last_wait_ = -wait_interval;  // [s]

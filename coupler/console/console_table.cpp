@@ -1,5 +1,6 @@
 #include "coupler/console/console.hpp"
 #include "coupler/console/progress_bar.hpp"
+#include "proto/lookup.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
@@ -38,11 +39,8 @@ std::string digits(double value) {
 }
 
 double monitor_of(const RunRow& row, const std::string& name) {
-  for (const auto* monitor : {&row.window->report.fluid, &row.window->report.structure}) {
-    const auto found = monitor->find(name);
-    if (found != monitor->end()) return found->second;
-  }
-  return std::nan("");
+  const WindowReport& report = row.window->report;
+  return at_or(report.fluid, name, at_or(report.structure, name, std::nan("")));
 }
 
 /// Small SI values read better with a prefix: metres as millimetres, pascals as kilopascals.
@@ -171,11 +169,11 @@ class TableReporter final : public Reporter {
     draw(row.elapsed);
   }
 
-  void wait(const RunWait& wait) override {
-    if (!style_.terminal || wait.elapsed < last_drawn_ + terminal_interval) return;
-    if (wait.whom.waited >= wait_told_after) progress_.waiting = waiting_text(wait.whom);
+  void wait(const Awaited& whom, double elapsed) override {
+    if (!style_.terminal || elapsed < last_drawn_ + terminal_interval) return;
+    if (whom.waited >= wait_told_after) progress_.waiting = waiting_text(whom);
     if (pending_.empty() && progress_.waiting.empty()) return;
-    draw(wait.elapsed);
+    draw(elapsed);
   }
 
   void verdict(const Verdict& verdict) override { put(verdict_text(verdict, style_)); }
@@ -232,7 +230,7 @@ class TableReporter final : public Reporter {
   std::vector<TableColumn> columns_;
   std::vector<Column> shown_;  // in the bar
   LiveRows bar_;
-  Pace pace_;
+  RecentSpeed pace_;
   Progress progress_;
   std::string pending_;                          // lines to stand above the bar
   double last_line_ = -1e9, last_drawn_ = -1e9;  // [s] elapsed

@@ -51,7 +51,7 @@ std::string rate_text(double rate) {
 
 }  // namespace
 
-void Pace::add(double elapsed, double time, double steps) {
+void RecentSpeed::add(double elapsed, double time, double steps) {
   if (samples_.empty()) begin_ = elapsed;
   const double look = std::max(shortest_look, share_looked_at * (elapsed - begin_));
   // The last sample is renewed until it is worth one of its own.
@@ -62,7 +62,7 @@ void Pace::add(double elapsed, double time, double steps) {
   while (samples_.size() > 2 && samples_[1].elapsed < elapsed - look) samples_.pop_front();
 }
 
-std::optional<double> Pace::remaining(double end) const {
+std::optional<double> RecentSpeed::remaining(double end) const {
   if (samples_.size() < 2) return std::nullopt;
   const double seconds = samples_.back().elapsed - samples_.front().elapsed;
   const double gained = samples_.back().time - samples_.front().time;
@@ -70,7 +70,7 @@ std::optional<double> Pace::remaining(double end) const {
   return std::max(0.0, end - samples_.back().time) * seconds / gained;
 }
 
-std::optional<double> Pace::steps_per_second() const {
+std::optional<double> RecentSpeed::steps_per_second() const {
   if (samples_.size() < 2) return std::nullopt;
   const double seconds = samples_.back().elapsed - samples_.front().elapsed;
   const double steps = samples_.back().steps - samples_.front().steps;

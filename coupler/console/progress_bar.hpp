@@ -12,7 +12,7 @@ namespace strake {
 
 /// Recent speed of a run: over its last quarter, and at least 5 s. Windows after contact take longer than
 /// those before.
-class Pace {
+class RecentSpeed {
  public:
   /// elapsed: wall clock [s]; time: simulated [s]; steps: of a solver, since its start.
   void add(double elapsed, double time, double steps);

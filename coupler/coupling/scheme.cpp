@@ -306,12 +306,6 @@ void Scheme::commit(bool write_output) {
   open_ = false;
 }
 
-void Scheme::abandon() {
-  assert(open_);
-  rewind_both();
-  open_ = false;
-}
-
 WindowReport advance_alone(Participant& participant, const Window& window) {
   WindowReport report;
   report.window = window;

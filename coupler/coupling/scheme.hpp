@@ -40,8 +40,8 @@ struct CouplingState {
 /// Parallel: both at once (Jacobi). Explicit coupling is implicit coupling with one iteration.
 ///
 /// Per window: `advance` leaves both solvers at the end of the window, uncommitted (unless report.retry);
-/// then the caller calls `commit`, or `abandon` to give the window up. With remote participants commit and
-/// rewind ride on the next message. After an exception the scheme and its participants are only destroyed.
+/// then the caller calls `commit`. With remote participants commit and rewind ride on the next message. After
+/// an exception the scheme and its participants are only destroyed.
 class Scheme {
  public:
   /// The exchanged fields follow from the Description::initial of both (fields_of_structure,
@@ -51,7 +51,6 @@ class Scheme {
 
   WindowReport advance(const Window&);
   void commit(bool write_output);
-  void abandon();
 
   const Mapping& mapping() const { return transfer_.to_fluid(); }
   const FieldTransfer& transfer() const { return transfer_; }

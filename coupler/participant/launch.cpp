@@ -1,6 +1,7 @@
 #include "coupler/participant/launch.hpp"
 
 #include "coupler/participant/stop_request.hpp"
+#include "proto/descriptor.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -24,6 +25,10 @@
 #include <thread>
 #include <unistd.h>
 #include <utility>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 extern char** environ;
 
@@ -58,23 +63,6 @@ bool is_descendant(pid_t pid) {
     if (setting == own_mark()) return true;
   return false;
 }
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  void close() {
-    if (fd_ >= 0) ::close(fd_);
-    fd_ = -1;
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// posix_spawn with its two attribute objects, which C wants destroyed.
 class Spawn {
@@ -212,9 +200,17 @@ std::string random_token() {
   if (sodium_init() < 0) throw Error(ExitCode::our_bug, "libsodium", "cannot be initialised");
   std::array<unsigned char, 16> bits{};
   randombytes_buf(bits.data(), bits.size());
-  std::string text;
-  for (unsigned char byte : bits) text += fmt::format("{:02x}", byte);
-  return text;
+  return fmt::format("{:02x}", fmt::join(bits, ""));
+}
+
+std::string bytes_of(const std::string& hexadecimal) {
+  std::string bytes(hexadecimal.size() / 2, '\0');
+  std::size_t length = 0;
+  if (sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), hexadecimal.data(),
+                     hexadecimal.size(), nullptr, &length, nullptr) != 0)
+    length = 0;
+  bytes.resize(length);
+  return bytes;
 }
 
 std::filesystem::path find_program(const std::string& name, const std::filesystem::path& case_folder) {
@@ -258,6 +254,7 @@ Child::Child(const Launch& launch) {
   Spawn spawn;
   spawn.open(1, launch.log.empty() ? "/dev/null" : launch.log, launch.keep_log);
   spawn.copy(1, 2);
+  if (launch.input >= 0) spawn.copy(launch.input, 0);
   if (!launch.folder.empty()) spawn.change_folder(launch.folder);
   pid_ = spawn.run(launch.program, launch.arguments, environment);
   owned().insert(pid_);
@@ -364,7 +361,7 @@ Captured capture(const std::filesystem::path& program, const std::vector<std::st
         else if (n == 0 || errno != EINTR)
           ours[i].close();
       }
-    open = ours[0].get() >= 0 || ours[1].get() >= 0;
+    open = ours[0] || ours[1];
     if (!exit) exit = reap(pid);
     if (stop && stop->requested()) give_up(stop->code(), "interrupted");
     if (steady_clock::now() > end)
@@ -374,6 +371,16 @@ Captured capture(const std::filesystem::path& program, const std::vector<std::st
   owned().erase(pid);
   result.exit_code = exit->signal != 0 ? 128 + exit->signal : exit->code;
   return result;
+}
+
+void tune_malloc() {
+#ifdef __GLIBC__
+  if (std::getenv("MALLOC_TRIM_THRESHOLD_") || std::getenv("GLIBC_TUNABLES")) return;
+  // What glibc comes to by itself once a block of the larger size has been freed.
+  constexpr int largest_kept = 32 << 20, kept = 64 << 20;  // [bytes]
+  mallopt(M_MMAP_THRESHOLD, largest_kept);
+  mallopt(M_TRIM_THRESHOLD, kept);
+#endif
 }
 
 }  // namespace strake

@@ -14,6 +14,8 @@ class StopRequest;
 
 /// 128 random bits as 32 hexadecimal digits.
 std::string random_token();
+/// The bytes of a hexadecimal text; empty if it is none.
+std::string bytes_of(const std::string& hexadecimal);
 
 /// Finds a program. `name` with a '/': a program of the user's, relative to `case_folder`. Else it is
 /// searched beside the running executable, then on PATH. Error(case_file) if there is none, with the searched
@@ -28,6 +30,7 @@ struct Launch {
   std::map<std::string, std::string> environment;  // added to (and replacing) that of this process
   bool keep_log = false;                           // append to the existing log
   std::filesystem::path folder = {};               // its current folder; empty: that of this process
+  int input = -1;                                  // descriptor of its standard input; below 0: /dev/null
 };
 
 /// What every solver gets beside the environment of this process, so that it computes the same everywhere.
@@ -79,5 +82,11 @@ struct Captured {
 Captured capture(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                  std::chrono::milliseconds deadline = std::chrono::seconds(30),
                  const StopRequest* stop = nullptr);
+
+/// Keeps freed memory in the process, up to 64 MB, so that the next window reuses it. Otherwise, in a process
+/// that exchanges fields, the C library may return the memory of each field to the system and request it
+/// again, page by page and cleared. This takes as much time as all the copies of a window. If
+/// MALLOC_TRIM_THRESHOLD_ or GLIBC_TUNABLES is set, the user has decided.
+void tune_malloc();
 
 }  // namespace strake

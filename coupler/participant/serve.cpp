@@ -1,14 +1,13 @@
 #include "coupler/participant/serve.hpp"
 
+#include "coupler/participant/launch.hpp"
 #include "coupler/participant/liveness_thread.hpp"
-#include "coupler/participant/malloc_tuning.hpp"
 #include "coupler/transport/curve_keys.hpp"
-#include "coupler/transport/host_name.hpp"
 #include "coupler/transport/sockets.hpp"
+#include "coupler/transport/system_calls.hpp"
 #include "proto/wire/wire.hpp"
 
 #include <fmt/format.h>
-#include <sodium.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -48,14 +47,11 @@ std::int64_t steady_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
 }
 
-std::string raw_bytes(const std::string& hexadecimal) {
-  std::string bytes(hexadecimal.size() / 2, '\0');
-  std::size_t length = 0;
-  if (sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), hexadecimal.data(),
-                     hexadecimal.size(), nullptr, &length, nullptr) != 0)
+std::string bytes_of_token(const std::string& token) {
+  std::string bytes = bytes_of(token);
+  if (bytes.empty() && !token.empty())
     throw Error(ExitCode::command_line, "STRAKE_TOKEN", "is not hexadecimal",
                 "give it the token that the coupler printed");
-  bytes.resize(length);
   return bytes;
 }
 
@@ -129,7 +125,7 @@ thread_local Server* serving = nullptr;  // for working()
 void Server::say_hello() {
   const std::string hash(options_.case_hash.begin(), options_.case_hash.end());
   socket_.send(wire::encode(
-      wire::Reply{sequence_, wire::Hello{wire::protocol, options_.name, raw_bytes(options_.token),
+      wire::Reply{sequence_, wire::Hello{wire::protocol, options_.name, bytes_of_token(options_.token),
                                          options_.solver, options_.version, hash}},
       options_.name));
 }

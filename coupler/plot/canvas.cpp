@@ -26,6 +26,14 @@ void choose_font(cairo_t* c, double size, bool bold) {
 
 }  // namespace
 
+Canvas::Kind kind_of(const std::filesystem::path& path, const std::string& option, const std::string& what,
+                     const std::string& fix) {
+  if (path.extension() == ".png") return Canvas::Kind::png;
+  if (path.extension() == ".svg") return Canvas::Kind::svg;
+  throw Error(ExitCode::command_line, option + " " + path.string(), what + " is a .png or an .svg",
+              option + " " + fix);
+}
+
 struct Canvas::Parts {
   Kind kind = Kind::png;
   std::string bytes;

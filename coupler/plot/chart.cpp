@@ -1,8 +1,8 @@
 #include "coupler/plot/chart.hpp"
 
+#include "coupler/plot/canvas.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/plot/page_canvas.hpp"
-#include "coupler/plot/plot_axes.hpp"
+#include "coupler/plot/plot.hpp"
 
 #include <fmt/format.h>
 

@@ -111,11 +111,9 @@ void draw_axes(Canvas& canvas, const PlotArea& f) {
 
 /// "von_mises" → "von Mises stress of the structure".
 std::string words(const std::string& field, bool solid) {
-  std::string name = field;
-  if (field == "von_mises") name = "von Mises stress";
-  std::replace(name.begin(), name.end(), '_', ' ');
   if (field == "damage") return "damage of the structure (0 sound, 1 broken)";
-  return name + (solid ? " of the structure" : " of the water");
+  return (field == "von_mises" ? "von Mises stress" : in_words(field)) +
+         (solid ? " of the structure" : " of the water");
 }
 
 /// A bar of colours with their range; values outside are noted beside the name.

@@ -5,17 +5,14 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
 #include <map>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
-
-extern char** environ;
 
 namespace strake::picture {
 namespace {
@@ -38,6 +35,16 @@ std::string last_line(const std::filesystem::path& path) {
   return last;
 }
 
+std::filesystem::path ffmpeg() {
+  try {
+    return find_program("ffmpeg");
+  } catch (const Error&) {
+    throw Error(ExitCode::command_line, "strake film",
+                "there is no ffmpeg on this machine, which makes the film",
+                "apt-get install ffmpeg, or draw single frames: strake picture");
+  }
+}
+
 }  // namespace
 
 Encoder::Encoder(const std::filesystem::path& out, int frames_per_second) : out_(out) {
@@ -47,64 +54,28 @@ Encoder::Encoder(const std::filesystem::path& out, int frames_per_second) : out_
                 "-o film.mp4");
   part_ = out.string() + ".part";
   log_ = out.string() + ".log";
-  std::vector<std::string> words = {"ffmpeg",
-                                    "-hide_banner",
-                                    "-loglevel",
-                                    "error",
-                                    "-y",
-                                    "-f",
-                                    "image2pipe",
-                                    "-c:v",
-                                    "png",
-                                    "-framerate",
-                                    fmt::format("{}", frames_per_second),
-                                    "-i",
-                                    "-"};
+  std::vector<std::string> words = {
+      "-hide_banner", "-loglevel", "error", "-y",         "-f",
+      "image2pipe",   "-c:v",      "png",   "-framerate", fmt::format("{}", frames_per_second),
+      "-i",           "-"};
   words.insert(words.end(), recipe->second.begin(), recipe->second.end());
   words.push_back(part_.string());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-
   std::signal(SIGPIPE, SIG_IGN);  // an ffmpeg that died is an error of the next write
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) refuse(std::strerror(errno));
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_adddup2(&files, ends[0], 0);
-  posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&files, 2, log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t again;
-  sigemptyset(&again);
-  sigaddset(&again, SIGPIPE);
-  posix_spawnattr_setsigdefault(&attributes, &again);
-  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C is ours to answer
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  const int failed = posix_spawnp(&child_, "ffmpeg", &files, &attributes, argv.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
-  close(ends[0]);
-  pipe_ = ends[1];
-  if (failed == 0) return;
-  child_ = -1;
-  close(pipe_);
-  pipe_ = -1;
-  std::error_code ignored;
-  std::filesystem::remove(log_, ignored);
-  if (failed != ENOENT) refuse(std::strerror(failed));
-  throw Error(ExitCode::command_line, "strake film",
-              "there is no ffmpeg on this machine, which makes the film",
-              "apt-get install ffmpeg, or draw single frames: strake picture");
+  const Descriptor read_end(ends[0]);
+  pipe_ = Descriptor(ends[1]);
+  child_.emplace(Launch{.program = ffmpeg(),
+                        .arguments = std::move(words),
+                        .log = log_,
+                        .threads = 1,
+                        .environment = {},
+                        .input = read_end.get()});
 }
 
 Encoder::~Encoder() {
-  if (pipe_ >= 0) close(pipe_);
-  if (child_ > 0) {
-    kill(child_, SIGKILL);
-    waitpid(child_, nullptr, 0);
-  }
+  pipe_.close();
+  child_.reset();
   std::error_code ignored;
   std::filesystem::remove(part_, ignored);
   std::filesystem::remove(log_, ignored);
@@ -118,7 +89,7 @@ void Encoder::refuse(const std::string& problem) const {
 
 void Encoder::add(const std::string& png) {
   for (std::size_t done = 0; done < png.size();) {
-    const ssize_t written = write(pipe_, png.data() + done, png.size() - done);
+    const ssize_t written = write(pipe_.get(), png.data() + done, png.size() - done);
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) refuse(std::strerror(errno));
     done += static_cast<std::size_t>(written);
@@ -126,13 +97,9 @@ void Encoder::add(const std::string& png) {
 }
 
 void Encoder::finish() {
-  close(pipe_);
-  pipe_ = -1;
-  int status = 0;
-  while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
-  }
-  child_ = -1;
-  if (status != 0) refuse("it ended before its time");
+  pipe_.close();
+  const auto exit = child_->wait(std::chrono::hours(24));
+  if (!exit || exit->code != 0 || exit->signal != 0) refuse("it ended before its time");
   std::error_code error;
   std::filesystem::rename(part_, out_, error);
   if (error) refuse(error.message());

@@ -1,8 +1,11 @@
 #pragma once
 
+#include "coupler/participant/launch.hpp"
+#include "proto/descriptor.hpp"
+
 #include <filesystem>
+#include <optional>
 #include <string>
-#include <sys/types.h>
 
 namespace strake::picture {
 
@@ -14,16 +17,14 @@ class Encoder {
   /// there is no ffmpeg.
   Encoder(const std::filesystem::path& out, int frames_per_second);
   ~Encoder();  // without `finish`: the child is ended and nothing is left
-  Encoder(const Encoder&) = delete;
-  Encoder& operator=(const Encoder&) = delete;
   void add(const std::string& png);
   void finish();
 
  private:
   [[noreturn]] void refuse(const std::string& problem) const;
   std::filesystem::path out_, part_, log_;
-  pid_t child_ = -1;
-  int pipe_ = -1;
+  std::optional<Child> child_;
+  Descriptor pipe_;
 };
 
 }  // namespace strake::picture

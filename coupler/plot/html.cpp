@@ -66,9 +66,16 @@ std::string duration(std::optional<double> seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
 
-std::string number_cell(std::optional<double> value, const std::string& unit) {
-  return fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(value),
-                     escape(quantity(value, unit)));
+std::string number_cell(std::optional<double> value, std::string_view shown) {
+  return fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(value), escape(shown));
+}
+
+std::string words_cell(std::string_view text) {
+  return "<span class=\"words\">" + escape(text) + "</span>";
+}
+
+std::string quantity_cell(std::optional<double> value, const std::string& unit) {
+  return number_cell(value, quantity(value, unit));
 }
 
 void HtmlTable::head(const std::vector<std::string>& names) {

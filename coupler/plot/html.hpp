@@ -34,7 +34,11 @@ class HtmlTable {
 };
 
 /// A number in a cell: what is read, and its exact value for programs (data-value).
-std::string number_cell(std::optional<double> value, const std::string& unit);
+std::string number_cell(std::optional<double> value, std::string_view shown);
+/// Words in a cell, in which lines may break.
+std::string words_cell(std::string_view);
+/// The number as `quantity` shows it.
+std::string quantity_cell(std::optional<double> value, const std::string& unit);
 /// A section with a heading of the second level that the page's contents lead to.
 std::string section(const std::string& id, const std::string& heading, const std::string& body);
 /// "pass", "FAIL" and the like, marked by more than colour. kind: good | bad | open.

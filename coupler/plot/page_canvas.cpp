@@ -1,5 +1,4 @@
-#include "coupler/plot/page_canvas.hpp"
-
+#include "coupler/plot/canvas.hpp"
 #include "coupler/plot/html.hpp"
 
 #include <fmt/format.h>

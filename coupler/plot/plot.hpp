@@ -1,6 +1,7 @@
 #pragma once
 
 #include "coupler/compare/curve.hpp"
+#include "coupler/plot/ticks.hpp"
 
 #include <optional>
 #include <string>
@@ -35,5 +36,38 @@ struct Plot {
   std::optional<std::pair<double, double>> window = {};  // of x; all
   bool logarithmic = false;                              // both axes
 };
+
+/// One direction of a plot: from values to pixels, with its ticks.
+struct Axis {
+  double lo = 0, hi = 1, from = 0, to = 1;
+  bool logarithmic = false;
+  Prefix prefix = {};
+  std::string name = {};  // with its unit
+
+  double operator()(double value) const;
+  /// Value and text of about so many round numbers within the range.
+  std::vector<std::pair<double, std::string>> ticks(int wanted) const;
+};
+
+/// The edges of the part with the curves [px], y downwards.
+struct Box {
+  double left = 0, right = 0, top = 0, bottom = 0;
+};
+
+struct Axes {
+  Axis x, y;
+};
+/// The axes for all curves, references and markers of a plot inside the box. None if no curve has a point in
+/// the plot's window.
+std::optional<Axes> axes_of(const Plot&, const Box&);
+
+/// Finite, and positive on a logarithmic axis.
+bool usable(double value, bool logarithmic);
+/// The samples inside [lo, hi], and one on either side so that the line runs to the edge.
+Curve inside(const Curve&, double lo, double hi);
+/// Of many samples the first, last, least and largest of each pixel column: the drawn line is the same.
+Curve thinned(const Curve&, const Axis& x);
+/// A sample without a usable one beside it, which no line shows.
+bool lonely(const Curve&, std::size_t sample, bool logarithmic);
 
 }  // namespace strake::report

@@ -1,10 +1,11 @@
 #include "coupler/plot/scene.hpp"
 
 #include "coupler/case/case_view.hpp"
-#include "coupler/plot/section.hpp"
 #include "proto/error.hpp"
 #include "proto/files/frame_file.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/interface.hpp"
+#include "proto/lookup.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -12,8 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 namespace strake::picture {
 namespace {
@@ -22,41 +21,25 @@ using Eigen::Index;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 std::map<std::string, std::string> keys_of(const std::filesystem::path& folder) {
-  std::ifstream stream(folder / "case.toml", std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) return {};
+  const std::filesystem::path path = folder / "case.toml";
   try {
-    return flatten_toml(text.str(), (folder / "case.toml").string());
+    return flatten_toml(read_text(path).value_or(""), path.string());
   } catch (const Error&) {  // a picture needs title and spacing only
     return {};
   }
 }
 
 double number(const std::map<std::string, std::string>& keys, const std::string& key, double otherwise) {
-  const auto found = keys.find(key);
-  return found == keys.end() ? otherwise : std::strtod(found->second.c_str(), nullptr);
+  return keys.contains(key) ? std::strtod(keys.at(key).c_str(), nullptr) : otherwise;
 }
 
 /// "[0, -6.26, 0]"
 Eigen::Vector3d vector(const std::map<std::string, std::string>& keys, const std::string& key) {
   Eigen::Vector3d v = Eigen::Vector3d::Zero();
-  const auto found = keys.find(key);
-  if (found == keys.end()) return v;
-  const char* at = found->second.c_str();
-  for (int k = 0; k < 3 && *at != '\0'; ++k) {
-    at += *at == '[' || *at == ',' ? 1 : 0;
-    char* end = nullptr;
-    v(k) = std::strtod(at, &end);
-    at = end;
-  }
+  const std::vector<double> numbers = numbers_in(at_or(keys, key));
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, numbers.size()); ++k)
+    v(static_cast<Index>(k)) = numbers[k];
   return v;
-}
-
-const Frame::Array* find(const std::vector<Frame::Array>& arrays, const std::string& name) {
-  for (const Frame::Array& array : arrays)
-    if (array.name == name) return &array;
-  return nullptr;
 }
 
 /// Of three dimensions: the plane z = `at`, and how far from it a particle is still shown.
@@ -180,7 +163,40 @@ Cut middle_cut(const std::map<std::string, std::string>& keys, const Frame& fram
   return cut;
 }
 
+/// Pairs of corners that an edge joins. Of four corners (a tetrahedron) these are all pairs. Of eight they
+/// are those of a hexahedron whose two faces are numbered alike.
+std::vector<std::pair<int, int>> edges(Eigen::Index corners) {
+  if (corners != 8) {
+    std::vector<std::pair<int, int>> all;
+    for (int a = 0; a < corners; ++a)
+      for (int b = a + 1; b < corners; ++b) all.emplace_back(a, b);
+    return all;
+  }
+  return {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+}
+
 }  // namespace
+
+std::vector<Place> section(const Points& point, const Eigen::VectorXi& cell, double at) {
+  std::vector<Place> cut;
+  for (const auto& [a, b] : edges(cell.size())) {
+    const auto p = point.col(cell(a)), q = point.col(cell(b));
+    if ((p.z() < at) == (q.z() < at)) continue;
+    const double s = (at - p.z()) / (q.z() - p.z());
+    cut.push_back({p.x() + s * (q.x() - p.x()), p.y() + s * (q.y() - p.y())});
+  }
+  if (cut.size() < 3) return cut.size() == 2 ? cut : std::vector<Place>{};
+  Place middle;
+  for (const Place& c : cut) {
+    middle.x += c.x / static_cast<double>(cut.size());
+    middle.y += c.y / static_cast<double>(cut.size());
+  }
+  // The section of a convex cell is convex: its corners stand in the order of their angle.
+  std::sort(cut.begin(), cut.end(), [&](const Place& p, const Place& q) {
+    return std::atan2(p.y - middle.y, p.x - middle.x) < std::atan2(q.y - middle.y, q.x - middle.x);
+  });
+  return cut;
+}
 
 std::optional<Eigen::VectorXd> scalar(const Frame& frame, const std::string& name, Quantity& quantity) {
   const Frame::Array* array = find(frame.point_data, name == "speed" ? "velocity" : name);
@@ -227,7 +243,7 @@ RunFrames find_frames(const std::filesystem::path& folder) {
 Scene read_scene(const RunFrames& run, const SceneOptions& options) {
   const auto& [folder, keys, fluid, structure] = run;
   Scene scene;
-  if (const auto title = keys.find("title"); title != keys.end()) scene.title = title->second;
+  scene.title = at_or(keys, "title");
   if (scene.title.empty()) scene.title = folder.filename().string();
   scene.spacing = number(keys, "fluid.spacing", 0);
   scene.scale = options.scale;
@@ -250,8 +266,7 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
       cut = middle_cut(keys, frame, 0);
     }
     scene.solid_spacing = number(keys, "structure.particle.spacing", scene.spacing);
-    const auto given = keys.find("coupling.interface");
-    if (given != keys.end() && given->second == "volume" && scene.spacing > 0)
+    if (at_or(keys, "coupling.interface") == "volume" && scene.spacing > 0)
       scene.solid_spacing = scene.spacing;
     const bool has = find(frame.point_data, options.field) != nullptr && options.field != "velocity";
     take_structure(frame, enlarged(frame, keys, options.scale), has ? options.field : "von_mises", cut,

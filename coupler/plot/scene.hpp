@@ -27,6 +27,11 @@ struct Range {
     if (value < lo) lo = value;
     if (value > hi) hi = value;
   }
+  void add(const Range& other) {
+    if (other.empty()) return;
+    add(other.lo);
+    add(other.hi);
+  }
 };
 
 /// A quantity on marks, by the name that the frame gives it.
@@ -88,5 +93,9 @@ std::optional<Eigen::VectorXd> scalar(const Frame&, const std::string& name, Qua
 std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame&);
 /// The shown range of values: from zero where the least is but a small part of the largest.
 Range shown_range(std::vector<double> values);
+
+/// The section of one cell by the plane z = `at`: corners in order, two for a facet, none without
+/// intersection.
+std::vector<Place> section(const Points& point, const Eigen::VectorXi& cell, double at);
 
 }  // namespace strake::picture

@@ -57,4 +57,9 @@ std::string tick_text(double value, double distance) {
   return fmt::format("{:.{}f}", value, std::min(places, 9));
 }
 
+std::string in_words(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 }  // namespace strake

@@ -23,4 +23,7 @@ std::string with_prefix(const Prefix&, const std::string& unit);
 /// The value as a tick of that distance, with as many decimals as distinguish neighbours.
 std::string tick_text(double value, double distance);
 
+/// A name as words: "first_peak" → "first peak".
+std::string in_words(std::string name);
+
 }  // namespace strake

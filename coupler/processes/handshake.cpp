@@ -16,16 +16,6 @@ bool equal_secret(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string bytes_of(const std::string& hexadecimal) {
-  std::string bytes(hexadecimal.size() / 2, '\0');
-  std::size_t length = 0;
-  if (sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), hexadecimal.data(),
-                     hexadecimal.size(), nullptr, &length, nullptr) != 0)
-    length = 0;
-  bytes.resize(length);
-  return bytes;
-}
-
 void Participants::State::greet(const CouplerSocket::Message& message) {
   wire::Reply reply;
   try {

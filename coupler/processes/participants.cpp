@@ -19,16 +19,18 @@ using Seconds = std::chrono::duration<double>;
 constexpr milliseconds beat{50};           // between two tests of the processes, while nothing arrives
 constexpr milliseconds stop_to_tell{500};  // until a line says what a requested end waits for
 
-}  // namespace
-
-std::string in_seconds(Clock::duration d) {
-  return fmt::format("{:.3g} s", Seconds(d).count());
-}
-
+/// Adds the window to the place of a solver's fault. "fluid, pressure" in window 3 becomes "fluid, window 3
+/// (t = 2e-05 s), iteration 1, pressure".
 std::string with_place(std::string where, const std::string& name, const std::string& place) {
   if (where.starts_with(name)) where.erase(0, name.size());
   if (where.starts_with(", ")) where.erase(0, 2);
   return where.empty() ? place : place + ", " + where;
+}
+
+}  // namespace
+
+std::string in_seconds(Clock::duration d) {
+  return fmt::format("{:.3g} s", Seconds(d).count());
 }
 
 std::string Participants::Member::place() const {

@@ -19,8 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds silence_to_tell{1000};  // until a line says that a participant is silent
 
-std::string in_seconds(Clock::duration);               // "1.25 s"
-std::string bytes_of(const std::string& hexadecimal);  // empty if it is not
+std::string in_seconds(Clock::duration);  // "1.25 s"
 
 /// State of one participant in the coupler.
 struct Participants::Member {

@@ -1,6 +1,6 @@
 #include "coupler/processes/remote.hpp"
 
-#include "coupler/participant/malloc_tuning.hpp"
+#include "coupler/participant/launch.hpp"
 #include "coupler/processes/participants_state.hpp"
 
 #include <fmt/format.h>
@@ -66,8 +66,7 @@ void Participants::attach(const std::string& name) {
 
 std::vector<std::string> Participants::State::arguments(const std::string& endpoint, const std::string& name,
                                                         const Launch& launch) const {
-  std::string hash;
-  for (unsigned byte : options.case_hash) hash += fmt::format("{:02x}", byte);
+  const std::string hash = fmt::format("{:02x}", fmt::join(options.case_hash, ""));
   std::vector<std::string> all{"--connect", endpoint, "--name", name, "--case-hash", hash};
   all.insert(all.end(), launch.arguments.begin(), launch.arguments.end());
   return all;

@@ -97,10 +97,6 @@ class Participants {
   std::unique_ptr<State> state_;
 };
 
-/// Adds the window to the place of a solver's fault. "fluid, pressure" in window 3 becomes "fluid, window 3
-/// (t = 2e-05 s), iteration 1, pressure".
-std::string with_place(std::string where, const std::string& name, const std::string& place);
-
 /// A participant in another process. `commit` and `rewind` ride on the next request, so they cost no round
 /// trip. Lives as long as its Participants.
 class RemoteParticipant final : public Participant {

@@ -1,7 +1,10 @@
 // Histories of all runs in one plot per quantity, whole and around the first peak.
+#include "coupler/compare/comparison.hpp"
 #include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
+#include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 
@@ -16,30 +19,10 @@ struct Recording {
   std::string column, unit;
 };
 
-std::optional<std::size_t> index_of(const Table& table, const std::string& name) {
-  for (std::size_t c = 0; c < table.columns.size(); ++c)
-    if (table.columns[c].name == name) return c;
-  return std::nullopt;
-}
-
-/// The column over time, without lines in which it has no value.
-Curve curve_of(const Recorded& run, const std::string& column) {
-  Curve curve;
-  const auto at = index_of(run.history, column), time = index_of(run.history, "time");
-  if (!at || !time) return curve;
-  for (std::size_t row = 0; row < run.history.rows(); ++row) {
-    const double t = run.history.value[*time][row], q = run.history.value[*at][row];
-    if (!std::isfinite(t) || !std::isfinite(q)) continue;
-    curve.time.push_back(t);
-    curve.value.push_back(q);
-  }
-  return curve;
-}
-
 double largest(const std::vector<Recorded>& runs, const std::string& column) {
   double most = 0;
   for (const Recorded& run : runs)
-    if (const auto point = peak(curve_of(run, column))) most = std::max(most, std::abs(point->value));
+    if (const auto point = peak(curve_of(run.history, column))) most = std::max(most, std::abs(point->value));
   return most;
 }
 
@@ -50,7 +33,7 @@ std::vector<Recording> recordings(const std::vector<Recorded>& runs) {
     if (std::any_of(found.begin(), found.end(), [&](const Recording& r) { return r.column == column; }))
       return;
     for (const Recorded& run : runs)
-      if (const auto c = index_of(run.history, column)) {
+      if (const auto c = run.history.find(column)) {
         found.push_back({column, run.history.columns[*c].unit});
         return;
       }
@@ -92,9 +75,9 @@ std::optional<CurvePoint> first_peak_of(const Recorded& run, const std::string& 
 }
 
 /// Half the width of the band that the tolerance allows round a reference.
-double half_band(const Judged& judged) {
-  const double tolerance = judged.tolerance.value_or(0);
-  return judged.reference == 0 ? tolerance : tolerance * std::abs(judged.reference);
+double half_band(const study::CheckResult& judged) {
+  const double tolerance = judged.tolerance.value_or(0), reference = judged.reference.value_or(0);
+  return reference == 0 ? tolerance : tolerance * std::abs(reference);
 }
 
 /// References of the metrics that are values of the curve itself. Those of an impulse belong to its own
@@ -104,17 +87,14 @@ std::vector<ReferenceLine> lines_for(const std::vector<Recorded>& runs, const st
   const std::string probe = impulse ? column.substr(0, column.size() - 8) : column;
   std::vector<ReferenceLine> lines;
   for (const Recorded& run : runs)
-    for (const Judged& judged : run.compare) {
-      const bool of_curve = judged.metric == "first_peak" || judged.metric == "peak" ||
-                            judged.metric == "final" || judged.metric == "mean";
-      if (judged.probe != probe || (impulse ? judged.metric != "impulse" : !of_curve)) continue;
-      std::string metric = judged.metric;
-      std::replace(metric.begin(), metric.end(), '_', ' ');
-      ReferenceLine line = {.name = metric + ", " + judged.kind, .value = judged.reference};
+    for (const study::CheckResult& judged : run.compare) {
+      if (judged.probe != probe) continue;
+      if (impulse ? judged.metric != "impulse" : !is_value_of_curve(judged.metric)) continue;
+      ReferenceLine line = {.name = in_words(judged.metric) + ", " + judged.kind,
+                            .value = judged.reference.value_or(0)};
       line.within = half_band(judged);
       if (impulse) {
-        const auto contact = run.contact.find(probe);
-        const double from = contact == run.contact.end() ? 0 : contact->second;
+        const double from = at_or(run.contact, probe);
         line.name = "impulse of the first 300 µs, " + judged.kind;  // cases/VALIDATION.md, "Definitions"
         line.over = {from, from + 300e-6};
       }
@@ -133,8 +113,7 @@ std::optional<std::pair<double, double>> around_first_peak(const std::vector<Rec
     const auto point = first_peak_of(run, column);
     if (!point) continue;
     last = std::max(last, point->time);
-    const auto contact = run.contact.find(column);
-    first = std::min(first, contact != run.contact.end() ? contact->second : point->time);
+    first = std::min(first, at_or(run.contact, column, point->time));
     end = std::max(end, run.end_time.value_or(0));
     if (run.windows && *run.windows > 0) window = std::max(window, run.end_time.value_or(0) / *run.windows);
   }
@@ -189,7 +168,7 @@ std::string history_figures(const std::vector<Recorded>& runs, const std::string
     const double most = largest(runs, recording.column);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       Series series = {.name = runs[i].name,
-                       .curve = curve_of(runs[i], recording.column),
+                       .curve = curve_of(runs[i].history, recording.column),
                        .style = static_cast<int>(i),
                        .marker = first_peak_of(runs[i], recording.column),
                        .dots = false};

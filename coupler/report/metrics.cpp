@@ -1,7 +1,9 @@
 // What the runs found: metrics against references, and the books that a run keeps on itself.
 #include "coupler/compare/comparison.hpp"
 #include "coupler/plot/html.hpp"
+#include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 
@@ -18,7 +20,7 @@ struct Reference {
   std::string probe, metric, kind, source;
   double value = 0;
   std::optional<double> tolerance;  // relative; of a reference of 0 in its unit
-  bool same(const Judged& judged) const {
+  bool same(const study::CheckResult& judged) const {
     return probe == judged.probe && metric == judged.metric && kind == judged.kind &&
            source == judged.source && value == judged.reference && tolerance == judged.tolerance;
   }
@@ -27,11 +29,11 @@ struct Reference {
 std::vector<Reference> references_of(const std::vector<Recorded>& runs) {
   std::vector<Reference> references;
   for (const Recorded& run : runs)
-    for (const Judged& judged : run.compare)
+    for (const study::CheckResult& judged : run.compare)
       if (std::none_of(references.begin(), references.end(),
                        [&](const Reference& r) { return r.same(judged); }))
-        references.push_back(
-            {judged.probe, judged.metric, judged.kind, judged.source, judged.reference, judged.tolerance});
+        references.push_back({judged.probe, judged.metric, judged.kind, judged.source,
+                              judged.reference.value_or(0), judged.tolerance});
   return references;
 }
 
@@ -48,10 +50,8 @@ std::string unit_of(const std::vector<Recorded>& runs, const std::string& probe,
 }
 
 /// "first_peak" → "first peak".
-std::string words(std::string metric) {
-  if (metric == "mean_peak_50us") return "largest mean of 50 µs";
-  std::replace(metric.begin(), metric.end(), '_', ' ');
-  return metric;
+std::string words(const std::string& metric) {
+  return metric == "mean_peak_50us" ? "largest mean of 50 µs" : in_words(metric);
 }
 
 /// "± 15 %", of a reference of 0 "± 3 mm".
@@ -59,7 +59,7 @@ std::string allowed(const Reference& reference, const std::string& unit) {
   if (!reference.tolerance) return {};
   const double part = *reference.tolerance;
   const std::string text = reference.value == 0 ? quantity(part, unit) : fmt::format("{:.3g} %", 100 * part);
-  return fmt::format(" <span class=\"n\" data-value=\"{}\">± {}</span>", exact(part), escape(text));
+  return " " + number_cell(part, "± " + text);
 }
 
 /// Whether a time integral or a mean of 50 µs of this quantity tells anything: of loads, not of a deflection.
@@ -69,22 +69,21 @@ bool is_load(const std::string& unit) {
   return false;
 }
 
-const Judged* judged_by(const Recorded& run, const Reference& reference) {
-  for (const Judged& judged : run.compare)
+const study::CheckResult* judged_by(const Recorded& run, const Reference& reference) {
+  for (const study::CheckResult& judged : run.compare)
     if (reference.same(judged)) return &judged;
   return nullptr;
 }
 
-std::string verdict(const Judged& judged) {
+std::string verdict(const study::CheckResult& judged) {
   const std::string kind = !judged.pass ? "open" : *judged.pass ? "good" : "bad";
   const std::string word = !judged.pass ? "not reached" : *judged.pass ? "pass" : "outside";
   return badge(kind, word);
 }
 
-std::string off(const Judged& judged, const std::string& unit) {
-  const auto deviation = judged.deviation();
-  const std::string text = judged.reference == 0 ? quantity(deviation, unit) : percent(deviation);
-  return fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(deviation), escape(text));
+std::string off(const study::CheckResult& judged, const std::string& unit) {
+  const auto off = judged.deviation;
+  return number_cell(off, judged.reference == 0 ? quantity(off, unit) : percent(off));
 }
 
 std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Reference>& references,
@@ -110,8 +109,7 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
       metrics.push_back(reference.metric);
   }
   HtmlTable table("Probe " + probe);
-  std::vector<std::string> names = {"metric"};
-  for (const Recorded& run : runs) names.push_back(run.name);
+  std::vector<std::string> names = head_of(runs, {"metric"});
   for (const std::string& kind : kinds) names.push_back("reference: " + kind);
   table.head(names);
   for (const std::string& metric : metrics) {
@@ -123,19 +121,19 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
       std::string deviations;
       for (std::size_t i = 0; i < references.size(); ++i) {
         const Reference& reference = references[i];
-        const Judged* judged = judged_by(run, reference);
+        const study::CheckResult* judged = judged_by(run, reference);
         if (reference.probe != probe || reference.metric != metric || judged == nullptr) continue;
         if (!value) value = judged->value;
         deviations += fmt::format("<br>{} <span class=\"to\">to [{}]</span> {}", off(*judged, unit), i + 1,
                                   verdict(*judged));
       }
-      cells.push_back(number_cell(value, unit) + deviations);
+      cells.push_back(quantity_cell(value, unit) + deviations);
     }
     for (const std::string& kind : kinds) {
       std::string cell;
       for (std::size_t i = 0; i < references.size(); ++i)
         if (references[i].probe == probe && references[i].metric == metric && references[i].kind == kind)
-          cell += (cell.empty() ? "" : "<br>") + number_cell(references[i].value, unit) +
+          cell += (cell.empty() ? "" : "<br>") + quantity_cell(references[i].value, unit) +
                   allowed(references[i], unit) +
                   fmt::format(" <a href=\"#source-{0}\" aria-label=\"source {0}\">[{0}]</a>", i + 1);
       cells.push_back(cell.empty() ? "–" : cell);
@@ -263,27 +261,24 @@ std::string failures(const std::vector<Recorded>& runs) {
   const std::map<std::string, std::string> words_of = {
       {"start", "strength reached"}, {"crack", "first bond or cell broken"}, {"parted", "in two pieces"}};
   HtmlTable table("When and where");
-  std::vector<std::string> head = {"event"};
-  for (const Recorded& run : runs) head.push_back(run.name);
-  table.head(head);
+  table.head(head_of(runs, {"event"}));
   for (const std::string& name : names) {
-    const auto known = words_of.find(name);
-    std::vector<std::string> cells = {escape(known == words_of.end() ? name : known->second)};
+    std::vector<std::string> cells = {escape(at_or(words_of, name, name))};
     for (const Recorded& run : runs) {
       std::string cell = "–";
       for (const FailureEvent& event : run.failure) {
         if (event.name != name || !event.time) continue;
-        cell = number_cell(event.time, "s") + " <span class=\"n\">at x = " + number_cell(event.x, "m") +
-               ", y = " + number_cell(event.y, "m") + "</span>";
+        cell = quantity_cell(event.time, "s") + " <span class=\"n\">at x = " + quantity_cell(event.x, "m") +
+               ", y = " + quantity_cell(event.y, "m") + "</span>";
         if (event.z.value_or(0) != 0)
-          cell += " <span class=\"n\">z = " + number_cell(event.z, "m") + "</span>";
+          cell += " <span class=\"n\">z = " + quantity_cell(event.z, "m") + "</span>";
       }
       cells.push_back(cell);
     }
     table.row(cells);
   }
   std::vector<std::string> energy = {"energy released"};
-  for (const Recorded& run : runs) energy.push_back(number_cell(run.failure_energy, "J"));
+  for (const Recorded& run : runs) energy.push_back(quantity_cell(run.failure_energy, "J"));
   table.row(energy);
   return section("failure", "Failure", "<p>Places are those of the unloaded structure.</p>\n" + table.html());
 }
@@ -295,8 +290,7 @@ std::string checks(const std::vector<Recorded>& runs) {
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   if (names.empty()) return {};
   HtmlTable table("Conservation and health");
-  std::vector<std::string> head = {"check"};
-  for (const Recorded& run : runs) head.push_back(run.name);
+  std::vector<std::string> head = head_of(runs, {"check"});
   head.insert(head.end(), {"what it says", "should be"});
   table.head(head);
   for (const std::string& name : names) {
@@ -306,16 +300,14 @@ std::string checks(const std::vector<Recorded>& runs) {
       std::optional<double> value;
       for (const auto& [own, number] : run.checks)
         if (own == name) value = number;
-      cells.push_back(number_cell(value, "1") + grade_badge(run, name));
+      cells.push_back(quantity_cell(value, "1") + grade_badge(run, name));
       any = any || value;
     }
     if (!any) continue;
     const auto known = std::find_if(std::begin(known_checks), std::end(known_checks),
                                     [&](const Check& c) { return name == c.name; });
-    const bool is_known = known != std::end(known_checks);
-    cells.push_back(is_known ? std::string("<span class=\"words\">") + escape(known->words) + "</span>" : "");
-    cells.push_back(is_known ? std::string("<span class=\"words\">") + escape(known->wanted) + "</span>"
-                             : "");
+    for (const auto text : {&Check::words, &Check::wanted})
+      cells.push_back(known == std::end(known_checks) ? "" : words_cell(known->*text));
     table.row(cells);
   }
   return table.empty() ? std::string() : section("checks", "Conservation checks", table.html());
@@ -344,8 +336,7 @@ std::string resolution(const std::vector<Recorded>& runs) {
         list += "<li>" + escape(runs.size() > 1 ? run.name + ": " + line : line) + "</li>\n";
   }
   if (spacings.empty()) return {};
-  std::string all;
-  for (const std::string& spacing : spacings) all += (all.empty() ? "" : ", ") + spacing;
+  const std::string all = fmt::format("{}", fmt::join(spacings, ", "));
   list += "<li>" +
           escape(spacings.size() == 1 ? "not checked against a second spacing (all runs have " + all + " m)"
                                       : "the runs have the spacings " + all + " m: compare them") +

@@ -1,4 +1,4 @@
-#include "coupler/report/outline.hpp"
+#include "coupler/report/sketch.hpp"
 
 #include <algorithm>
 #include <cmath>

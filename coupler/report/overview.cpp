@@ -1,4 +1,5 @@
 // What was run and how: the runs themselves, their settings, and their commands.
+#include "coupler/participant/launch.hpp"
 #include "coupler/plot/html.hpp"
 #include "coupler/report/sections.hpp"
 #include "coupler/report/sketch.hpp"
@@ -28,15 +29,6 @@ std::string solvers(const Recorded& run) {
   return text.empty() ? "–" : text;
 }
 
-/// A word as a shell takes it.
-std::string quoted(const std::string& word) {
-  const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
-  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 /// The word after an option in a command line of the case's first lines.
 std::string option_in(const std::string& line, const std::string& option) {
   const std::size_t at = line.find(option + " ");
@@ -64,11 +56,10 @@ std::string what_was_run(const std::vector<Recorded>& runs) {
               "threads", "host", "started (UTC)", "Strake", "compiler"});
   std::string problems;
   for (const Recorded& run : runs) {
-    table.row({escape(run.name), state_badge(run), solvers(run), number_cell(run.end_time, "s"),
-               number_cell(run.windows, "1"), number_cell(run.mean_iterations, "1"),
-               fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(run.wall_seconds),
-                           duration(run.wall_seconds)),
-               number_cell(run.origin.threads, "1"), escape(run.origin.host),
+    table.row({escape(run.name), state_badge(run), solvers(run), quantity_cell(run.end_time, "s"),
+               quantity_cell(run.windows, "1"), quantity_cell(run.mean_iterations, "1"),
+               number_cell(run.wall_seconds, duration(run.wall_seconds)),
+               quantity_cell(run.origin.threads, "1"), escape(run.origin.host),
                "<span class=\"n\">" + escape(minute(run.origin.started)) + "</span>",
                escape(run.origin.version + (run.origin.commit.empty() ? "" : " (" + run.origin.commit + ")")),
                escape(run.origin.compiler)});
@@ -135,9 +126,7 @@ std::string settings(const std::vector<Recorded>& runs) {
       if (!setting.key.starts_with("compare") && listed.insert(setting.key).second) keys.push_back(&setting);
   HtmlTable differing("Settings in which the runs differ"), given("Settings of the case"),
       defaults("Defaults that nothing changed");
-  std::vector<std::string> names = {"key", "unit"};
-  for (const Recorded& run : runs) names.push_back(run.name);
-  differing.head(names);
+  differing.head(head_of(runs, {"key", "unit"}));
   given.head({"key", "value", "unit", "from"});
   defaults.head({"key", "value", "unit"});
   for (const Setting* key : keys) {
@@ -180,8 +169,8 @@ std::string how_to_run_again(const std::vector<Recorded>& runs) {
       "holds every key.</p>\n";
   for (const Recorded& run : runs) {
     std::string line;
-    for (const std::string& word : run.origin.command) line += (line.empty() ? "" : " ") + quoted(word);
-    if (line.empty()) line = "strake run " + quoted((run.folder / "case.toml").string());
+    for (const std::string& word : run.origin.command) line += (line.empty() ? "" : " ") + shell_word(word);
+    if (line.empty()) line = "strake run " + shell_word((run.folder / "case.toml").string());
     body += fmt::format(
         "<h3>{0}</h3>\n<pre tabindex=\"0\" aria-label=\"command of {0}\"><code>{1}</code></pre>\n",
         escape(run.name), escape(line));

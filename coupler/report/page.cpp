@@ -1,6 +1,5 @@
-#include "coupler/report/page.hpp"
-
 #include "coupler/plot/html.hpp"
+#include "coupler/report/sections.hpp"
 #include "coupler/report/style.hpp"
 #include "coupler/run/run_folder.hpp"
 

@@ -95,12 +95,6 @@ void add_damage(const picture::RunFrames& frames, const std::string& run, std::v
   if (std::find(order.begin(), order.end(), instant) == order.end()) order.push_back(instant);
 }
 
-void widen(picture::Range& range, const picture::Range& other) {
-  if (other.empty()) return;
-  range.add(other.lo);
-  range.add(other.hi);
-}
-
 /// The body and as much again on every side, where it is small in its tank; else all.
 std::optional<picture::View> around_body(const picture::Scene& scene) {
   picture::Range x, y;
@@ -147,8 +141,8 @@ std::string pictures(const std::vector<Recorded>& runs, const std::vector<double
 
   std::map<std::string, std::pair<picture::Range, picture::Range>> ranges;  // instant → water, structure
   for (const Shot& shot : shots) {
-    widen(ranges[shot.instant].first, shot.scene.water_field.shown);
-    widen(ranges[shot.instant].second, shot.scene.solid_field.shown);
+    ranges[shot.instant].first.add(shot.scene.water_field.shown);
+    ranges[shot.instant].second.add(shot.scene.solid_field.shown);
   }
   std::string body =
       "<p>Water by pressure, structure by von Mises stress where the solver gives it. The pictures of one "

@@ -1,31 +1,19 @@
 #include "coupler/report/recorded.hpp"
 
-#include "coupler/report/json_member.hpp"
 #include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-#include <fstream>
 #include <sstream>
 
 namespace strake::report {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-std::optional<std::string> text_of(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) return std::nullopt;
-  return text.str();
-}
-
 /// An object; an empty one where the file is missing or damaged, which is said.
 Json object_of(const std::filesystem::path& path, std::vector<std::string>& problems) {
-  const auto text = text_of(path);
+  const auto text = read_text(path);
   const std::string name = path.filename().string();
   if (!text) {
     problems.push_back(
@@ -33,7 +21,7 @@ Json object_of(const std::filesystem::path& path, std::vector<std::string>& prob
         (name == "summary.json" ? "the run has not ended, or was killed" : "it cannot be read"));
     return Json::object();
   }
-  Json json = Json::parse(*text, nullptr, false);
+  Json json = parse_json(*text);
   if (json.is_object()) return json;
   problems.push_back(name + " is damaged: it is not a JSON object");
   return Json::object();
@@ -120,11 +108,9 @@ void read_record(const Json& record, Recorded& run) {
     const std::string solver = string_of(member(member(record, "participants"), side), "solver");
     if (!solver.empty()) run.solver[side] = solver;
   }
-  const Json& contact = member(record, "contact");
-  if (contact.is_object())
-    for (const auto& [probe, time] : contact.items())
-      if (time.is_number()) run.contact[probe] = time.get<double>();
-  if (const auto text = text_of(string_of(record, "case"))) run.notes = notes_of(*text);
+  for (const auto& [probe, time] : member(record, "contact").items())
+    if (time.is_number()) run.contact[probe] = time.get<double>();
+  if (const auto text = read_text(string_of(record, "case"))) run.notes = notes_of(*text);
 }
 
 void read_summary(const Json& summary, Recorded& run) {
@@ -160,19 +146,8 @@ void read_summary(const Json& summary, Recorded& run) {
       if (event.is_object() || event.is_null())
         run.failure.push_back({name, number_of(event, "time"), number_of(event, "x"), number_of(event, "y"),
                                number_of(event, "z")});
-  for (const Json& entry : member(summary, "compare")) {
-    if (!entry.is_object()) continue;
-    Judged judged = {.probe = string_of(entry, "probe"),
-                     .metric = string_of(entry, "metric"),
-                     .kind = string_of(entry, "kind"),
-                     .source = string_of(entry, "source"),
-                     .value = number_of(entry, "value"),
-                     .tolerance = number_of(entry, "tolerance"),
-                     .reference = number_of(entry, "reference").value_or(0),
-                     .pass = std::nullopt};
-    if (const Json& pass = member(entry, "pass"); pass.is_boolean()) judged.pass = pass.get<bool>();
-    run.compare.push_back(std::move(judged));
-  }
+  for (const Json& entry : member(summary, "compare"))
+    if (entry.is_object()) run.compare.push_back(study::verdict_of(entry));
 }
 
 }  // namespace
@@ -181,11 +156,6 @@ std::optional<double> ProbeResult::metric(const std::string& name) const {
   for (const auto& [metric, value] : metrics)
     if (metric == name) return value;
   return std::nullopt;
-}
-
-std::optional<double> Judged::deviation() const {
-  if (!value) return std::nullopt;
-  return reference == 0 ? *value : (*value - reference) / std::abs(reference);
 }
 
 const ProbeResult* Recorded::probe(const std::string& wanted) const {
@@ -222,12 +192,20 @@ std::string Recorded::state() const {
   }
 }
 
+std::vector<std::string> head_of(const std::vector<Recorded>& runs, std::vector<std::string> first) {
+  for (const Recorded& run : runs) first.push_back(run.name);
+  return first;
+}
+
+std::string name_of_run(const std::filesystem::path& folder) {
+  const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
 Recorded read_run(const std::filesystem::path& folder) {
   Recorded run;
   run.folder = folder;
-  run.name = std::filesystem::absolute(folder).lexically_normal().filename().string();
-  if (run.name.empty())  // "runs/plate_entry/"
-    run.name = std::filesystem::absolute(folder).lexically_normal().parent_path().filename().string();
+  run.name = name_of_run(folder);
   std::error_code none;
   const bool any = std::filesystem::exists(folder / "run.json", none) ||
                    std::filesystem::exists(folder / "case.toml", none);
@@ -236,7 +214,7 @@ Recorded read_run(const std::filesystem::path& folder) {
                 "name a folder that `strake run` has made, e.g. runs/plate_entry");
   read_record(object_of(folder / "run.json", run.problems), run);
   read_summary(object_of(folder / "summary.json", run.problems), run);
-  if (const auto echo = text_of(folder / "case.toml"))
+  if (const auto echo = read_text(folder / "case.toml"))
     run.settings = settings_of(*echo);
   else
     run.problems.emplace_back("case.toml is missing: what was set is not known");
@@ -246,9 +224,8 @@ Recorded read_run(const std::filesystem::path& folder) {
   } catch (const Error& error) {
     run.problems.push_back("history.csv: " + error.problem());
   }
-  if (!run.end_time && run.history.rows() > 0)
-    for (std::size_t c = 0; c < run.history.columns.size(); ++c)
-      if (run.history.columns[c].name == "time") run.end_time = run.history.value[c].back();
+  if (const auto time = run.history.find("time"); time && !run.end_time && run.history.rows() > 0)
+    run.end_time = run.history.value[*time].back();
   return run;
 }
 

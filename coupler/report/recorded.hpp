@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/study/results.hpp"
 #include "proto/files/history.hpp"
 
 #include <filesystem>
@@ -21,15 +22,6 @@ struct ProbeResult {
   std::string probe, unit;
   std::vector<std::pair<std::string, std::optional<double>>> metrics;
   std::optional<double> metric(const std::string& name) const;
-};
-
-/// One line of summary.json's "compare".
-struct Judged {
-  std::string probe, metric, kind, source;
-  std::optional<double> value, tolerance;
-  double reference = 0;
-  std::optional<bool> pass;
-  std::optional<double> deviation() const;  // as Verdict::deviation
 };
 
 /// One line of summary.json's "failure": when and where, in the reference configuration.
@@ -71,7 +63,7 @@ struct Recorded {
   std::vector<std::pair<std::string, std::optional<double>>> checks;
   std::map<std::string, CheckGrade> grades;  // check → how it turned out
   std::vector<std::string> alarms, resolution;
-  std::vector<Judged> compare;
+  std::vector<study::CheckResult> compare;
   std::vector<FailureEvent> failure;
   std::optional<double> failure_energy;
   Table history;
@@ -81,6 +73,12 @@ struct Recorded {
   std::string state() const;                          // "finished", "stopped by the user" …
   bool finished() const { return exit_code == 0 || exit_code == 1; }
 };
+
+/// The head of a table with a column for each run, behind those of `first`.
+std::vector<std::string> head_of(const std::vector<Recorded>&, std::vector<std::string> first);
+
+/// The name of a run folder: "plate_entry" of "runs/plate_entry/".
+std::string name_of_run(const std::filesystem::path& folder);
 
 /// Never throws for a damaged run; throws Error(case_file) where the folder is no run at all.
 Recorded read_run(const std::filesystem::path& folder);

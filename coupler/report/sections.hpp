@@ -1,7 +1,9 @@
 #pragma once
 
 #include "coupler/report/recorded.hpp"
+#include "coupler/report/study_data.hpp"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,5 +35,19 @@ std::string how_to_run_again(const std::vector<Recorded>&);
 /// The plots of `histories` alone: one figure per quantity that any of the runs recorded, and its first peak.
 /// heading: before each title, e.g. "6.26 m/s".
 std::string history_figures(const std::vector<Recorded>&, const std::string& heading);
+
+/// The parts of a study's page; `runs` has the readable content of its run folders, by the run's name.
+using RunsByName = std::map<std::string, Recorded>;
+
+std::string study_summary(const StudyData&);
+std::string study_histories(const StudyData&, const RunsByName&);
+std::string study_convergence(const StudyData&);
+std::string study_checks(const StudyData&);
+std::string study_claims(const StudyData&);
+std::string study_runs(const StudyData&, const RunsByName&);
+
+/// The whole page: one file, its style within, nothing fetched from anywhere. The contents are made from the
+/// sections of `body`.
+std::string page(const std::string& title, const std::string& lead, const std::string& body);
 
 }  // namespace strake::report

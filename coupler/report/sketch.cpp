@@ -1,15 +1,14 @@
 #include "coupler/report/sketch.hpp"
 
+#include "coupler/case/case_view.hpp"
+#include "coupler/plot/canvas.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/plot/page_canvas.hpp"
-#include "coupler/report/outline.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <iterator>
+#include <sstream>
 
 namespace strake::report {
 namespace {
@@ -174,23 +173,10 @@ void tell_depth(PageCanvas& canvas, const View& view, const std::vector<Place>& 
 
 std::vector<Place> places(const std::string& list) {
   std::vector<Place> points;
-  std::vector<double> numbers;
-  for (const char* at = list.c_str(); *at != '\0';) {
-    if (*at == ']') {
-      if (numbers.size() >= 2) points.push_back({numbers[0], numbers[1]});
-      numbers.clear();
-      ++at;
-      continue;
-    }
-    char* end = nullptr;
-    const double number = std::strtod(at, &end);
-    if (end == at) {
-      ++at;
-      continue;
-    }
-    numbers.push_back(number);
-    at = end;
-  }
+  std::istringstream rest(list);
+  for (std::string point; std::getline(rest, point, ']');)
+    if (const std::vector<double> numbers = numbers_in(point); numbers.size() >= 2)
+      points.push_back({numbers[0], numbers[1]});
   return points;
 }
 

@@ -1,19 +1,15 @@
 #include "coupler/report/study_data.hpp"
 
-#include "coupler/report/json_member.hpp"
 #include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 namespace strake::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::vector<std::string> texts(const Json& json, const std::string& key) {
   std::vector<std::string> values;
@@ -57,33 +53,14 @@ StudyData::Run run_of(const Json& json, const std::filesystem::path& folder) {
   return run;
 }
 
-StudyData::Check check_of(const Json& json) {
-  StudyData::Check check = {.title = string_of(json, "title"),
-                            .run = string_of(json, "run"),
-                            .against = string_of(json, "against"),
-                            .probe = string_of(json, "probe"),
-                            .metric = string_of(json, "metric"),
-                            .kind = string_of(json, "kind"),
-                            .source = string_of(json, "source"),
-                            .value = number_of(json, "value"),
-                            .reference = number_of(json, "reference"),
-                            .deviation = number_of(json, "deviation"),
-                            .tolerance = number_of(json, "tolerance"),
-                            .pass = std::nullopt};
-  if (const Json& pass = member(json, "pass"); pass.is_boolean()) check.pass = pass.get<bool>();
-  return check;
-}
-
 }  // namespace
 
 StudyData read_study(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "study.json";
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream content;
-  content << stream.rdbuf();
-  const Json json = stream ? Json::parse(content.str(), nullptr, false) : Json();
+  const auto content = read_text(path);
+  const Json json = parse_json(content.value_or(""));
   if (!json.is_object())
-    throw Error(ExitCode::case_file, path.string(), stream ? "is not a JSON object" : "cannot be read",
+    throw Error(ExitCode::case_file, path.string(), content ? "is not a JSON object" : "cannot be read",
                 "run the study again: strake study STUDY");
   StudyData study;
   study.title = string_of(json, "title");
@@ -98,7 +75,7 @@ StudyData read_study(const std::filesystem::path& folder) {
   for (const Json& column : objects(json, "columns"))
     study.columns.push_back(
         {string_of(column, "probe"), string_of(column, "metric"), string_of(column, "unit")});
-  for (const Json& check : objects(json, "checks")) study.checks.push_back(check_of(check));
+  for (const Json& check : objects(json, "checks")) study.checks.push_back(study::check_of(check));
   for (const Json& item : objects(json, "references")) {
     study.references.push_back({.title = string_of(item, "title"),
                                 .axis = string_of(item, "axis"),

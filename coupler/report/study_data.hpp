@@ -1,5 +1,7 @@
 #pragma once
 
+#include "coupler/study/results.hpp"
+
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -25,11 +27,6 @@ struct StudyData {
   struct QuantityOfRuns {
     std::string probe, metric, unit;
   };
-  struct Check {
-    std::string title, run, against, probe, metric, kind, source;
-    std::optional<double> value, reference, deviation, tolerance;
-    std::optional<bool> pass;
-  };
   struct Reference {
     std::string title, axis, probe, metric, kind, source;
     std::map<std::string, std::optional<double>> values;  // by label on the axis
@@ -39,18 +36,15 @@ struct StudyData {
     std::vector<double> along, values;  // NaN: not known
     std::optional<double> order, extrapolated, gci;
   };
-  struct Claim {
-    std::string claim, source, measured, verdict, why;
-  };
   std::string title, name, file, of_case;
   std::vector<std::string> commands;
   std::vector<Axis> axes;
   std::vector<Run> runs;
   std::vector<QuantityOfRuns> columns;
-  std::vector<Check> checks;
+  std::vector<study::CheckResult> checks;
   std::vector<Reference> references;
   std::vector<Convergence> convergence;
-  std::vector<Claim> claims;
+  std::vector<study::ClaimResult> claims;
   std::optional<double> seconds;
 };
 

@@ -1,8 +1,10 @@
-#include "coupler/report/study_sections.hpp"
 
 #include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
+#include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
+#include "proto/lookup.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -13,20 +15,12 @@
 namespace strake::report {
 namespace {
 
-std::string words(std::string metric) {
-  std::replace(metric.begin(), metric.end(), '_', ' ');
-  return metric;
-}
-
 std::string label_of(const StudyData::Run& run, const std::string& axis) {
-  const auto found = run.labels.find(axis);
-  return found == run.labels.end() ? std::string("–") : found->second;
+  return at_or(run.labels, axis, "–");
 }
 
 std::optional<double> value_of(const StudyData::Run& run, const StudyData::QuantityOfRuns& column) {
-  const std::string name = column.probe.empty() ? column.metric : column.probe + ":" + column.metric;
-  const auto found = run.values.find(name);
-  return found == run.values.end() ? std::nullopt : found->second;
+  return at_or(run.values, column.probe.empty() ? column.metric : column.probe + ":" + column.metric);
 }
 
 std::string state_of(const StudyData::Run& run) {
@@ -39,7 +33,7 @@ std::string state_of(const StudyData::Run& run) {
 /// Two axes: the first down, the second across, one table per quantity.
 std::string cross_table(const StudyData& study, const StudyData::QuantityOfRuns& column) {
   const StudyData::Axis &down = study.axes[0], &across = study.axes[1];
-  HtmlTable table(fmt::format("{} {}", column.probe, words(column.metric)));
+  HtmlTable table(fmt::format("{} {}", column.probe, in_words(column.metric)));
   std::vector<std::string> names = {down.name + " \\ " + across.name};
   names.insert(names.end(), across.labels.begin(), across.labels.end());
   std::vector<const StudyData::Reference*> references;
@@ -54,11 +48,11 @@ std::string cross_table(const StudyData& study, const StudyData::QuantityOfRuns&
       for (const StudyData::Run& run : study.runs)
         if (label_of(run, down.name) == row && label_of(run, across.name) == label)
           cell += (cell.empty() ? "" : "<br>") +
-                  (run.state == "done" ? number_cell(value_of(run, column), column.unit) : state_of(run));
+                  (run.state == "done" ? quantity_cell(value_of(run, column), column.unit) : state_of(run));
       cells.push_back(cell.empty() ? "–" : cell);
     }
     for (const StudyData::Reference* r : references)
-      cells.push_back(number_cell(r->values.contains(row) ? r->values.at(row) : std::nullopt, column.unit));
+      cells.push_back(quantity_cell(at_or(r->values, row), column.unit));
     table.row(cells);
   }
   return table.html();
@@ -69,14 +63,15 @@ std::string list_table(const StudyData& study) {
   std::vector<std::string> names = {"run"};
   for (const StudyData::Axis& axis : study.axes) names.push_back(axis.name);
   names.emplace_back("state");
-  for (const auto& column : study.columns) names.push_back(column.probe + " " + words(column.metric));
+  for (const auto& column : study.columns) names.push_back(column.probe + " " + in_words(column.metric));
   names.emplace_back("wall time");
   table.head(names);
   for (const StudyData::Run& run : study.runs) {
     std::vector<std::string> cells = {escape(run.name)};
     for (const StudyData::Axis& axis : study.axes) cells.push_back(escape(label_of(run, axis.name)));
     cells.push_back(state_of(run));
-    for (const auto& column : study.columns) cells.push_back(number_cell(value_of(run, column), column.unit));
+    for (const auto& column : study.columns)
+      cells.push_back(quantity_cell(value_of(run, column), column.unit));
     cells.push_back("<span class=\"n\">" + duration(run.seconds) + "</span>");
     table.row(cells);
   }
@@ -132,7 +127,7 @@ std::string study_convergence(const StudyData& study) {
     plot.title = item.title;
     plot.x_name = item.axis;
     plot.x_unit = "1";
-    plot.y_name = item.probe + " " + words(item.metric);
+    plot.y_name = item.probe + " " + in_words(item.metric);
     plot.y_unit = item.unit.empty() ? "1" : item.unit;
     plot.logarithmic = true;
     Series size = {.name = "|value|", .curve = {}, .style = 0, .marker = std::nullopt, .dots = true};
@@ -158,16 +153,15 @@ std::string study_convergence(const StudyData& study) {
     figures += picture::figure(plot);
     if (error.curve.size() > 1) {
       plot.title += ", distance from the extrapolated value";
-      plot.y_name = "distance of " + item.probe + " " + words(item.metric);
+      plot.y_name = "distance of " + item.probe + " " + in_words(item.metric);
       plot.series = {error};
       figures += picture::figure(plot);
     }
-    table.row({escape(item.title), escape(item.axis), escape(item.probe + " " + words(item.metric)),
-               number_cell(finest, plot.y_unit), number_cell(item.extrapolated, plot.y_unit),
-               number_cell(item.order, "1"),
-               fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(item.gci),
-                           item.gci ? fmt::format("{:.2f} %", 100 * *item.gci) : "–"),
-               "<span class=\"words\">" + escape(item.remark) + "</span>"});
+    table.row({escape(item.title), escape(item.axis), escape(item.probe + " " + in_words(item.metric)),
+               quantity_cell(finest, plot.y_unit), quantity_cell(item.extrapolated, plot.y_unit),
+               quantity_cell(item.order, "1"),
+               number_cell(item.gci, item.gci ? fmt::format("{:.2f} %", 100 * *item.gci) : "–"),
+               words_cell(item.remark)});
   }
   return section(
       "convergence", "Convergence",
@@ -181,7 +175,7 @@ std::string study_checks(const StudyData& study) {
   HtmlTable table("Checks of the study");
   table.head({"check", "verdict", "run", "quantity", "value", "reference", "deviation", "allowed", "kind",
               "against"});
-  for (const StudyData::Check& check : study.checks) {
+  for (const study::CheckResult& check : study.checks) {
     std::string unit = "1";
     for (const auto& column : study.columns)
       if (column.probe == check.probe && column.metric == check.metric) unit = column.unit;
@@ -190,14 +184,11 @@ std::string study_checks(const StudyData& study) {
                badge(kind, !check.pass   ? "not judged"
                            : *check.pass ? "pass"
                                          : "outside"),
-               escape(check.run), escape(check.probe + " " + words(check.metric)),
-               number_cell(check.value, unit), number_cell(check.reference, unit),
-               fmt::format("<span class=\"n\" data-value=\"{}\">{}</span>", exact(check.deviation),
-                           escape(percent(check.deviation))),
+               escape(check.run), escape(check.probe + " " + in_words(check.metric)),
+               quantity_cell(check.value, unit), quantity_cell(check.reference, unit),
+               number_cell(check.deviation, percent(check.deviation)),
                check.tolerance ? fmt::format("{:g} %", 100 * *check.tolerance) : std::string("stated only"),
-               escape(check.kind),
-               "<span class=\"words\">" + escape(check.against.empty() ? check.source : check.against) +
-                   "</span>"});
+               escape(check.kind), words_cell(check.against.empty() ? check.source : check.against)});
   }
   return section("checks", "Checks", table.html());
 }
@@ -206,15 +197,12 @@ std::string study_claims(const StudyData& study) {
   if (study.claims.empty()) return {};
   HtmlTable table("Claims, one by one");
   table.head({"claim", "verdict", "what was measured", "why", "where it is made"});
-  for (const StudyData::Claim& claim : study.claims) {
+  for (const study::ClaimResult& claim : study.claims) {
     const std::string kind = claim.verdict == "holds"           ? "good"
                              : claim.verdict == "does not hold" ? "bad"
                                                                 : "open";
-    const auto words = [](const std::string& text) {
-      return "<span class=\"words\">" + escape(text) + "</span>";
-    };
-    table.row({words(claim.claim), badge(kind, claim.verdict.empty() ? "not judged" : claim.verdict),
-               words(claim.measured), words(claim.why), escape(claim.source)});
+    table.row({words_cell(claim.claim), badge(kind, claim.verdict.empty() ? "not judged" : claim.verdict),
+               words_cell(claim.measured), words_cell(claim.why), escape(claim.source)});
   }
   return section("claims", "Claims", table.html());
 }
@@ -229,16 +217,13 @@ std::string study_runs(const StudyData& study, const RunsByName& runs) {
   HtmlTable table("The runs behind it");
   table.head({"run", "folder", "state", "what it said"});
   for (const StudyData::Run& run : study.runs) {
-    std::string said;
+    std::vector<std::string> said = {"its folder holds no run"};
     if (const auto found = runs.find(run.name); found != runs.end()) {
-      for (const std::string& problem : found->second.problems) said += (said.empty() ? "" : "; ") + problem;
-      if (!found->second.origin.error.empty())
-        said += (said.empty() ? "" : "; ") + found->second.origin.error;
-    } else {
-      said = "its folder holds no run";
+      said = found->second.problems;
+      if (const std::string& error = found->second.origin.error; !error.empty()) said.push_back(error);
     }
     table.row({escape(run.name), "<code>" + escape(run.folder.generic_string()) + "</code>", state_of(run),
-               "<span class=\"words\">" + escape(said) + "</span>"});
+               words_cell(joined(said, "; "))});
   }
   return section("again", "How to run it again", body + table.html());
 }

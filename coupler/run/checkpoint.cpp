@@ -4,14 +4,14 @@
 #include "coupler/run/checksums.hpp"
 #include "proto/error.hpp"
 #include "proto/files/history.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <vector>
@@ -204,11 +204,9 @@ void check_end_time(const CaseView& view, const fs::path& run_folder, const fs::
 
 std::vector<std::string> settled_sets(const fs::path& case_file, std::vector<std::string> sets,
                                       const fs::path& run_folder) {
-  std::ifstream stream(run_folder / "case.toml");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) return sets;  // check_same_case says so
-  const auto before = flatten_toml(text.str(), "case.toml");
+  const auto text = read_text(run_folder / "case.toml");
+  if (!text) return sets;  // check_same_case says so
+  const auto before = flatten_toml(*text, "case.toml");
   const std::string step = "fluid.scheme.time_step", window = "coupling.surface.window",
                     probes = "output.default_probes";
   const std::vector<std::string> given = given_among({step, window, probes}, case_file, sets);
@@ -224,19 +222,16 @@ std::vector<std::string> settled_sets(const fs::path& case_file, std::vector<std
 
 void check_same_case(const CaseView& view, const fs::path& run_folder) {
   const fs::path path = run_folder / "case.toml";
-  std::ifstream stream(path);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream)
+  const auto text = read_text(path);
+  if (!text)
     throw Error(ExitCode::command_line, run_folder.string(), "has no case.toml to go on from",
                 "leave out --resume");
-  const auto before = flatten_toml(text.str(), path.string());
+  const auto before = flatten_toml(*text, path.string());
   const auto now = flatten_toml(view.resolved, "case.toml");
   std::string changes;
   for (const auto& [key, value] : now) {
-    const auto found = before.find(key);
-    const std::string was = found == before.end() ? "not there" : found->second;
-    const bool older = found == before.end() && key == "output.default_probes" && value == "false";
+    const std::string was = at_or(before, key, "not there");
+    const bool older = !before.contains(key) && key == "output.default_probes" && value == "false";
     if (was != value && !older && !may_change(key))
       changes += fmt::format("\n{} was {}, is {}", key, was, value);
   }

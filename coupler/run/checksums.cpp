@@ -41,7 +41,7 @@ Sum sum_of(const fs::path& path) {
   if (in.bad()) return sum;
   std::array<unsigned char, crypto_generichash_BYTES> bytes{};
   crypto_generichash_final(&state, bytes.data(), bytes.size());
-  for (const unsigned byte : bytes) sum.digest += fmt::format("{:02x}", byte);
+  sum.digest = fmt::format("{:02x}", fmt::join(bytes, ""));
   return sum;
 }
 

@@ -3,6 +3,7 @@
 #include "coupler/summary/history_metrics.hpp"
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 
@@ -178,11 +179,8 @@ void RunFiles::append_timing(const CommittedWindow& window, double wall) {
     timing_ = open_timing(columns);
   }
   std::vector<double> row = {static_cast<double>(window.number), window.time, wall};
-  for (const auto& [fluid, name] : stages_) {
-    const auto& monitor = fluid ? report.fluid : report.structure;
-    const auto found = monitor.find(name);
-    row.push_back(found == monitor.end() ? std::nan("") : found->second);
-  }
+  for (const auto& [fluid, name] : stages_)
+    row.push_back(at_or(fluid ? report.fluid : report.structure, name, std::nan("")));
   timing_->append(row);
 }
 

@@ -1,7 +1,8 @@
 #include "coupler/run/run_folder.hpp"
 
 #include "coupler/commit.hpp"
-#include "coupler/transport/host_name.hpp"
+#include "coupler/transport/system_calls.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/visible.hpp"
 
@@ -12,7 +13,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <fcntl.h>
-#include <fstream>
 #include <optional>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -48,8 +48,7 @@ bool is_empty_folder(const fs::path& path) {
 /// True if a folder contains what RunRecord writes. A case.toml is no sign: a user's own folder may contain
 /// one.
 bool is_a_run(const fs::path& path) {
-  std::ifstream stream(path / "run.json");
-  const nlohmann::json record = nlohmann::json::parse(stream, nullptr, false);
+  const Json record = read_json(path / "run.json");
   return record.is_object() && record.contains("strake") && record.contains("command");
 }
 
@@ -154,17 +153,12 @@ FolderLock::FolderLock(const fs::path& path)
   constexpr int tries = 5;  // a program that only tests whether a run is under way (strake watch) locks it
                             // for a moment
   for (int k = 0; k < tries; ++k) {
-    if (folder_ < 0 || ::flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+    if (!folder_ || ::flock(folder_.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
       return;  // some disks have no locks
     ::usleep(10'000);
   }
-  ::close(folder_);
   throw Error(ExitCode::command_line, path.string(), "another run is under way in this folder",
               "wait until it has ended, or name the new run with --tag NAME");
-}
-
-FolderLock::~FolderLock() {
-  if (folder_ >= 0) ::close(folder_);
 }
 
 TemporaryFolder::TemporaryFolder() {
@@ -188,10 +182,10 @@ RunRecord::RunRecord(fs::path folder, const std::vector<std::string>& command_li
   data_["started"] = utc_now();
   data_["ended"] = nullptr;
   data_["exit_code"] = nullptr;
-  data_["seeds"] = nlohmann::ordered_json::array();  // nothing here is random
+  data_["seeds"] = Json::array();  // nothing here is random
 }
 
-void RunRecord::set(const std::string& key, nlohmann::ordered_json value) {
+void RunRecord::set(const std::string& key, Json value) {
   data_[key] = std::move(value);
 }
 
@@ -212,8 +206,7 @@ void RunRecord::keep_private() {
 void RunRecord::write() const {
   std::optional<OnlyMine> mask;
   if (private_) mask.emplace();
-  write_text(folder_ / "run.json",
-             data_.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_text(folder_ / "run.json", json_text(data_, 2) + "\n");
 }
 
 std::string strake_version() {

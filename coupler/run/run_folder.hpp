@@ -1,6 +1,8 @@
 #pragma once
 
+#include "proto/descriptor.hpp"
 #include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -39,12 +41,9 @@ void remove_unfinished(const std::filesystem::path& run_folder);
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path&);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  int folder_ = -1;
+  Descriptor folder_;
 };
 
 /// A private folder under the system's temporary one, gone with the object: `check` builds its participants
@@ -66,7 +65,7 @@ class RunRecord {
  public:
   RunRecord(std::filesystem::path folder, const std::vector<std::string>& command_line);
   /// One entry, e.g. set("participants", {...}).
-  void set(const std::string& key, nlohmann::ordered_json value);
+  void set(const std::string& key, Json value);
   void ended(ExitCode);
   void failed(const Error&);
   void keep_private();  // from the next write on, only this user can read it
@@ -75,7 +74,7 @@ class RunRecord {
  private:
   std::filesystem::path folder_;
   bool private_ = false;
-  nlohmann::ordered_json data_;
+  Json data_;
 };
 
 /// Version and commit that this program was built from.

@@ -6,6 +6,7 @@
 #include "coupler/summary/pace.hpp"
 #include "coupler/summary/resolution.hpp"
 #include "proto/error.hpp"
+#include "proto/lookup.hpp"
 #include "proto/number_text.hpp"
 
 #include <fmt/format.h>
@@ -36,8 +37,7 @@ std::string accelerator_title(const std::string& kind) {
 }  // namespace
 
 double window_of(const CaseView& view) {
-  const auto analysis = view.value.find("structure.analysis");
-  const bool timeless = !view.fluid && analysis != view.value.end() && analysis->second != "dynamic";
+  const bool timeless = !view.fluid && at_or(view.value, "structure.analysis", "dynamic") != "dynamic";
   return timeless ? view.common.end_time : view.common.window;
 }
 
@@ -131,11 +131,8 @@ void Session::add_columns(const std::string& side, const Description& descriptio
 
 std::vector<double> Session::values(const WindowReport& report) const {
   std::vector<double> values;
-  for (const Source& source : sources_) {
-    const auto& monitor = source.fluid ? report.fluid : report.structure;
-    const auto found = monitor.find(source.name);
-    values.push_back(found == monitor.end() ? std::nan("") : found->second);
-  }
+  for (const Source& source : sources_)
+    values.push_back(at_or(source.fluid ? report.fluid : report.structure, source.name, std::nan("")));
   return values;
 }
 
@@ -213,10 +210,7 @@ std::vector<std::string> Session::resolution() const {
 std::vector<std::string> Session::warnings() const {
   std::vector<std::string> warnings;
   bool moved = case_.structure && case_.structure->solver != "rigid" && case_.structure->solver != "replay";
-  for (const char* key : {"x", "y", "z", "angle", "rotation"}) {
-    const auto free = case_.value.find(std::string("structure.free.") + key);
-    moved = moved || (free != case_.value.end() && free->second == "true");
-  }
+  moved = moved || case_.moves_freely();
   const bool live = case_.fluid && case_.fluid->solver != "replay";
   if (scheme_ && moved && live && case_.common.interface == "surface" && !case_.coupling.iterates()) {
     const auto ratio = added_mass_ratio(case_);

@@ -1,7 +1,7 @@
-#include "coupler/study/checks.hpp"
-
 #include "coupler/compare/comparison.hpp"
-#include "coupler/console/join.hpp"
+#include "coupler/study/results.hpp"
+#include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "coupler/study/grid_convergence.hpp"
+#include "coupler/study/results.hpp"
 
 #include <fmt/format.h>
 

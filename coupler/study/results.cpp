@@ -1,37 +1,24 @@
 #include "coupler/study/results.hpp"
 
 #include "coupler/compare/comparison.hpp"
-#include "coupler/console/join.hpp"
 #include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
+#include "proto/lookup.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 namespace strake::study {
 namespace {
 
-nlohmann::json summary_of(const std::filesystem::path& folder) {
-  std::ifstream stream(folder / "summary.json");
-  const nlohmann::json summary = nlohmann::json::parse(stream, nullptr, false);
-  return summary.is_object() ? summary : nlohmann::json::object();
-}
-
-void take_numbers(const nlohmann::json& object, const std::string& prefix, Values& values) {
+void take_numbers(const Json& object, const std::string& prefix, Values& values) {
   if (!object.is_object()) return;
   for (const auto& [name, value] : object.items())
     if (value.is_number()) values[prefix + name] = value.get<double>();
-}
-
-std::map<std::string, std::string> units_of(const nlohmann::json& summary) {
-  std::map<std::string, std::string> units;
-  if (summary.contains("probes") && summary["probes"].is_object())
-    for (const auto& [probe, entry] : summary["probes"].items())
-      if (entry.is_object() && entry.contains("unit") && entry["unit"].is_string())
-        units[probe] = entry["unit"].get<std::string>();
-  return units;
 }
 
 /// l2 or dtw of two whole records.
@@ -64,7 +51,7 @@ CheckResult judge(const Results& results, const Check& check, const PlannedRun& 
   if (whole && both)
     result.value = result.deviation = difference(results, run, other, check.quantity);
   else if (result.value && result.reference && *result.reference != 0)
-    result.deviation = (*result.value - *result.reference) / std::abs(*result.reference);
+    result.deviation = deviation(*result.value, *result.reference);
   result.pass = result.deviation && std::abs(*result.deviation) <= check.tolerance;
   return result;
 }
@@ -83,8 +70,7 @@ CheckResult judge(const Results& results, const Reference& reference, const Plan
                         .pass = {},
                         .kind = reference.kind,
                         .source = reference.source};
-  if (result.value)
-    result.deviation = expected == 0 ? *result.value : (*result.value - expected) / std::abs(expected);
+  if (result.value) result.deviation = deviation(*result.value, expected);
   const std::string& label = run.label.at(reference.axis);
   if (std::find(reference.fitted.begin(), reference.fitted.end(), label) != reference.fitted.end()) {
     result.tolerance.reset();
@@ -94,62 +80,50 @@ CheckResult judge(const Results& results, const Reference& reference, const Plan
   return result;
 }
 
-std::optional<double> number_in(const nlohmann::json& object, const char* name) {
-  return object.contains(name) && object[name].is_number() ? std::optional(object[name].get<double>())
-                                                           : std::nullopt;
+}  // namespace
+
+CheckResult check_of(const Json& json) {
+  return {.title = string_of(json, "title"),
+          .run = string_of(json, "run"),
+          .against = string_of(json, "against"),
+          .probe = string_of(json, "probe"),
+          .metric = string_of(json, "metric"),
+          .value = number_of(json, "value"),
+          .reference = number_of(json, "reference"),
+          .deviation = number_of(json, "deviation"),
+          .tolerance = number_of(json, "tolerance"),
+          .pass = flag_of(json, "pass"),
+          .kind = string_of(json, "kind"),
+          .source = string_of(json, "source")};
 }
 
-/// A verdict of the run on its own case.
-CheckResult from_case(const std::string& run, const nlohmann::json& verdict) {
-  CheckResult result = {.title = {},
-                        .run = run,
-                        .against = {},
-                        .probe = verdict.value("probe", ""),
-                        .metric = verdict.value("metric", ""),
-                        .value = number_in(verdict, "value"),
-                        .reference = number_in(verdict, "reference"),
-                        .deviation = {},
-                        .tolerance = number_in(verdict, "tolerance"),
-                        .pass = {},
-                        .kind = verdict.value("kind", ""),
-                        .source = verdict.value("source", "")};
+CheckResult verdict_of(const Json& json) {
+  CheckResult result = check_of(json);
   result.title = fmt::format("{} {}", result.probe, result.metric);
-  if (verdict.contains("pass") && verdict["pass"].is_boolean()) result.pass = verdict["pass"].get<bool>();
-  if (result.value && result.reference)
-    result.deviation = *result.reference == 0
-                           ? *result.value
-                           : (*result.value - *result.reference) / std::abs(*result.reference);
+  if (result.value && result.reference) result.deviation = deviation(*result.value, *result.reference);
   return result;
 }
 
-}  // namespace
-
 Values read_values(const std::filesystem::path& folder) {
-  const nlohmann::json summary = summary_of(folder);
+  const Json summary = read_json(folder / "summary.json");
+  const Json &iterations = member(summary, "iterations"), &failure = member(summary, "failure");
   Values values;
-  if (summary.contains("probes") && summary["probes"].is_object())
-    for (const auto& [probe, entry] : summary["probes"].items()) take_numbers(entry, probe + ":", values);
-  if (summary.contains("checks")) take_numbers(summary["checks"], "", values);
-  if (summary.contains("iterations") && summary["iterations"].is_object()) {
-    take_numbers(summary["iterations"], "iterations.", values);
-    if (const auto mean = number_in(summary["iterations"], "mean")) values["iterations"] = *mean;
-  }
-  if (summary.contains("failure") && summary["failure"].is_object()) {
-    take_numbers(summary["failure"], "failure.", values);
-    for (const auto& [event, place] : summary["failure"].items())
-      take_numbers(place, "failure." + event + ".", values);
-  }
-  if (summary.contains("seconds"))
-    if (const auto wall = number_in(summary["seconds"], "wall")) values["wall"] = *wall;
-  if (const auto windows = number_in(summary, "windows")) values["windows"] = *windows;
+  for (const auto& [probe, entry] : member(summary, "probes").items())
+    take_numbers(entry, probe + ":", values);
+  take_numbers(member(summary, "checks"), "", values);
+  take_numbers(iterations, "iterations.", values);
+  if (const auto mean = number_of(iterations, "mean")) values["iterations"] = *mean;
+  take_numbers(failure, "failure.", values);
+  for (const auto& [event, place] : failure.items()) take_numbers(place, "failure." + event + ".", values);
+  if (const auto wall = number_of(member(summary, "seconds"), "wall")) values["wall"] = *wall;
+  if (const auto windows = number_of(summary, "windows")) values["windows"] = *windows;
   return values;
 }
 
 std::optional<double> Results::value(const PlannedRun& run, const Quantity& q) const {
   const auto found = values.find(run.name);
-  if (found == values.end()) return std::nullopt;
-  const auto number = found->second.find(q.name());
-  return number == found->second.end() ? std::nullopt : std::optional(number->second);
+  if (found == values.end() || !found->second.contains(q.name())) return std::nullopt;
+  return found->second.at(q.name());
 }
 
 std::string Results::unit_of(const Quantity& q) const {
@@ -158,8 +132,7 @@ std::string Results::unit_of(const Quantity& q) const {
     if (q.metric == "wall" || (of_failure && q.metric.ends_with(".time"))) return "s";
     return of_failure && q.metric != "failure.energy" ? "m" : "1";
   }
-  const auto found = unit.find(q.probe);
-  return metric_unit(q.metric, found == unit.end() ? "1" : found->second);
+  return metric_unit(q.metric, at_or(unit, q.probe, "1"));
 }
 
 std::vector<const PlannedRun*> Results::runs(const Filter& filter) const {
@@ -178,7 +151,9 @@ Results collect(const Plan& plan, std::map<std::string, Outcome> outcome) {
     const Outcome& o = results.outcome[run.name];
     if (o.state != Outcome::State::done) continue;
     results.values[run.name] = read_values(o.folder);
-    for (const auto& [probe, unit] : units_of(summary_of(o.folder))) results.unit.emplace(probe, unit);
+    const Json summary = read_json(o.folder / "summary.json");
+    for (const auto& [probe, entry] : member(summary, "probes").items())
+      if (member(entry, "unit").is_string()) results.unit.emplace(probe, string_of(entry, "unit"));
   }
   return results;
 }
@@ -225,9 +200,11 @@ std::vector<CheckResult> judge_checks(const Results& results) {
           found != reference.value.end())
         all.push_back(judge(results, reference, *run, found->second));
   for (const auto& [run, values] : results.values) {
-    const nlohmann::json summary = summary_of(results.outcome.at(run).folder);
-    if (summary.contains("compare") && summary["compare"].is_array())
-      for (const auto& verdict : summary["compare"]) all.push_back(from_case(run, verdict));
+    const Json summary = read_json(results.outcome.at(run).folder / "summary.json");
+    for (const Json& verdict : member(summary, "compare")) {
+      all.push_back(verdict_of(verdict));
+      all.back().run = run;
+    }
   }
   return all;
 }

@@ -2,8 +2,7 @@
 
 #include "coupler/study/plan.hpp"
 #include "coupler/study/runner.hpp"
-
-#include <nlohmann/json.hpp>
+#include "proto/files/json_file.hpp"
 
 #include <map>
 #include <optional>
@@ -41,7 +40,46 @@ struct CheckResult {
   std::optional<bool> pass;  // none: stated only
   std::string kind, source;  // as in a compare block
 };
+/// From an entry of study.json. What is missing there is empty.
+CheckResult check_of(const Json&);
+/// From an entry of "compare" in summary.json: the verdict of a run on its own case.
+CheckResult verdict_of(const Json&);
 /// The study's checks, its references, then those that each case brings along (summary.json, "compare").
 std::vector<CheckResult> judge_checks(const Results&);
+
+/// How a result behaves as the spacing or the step shrinks.
+struct GridConvergence {
+  std::string title, axis, probe, metric;
+  std::vector<std::string> runs;  // names, coarse to fine
+  std::vector<double> along;      // [m] or [s], coarse to fine
+  std::vector<double> value;
+  std::optional<double> order;         // observed on the three finest
+  std::optional<double> extrapolated;  // to zero spacing
+  std::optional<double> gci;           // relative, of the finest: 1.25 |e| / (r^p − 1)
+  std::string remark;                  // "converges", "oscillates", "does not converge", "two values only"
+};
+
+/// Observed order p, extrapolated value and grid convergence index of the three finest of `value`, whose
+/// spacings `along` descend in any ratios r21 = h2/h1, r32 = h3/h2 (1 the finest). With φ = φ0 + C h^p,
+///   ε32/ε21 = r21^p (r32^p − 1)/(r21^p − 1),  ε32 = φ3 − φ2, ε21 = φ2 − φ1
+///   φ0 = φ1 − ε21/(r21^p − 1),  GCI = 1.25 |ε21/φ1| / (r21^p − 1)
+/// (Roache 1994, J. Fluids Eng. 116:405; the procedure of Celik et al. 2008, J. Fluids Eng. 130:078001).
+/// Differences that alternate in sign have no such order; those that do not fall mean that the result does
+/// not converge.
+GridConvergence grid_convergence(std::vector<double> along, std::vector<double> value);
+
+/// Every convergence that the plan requests, for each choice on the other axes.
+std::vector<GridConvergence> judge_convergence(const Results&);
+
+/// A published sentence beside what was measured.
+struct ClaimResult {
+  std::string claim, source;
+  std::string measured;  // the numbers that decide, in words
+  std::string verdict;   // "holds" | "does not hold" | "cannot be judged"
+  std::string why;
+};
+
+/// Each claim of the plan by its rule. A claim whose runs are missing cannot be judged, and says which are.
+std::vector<ClaimResult> judge_claims(const Results&);
 
 }  // namespace strake::study

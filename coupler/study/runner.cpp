@@ -2,9 +2,9 @@
 
 #include "coupler/case/case_queries.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/console/join.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/visible.hpp"
 
@@ -25,16 +25,9 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-nlohmann::json json_of(const fs::path& path) {
-  std::ifstream stream(path);
-  return nlohmann::json::parse(stream, nullptr, false);
-}
-
 /// What a run depends on: the case's bytes, its keys, the files it names, the run it replays.
 std::string fingerprint(const Plan& plan, const PlannedRun& run) {
-  std::string text = run.source + ":";
-  for (const std::uint8_t byte : case_hash(plan.case_file, run.sets)) text += fmt::format("{:02x}", byte);
-  return text;
+  return fmt::format("{}:{:02x}", run.source, fmt::join(case_hash(plan.case_file, run.sets), ""));
 }
 
 /// The error in a run's log, without its verdicts and warnings.
@@ -96,34 +89,35 @@ std::string progress_of(const fs::path& folder, double end_time) {
 class Ledger {
  public:
   explicit Ledger(const fs::path& folder) : path_(folder / "state.json") {
-    std::error_code none;
-    if (fs::exists(path_, none)) data_ = json_of(path_);
-    if (!data_.is_object()) data_ = nlohmann::json::object();
+    const Json before = read_json(path_);
+    for (const auto& [run, entry] : before.items())
+      if (before.is_object()) data_[run] = entry;
   }
   /// The seconds that a run of these very inputs took, if it was finished.
   bool is_done(const std::string& run, const std::string& print, const fs::path& folder,
                double& seconds) const {
-    if (!same(run, print) || data_[run].value("state", "") != "done") return false;
-    const nlohmann::json summary = json_of(folder / "summary.json");
-    if (!summary.is_object() || !summary.contains("exit_code") || summary["exit_code"] != 0) return false;
-    seconds = data_[run].value("seconds", 0.0);
+    if (!same(run, print) || string_of(data_.at(run), "state") != "done") return false;
+    if (number_of(read_json(folder / "summary.json"), "exit_code") != 0) return false;
+    seconds = number_of(data_.at(run), "seconds").value_or(0);
     return true;
   }
   bool same(const std::string& run, const std::string& print) const {
-    return data_.contains(run) && data_[run].is_object() && data_[run].value("inputs", "") == print;
+    return data_.contains(run) && member(data_.at(run), "inputs") == print;
   }
   void set(const std::string& run, const std::string& print, const Outcome& outcome) {
-    data_[run] = {{"inputs", print}, {"state", to_text(outcome.state)}, {"seconds", outcome.seconds}};
-    write_text(path_, data_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    put(run, {{"inputs", print}, {"seconds", outcome.seconds}, {"state", to_text(outcome.state)}});
   }
   void begin(const std::string& run, const std::string& print) {
-    data_[run] = {{"inputs", print}, {"state", "begun"}};
-    write_text(path_, data_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    put(run, {{"inputs", print}, {"state", "begun"}});
   }
 
  private:
+  void put(const std::string& run, const Json& entry) {
+    data_[run] = entry;
+    write_text(path_, json_text(data_, 2) + "\n");
+  }
   fs::path path_;
-  nlohmann::json data_;
+  std::map<std::string, Json> data_;
 };
 
 struct Running {
@@ -210,7 +204,7 @@ class Performance {
     if (fs::exists(folder, error)) {
       const bool unfinished = !options_.again && ledger_.same(run.name, print_[run.name]) &&
                               fs::exists(folder / "checkpoint" / "latest", error) &&
-                              json_of(folder / "summary.json").value("exit_code", 1) != 0;
+                              number_of(read_json(folder / "summary.json"), "exit_code") != 0;
       arguments.push_back(unfinished ? "--resume" : "--force");
     }
     arguments.push_back("--quiet");

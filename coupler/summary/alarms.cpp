@@ -1,6 +1,9 @@
 #include "coupler/summary/alarms.hpp"
 
+#include "proto/lookup.hpp"
+
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -68,11 +71,6 @@ const std::array<AlarmWords, 6> all_words = {
 
 constexpr double short_step = 0.2;  // of the flow's own, below which the step is the suspect
 
-double monitored(const std::map<std::string, double>& monitor, const std::string& name) {
-  const auto found = monitor.find(name);
-  return found == monitor.end() ? std::nan("") : found->second;
-}
-
 std::string advice_of(const AlarmWords& words, double step, double flow_step) {
   if (step > 0 && step < short_step * flow_step)
     return fmt::format(
@@ -89,7 +87,7 @@ std::vector<RaisedAlarm> alarms_of(const std::map<std::string, double>& monitor)
   std::vector<RaisedAlarm> alarms;
   for (const AlarmWords& words : all_words) {
     const auto part = [&](const char* name) {
-      return monitored(monitor, fmt::format("alarm.{}.{}", words.kind, name));
+      return at_or(monitor, fmt::format("alarm.{}.{}", words.kind, name), std::nan(""));
     };
     RaisedAlarm alarm{.kind = words.kind, .time = part("time"), .line = {}};
     if (!std::isfinite(alarm.time)) continue;
@@ -101,8 +99,9 @@ std::vector<RaisedAlarm> alarms_of(const std::map<std::string, double>& monitor)
     alarm.placed = std::isfinite(alarm.x) && std::isfinite(alarm.y) && std::isfinite(alarm.z);
     alarm.line = fmt::format("t = {:.6g} s", alarm.time);
     if (alarm.placed) alarm.line += fmt::format(" at ({:.4g}, {:.4g}, {:.4g}) m", alarm.x, alarm.y, alarm.z);
-    alarm.line += fmt::format(": {}; {}", words.what(alarm.value, alarm.bound),
-                              advice_of(words, part("step"), monitored(monitor, "alarm.flow_step")));
+    alarm.line +=
+        fmt::format(": {}; {}", words.what(alarm.value, alarm.bound),
+                    advice_of(words, part("step"), at_or(monitor, "alarm.flow_step", std::nan(""))));
     alarms.push_back(std::move(alarm));
   }
   std::stable_sort(alarms.begin(), alarms.end(),
@@ -117,9 +116,7 @@ std::vector<std::string> AlarmNotes::look(const std::map<std::string, double>& m
   return lines;
 }
 
-nlohmann::ordered_json json_of(const RaisedAlarm& alarm) {
-  using Json = nlohmann::ordered_json;
-  const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+Json json_of(const RaisedAlarm& alarm) {
   return {{"kind", alarm.kind},
           {"time", finite(alarm.time)},
           {"at", alarm.placed ? Json{alarm.x, alarm.y, alarm.z} : Json(nullptr)},

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include "proto/files/json_file.hpp"
 
 #include <map>
 #include <string>
@@ -34,6 +34,6 @@ class AlarmNotes {
 };
 
 /// As an entry of "alarms" in summary.json.
-nlohmann::ordered_json json_of(const RaisedAlarm&);
+Json json_of(const RaisedAlarm&);
 
 }  // namespace strake

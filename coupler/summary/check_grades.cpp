@@ -1,14 +1,13 @@
 #include "coupler/summary/check_grades.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <cmath>
 
 namespace strake {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// The bounds. The guard of the fluid raises its alarms at the second ones (fluid/diagnostics/guard.cpp).
 ///

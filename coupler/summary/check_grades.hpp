@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include "proto/files/json_file.hpp"
 
 #include <string>
 #include <vector>
@@ -21,9 +21,9 @@ struct CheckBounds {
 
 /// Grades each check that has bounds: {"momentum_gap": {"grade": "good", "good": 0.02, "poor": 0.1}, …}.
 /// Checks that are null have none. particles: of the water.
-nlohmann::ordered_json grades_of(const nlohmann::ordered_json& checks, double particles);
+Json grades_of(const Json& checks, double particles);
 
 /// The last lines of a console on them, worst first: "bad     speed of the water 1.1 of its bound (to 1)".
-std::vector<std::string> grade_lines(const nlohmann::ordered_json& checks);
+std::vector<std::string> grade_lines(const Json& checks);
 
 }  // namespace strake

@@ -13,8 +13,9 @@ constexpr double too_early = 0.05;
 }  // namespace
 
 ComparisonStatus::ComparisonStatus(const CaseView& view) {
+  const CaseLookup lookup = lookup_in(view.value);
   for (const CompareBlock& block : view.blocks)
-    if (applies(block, view.lookup())) blocks_.push_back(block);
+    if (applies(block, lookup)) blocks_.push_back(block);
   settled_.assign(blocks_.size(), false);
 }
 

@@ -1,6 +1,7 @@
 #include "coupler/summary/failure_notes.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <utility>
@@ -34,14 +35,14 @@ std::vector<std::string> FailureNotes::look(const std::map<std::string, double>&
   return lines;
 }
 
-nlohmann::ordered_json failure_json(const std::map<std::string, double>& monitor) {
+Json failure_json(const std::map<std::string, double>& monitor) {
   const auto energy = monitor.find("failure.energy");
   if (energy == monitor.end()) return nullptr;
-  nlohmann::ordered_json json;
+  Json json;
   for (const auto& [event, words] : events) {
     json[event] = nullptr;
     if (!monitor.contains(fmt::format("failure.{}.time", event))) continue;
-    nlohmann::ordered_json place;
+    Json place;
     for (const char* part : parts) place[part] = monitor.at(fmt::format("failure.{}.{}", event, part));
     json[event] = place;
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include "proto/files/json_file.hpp"
 
 #include <map>
 #include <string>
@@ -25,6 +25,6 @@ class FailureNotes {
 };
 
 /// {"start": {"time", "x", "y", "z"}, "crack": …, "parted": …, "energy"}; null where nothing can fail.
-nlohmann::ordered_json failure_json(const std::map<std::string, double>& monitor);
+Json failure_json(const std::map<std::string, double>& monitor);
 
 }  // namespace strake

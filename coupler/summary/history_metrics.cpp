@@ -1,6 +1,6 @@
 #include "coupler/summary/history_metrics.hpp"
 
-#include "coupler/compare/curve.hpp"
+#include "coupler/compare/record.hpp"
 
 #include <Eigen/Geometry>
 
@@ -13,10 +13,6 @@ namespace {
 
 constexpr double impulse_time = 3.0e-4;  // [s] (cases/VALIDATION.md, "Definitions")
 
-bool is_load(const std::string& column) {
-  return column.starts_with("force.") || column.starts_with("moment.");
-}
-
 /// Whether a column counts or keeps accounts, and tells no result.
 bool is_account(const std::string& column) {
   constexpr std::array names = {"window",   "time", "iterations",         "residual",
@@ -25,19 +21,6 @@ bool is_account(const std::string& column) {
   return std::any_of(names.begin(), names.end(), [&](const char* name) { return column == name; }) ||
          std::any_of(prefixes.begin(), prefixes.end(),
                      [&](const char* prefix) { return column.starts_with(prefix); });
-}
-
-Curve curve_of(const Table& history, const std::string& column) {
-  Curve curve;
-  const auto time = history.find("time"), value = history.find(column);
-  if (!time || !value) return curve;
-  for (std::size_t row = 0; row < history.rows(); ++row) {
-    const double t = history.value[*time][row], q = history.value[*value][row];
-    if (!std::isfinite(t) || !std::isfinite(q)) continue;
-    curve.time.push_back(t);
-    curve.value.push_back(q);
-  }
-  return curve;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "coupler/summary/pace.hpp"
 
 #include "proto/case/size_limit.hpp"
+#include "proto/lookup.hpp"
 #include "proto/number_text.hpp"
 
 #include <fmt/format.h>
@@ -46,19 +47,8 @@ double bytes_of(const std::string& text) {
 
 /// Euclidean norm of a resolved vector, "[0, -9.81, 0]".
 double norm_of(const CaseView& view, const std::string& key) {
-  const auto found = view.value.find(key);
-  if (found == view.value.end()) return 0;
   double square = 0;
-  for (const char* at = found->second.c_str(); *at != '\0';) {
-    char* end = nullptr;
-    const double number = std::strtod(at, &end);
-    if (end == at) {
-      ++at;
-      continue;
-    }
-    square += number * number;
-    at = end;
-  }
+  for (const double number : numbers_in(at_or(view.value, key))) square += number * number;
   return std::sqrt(square);
 }
 
@@ -76,11 +66,7 @@ double flow_step(const CaseView& view) {
 double iterations_of(const CaseView& view) {
   if (!view.coupled() || !view.coupling.iterates() || view.structure->solver == "replay") return 1;
   if (view.structure->solver != "rigid") return elastic_iterations;
-  for (const char* way : {"x", "y", "z", "angle", "rotation"}) {
-    const auto free = view.value.find(std::string("structure.free.") + way);
-    if (free != view.value.end() && free->second == "true") return free_iterations;
-  }
-  return 1;
+  return view.moves_freely() ? free_iterations : 1;
 }
 
 std::string step_reason(const CaseView& view, const Pace& pace) {

@@ -1,10 +1,11 @@
 #include "coupler/summary/resolution.hpp"
 
+#include "proto/lookup.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -23,19 +24,7 @@ constexpr double steep_slope = 0.6;   // above some 30 degrees the pressure has 
 /// The y of the second corner of fluid.water, "[[-1, -0.5, 0], [1, 0, 0]]"; nothing for other shapes of
 /// water.
 std::optional<double> water_level(const CaseView& view) {
-  const auto water = view.value.find("fluid.water");
-  if (water == view.value.end()) return std::nullopt;
-  std::vector<double> corners;
-  for (const char* at = water->second.c_str(); *at != '\0';) {
-    char* end = nullptr;
-    const double number = std::strtod(at, &end);
-    if (end == at) {
-      ++at;
-      continue;
-    }
-    corners.push_back(number);
-    at = end;
-  }
+  const std::vector<double> corners = numbers_in(at_or(view.value, "fluid.water"));
   if (corners.size() != 4 && corners.size() != 6) return std::nullopt;
   return corners[corners.size() / 2 + 1];
 }

@@ -3,6 +3,9 @@
 #include "coupler/summary/check_grades.hpp"
 #include "coupler/summary/failure_notes.hpp"
 #include "coupler/summary/history_metrics.hpp"
+#include "proto/lookup.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -14,22 +17,14 @@ namespace strake {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json lookup(const std::map<std::string, double>& monitor, const std::string& key) {
-  const auto found = monitor.find(key);
-  return found == monitor.end() ? Json(nullptr) : finite(found->second);
+  return finite(at_or(monitor, key, std::nan("")));
 }
 
 // Counts are whole numbers, and read better as such.
 Json count(const std::map<std::string, double>& monitor, const std::string& what) {
-  const auto found = monitor.find("count." + what);
-  if (found == monitor.end() || !std::isfinite(found->second)) return nullptr;
-  return static_cast<long long>(std::llround(found->second));
+  const double value = at_or(monitor, "count." + what, std::nan(""));
+  return std::isfinite(value) ? Json(static_cast<long long>(std::llround(value))) : Json();
 }
 
 Json either(const std::map<std::string, double>& first, const std::map<std::string, double>& second,
@@ -49,21 +44,16 @@ Json bytes(double value) {
   return std::isfinite(value) && value > 0 ? Json(std::llround(value)) : Json(nullptr);
 }
 
-Json bytes(const std::map<std::string, double>& monitor) {
-  const auto found = monitor.find("memory.peak");
-  return found == monitor.end() ? Json(nullptr) : bytes(found->second);
-}
-
 const char* const metrics[] = {"first_peak", "time_of_first_peak", "peak", "time_of_peak",
                                "impulse",    "mean_peak_50us",     "final"};
 
 }  // namespace
 
-nlohmann::ordered_json json_of(const Verdict& verdict) {
+Json json_of(const Verdict& verdict) {
   const bool judged = verdict.result != Verdict::Result::not_reached;  // not reached: pass is null
   return {{"probe", verdict.probe},
           {"metric", verdict.metric},
-          {"value", verdict.value ? finite(*verdict.value) : Json(nullptr)},
+          {"value", finite(verdict.value)},
           {"reference", finite(verdict.reference)},
           {"tolerance", finite(verdict.tolerance)},
           {"pass", judged ? Json(verdict.result == Verdict::Result::pass) : Json(nullptr)},
@@ -166,8 +156,9 @@ Json Summary::json() const {
                      {"fluid", stages(fluid_)},
                      {"structure", stages(structure_)},
                      {"coupler", coupler}};
-  json["peak_memory_bytes"] = {
-      {"fluid", bytes(fluid_)}, {"structure", bytes(structure_)}, {"coupler", bytes(coupler_memory)}};
+  json["peak_memory_bytes"] = {{"fluid", bytes(at_or(fluid_, "memory.peak"))},
+                               {"structure", bytes(at_or(structure_, "memory.peak"))},
+                               {"coupler", bytes(coupler_memory)}};
 
   json["probes"] = Json::object();
   for (const auto* names : {&probes_, &of_history_})
@@ -184,8 +175,7 @@ Json Summary::json() const {
        {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids", "openings", "penetrations",
         "lost", "volume_drift", "largest_speed", "largest_pressure"})
     json["checks"][check] = either(fluid_, structure_, std::string("check.") + check);
-  json["checks"]["grades"] = grades_of(
-      json["checks"], json["particles"]["fluid"].is_number() ? json["particles"]["fluid"].get<double>() : 0);
+  json["checks"]["grades"] = grades_of(json["checks"], number_of(json["particles"], "fluid").value_or(0));
   json["alarms"] = Json::array();
   for (const RaisedAlarm& alarm : alarms()) json["alarms"].push_back(json_of(alarm));
 

@@ -4,8 +4,7 @@
 #include "coupler/coupling/window_loop.hpp"
 #include "coupler/summary/alarms.hpp"
 #include "proto/error.hpp"
-
-#include <nlohmann/json.hpp>
+#include "proto/files/json_file.hpp"
 
 #include <map>
 #include <string>
@@ -45,7 +44,7 @@ class Summary {
   /// The alarms that the participants have raised so far, the earliest first.
   std::vector<RaisedAlarm> alarms() const;
 
-  nlohmann::ordered_json json() const;
+  Json json() const;
 
   /// Counts and sums so far, for a checkpoint; what the participants report comes back with them.
   void save(Archive&) const;
@@ -68,7 +67,7 @@ class Summary {
 };
 
 /// As an entry of "compare" in summary.json.
-nlohmann::ordered_json json_of(const Verdict&);
+Json json_of(const Verdict&);
 
 /// User and system time of this process [s].
 double cpu_seconds();

@@ -1,6 +1,7 @@
 #include "coupler/timing/profile.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
@@ -91,16 +92,16 @@ std::vector<std::string> Profile::lines() const {
   return lines;
 }
 
-nlohmann::ordered_json Profile::json() const {
-  nlohmann::ordered_json json = {{"windows", windows_},
-                                 {"iterations", iterations_},
-                                 {"total", seconds_.total()},
-                                 {"computing", seconds_.computing},
-                                 {"together", seconds_.together},
-                                 {"messages", seconds_.messages},
-                                 {"coupler", seconds_.coupler},
-                                 {"files", seconds_.files},
-                                 {"stages", stages_}};
+Json Profile::json() const {
+  Json json = {{"windows", windows_},
+               {"iterations", iterations_},
+               {"total", seconds_.total()},
+               {"computing", seconds_.computing},
+               {"together", seconds_.together},
+               {"messages", seconds_.messages},
+               {"coupler", seconds_.coupler},
+               {"files", seconds_.files},
+               {"stages", stages_}};
   return json;
 }
 

@@ -2,8 +2,7 @@
 
 #include "coupler/coupling/window_loop.hpp"
 #include "coupler/processes/exchange_times.hpp"
-
-#include <nlohmann/json.hpp>
+#include "proto/files/json_file.hpp"
 
 #include <cstdint>
 #include <map>
@@ -37,7 +36,7 @@ class Profile {
 
   const Seconds& seconds() const { return seconds_; }
   std::vector<std::string> lines() const;
-  nlohmann::ordered_json json() const;
+  Json json() const;
 
  private:
   struct Span {

@@ -1,5 +1,7 @@
 #include "coupler/timing/trace.hpp"
 
+#include "proto/files/json_file.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -42,10 +44,6 @@ bool copy(int from, int to, std::int64_t size) {
     at += got;
   }
   return true;
-}
-
-std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -108,8 +106,8 @@ Trace::Side& Trace::side(const std::string& name) {
 void Trace::name_row(int process, int thread, const std::string& process_name,
                      const std::string& thread_name) {
   const std::string row = fmt::format(R"("ph":"M","pid":{},"tid":{},"args":)", process, thread);
-  add_event(fmt::format(R"({{"name":"process_name",{}{{"name":{}}}}})", row, quoted(process_name)));
-  add_event(fmt::format(R"({{"name":"thread_name",{}{{"name":{}}}}})", row, quoted(thread_name)));
+  add_event(fmt::format(R"({{"name":"process_name",{}{{"name":{}}}}})", row, json_text(process_name)));
+  add_event(fmt::format(R"({{"name":"thread_name",{}{{"name":{}}}}})", row, json_text(thread_name)));
 }
 
 void Trace::add(const Exchange& exchange) {

@@ -1,13 +1,11 @@
 #include "coupler/transport/connection_limit.hpp"
 
-#include "coupler/transport/peer_close_detector.hpp"
-#include "coupler/transport/zap_authenticator.hpp"
+#include "coupler/transport/system_calls.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
 #include <linux/sockios.h>
-#include <signal.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -71,11 +69,7 @@ ConnectionLimit::ConnectionLimit() : spare_(open("/dev/null", O_RDONLY | O_CLOEX
     const std::lock_guard lock(registry().mutex);
     registry().limits.push_back(this);
   }
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // signals are for the thread that waits for participants
-  thread_ = std::thread([this] { run(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  thread_ = thread_without_signals([this] { run(); });
 }
 
 ConnectionLimit::~ConnectionLimit() {
@@ -89,7 +83,6 @@ ConnectionLimit::~ConnectionLimit() {
   }
   changed_.notify_one();
   thread_.join();
-  if (spare_ >= 0) close(spare_);
 }
 
 void ConnectionLimit::guard(int listening) {
@@ -190,13 +183,13 @@ void ConnectionLimit::run() {
 
 void ConnectionLimit::turn_away_one(int listening) {
   const std::lock_guard lock(mutex_);
-  if (spare_ >= 0) close(spare_);
+  spare_.close();
   const int socket = system_accept(listening, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
   if (socket >= 0) {
     note(peer_address(socket) + " was turned away: the process has no descriptor left");
     close(socket);
   }
-  spare_ = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  spare_ = Descriptor(open("/dev/null", O_RDONLY | O_CLOEXEC));
 }
 
 namespace {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/descriptor.hpp"
+
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -56,7 +58,7 @@ class ConnectionLimit {
   void note(const std::string& what);
 
   int listening_ = -1;  // only changed while the registry is locked
-  int spare_ = -1;
+  Descriptor spare_;
   std::size_t most_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstdint>
+#include "proto/descriptor.hpp"
 
 namespace strake {
 
@@ -10,20 +10,13 @@ namespace strake {
 class PeerCloseDetector {
  public:
   explicit PeerCloseDetector(int socket);
-  ~PeerCloseDetector();
-  PeerCloseDetector(const PeerCloseDetector&) = delete;
-  PeerCloseDetector& operator=(const PeerCloseDetector&) = delete;
-
   /// Whether the other end has closed the connection, or its process has ended, which closes it too.
   bool closed_by_peer() const;
   /// Bytes that have arrived and are unread.
   int unread() const;
 
  private:
-  int socket_;
+  Descriptor socket_;
 };
-
-/// Bytes that the kernel has received from the other end of a tcp connection; 0 if unknown.
-std::uint64_t bytes_received(int socket);
 
 }  // namespace strake

@@ -38,18 +38,12 @@ SocketLock::SocketLock(const std::string& path) : path_(path) {
   const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
   socket_ = slash == std::string::npos ? path : path.substr(slash + 1);
   lock_ = socket_ + ".lock";
-  folder_ = open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  if (folder_ < 0)
+  folder_ = Descriptor(open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (!folder_)
     throw Error(ExitCode::command_line, endpoint_key(path_),
                 fmt::format("the folder {} cannot be entered: {}", folder, std::strerror(errno)),
                 "a folder that exists and is yours, or \"ipc\"");
-  try {
-    take();
-  } catch (...) {
-    if (file_ >= 0) close(file_);
-    close(folder_);
-    throw;
-  }
+  take();
   named_ = read();
 }
 
@@ -59,12 +53,10 @@ SocketLock::~SocketLock() {
   if (ours) remove_socket();
   struct stat held {
   }, found{};
-  const bool stands = fstat(file_, &held) == 0 &&
-                      fstatat(folder_, lock_.c_str(), &found, AT_SYMLINK_NOFOLLOW) == 0 &&
+  const bool stands = fstat(file_.get(), &held) == 0 &&
+                      fstatat(folder_.get(), lock_.c_str(), &found, AT_SYMLINK_NOFOLLOW) == 0 &&
                       same_file(held, found);
-  if (stands && (made_ || bound_)) unlinkat(folder_, lock_.c_str(), 0);
-  close(file_);
-  close(folder_);
+  if (stands && (made_ || bound_)) unlinkat(folder_.get(), lock_.c_str(), 0);
 }
 
 /// The file may be removed by its last owner while it is opened here: then once more.
@@ -80,24 +72,24 @@ void SocketLock::take() {
 /// The file is created with its content and its lock: it is never visible without them.
 bool SocketLock::make() {
   const std::string own = fmt::format(".{}-{}", lock_, getpid());
-  file_ = openat(folder_, own.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mine);
-  if (file_ < 0)
+  file_ = Descriptor(
+      openat(folder_.get(), own.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mine));
+  if (!file_)
     throw Error(ExitCode::command_line, endpoint_key(path_),
                 fmt::format("nothing can be written beside it: {}", std::strerror(errno)),
                 "a path in a folder of yours, or \"ipc\"");
   try {
     write(signature + "\n");
   } catch (const Error&) {
-    unlinkat(folder_, own.c_str(), 0);
+    unlinkat(folder_.get(), own.c_str(), 0);
     throw;
   }
-  made_ =
-      flock(file_, LOCK_EX | LOCK_NB) == 0 && linkat(folder_, own.c_str(), folder_, lock_.c_str(), 0) == 0;
+  made_ = flock(file_.get(), LOCK_EX | LOCK_NB) == 0 &&
+          linkat(folder_.get(), own.c_str(), folder_.get(), lock_.c_str(), 0) == 0;
   const int reason = errno;
-  unlinkat(folder_, own.c_str(), 0);
+  unlinkat(folder_.get(), own.c_str(), 0);
   if (made_) return true;
-  close(file_);
-  file_ = -1;
+  file_.close();
   if (reason == EEXIST) return false;
   throw Error(ExitCode::command_line, endpoint_key(path_),
               fmt::format("{}.lock cannot be made: {}", path_, std::strerror(reason)),
@@ -105,29 +97,28 @@ bool SocketLock::make() {
 }
 
 bool SocketLock::open_existing() {
-  file_ = openat(folder_, lock_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (file_ < 0 && errno == ENOENT) return false;
+  file_ = Descriptor(openat(folder_.get(), lock_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (!file_ && errno == ENOENT) return false;
   struct stat held {
   }, found{};
-  const bool known = file_ >= 0 && fstat(file_, &held) == 0 && S_ISREG(held.st_mode) &&
+  const bool known = file_ && fstat(file_.get(), &held) == 0 && S_ISREG(held.st_mode) &&
                      held.st_uid == geteuid() && read().starts_with(signature);
   if (!known)
     throw Error(ExitCode::command_line, endpoint_key(path_),
                 fmt::format("{}.lock stands beside it and is no lock of Strake", path_),
                 "another path in coupling.endpoint, or remove that file if nobody uses it");
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0)
+  if (flock(file_.get(), LOCK_EX | LOCK_NB) != 0)
     throw Error(ExitCode::command_line, endpoint_key(path_), "the path is taken: another run uses it",
                 "another path in coupling.endpoint, or \"ipc\"");
-  if (fstatat(folder_, lock_.c_str(), &found, AT_SYMLINK_NOFOLLOW) == 0 && same_file(held, found))
+  if (fstatat(folder_.get(), lock_.c_str(), &found, AT_SYMLINK_NOFOLLOW) == 0 && same_file(held, found))
     return true;
-  close(file_);
-  file_ = -1;
+  file_.close();
   return false;
 }
 
 std::optional<struct stat> SocketLock::at_path() const {
   struct stat entry {};
-  if (fstatat(folder_, socket_.c_str(), &entry, AT_SYMLINK_NOFOLLOW) != 0) return {};
+  if (fstatat(folder_.get(), socket_.c_str(), &entry, AT_SYMLINK_NOFOLLOW) != 0) return {};
   return entry;
 }
 
@@ -136,7 +127,7 @@ bool SocketLock::names(const struct stat& entry) const {
 }
 
 void SocketLock::remove_socket() const {
-  unlinkat(folder_, socket_.c_str(), 0);
+  unlinkat(folder_.get(), socket_.c_str(), 0);
 }
 
 void SocketLock::name_socket() {
@@ -149,13 +140,13 @@ void SocketLock::name_socket() {
 
 std::string SocketLock::read() const {
   std::array<char, 256> text{};
-  const ssize_t n = pread(file_, text.data(), text.size(), 0);
+  const ssize_t n = pread(file_.get(), text.data(), text.size(), 0);
   return {text.data(), static_cast<std::size_t>(n > 0 ? n : 0)};
 }
 
 void SocketLock::write(const std::string& text) const {
-  const bool written = ftruncate(file_, 0) == 0 &&
-                       pwrite(file_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  const bool written = ftruncate(file_.get(), 0) == 0 &&
+                       pwrite(file_.get(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
   if (!written)
     throw Error(ExitCode::cannot_write, path_ + ".lock",
                 fmt::format("cannot be written: {}", std::strerror(errno)));

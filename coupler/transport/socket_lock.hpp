@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/descriptor.hpp"
+
 #include <optional>
 #include <string>
 #include <sys/stat.h>
@@ -33,7 +35,7 @@ class SocketLock {
   void write(const std::string&) const;
 
   std::string path_, socket_, lock_;  // the whole path; the names in its folder
-  int folder_ = -1, file_ = -1;
+  Descriptor folder_, file_;
   bool made_ = false, bound_ = false;
   std::string named_;  // identifies the socket
 };

@@ -30,20 +30,17 @@ sockaddr_un address_of(const std::string& path, socklen_t& size) {
   return address;
 }
 
-int unix_socket() {
-  return socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+Descriptor unix_socket() {
+  return Descriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
 /// Whether a living process listens there.
 bool somebody_listens(const std::string& path) {
   socklen_t size = 0;
   const sockaddr_un address = address_of(path, size);
-  const int s = unix_socket();
-  if (s < 0) return true;  // not known: leave it alone
-  const int rc = connect(s, reinterpret_cast<const sockaddr*>(&address), size);
-  const int reason = errno;
-  close(s);
-  return rc == 0 || reason != ECONNREFUSED;
+  const Descriptor s = unix_socket();
+  if (!s) return true;  // not known: leave it alone
+  return connect(s.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0 || errno != ECONNREFUSED;
 }
 
 std::string kind_of(const struct stat& entry) {
@@ -84,9 +81,7 @@ UnixListener::UnixListener(const std::string& path, bool in_private) : path_(pat
   if (lock_) lock_->name_socket();
 }
 
-UnixListener::~UnixListener() {
-  if (listening_ >= 0) close(listening_);
-}
+UnixListener::~UnixListener() = default;
 
 void UnixListener::make_way() {
   const auto entry = lock_->at_path();
@@ -108,12 +103,10 @@ void UnixListener::bind_and_listen() {
   socklen_t size = 0;
   const sockaddr_un address = address_of(path_, size);
   listening_ = unix_socket();
-  if (listening_ >= 0 && bind(listening_, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
-      listen(listening_, accept_queue) == 0)
+  if (listening_ && bind(listening_.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
+      listen(listening_.get(), accept_queue) == 0)
     return;
   const int reason = errno;
-  if (listening_ >= 0) close(listening_);
-  listening_ = -1;
   throw Error(ExitCode::command_line, endpoint_key(path_),
               reason == EADDRINUSE ? "the path is taken: another program uses it"
                                    : fmt::format("cannot be bound: {}", std::strerror(reason)),

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/descriptor.hpp"
+
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -30,20 +32,18 @@ class UnixListener {
   /// Throws Error(command_line) where something else stands at the path, or no socket can be made there.
   explicit UnixListener(const std::string& path, bool in_private = false);
   ~UnixListener();  // its lock removes the socket, where it is still the one that was bound here
-  UnixListener(const UnixListener&) = delete;
-  UnixListener& operator=(const UnixListener&) = delete;
 
-  int descriptor() const { return listening_; }
+  int descriptor() const { return listening_.get(); }
   /// From here on the descriptor is ZeroMQ's, which closes it.
-  void hand_over() { listening_ = -1; }
+  void hand_over() { listening_.release(); }
 
  private:
   void make_way();
   void bind_and_listen();
 
   std::string path_;
-  int listening_ = -1;
   std::unique_ptr<SocketLock> lock_;  // none for @NAME and in a private folder
+  Descriptor listening_;
 };
 
 }  // namespace strake

@@ -1,10 +1,9 @@
 #include "coupler/transport/zap_authenticator.hpp"
 
+#include "coupler/transport/system_calls.hpp"
+
 #include <algorithm>
-#include <arpa/inet.h>
 #include <cerrno>
-#include <signal.h>
-#include <sys/socket.h>
 #include <utility>
 
 namespace strake {
@@ -17,11 +16,7 @@ ZapAuthenticator::ZapAuthenticator(zmq::context_t& context,
     if (zmq_z85_decode(bytes.data(), key.c_str())) name_of_[bytes] = name;
   }
   socket_.bind("inproc://zeromq.zap.01");
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // signals are for the thread that waits for participants
-  thread_ = std::thread([this] { run(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  thread_ = thread_without_signals([this] { run(); });
 }
 
 ZapAuthenticator::~ZapAuthenticator() {
@@ -76,18 +71,6 @@ void ZapAuthenticator::answer(const std::vector<std::string>& request) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     socket_.send(zmq::buffer(parts[i]),
                  i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
-}
-
-std::string peer_address(int socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  if (getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return "somebody";
-  if (address.ss_family == AF_INET)
-    inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in&>(address).sin_addr, text.data(), text.size());
-  else if (address.ss_family == AF_INET6)
-    inet_ntop(AF_INET6, &reinterpret_cast<sockaddr_in6&>(address).sin6_addr, text.data(), text.size());
-  return text[0] != '\0' ? text.data() : "a program of this machine";
 }
 
 }  // namespace strake

@@ -38,7 +38,4 @@ class ZapAuthenticator {
   std::thread thread_;
 };
 
-/// The address of the other end of a connection, without its port.
-std::string peer_address(int socket);
-
 }  // namespace strake

@@ -1,9 +1,10 @@
 #include "coupler/watch/processes.hpp"
 
+#include "proto/files/json_file.hpp"
+
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <unistd.h>
@@ -13,16 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string proc_text(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 /// The words of /proc/PID/cmdline.
 std::vector<std::string> words_of(const fs::path& process) {
-  const std::string text = proc_text(process / "cmdline");
+  const std::string text = read_text(process / "cmdline").value_or("");
   std::vector<std::string> words;
   for (std::size_t begin = 0; begin < text.size();) {
     const auto end = std::min(text.find('\0', begin), text.size());
@@ -48,7 +42,7 @@ struct Stat {
 /// /proc/PID/stat (proc(5)): pid (comm) state ppid … utime stime are fields 14 and 15, starttime is 22,
 /// rss [pages] 24.
 std::optional<Stat> stat_of(const fs::path& process) {
-  const std::string text = proc_text(process / "stat");
+  const std::string text = read_text(process / "stat").value_or("");
   const auto open = text.find('('), close = text.rfind(')');
   if (open == std::string::npos || close == std::string::npos || close < open) return std::nullopt;
   std::istringstream fields(text.substr(close + 1));

@@ -2,9 +2,12 @@
 
 #include "coupler/case/case_view.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/report/json_member.hpp"
-#include "coupler/transport/host_name.hpp"
+#include "coupler/report/recorded.hpp"
+#include "coupler/transport/system_calls.hpp"
+#include "proto/descriptor.hpp"
 #include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
+#include "proto/lookup.hpp"
 #include "proto/number_text.hpp"
 
 #include <fmt/format.h>
@@ -13,7 +16,6 @@
 #include <cmath>
 #include <ctime>
 #include <fcntl.h>
-#include <fstream>
 #include <sstream>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -25,26 +27,9 @@ namespace strake::watch {
 namespace {
 
 namespace fs = std::filesystem;
-using json = nlohmann::ordered_json;
-using report::member;
-using report::number_of;
-using report::string_of;
 
 constexpr double long_silence = 10;  // [s] without a word until a run counts as silent
 constexpr double pace_over = 20;     // [s] of wall clock over which the pace is taken
-
-double now() {
-  timespec clock{};
-  clock_gettime(CLOCK_REALTIME, &clock);
-  return static_cast<double>(clock.tv_sec) + 1e-9 * static_cast<double>(clock.tv_nsec);
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return stream ? text.str() : std::string();
-}
 
 /// "2025-11-21T02:04:42Z" → seconds since 1970.
 std::optional<double> clock_of(const std::string& text) {
@@ -52,12 +37,6 @@ std::optional<double> clock_of(const std::string& text) {
   const char* end = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%SZ", &parts);
   if (end == nullptr || *end != '\0') return std::nullopt;
   return static_cast<double>(timegm(&parts));
-}
-
-std::int64_t nanoseconds_of(const fs::path& path) {
-  struct stat now {};
-  if (::stat(path.c_str(), &now) != 0) return 0;
-  return static_cast<std::int64_t>(now.st_mtim.tv_sec) * 1'000'000'000 + now.st_mtim.tv_nsec;
 }
 
 bool holds_a_run(const fs::path& folder) {
@@ -128,29 +107,25 @@ WatchedRun::WatchedRun(fs::path folder)
 }
 
 std::string WatchedRun::name() const {
-  const fs::path whole = fs::absolute(folder_).lexically_normal();
-  const std::string name = whole.filename().string();
-  return name.empty() ? whole.parent_path().filename().string() : name;  // "runs/plate_entry/"
+  return report::name_of_run(folder_);
 }
 
 std::string WatchedRun::title() const {
-  const auto found = keys_.find("title");
-  const std::string title = found == keys_.end() ? std::string() : found->second;
+  const std::string title = at_or(keys_, "title");
   return title.empty() ? name() : title;
 }
 
 std::optional<double> WatchedRun::number(const std::string& key) const {
-  const auto found = keys_.find(key);
-  if (found == keys_.end()) return std::nullopt;
+  const std::string text = at_or(keys_, key);
   char* end = nullptr;
-  const double value = std::strtod(found->second.c_str(), &end);
-  return end == found->second.c_str() ? std::nullopt : std::optional(value);
+  const double value = std::strtod(text.c_str(), &end);
+  return end == text.c_str() ? std::nullopt : std::optional(value);
 }
 
 WatchedRun::Stamp WatchedRun::stamp_of(const fs::path& path) {
   struct stat now {};
   if (::stat(path.c_str(), &now) != 0) return {};
-  return {.size = now.st_size, .nanoseconds = nanoseconds_of(path), .inode = now.st_ino};
+  return {.size = now.st_size, .nanoseconds = written_at(path), .inode = now.st_ino};
 }
 
 bool WatchedRun::changed(const std::string& file) {
@@ -164,13 +139,15 @@ bool WatchedRun::changed(const std::string& file) {
 void WatchedRun::read_case() {
   keys_.clear();
   probes_.clear();
+  const fs::path path = folder_ / "case.toml";
+  const std::string echo = read_text(path).value_or("");
   try {
-    keys_ = flatten_toml(text_of(folder_ / "case.toml"), (folder_ / "case.toml").string());
+    keys_ = flatten_toml(echo, path.string());
   } catch (const Error&) {  // damaged: title, end and spacing are not known then
     return;
   }
   // Arrays of tables are not among the keys; the echo writes one line per key.
-  std::istringstream lines(text_of(folder_ / "case.toml"));
+  std::istringstream lines(echo);
   bool probe = false;
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("[")) probe = line.starts_with("[[output.probe]]");
@@ -184,18 +161,15 @@ void WatchedRun::read_case() {
 /// released at once. Some disks have no locks; there the processes are searched.
 bool WatchedRun::under_way() const {
   if (!status_.processes.empty()) return true;
-  const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return false;
-  const bool held = ::flock(folder, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  ::close(folder);
-  return held;
+  const Descriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return folder && ::flock(folder.get(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
 }
 
 double WatchedRun::last_written() const {
   std::int64_t latest = 0;
   for (const char* file : {"history.csv", "timing.csv", "run.json", "case.toml", "coupler.log", "fluid.log",
                            "structure.log", "summary.json", "trace.json", "frames", "checkpoint"})
-    latest = std::max(latest, nanoseconds_of(folder_ / file));
+    latest = std::max(latest, written_at(folder_ / file));
   return 1e-9 * static_cast<double>(latest);
 }
 
@@ -216,7 +190,7 @@ void WatchedRun::judge() {
   const auto code = number_of(record_, "exit_code");
   const auto ended = clock_of(string_of(record_, "ended"));
   g.exit_code = code ? std::optional(static_cast<int>(*code)) : std::nullopt;
-  const json& error = member(record_, "error");
+  const Json& error = member(record_, "error");
   g.error.clear();
   if (error.is_object()) {
     g.error = string_of(error, "where") + ": " + string_of(error, "problem");
@@ -270,10 +244,8 @@ void WatchedRun::find_processes() {
 
 const RunStatus& WatchedRun::update() {
   RunStatus& g = status_;
-  if (changed("run.json")) record_ = json::parse(text_of(folder_ / "run.json"), nullptr, false);
-  if (record_.is_discarded()) record_ = json();
-  if (changed("summary.json")) summary_ = json::parse(text_of(folder_ / "summary.json"), nullptr, false);
-  if (summary_.is_discarded()) summary_ = json();
+  if (changed("run.json")) record_ = read_json(folder_ / "run.json");
+  if (changed("summary.json")) summary_ = read_json(folder_ / "summary.json");
   if (changed("case.toml")) read_case();
   history_.update();
   iterations_.update();
@@ -284,7 +256,7 @@ const RunStatus& WatchedRun::update() {
   g.window = static_cast<long>(history_.last("window").value_or(0));
   g.started = clock_of(string_of(record_, "started"));
   const auto ended = clock_of(string_of(record_, "ended"));
-  const double clock = now(), written = last_written();
+  const double clock = 1e-9 * static_cast<double>(clock_now()), written = last_written();
   g.silence = written > 0 ? std::max(0.0, clock - written) : 0;
   if (ended)
     g.processes.clear();
@@ -314,7 +286,7 @@ fs::path newest_run(const fs::path& runs) {
       }
       std::int64_t written = 0;
       for (const char* file : {"history.csv", "run.json", "coupler.log"})
-        written = std::max(written, nanoseconds_of(entry.path() / file));
+        written = std::max(written, written_at(entry.path() / file));
       if (written <= latest) continue;
       latest = written;
       newest = entry.path();

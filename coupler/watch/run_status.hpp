@@ -2,6 +2,7 @@
 
 #include "coupler/watch/processes.hpp"
 #include "coupler/watch/table_tail.hpp"
+#include "proto/files/json_file.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -68,10 +69,8 @@ class WatchedRun {
   /// Values of case.toml by key ("fluid.spacing"); empty while there is none.
   const std::map<std::string, std::string>& keys() const { return keys_; }
   std::optional<double> number(const std::string& key) const;
-  const nlohmann::ordered_json& record() const { return record_; }  // run.json; null while there is none
-  const nlohmann::ordered_json& summary() const {
-    return summary_;
-  }  // summary.json; null while there is none
+  const Json& record() const { return record_; }    // run.json; null while there is none
+  const Json& summary() const { return summary_; }  // summary.json; likewise
   /// Names of the case's probes, in its order.
   const std::vector<std::string>& probes() const { return probes_; }
 
@@ -95,7 +94,7 @@ class WatchedRun {
   std::map<std::string, Stamp> stamps_;
   std::map<std::string, std::string> keys_;
   std::vector<std::string> probes_;
-  nlohmann::ordered_json record_, summary_;
+  Json record_, summary_;
   std::chrono::steady_clock::time_point searched_{};  // for processes
   RunStatus status_;
 };

@@ -1,5 +1,8 @@
 #include "coupler/watch/table_tail.hpp"
 
+#include "proto/descriptor.hpp"
+
+#include <chrono>
 #include <cmath>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -10,22 +13,6 @@ namespace {
 
 constexpr std::size_t kept = 256;       // [bytes] of the part read before, to recognise the file
 constexpr std::size_t piece = 1 << 20;  // [bytes] read at once
-
-/// A file that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(const std::filesystem::path& path)
-      : file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
-  ~Descriptor() {
-    if (file_ >= 0) ::close(file_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return file_; }
-
- private:
-  int file_ = -1;
-};
 
 /// Up to `size` bytes from `from` on.
 std::string bytes_at(int file, off_t from, std::size_t size) {
@@ -42,6 +29,16 @@ std::string bytes_at(int file, off_t from, std::size_t size) {
 
 }  // namespace
 
+std::int64_t written_at(const std::filesystem::path& path) {
+  struct stat now {};
+  if (::stat(path.c_str(), &now) != 0) return 0;
+  return static_cast<std::int64_t>(now.st_mtim.tv_sec) * 1'000'000'000 + now.st_mtim.tv_nsec;
+}
+
+std::int64_t clock_now() {
+  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
 TableTail::TableTail(std::filesystem::path path) : path_(std::move(path)) {}
 
 void TableTail::begin_anew() {
@@ -53,9 +50,9 @@ void TableTail::begin_anew() {
 }
 
 bool TableTail::update() {
-  const Descriptor file(path_);
+  const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat now {};
-  if (file.get() < 0 || ::fstat(file.get(), &now) != 0 || !S_ISREG(now.st_mode)) {
+  if (!file || ::fstat(file.get(), &now) != 0 || !S_ISREG(now.st_mode)) {
     if (read_ == 0) return false;
     begin_anew();
     return true;

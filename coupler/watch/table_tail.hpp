@@ -12,6 +12,10 @@
 
 namespace strake::watch {
 
+/// When a file was last written [ns on the clock, since 1970]; 0 where there is none.
+std::int64_t written_at(const std::filesystem::path&);
+std::int64_t clock_now();  // [ns] likewise
+
 /// A column file (proto/files/history.hpp) to which another process appends. Each update reads the new lines;
 /// a line counts once its newline is written. A file that was cut (a resumed run) or replaced (a forced one)
 /// is read from its beginning. Never throws: a run may be read while its files are made.

@@ -19,10 +19,6 @@ namespace {
 constexpr std::size_t most_columns = 5;  // of the table in a pipe, beside window and time
 constexpr int least_side_by_side = 100;  // [characters] from which on curves stand in two columns
 
-std::string painted(const Screen& screen, const char* code, const std::string& text) {
-  return screen.colour ? fmt::format("\033[{}m{}\033[0m", code, text) : text;
-}
-
 const char* colour_of(State state) {
   switch (state) {
     case State::running:
@@ -143,11 +139,11 @@ std::vector<std::string> screen_lines(const WatchedRun& run, const Screen& scree
   std::vector<std::string> lines;
   const std::string folder = visible(run.folder().string(), ""), title = visible(run.title(), "");
   const std::size_t room = width > shown_width(folder) + 2 ? width - shown_width(folder) - 2 : 0;
-  lines.push_back(room > 12 ? painted(screen, "1", fitted(title, room)) + "  " + folder
+  lines.push_back(room > 12 ? painted({.colour = screen.colour}, "1", fitted(title, room)) + "  " + folder
                             : fitted(title, width));
   const std::string state =
       fitted(g.words.starts_with(name_of(g.state)) ? g.words : name_of(g.state) + ": " + g.words, width);
-  lines.push_back(painted(screen, colour_of(g.state), state));
+  lines.push_back(painted({.colour = screen.colour}, colour_of(g.state), state));
   lines.push_back(fitted(head_text(g), width));
   if (g.end_time && *g.end_time > 0) {
     const double share = g.time / *g.end_time;

@@ -1,5 +1,6 @@
 // What was declared, as TOML and as JSON.
 #include "proto/case/case_document.hpp"
+#include "proto/files/json_file.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -90,7 +91,7 @@ std::string CaseFile::as_given(const std::string& table, const std::string& solv
 }
 
 std::string to_json(const std::vector<KeyInfo>& keys) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   for (const KeyInfo& key : keys)
     list.push_back({{"path", key.path},
                     {"type", key.type},
@@ -102,13 +103,13 @@ std::string to_json(const std::vector<KeyInfo>& keys) {
                     {"value", key.value},
                     {"origin", key.origin},
                     {"help", key.help}});
-  return list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json_text(list, 2) + "\n";
 }
 
 std::vector<KeyInfo> keys_from_json(const std::string& text) {
   std::vector<KeyInfo> keys;
   try {
-    for (const nlohmann::json& item : nlohmann::json::parse(text)) {
+    for (const Json& item : Json::parse(text)) {
       KeyInfo key;
       key.path = item.at("path");
       key.type = item.at("type");
@@ -122,7 +123,7 @@ std::vector<KeyInfo> keys_from_json(const std::string& text) {
       key.help = item.value("help", "");
       keys.push_back(key);
     }
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const Json::exception& error) {
     throw Error(ExitCode::case_file, "list of keys",
                 std::string("not the JSON that --keys prints\n") + error.what(),
                 "run the solver with --keys by hand and look at what it prints");

@@ -2,7 +2,6 @@
 
 #include "proto/error.hpp"
 #include "proto/files/hdf5_file.hpp"
-#include "proto/interface.hpp"
 
 #include <fmt/format.h>
 
@@ -87,6 +86,12 @@ Frame read_frame(const std::filesystem::path& path) {
   frame.point_data = read_arrays(file, "/point", frame.position.cols(), path);
   frame.cell_data = read_arrays(file, "/cell", shape[0], path);
   return frame;
+}
+
+const Frame::Array* find(const std::vector<Frame::Array>& arrays, const std::string& name) {
+  for (const Frame::Array& array : arrays)
+    if (array.name == name) return &array;
+  return nullptr;
 }
 
 }  // namespace strake

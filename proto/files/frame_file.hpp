@@ -1,13 +1,13 @@
 #pragma once
 
+#include "proto/interface.hpp"
+
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace strake {
-
-struct Frame;
 
 /// A frame of a run that lies on disk.
 struct FrameFile {
@@ -23,5 +23,8 @@ std::optional<double> time_of_frame(const std::filesystem::path&);
 const FrameFile* nearest(const std::vector<FrameFile>&, double time);
 /// Throws Error(case_file) with the path when the file is not a frame of ours.
 Frame read_frame(const std::filesystem::path&);
+
+/// The array of that name, or nullptr.
+const Frame::Array* find(const std::vector<Frame::Array>&, const std::string& name);
 
 }  // namespace strake

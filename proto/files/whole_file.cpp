@@ -1,5 +1,7 @@
 #include "proto/files/whole_file.hpp"
 
+#include "proto/descriptor.hpp"
+
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -31,23 +33,6 @@ void require_file(const struct stat& found, std::uintmax_t largest, const std::s
                 "check the path, or leave out what the run does not need");
 }
 
-/// A file that is open to be read.
-class Opened {
- public:
-  // Opens without waiting: a pipe without a writer would block the program here.
-  explicit Opened(const std::filesystem::path& path)
-      : file_(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
-  Opened(const Opened&) = delete;
-  Opened& operator=(const Opened&) = delete;
-  ~Opened() {
-    if (file_ >= 0) close(file_);
-  }
-  int number() const { return file_; }
-
- private:
-  int file_;
-};
-
 }  // namespace
 
 void require_file(const std::filesystem::path& path, std::uintmax_t largest, const std::string& where) {
@@ -59,14 +44,15 @@ void require_file(const std::filesystem::path& path, std::uintmax_t largest, con
 
 std::string read_whole(const std::filesystem::path& path, std::uintmax_t largest, const std::string& where) {
   require_file(path, largest, where);  // before it is opened: opening a device may do something
-  const Opened file(path);
+  // Opens without waiting: a pipe without a writer would block the program here.
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat found {};
-  if (file.number() < 0 || fstat(file.number(), &found) != 0) throw cannot_read(where, errno);
+  if (!file || fstat(file.get(), &found) != 0) throw cannot_read(where, errno);
   require_file(found, largest, where);
   std::string bytes(static_cast<std::size_t>(found.st_size), '\0');
   std::size_t read_so_far = 0;
   while (read_so_far < bytes.size()) {
-    const ssize_t n = read(file.number(), bytes.data() + read_so_far, bytes.size() - read_so_far);
+    const ssize_t n = read(file.get(), bytes.data() + read_so_far, bytes.size() - read_so_far);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) throw cannot_read(where, errno);
     if (n == 0) break;
@@ -139,11 +125,9 @@ void sync_to_disk(int file, const std::filesystem::path& path) {
 }
 
 void sync_to_disk(const std::filesystem::path& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) throw cannot_write(path, errno);
-  const int failed = synced(file);
-  close(file);
-  if (failed != 0) throw cannot_write(path, failed);
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file) throw cannot_write(path, errno);
+  sync_to_disk(file.get(), path);
 }
 
 }  // namespace strake

@@ -2,7 +2,7 @@
 // inside the step. Times are printed, not judged.
 
 #include "coupler/participant/stop_request.hpp"
-#include "coupler/transport/host_name.hpp"
+#include "coupler/transport/system_calls.hpp"
 #include "tests/system/faults.hpp"
 
 #include <unistd.h>

@@ -1,5 +1,6 @@
 #include "coupler/participant/participant_main.hpp"
 
+#include "coupler/participant/launch.hpp"
 #include "coupler/participant/liveness_thread.hpp"
 #include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
@@ -7,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -17,12 +19,11 @@ namespace {
 
 std::array<std::uint8_t, 32> parse_hash(const std::string& text) {
   std::array<std::uint8_t, 32> hash{};
-  const bool digits = text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
-  if (text.size() != 2 * hash.size() || !digits)
+  const std::string bytes = bytes_of(text);
+  if (bytes.size() != hash.size())
     throw Error(ExitCode::command_line, "--case-hash " + text,
                 "is no SHA-256: expected 64 hexadecimal digits");
-  for (std::size_t i = 0; i < hash.size(); ++i)
-    hash[i] = static_cast<std::uint8_t>(std::stoi(text.substr(2 * i, 2), nullptr, 16));
+  std::copy(bytes.begin(), bytes.end(), hash.begin());
   return hash;
 }
 

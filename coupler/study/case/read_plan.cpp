@@ -1,6 +1,7 @@
-#include "coupler/console/join.hpp"
 #include "coupler/study/plan.hpp"
 #include "proto/case/case_file.hpp"
+#include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 

@@ -40,11 +40,11 @@ std::string ArrayMessage::bytes() const {
   std::size_t first = 0;
   do {
     first = padded(std::max(first + 8, text.size() + length_bytes));
-    nlohmann::ordered_json json = head;
-    json["arrays"] = nlohmann::ordered_json::object();
+    Json json = head;
+    json["arrays"] = Json::object();
     for (const Array& array : arrays_)
       json["arrays"][array.name] = {{"type", array.type}, {"at", first + array.at}, {"count", array.count}};
-    text = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    text = json_text(json);
   } while (text.size() + length_bytes > first);
   text.resize(first - length_bytes, ' ');
   const auto n = static_cast<std::uint32_t>(text.size());

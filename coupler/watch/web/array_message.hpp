@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/files/json_file.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
@@ -17,7 +19,7 @@ namespace strake::watch {
 ///   them in place.
 class ArrayMessage {
  public:
-  nlohmann::ordered_json head;
+  Json head;
   void add(const std::string& name, std::span<const float>);
   void add(const std::string& name, std::span<const double>);
   void add(const std::string& name, std::span<const std::uint32_t>);

@@ -2,6 +2,7 @@
 
 #include "coupler/plot/scene.hpp"
 #include "proto/error.hpp"
+#include "proto/files/frame_file.hpp"
 
 #include <fmt/format.h>
 
@@ -17,12 +18,6 @@ namespace {
 
 using Eigen::Index;
 using Corner = std::uint32_t;
-
-const Frame::Array* find(const Frame& frame, const std::string& name) {
-  for (const Frame::Array& array : frame.point_data)
-    if (array.name == name) return &array;
-  return nullptr;
-}
 
 bool is_label(const std::string& name) {
   return name == "id" || name == "kind";
@@ -66,12 +61,12 @@ std::vector<float> flat(const Points& points, const std::vector<std::uint32_t>& 
   return all;
 }
 
-nlohmann::ordered_json range_json(const picture::Range& range) {
-  return range.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json{range.lo, range.hi};
+Json range_json(const picture::Range& range) {
+  return range.empty() ? Json() : Json{range.lo, range.hi};
 }
 
-nlohmann::ordered_json field_names(const Frame& frame) {
-  nlohmann::ordered_json names = nlohmann::ordered_json::array();
+Json field_names(const Frame& frame) {
+  Json names = Json::array();
   for (const Frame::Array& array : frame.point_data) {
     // One number, or the length of a vector; that of a tensor has no meaning.
     if (is_label(array.name) || (array.value.rows() != 1 && array.value.rows() != 3)) continue;
@@ -127,7 +122,7 @@ ArrayMessage field_message(const Frame& frame, const FieldRequest& request) {
   if (!request.field.empty()) value = picture::scalar(frame, request.field, quantity);
 
   const bool fluid = request.side == "fluid";
-  const Frame::Array* kinds = fluid ? find(frame, "kind") : nullptr;
+  const Frame::Array* kinds = fluid ? find(frame.point_data, "kind") : nullptr;
   const bool cells = frame.cells.cols() > 0;
   std::vector<std::uint32_t> index;
   std::vector<std::uint8_t> kind;
@@ -168,12 +163,12 @@ ArrayMessage field_message(const Frame& frame, const FieldRequest& request) {
   return message;
 }
 
-nlohmann::ordered_json point_values(const Frame& frame, Index index) {
+Json point_values(const Frame& frame, Index index) {
   if (index < 0 || index >= frame.position.cols())
     throw Error(ExitCode::command_line, fmt::format("point {}", index),
                 "there is no such point in this frame",
                 fmt::format("points are numbered from 0 to {}", frame.position.cols() - 1));
-  nlohmann::ordered_json values = {{"time", frame.time}, {"values", nlohmann::ordered_json::array()}};
+  Json values = {{"time", frame.time}, {"values", Json::array()}};
   const auto add = [&](const std::string& name, const std::string& unit, const auto& column) {
     values["values"].push_back(
         {{"name", name},
@@ -187,7 +182,7 @@ nlohmann::ordered_json point_values(const Frame& frame, Index index) {
 }
 
 Index place_of(const Frame& frame, std::int64_t id) {
-  if (const Frame::Array* ids = find(frame, "id"))
+  if (const Frame::Array* ids = find(frame.point_data, "id"))
     for (Index i = 0; i < ids->value.cols(); ++i)
       if (ids->value(0, i) == static_cast<double>(id)) return i;
   throw Error(ExitCode::case_file, fmt::format("point with id {}", id), "is not in this frame");

@@ -29,7 +29,7 @@ ArrayMessage field_message(const Frame&, const FieldRequest&);
 
 /// All that a frame says of one point: names, units and components. Throws Error(command_line) where there is
 /// no such point.
-nlohmann::ordered_json point_values(const Frame&, Eigen::Index index);
+Json point_values(const Frame&, Eigen::Index index);
 
 /// Where the point with that id stands in a frame. Throws Error(case_file) where it is not among its points.
 Eigen::Index place_of(const Frame&, std::int64_t id);

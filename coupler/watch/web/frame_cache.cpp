@@ -1,5 +1,6 @@
 #include "coupler/watch/web/frame_cache.hpp"
 
+#include "coupler/watch/table_tail.hpp"
 #include "proto/error.hpp"
 #include "proto/files/frame_file.hpp"
 
@@ -7,9 +8,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <ctime>
 #include <set>
-#include <sys/stat.h>
 
 namespace strake::watch {
 namespace {
@@ -17,12 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_bytes = std::size_t(256) << 20;  // of frames that are kept
-
-std::int64_t written(const fs::path& path) {
-  struct stat now {};
-  if (::stat(path.c_str(), &now) != 0) return -1;
-  return static_cast<std::int64_t>(now.st_mtim.tv_sec) * 1'000'000'000 + now.st_mtim.tv_nsec;
-}
 
 /// "fluid-000042.h5" → ("fluid", 42).
 std::optional<std::pair<std::string, int>> named(const std::string& file) {
@@ -48,14 +41,11 @@ fs::path FrameCache::path_of(const Key& key) const {
 }
 
 void FrameCache::update() {
-  const std::int64_t changed = written(folder_);
+  const std::int64_t changed = written_at(folder_);
   if (changed == updated_) return;
-  timespec clock{};
-  clock_gettime(CLOCK_REALTIME, &clock);
   // The clock of a file system has coarse ticks. Files of the same tick as the last one may still be missing.
   constexpr std::int64_t tick = 100'000'000;  // [ns]
-  const std::int64_t now = static_cast<std::int64_t>(clock.tv_sec) * 1'000'000'000 + clock.tv_nsec;
-  updated_ = now - changed > tick ? changed : -1;
+  updated_ = clock_now() - changed > tick ? changed : -1;
   std::map<std::string, std::set<int>> there;
   std::error_code error;
   for (const auto& item : fs::directory_iterator(folder_, error))
@@ -74,7 +64,7 @@ void FrameCache::update() {
                                           [](const Entry& entry, int n) { return entry.number < n; });
       if (known != series.entries.end() && known->number == number) continue;
       const fs::path path = path_of({side, number});
-      const std::int64_t when = written(path);
+      const std::int64_t when = written_at(path);
       const auto bad = damaged_.find(path.string());
       if (bad != damaged_.end() && bad->second == when) continue;
       if (const auto time = time_of_frame(path)) {
@@ -97,8 +87,8 @@ const FrameCache::Series& FrameCache::series(const std::string& side) const {
 std::shared_ptr<const Frame> FrameCache::read(const std::string& side, int number) {
   const Key key = {side, number};
   const fs::path path = path_of(key);
-  const std::int64_t when = written(path);
-  if (when < 0)
+  const std::int64_t when = written_at(path);
+  if (when == 0)
     throw Error(ExitCode::case_file, path.string(), "there is no such frame",
                 "choose one of the list of frames");
   const auto found =

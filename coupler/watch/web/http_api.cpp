@@ -1,12 +1,13 @@
 #include "coupler/watch/web/http_api.hpp"
 
 #include "coupler/plot/colour_map.hpp"
-#include "coupler/report/json_member.hpp"
 #include "coupler/watch/page.hpp"
 #include "coupler/watch/select_run.hpp"
 #include "coupler/watch/web/array_message.hpp"
 #include "coupler/watch/web/field_view.hpp"
 #include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
+#include "proto/lookup.hpp"
 
 #include <fmt/format.h>
 
@@ -18,15 +19,13 @@
 namespace strake::watch {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::chrono::milliseconds between_updates{200};  // however many pages ask
 constexpr std::size_t most_rows = 20'000;                  // of a table in one answer
 constexpr std::int64_t most_log = 64 << 10;                // [bytes] of a log in one answer
 constexpr int colours = 64;                                // of a palette
 
 HttpApi::Answer json_answer(const Json& json) {
-  return {200, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace)};
+  return {200, "application/json", json_text(json)};
 }
 
 HttpApi::Answer refusal(int status, const std::string& sentence) {
@@ -38,13 +37,8 @@ Error wrong(const std::string& key, const std::string& value, const std::string&
   return {ExitCode::command_line, fmt::format("{}={}", key, value), "expected " + expected};
 }
 
-std::string text(const HttpApi::Query& query, const std::string& key) {
-  const auto found = query.find(key);
-  return found == query.end() ? std::string() : found->second;
-}
-
 std::int64_t integer(const HttpApi::Query& query, const std::string& key, std::int64_t least) {
-  const std::string value = text(query, key);
+  const std::string value = at_or(query, key);
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
   if (value.empty() || error != std::errc() || end != value.data() + value.size() || number < least)
@@ -54,7 +48,7 @@ std::int64_t integer(const HttpApi::Query& query, const std::string& key, std::i
 
 std::string one_of(const HttpApi::Query& query, const std::string& key,
                    std::initializer_list<const char*> known) {
-  const std::string value = text(query, key);
+  const std::string value = at_or(query, key);
   std::string list;
   for (const char* name : known) {
     if (value == name) return value;
@@ -72,10 +66,6 @@ Json palette(Map map) {
     for (const double c : {colour.red, colour.green, colour.blue}) all.push_back(std::lround(255 * c));
   }
   return all;
-}
-
-Json optional_number(const std::optional<double>& value) {
-  return value ? Json(*value) : Json();
 }
 
 }  // namespace
@@ -117,22 +107,19 @@ HttpApi::Answer HttpApi::run() {
   update();
   const Json& record = run_.record();
   Json sides = Json::object();
-  if (const Json& participants = report::member(record, "participants"); participants.is_object())
-    for (const auto& [side, program] : participants.items())
-      sides[side] = report::string_of(program, "solver");
+  if (const Json& participants = member(record, "participants"); participants.is_object())
+    for (const auto& [side, program] : participants.items()) sides[side] = string_of(program, "solver");
   const int dimension = static_cast<int>(run_.number("fluid.dimension").value_or(2));
   double solid_spacing = run_.number("structure.particle.spacing").value_or(0);
   const double spacing = run_.number("fluid.spacing").value_or(0);
-  const auto interface = run_.keys().find("coupling.interface");
-  if (spacing > 0 &&
-      (solid_spacing == 0 || (interface != run_.keys().end() && interface->second == "volume")))
+  if (spacing > 0 && (solid_spacing == 0 || at_or(run_.keys(), "coupling.interface") == "volume"))
     solid_spacing = spacing;
   return json_answer(
       {{"title", run_.title()},
        {"name", run_.name()},
        {"folder", std::filesystem::absolute(run_.folder()).lexically_normal().string()},
-       {"version", report::string_of(record, "strake")},
-       {"host", report::string_of(record, "host")},
+       {"version", string_of(record, "strake")},
+       {"host", string_of(record, "host")},
        {"known", !run_.keys().empty()},
        {"dimension", dimension},
        {"spacing", spacing},
@@ -152,10 +139,10 @@ HttpApi::Answer HttpApi::news() {
                {"error", g.error},
                {"exit_code", g.exit_code ? Json(*g.exit_code) : Json()},
                {"time", g.time},
-               {"end_time", optional_number(g.end_time)},
+               {"end_time", finite(g.end_time)},
                {"window", g.window},
                {"elapsed", g.elapsed},
-               {"left", optional_number(g.left)},
+               {"left", finite(g.left)},
                {"silence", g.silence}};
   json["processes"] = Json::array();
   for (const Process& p : g.processes)
@@ -225,7 +212,7 @@ HttpApi::Answer HttpApi::frames(const Query& query) {
 HttpApi::Answer HttpApi::frame(const Query& query) {
   FieldRequest request;
   request.side = one_of(query, "side", {"fluid", "structure"});
-  request.field = text(query, "field");
+  request.field = at_or(query, "field");
   const auto number = static_cast<int>(std::min<std::int64_t>(integer(query, "number", 0), 1'000'000'000));
   {
     const std::lock_guard alone(run_mutex_);

@@ -32,7 +32,6 @@ class HttpApi {
   Answer answer(const std::string& path, const Query&);
 
  private:
-  using Json = nlohmann::ordered_json;
   Answer run();
   Answer news();
   Answer table(const Query&);

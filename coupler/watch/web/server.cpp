@@ -1,6 +1,6 @@
 #include "coupler/watch/web/server.hpp"
 
-#include "coupler/transport/host_name.hpp"
+#include "coupler/transport/system_calls.hpp"
 #include "coupler/watch/web/http_api.hpp"
 #include "coupler/watch/web/waiting_connections.hpp"  // last: it brings resolv.h, whose macro _res is a name of Eigen's
 #include "proto/error.hpp"
@@ -12,8 +12,6 @@
 #include <arpa/inet.h>
 #include <array>
 #include <cctype>
-#include <pthread.h>
-#include <signal.h>
 #include <thread>
 
 namespace strake::watch {
@@ -155,13 +153,8 @@ Server::~Server() {
 }
 
 void Server::start() {
-  // Signals are for the main thread: new threads inherit what is blocked while they are made.
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  state_->thread = std::thread([state = state_.get()] { state->server.listen_after_bind(); });
+  state_->thread = thread_without_signals([state = state_.get()] { state->server.listen_after_bind(); });
   while (!state_->server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 void Server::stop() {

@@ -1,6 +1,6 @@
 #include "coupler/compare/compare.hpp"
 
-#include "coupler/case/compare_blocks.hpp"
+#include "coupler/compare/compare_block.hpp"
 #include "proto/case/case_file.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -231,17 +232,16 @@ TEST(ConsoleTable, SaysInTheBarForWhomItWaitsAndWhatThatOneDoes) {
   header.end_time = 1e-3;
   auto reporter = table_reporter(stream.file(), terminal(100));
   reporter->start(header);
-  RunWait wait = {.whom = {.name = "structure",
-                           .asked = "Advance",
-                           .doing = "CalculiX computes all 300 windows to 0.003 s",
-                           .part = 0.34,
-                           .waited = 0.5},
-                  .elapsed = 0.5};
-  reporter->wait(wait);
+  Awaited whom = {.name = "structure",
+                  .asked = "Advance",
+                  .doing = "CalculiX computes all 300 windows to 0.003 s",
+                  .part = 0.34,
+                  .waited = 0.5};
+  reporter->wait(whom, 0.5);
   EXPECT_EQ(stream.text().find("CalculiX"), std::string::npos) << "half a second is no wait";
   std::fseek(stream.file(), 0, SEEK_END);
-  wait.whom.waited = wait.elapsed = 25;
-  reporter->wait(wait);
+  whom.waited = 25;
+  reporter->wait(whom, 25);
   EXPECT_NE(screen_after(stream.text())
                 .find("structure: CalculiX computes all 300 windows to 0.003 s (34 %), 25.0 s"),
             std::string::npos)

@@ -54,7 +54,7 @@ TEST(DisplayWidth, CountsLettersNotBytes) {
 }
 
 TEST(PaceOfARun, LooksAtItsLastQuarterAndKnowsNothingAtFirst) {
-  Pace pace;
+  RecentSpeed pace;
   pace.add(0, 0, 0);
   EXPECT_FALSE(pace.remaining(1));
   pace.add(0.2, 0.1, 10);

@@ -1,7 +1,6 @@
 #include "coupler/plot/canvas.hpp"
 #include "coupler/plot/colour_map.hpp"
 #include "coupler/plot/scene.hpp"
-#include "coupler/plot/section.hpp"
 #include "coupler/plot/ticks.hpp"
 
 #include <Eigen/Geometry>

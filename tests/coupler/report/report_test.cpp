@@ -1,6 +1,5 @@
 #include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
-#include "coupler/report/outline.hpp"
 #include "coupler/report/sketch.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
-#include "coupler/study/checks.hpp"
-#include "coupler/study/grid_convergence.hpp"
 #include "coupler/study/plan.hpp"
+#include "coupler/study/results.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 

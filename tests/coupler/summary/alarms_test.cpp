@@ -4,6 +4,7 @@
 #include "coupler/summary/summary.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 

@@ -4,6 +4,7 @@
 #include "coupler/summary/history_metrics.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <set>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "coupler/run/run_folder.hpp"
-#include "coupler/transport/host_name.hpp"
+#include "coupler/transport/system_calls.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "coupler/plot/plot_axes.hpp"
+#include "coupler/plot/plot.hpp"
 
 #include <fmt/format.h>
 

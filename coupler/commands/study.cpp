@@ -1,18 +1,16 @@
-#include "coupler/study/study.hpp"
-
+#include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/console/join.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/run/run_folder.hpp"
-#include "coupler/study/checks.hpp"
-#include "coupler/study/grid_convergence.hpp"
 #include "coupler/study/results.hpp"
 #include "coupler/study/runner.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -24,12 +22,6 @@ namespace strake {
 namespace {
 
 using namespace study;
-using Json = nlohmann::ordered_json;
-
-Json or_null(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 std::string command_of(const Plan& plan, const PlannedRun& run, const std::filesystem::path& folder) {
   std::string line = "strake";
   for (const std::string& word : arguments_of(plan, run, folder)) line += " " + shell_word(word);
@@ -72,10 +64,10 @@ Json json_of(const CheckResult& c) {
           {"against", c.against},
           {"probe", c.probe},
           {"metric", c.metric},
-          {"value", or_null(c.value)},
-          {"reference", or_null(c.reference)},
-          {"deviation", or_null(c.deviation)},
-          {"tolerance", or_null(c.tolerance)},
+          {"value", finite(c.value)},
+          {"reference", finite(c.reference)},
+          {"deviation", finite(c.deviation)},
+          {"tolerance", finite(c.tolerance)},
           {"pass", c.pass ? Json(*c.pass) : Json(nullptr)},
           {"kind", c.kind},
           {"source", c.source}};
@@ -96,9 +88,9 @@ Json json_of(const GridConvergence& c, const Results& results) {
           {"runs", c.runs},
           {"along", c.along},
           {"values", c.value},
-          {"order", or_null(c.order)},
-          {"extrapolated", or_null(c.extrapolated)},
-          {"gci", or_null(c.gci)},
+          {"order", finite(c.order)},
+          {"extrapolated", finite(c.extrapolated)},
+          {"gci", finite(c.gci)},
           {"remark", c.remark}};
 }
 
@@ -305,9 +297,8 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
   const auto orders = judge_convergence(results);
   const auto claims = judge_claims(results);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_text(folder / "study.json", json_of(plan, results, folder, checks, orders, claims, seconds)
-                                            .dump(2, ' ', false, Json::error_handler_t::replace) +
-                                        "\n");
+  write_text(folder / "study.json",
+             json_text(json_of(plan, results, folder, checks, orders, claims, seconds), 2) + "\n");
   write_text(folder / "study.csv", csv_of(plan, results));
   if (!options.quiet) {
     print_summary(plan, results);
