@@ -131,14 +131,11 @@ std::optional<std::size_t> Table::find(std::string_view name) const {
 const std::vector<double>& Table::column(const std::string& name) const {
   if (const auto found = find(name)) return value[*found];
   std::vector<std::string> names;
-  std::string list;
-  for (const Column& other : columns) {
-    names.push_back(other.name);
-    list += (list.empty() ? "" : ", ") + other.name;
-  }
+  for (const Column& other : columns) names.push_back(other.name);
   const std::string near = did_you_mean(name, names);
   throw Error(ExitCode::case_file, path.string(), "has no column " + name,
-              near.empty() ? "its columns are " + list : "did you mean " + near + "?");
+              near.empty() ? fmt::format("its columns are {}", fmt::join(names, ", "))
+                           : "did you mean " + near + "?");
 }
 
 std::optional<Table::BadLine> Table::add_header(std::string_view line) {
