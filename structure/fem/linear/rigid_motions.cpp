@@ -1,7 +1,8 @@
 #include "proto/error.hpp"
 #include "structure/fem/mesh/mesh.hpp"
+#include "structure/material/symmetric.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 namespace strake::structure::fem {
 namespace {
@@ -45,9 +46,7 @@ int rigid_motions_left(const Mesh<dim>& mesh) {
   const Eigen::MatrixXd fixed = motions_of(mesh)(mesh.fixed, Eigen::all);
   constexpr double stopped =
       1e-10;  // of the largest eigenvalue: the square of what round-off leaves of a rank
-  const Eigen::VectorXd value =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(fixed.transpose() * fixed, Eigen::EigenvaluesOnly)
-          .eigenvalues();
+  const Eigen::VectorXd value = eigenvalues_of(fixed.transpose() * fixed);
   int left = 0;
   for (const double v : value) left += v <= stopped * value.maxCoeff() || v == 0;
   return left;
