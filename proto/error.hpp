@@ -42,6 +42,10 @@ class Error : public std::runtime_error {
 /// The text of an error as every program prints it: "where: problem\n  details\n  fix: …\n".
 std::string to_text(const Error&);
 
+/// One Error(case_file) with the texts of all, in their order, each once. An error may itself hold several:
+/// each begins with a line that is not indented. errors: at least one.
+Error all_of(const std::vector<Error>& errors);
+
 /// The name nearest to `word` among `known` by edit distance, or empty if none is near.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& known);
 

@@ -41,7 +41,11 @@ struct Motion {
 };
 
 /// The field of that quantity, or nullptr.
-const Field* find(const std::vector<Field>&, const std::string& quantity);
+inline const Field* find(const std::vector<Field>& fields, const std::string& quantity) {
+  for (const Field& field : fields)
+    if (field.quantity == quantity) return &field;
+  return nullptr;
+}
 
 struct Sample {
   double time = 0;  // [s] absolute, in [t, t + dt]

@@ -46,12 +46,9 @@ int degree_of(const std::string& name, const std::string& key, const std::vector
   std::vector<std::string> names = {"constant", "linear", "quadratic"};
   names.insert(names.end(), more.begin(), more.end());
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    std::string all;
-    for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+  if (found == names.end())
     throw Error(ExitCode::case_file, key, fmt::format("\"{}\" is not among its words", name),
-                "one of " + all);
-  }
+                fmt::format("one of {}", fmt::join(names, ", ")));
   return static_cast<int>(found - names.begin());
 }
 

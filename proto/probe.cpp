@@ -89,7 +89,8 @@ void ProbeRecord::measure_means(Measured& m, const Step& step) {
     double sum = 0;
     for (const Step& s : m.recent) sum += s.q * std::max(0.0, std::min(s.t1, end) - std::max(s.t0, begin));
     const double mean = sum / mean_time;
-    if (!m.mean_peak || std::abs(mean) > std::abs(*m.mean_peak)) m.mean_peak = mean;
+    if (!m.has_mean_peak || std::abs(mean) > std::abs(m.mean_peak)) m.mean_peak = mean;
+    m.has_mean_peak = true;
   };
   for (const Step& s : m.recent) {
     const double end = s.t0 + mean_time;
@@ -121,7 +122,7 @@ double ProbeRecord::running_impulse() const {
 }
 
 std::optional<double> ProbeRecord::mean_peak_50us() const {
-  return measured_.mean_peak;
+  return measured_.has_mean_peak ? std::optional<double>(measured_.mean_peak) : std::nullopt;
 }
 
 double ProbeRecord::last() const {
@@ -158,15 +159,25 @@ void ProbeRecord::report(const std::string& name, std::map<std::string, double>&
   if (contact_known_) monitor[name + ":contact"] = contact_;
 }
 
+std::array<double*, 16> ProbeRecord::numbers() {
+  Measured& m = measured_;
+  return {&contact_,    &last_.t0,    &last_.t1,      &last_.q,        &peak_.time,      &peak_.value,
+          &m.begin,     &m.impulse,   &m.impulse_300, &m.running.time, &m.running.value, &m.mean_peak,
+          &window_min_, &window_max_, &window_sum_,   &window_time_};
+}
+
+std::array<bool*, 7> ProbeRecord::flags() {
+  Measured& m = measured_;
+  return {&waits_, &contact_known_, &seen_, &m.begun, &m.fallen, &m.has_mean_peak, &window_seen_};
+}
+
 void ProbeRecord::save(const std::string& name, Archive& archive) const {
-  const Measured& m = measured_;
+  ProbeRecord copy = *this;
   Eigen::VectorXd values(16);
-  values << contact_, last_.t0, last_.t1, last_.q, peak_.time, peak_.value, m.begin, m.impulse, m.impulse_300,
-      m.running.time, m.running.value, m.mean_peak.value_or(0), window_min_, window_max_, window_sum_,
-      window_time_;
+  for (Eigen::Index i = 0; i < 16; ++i) values[i] = *copy.numbers().at(static_cast<std::size_t>(i));
   archive.real[name + ".values"] = values;
-  archive.integer[name + ".flags"] = {waits_,   contact_known_,          seen_,       m.begun,
-                                      m.fallen, m.mean_peak.has_value(), window_seen_};
+  for (const bool* flag : copy.flags()) archive.integer[name + ".flags"].push_back(*flag);
+  const Measured& m = measured_;
   Eigen::MatrixXd candidates(2, static_cast<Eigen::Index>(m.candidates.size()));
   for (Eigen::Index i = 0; i < candidates.cols(); ++i) {
     const Peak& peak = m.candidates[static_cast<std::size_t>(i)];
@@ -192,32 +203,11 @@ void ProbeRecord::load(const std::string& name, const Archive& archive) {
       recent->second.rows() != 3)
     throw Error(ExitCode::case_file, "checkpoint", "holds no record of the probe " + name,
                 "resume with the case that wrote the checkpoint");
-  const Eigen::MatrixXd& v = values->second;
-  const std::vector<std::int64_t>& f = flags->second;
-  Measured m;
-  contact_ = v(0);
-  last_ = {v(1), v(2), v(3)};
-  peak_ = {v(4), v(5)};
-  m.begin = v(6);
-  m.impulse = v(7);
-  m.impulse_300 = v(8);
-  m.running = {v(9), v(10)};
-  if (f[5]) m.mean_peak = v(11);
-  window_min_ = v(12);
-  window_max_ = v(13);
-  window_sum_ = v(14);
-  window_time_ = v(15);
-  waits_ = f[0];
-  contact_known_ = f[1];
-  seen_ = f[2];
-  m.begun = f[3];
-  m.fallen = f[4];
-  window_seen_ = f[6];
-  for (Eigen::Index i = 0; i < candidates->second.cols(); ++i)
-    m.candidates.push_back({candidates->second(0, i), candidates->second(1, i)});
-  for (Eigen::Index i = 0; i < recent->second.cols(); ++i)
-    m.recent.push_back({recent->second(0, i), recent->second(1, i), recent->second(2, i)});
-  measured_ = m;
+  measured_ = {};
+  for (std::size_t i = 0; i < 16; ++i) *numbers().at(i) = values->second(static_cast<Eigen::Index>(i));
+  for (std::size_t i = 0; i < 7; ++i) *this->flags().at(i) = flags->second[i] != 0;
+  for (const auto& peak : candidates->second.colwise()) measured_.candidates.push_back({peak[0], peak[1]});
+  for (const auto& step : recent->second.colwise()) measured_.recent.push_back({step[0], step[1], step[2]});
 }
 
 }  // namespace strake

@@ -2,6 +2,7 @@
 
 #include "proto/interface.hpp"
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -63,9 +64,12 @@ class ProbeRecord {
     bool fallen = false;           // |q| has fallen below 0.8 of it
     std::vector<Peak> candidates;  // running maxima that |q| fell from, in time
     std::vector<Step> recent;      // steps that reach into the last 50 µs
-    std::optional<double> mean_peak;
+    bool has_mean_peak = false;
+    double mean_peak = 0;
   };
   bool measures() const { return !waits_ || contact_known_; }
+  std::array<double*, 16> numbers();  // and flags, all but the lists: as a checkpoint has them
+  std::array<bool*, 7> flags();
   static void measure(Measured&, const Step&);
   static void measure_means(Measured&, const Step&);
 

@@ -2,7 +2,6 @@
 #include "structure/case/read_parameters.hpp"
 #include "structure/participant.hpp"
 #include "structure/solver/program.hpp"
-#include "structure/solver/properties.hpp"
 #include "structure/solver/sketch.hpp"
 
 #include <memory>

@@ -1,13 +1,11 @@
 #include "structure/participant.hpp"
 
 #include "proto/peak_memory.hpp"
-#include "structure/body/loaded_faces.hpp"
 #include "structure/body/surface.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -16,8 +14,6 @@ namespace strake::structure {
 namespace {
 
 constexpr int n_frequencies = 3;  // reported by structure.analysis = modal
-constexpr std::array<const char*, 3> axis_name = {"x", "y", "z"};
-constexpr std::array<const char*, 6> stress_name = {"xx", "xy", "xz", "yy", "yz", "zz"};
 
 double total(const Energy& e) {
   return e.kinetic + e.strain;
@@ -49,23 +45,21 @@ std::string unit_of(const ProbeKeys& probe) {
   return probe.quantity == "velocity" ? "m/s" : "m";
 }
 
-/// Places of a plane's stress among the six components; the others are zero there.
-bool in_plane(std::size_t component) {
-  return component != 2 && component != 4;
-}
-
-/// Columns of a probe: of a vector or a tensor one for each component.
-std::vector<std::string> columns_of(const ProbeKeys& probe, int dimension) {
-  if (probe.quantity == "von_mises") return {probe.name};
-  std::vector<std::string> columns;
-  if (probe.quantity == "stress") {
-    for (std::size_t k = 0; k < stress_name.size(); ++k)
-      if (dimension == 3 || in_plane(k)) columns.push_back(probe.name + "." + stress_name.at(k));
-  } else {
-    for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k)
-      columns.push_back(probe.name + "." + axis_name.at(k));
-  }
-  return columns;
+/// A component of a probe's quantity: its suffix in a column, and its place in the vector or tensor. A plane
+/// has no stress xz and yz.
+struct Component {
+  const char* name;
+  Eigen::Index place;
+};
+std::vector<Component> components_of(const ProbeKeys& probe, int dimension) {
+  if (probe.quantity == "von_mises") return {{"", 0}};
+  const bool plane = dimension == 2;
+  if (probe.quantity == "stress")
+    return plane ? std::vector<Component>{{".xx", 0}, {".xy", 1}, {".yy", 3}, {".zz", 5}}
+                 : std::vector<Component>{{".xx", 0}, {".xy", 1}, {".xz", 2},
+                                          {".yy", 3}, {".yz", 4}, {".zz", 5}};
+  return plane ? std::vector<Component>{{".x", 0}, {".y", 1}}
+               : std::vector<Component>{{".x", 0}, {".y", 1}, {".z", 2}};
 }
 
 std::string frequency_name(std::size_t i) {
@@ -103,6 +97,16 @@ std::vector<std::string> describe(const Solver& solver, const Parameters& p, con
   return lines;
 }
 
+std::string properties_line(const std::string& kind, const Properties& p) {
+  if (p.mass == 0) return {};
+  constexpr double nothing = 1e-12;  // [m] of a body of metres: round-off of its symmetry
+  const Eigen::Vector3d centre = p.centre.unaryExpr([](double x) { return std::abs(x) < nothing ? 0.0 : x; });
+  const std::string frequencies = fmt::format("{:.5g}", fmt::join(p.frequencies, ", "));
+  return fmt::format("{:<10} {:>12.6g}   ({:.5g}, {:.5g}, {:.5g}) {:>14.6g}   {:<28} {}\n", kind, p.mass,
+                     centre.x(), centre.y(), centre.z(), p.inertia, frequencies.empty() ? "-" : frequencies,
+                     p.step);
+}
+
 StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const Parameters& p,
                                            const CommonKeys& common, const Setup& setup)
     : solver_(std::move(solver)),
@@ -115,8 +119,8 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   for (const ProbeKeys& probe : common.probes) {
     if (probe.of != "structure") continue;
     probes_.push_back(probe);
-    for (const std::string& column : columns_of(probe, dimension_))
-      probe_columns_.push_back({column, unit_of(probe)});
+    for (const Component& component : components_of(probe, dimension_))
+      probe_columns_.push_back({probe.name + component.name, unit_of(probe)});
   }
   // A plate that enters water is measured from its contact, anything else from the first step.
   const bool enters = common.fluid_solver != "none" && contact_pressure_ > 0;
@@ -190,12 +194,14 @@ void StructureParticipant::solve_once() {
 void StructureParticipant::follow(const Window& window) {
   state_.time = window.t + window.dt;
   std::size_t column = 0;
-  for (const ProbeKeys& probe : probes_)
-    for (const double value : measure(probe)) {
+  for (const ProbeKeys& probe : probes_) {
+    const Eigen::VectorXd value = measure(probe);
+    for (const Component& component : components_of(probe, dimension_)) {
       ProbeRecord& record = state_.probes[column++];
       record.new_window();
-      record.add(window.t, state_.time, value);
+      record.add(window.t, state_.time, value[component.place]);
     }
+  }
   if (analysis_ != Analysis::dynamic || !solver_->follows_work()) return;
   const Energy energy = solver_->energy();
   state_.energy_scale = std::max({state_.energy_scale, total(energy), std::abs(energy.external)});
@@ -203,22 +209,15 @@ void StructureParticipant::follow(const Window& window) {
                                std::abs(total(energy) + energy.released - first_energy_ - energy.external));
 }
 
-/// In the order of columns_of.
-std::vector<double> StructureParticipant::measure(const ProbeKeys& probe) const {
-  if (probe.quantity == "von_mises") return {von_mises(solver_->stress_at(probe.at))};
-  std::vector<double> values;
-  if (probe.quantity == "stress") {
-    const Stress stress = solver_->stress_at(probe.at);
-    for (std::size_t k = 0; k < stress_name.size(); ++k)
-      if (dimension_ == 3 || in_plane(k)) values.push_back(stress[static_cast<Eigen::Index>(k)]);
-    return values;
-  }
-  Eigen::Vector3d value =
-      probe.quantity == "velocity" ? solver_->velocity_at(probe.at) : solver_->displacement_at(probe.at);
+Eigen::VectorXd StructureParticipant::measure(const ProbeKeys& probe) const {
+  if (probe.quantity == "von_mises")
+    return Eigen::VectorXd::Constant(1, von_mises(solver_->stress_at(probe.at)));
+  if (probe.quantity == "stress") return solver_->stress_at(probe.at);
+  if (probe.quantity == "velocity") return solver_->velocity_at(probe.at);
+  Eigen::Vector3d value = solver_->displacement_at(probe.at);
   if (probe.quantity == "deflection")
     value -= solver_->support_displacement(probe.at).value_or(support_velocity_ * state_.time);
-  values.assign(value.data(), value.data() + dimension_);
-  return values;
+  return value;
 }
 
 std::vector<Field> StructureParticipant::motion() const {

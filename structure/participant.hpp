@@ -16,6 +16,9 @@ namespace strake::structure {
 /// What a solver understood, and how its own steps go into the case's window.
 std::vector<std::string> describe(const Solver&, const Parameters&, const CommonKeys&);
 
+/// One line of the table that `strake check` prints; empty for a solver without properties.
+std::string properties_line(const std::string& kind, const Properties&);
+
 /// A structure solver as the scheme sees it: force in, displacement (and velocity) out; probes, energies,
 /// frames.
 class StructureParticipant final : public Participant {
@@ -45,7 +48,7 @@ class StructureParticipant final : public Participant {
   void step(const Window&, const Input&);
   void follow(const Window&);
   void look_for_contact(const Window&, const Load&);
-  std::vector<double> measure(const ProbeKeys&) const;
+  Eigen::VectorXd measure(const ProbeKeys&) const;  // all components, those of a plane too
   std::vector<Field> motion() const;
 
   std::unique_ptr<Solver> solver_;

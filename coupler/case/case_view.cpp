@@ -5,7 +5,6 @@
 #include "coupler/participant/stop_request.hpp"
 #include "proto/case/case_depth.hpp"
 #include "proto/case/case_file.hpp"
-#include "proto/case/refusals.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/error.hpp"
 #include "proto/lookup.hpp"

@@ -1,6 +1,5 @@
 // Reports keys that no program declared.
 #include "proto/case/case_document.hpp"
-#include "proto/case/refusals.hpp"
 
 #include <fmt/format.h>
 
@@ -94,9 +93,7 @@ std::string advice(const Document& document, const std::string& path) {
     return fmt::format("did you mean {}?{}", elsewhere.front(),
                        explain(parent_and_name(elsewhere.front()).first));
   if (document.explained) return command(parent) + " lists the keys";
-  std::string known;
-  for (const std::string& sibling : siblings) known += (known.empty() ? "" : ", ") + sibling;
-  return "its keys are " + known;
+  return fmt::format("its keys are {}", fmt::join(siblings, ", "));
 }
 
 }  // namespace

@@ -123,30 +123,15 @@ std::string to_toml(double value) {
 }
 
 std::string to_toml(const std::string& text) {
+  constexpr std::string_view escaped = "\"\\\n\t\r", letters = "\"\\ntr";
   std::string quoted = "\"";
   for (const char c : text) {
-    switch (c) {
-      case '"':
-        quoted += "\\\"";
-        break;
-      case '\\':
-        quoted += "\\\\";
-        break;
-      case '\n':
-        quoted += "\\n";
-        break;
-      case '\t':
-        quoted += "\\t";
-        break;
-      case '\r':
-        quoted += "\\r";
-        break;
-      default:
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-          quoted += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-        else
-          quoted += c;
-    }
+    if (const std::size_t k = escaped.find(c); k != escaped.npos)
+      quoted += {'\\', letters[k]};
+    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      quoted += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    else
+      quoted += c;
   }
   return quoted + "\"";
 }

@@ -179,21 +179,13 @@ void CaseFile::Document::read_preset() {
 CaseFile::CaseFile(std::shared_ptr<Document> document) : document_(std::move(document)) {}
 
 CaseFile CaseFile::load(const std::filesystem::path& file, const std::vector<std::string>& sets) {
-  auto document = std::make_shared<Document>();
-  document->file = file;
-  document->name = file.string();
-  document->bytes = read_whole(file, largest_case, document->name);
-  document->read_text();
-  for (const std::string& set : sets) document->apply(set);
-  document->read_preset();
-  return CaseFile(document);
+  return parse(read_whole(file, largest_case, file.string()), file.string(), sets);
 }
 
 CaseFile CaseFile::parse(const std::string& text, const std::string& name,
                          const std::vector<std::string>& sets) {
   auto document = std::make_shared<Document>();
-  document->file = name;
-  document->name = name;
+  document->file = document->name = name;
   document->bytes = text;
   document->read_text();
   for (const std::string& set : sets) document->apply(set);

@@ -31,6 +31,10 @@ struct NumberKey {
   std::optional<double> paper = {};
   std::string help = {};
 };
+/// A number greater than 0.
+inline NumberKey positive(const std::string& unit, const std::string& help) {
+  return {.unit = unit, .min = 0, .exclusive = true, .help = help};
+}
 struct IntegerKey {
   int min = std::numeric_limits<int>::min(), max = std::numeric_limits<int>::max();
   bool required = false;

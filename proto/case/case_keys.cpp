@@ -27,9 +27,7 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
                "velocity, von_mises or stress (Cauchy's, each component); fluid: pressure (the default), "
                "front (x where the water on the floor at `at` ends), "
                "level (of the water over `at`) or height (wetted length over `at`)"});
-  table.number(
-      "diameter", probe.diameter,
-      {.unit = "m", .min = 0, .exclusive = true, .help = "of a pressure sensor; not given: 2 fluid.spacing"});
+  table.number("diameter", probe.diameter, positive("m", "of a pressure sensor; not given: 2 fluid.spacing"));
   if (!table.has("name")) return probe;  // a list of declarations contains no probe to check
 
   // The name becomes part of a column name "mid.y" and of a result "mid.y:first_peak".
@@ -116,28 +114,23 @@ CommonKeys read_common(CaseFile& file) {
   double surface_window = keys.chosen.window, volume_window = 2e-6;
   CaseTable surface = coupling.table("surface", "used where interface = \"surface\"");
   surface.number("window", surface_window,
-                 {.unit = "s",
-                  .min = 0,
-                  .exclusive = true,
-                  .help = "exchange interval; the default is for a level face that meets the water, else "
-                          "it follows spacing, speed and structure (`strake check` says which and why)"});
+                 positive("s",
+                          "exchange interval; the default is for a level face that meets the water, else "
+                          "it follows spacing, speed and structure (`strake check` says which and why)"));
   surface.choice(
       "interpolation", keys.interpolation, {"mean", "constant", "linear", "quadratic", "b-spline"},
       {.help = "what a structure with steps of its own feels in a window: the load's mean, or its "
                "history over the fluid's steps, taken so between them (b-spline: the cubic spline)"});
   coupling.table("volume", "used where interface = \"volume\"")
-      .number("window", volume_window,
-              {.unit = "s", .min = 0, .exclusive = true, .help = "exchange interval: one step of the fluid"});
+      .number("window", volume_window, positive("s", "exchange interval: one step of the fluid"));
   keys.window = keys.interface == "volume" ? volume_window : surface_window;
 
   CaseTable run = root.table("run", "how the programs run");
   run.integer("threads", keys.threads, {.min = 1, .max = 1024, .help = "threads of each solver"});
-  run.number("checkpoint", keys.checkpoint,
-             {.unit = "s", .min = 0, .exclusive = true, .help = "wall clock between checkpoints"});
+  run.number("checkpoint", keys.checkpoint, positive("s", "wall clock between checkpoints"));
 
   CaseTable output = root.table("output", "what is written");
-  output.number("every", keys.output_every,
-                {.unit = "s", .min = 0, .exclusive = true, .help = "time between field frames"});
+  output.number("every", keys.output_every, positive("s", "time between field frames"));
   for (const CaseTable& probe : output.tables("probe", "one place, one quantity, over time"))
     keys.probes.push_back(read_probe(probe, keys.probes));
   bool default_probes = true;

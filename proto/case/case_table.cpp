@@ -1,12 +1,12 @@
 // Declarations of numbers, flags, vectors and boxes, and the tables they stand in. Texts: case_text.cpp.
 #include "proto/case/case_declare.hpp"
-#include "proto/magnitude.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 namespace strake {
 namespace {
@@ -22,6 +22,26 @@ std::string range_text(double min, double max, bool exclusive) {
                      : fmt::format("{} to {}", to_toml(min), to_toml(max));
   if (below) return (exclusive ? "greater than " : "at least ") + to_toml(min);
   return above ? "at most " + to_toml(max) : "";
+}
+
+/// Magnitudes of a quantity that any ship, model or laboratory has; what lies beyond is a slip of the pen.
+struct Magnitude {
+  double smallest;  // of a quantity that must not be zero
+  double largest;
+};
+
+/// Gives the limits of a quantity by its unit; they are wide for a unit that is not known. They keep squares,
+/// products and quotients of such numbers within the range of a double. They lie many orders of magnitude
+/// beyond what has been built or measured, so that they exclude no real case.
+Magnitude magnitude_of(const std::string& unit) {
+  static const std::map<std::string, Magnitude> known = {
+      {"m", {1e-9, 1e6}},        {"s", {1e-15, 1e9}},        {"kg", {1e-12, 1e15}},  {"kg/m^3", {1e-6, 1e6}},
+      {"kg m^2", {1e-18, 1e24}}, {"m/s", {1e-9, 1e5}},       {"m/s^2", {1e-9, 1e6}}, {"m^2/s", {1e-15, 1e6}},
+      {"Pa", {1e-3, 1e15}},      {"Pa | N/m", {1e-3, 1e15}}, {"N", {1e-12, 1e15}},   {"J/m^2", {1e-12, 1e15}},
+      {"Hz", {1e-9, 1e9}},       {"1/s", {1e-9, 1e12}},      {"rad/s", {1e-9, 1e6}}, {"deg", {1e-9, 1e6}},
+      {"SI", {1e-30, 1e30}},     {"1", {1e-16, 1e30}}};
+  const auto found = known.find(unit);
+  return found == known.end() ? Magnitude{1e-16, 1e15} : found->second;
 }
 
 /// Bounds that a key declares, narrowed to what its unit allows. A number that must be greater than 0 begins

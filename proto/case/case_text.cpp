@@ -9,10 +9,10 @@
 namespace strake {
 namespace {
 
-std::string one_of(const std::vector<std::string>& choices) {
-  std::string text;
-  for (const std::string& choice : choices) text += (text.empty() ? "" : ", ") + to_toml(choice);
-  return choices.size() == 1 ? text : "one of " + text;
+std::string list_of(const std::vector<std::string>& texts) {
+  std::string list;
+  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + to_toml(text);
+  return list;
 }
 
 /// The text of a value, or nothing. A --set value is text if the key is a text, in any form.
@@ -96,7 +96,8 @@ void CaseTable::choice(const std::string& name, std::string& value, const std::v
   const auto is_choice = [&](const std::string& text) {
     return std::find(choices.begin(), choices.end(), text) != choices.end();
   };
-  d.expected = one_of(choices) + (key.or_path ? ", or the path of a program" : "");
+  d.expected = (choices.size() == 1 ? "" : "one of ") + list_of(choices) +
+               (key.or_path ? ", or the path of a program" : "");
   d.info.range = key.or_path ? "or the path of a program" : "";
   d.info.default_value = key.required ? "" : value;
   d.default_passes = false;
@@ -126,13 +127,8 @@ void CaseTable::choice(const std::string& name, std::string& value, const std::v
 
 void CaseTable::texts(const std::string& name, std::vector<std::string>& value, const TextKey& key) {
   Declaration d(*document_, path_, name, {.type = "texts", .help = key.help});
-  const auto list = [](const std::vector<std::string>& texts) {
-    std::string text;
-    for (const std::string& item : texts) text += (text.empty() ? "" : ", ") + to_toml(item);
-    return "[" + text + "]";
-  };
   d.expected = "text in quotes, or a list of them";
-  d.info.default_value = key.required ? "" : list(value);
+  d.info.default_value = key.required ? "" : "[" + list_of(value) + "]";
   d.default_passes = !key.required;
   if (d.given(key.required, "[\"<text>\"]")) {
     std::vector<std::string> given;
@@ -148,7 +144,7 @@ void CaseTable::texts(const std::string& name, std::vector<std::string>& value, 
     }
     value = given;
   }
-  d.record(list(value));
+  d.record("[" + list_of(value) + "]");
 }
 
 std::vector<std::string> CaseTable::scalars_as_text(const std::string& name, const std::string& help) {

@@ -1,6 +1,7 @@
 #include "proto/case/size_limit.hpp"
 
 #include "proto/case/case_file.hpp"
+#include "proto/number_text.hpp"
 
 #include <fmt/format.h>
 
@@ -22,11 +23,7 @@ double memory_of(const SizeEstimate& estimate) {
 
 /// "10 000", "3.2e12".
 std::string count_text(double count) {
-  if (!(count < 1e9)) return fmt::format("{:.2g}", count);
-  std::string text = fmt::format("{:.0f}", count);
-  for (auto k = static_cast<std::ptrdiff_t>(text.size()) - 3; k > 0; k -= 3)
-    text.insert(static_cast<std::size_t>(k), " ");
-  return text;
+  return count < 1e9 ? grouped(std::llrint(count)) : fmt::format("{:.2g}", count);
 }
 
 /// `value` with two digits, rounded to the side on which it still fits.

@@ -56,7 +56,9 @@ const Accepted& accept(const Column& column, const std::string& path) {
 
 MotionTable read_motion(const std::filesystem::path& path) {
   const Table table = read_table(path, largest_table);
-  const std::string name = path.string();
+  const auto wrong = [&](const std::string& problem, const std::string& fix = example) {
+    return Error(ExitCode::case_file, path.string(), problem, fix);
+  };
   std::vector<double> time;
   std::array<MotionColumn, MotionTable::n_channels> kind{};
   std::array<std::vector<double>, MotionTable::n_channels> value;
@@ -64,34 +66,26 @@ MotionTable read_motion(const std::filesystem::path& path) {
     const Column& column = table.columns[c];
     for (std::size_t row = 0; row < table.rows(); ++row)
       if (!std::isfinite(table.value[c][row]))
-        throw Error(ExitCode::case_file, name,
-                    fmt::format("row {} of column {} holds no finite number", row + 1, column.name),
+        throw wrong(fmt::format("row {} of column {} holds no finite number", row + 1, column.name),
                     "a motion is known at every time of its table: leave the row out");
     if (column.name == "t" || column.name == "time") {
-      if (column.unit != "s")
-        throw Error(ExitCode::case_file, name,
-                    fmt::format("the time is in [{}], it must be in [s]", column.unit), example);
+      if (column.unit != "s") throw wrong(fmt::format("the time is in [{}], it must be in [s]", column.unit));
       time = table.value[c];
       continue;
     }
-    const Accepted& known = accept(column, name);
+    const Accepted& known = accept(column, path.string());
     if (kind[known.channel] != MotionColumn::absent)
-      throw Error(ExitCode::case_file, name,
-                  fmt::format("column {} gives a motion that another column gives already", column.name),
+      throw wrong(fmt::format("column {} gives a motion that another column gives already", column.name),
                   "one column for each direction: the place or its rate");
     kind[known.channel] = known.kind;
     value[known.channel] = table.value[c];
     for (double& v : value[known.channel]) v *= known.factor;
   }
-  if (time.empty() && table.rows() > 0)
-    throw Error(ExitCode::case_file, name, "has no column t [s]", example);
-  if (table.rows() < 2)
-    throw Error(ExitCode::case_file, name, fmt::format("holds {} rows, a motion needs two", table.rows()),
-                example);
+  if (time.empty() && table.rows() > 0) throw wrong("has no column t [s]");
+  if (table.rows() < 2) throw wrong(fmt::format("holds {} rows, a motion needs two", table.rows()));
   for (std::size_t row = 1; row < time.size(); ++row)
     if (!(time[row] > time[row - 1]))
-      throw Error(
-          ExitCode::case_file, name,
+      throw wrong(
           fmt::format("the time of row {} ({:.9g} s) is not after that of the row before it ({:.9g} s)",
                       row + 1, time[row], time[row - 1]),
           "give the rows in rising order of time");

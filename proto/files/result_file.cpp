@@ -39,53 +39,26 @@ void put_arrays(hdf5::Writer& file, const std::string& group, const std::vector<
 }
 
 std::string xml_text(const std::string& text) {
+  static const std::map<char, const char*> escapes = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
   std::string escaped;
-  for (const char c : text) {
-    if (c == '&')
-      escaped += "&amp;";
-    else if (c == '<')
-      escaped += "&lt;";
-    else if (c == '>')
-      escaped += "&gt;";
-    else if (c == '"')
-      escaped += "&quot;";
-    else
-      escaped += c;
-  }
+  for (const char c : text) escaped += escapes.contains(c) ? escapes.at(c) : std::string(1, c);
   return escaped;
 }
 
-const char* attribute_type(int components) {
-  switch (components) {
-    case 1:
-      return "Scalar";
-    case 3:
-      return "Vector";
-    case 6:
-      return "Tensor6";
-    case 9:
-      return "Tensor";
-    default:
-      return "Matrix";
-  }
+std::string attribute_type(int components) {
+  static const std::map<int, std::string> types = {
+      {1, "Scalar"}, {3, "Vector"}, {6, "Tensor6"}, {9, "Tensor"}};
+  return types.contains(components) ? types.at(components) : "Matrix";
 }
 
 std::string topology(int nodes_per_cell, int dimension) {
-  switch (nodes_per_cell) {
-    case 1:
-      return "Polyvertex\" NodesPerElement=\"1";
-    case 2:
-      return "Polyline\" NodesPerElement=\"2";
-    case 3:
-      return "Triangle";
-    case 4:
-      return dimension == 2 ? "Quadrilateral" : "Tetrahedron";
-    case 8:
-      return "Hexahedron";
-    default:
-      assert(false && "a cell has 1, 2, 3, 4 or 8 nodes");
-      return {};
-  }
+  static const std::map<int, std::string> cells = {{1, "Polyvertex\" NodesPerElement=\"1"},
+                                                   {2, "Polyline\" NodesPerElement=\"2"},
+                                                   {3, "Triangle"},
+                                                   {8, "Hexahedron"}};
+  if (nodes_per_cell == 4) return dimension == 2 ? "Quadrilateral" : "Tetrahedron";
+  return cells.at(nodes_per_cell);
 }
 
 std::string attributes(const std::vector<std::pair<std::string, int>>& arrays, const std::string& center,

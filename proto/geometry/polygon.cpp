@@ -4,13 +4,6 @@
 #include <limits>
 
 namespace strake {
-namespace {
-
-const Eigen::Vector2d& following(const Polygon& p, std::size_t i) {
-  return p[(i + 1) % p.size()];
-}
-
-}  // namespace
 
 bool inside_polygon(const Polygon& p, const Eigen::Vector2d& x) {
   bool odd = false;

@@ -28,6 +28,11 @@ inline bool ray_crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, cons
   return x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
 }
 
+/// The corner after corner i.
+inline const Eigen::Vector2d& following(const Polygon& p, std::size_t i) {
+  return p[(i + 1) % p.size()];
+}
+
 bool inside_polygon(const Polygon&, const Eigen::Vector2d& x);
 double polygon_area(const Polygon&);                                   // [m²], negative when clockwise
 double distance_to_polygon(const Polygon&, const Eigen::Vector2d& x);  // to its edges [m]

@@ -1,6 +1,9 @@
 #include "structure/body/beam.hpp"
 
-#include <Eigen/Dense>
+#include "structure/material/symmetric.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <array>
@@ -67,9 +70,13 @@ std::vector<double> beam_frequencies(const Plate& plate, const Material& m, Beam
   for (int i = 0; i < n; ++i)
     if (!(i < 2 && constrained(plate.left, i)) && !(i >= n - 2 && constrained(plate.right, i - n + 2)))
       free.push_back(i);
-  const Eigen::MatrixXd Kf = K(free, free), Mf = M(free, free);
-  const Eigen::VectorXd omega2 =
-      Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(Kf, Mf, Eigen::EigenvaluesOnly).eigenvalues();
+  // K x = ω² M x with M = L Lᵀ: the eigenvalues of L⁻¹ K L⁻ᵀ.
+  const Eigen::LLT<Eigen::MatrixXd> factors(M(free, free));
+  const Eigen::MatrixXd Kf = K(free, free);
+  Eigen::MatrixXd C = Kf.selfadjointView<Eigen::Lower>();
+  factors.matrixL().solveInPlace<Eigen::OnTheLeft>(C);
+  factors.matrixU().solveInPlace<Eigen::OnTheRight>(C);
+  const Eigen::VectorXd omega2 = eigenvalues_of(C);
 
   // Largest ω² of a rigid motion, in units of EI/(ρh L⁴). Its exact value is 0; round-off is below this
   // limit, and the lowest elastic mode far above.

@@ -85,8 +85,7 @@ MassProperties mass_of(const Solid& solid) {
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (Eigen::Index c = 0; c < solid.cell.cols(); ++c) {
-    const double density =
-        solid.parts[static_cast<std::size_t>(solid.part_of[static_cast<std::size_t>(c)])].material.density;
+    const double density = solid.part(c).material.density;
     for (int g = 0; g < 9 * along_z; ++g) {
       const std::array<int, 3> at = {g % 3, g / 3 % 3, g / 9};
       double share = density;

@@ -30,10 +30,6 @@ bool meet(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d
   return s >= 0 && s <= 1 && t >= 0 && t <= 1;
 }
 
-const Vector2& following(const Polygon& p, std::size_t i) {
-  return p[(i + 1) % p.size()];
-}
-
 std::string text(const Vector2& x) {
   return fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
 }

@@ -1,7 +1,5 @@
 #include "structure/body/solid.hpp"
 
-#include "structure/body/solid_grid.hpp"
-
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
@@ -18,18 +16,12 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-// Faces of a cell with lexicographic nodes, seen from outside counter-clockwise: x−, x+, y−, y+, z−, z+.
-constexpr std::array<std::array<int, 2>, 4> sides_of_quadrilateral = {{{2, 0}, {1, 3}, {0, 1}, {3, 2}}};
-constexpr std::array<std::array<int, 4>, 6> sides_of_hexahedron = {
-    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-
-std::vector<std::vector<int>> sides(int dimension) {
-  std::vector<std::vector<int>> all;
-  if (dimension == 2)
-    for (const auto& side : sides_of_quadrilateral) all.emplace_back(side.begin(), side.end());
-  else
-    for (const auto& side : sides_of_hexahedron) all.emplace_back(side.begin(), side.end());
-  return all;
+/// Faces of a cell with lexicographic nodes, seen from outside counter-clockwise: x−, x+, y−, y+, z−, z+.
+const std::vector<std::vector<int>>& sides(int dimension) {
+  static const std::vector<std::vector<int>> quadrilateral = {{2, 0}, {1, 3}, {0, 1}, {3, 2}},
+                                             hexahedron = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                                           {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  return dimension == 2 ? quadrilateral : hexahedron;
 }
 
 /// Ascending, with what lies nearer together than `near` taken as one.
@@ -62,7 +54,7 @@ std::vector<int> groups_of_cells(const Solid& solid) {
     return c;
   };
   std::map<std::vector<int>, int> seen;
-  const auto local = sides(solid.dimension);
+  const auto& local = sides(solid.dimension);
   for (int c = 0; c < solid.cell.cols(); ++c)
     for (const auto& side : local) {
       std::vector<int> key;
@@ -103,55 +95,20 @@ std::array<std::vector<double>, 3> planes_of(int dimension, const std::vector<So
 
 /// Nodes and cells of the grid that the planes of all sides make, those in no box left out.
 void add_grid(Solid& solid, const std::vector<SolidBox>& boxes) {
-  const int dimension = solid.dimension;
-  solid.plane = planes_of(dimension, boxes);
-  const auto count = [&](std::size_t axis) {
-    return axis < static_cast<std::size_t>(dimension) ? static_cast<int>(solid.plane[axis].size()) : 1;
-  };
-  const std::array<int, 3> planes = {count(0), count(1), count(2)};
-  const std::array<int, 3> intervals = {planes[0] - 1, planes[1] - 1, std::max(1, planes[2] - 1)};
-
+  solid.plane = planes_of(solid.dimension, boxes);
   // The first box that contains an interval's middle owns the cell.
-  const auto middle = [&](std::size_t axis, int k) {
-    if (axis >= static_cast<std::size_t>(dimension)) return 0.0;
-    const auto& plane = solid.plane[axis];
-    return 0.5 * (plane[static_cast<std::size_t>(k)] + plane[static_cast<std::size_t>(k) + 1]);
-  };
-  const auto owner = [&](const Vector3d& X) {
-    for (std::size_t b = 0; b < boxes.size(); ++b) {
-      const auto inside = [&](int axis) {
-        return X[axis] > boxes[b].min[axis] && X[axis] < boxes[b].max[axis];
-      };
-      if (inside(0) && inside(1) && (dimension == 2 || inside(2))) return static_cast<int>(b);
-    }
-    return -1;
-  };
-  std::map<std::array<int, 3>, int> number;  // of the grid's nodes that are in use
-  std::vector<Vector3d> node;
-  const auto node_at = [&](std::array<int, 3> at) {
-    const auto [found, fresh] = number.emplace(at, static_cast<int>(node.size()));
-    if (fresh) {
-      Vector3d X = Vector3d::Zero();
-      for (std::size_t axis = 0; axis < static_cast<std::size_t>(dimension); ++axis)
-        X[static_cast<Index>(axis)] = solid.plane[axis][static_cast<std::size_t>(at[axis])];
-      node.push_back(X);
-    }
-    return found->second;
-  };
-  const int corners = 1 << dimension;
-  std::vector<int> cells;
-  for (int k = 0; k < intervals[2]; ++k)
-    for (int j = 0; j < intervals[1]; ++j)
-      for (int i = 0; i < intervals[0]; ++i) {
-        const int part = owner({middle(0, i), middle(1, j), middle(2, k)});
-        if (part < 0) continue;
-        solid.part_of.push_back(part);
-        for (int corner = 0; corner < corners; ++corner)
-          cells.push_back(node_at({i + (corner & 1), j + ((corner >> 1) & 1), k + ((corner >> 2) & 1)}));
+  fill_grid(solid, [&](const std::array<std::size_t, 3>& at) {
+    const auto inside = [&](const SolidBox& box) {
+      for (int axis = 0; axis < solid.dimension; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        const double middle = 0.5 * (solid.plane[a][at[a]] + solid.plane[a][at[a] + 1]);
+        if (!(middle > box.min[axis] && middle < box.max[axis])) return false;
       }
-  solid.cell = Eigen::Map<Eigen::MatrixXi>(cells.data(), corners, static_cast<Index>(solid.part_of.size()));
-  solid.node.resize(3, static_cast<Index>(node.size()));
-  for (std::size_t i = 0; i < node.size(); ++i) solid.node.col(static_cast<Index>(i)) = node[i];
+      return true;
+    };
+    const auto owner = std::find_if(boxes.begin(), boxes.end(), inside);
+    return owner == boxes.end() ? -1 : static_cast<int>(owner - boxes.begin());
+  });
 }
 
 }  // namespace
@@ -161,6 +118,38 @@ double grid_count(int dimension, const std::vector<SolidBox>& boxes) {
   for (const std::vector<double>& plane : planes_of(dimension, boxes))
     if (!plane.empty()) count *= static_cast<double>(plane.size() - 1);
   return count;
+}
+
+void fill_grid(Solid& solid, const std::function<int(const std::array<std::size_t, 3>&)>& part_at) {
+  std::array<std::size_t, 3> nodes = {1, 1, 1}, cells = {1, 1, 1};  // along each axis
+  for (std::size_t axis = 0; axis < static_cast<std::size_t>(solid.dimension); ++axis) {
+    nodes[axis] = solid.plane[axis].size();
+    cells[axis] = nodes[axis] - 1;
+  }
+  const int corners = 1 << solid.dimension;
+  std::vector<int> number(nodes[0] * nodes[1] * nodes[2], -1), corner_of_cells;
+  std::vector<Vector3d> node;
+  for (std::size_t k = 0; k < cells[2]; ++k)
+    for (std::size_t j = 0; j < cells[1]; ++j)
+      for (std::size_t i = 0; i < cells[0]; ++i) {
+        const int part = part_at({i, j, k});
+        if (part < 0) continue;
+        solid.part_of.push_back(part);
+        for (std::size_t corner = 0; corner < static_cast<std::size_t>(corners); ++corner) {
+          const std::size_t x = i + (corner & 1), y = j + ((corner >> 1) & 1), z = k + ((corner >> 2) & 1);
+          int& at = number[(z * nodes[1] + y) * nodes[0] + x];
+          if (at < 0) {
+            at = static_cast<int>(node.size());
+            node.emplace_back(solid.plane[0][x], solid.plane[1][y],
+                              solid.dimension == 3 ? solid.plane[2][z] : 0.0);
+          }
+          corner_of_cells.push_back(at);
+        }
+      }
+  solid.cell =
+      Eigen::Map<Eigen::MatrixXi>(corner_of_cells.data(), corners, static_cast<Index>(solid.part_of.size()));
+  solid.node.resize(3, static_cast<Index>(node.size()));
+  for (std::size_t i = 0; i < node.size(); ++i) solid.node.col(static_cast<Index>(i)) = node[i];
 }
 
 Solid solid_of_boxes(int dimension, const std::vector<SolidBox>& boxes) {
@@ -189,7 +178,7 @@ void find_facets(Solid& solid) {
   std::map<std::vector<int>, Seen> faces;
   std::vector<std::vector<int>>
       order;  // in the order of their first use, so that the numbering is that of the cells
-  const auto local = sides(solid.dimension);
+  const auto& local = sides(solid.dimension);
   for (int c = 0; c < solid.cell.cols(); ++c)
     for (const auto& side : local) {
       std::vector<int> nodes;
@@ -226,11 +215,7 @@ std::vector<int> facets_named(const Solid& solid, const std::string& name) {
   if (found == side_names.end() || number >= 2 * solid.dimension) return {};
   const Index axis = number / 2;
   const double sign = number % 2 == 0 ? -1 : 1;
-  const auto belongs = [&](Index f) {
-    const int cell = solid.facet_cell[static_cast<std::size_t>(f)];
-    const int p = solid.part_of[static_cast<std::size_t>(cell)];
-    return part.empty() || solid.parts[static_cast<std::size_t>(p)].name == part;
-  };
+  const auto belongs = [&](Index cell) { return part.empty() || solid.part(cell).name == part; };
   // How far a facet's nearest node lies towards that side, and how far the outermost facet does.
   const auto reach = [&](Index f) {
     double least = std::numeric_limits<double>::infinity();
@@ -240,14 +225,14 @@ std::vector<int> facets_named(const Solid& solid, const std::string& name) {
   };
   double most = -std::numeric_limits<double>::infinity();
   for (Index c = 0; c < solid.cell.cols(); ++c)
-    if (const int p = solid.part_of[static_cast<std::size_t>(c)];
-        part.empty() || solid.parts[static_cast<std::size_t>(p)].name == part)
+    if (belongs(c))
       for (Index k = 0; k < solid.cell.rows(); ++k)
         most = std::max(most, sign * solid.node(axis, solid.cell(k, c)));
   const double slack = 1e-9 * (solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff()).maxCoeff();
   std::vector<int> facets;
   for (Index f = 0; f < solid.facet.cols(); ++f)
-    if (belongs(f) && reach(f) >= most - slack) facets.push_back(static_cast<int>(f));
+    if (belongs(solid.facet_cell[static_cast<std::size_t>(f)]) && reach(f) >= most - slack)
+      facets.push_back(static_cast<int>(f));
   return facets;
 }
 
@@ -255,23 +240,18 @@ SolidFault fault_of(const Solid& solid) {
   if (solid.empty()) return {"it has no cells", "give it at least one box with min below max"};
   const int corners = 1 << solid.dimension;
   for (Index c = 0; c < solid.cell.cols(); ++c) {
-    const std::string& part =
-        solid.parts[static_cast<std::size_t>(solid.part_of[static_cast<std::size_t>(c)])].name;
     for (int k = 0; k < corners; ++k)
       if (!(corner_jacobian(solid, c, k) > 0))
-        return {fmt::format("cell {} of part \"{}\" is turned inside out or has no volume at {}", c + 1, part,
-                            text(solid, solid.node.col(solid.cell(k, c)))),
+        return {fmt::format("cell {} of part \"{}\" is turned inside out or has no volume at {}", c + 1,
+                            solid.part(c).name, text(solid, solid.node.col(solid.cell(k, c)))),
                 "mesh that place anew: four corners of a quadrilateral must make a convex shape"};
   }
   const std::vector<int> group = groups_of_cells(solid);
   for (std::size_t c = 0; c < group.size(); ++c)
     if (group[c] != group[0]) {
-      const auto name = [&](std::size_t cell) {
-        return solid.parts[static_cast<std::size_t>(solid.part_of[cell])].name;
-      };
       const Vector3d X = solid.node.col(solid.cell(0, static_cast<Index>(c)));
-      return {fmt::format("part \"{}\" near {} does not touch the rest (\"{}\") along a face", name(c),
-                          text(solid, X), name(0)),
+      return {fmt::format("part \"{}\" near {} does not touch the rest (\"{}\") along a face",
+                          solid.part(static_cast<Index>(c)).name, text(solid, X), solid.part(0).name),
               "let the parts share a face: in a mesh file the same nodes, in boxes the same plane"};
     }
   for (std::size_t p = 0; p < solid.parts.size(); ++p)
@@ -294,7 +274,7 @@ bool has_supports(const Solid& solid) {
 }
 
 Eigen::Matrix4Xd half_spaces(const Solid& solid, int c) {
-  const auto local = sides(solid.dimension);
+  const auto& local = sides(solid.dimension);
   Eigen::Matrix4Xd planes(4, static_cast<Index>(local.size()));
   for (std::size_t s = 0; s < local.size(); ++s) {
     const auto corner = [&](std::size_t k) -> Vector3d { return solid.node.col(solid.cell(local[s][k], c)); };
@@ -339,6 +319,30 @@ Points part_sizes(const Solid& solid) {
 
 double thinnest(const Solid& solid) {
   return part_sizes(solid).topRows(solid.dimension).minCoeff();
+}
+
+std::string material_law(const std::vector<Part>& parts) {
+  constexpr std::array<std::pair<MaterialModel, const char*>, 3> known = {
+      {{MaterialModel::linear, "linear elasticity"},
+       {MaterialModel::saint_venant_kirchhoff, "Saint Venant-Kirchhoff"},
+       {MaterialModel::neo_hookean, "neo-Hookean"}}};
+  std::vector<std::pair<std::string, std::string>> laws;  // law, names of its parts
+  for (const auto& [model, law] : known)
+    for (const Part& part : parts) {
+      if (part.material.model != model) continue;
+      if (laws.empty() || laws.back().first != law) laws.emplace_back(law, "");
+      std::string& names = laws.back().second;
+      names += (names.empty() ? "" : ", ") + part.name;
+    }
+  std::string text;
+  for (const auto& [law, names] : laws)
+    text += (text.empty() ? "" : " and ") + law + (laws.size() > 1 ? " (" + names + ")" : "");
+  return text;
+}
+
+bool all_linear(const std::vector<Part>& parts) {
+  return std::all_of(parts.begin(), parts.end(),
+                     [](const Part& part) { return part.material.model == MaterialModel::linear; });
 }
 
 }  // namespace strake::structure

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include <array>
-#include <optional>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +18,8 @@ namespace strake::structure {
 ///   roller     that line, across the face's normal only: it can turn and draw in
 ///   symmetry   every point, along the normal only
 enum class Support { free, clamped, pinned, roller, symmetry };
+inline constexpr std::array<const char*, 5> support_names = {"free", "clamped", "pinned", "roller",
+                                                             "symmetry"};
 
 struct Part {
   std::string name;
@@ -49,6 +51,9 @@ struct Solid {
   std::array<std::vector<double>, 3> plane;
 
   bool empty() const { return cell.cols() == 0; }
+  const Part& part(Eigen::Index c) const {
+    return parts[static_cast<std::size_t>(part_of[static_cast<std::size_t>(c)])];
+  }
   bool made_of_boxes() const { return !plane[0].empty(); }
 };
 
@@ -71,6 +76,13 @@ struct SolidFault {
 /// The union of boxes, cut along all their planes so that cells conform. z is of no account in two
 /// dimensions.
 Solid solid_of_boxes(int dimension, const std::vector<SolidBox>&);
+
+/// Cells of the grid that the planes of all boxes make, of which their union has some. No integer: there may
+/// be too many for one.
+double grid_count(int dimension, const std::vector<SolidBox>&);
+/// Fills node, cell and part_of with the cells of the grid of `plane`, x fastest. `part_at` gives the part of
+/// the cell in three intervals, −1: none. The nodes are numbered in the order of their first use.
+void fill_grid(Solid&, const std::function<int(const std::array<std::size_t, 3>&)>& part_at);
 
 /// Fills facet and facet_cell from the cells.
 void find_facets(Solid&);
@@ -102,6 +114,9 @@ bool on_facet(const Solid&, int facet, const Eigen::Vector3d& X, double slack);
 Eigen::Vector3d facet_normal(const Solid&, int facet);
 /// Mean normal of a supported face, outside.
 Eigen::Vector3d normal_of(const Solid&, const SupportedFace&);
+/// The axis that a supported face lies across. Throws Error(case_file) where there is none, as only a clamped
+/// face may lie.
+Eigen::Index axis_of(const Solid&, const SupportedFace&);
 /// Middle of a supported face: of the box around it [m].
 Eigen::Vector3d middle_of(const Solid&, const SupportedFace&);
 
@@ -116,5 +131,11 @@ std::vector<int> facets_named(const Solid&, const std::string& name);
 Points part_sizes(const Solid&);
 /// Smallest extent of a solid's parts [m]: what a discretisation has to resolve.
 double thinnest(const Solid&);
+
+/// Names the material laws of a body's parts. Examples: "neo-Hookean", or, if they differ, "linear elasticity
+/// (rib) and Saint Venant-Kirchhoff (plate, deck)".
+std::string material_law(const std::vector<Part>&);
+/// Whether every part is linear: small strains, the reference configuration throughout.
+bool all_linear(const std::vector<Part>&);
 
 }  // namespace strake::structure

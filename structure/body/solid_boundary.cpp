@@ -1,5 +1,7 @@
+#include "proto/error.hpp"
 #include "structure/body/shape.hpp"
 #include "structure/body/solid.hpp"
+#include "structure/body/solid_surface.hpp"
 #include "structure/body/surface.hpp"
 
 #include <Eigen/Geometry>
@@ -156,16 +158,7 @@ InterfaceMesh outer_surface(const Solid& solid, double spacing) {
         faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
       }
   }
-  InterfaceMesh mesh;
-  mesh.name = "structure";
-  mesh.dimension = 3;
-  mesh.position.resize(3, static_cast<Index>(set.points.size()));
-  for (std::size_t i = 0; i < set.points.size(); ++i)
-    mesh.position.col(static_cast<Index>(i)) = set.points[i];
-  mesh.faces.resize(3, static_cast<Index>(faces.size()));
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    mesh.faces.col(static_cast<Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
-  return mesh;
+  return closed_surface(set.points, faces);
 }
 
 bool on_facet(const Solid& solid, int facet, const Vector3d& X, double slack) {
@@ -189,6 +182,14 @@ Vector3d normal_of(const Solid& solid, const SupportedFace& face) {
   Vector3d sum = Vector3d::Zero();
   for (const int f : face.facet) sum += facet_normal(solid, f);
   return sum.normalized();
+}
+
+Index axis_of(const Solid& solid, const SupportedFace& face) {
+  Index axis = 0;
+  if (normal_of(solid, face).cwiseAbs().maxCoeff(&axis) > 1 - 1e-6) return axis;
+  throw Error(ExitCode::case_file, "structure, support \"" + face.name + "\"",
+              "a face that is pinned, rolls or is one of symmetry must lie across x, y or z",
+              "clamped, or turn the body");
 }
 
 Vector3d middle_of(const Solid& solid, const SupportedFace& face) {

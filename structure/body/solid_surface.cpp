@@ -12,10 +12,9 @@
 #include <vector>
 
 namespace strake::structure {
-namespace {
 
-InterfaceMesh mesh_of(const std::vector<Eigen::Vector3d>& point,
-                      const std::vector<std::array<int, 3>>& face) {
+InterfaceMesh closed_surface(const std::vector<Eigen::Vector3d>& point,
+                             const std::vector<std::array<int, 3>>& face) {
   InterfaceMesh mesh;
   mesh.name = "structure";
   mesh.dimension = 3;
@@ -26,8 +25,6 @@ InterfaceMesh mesh_of(const std::vector<Eigen::Vector3d>& point,
     mesh.faces.col(static_cast<Eigen::Index>(f)) << face[f][0], face[f][1], face[f][2];
   return mesh;
 }
-
-}  // namespace
 
 InterfaceMesh prism_surface(const InterfaceMesh& outline, double depth, double middle, double spacing) {
   const int n = static_cast<int>(outline.position.cols());
@@ -67,7 +64,7 @@ InterfaceMesh prism_surface(const InterfaceMesh& outline, double depth, double m
         face.push_back({index(a), index(c), index(b)});
     }
   }
-  return mesh_of(point, face);
+  return closed_surface(point, face);
 }
 
 InterfaceMesh sphere_surface(const Eigen::Vector3d& centre, double radius, double spacing) {
@@ -133,7 +130,7 @@ InterfaceMesh sphere_surface(const Eigen::Vector3d& centre, double radius, doubl
               6;
   const double outer = radius * std::cbrt(4.0 / 3.0 * std::numbers::pi / volume);
   for (Eigen::Vector3d& x : point) x = centre + outer * x;
-  return mesh_of(point, face);
+  return closed_surface(point, face);
 }
 
 }  // namespace strake::structure

@@ -2,7 +2,14 @@
 
 #include "proto/interface.hpp"
 
+#include <array>
+#include <vector>
+
 namespace strake::structure {
+
+/// The interface of a closed surface of triangles.
+InterfaceMesh closed_surface(const std::vector<Eigen::Vector3d>& point,
+                             const std::vector<std::array<int, 3>>& face);
 
 /// The closed surface of a prism over a plane outline, from middle − depth/2 to middle + depth/2 along z. The
 /// normals of its triangles (right-hand rule) point out. The outline's segments make strips, each about

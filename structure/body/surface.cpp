@@ -3,6 +3,7 @@
 #include "structure/body/solid_surface.hpp"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,52 @@
 #include <numbers>
 
 namespace strake::structure {
+namespace {
+
+/// Length of a segment [m], area of a triangle [m²].
+double size_of(const InterfaceMesh& mesh, Eigen::Index face) {
+  const auto corner = [&](Eigen::Index k) -> Eigen::Vector3d {
+    return mesh.position.col(mesh.faces(k, face));
+  };
+  if (mesh.faces.rows() == 2) return (corner(1) - corner(0)).norm();
+  return 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+}
+
+/// Calls `visit` with each face of the surface in one of the facets, and its size. A face lies in one facet
+/// with all its corners, or its middle does not.
+template <class Visit>
+void for_each_face(const Solid& solid, const std::vector<int>& facets, const InterfaceMesh& mesh,
+                   const Visit& visit) {
+  const Eigen::Vector3d extent = solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff();
+  const double near = 1e-9 * extent.maxCoeff();  // [m] round-off of the coordinates, far below any spacing
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (Eigen::Index k = 0; k < mesh.faces.rows(); ++k)
+      middle += mesh.position.col(mesh.faces(k, f)) / static_cast<double>(mesh.faces.rows());
+    if (std::any_of(facets.begin(), facets.end(),
+                    [&](int facet) { return on_facet(solid, facet, middle, near); }))
+      visit(f, size_of(mesh, f));
+  }
+}
+
+}  // namespace
+
+// The plate is a union of one box.
+Solid elastic_solid(const Parameters& p) {
+  if (!p.solid.empty()) return p.solid;
+  const Plate& plate = p.plate;
+  SolidBox box;
+  box.name = "plate";
+  box.material = p.material;
+  const double half = 0.5 * plate.length;
+  box.min << plate.bottom.x() - half, plate.bottom.y(), p.shape.middle - 0.5 * p.shape.depth;
+  box.max << plate.bottom.x() + half, plate.bottom.y() + plate.thickness,
+      p.shape.middle + 0.5 * p.shape.depth;
+  box.support[0] = plate.left;
+  box.support[1] = plate.right;
+  return solid_of_boxes(p.dimension, {box});
+}
+
 InterfaceMesh outline(const std::vector<Eigen::Vector2d>& polygon, double spacing) {
   InterfaceMesh mesh;
   mesh.name = "structure";
@@ -93,12 +140,9 @@ Box bounds(const Parameters& p) {
 
 Eigen::VectorXd point_sizes(const InterfaceMesh& mesh) {
   Eigen::VectorXd size = Eigen::VectorXd::Zero(mesh.position.cols());
+  const auto corners = mesh.faces.rows();
   for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-    const Eigen::Vector3d a = mesh.position.col(mesh.faces(0, f)), b = mesh.position.col(mesh.faces(1, f));
-    const auto corners = mesh.faces.rows();
-    double whole = (b - a).norm();
-    if (corners == 3)
-      whole = 0.5 * (b - a).cross(Eigen::Vector3d(mesh.position.col(mesh.faces(2, f))) - a).norm();
+    const double whole = size_of(mesh, f);
     for (Eigen::Index k = 0; k < corners; ++k) size[mesh.faces(k, f)] += whole / static_cast<double>(corners);
   }
   return size;
@@ -107,30 +151,47 @@ Eigen::VectorXd point_sizes(const InterfaceMesh& mesh) {
 Points case_force(const CaseLoad& load, const Solid& solid, const InterfaceMesh& mesh) {
   Points force = Points::Zero(3, mesh.position.cols());
   if (load.kind == LoadKind::traction) {
-    const std::vector<int> facets = facets_named(solid, load.face);
-    const Eigen::Vector3d size = solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff();
-    const double near = 1e-9 * size.maxCoeff();  // [m] round-off of the coordinates, far below any spacing
-    for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-      const Eigen::Index corners = mesh.faces.rows();
-      const auto corner = [&](Eigen::Index k) -> Eigen::Vector3d {
-        return mesh.position.col(mesh.faces(k, f));
-      };
-      // A face of the surface lies in one facet with all its corners, or its middle does not.
-      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-      for (Eigen::Index k = 0; k < corners; ++k) middle += corner(k) / static_cast<double>(corners);
-      const auto holds = [&](int facet) { return on_facet(solid, facet, middle, near); };
-      if (std::none_of(facets.begin(), facets.end(), holds)) continue;
-      const double whole = corners == 2 ? (corner(1) - corner(0)).norm()
-                                        : 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+    const Eigen::Index corners = mesh.faces.rows();
+    for_each_face(solid, facets_named(solid, load.face), mesh, [&](Eigen::Index f, double whole) {
       for (Eigen::Index k = 0; k < corners; ++k)
         force.col(mesh.faces(k, f)) += whole / static_cast<double>(corners) * load.value;
-    }
+    });
   } else if (load.kind == LoadKind::point) {
     Eigen::Index nearest = 0;
     (mesh.position.colwise() - load.at).colwise().squaredNorm().minCoeff(&nearest);
     force.col(nearest) = load.value;
   }
   return force;
+}
+
+LoadedFaces loaded_faces(const Parameters& p, const InterfaceMesh& mesh) {
+  const char* unit = mesh.dimension == 3 ? "m^2" : "m";
+  LoadedFaces loaded;
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) loaded.whole += size_of(mesh, f);
+  if (p.loaded_faces.empty()) {
+    loaded.size = loaded.whole;
+    loaded.line = fmt::format("wet: the whole outer surface, {:.5g} {}", loaded.whole, unit);
+    return loaded;
+  }
+  const Solid solid = elastic_solid(p);
+  std::vector<int> facets;
+  for (const std::string& name : p.loaded_faces) {
+    const std::vector<int> named = facets_named(solid, name);
+    facets.insert(facets.end(), named.begin(), named.end());
+  }
+  loaded.share = Eigen::VectorXd::Zero(mesh.position.cols());
+  for_each_face(solid, facets, mesh, [&](Eigen::Index f, double size) {
+    loaded.size += size;
+    for (Eigen::Index k = 0; k < mesh.faces.rows(); ++k)
+      loaded.share[mesh.faces(k, f)] += size / static_cast<double>(mesh.faces.rows());
+  });
+  const Eigen::VectorXd whole = point_sizes(mesh);
+  for (Eigen::Index i = 0; i < whole.size(); ++i)
+    if (whole[i] > 0) loaded.share[i] = std::min(1.0, loaded.share[i] / whole[i]);
+  loaded.line =
+      fmt::format("wet: {}, {:.5g} {} of {:.5g} {}; water that presses elsewhere is kept out and not felt",
+                  fmt::join(p.loaded_faces, ", "), loaded.size, unit, loaded.whole, unit);
+  return loaded;
 }
 
 double ramp_factor(double t, double ramp) {

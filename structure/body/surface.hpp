@@ -37,6 +37,18 @@ Eigen::VectorXd point_sizes(const InterfaceMesh&);
 /// nearest to `at`.
 Points case_force(const CaseLoad&, const Solid&, const InterfaceMesh& surface);
 
+/// Which part of a body's outer surface the water loads, structure.loaded_faces. The fluid needs the whole
+/// surface, to know inside from outside: it flows around the other faces too, and they keep it out, but what
+/// presses on them is not felt.
+struct LoadedFaces {
+  Eigen::VectorXd share;       // n: of each point's size that lies in loaded faces; empty: all of it does
+  double size = 0, whole = 0;  // [m] or [m²] of the loaded faces, and of all
+  std::string line;            // for the console and `check`
+};
+
+/// Throws nothing: `read_loaded_faces` has refused what there is not.
+LoadedFaces loaded_faces(const Parameters&, const InterfaceMesh&);
+
 /// Factor of a ramp: ½(1 − cos(πt/T)) for t < T, else 1; 1 throughout for T = 0.
 double ramp_factor(double t, double ramp);
 

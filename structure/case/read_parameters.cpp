@@ -3,7 +3,6 @@
 #include "proto/case/case_file.hpp"
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
-#include "structure/case/loaded_faces_keys.hpp"
 #include "structure/case/shape_keys.hpp"
 #include "structure/case/solid_keys.hpp"
 #include "structure/failure/softening.hpp"
@@ -24,10 +23,8 @@ void read_shared(CaseFile& file, const CommonKeys& common, Parameters& p) {
   CaseTable t = file.root().table("fluid");
   t.integer("dimension", p.dimension,
             {.min = 2, .max = 3, .help = "2: xy-plane, plane strain, per metre of depth"});
-  t.number("spacing", p.fluid_spacing,
-           {.unit = "m", .min = 0, .exclusive = true, .help = "initial particle distance l0"});
-  t.number("density", p.fluid_density,
-           {.unit = "kg/m^3", .min = 0, .exclusive = true, .help = "of the fluid"});
+  t.number("spacing", p.fluid_spacing, positive("m", "initial particle distance l0"));
+  t.number("density", p.fluid_density, positive("kg/m^3", "of the fluid"));
   // A structure without a fluid has no gravity unless the case gives one.
   p.gravity = common.fluid_solver == "none" ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0, -9.81, 0);
   t.vector("gravity", p.gravity,
@@ -57,7 +54,7 @@ void read_fem(CaseTable t, FemKeys& fem) {
             {.min = 0, .max = 6, .help = "2^refinement cells through the thickness"});
   t.number("rho_infinity", fem.rho_infinity,
            {.min = 0, .max = 1, .help = "spectral radius of generalised-alpha; 1: Newmark, no damping"});
-  t.number("tolerance", fem.tolerance, {.min = 0, .exclusive = true, .help = "of Newton's method, relative"});
+  t.number("tolerance", fem.tolerance, positive("1", "of Newton's method, relative"));
   t.choice(
       "strain", fem.strain,
       {{"auto", StrainField::automatic},
@@ -77,10 +74,7 @@ void read_fem(CaseTable t, FemKeys& fem) {
 void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
   particle.model = volume ? ParticleModel::pair : ParticleModel::total_lagrangian;
   t.number("spacing", particle.spacing,
-           {.unit = "m",
-            .min = 0,
-            .exclusive = true,
-            .help = "surface coupling; volume coupling uses fluid.spacing"});
+           positive("m", "surface coupling; volume coupling uses fluid.spacing"));
   t.choice("model", particle.model,
            {{"pair", ParticleModel::pair}, {"total_lagrangian", ParticleModel::total_lagrangian}},
            {.help = "volume coupling: pair unless given"});
@@ -109,9 +103,8 @@ void read_ccx(CaseTable t, CalculixKeys& ccx) {
       {{"auto", CalculixCalls::automatic}, {"window", CalculixCalls::window}, {"once", CalculixCalls::once}},
       {.help = "window: CalculiX is started for each window and goes on from its restart file; once: for a "
                "whole run whose load is known beforehand; auto: once where fluid.solver is replay or none"});
-  t.number(
-      "answer_within", ccx.answer_within,
-      {.unit = "s", .min = 0, .exclusive = true, .help = "wall clock that CalculiX has for an increment"});
+  t.number("answer_within", ccx.answer_within,
+           positive("s", "wall clock that CalculiX has for an increment"));
 }
 
 /// Reads from the coupler's and the fluid's tables what the load will be.
@@ -363,11 +356,9 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   t.vector("velocity", p.velocity,
            {.unit = "m/s", .help = "of the supports, and of the whole body at t = 0"});
   p.surface_spacing = p.fluid_spacing;
-  t.number("surface_spacing", p.surface_spacing,
-           {.unit = "m",
-            .min = 0,
-            .exclusive = true,
-            .help = "distance of the interface points, the same for every solver; default fluid.spacing"});
+  t.number(
+      "surface_spacing", p.surface_spacing,
+      positive("m", "distance of the interface points, the same for every solver; default fluid.spacing"));
   t.choice("analysis", p.analysis,
            {{"dynamic", Analysis::dynamic}, {"static", Analysis::statics}, {"modal", Analysis::modal}},
            {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});

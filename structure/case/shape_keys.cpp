@@ -55,17 +55,13 @@ void read_wedge(CaseTable t, Shape& shape) {
             .exclusive = true,
             .required = true,
             .help = "angle of the lower faces against the horizontal"});
-  t.number("width", wedge.width,
-           {.unit = "m", .min = 0, .exclusive = true, .help = "between the chines; this or draught"});
-  t.number("draught", chine,
-           {.unit = "m", .min = 0, .exclusive = true, .help = "of the chines above the apex; this or width"});
+  t.number("width", wedge.width, positive("m", "between the chines; this or draught"));
+  t.number("draught", chine, positive("m", "of the chines above the apex; this or width"));
   t.vector("apex", wedge.apex, {.unit = "m", .help = "lowest point; in three dimensions of its middle"});
   t.number("height", wedge.height,
-           {.unit = "m",
-            .min = 0,
-            .exclusive = true,
-            .help = "from the apex to the deck, vertical sides above the chines; not given: a quarter of the "
-                    "width above them"});
+           positive("m",
+                    "from the apex to the deck, vertical sides above the chines; not given: a quarter of the "
+                    "width above them"));
   if (!t.has("deadrise")) return;  // a list of declarations contains no wedge
   if (t.has("width") == t.has("draught"))
     throw t.error(t.has("width") ? "draught" : "width",
@@ -248,10 +244,7 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
   if (all || t.has("sphere"))
     read_round(t.table("sphere", "rigid sphere, three dimensions"), ShapeKind::sphere, p.shape);
   t.number("depth", p.shape.depth,
-           {.unit = "m",
-            .min = 0,
-            .exclusive = true,
-            .help = "three dimensions: how far a plate, outline, wedge or cylinder reaches along z"});
+           positive("m", "three dimensions: how far a plate, outline, wedge or cylinder reaches along z"));
   if (all) return;
 
   if (t.has("box") || t.has("mesh")) p.shape.kind = ShapeKind::solid;
@@ -303,16 +296,12 @@ void read_body(const CaseFile& file, CaseTable t, const CommonKeys& common, Para
   BodyMass& body = p.body;
   t.number(
       "mass", body.mass,
-      {.unit = "kg",
-       .min = 0,
-       .exclusive = true,
-       .help = "of a rigid body, in two dimensions per metre of depth; not given: material.density times "
-               "its volume"});
-  t.number("inertia", body.inertia,
-           {.unit = "kg m^2",
-            .min = 0,
-            .exclusive = true,
-            .help = "of a rigid body about z through its centre of gravity; not given: of the shape"});
+      positive("kg",
+               "of a rigid body, in two dimensions per metre of depth; not given: material.density times "
+               "its volume"));
+  t.number(
+      "inertia", body.inertia,
+      positive("kg m^2", "of a rigid body about z through its centre of gravity; not given: of the shape"));
   const auto optional_vector = [&](const char* name, std::optional<Eigen::Vector3d>& value, const char* unit,
                                    const char* help) {
     Eigen::Vector3d given = Eigen::Vector3d::Zero();
@@ -356,6 +345,44 @@ void read_body(const CaseFile& file, CaseTable t, const CommonKeys& common, Para
   free.flag("angle", p.free.angle, {.help = "turned by loads about z, not prescribed"});
   free.flag("rotation", p.free.rotation, {.help = "turned by loads about all axes; three dimensions"});
   if (!all) check_body(t, common, p);
+}
+
+void read_loaded_faces(CaseTable t, bool only_declares, Parameters& p) {
+  t.texts(
+      "loaded_faces", p.loaded_faces,
+      {.help = "faces that the water loads: left, right, bottom, top, back or front of the body, a physical "
+               "name of its mesh, or PART.SIDE of a structure.box; others keep it out and feel nothing; "
+               "[]: all of the outer surface"});
+  std::vector<std::string> old_key;
+  t.texts("wet", old_key, {.help = "name of loaded_faces before version 0.2"});
+  if (only_declares) return;
+  if (!old_key.empty() && !p.loaded_faces.empty())
+    throw t.error("wet", "loaded_faces alone: wet is its older name", "leave wet out");
+  p.loaded_by_old_key = !old_key.empty();
+  if (p.loaded_by_old_key) p.loaded_faces = old_key;
+  if (p.loaded_faces.empty()) return;
+  const std::string key = p.loaded_by_old_key ? "wet" : "loaded_faces";
+  const auto refuse = [&](const std::string& expected, const std::string& fix) {
+    throw t.error(key, expected, fix);
+  };
+  if (p.interface == "volume")
+    refuse("nothing: in volume coupling every particle of the body meets the water",
+           "coupling.interface = \"surface\", or leave " + key + " out");
+  if (p.shape.kind != ShapeKind::plate && p.shape.kind != ShapeKind::solid)
+    refuse("nothing: only plates, boxes and meshes have faces with names", "leave " + key + " out");
+  if (p.kind == "ccx" && !p.load_run.empty())
+    refuse("nothing: CalculiX reads a recorded load itself, all of it",
+           "structure.solver = \"fem\", or leave " + key + " out");
+  const Solid solid = elastic_solid(p);
+  std::vector<std::string> known(side_names.begin(), side_names.begin() + (p.dimension == 3 ? 6 : 4));
+  for (const SupportedFace& face : solid.supported) known.push_back(face.name);
+  for (const std::string& name : p.loaded_faces) {
+    if (!facets_named(solid, name).empty()) continue;
+    const std::string near = did_you_mean(name, known);
+    refuse(fmt::format("faces at the body's boundary, and \"{}\" is none: {}, or PART.SIDE", name,
+                       fmt::join(known, ", ")),
+           near.empty() ? key + " = [\"bottom\"]" : fmt::format("did you mean \"{}\"?", near));
+  }
 }
 
 }  // namespace strake::structure

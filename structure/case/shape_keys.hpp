@@ -16,4 +16,8 @@ void read_body(const CaseFile&, CaseTable structure, const CommonKeys&, Paramete
 /// Reads [structure.initial_velocity] of an elastic body.
 void read_initial_velocity(const CaseFile&, CaseTable structure, Parameters&);
 
+/// Reads structure.loaded_faces, or structure.wet, its name before version 0.2. Throws Error(case_file) for a
+/// face that the body has not got.
+void read_loaded_faces(CaseTable structure, bool only_declares, Parameters&);
+
 }  // namespace strake::structure

@@ -1,6 +1,5 @@
 #include "structure/case/solid_keys.hpp"
 
-#include "structure/body/solid_grid.hpp"
 #include "structure/mesh_files/mesh_file.hpp"
 
 #include <Eigen/Geometry>
@@ -13,7 +12,7 @@
 namespace strake::structure {
 namespace {
 
-const std::vector<std::pair<std::string, Support>> support_names = {{"free", Support::free},
+const std::vector<std::pair<std::string, Support>> support_kinds = {{"free", Support::free},
                                                                     {"clamped", Support::clamped},
                                                                     {"pinned", Support::pinned},
                                                                     {"roller", Support::roller},
@@ -31,7 +30,7 @@ SolidBox read_box(CaseTable t, const Parameters& p, const std::vector<SolidBox>&
   CaseTable supports = t.table("supports", "what holds its sides; held places move with structure.velocity");
   for (std::size_t side = 0; side < side_names.size(); ++side)
     supports.choice(
-        side_names[side], box.support[side], support_names,
+        side_names[side], box.support[side], support_kinds,
         {.help = side < 4 ? "clamped: all of the side; pinned: its middle line; roller: that line across "
                             "the side's normal; symmetry: all of it along the normal"
                           : "as left; three dimensions"});
@@ -138,8 +137,8 @@ void read_material(CaseTable t, Material& m) {
       {.help =
            "linear: small strain; saint_venant_kirchhoff: large rotation, small strain; neo_hookean: large "
            "strain"});
-  t.number("density", m.density, {.unit = "kg/m^3", .min = 0, .exclusive = true, .help = "of the solid"});
-  t.number("young", m.young, {.unit = "Pa", .min = 0, .exclusive = true, .help = "Young's modulus E"});
+  t.number("density", m.density, positive("kg/m^3", "of the solid"));
+  t.number("young", m.young, positive("Pa", "Young's modulus E"));
   t.number("poisson", m.poisson,
            {.min = -1, .max = 0.5, .exclusive = true, .help = "Poisson's ratio, below 0.5"});
   if (m.poisson >= 0.5)
@@ -187,7 +186,7 @@ void read_supports(CaseTable t, bool all, Solid& solid) {
          .help =
              "physical name of the face; left, right, bottom, top, back or front of the body; or PART.SIDE"});
     table.choice(
-        "kind", support, support_names,
+        "kind", support, support_kinds,
         {.help = "clamped: all of the face; pinned: its middle line; roller: that line across the face's "
                  "normal; symmetry: all of it along the normal"});
     if (all) continue;
@@ -224,8 +223,7 @@ struct Placing {
 
 Placing read_placing(CaseTable t, const Parameters& p, bool all, bool boxes) {
   Placing placing;
-  t.number("scale", placing.scale,
-           {.min = 0, .exclusive = true, .help = "factor on all lengths, first: 0.001 for a mesh in mm"});
+  t.number("scale", placing.scale, positive("1", "factor on all lengths, first: 0.001 for a mesh in mm"));
   t.number(
       "angle", placing.angle,
       {.unit = "deg",

@@ -1,5 +1,7 @@
 #include "structure/ccx/output.hpp"
 
+#include "structure/material/stress.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,12 +32,6 @@ double number(std::string_view line, std::size_t from, std::size_t width) {
 bool complete(const Printed& p, bool with_velocity) {
   return p.displacement.allFinite() && (!with_velocity || p.velocity.allFinite()) &&
          std::isfinite(p.strain) && std::isfinite(p.kinetic);
-}
-
-// σ_v² = ½ [(σx−σy)² + (σy−σz)² + (σz−σx)²] + 3 (τxy² + τyz² + τzx²)
-double von_mises(const std::array<double, 6>& s) {
-  const double xy = s[0] - s[1], yz = s[1] - s[2], zx = s[2] - s[0];
-  return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
 }
 
 }  // namespace
@@ -151,7 +147,7 @@ std::vector<BodyField> read_fields(const std::filesystem::path& file, int n_node
       if (block == Block::velocity) all.back().velocity.col(id - 1) = vector;
       if (block == Block::stress)
         all.back().von_mises(id - 1) =
-            von_mises({vector.x(), vector.y(), vector.z(), component(3), component(4), component(5)});
+            von_mises(Stress(vector.x(), component(3), component(5), vector.y(), component(4), vector.z()));
     }
   }
   return all;

@@ -2,8 +2,7 @@
 
 #include "structure/ccx/stepwise.hpp"
 #include "structure/ccx/whole_history.hpp"
-#include "structure/fem/model.hpp"
-#include "structure/fem/size.hpp"
+#include "structure/fem/fem.hpp"
 
 namespace strake::structure {
 namespace {

@@ -1,7 +1,6 @@
 #include "structure/ccx/solver.hpp"
 
 #include "proto/error.hpp"
-#include "structure/body/material_law.hpp"
 #include "structure/body/surface.hpp"
 
 #include <fmt/format.h>
@@ -9,38 +8,25 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace strake::structure::ccx {
-namespace {
-
-void append_nodes(std::vector<int>& nodes, const deck::Weights& weights) {
-  for (Eigen::Index p = 0; p < weights.outerSize(); ++p)
-    for (deck::Weights::InnerIterator it(weights, p); it; ++it) nodes.push_back(static_cast<int>(it.col()));
-}
-
-void sort_once(std::vector<int>& nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-}
-
-}  // namespace
-
 CalculixSolver::CalculixSolver(const Parameters& p, deck::Model model)
     : parameters_(p),
       model_(std::move(model)),
-      thickness_(deck::plane_thickness(model_, true)),
+      thickness_(deck::plane_thickness(model_)),
       runner_(p.run_folder, p.ccx.answer_within),
       version_(installed_version()),
       interface_(surface(p)) {
   deck::require_plain_materials(model_);
-  append_nodes(wanted_.node, model_.interface);
-  append_nodes(wanted_.node, model_.probe_weights);
+  std::set<int> nodes = deck::nodes_of(model_.interface);
+  nodes.merge(deck::nodes_of(model_.probe_weights));
+  wanted_.node.assign(nodes.begin(), nodes.end());
   if (p.ccx.calls == CalculixCalls::window || p.analysis != Analysis::dynamic) {
     wanted_.node.resize(static_cast<std::size_t>(model_.n_nodes()));
     std::iota(wanted_.node.begin(), wanted_.node.end(), 0);
   }
-  sort_once(wanted_.node);
   column_.assign(static_cast<std::size_t>(model_.n_nodes()), -1);
   for (std::size_t i = 0; i < wanted_.node.size(); ++i)
     column_[static_cast<std::size_t>(wanted_.node[i])] = static_cast<Eigen::Index>(i);
@@ -48,8 +34,8 @@ CalculixSolver::CalculixSolver(const Parameters& p, deck::Model model)
   // Cells are drawn by their corners, which come first.
   const Eigen::Index corners = model_.dimension == 2 ? 4 : 8;
   drawn_cell_ = model_.cell.topRows(corners);
-  corner_.assign(drawn_cell_.data(), drawn_cell_.data() + drawn_cell_.size());
-  sort_once(corner_);
+  const std::set<int> drawn(drawn_cell_.data(), drawn_cell_.data() + drawn_cell_.size());
+  corner_.assign(drawn.begin(), drawn.end());
   for (int& node : drawn_cell_.reshaped())
     node = static_cast<int>(std::lower_bound(corner_.begin(), corner_.end(), node) - corner_.begin());
 }

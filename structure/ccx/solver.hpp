@@ -6,7 +6,6 @@
 #include "structure/deck/deck.hpp"
 #include "structure/solver/solver.hpp"
 
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -22,8 +21,6 @@ class CalculixSolver : public Solver {
   const InterfaceMesh& interface() const final { return interface_; }
   Points displacement() const final;
   Points velocity() const final;
-  bool sends_velocity() const final { return true; }
-  double stable_dt() const final { return std::numeric_limits<double>::infinity(); }
   Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const final;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const final;
   Frame frame() const final;

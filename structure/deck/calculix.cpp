@@ -52,7 +52,7 @@ void put_materials(Buffer& out, const Model& m) {
   }
   for (std::size_t p = 0; p < m.parts.size(); ++p) {
     put(out, "*SOLID SECTION, ELSET={0}, MATERIAL=M_{0}\n", part_label(m, p));
-    if (m.dimension == 2) put(out, "{:.10g}\n", plane_thickness(m, true));
+    if (m.dimension == 2) put(out, "{:.10g}\n", plane_thickness(m));
   }
 }
 
@@ -110,18 +110,10 @@ void put_wanted(Buffer& out, const Model& m, bool fields) {
     put(out, "*NODE FILE\n*EL FILE\n");
 }
 
-void put_set(Buffer& out, const std::string& name, const std::vector<int>& nodes) {
+template <class Nodes>
+void put_set(Buffer& out, const std::string& name, const Nodes& nodes) {
   put(out, "*NSET, NSET={}\n", name);
   for (const int node : nodes) put(out, "{}\n", node + 1);
-}
-
-std::vector<int> probe_nodes(const Model& m) {
-  std::vector<int> nodes;
-  for (Eigen::Index p = 0; p < m.probe_weights.outerSize(); ++p)
-    for (Weights::InnerIterator it(m.probe_weights, p); it; ++it) nodes.push_back(static_cast<int>(it.col()));
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
 }
 
 // The programs' own tolerance, half a per cent of the mean force in each increment, would add up.
@@ -132,7 +124,7 @@ bool linear(const Model& m) {
 }
 
 void put_dynamics(Buffer& out, const Model& m, const LoadHistory& history) {
-  const double thickness = plane_thickness(m, true);
+  const double thickness = plane_thickness(m);
   for (std::size_t row = 0; row < history.unknown.size(); ++row)
     put_amplitude(out, amplitude_name(m, history.unknown[row]), history.time, [&](std::size_t k) {
       return thickness * history.value(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k));
@@ -166,7 +158,7 @@ void put_body(Buffer& out, const Model& m, const std::optional<Wanted>& wanted) 
   if (wanted)
     put_set(out, "WANTED", wanted->node);
   else if (!m.probe.empty())
-    put_set(out, "PROBES", probe_nodes(m));
+    put_set(out, "PROBES", nodes_of(m.probe_weights));
 }
 
 /// A step of one increment under a constant load. `before`: the load of the step before in the same deck, so
@@ -176,7 +168,7 @@ void put_window(Buffer& out, const Model& m, const WindowLoad& load, const Windo
                 const char* restart, bool fields) {
   put(out, "*STEP, INC=10, AMPLITUDE=STEP{}\n{}", linear(m) ? "" : ", NLGEOM", strict_convergence);
   put(out, "*DYNAMIC, DIRECT, ALPHA=0.\n{0:.15g},{0:.15g}\n{1}", load.dt, restart);
-  const double thickness = plane_thickness(m, true);
+  const double thickness = plane_thickness(m);
   bool any = false;
   for (int i = 0; i < static_cast<int>(load.force.size()); ++i) {
     const bool said = before ? load.force(i) != before->force(i) : m.dimension == 2 || load.force(i) != 0;
@@ -226,7 +218,7 @@ std::string calculix(const Model& m, const std::optional<LoadHistory>& history, 
       "NAME.dat\n");
   for (const std::string& line : explanation(m, history, story)) put(out, "** {}\n", line);
   if (m.dimension == 2) {
-    const double thickness = plane_thickness(m, true);
+    const double thickness = plane_thickness(m);
     put(out,
         "** plane elements {:g} m thick; a force on a plane element's node is that on its whole thickness",
         thickness);
@@ -239,7 +231,7 @@ std::string calculix(const Model& m, const std::optional<LoadHistory>& history, 
     put(out, "*STEP\n*FREQUENCY\n{}\n{}*END STEP\n", n_modes, wanted ? "" : "*NODE FILE\nU\n");
   } else {
     put(out, "*STEP{}\n*STATIC\n", linear(m) ? "" : ", NLGEOM");
-    put_own_load(out, m, plane_thickness(m, true));
+    put_own_load(out, m, plane_thickness(m));
     put_gravity(out, m, false);
     if (wanted)
       put_wanted(out, m, true);

@@ -68,10 +68,10 @@ std::vector<std::string> explanation(const Model& m, const std::optional<LoadHis
   return lines;
 }
 
-double plane_thickness(const Model& m, bool solid_elements) {
+double plane_thickness(const Model& m) {
   const bool stress =
       std::any_of(m.parts.begin(), m.parts.end(), [](const Part& p) { return p.material.plane_stress; });
-  return m.dimension == 2 && stress && solid_elements ? 0.01 * shortest_edge(m) : 1;
+  return m.dimension == 2 && stress ? 0.01 * shortest_edge(m) : 1;
 }
 
 std::string part_label(const Model& m, std::size_t part) {

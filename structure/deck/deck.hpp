@@ -53,10 +53,10 @@ std::string probe_table(const Model&);
 /// Lines that explain frame, load and time step to a reader, without comment marks.
 std::vector<std::string> explanation(const Model&, const std::optional<LoadHistory>&, const Story&);
 
-/// Thickness [m] that a plane model gets; forces per metre of depth are multiplied by it. 1 in plane strain.
-/// With plane stress a hundredth of the shortest edge where `solid_elements`: there the program makes solids
-/// of plane elements, and the strain across the thickness must be free to differ from place to place.
-double plane_thickness(const Model&, bool solid_elements);
+/// Thickness [m] that a plane model gets where the program makes solids of plane elements; forces per metre
+/// of depth are multiplied by it. 1 in plane strain. With plane stress a hundredth of the shortest edge: the
+/// strain across the thickness must be free to differ from place to place.
+double plane_thickness(const Model&);
 
 /// A name of letters, digits and underscores that no other part has: "P2_RIB".
 std::string part_label(const Model&, std::size_t part);

@@ -101,7 +101,6 @@ Weights combination(const Model& old, std::vector<int>& kept, std::vector<int>& 
   return matrix;
 }
 
-/// Stores texts as numbers, since an archive takes no texts.
 }  // namespace
 
 Model with_edge_nodes(Model old) {
@@ -132,6 +131,10 @@ Model with_edge_nodes(Model old) {
       model.own_load.segment(old.dimension * it.col(), old.dimension) +=
           it.value() * old.own_load.segment(old.dimension * it.row(), old.dimension);
   return model;
+}
+
+std::set<int> nodes_of(const Weights& weights) {
+  return {weights.innerIndexPtr(), weights.innerIndexPtr() + weights.nonZeros()};
 }
 
 double shortest_edge(const Model& m) {

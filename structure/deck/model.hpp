@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,9 @@ struct Model {
 /// a cell or of a face are removed. Their share of a load or of a probe goes to the remaining nodes, weighted
 /// by the shape functions of the new element at their place. This keeps work, force and moment.
 Model with_edge_nodes(Model lagrange);
+
+/// The nodes that have a weight in any point.
+std::set<int> nodes_of(const Weights&);
 
 /// Length of the shortest edge of a cell [m].
 double shortest_edge(const Model&);

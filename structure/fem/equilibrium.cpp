@@ -2,7 +2,6 @@
 
 #include "proto/error.hpp"
 #include "structure/fem/modal.hpp"
-#include "structure/fem/require_constrained.hpp"
 #include "structure/fem/solver.hpp"
 #include "structure/material/material.hpp"
 

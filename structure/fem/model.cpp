@@ -1,10 +1,8 @@
-#include "structure/fem/model.hpp"
-
 #include "proto/error.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/fem/element/assembly.hpp"
-#include "structure/fem/mesh/mesh.hpp"
-#include "structure/fem/require_constrained.hpp"
+#include "structure/fem/fem.hpp"
+#include "structure/fem/mesh/point_interpolation.hpp"
 
 #include <algorithm>
 
@@ -13,14 +11,8 @@ namespace {
 
 template <int dim>
 deck::Weights weights(const Discretisation<dim>& discretisation, const Points& at) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index i = 0; i < at.cols(); ++i)
-    for (const auto& [node, weight] : discretisation.shape_values(at.col(i)))
-      if (std::abs(weight) > 1e-12)
-        entries.emplace_back(static_cast<int>(i), node, weight);  // else round-off of 0
-  deck::Weights matrix(at.cols(), discretisation.mesh().n_nodes());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
+  constexpr double round_off = 1e-12;  // of a weight that is 0
+  return PointInterpolation<dim>(discretisation, at).weights().pruned(1.0, round_off);
 }
 
 /// Refuses motions that a deck cannot describe. A deck describes the body in the frame of supports at a
@@ -74,15 +66,7 @@ deck::Model model_of(const Parameters& p, const std::vector<ProbeKeys>& probes) 
   m.gravity_ramp = p.gravity_ramp;
   m.damping = p.damping;
   m.own_load_ramp = p.load.ramp;
-  m.own_load = Eigen::VectorXd::Zero(mesh.n_unknowns());
-  if (p.load.kind == LoadKind::traction) {
-    const Eigen::VectorXd area = discretisation.face_sizes(facets_named(solid, p.load.face));
-    for (int i = 0; i < mesh.n_nodes(); ++i)
-      m.own_load.segment<dim>(dim * i) = area(i) * p.load.value.head<dim>();
-  } else if (p.load.kind == LoadKind::point) {
-    for (const auto& [node, weight] : discretisation.shape_values(p.load.at))
-      m.own_load.segment<dim>(dim * node) += weight * p.load.value.head<dim>();
-  }
+  m.own_load = discretisation.case_force(p.load);
   const Eigen::VectorXd mass =
       Assembly<dim>(mesh, solid.parts).mass() * Eigen::VectorXd::Ones(mesh.n_unknowns());
   m.node_mass = mass(Eigen::seqN(0, mesh.n_nodes(), dim));

@@ -1,9 +1,7 @@
 #include "structure/solver/program.hpp"
 
 #include "structure/deck_export/deck_export.hpp"
-#include "structure/fem/make_solver.hpp"
-#include "structure/fem/model.hpp"
-#include "structure/fem/size.hpp"
+#include "structure/fem/fem.hpp"
 
 namespace strake::structure {
 

@@ -1,5 +1,4 @@
-#include "structure/fem/size.hpp"
-
+#include "structure/fem/fem.hpp"
 #include "structure/fem/mesh/refinement.hpp"
 
 #include <algorithm>

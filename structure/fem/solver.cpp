@@ -2,9 +2,8 @@
 
 #include "proto/error.hpp"
 #include "structure/body/surface.hpp"
-#include "structure/fem/make_solver.hpp"
+#include "structure/fem/fem.hpp"
 #include "structure/fem/modal.hpp"
-#include "structure/fem/require_constrained.hpp"
 #include "structure/material/material.hpp"
 
 #include <fmt/format.h>
@@ -18,11 +17,6 @@
 
 namespace strake::structure::fem {
 namespace {
-
-bool all_linear(const Solid& solid) {
-  return std::all_of(solid.parts.begin(), solid.parts.end(),
-                     [](const Part& part) { return part.material.model == MaterialModel::linear; });
-}
 
 /// Chooses the strain field. A softening cell scales its stress by a share that the equations of the enhanced
 /// strains do not contain.
@@ -38,7 +32,7 @@ FemSolver<dim>::FemSolver(const Parameters& p)
     : parameters_(p),
       scheme_(p.fem.rho_infinity),
       solid_(elastic_solid(p)),
-      linear_(all_linear(solid_)),
+      linear_(all_linear(solid_.parts)),
       discretisation_(solid_, p.fem.degree, p.fem.refinement),
       assembly_(discretisation_.mesh(), solid_.parts, strain_field(p)),
       recovery_(discretisation_.mesh()),
@@ -56,15 +50,7 @@ FemSolver<dim>::FemSolver(const Parameters& p)
   node_mass_ = mass_ * Eigen::VectorXd::Ones(n);
   largest_stiffness_ = stiffness_.coeffs().abs().maxCoeff();
 
-  load_shape_ = zero;
-  if (p.load.kind == LoadKind::traction) {
-    const Eigen::VectorXd area = discretisation_.face_sizes(facets_named(solid_, p.load.face));
-    for (int i = 0; i < mesh().n_nodes(); ++i)
-      load_shape_.segment<dim>(dim * i) = area(i) * p.load.value.template head<dim>();
-  } else if (p.load.kind == LoadKind::point) {
-    load_shape_ = PointInterpolation<dim>(discretisation_, p.load.at).to_unknowns(p.load.value);
-  }
-
+  load_shape_ = discretisation_.case_force(p.load);
   first_frequency_ = frequencies(1, enough_for_a_line).front();
   // The stiffness alone is harder to solve for than a step's matrix, to which inertia adds.
   if (given_up_->times > 0) {
@@ -89,10 +75,8 @@ void FemSolver<dim>::start() {
   for (int c = 0; c < mesh().n_cells(); ++c)
     for (Eigen::Index a = 0; a < mesh().cell.rows(); ++a) {
       const int node = mesh().cell(a, c);
-      Eigen::Vector3d X = Eigen::Vector3d::Zero();
-      X.template head<dim>() = mesh().node.col(node);
       state_.velocity.template segment<dim>(dim * node) +=
-          velocity_at_start(parameters_.initial, mesh().part[static_cast<std::size_t>(c)], X)
+          velocity_at_start(parameters_.initial, mesh().part[static_cast<std::size_t>(c)], mesh().place(node))
               .template head<dim>();
       met.template segment<dim>(dim * node).array() += 1;
     }
@@ -100,7 +84,7 @@ void FemSolver<dim>::start() {
   clear_constrained(state_.velocity);
   for (int i = 0; support_motion_.supports().turns() && i < mesh().n_nodes(); ++i)
     state_.velocity.template segment<dim>(dim * i) +=
-        support_motion_.supports().turning(state_.frame, place_of(i)).template head<dim>();
+        support_motion_.supports().turning(state_.frame, mesh().place(i)).template head<dim>();
   if (failure_) state_.damage = failure_->intact();
   if (!scheme_.mid_point) {
     const Eigen::VectorXd force = own_load(0);
@@ -122,13 +106,6 @@ void FemSolver<dim>::start() {
 template <int dim>
 void FemSolver<dim>::clear_constrained(Eigen::VectorXd& unknowns) const {
   for (const int i : mesh().fixed) unknowns(i) = 0;
-}
-
-template <int dim>
-Eigen::Vector3d FemSolver<dim>::place_of(int node) const {
-  Eigen::Vector3d X = Eigen::Vector3d::Zero();
-  X.template head<dim>() = mesh().node.col(node);
-  return X;
 }
 
 template <int dim>

@@ -36,7 +36,6 @@ class FemSolver final : public Solver {
   Points displacement() const override;
   Points velocity() const override;
   bool sends_velocity() const override { return !scheme_.mid_point || support_motion_.supports().by_table(); }
-  double stable_dt() const override { return std::numeric_limits<double>::infinity(); }
   /// As an observer at rest sees it. `external` is the work of loads and supports, less what the damping
   /// took.
   Energy energy() const override;
@@ -101,7 +100,6 @@ class FemSolver final : public Solver {
   NewtonResult solve_softening(const State& old, const FrameState& told, const Eigen::VectorXd& force,
                                double dt, typename Damage<dim>::State& damage);
   void clear_constrained(Eigen::VectorXd& unknowns) const;
-  Eigen::Vector3d place_of(int node) const;  // in the reference [m]
   void turn_held(const FrameState&, Eigen::VectorXd& displacement) const;
   double work_of_turn(const State& old, const State& next, const Eigen::VectorXd& force,
                       const Eigen::VectorXd& inertia) const;

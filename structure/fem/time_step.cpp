@@ -88,7 +88,7 @@ template <int dim>
 void FemSolver<dim>::turn_held(const FrameState& frame, Eigen::VectorXd& u) const {
   if (!support_motion_.supports().turns()) return;
   for (const int i : mesh().fixed)
-    u(i) = support_motion_.supports().turned(frame, place_of(i / dim))(i % dim);
+    u(i) = support_motion_.supports().turned(frame, mesh().place(i / dim))(i % dim);
 }
 
 // Work of the supports' forces on constrained unknowns, f + M a_m + M 1 A − F, along their displacement.

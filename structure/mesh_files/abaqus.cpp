@@ -38,12 +38,12 @@ std::string option(const std::vector<std::string>& keyword, const std::string& n
   return {};
 }
 
-struct Shape {
+struct CellShape {
   std::string kind;
   std::size_t nodes = 0;
 };
 /// By the family of the element's name: CPE4R and CPS4 are quadrilaterals, C3D8I is a hexahedron.
-Shape shape_of(const std::string& type) {
+CellShape shape_of(const std::string& type) {
   const auto begins = [&](const char* with) { return type.rfind(with, 0) == 0; };
   if (begins("CPE4") || begins("CPS4") || begins("S4")) return {"quadrilateral", 4};
   if (begins("CPE3") || begins("CPS3")) return {"triangle", 3};
@@ -156,7 +156,7 @@ class AbaqusReader {
   std::size_t number_ = 0;  // of the line
   MeshText mesh_;
   std::vector<std::string> keyword_, pending_;  // pending: of an element that goes on over several lines
-  Shape shape_;
+  CellShape shape_;
   std::string section_, set_;
   std::map<long, std::string> element_set_;
 };

@@ -51,6 +51,14 @@ void take(Lines& lines, std::istringstream& words, const std::string& expected, 
   if (!(words >> ... >> value)) throw lines.error("expected " + expected);
 }
 
+/// The number in a line of its own.
+long count(Lines& lines, const std::string& expected) {
+  long n = 0;
+  auto words = lines.words(expected);
+  take(lines, words, expected, n);
+  return n;
+}
+
 /// Gmsh's numbers of elements (MSH file format, section 9.1 of its manual).
 struct Kind {
   std::string name;
@@ -73,10 +81,8 @@ using Names = std::map<std::pair<int, int>, std::string>;  // (dimension, tag) o
 
 Names read_names(Lines& lines) {
   Names names;
-  int count = 0;
-  auto words = lines.words("the number of physical names");
-  take(lines, words, "the number of physical names", count);
-  for (int i = 0; i < count; ++i) {
+  const long n = count(lines, "the number of physical names");
+  for (long i = 0; i < n; ++i) {
     int dimension = 0, tag = 0;
     auto entry = lines.words("a physical name");
     take(lines, entry, "DIMENSION TAG \"NAME\"", dimension, tag);
@@ -95,10 +101,8 @@ std::string name_of(const Names& names, int dimension, int tag) {
 }
 
 void read_nodes_2(Lines& lines, MeshText& mesh) {
-  long count = 0;
-  auto words = lines.words("the number of nodes");
-  take(lines, words, "the number of nodes", count);
-  for (long i = 0; i < count; ++i) {
+  const long n = count(lines, "the number of nodes");
+  for (long i = 0; i < n; ++i) {
     long number = 0;
     double x = 0, y = 0, z = 0;
     auto entry = lines.words("a node");
@@ -107,24 +111,26 @@ void read_nodes_2(Lines& lines, MeshText& mesh) {
   }
 }
 
+/// Adds the element whose corners the rest of a line names.
+void add_element(Lines& lines, std::istringstream& entry, const Kind& kind, long number,
+                 const std::string& group, MeshText& mesh) {
+  MeshText::Element element{.number = number, .line = lines.number(), .kind = kind.name, .group = group};
+  element.node.resize(static_cast<std::size_t>(kind.nodes));
+  for (long& node : element.node)
+    take(lines, entry, fmt::format("{} nodes of a {}", kind.nodes, kind.name), node);
+  mesh.element.push_back(std::move(element));
+}
+
 void read_elements_2(Lines& lines, const Names& names, MeshText& mesh) {
-  long count = 0;
-  auto words = lines.words("the number of elements");
-  take(lines, words, "the number of elements", count);
-  for (long i = 0; i < count; ++i) {
+  const long n = count(lines, "the number of elements");
+  for (long i = 0; i < n; ++i) {
+    long number = 0;
     int type = 0, tags = 0, physical = 0, other = 0;
-    MeshText::Element element;
     auto entry = lines.words("an element");
-    take(lines, entry, "NUMBER TYPE TAGS …", element.number, type, tags);
+    take(lines, entry, "NUMBER TYPE TAGS …", number, type, tags);
     for (int t = 0; t < tags; ++t) take(lines, entry, "a tag", t == 0 ? physical : other);
     const Kind kind = kind_of(lines, type);
-    element.kind = kind.name;
-    element.line = lines.number();
-    element.group = name_of(names, kind.dimension, physical);
-    element.node.resize(static_cast<std::size_t>(kind.nodes));
-    for (long& node : element.node)
-      take(lines, entry, fmt::format("{} nodes of a {}", kind.nodes, kind.name), node);
-    mesh.element.push_back(std::move(element));
+    add_element(lines, entry, kind, number, name_of(names, kind.dimension, physical), mesh);
   }
 }
 
@@ -149,9 +155,7 @@ std::map<std::pair<int, int>, int> read_entities(Lines& lines) {
 }
 
 void read_nodes_4(Lines& lines, MeshText& mesh) {
-  long blocks = 0;
-  auto words = lines.words("the number of blocks of nodes");
-  take(lines, words, "the number of blocks of nodes", blocks);
+  const long blocks = count(lines, "the number of blocks of nodes");
   for (long b = 0; b < blocks; ++b) {
     long dimension = 0, entity = 0, parametric = 0, count = 0;
     auto head = lines.words("a block of nodes");
@@ -174,9 +178,7 @@ void read_nodes_4(Lines& lines, MeshText& mesh) {
 
 void read_elements_4(Lines& lines, const Names& names, const std::map<std::pair<int, int>, int>& physical,
                      MeshText& mesh) {
-  long blocks = 0;
-  auto words = lines.words("the number of blocks of elements");
-  take(lines, words, "the number of blocks of elements", blocks);
+  const long blocks = count(lines, "the number of blocks of elements");
   for (long b = 0; b < blocks; ++b) {
     int dimension = 0, entity = 0, type = 0;
     long count = 0;
@@ -186,16 +188,10 @@ void read_elements_4(Lines& lines, const Names& names, const std::map<std::pair<
     const auto group = physical.find({dimension, entity});
     const std::string name = group == physical.end() ? "" : name_of(names, dimension, group->second);
     for (long i = 0; i < count; ++i) {
-      MeshText::Element element;
+      long number = 0;
       auto entry = lines.words("an element");
-      take(lines, entry, "an element's number", element.number);
-      element.kind = kind.name;
-      element.line = lines.number();
-      element.group = name;
-      element.node.resize(static_cast<std::size_t>(kind.nodes));
-      for (long& node : element.node)
-        take(lines, entry, fmt::format("{} nodes of a {}", kind.nodes, kind.name), node);
-      mesh.element.push_back(std::move(element));
+      take(lines, entry, "an element's number", number);
+      add_element(lines, entry, kind, number, name, mesh);
     }
   }
 }

@@ -13,9 +13,9 @@ struct MeshText {
   struct Element {
     long number = 0;
     std::size_t line = 0;
-    std::string kind;        // "quadrilateral" | "hexahedron" | "line" | "triangle" | …
-    std::string group;       // name of its physical group or element set; empty: none
-    std::vector<long> node;  // corners, walked around (hexahedra: bottom, then top)
+    std::string kind;             // "quadrilateral" | "hexahedron" | "line" | "triangle" | …
+    std::string group;            // name of its physical group or element set; empty: none
+    std::vector<long> node = {};  // corners, walked around (hexahedra: bottom, then top)
   };
   std::map<long, std::array<double, 3>> node;  // [m]
   std::vector<Element> element;

@@ -21,15 +21,6 @@ struct ConstrainedPlace {
   std::array<bool, dim> along{};
 };
 
-/// Which axis a face lies across; throws where none.
-Index axis_of(const Solid& solid, const SupportedFace& face) {
-  Index axis = 0;
-  if (normal_of(solid, face).cwiseAbs().maxCoeff(&axis) > 1 - 1e-6) return axis;
-  throw Error(ExitCode::case_file, "structure, support \"" + face.name + "\"",
-              "a face that is pinned, rolls or is one of symmetry must lie across x, y or z",
-              "clamped, or turn the body");
-}
-
 /// Places of a face, one to each line of lattice cells that crosses it.
 template <int dim>
 Points crossings(const Lattice<dim>& lattice, const Solid& solid, const SupportedFace& face, Index normal) {

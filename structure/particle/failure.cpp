@@ -204,20 +204,15 @@ bool Failure<dim>::look(const Vectors<dim>& u, double time, State& state) const 
 template <int dim>
 void Failure<dim>::note(double time, State& state) const {
   FailureRecord& record = state.record;
-  const auto place = [&](Eigen::Index i) {
-    Eigen::Vector3d at = Eigen::Vector3d::Zero();
-    at.template head<dim>() = lattice_.position.col(i);
-    return at;
-  };
   for (Eigen::Index i = 0; i < state.onset.size() && !record.start.happened(); ++i)
-    if (state.onset[i] > 0) record.start = {time, place(i)};
+    if (state.onset[i] > 0) record.start = {time, lattice_.place(i)};
   if (state.bonds == 0 || record.parted.happened()) return;
   Pieces pieces(bonds_.size());
   const auto broken = [&](Eigen::Index b) { return state.broken[static_cast<std::size_t>(b)] != 0; };
   for (Eigen::Index i = 0; i < bonds_.size(); ++i)
     for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b) {
       if (broken(b) && !record.crack.happened())
-        record.crack = {time, 0.5 * (place(i) + place(bonds_.to(b)))};
+        record.crack = {time, 0.5 * (lattice_.place(i) + lattice_.place(bonds_.to(b)))};
       if (!broken(b)) pieces.join(i, bonds_.to(b));
     }
   if (!record.start.happened()) record.start = record.crack;
@@ -230,7 +225,7 @@ void Failure<dim>::note(double time, State& state) const {
       const Eigen::Index mine = piece[static_cast<std::size_t>(i)],
                          other = piece[static_cast<std::size_t>(bonds_.to(b))];
       if (mine < 0 || other < 0 || mine == other) continue;
-      sum += place(i);
+      sum += lattice_.place(i);
       ++count;
     }
   record.parted = {time, count > 0 ? Eigen::Vector3d(sum / count) : record.crack.at};

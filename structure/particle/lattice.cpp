@@ -140,13 +140,13 @@ template <int dim>
 MassProperties mass_of(const Lattice<dim>& lattice) {
   MassProperties body;
   const double own = lattice.spacing * lattice.spacing / 12;  // ∫x² of a unit volume about its centre
-  const Eigen::Vector3d origin = in_space<dim>(lattice.position.col(0));
+  const Eigen::Vector3d origin = lattice.place(0);
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (Index i = 0; i < lattice.size(); ++i) {
     if (!lattice.inside[static_cast<std::size_t>(i)]) continue;
     const double m = lattice.material(i).density * lattice.volume(i);
-    const Eigen::Vector3d x = in_space<dim>(lattice.position.col(i)) - origin;
+    const Eigen::Vector3d x = lattice.place(i) - origin;
     body.mass += m;
     first += m * x;
     second += m * x * x.transpose();

@@ -46,6 +46,11 @@ struct Lattice {
   const Material& material(Eigen::Index i) const {
     return parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])].material;
   }
+  Eigen::Vector3d place(Eigen::Index i) const {  // in space [m] reference
+    Eigen::Vector3d X = Eigen::Vector3d::Zero();
+    X.head<dim>() = position.col(i);
+    return X;
+  }
   Eigen::Index count_inside() const { return std::count(inside.begin(), inside.end(), 1); }
   /// Of the particle in a cell, or -1.
   Eigen::Index index(const Cell& at) const {

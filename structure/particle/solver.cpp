@@ -157,16 +157,16 @@ template <int dim>
 void ParticleSolver<dim>::start() {
   state_.frame = frame_.start();
   state_.displacement = Vectors<dim>::Zero(dim, lattice_.size());
-  const Points X = in_space<dim>(lattice_.position);
   Vector V = state_.frame.velocity.template head<dim>();
   state_.velocity = V.replicate(1, lattice_.size());
   for (Eigen::Index i = 0; i < lattice_.size(); ++i)
     if (!lattice_.fixed[static_cast<std::size_t>(i)])
       state_.velocity.col(i) +=
-          velocity_at_start(parameters_.initial, lattice_.part[static_cast<std::size_t>(i)], X.col(i))
+          velocity_at_start(parameters_.initial, lattice_.part[static_cast<std::size_t>(i)],
+                            lattice_.place(i))
               .template head<dim>();
   for (Eigen::Index i = 0; frame_.turns() && i < lattice_.size(); ++i)
-    state_.velocity.col(i) += frame_.turning(state_.frame, X.col(i)).template head<dim>();
+    state_.velocity.col(i) += frame_.turning(state_.frame, lattice_.place(i)).template head<dim>();
   constraints_.project(state_.velocity, V, nullptr, 1);
   state_.frame.velocity.template head<dim>() = V;
 }

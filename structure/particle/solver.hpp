@@ -31,7 +31,6 @@ class ParticleSolver final : public Solver {
   /// at window ends, so that windows longer than half a period of a mode add no energy to it (see
   /// solver.cpp).
   Points velocity() const override;
-  bool sends_velocity() const override { return true; }
   double stable_dt() const override { return largest_step_; }  // its own sub-step: windows may be longer
   Energy energy() const override;
   int steps() const override { return state_.steps; }
@@ -55,7 +54,6 @@ class ParticleSolver final : public Solver {
   /// Sets the velocity of all particles [m/s], for tests that start in motion. Fixed particles keep that of
   /// the supports.
   void set_velocity(const Vectors<dim>&);
-  const FrameState& frame_of_supports() const { return state_.frame; }
   /// Momentum of the body's particles and a free frame [kg m/s]. The angular momentum [kg m²/s] is about the
   /// origin and includes the spins, not the frame.
   Eigen::Vector3d momentum() const;

@@ -1,6 +1,5 @@
 #include "proto/error.hpp"
 #include "structure/body/beam.hpp"
-#include "structure/body/material_law.hpp"
 #include "structure/material/material.hpp"
 #include "structure/particle/solver.hpp"
 

@@ -120,17 +120,13 @@ typename ParticleSolver<dim>::Vector ParticleSolver<dim>::held_place(const Frame
                                                                      Eigen::Index i) const {
   Vector u = frame.displacement.template head<dim>();
   if (!frame_.turns()) return u;
-  Eigen::Vector3d X = Eigen::Vector3d::Zero();
-  X.head<dim>() = lattice_.position.col(i);
-  return u + frame_.turned(frame, X).template head<dim>();
+  return u + frame_.turned(frame, lattice_.place(i)).template head<dim>();
 }
 
 template <int dim>
 typename ParticleSolver<dim>::Vector ParticleSolver<dim>::constrained_velocity(const FrameState& frame,
                                                                                Eigen::Index i) const {
-  Eigen::Vector3d X = Eigen::Vector3d::Zero();
-  X.head<dim>() = lattice_.position.col(i);
-  return (frame.velocity + frame_.turning(frame, X)).template head<dim>();
+  return (frame.velocity + frame_.turning(frame, lattice_.place(i))).template head<dim>();
 }
 
 /// Half a kick of the particles that are not fixed; the drag's impulse on the supports comes back.

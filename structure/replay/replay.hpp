@@ -16,8 +16,6 @@ class Replay final : public Solver {
   void advance(double t, double dt, const Load&) override;
   Points displacement() const override;
   Points velocity() const override;
-  bool sends_velocity() const override { return true; }
-  double stable_dt() const override { return std::numeric_limits<double>::infinity(); }
   /// The work of the recorded force on the recorded motion is not followed: nothing is known of the inside.
   Energy energy() const override { return {}; }
   int steps() const override { return state_.steps; }

@@ -13,9 +13,6 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;  // [rad]
 
-/// Names of the three components: in the plane a turn and a moment have no direction.
-constexpr std::array<const char*, 3> axis_name = {"x", "y", "z"};
-
 /// Turn as a vector along its axis [rad]; in the plane with whole turns counted.
 Eigen::Vector3d turn_vector(const RigidState& state, int dimension) {
   if (dimension == 2) return {0, 0, state.angle};
@@ -105,50 +102,38 @@ Energy Rigid::energy() const {
   return {.kinetic = body_.kinetic_energy(state_.body), .strain = 0, .external = state_.body.work};
 }
 
-std::vector<Column> Rigid::columns() const {
-  const bool solid = parameters_.dimension == 3;
-  std::vector<Column> columns;
-  const auto vector = [&](const std::string& name, const std::string& unit) {
+std::vector<std::pair<Column, double>> Rigid::report() const {
+  std::vector<std::pair<Column, double>> report;
+  const auto vector = [&](const std::string& name, const char* unit, const Eigen::Vector3d& value) {
     for (int axis = 0; axis < parameters_.dimension; ++axis)
-      columns.push_back({name + axis_name.at(static_cast<std::size_t>(axis)), unit});
+      report.push_back({{name + "xyz"[axis], unit}, value[axis]});
   };
-  const auto turn = [&](const std::string& name, const std::string& unit) {
-    if (solid)
-      vector(name + ".", unit);
-    else
-      columns.push_back({name, unit});
+  const auto turn = [&](const std::string& name, const char* unit, const Eigen::Vector3d& value) {
+    if (parameters_.dimension == 3)
+      vector(name + ".", unit, value);
+    else  // in the plane a turn and a moment have no direction
+      report.push_back({{name, unit}, value.z()});
   };
-  vector("body.", "m");
-  turn("body.angle", "deg");
-  vector("body.v", "m/s");
-  turn("body.rate", "deg/s");
-  vector("body.f", "N");
-  turn("body.moment", "N m");
+  const Eigen::Vector3d& centre = body_.mass().centre;
+  const Eigen::Vector3d turning = state_.body.turn * state_.body.spin;
+  vector("body.", "m", centre + displacement_at(centre));
+  turn("body.angle", "deg", turn_vector(state_.body, parameters_.dimension) / degree);
+  vector("body.v", "m/s", velocity_at(centre));
+  turn("body.rate", "deg/s", turning / degree);
+  vector("body.f", "N", state_.force);
+  turn("body.moment", "N m", state_.moment);
+  return report;
+}
+
+std::vector<Column> Rigid::columns() const {
+  std::vector<Column> columns;
+  for (const auto& [column, value] : report()) columns.push_back(column);
   return columns;
 }
 
 std::map<std::string, double> Rigid::monitor() const {
-  const Eigen::Vector3d& centre = body_.mass().centre;
-  const Eigen::Vector3d turning = state_.body.turn * state_.body.spin;
-  std::vector<double> values;
-  const auto vector = [&](const Eigen::Vector3d& v) {
-    for (int axis = 0; axis < parameters_.dimension; ++axis) values.push_back(v[axis]);
-  };
-  const auto turn = [&](const Eigen::Vector3d& v) {
-    if (parameters_.dimension == 3)
-      vector(v);
-    else
-      values.push_back(v.z());
-  };
-  vector(centre + displacement_at(centre));
-  turn(turn_vector(state_.body, parameters_.dimension) / degree);
-  vector(velocity_at(centre));
-  turn(turning / degree);
-  vector(state_.force);
-  turn(state_.moment);
   std::map<std::string, double> monitor;
-  const std::vector<Column> names = columns();
-  for (std::size_t i = 0; i < names.size(); ++i) monitor[names[i].name] = values[i];
+  for (const auto& [column, value] : report()) monitor[column.name] = value;
   return monitor;
 }
 

@@ -16,8 +16,6 @@ class Rigid final : public Solver {
   void advance(double t, double dt, const Load&) override;
   Points displacement() const override;
   Points velocity() const override;
-  bool sends_velocity() const override { return true; }
-  double stable_dt() const override { return std::numeric_limits<double>::infinity(); }
   Energy energy() const override;
   int steps() const override { return state_.steps; }
   Eigen::Vector3d displacement_at(const Eigen::Vector3d&) const override;
@@ -29,11 +27,12 @@ class Rigid final : public Solver {
   Frame frame() const override;
   std::vector<std::string> lines() const override;
   Properties properties() override;
-  /// Centre of gravity: place, turn, their rates; the fluid's load, the window's mean, moment about it.
   std::vector<Column> columns() const override;
   std::map<std::string, double> monitor() const override;
 
  private:
+  /// Centre of gravity: place, turn, their rates; the fluid's load, the window's mean, moment about it.
+  std::vector<std::pair<Column, double>> report() const;
   struct State {
     RigidState body;
     Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();  // [N], [N m]

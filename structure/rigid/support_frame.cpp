@@ -52,8 +52,6 @@ Eigen::Vector3d SupportFrame::turning(const FrameState& state, const Eigen::Vect
 
 namespace {
 
-constexpr std::array<char, 3> axis_name = {'x', 'y', 'z'};
-
 bool tells(const SupportFrame& frame) {
   return frame.is_free() || frame.by_table();
 }
@@ -64,8 +62,7 @@ std::vector<Column> frame_columns(const SupportFrame& frame, int dimension) {
   std::vector<Column> columns;
   if (!tells(frame)) return columns;
   for (const auto& [name, unit] : {std::pair{"support.", "m"}, {"support.v", "m/s"}, {"support.f", "N"}})
-    for (int axis = 0; axis < dimension; ++axis)
-      columns.push_back({name + std::string(1, axis_name.at(static_cast<std::size_t>(axis))), unit});
+    for (int axis = 0; axis < dimension; ++axis) columns.push_back({std::string(name) + "xyz"[axis], unit});
   return columns;
 }
 
@@ -87,8 +84,7 @@ std::string frame_line(const SupportFrame& frame, int dimension) {
   if (!tells(frame)) return {};
   std::string free;
   for (int axis = 0; axis < dimension; ++axis)
-    if (frame.is_free(axis))
-      free += (free.empty() ? "" : ", ") + std::string(1, axis_name.at(static_cast<std::size_t>(axis)));
+    if (frame.is_free(axis)) free += std::string(free.empty() ? "" : ", ") + "xyz"[axis];
   std::string line = "supports";
   if (!free.empty())
     line += fmt::format("   free in {}, lumped mass {:.6g} {}", free, frame.mass(),

@@ -22,21 +22,6 @@ constexpr Index most_marks = 40'000;  // cells or particles beyond which a drawi
 constexpr std::array<const char*, 6> part_colour = {"#dfe7ef", "#f3e3cf", "#dcebdd",
                                                     "#eadff0", "#f2dcdc", "#e6e6d8"};
 
-const char* text_of(Support support) {
-  switch (support) {
-    case Support::clamped:
-      return "clamped";
-    case Support::pinned:
-      return "pinned";
-    case Support::roller:
-      return "roller";
-    case Support::symmetry:
-      return "symmetry";
-    default:
-      return "free";
-  }
-}
-
 /// Places [m] to pixels: y upwards; z of a solid goes up and to the right (cabinet projection).
 class View {
  public:
@@ -99,24 +84,27 @@ std::vector<Vector3d> walk(const Points& node, const Eigen::MatrixXi& corners, I
   return points;
 }
 
+std::vector<Vector3d> quadrilateral(const Solid& solid, Index c) {
+  std::vector<Vector3d> corner;
+  for (const Index k : {0, 1, 3, 2}) corner.emplace_back(solid.node.col(solid.cell(k, c)));
+  return corner;
+}
+
+const char* colour_of(const Solid& solid, Index c) {
+  const auto part = static_cast<std::size_t>(solid.part_of[static_cast<std::size_t>(c)]);
+  return part_colour.at(part % part_colour.size());
+}
+
 void draw_parts(Svg& svg, const View& view, const Solid& solid) {
-  for (Index c = 0; c < solid.cell.cols(); ++c) {
-    const auto part = static_cast<std::size_t>(solid.part_of[static_cast<std::size_t>(c)]);
-    const char* colour = part_colour.at(part % part_colour.size());
-    if (solid.dimension == 2) {
-      std::vector<Vector3d> corner;
-      for (const Index k : {0, 1, 3, 2}) corner.emplace_back(solid.node.col(solid.cell(k, c)));
-      svg.add("<path d='{}' fill='{}' stroke='{}' stroke-width='0.6'/>", path(view, corner, true), colour,
-              colour);
-    }
-  }
-  if (solid.dimension == 2) return;
-  for (Index f = 0; f < solid.facet.cols(); ++f) {
-    const auto cell = static_cast<std::size_t>(solid.facet_cell[static_cast<std::size_t>(f)]);
-    const auto part = static_cast<std::size_t>(solid.part_of[cell]);
-    svg.add("<path d='{}' fill='{}' fill-opacity='0.35' stroke='#8a94a0' stroke-width='0.8'/>",
-            path(view, walk(solid.node, solid.facet, f), true), part_colour.at(part % part_colour.size()));
-  }
+  if (solid.dimension == 2)
+    for (Index c = 0; c < solid.cell.cols(); ++c)
+      svg.add("<path d='{0}' fill='{1}' stroke='{1}' stroke-width='0.6'/>",
+              path(view, quadrilateral(solid, c), true), colour_of(solid, c));
+  else
+    for (Index f = 0; f < solid.facet.cols(); ++f)
+      svg.add("<path d='{}' fill='{}' fill-opacity='0.35' stroke='#8a94a0' stroke-width='0.8'/>",
+              path(view, walk(solid.node, solid.facet, f), true),
+              colour_of(solid, solid.facet_cell[static_cast<std::size_t>(f)]));
 }
 
 /// Cells of a frame, or its particles.
@@ -174,15 +162,11 @@ void draw_supports(Svg& svg, const View& view, const Solid& solid, double top) {
     int& line_number = lines[right ? 1 : 0];
     svg.add("<text x='{:.1f}' y='{:.1f}' text-anchor='{}' fill='#c1440e'>{}: {}</text>",
             right ? width - margin : margin, top - 10 - 14 * line_number++, right ? "end" : "start",
-            face.name, text_of(face.support));
+            face.name, support_names.at(static_cast<std::size_t>(face.support)));
   }
-  for (Index c = 0; c < solid.cell.cols(); ++c) {
-    const auto part = static_cast<std::size_t>(solid.part_of[static_cast<std::size_t>(c)]);
-    if (!solid.parts[part].constrained || solid.dimension == 3) continue;
-    std::vector<Vector3d> corner;
-    for (const Index k : {0, 1, 3, 2}) corner.emplace_back(solid.node.col(solid.cell(k, c)));
-    svg.add("<path d='{}' fill='#c1440e' fill-opacity='0.3'/>", path(view, corner, true));
-  }
+  for (Index c = 0; c < solid.cell.cols() && solid.dimension == 2; ++c)
+    if (solid.part(c).constrained)
+      svg.add("<path d='{}' fill='#c1440e' fill-opacity='0.3'/>", path(view, quadrilateral(solid, c), true));
 }
 
 /// A length of 1, 2 or 5 times a power of ten, about an eighth of the drawing or more.

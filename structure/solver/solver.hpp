@@ -62,8 +62,8 @@ class Solver {
   virtual Points velocity() const = 0;                         // 3×n [m/s] on interface()
   /// True when the fluid must follow `velocity` as well (explicit particles, rho_inf < 1): sent beside
   /// displacement.
-  virtual bool sends_velocity() const = 0;
-  virtual double stable_dt() const = 0;  // [s]; infinity if implicit
+  virtual bool sends_velocity() const { return true; }
+  virtual double stable_dt() const { return std::numeric_limits<double>::infinity(); }  // [s] if explicit
   virtual Energy energy() const = 0;
   /// True if `external` contains all work, so that energies balance.
   virtual bool follows_work() const { return true; }

@@ -1,7 +1,8 @@
 #include "structure/fem/element/enhanced.hpp"
 
+#include "structure/material/symmetric.hpp"
+
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -21,11 +22,20 @@ constexpr double round_off = 1e-14;  // of the energy
 Eigen::VectorXd downhill(const Eigen::MatrixXd& H, const Eigen::VectorXd& r) {
   const auto factors = H.ldlt();
   if (factors.isPositive()) return factors.solve(r);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
-  const Eigen::VectorXd size =
-      eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6 * eigen.eigenvalues().cwiseAbs().maxCoeff());
-  return eigen.eigenvectors() *
-         Eigen::VectorXd(Eigen::VectorXd(eigen.eigenvectors().transpose() * r).cwiseQuotient(size));
+  const SymmetricEigen eigen = eigen_of(H);
+  const Eigen::VectorXd size = eigen.values.cwiseAbs().cwiseMax(1e-6 * eigen.values.cwiseAbs().maxCoeff());
+  return eigen.vectors * Eigen::VectorXd(Eigen::VectorXd(eigen.vectors.transpose() * r).cwiseQuotient(size));
+}
+
+/// Whether a symmetric tensor is positive definite: whether the pivots of its elimination are positive.
+template <int dim>
+bool is_positive_definite(Tensor<dim> A) {
+  for (int k = 0; k < dim; ++k) {
+    if (!(A(k, k) > 0)) return false;
+    for (int i = k + 1; i < dim; ++i)
+      for (int j = k + 1; j <= i; ++j) A(i, j) -= A(i, k) * A(j, k) / A(k, k);
+  }
+  return true;
 }
 
 }  // namespace
@@ -58,8 +68,9 @@ EnhancedStrain<dim, n>::EnhancedStrain(const Mesh<dim>& mesh, int cell)
 template <int dim, int n>
 Eigen::MatrixXd EnhancedStrain<dim, n>::stiffness(const Material& m, const Strains& E) const {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(modes, modes);
-  for (int q = 0; q < n; ++q)
+  for (int q = 0; q < n; ++q) {
     H.noalias() += weight_[q] * at(q).transpose() * (moduli<dim>(m, E[static_cast<std::size_t>(q)]) * at(q));
+  }
   return H;
 }
 
@@ -111,8 +122,7 @@ double EnhancedStrain<dim, n>::energy_of(const Material& m, const Strains& E) co
   double energy = 0;
   for (int q = 0; q < n; ++q) {
     const Tensor<dim>& strain = E[static_cast<std::size_t>(q)];
-    const Eigen::LLT<Tensor<dim>> factors(2 * strain + Tensor<dim>::Identity());
-    if (factors.info() != Eigen::Success || !strain.allFinite())
+    if (!strain.allFinite() || !is_positive_definite<dim>(2 * strain + Tensor<dim>::Identity()))
       return std::numeric_limits<double>::infinity();
     energy += weight_[q] * energy_of_strain<dim>(m, strain);
   }

@@ -84,9 +84,9 @@ class EnhancedStrain {
  public:
   static constexpr int modes = dim == 2 ? (n == 4 ? 4 : 6) : (n == 8 ? 12 : 23);
   // Sizes that the compiler does not see: it would unroll products of twenty-three modes by the thousand
-  // lines.
-  using Modes =
-      Eigen::Matrix<double, components<dim>, Eigen::Dynamic, Eigen::ColMajor, components<dim>, modes>;
+  // lines. One type for all elements of a dimension.
+  using Modes = Eigen::Matrix<double, components<dim>, Eigen::Dynamic, Eigen::ColMajor, components<dim>,
+                              dim == 2 ? 6 : 23>;
   using Amplitudes = Eigen::VectorXd;
   using Strains = std::array<Tensor<dim>, static_cast<std::size_t>(n)>;
 

@@ -1,15 +1,22 @@
+#include "proto/error.hpp"
 #include "structure/fem/mesh/mesh.hpp"
+#include "structure/material/symmetric.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 namespace strake::structure::fem {
+namespace {
 
+constexpr int count(int dim) {
+  return dim == 2 ? 3 : 6;
+}
+
+/// The rigid motions of all unknowns, as if none were fixed.
 template <int dim>
-Eigen::MatrixXd rigid_motions(const Mesh<dim>& mesh) {
-  constexpr int count = dim == 2 ? 3 : 6;
+Eigen::MatrixXd motions_of(const Mesh<dim>& mesh) {
   const Eigen::Matrix<double, dim, 1> middle = mesh.node.rowwise().mean();
   const double length = (mesh.node.colwise() - middle).cwiseAbs().maxCoeff();
-  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(mesh.n_unknowns(), count);
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(mesh.n_unknowns(), count(dim));
   for (int i = 0; i < mesh.n_nodes(); ++i) {
     const Eigen::Matrix<double, dim, 1> r = (mesh.node.col(i) - middle) / length;
     for (int k = 0; k < dim; ++k) motions(dim * i + k, k) = 1;
@@ -20,6 +27,14 @@ Eigen::MatrixXd rigid_motions(const Mesh<dim>& mesh) {
         motions.template block<3, 1>(3 * i, 3 + axis) = Eigen::Vector3d::Unit(axis).cross(r);
     }
   }
+  return motions;
+}
+
+}  // namespace
+
+template <int dim>
+Eigen::MatrixXd rigid_motions(const Mesh<dim>& mesh) {
+  Eigen::MatrixXd motions = motions_of(mesh);
   for (const int i : mesh.fixed) motions.row(i).setZero();
   return motions;
 }
@@ -28,34 +43,29 @@ Eigen::MatrixXd rigid_motions(const Mesh<dim>& mesh) {
 // − X̄)/L, restricted to the fixed unknowns.
 template <int dim>
 int rigid_motions_left(const Mesh<dim>& mesh) {
-  constexpr int motions = dim == 2 ? 3 : 6;
-  const Eigen::Matrix<double, dim, 1> middle = mesh.node.rowwise().mean();
-  const double length = (mesh.node.colwise() - middle).cwiseAbs().maxCoeff();
-  Eigen::Matrix<double, motions, motions> normal = Eigen::Matrix<double, motions, motions>::Zero();
-  for (const int unknown : mesh.fixed) {
-    const int node = unknown / dim, component = unknown % dim;
-    const Eigen::Matrix<double, dim, 1> r = (mesh.node.col(node) - middle) / length;
-    Eigen::Matrix<double, motions, 1> row = Eigen::Matrix<double, motions, 1>::Zero();
-    row(component) = 1;
-    if constexpr (dim == 2) {
-      row(2) = component == 0 ? -r(1) : r(0);
-    } else {
-      for (int axis = 0; axis < 3; ++axis) row(3 + axis) = Eigen::Vector3d::Unit(axis).cross(r)(component);
-    }
-    normal += row * row.transpose();
-  }
+  const Eigen::MatrixXd fixed = motions_of(mesh)(mesh.fixed, Eigen::all);
   constexpr double stopped =
       1e-10;  // of the largest eigenvalue: the square of what round-off leaves of a rank
-  const Eigen::VectorXd value =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(normal, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd value = eigenvalues_of(fixed.transpose() * fixed);
   int left = 0;
   for (const double v : value) left += v <= stopped * value.maxCoeff() || v == 0;
   return left;
+}
+
+template <int dim>
+void require_constrained(const Mesh<dim>& mesh) {
+  if (rigid_motions_left(mesh) > 0)
+    throw Error(
+        ExitCode::case_file, "structure.analysis = \"static\"",
+        "without enough supports there is no equilibrium: the body can move or turn as a whole",
+        "hold it: structure.plate.supports, the supports of a structure.box, or [[structure.support]]");
 }
 
 template Eigen::MatrixXd rigid_motions(const Mesh<2>&);
 template Eigen::MatrixXd rigid_motions(const Mesh<3>&);
 template int rigid_motions_left(const Mesh<2>&);
 template int rigid_motions_left(const Mesh<3>&);
+template void require_constrained(const Mesh<2>&);
+template void require_constrained(const Mesh<3>&);
 
 }  // namespace strake::structure::fem

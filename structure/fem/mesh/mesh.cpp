@@ -153,14 +153,9 @@ void Discretisation<dim>::constrain(const SupportedFace& face, double near) {
     return std::any_of(face.facet.begin(), face.facet.end(),
                        [&](int f) { return on_facet(solid_, f, X, near); });
   };
-  const Eigen::Vector3d normal = normal_of(solid_, face), middle = middle_of(solid_, face);
-  Eigen::Index along = 0;  // the axis of the normal
-  const bool aligned = normal.cwiseAbs().maxCoeff(&along) > 1 - 1e-6;
+  const Eigen::Vector3d middle = middle_of(solid_, face);
   const bool line = face.support == Support::pinned || face.support == Support::roller;
-  if (!aligned && face.support != Support::clamped)
-    throw Error(ExitCode::case_file, "structure, support \"" + face.name + "\"",
-                "a face that is pinned, rolls or is one of symmetry must lie across x, y or z",
-                "clamped, or turn the body");
+  const Eigen::Index along = face.support == Support::clamped ? 0 : axis_of(solid_, face);  // of the normal
   Eigen::Index across = along == 0 ? 1 : 0;  // the shorter direction within the face
   if (dim == 3 && line) {
     Eigen::Vector3d low = middle, high = middle;
@@ -174,8 +169,7 @@ void Discretisation<dim>::constrain(const SupportedFace& face, double near) {
   }
   const std::size_t before = mesh_.fixed.size();
   for (int i = 0; i < mesh_.n_nodes(); ++i) {
-    Eigen::Vector3d X = Eigen::Vector3d::Zero();
-    X.head<dim>() = mesh_.node.col(i);
+    const Eigen::Vector3d X = mesh_.place(i);
     if (!on_face(X) || (line && std::abs(X[across] - middle[across]) > near)) continue;
     for (int k = 0; k < dim; ++k)
       if (face.support == Support::clamped || face.support == Support::pinned ||
@@ -212,6 +206,19 @@ Eigen::VectorXd Discretisation<dim>::face_sizes(const std::vector<int>& facets) 
           sum(static_cast<Eigen::Index>(index[a])) += on_face.shape_value(a, q) * on_face.JxW(q);
     }
   return sum;
+}
+
+template <int dim>
+Eigen::VectorXd Discretisation<dim>::case_force(const CaseLoad& load) const {
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(mesh_.n_unknowns());
+  if (load.kind == LoadKind::traction) {
+    const Eigen::VectorXd area = face_sizes(facets_named(solid_, load.face));
+    for (int i = 0; i < mesh_.n_nodes(); ++i) force.segment<dim>(dim * i) = area(i) * load.value.head<dim>();
+  } else if (load.kind == LoadKind::point) {
+    for (const auto& [node, weight] : shape_values(load.at))
+      force.segment<dim>(dim * node) += weight * load.value.head<dim>();
+  }
+  return force;
 }
 
 template <int dim>

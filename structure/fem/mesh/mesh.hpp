@@ -31,6 +31,11 @@ struct Mesh {
   int n_nodes() const { return static_cast<int>(node.cols()); }
   int n_cells() const { return static_cast<int>(cell.cols()); }
   int n_unknowns() const { return dim * n_nodes(); }
+  Eigen::Vector3d place(int i) const {  // of a node in space [m]
+    Eigen::Vector3d X = Eigen::Vector3d::Zero();
+    X.head<dim>() = node.col(i);
+    return X;
+  }
 };
 
 /// The body's rigid motions, one per column, zero in fixed unknowns. In space these are three translations
@@ -41,6 +46,9 @@ Eigen::MatrixXd rigid_motions(const Mesh<dim>&);
 /// How many of the body's rigid motions (three in the plane, six in space) no fixed unknown stops.
 template <int dim>
 int rigid_motions_left(const Mesh<dim>&);
+/// Statics need all rigid motions stopped: throws Error(case_file) otherwise.
+template <int dim>
+void require_constrained(const Mesh<dim>&);
 
 /// Weights of nodes whose sum is the value in a point.
 using NodeWeights = std::vector<std::pair<int, double>>;
@@ -68,6 +76,8 @@ class Discretisation {
   Place locate(const Eigen::Vector3d& X) const;
   /// n [m^(dim-1)]: ∫ N_a dS over facets of the solid.
   Eigen::VectorXd face_sizes(const std::vector<int>& facets) const;
+  /// [structure.load] at full value on the unknowns [N].
+  Eigen::VectorXd case_force(const CaseLoad&) const;
 
  private:
   struct Parts;

@@ -17,6 +17,7 @@ class PointInterpolation {
   PointInterpolation(const Discretisation<dim>&, const Points& at);
   Points at_points(const Eigen::VectorXd& unknowns) const;  // 3×n
   Eigen::VectorXd to_unknowns(const Points& force) const;   // dim·nodes
+  const Eigen::SparseMatrix<double, Eigen::RowMajor>& weights() const { return shape_; }
 
  private:
   Eigen::SparseMatrix<double, Eigen::RowMajor> shape_;  // points × nodes, rows sum to 1

@@ -2,7 +2,7 @@
 #include "coupler/coupling/window_loop.hpp"
 #include "proto/error.hpp"
 #include "structure/body/surface.hpp"
-#include "structure/fem/make_solver.hpp"
+#include "structure/fem/fem.hpp"
 #include "structure/participant.hpp"
 #include "structure/particle/solver.hpp"
 #include "tests/method/coupling/coupling_models.hpp"

@@ -2,8 +2,7 @@
 #include "tests/method/structure/calculix.hpp"
 
 #include "structure/body/surface.hpp"
-#include "structure/fem/make_solver.hpp"
-#include "structure/fem/model.hpp"
+#include "structure/fem/fem.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,7 @@
 #include "structure/body/surface.hpp"
 #include "structure/ccx/stepwise.hpp"
 #include "structure/ccx/whole_history.hpp"
-#include "structure/fem/make_solver.hpp"
-#include "structure/fem/model.hpp"
+#include "structure/fem/fem.hpp"
 #include "tests/method/structure/calculix.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "structure/fem/make_solver.hpp"
+#include "structure/fem/fem.hpp"
 #include "structure/fem/solver.hpp"
 #include "tests/method/structure/flag.hpp"
 

@@ -1,5 +1,5 @@
 #include "structure/body/beam.hpp"
-#include "structure/fem/make_solver.hpp"
+#include "structure/fem/fem.hpp"
 #include "structure/fem/solver.hpp"
 #include "tests/method/structure/smooth_solution.hpp"
 

@@ -1,7 +1,6 @@
 #include "proto/case/case_file.hpp"
 
 #include "proto/case/case_document.hpp"
-#include "proto/case/refusals.hpp"
 #include "tests/proto/plate_case.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"

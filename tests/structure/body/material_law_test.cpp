@@ -1,4 +1,4 @@
-#include "structure/body/material_law.hpp"
+#include "structure/body/solid.hpp"
 
 #include <gtest/gtest.h>
 

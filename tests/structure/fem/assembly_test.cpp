@@ -1,6 +1,6 @@
 #include "structure/fem/element/assembly.hpp"
 
-#include "structure/fem/mesh/grading.hpp"
+#include "structure/fem/mesh/refinement.hpp"
 #include "tests/structure/fem/plate.hpp"
 
 #include <Eigen/Dense>

@@ -1,6 +1,6 @@
 #include "proto/error.hpp"
 #include "structure/body/mass.hpp"
-#include "structure/fem/make_solver.hpp"
+#include "structure/fem/fem.hpp"
 #include "structure/fem/mesh/refinement.hpp"
 #include "structure/fem/solver.hpp"
 #include "tests/structure/body/boxes.hpp"

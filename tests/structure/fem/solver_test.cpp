@@ -1,7 +1,7 @@
 #include "structure/fem/solver.hpp"
 
 #include "proto/error.hpp"
-#include "structure/fem/make_solver.hpp"
+#include "structure/fem/fem.hpp"
 #include "tests/structure/fem/plate.hpp"
 
 #include <Eigen/Geometry>

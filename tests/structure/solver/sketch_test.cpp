@@ -1,7 +1,7 @@
 #include "structure/solver/sketch.hpp"
 
+#include "structure/participant.hpp"
 #include "structure/rigid/rigid.hpp"
-#include "structure/solver/properties.hpp"
 
 #include <gtest/gtest.h>
 

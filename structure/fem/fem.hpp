@@ -1,0 +1,21 @@
+#pragma once
+
+#include "structure/body/size.hpp"
+#include "structure/deck/model.hpp"
+#include "structure/solver/solver.hpp"
+
+#include <memory>
+
+namespace strake::structure::fem {
+
+/// Makes the finite-element solver of a case, behind its interface, so that callers compile nothing of it.
+std::unique_ptr<Solver> make_solver(const Parameters&);
+
+/// Exports the model that the finite-element solver of a case would use: its mesh, supports and loads. It
+/// includes the places of the interface's points and of the structure's probes in the mesh.
+deck::Model model(const Parameters&, const std::vector<ProbeKeys>&);
+
+/// Cells, the unknowns in their nodes, and the points of the interface, for each of which cells are searched.
+SizeEstimates sizes(const Parameters&);
+
+}  // namespace strake::structure::fem
