@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds last_words{100};     // a dead process's Fault may still be on its way
+constexpr milliseconds fault_arrives{100};  // a dead process's Fault may still be on its way
 constexpr milliseconds heartbeat_gap{800};  // silence before the link counts as cut
 constexpr milliseconds to_come_back{500};   // for a new connection after one that the other end closed
 
@@ -87,7 +87,7 @@ void Participants::State::left(Member& m) {
 }
 
 void Participants::State::died(Member& m, const Exit& exit) {
-  const auto end = Clock::now() + last_words;
+  const auto end = Clock::now() + fault_arrives;
   const auto has_stopped = [&] { return m.asked == "Stop" && m.reply; };
   while (Clock::now() < end && !has_stopped())
     receive(end - Clock::now());  // its Fault, if it sent one, says more: it is thrown

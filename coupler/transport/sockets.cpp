@@ -23,8 +23,8 @@ namespace {
 using namespace zmq_parts;
 using std::chrono::milliseconds;
 
-constexpr int last_words = 500;  // [ms] a participant's Fault or Done may take to leave
-constexpr int to_greet = 3000;   // [ms] a connection that has not greeted by then is cut
+constexpr int farewell_linger = 500;  // [ms] a participant's Fault or Done may take to leave
+constexpr int to_greet = 3000;        // [ms] a connection that has not greeted by then is cut
 
 /// Where others may come, the run needs descriptors for its own files and for those who wait outside.
 void raise_file_limit() {
@@ -271,7 +271,7 @@ ParticipantSocket::ParticipantSocket(const std::string& endpoint, const std::opt
     : sockets_(std::make_unique<Sockets>()) {
   zmq::socket_t& dealer = sockets_->dealer;
   set_common(dealer);
-  dealer.set(zmq::sockopt::linger, last_words);
+  dealer.set(zmq::sockopt::linger, farewell_linger);
   if (keys) {
     dealer.set(zmq::sockopt::curve_serverkey, keys->coupler);
     dealer.set(zmq::sockopt::curve_publickey, keys->own.public_key);
