@@ -208,7 +208,7 @@ std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
 }
 
 template <int dim>
-bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j) const {
+bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j, bool around) const {
   const bool i_row = is_row_of_body(state.kind[static_cast<std::size_t>(i)]);
   const bool j_row = is_row_of_body(state.kind[static_cast<std::size_t>(j)]);
   if (i_row && j_row)
@@ -219,6 +219,7 @@ bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j
     if (i_row || j_row)
       return body_surface_.crosses(body_surface_.edge_of(point_of(row)), state.position.col(other),
                                    state.position.col(row));
+    if (around) return way_around(state, i, j) < reach_;
     return !body_surface_.separates(state.position.col(std::min(i, j)), state.position.col(std::max(i, j)));
   } else {
     const auto near = [&](std::int32_t k) { return triangle_near_[static_cast<std::size_t>(k)]; };
@@ -228,6 +229,15 @@ bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j
     const auto [a, b] = std::minmax(i, j);
     return !body_surface_.separates(state.position.col(a), near(a), state.position.col(b), near(b));
   }
+}
+
+template <int dim>
+double Boundary<dim>::way_around(const State<dim>& state, std::int64_t i, std::int64_t j) const {
+  const auto [a, b] = std::minmax(i, j);
+  if constexpr (dim == 2)
+    return body_surface_.way_around(state.position.col(a), state.position.col(b));
+  else
+    return (state.position.col(a) - state.position.col(b)).norm();
 }
 
 template <int dim>

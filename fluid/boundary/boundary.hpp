@@ -89,7 +89,18 @@ class Boundary {
 
   /// Returns the tags of the particles for the neighbour search.
   std::span<const std::uint8_t> tags(const State<dim>&);
-  bool keep(const State<dim>&, std::int32_t i, std::int32_t j) const;
+  /// Whether a pair counts. around: one of water that a corner comes between counts while the way around the
+  /// corner is within reach.
+  bool keep(const State<dim>&, std::int32_t i, std::int32_t j, bool around = false) const;
+  /// Whether particle i is within a pair's reach of a body's corner; in the plane alone.
+  bool beside_corner(const State<dim>& state, std::int64_t i) const {
+    if constexpr (dim == 2)
+      return body_surface_.beside_corner(state.position.col(i), reach_);
+    else
+      return false;
+  }
+  /// Returns that way between water particles i and j [m]; infinity where the body separates them.
+  double way_around(const State<dim>&, std::int64_t i, std::int64_t j) const;
 
   /// Corrects the number density of a body's first layer, whose own layers end at corners:
   ///   n_i ← n0 + Σ_water w − the same sum under a flat water surface at l0.

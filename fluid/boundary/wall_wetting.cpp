@@ -14,12 +14,6 @@ constexpr double joining_height = 0.52, leaving_height = 1.0;
 constexpr double aside = 1.01;
 /// Distance of a body before a wall below which it covers the wall [l0].
 constexpr double covered = 0.1;
-/// Height at which water must have lost its approach to a face [l0]. Chosen.
-constexpr double stopped_height = 0.25;
-/// Largest tangent of the angle between a face and the surface that meets it. Chosen.
-constexpr double steepest = 3;
-/// Weight of neighbours in the direction of the surface reaches so far [l0]: that of the gradient.
-constexpr double surface_reach = 2.1;
 /// A corner becomes wet when water is nearer to it than √2 l0 and this margin [l0]. It has no face: √2 l0 is
 /// the distance of the first lattice particle at an edge of two walls. In a corner of three walls that
 /// particle is √3 l0 away.
@@ -34,6 +28,7 @@ WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& s
   depth_.setZero(n - first_);
   corner_.assign(static_cast<std::size_t>(n), 0);
   wet_.assign(static_cast<std::size_t>(n), 0);
+  joins_.assign(static_cast<std::size_t>(n), -1);
   const auto& shape = boundary.tank().shape();
   for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j) {
     axis_.col(j - first_) = boundary.normal_of(j);
@@ -86,48 +81,19 @@ typename WallContact<dim>::Nearest WallContact<dim>::nearest_water(const Boundar
   return nearest;
 }
 
-/// Returns tan β of the angle between a face with the normal n and the surface of the water about particle i.
-/// The surface's normal is −Σ w r over the water.
+/// Lists the layer particles whose faces have become wet, those behind the first layer too.
 template <int dim>
-double tangent_to_surface(const Boundary<dim>& boundary, const State<dim>& state, const Neighbours& near,
-                          std::int64_t i, const Vector<dim>& n, double reach) {
-  Vector<dim> out = Vector<dim>::Zero();
-  for (const std::int32_t k : near.row(i)) {
-    if (k >= boundary.water()) break;
-    const Vector<dim> r = boundary.tank().periodic().separation(state.position.col(i), state.position.col(k));
-    out -= std::max(0.0, reach / r.norm() - 1) * r;
+void WallContact<dim>::list_joined(const Boundary<dim>& boundary, const State<dim>& state) {
+  joined_.clear();
+  for (std::int64_t j = boundary.first_of_bodies(); j < state.position.cols(); ++j) {
+    const std::int32_t master = boundary.master_of(j);
+    const std::int64_t nearest = joins_[static_cast<std::size_t>(master < 0 ? j : master)];
+    if (nearest >= 0) joined_.push_back({j, nearest});
   }
-  if (!(out.squaredNorm() > 0)) return steepest;
-  const double cosine = -out.normalized().dot(n);
-  if (!(cosine > 0)) return steepest;
-  return std::min(steepest, std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine);
-}
-
-/// Sets the lag of a face that has become wet (F71). Contact passes it in the time
-///   T = l0 / max(u_n / tan β, u_t) ,
-/// u_n and u_t the approach and the slip of the nearest water, β the angle between face and surface. The lag
-/// falls from u_n to zero in T, sooner where the water would come nearer than stopped_height. A level face
-/// has β = 0 and no lag: there the whole face meets the water at once.
-template <int dim>
-void WallContact<dim>::join(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                            std::int64_t j, const Nearest& nearest) const {
-  state.face_lag[j] = 0;
-  const Vector<dim> n = normal(j), past = state.velocity.col(nearest.particle) - state.velocity.col(j);
-  const double approach = -past.dot(n), slip = (past + approach * n).norm();
-  if (!(approach > 0)) return;
-  const double tangent =
-      tangent_to_surface<dim>(boundary, state, near, nearest.particle, n, surface_reach * spacing_);
-  const double passing = spacing_ * tangent / std::max(approach, slip * tangent);
-  const double stopping = 2 * std::max(0.0, nearest.height - stopped_height) * spacing_ / approach;
-  const double time = std::min(passing, stopping);
-  if (!(time > 0)) return;
-  state.face_lag[j] = approach;
-  state.face_lag_rate[j] = approach / time;
 }
 
 template <int dim>
-void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                              double time) {
+void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
   if (boundary.tank().moves())
     for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j)
       if (!corner(j)) axis_.col(j - first_) = boundary.normal_of(j);
@@ -146,17 +112,15 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
           state.position.col(j) + (depth_[j - first_] + covered * spacing_) * axis_.col(j - first_);
       is_wet = !boundary.body_surface().inside(before);
     }
-    if (is_wet && was_dry && state.step > 0 && j >= boundary.first_of_bodies())
-      join(boundary, state, near, j, nearest);
-    else if (!is_wet)
-      state.face_lag[j] = 0;
-    state.face_lag[j] = std::max(0.0, state.face_lag[j] - time * state.face_lag_rate[j]);
+    const bool joins = is_wet && was_dry && state.step > 0 && j >= boundary.first_of_bodies();
+    joins_[k] = joins && !boundary.volume() ? nearest.particle : -1;
     state.surface[k] = is_wet ? 0 : 1;
     wet_[k] = is_wet ? 1 : 0;
   }
   for (std::int64_t j = boundary.water(); j < n; ++j)
     if (const std::int32_t m = boundary.master_of(j); m >= 0)
       wet_[static_cast<std::size_t>(j)] = wet_[static_cast<std::size_t>(m)];
+  list_joined(boundary, state);
 }
 
 template class WallContact<2>;

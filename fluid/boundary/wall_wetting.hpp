@@ -19,16 +19,15 @@ namespace strake::fluid {
 /// Dry layers do not enter any sum: water that flies towards a wall is not slowed before it is there. The
 /// flag is State::surface of the first layer (1: dry).
 ///
-/// A face that the water meets obliquely takes on its velocity gradually, while contact passes it (F71). What
-/// is left is State::face_lag.
+/// Faces of bodies that have just become wet are listed: the water takes them on gradually (F71).
 template <int dim>
 class WallContact {
  public:
   WallContact(const Boundary<dim>&, const State<dim>&, double spacing);
 
   /// Places the faces where they are now, and marks them wet or dry from the water's places. near: rows of at
-  /// least 2 l0. time: until the next update [s].
-  void update(const Boundary<dim>&, State<dim>&, const Neighbours& near, double time);
+  /// least 2 l0.
+  void update(const Boundary<dim>&, State<dim>&, const Neighbours& near);
 
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
   /// Returns P r, the component of r along the face's normal. At an edge of the tank it is all of r across
@@ -38,11 +37,12 @@ class WallContact {
     const double along = axis.dot(r);
     return corner_[static_cast<std::size_t>(row)] ? Vector<dim>(r - along * axis) : Vector<dim>(along * axis);
   }
-  /// Returns the velocity that the face lacks, along its normal [m/s]: zero but for faces newly met (F71).
-  Vector<dim> lag(const State<dim>& state, const Boundary<dim>& boundary, std::int64_t row) const {
-    const std::int32_t master = boundary.master_of(row);
-    return state.face_lag[master < 0 ? row : master] * normal(row);
-  }
+  /// A layer particle of a body whose face has become wet after the start, and the water nearest to the face.
+  struct Joined {
+    std::int64_t row, nearest;
+  };
+  /// Those of the last `update`, in order.
+  const std::vector<Joined>& joined() const { return joined_; }
   bool corner(std::int64_t row) const { return corner_[static_cast<std::size_t>(row)] != 0; }
   /// Returns the normal of the face, into the water. Corners have none.
   Vector<dim> normal(std::int64_t row) const { return axis_.col(row - first_); }
@@ -60,13 +60,15 @@ class WallContact {
     std::int64_t particle;
   };
   Nearest nearest_water(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t row) const;
-  void join(const Boundary<dim>&, State<dim>&, const Neighbours&, std::int64_t row, const Nearest&) const;
+  void list_joined(const Boundary<dim>&, const State<dim>&);
   void place_bodies(const Boundary<dim>&, const State<dim>&);
   double spacing_;
   std::int64_t first_;  // layer particle
   Vectors<dim> axis_;   // normal of a face; direction of an edge between two walls; zero in a corner
   Eigen::VectorXd depth_;
   std::vector<std::uint8_t> corner_, wet_;
+  std::vector<std::int64_t> joins_;  // of each layer particle: water nearest to a face newly wet; else −1
+  std::vector<Joined> joined_;
 };
 
 }  // namespace strake::fluid

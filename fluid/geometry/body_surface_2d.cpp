@@ -220,7 +220,7 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
   }
 }
 
-bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, bool with_corners) const {
+bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, Corners corners) const {
   if (std::max(a.x(), b.x()) < run_low_(0, r) || std::min(a.x(), b.x()) > run_high_(0, r) ||
       std::max(a.y(), b.y()) < run_low_(1, r) || std::min(a.y(), b.y()) > run_high_(1, r))
     return false;
@@ -238,7 +238,7 @@ bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, bool with
     begin = static_cast<int>(std::clamp(std::floor(std::min(sa, sb)) - 1, 0.0, last));
     end = static_cast<int>(std::clamp(std::ceil(std::max(sa, sb)) + 1, 0.0, last));
   }
-  if (with_corners && !edge.closed) {
+  if (corners == Corners::without_tips && !edge.closed) {
     if (edge.start_angle < sharp_angle) begin = std::max(begin, 1);
     if (edge.end_angle < sharp_angle) end = std::min(end, edge.count - 1);
   }
@@ -251,8 +251,9 @@ bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, bool with
     const double t = cross(to_start, e) / det;  // along the pair
     if (t < 0 || t > 1) continue;
     const double s = cross(to_start, d) / det;  // along the piece
-    const bool from_corner = i == 0 && !edge.closed && !with_corners && !edge.owns_start;
-    const bool to_corner = i == edge.count - 1 && !edge.closed && !with_corners && !edge.owns_end;
+    const bool owned = corners == Corners::owned && !edge.closed;
+    const bool from_corner = owned && i == 0 && !edge.owns_start;
+    const bool to_corner = owned && i == edge.count - 1 && !edge.owns_end;
     if (s >= (from_corner ? tie : -tie) && s <= (to_corner ? 1 - tie : 1 + tie)) return true;
   }
   return false;
@@ -260,8 +261,36 @@ bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, bool with
 
 bool BodySurface2d::separates(const Vector2& a, const Vector2& b) const {
   for (int r = 0; r < static_cast<int>(edges_.size()); ++r)
-    if (crosses(r, a, b, true)) return true;
+    if (crosses(r, a, b, Corners::without_tips)) return true;
   return false;
+}
+
+double BodySurface2d::way_around(const Vector2& a, const Vector2& b) const {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  int first = -1, second = -1;
+  for (int r = 0; r < static_cast<int>(edges_.size()); ++r) {
+    if (!crosses(r, a, b, Corners::all)) continue;
+    if (second >= 0) return none;
+    (first < 0 ? first : second) = r;
+  }
+  if (first < 0) return (b - a).norm();
+  if (second < 0) return none;
+  double way = none;
+  for (const auto& [from, to] : {std::pair(first, second), std::pair(second, first)}) {
+    const Edge& edge = edges_[static_cast<std::size_t>(from)];
+    if (edge.next != to) continue;
+    const Vector2 corner = vertex_.col(edge.vertex + edge.count);
+    way = std::min(way, (a - corner).norm() + (b - corner).norm());
+  }
+  return way;
+}
+
+bool BodySurface2d::beside_corner(const Vector2& x, double distance) const {
+  if ((x.array() < low_.array() - distance).any() || (x.array() > high_.array() + distance).any())
+    return false;
+  return std::ranges::any_of(edges_, [&](const Edge& edge) {
+    return !edge.closed && (vertex_.col(edge.vertex) - x).squaredNorm() < distance * distance;
+  });
 }
 
 double BodySurface2d::within(int edge, const Vector2& x) const {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -57,11 +58,18 @@ class BodySurface2d {
   Vector2 high() const { return high_; }
 
   /// Whether the segment a–b crosses that edge. Corners count for the edge that owns them.
-  bool crosses(int edge, const Vector2& a, const Vector2& b) const { return crosses(edge, a, b, false); }
+  bool crosses(int edge, const Vector2& a, const Vector2& b) const {
+    return crosses(edge, a, b, Corners::owned);
+  }
   /// Whether it crosses any edge, corners included. The first piece beside a corner sharper than 86° does not
   /// count: the tip is thinner than a spacing there, and water on its two sides stays as near as it was
   /// before the tip came between.
   bool separates(const Vector2& a, const Vector2& b) const;
+  /// Returns the length of the way from a to b past the body [m]: straight, or around the corner between the
+  /// two edges that the segment crosses. Across other edges there is none: infinity.
+  double way_around(const Vector2& a, const Vector2& b) const;
+  /// Whether x lies within that distance of a corner.
+  bool beside_corner(const Vector2& x, double distance) const;
   bool inside(const Vector2& x) const;
   /// Returns the distance of x from the nearer end of that edge, along its first and last piece [m]. It is
   /// negative past an end, and infinite where the edge has no end.
@@ -83,7 +91,9 @@ class BodySurface2d {
   Foot nearest(const Vector2& x) const;
 
  private:
-  bool crosses(int edge, const Vector2& a, const Vector2& b, bool with_corners) const;
+  /// Which corners count: those that the edge owns, all but the tips (see `separates`), or all.
+  enum class Corners : std::uint8_t { owned, without_tips, all };
+  bool crosses(int edge, const Vector2& a, const Vector2& b, Corners) const;
   void add_edges(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing);
   void connect(std::size_t first_edge);
 

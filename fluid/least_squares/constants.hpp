@@ -29,6 +29,11 @@ struct LeastSquaresConstants {
   double face_reach = 1.6;  // [l0] water this near to a face's middle gives the mean velocity there. Chosen
   double stopped = 0.3;     // [l0] height below which no residual velocity past a face is left. Chosen
 
+  // Faces newly met (F71).
+  double steepest = 3;           // [-] largest tangent of the angle between a face and the surface. Chosen
+  double stopped_height = 0.25;  // [l0] height at which water must have lost its approach to a face. Chosen
+  double least_stopping = 0.1;   // [l0] shortest way on which it loses it. Chosen; 0 stops it at once
+
   // Images in faces (F72).
   double alike = 0.8;      // [-] cosine of two normals above which both are one face. Chosen
   double one_plane = 0.3;  // [l0] two heights over one face fit the places so far. Chosen

@@ -59,6 +59,24 @@ inline void write_symmetric(const Double8 (&parts)[Symmetric<dim>::parts], Tenso
   }
 }
 
+/// Returns 1 beside one face or none, 0 in a corner of two: 1 − 2 (1 − tr a²/(tr a)²), not below zero.
+template <int dim>
+inline double one_wall(const Tensor<dim>& a) {
+  const double trace = a.trace();
+  return trace > 0 ? std::max(0.0, 2 * a.squaredNorm() / (trace * trace) - 1) : 1.0;
+}
+
+/// Lengths of pairs over the radius. around: a pair's length may be the way around a corner, which is longer
+/// than r. one: 0 for a lane without a pair.
+template <int dim, class Separation>
+inline Double8 part_of_radius(const Separation& r, Double8 inverse, Double8 one, double radius, bool around) {
+  if (around) return one / (inverse * radius + (1.0 - one));
+  Double8 squares = r[0] * r[0];
+#pragma GCC unroll 6
+  for (int d = 1; d < dim; ++d) squares += r[d] * r[d];
+  return squares * inverse * (1 / radius);
+}
+
 /// The inverse of m. Directions in which the neighbours hardly extend are left out, see least_ratio. The
 /// entries are written in place, because a copy would stall.
 template <int dim>
@@ -118,7 +136,10 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
 template <int dim>
 void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
                                       const Neighbours& near, double time) {
-  walls_.update(boundary, state, near, time);
+  walls_.update(boundary, state, near);
+  now_.configuration = time;
+  for (std::int64_t i = 0; i < boundary.water(); ++i)
+    if (state.face_lag[i] != 0) fade_lag(state, i, time);
   cover_layers(boundary, state, near);
   const std::int64_t water = boundary.water();
   const bool seams = boundary.tank().periodic().any(), shares = shares_entries(far);
@@ -191,6 +212,7 @@ void LeastSquaresScheme<dim>::sum_water(const Boundary<dim>& boundary, const Sta
   const std::size_t inner = water_pairs(columns, boundary.water());
   const auto k = static_cast<std::size_t>(i);
   const std::int64_t first = far.start()[k];
+  const bool around = boundary.beside_corner(state, i);
   const float* const shared = far.entry().data() + first;
   float* const entries = moments_.own_entries ? moments_.entry.data() + first : nullptr;
   moments_.water_stop[k] = first + static_cast<std::int64_t>(inner);
@@ -212,10 +234,7 @@ void LeastSquaresScheme<dim>::sum_water(const Boundary<dim>& boundary, const Sta
       single = simd::narrowed(positive(reach * inverse - one));
       simd::store(-single, entries + e, inner - e);
     }
-    Double8 squares = r[0] * r[0];
-#pragma GCC unroll 6
-    for (int d = 1; d < dim; ++d) squares += r[d] * r[d];
-    const Double8 w = simd::widened(single), q = squares * inverse * (1 / reach);
+    const Double8 w = simd::widened(single), q = part_of_radius<dim>(r, inverse, one, reach, around);
     const Double8 s = positive(one - q);
     diagonals += w;
     volumes += s * s * s * s * (1 + 4 * q);
@@ -357,7 +376,8 @@ double LeastSquaresScheme<dim>::fit_surface(std::int64_t i, const ParticleSums& 
     share = 1;
   }
   Tensor<dim> all = sums.a + sums.b;
-  const double lacking = share * std::max(0.0, gradient_.n0 / dim - normal.dot(all * normal));
+  const double lacking = share * std::max({0.0, gradient_.n0 / dim - normal.dot(all * normal),
+                                           one_wall<dim>(sums.a) * depth * normal.dot(sums.concentration)});
   all.noalias() += lacking * normal * normal.transpose();
   inverse_where_seen<dim>(all, moments_.a_inverse[static_cast<std::size_t>(i)]);
   surface_.normal.col(i) = normal.template cast<float>();

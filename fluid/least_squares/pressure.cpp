@@ -45,10 +45,11 @@ void LeastSquaresScheme<dim>::share_rows(const Neighbours& far, PressureSystem& 
 /// W − 1 is not below zero beside the surface. Where 1 − π > 0, that part of the change is left to the next
 /// steps (F45).
 template <int dim>
-void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const State<dim>& state,
+void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>& state,
                                        const Neighbours& far, const Vector<dim>& gravity, double dt,
                                        PressureSystem& system) {
   average_wall_velocity(boundary, state, far);
+  if (!(velocity_.age > 0)) meet_faces(boundary, state, far);
   begin_equation(boundary, state, gravity, dt);
   find_image_velocities(boundary, state, now_.gravity_velocity, dt);
   share_rows(far, system);
@@ -85,8 +86,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, const Stat
     if (absorption > 0) source += absorption * still_pressure(boundary, state.position.col(i));
     system.diagonal[i] = moments_.diagonal[i] + surface_.kappa[i] + own;
     const double incompressible = 1 - local / system.diagonal[i],
-                 carried = 0.5 * (1 + share) * (wall.body ? fraction.beside_body : fraction.elsewhere) *
-                           part * incompressible;
+                 carried = 0.5 * (1 + share) * fraction.of(wall.beside) * part * incompressible;
     equation_.incompressible[i] = static_cast<float>(incompressible);
     equation_.carried[i] = static_cast<float>(carried);
     if (now_.deferred > 0)
@@ -119,7 +119,10 @@ typename LeastSquaresScheme<dim>::WallTerms LeastSquaresScheme<dim>::wall_terms(
   for (auto e = static_cast<std::size_t>(moments_.water_stop[k] - far.start()[k]); e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
     if (!walls_.wet(j)) continue;
-    out.body = out.body || j >= boundary.first_of_bodies();
+    if (j >= boundary.first_of_bodies() && out.beside != Beside::other_face)
+      out.beside = !boundary.volume() && boundary.is_between_sharp_corners(boundary.point_of(j))
+                       ? Beside::plate
+                       : Beside::other_face;
     const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
     const double w = laplacian_.radius * far.inverse_of(far.start()[k] + static_cast<std::int64_t>(e)) - 1;
     const Vector<dim> projected = walls_.projection(j, r);
@@ -170,16 +173,17 @@ double LeastSquaresScheme<dim>::drift_share(double dt) const {
 
 // Returns the fraction of the residual divergence that is carried to the next step (F44), u = max|u| past the
 // tank:
-//   max(0, 1 − Δt (u + √(g l0))/l0) ,   beside a body max(0, 1 − Δt u/l0) u²/(u² + gH).
-// The factors of each particle come later. Divergence and gradient are not adjoint. Removing all of the
-// residual in each step amplifies some modes by up to 5 % per step, still water then never rests, and the
-// less so the shorter the steps. A residual that is left beside a body makes its force lag behind its motion.
+//   max(0, 1 − Δt (u + √(g l0))/l0) ,   beside a plate or box max(0, 1 − Δt u/l0) u²/(u² + gH) ,
+// beside other bodies 0. The factors of each particle come later. Divergence and gradient are not adjoint.
+// Removing all of the residual in each step amplifies some modes by up to 5 % per step, still water then
+// never rests, and the less so the shorter the steps. A residual that is left beside a body makes its force
+// lag behind its motion.
 template <int dim>
 auto LeastSquaresScheme<dim>::carried_fraction(double dt) const -> CarriedFraction {
   const double u = now_.largest_speed, free_fall = std::sqrt(now_.gravity.norm() * p_.spacing);
   CarriedFraction out;
   out.elsewhere = std::max(0.0, 1 - dt * (u + free_fall) / p_.spacing);
-  if (u > 0) out.beside_body = std::max(0.0, 1 - dt * u / p_.spacing) / (1 + wave_speed_squared() / (u * u));
+  if (u > 0) out.beside_plate = std::max(0.0, 1 - dt * u / p_.spacing) / (1 + wave_speed_squared() / (u * u));
   return out;
 }
 
@@ -257,9 +261,8 @@ void LeastSquaresScheme<dim>::limit_at_surface(const Boundary<dim>& boundary, St
                                                           const Neighbours&, const Neighbours&, double); \
   template void LeastSquaresScheme<dim>::limit_at_surface(const Boundary<dim>&, State<dim>&,             \
                                                           const Neighbours&);                            \
-  template void LeastSquaresScheme<dim>::assemble(const Boundary<dim>&, const State<dim>&,               \
-                                                  const Neighbours&, const Vector<dim>&, double,         \
-                                                  PressureSystem&);
+  template void LeastSquaresScheme<dim>::assemble(const Boundary<dim>&, State<dim>&, const Neighbours&,  \
+                                                  const Vector<dim>&, double, PressureSystem&);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

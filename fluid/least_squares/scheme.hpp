@@ -72,8 +72,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void filter(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near, double dt) {
     filter(boundary, state, near, dt, AcousticSubstepping::single_step(dt));
   }
-  /// The pressure equation (F40).
-  void assemble(const Boundary<dim>&, const State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
+  /// The pressure equation (F40). Notes in the state what water may still approach newly met faces with.
+  void assemble(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
                 double dt, PressureSystem&);
   /// Limits the pressure at the free surface, away from walls, to that of the inner water near by. A harmonic
   /// pressure has no maximum there. A drop or a film in flight gets p = 0.
@@ -170,6 +170,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     double largest_speed = 0;                            // max|u| past the tank [m/s]
     Vector<dim> gravity = Vector<dim>::Zero();           // less the tank's acceleration [m/s²]
     Vector<dim> gravity_velocity = Vector<dim>::Zero();  // Δt times it [m/s]
+    double configuration = 0;                            // until the next `measure` [s]
   };
   /// What the filter reads of a neighbour, side by side in memory.
   struct Motion {
@@ -262,6 +263,30 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
                     std::int64_t layer_particle) const;
   /// Whether particle i lies over the face of a layer particle: not past the face's end.
   bool is_over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t layer_particle) const;
+  /// What one particle's equation gets from one face newly met, or from all of them.
+  struct Meeting {
+    std::int64_t particle;
+    double weight, approach, time;  // Σ w |P r|, the same times u_n, least T [s]
+  };
+  /// w |P r| of particle i and layer particle j [m], of that pair of far.
+  double face_weight(const Boundary<dim>& boundary, const State<dim>& state, const Neighbours& far,
+                     std::int64_t i, std::int64_t j, std::int64_t pair) const {
+    const Vector<dim> r = boundary.tank().periodic().separation(state.position.col(i), state.position.col(j));
+    return (laplacian_.radius * far.inverse_of(pair) - 1) * walls_.projection(j, r).norm();
+  }
+  static void fade_lag(State<dim>&, std::int64_t i, double time);
+  double tangent_to_surface(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
+                            const Vector<dim>& n) const;
+  double passing_time(const Boundary<dim>&, const State<dim>&, const Neighbours& far,
+                      const typename WallContact<dim>::Joined&) const;
+  void meet_faces(const Boundary<dim>&, State<dim>&, const Neighbours& far);
+  void set_lag(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Meeting&);
+  /// Returns the velocity along the normal of layer particle j that it lacks for particle i [m/s] (F71).
+  Vector<dim> lag(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
+                  std::int64_t j) const {
+    if (j < boundary.first_of_bodies() || boundary.volume()) return Vector<dim>::Zero();
+    return state.face_lag[i] * walls_.normal(j);
+  }
   void average_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   /// Returns u* − U at the face of layer particle j for particle i [m/s]. Past a face's end it is the mean
   /// over the particles over the face. Within 0.5 l0 of the end the two are blended linearly, to avoid a jump
@@ -298,13 +323,16 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   };
   /// R_i of (F52) per weight of a layer particle [N].
   Vector<dim> wall_force(std::int64_t i, const FaceSums&) const;
+  /// Whose faces are among the walls of a particle: none of a body, those of plates and boxes, which end at
+  /// corners of at most a right angle and have images (F72), or others.
+  enum class Beside : std::uint8_t { no_body, plate, other_face };
   /// Walls in the equation of particle i.
   struct WallTerms {
     double flux = 0,
            absorption = 0;                        // Σ w (u*−U)·P r [m²/s]; absorbing walls' part of Y_i
     Vector<dim> projected = Vector<dim>::Zero();  // Σ w P r [m]
     Vector<dim> images = Vector<dim>::Zero();     // Σ w_m r of images, r along the face [m]
-    bool body = false;                            // whether a face of a body is among them
+    Beside beside = Beside::no_body;
   };
   WallTerms wall_terms(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
                        std::int64_t i) const;
@@ -333,7 +361,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   double drift_share(double dt) const;
   /// ε of (F44) but for the particle's own factors.
   struct CarriedFraction {
-    double elsewhere = 0, beside_body = 0;
+    double elsewhere = 0, beside_plate = 0;
+    double of(Beside beside) const {
+      if (beside == Beside::other_face) return 0;
+      return beside == Beside::plate ? beside_plate : elsewhere;
+    }
   };
   CarriedFraction carried_fraction(double dt) const;
   double corrected_fraction(const State<dim>&, double dt) const;
@@ -353,6 +385,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   StepNumbers now_;
   VelocityFit velocity_;
   PackedStart start_;
+  std::vector<Meeting> meeting_;    // scratch of `meet_faces`
   Vectors<dim> pressure_gradient_;  // of the last call [Pa/m]
 };
 

@@ -55,15 +55,15 @@ template <int dim>
 Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(const Boundary<dim>& boundary,
                                                             const State<dim>& state, std::int64_t i,
                                                             std::int64_t j) const {
-  const Vector<dim> lag = walls_.lag(state, boundary, j);
+  const Vector<dim> lacking = lag(boundary, state, i, j);
   const auto mean = [&]() -> Vector<dim> {
     const std::int32_t master = boundary.master_of(j);
-    return lag + wall_.mean_velocity.col((master < 0 ? j : master) - boundary.water());
+    return lacking + wall_.mean_velocity.col((master < 0 ? j : master) - boundary.water());
   };
   if (!is_over(boundary, state, i, j)) return mean();
   Vector<dim> u = state.velocity.col(i) - state.velocity.col(j);
   if (walls_.corner(j)) return u;
-  u += lag;
+  u += lacking;
   // ∇u* extrapolates the particle's velocity to the face. Beside the free surface it is one-sided and left
   // out.
   const double height =

@@ -279,6 +279,15 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
 }
 
 template <int dim>
+void NeighbourSearch<dim>::lengthen(std::int64_t pair, double length) {
+  const auto e = static_cast<size_t>(pair);
+  if (keeps_entries())
+    exact_.single_[e] = static_cast<float>(1 - radius_ / length);
+  else
+    exact_.inverse_[e] = 1 / length;
+}
+
+template <int dim>
 const Neighbours& NeighbourSearch<dim>::within(double radius) {
   assert(radius <= radius_ && exact_.size() > 0);
   if (radius == radius_ && !keeps_entries()) return exact_;

@@ -120,6 +120,8 @@ class NeighbourSearch {
   /// first use, then kept until the next update. The reference stays valid as long as the search; its content
   /// changes with the next update.
   const Neighbours& within(double radius);
+  /// Gives a pair of the last `update` another length [m], in the numbering of column(). Its columns stay.
+  void lengthen(std::int64_t pair, double length);
   void invalidate();  // after set_state or re-ordering
   std::int64_t rebuilds() const { return rebuilds_; }
   const Periodic<dim>& periodic() const { return periodic_; }

@@ -44,8 +44,8 @@ struct State {
   std::vector<Kind> kind;        // n
   std::vector<std::int64_t> id;  // n, identity of a particle whatever its place
   std::vector<std::uint8_t> surface;  // n, free-surface flag of the last step (hysteresis)
-  Eigen::VectorXd face_lag;  // n [m/s], of layers: approach that a face newly met by water may still have
-  Eigen::VectorXd face_lag_rate;  // n [m/s²] how fast it falls
+  Eigen::VectorXd face_lag;           // n [m/s], of water: approach that it may still have to faces newly met
+  Eigen::VectorXd face_lag_rate;      // n [m/s²] how fast it falls
   std::vector<std::uint8_t>
       air_connected;  // n, of surface water: beside air that came from outside (voids.hpp)
 

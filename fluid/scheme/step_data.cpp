@@ -16,6 +16,8 @@ namespace {
 
 /// Verlet skin [l0].
 constexpr double skin = 0.2;
+/// Part of a pair's length by which a way around a corner must be longer, to count as one.
+constexpr double round_off = 1e-6;
 
 }  // namespace
 
@@ -38,8 +40,29 @@ StepData<dim>::StepData(const Parameters& parameters, const InterfaceMesh& partn
 
 template <int dim>
 void StepData<dim>::search_neighbours() {
-  const auto keep = [this](std::int32_t i, std::int32_t j) { return boundary.keep(state, i, j); };
+  const bool around =
+      dim == 2 && p.scheme.gradient == Gradient::least_squares && !boundary.body_surface().empty();
+  const auto keep = [&](std::int32_t i, std::int32_t j) { return boundary.keep(state, i, j, around); };
   far = &search.update(state.position, boundary.tags(state), keep);
+  if (around) lengthen_around_corners();
+}
+
+/// Gives pairs that a corner comes between the length of the way around it. It grows from the straight one,
+/// so that the pair's weights fade. A weight that ends at once would change ∇·u at once.
+template <int dim>
+void StepData<dim>::lengthen_around_corners() {
+  const std::int64_t water = boundary.water();
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    if (!boundary.beside_corner(state, i)) continue;
+    const auto row = far->row(i);
+    const std::int64_t first = far->start()[static_cast<std::size_t>(i)];
+    for (std::size_t e = 0; e < row.size() && row[e] < water; ++e) {
+      const auto pair = first + static_cast<std::int64_t>(e);
+      const double way = boundary.way_around(state, i, row[e]);
+      if (way > (1 + round_off) / far->inverse_of(pair)) search.lengthen(pair, way);
+    }
+  }
 }
 
 template <int dim>

@@ -20,7 +20,8 @@ template <int dim>
 struct StepData {
   StepData(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, PairData);
 
-  /// Neighbour rows of the largest radius at the present positions.
+  /// Neighbour rows of the largest radius at the present positions. Pairs around a body's corner have the
+  /// length of that way.
   void search_neighbours();
   const Neighbours& near_density() { return search.within(density_lattice.radius); }
   const Neighbours& near_gradient() { return search.within(gradient_lattice.radius); }
@@ -47,6 +48,9 @@ struct StepData {
   Vector<dim> gravity = Vector<dim>::Zero();  // [m/s²]
   const Vectors<dim>* viscous = nullptr;      // ν∇²u + ∇·τ at every particle [m/s²]
   std::vector<std::uint8_t> newly_connected;  // scratch of `follow_air`
+
+ private:
+  void lengthen_around_corners();
 };
 
 }  // namespace strake::fluid

@@ -112,6 +112,24 @@ TEST(LeastSquaresScheme, FaceOfTheFloorCarriesTheWholeDepth) {
   EXPECT_NEAR(floor / load, 1, 1e-9);
 }
 
+// The row beneath is pressed against the surface's. The pressure of one particle must not drive it into them.
+TEST(LeastSquaresScheme, ThePressureOfAParticleAtTheSurfaceDoesNotDriveItIntoTheWater) {
+  Column c(incompressible(0.02), 0);
+  const double l0 = c.p.spacing;
+  std::int64_t middle = -1;
+  for (std::int64_t i = 0; i < c.boundary.water(); ++i) {
+    if (std::abs(c.state.position(1, i) + 1.5 * l0) < 0.1 * l0) c.state.position(1, i) += 0.4 * l0;
+    if (std::abs(c.state.position(1, i) + 0.5 * l0) < 0.1 * l0 && std::abs(c.state.position(0, i)) < 0.6 * l0)
+      middle = i;
+  }
+  ASSERT_GE(middle, 0);
+  c.measure();
+  c.scheme.filter(c.boundary, c.state, c.near(), dt);
+  c.state.pressure.setZero();
+  c.state.pressure[middle] = 1;
+  EXPECT_LE(c.scheme.pressure_gradient(c.boundary, c.state, c.near(), dt)(1, middle), 1e-9 / l0);
+}
+
 TEST(LeastSquaresScheme, SurfaceParticlesAreThoseOfTheTopRow) {
   Column column(incompressible(0.01), 0.1);
   for (std::int64_t i = 0; i < column.boundary.water(); ++i)

@@ -120,9 +120,9 @@ TEST(WedgeEntry, TheForceGrowsWithTimeAsTheSimilaritySolutionHasItWithoutBursts)
   EXPECT_EQ(entry.penetrations, 0);
 }
 
-// A step of 2e-6 s resolves sound, c = 1500 m/s, and is 1/25 of the stable one. Films and faces that are newly met
-// must not feed on their own pressure then. Measured: mean −3 %, largest force 2.1 times, fastest water 1.4 times
-// those of the long steps. Without (F69) to (F71) they were +10 %, 4.3 times and 3.5 times.
+// A step of 2e-6 s resolves sound, c = 1500 m/s, and is 1/25 of the stable one. Films and faces that are
+// newly met must not feed on their own pressure then. Measured: mean −3 %, largest force 0.95 times, fastest
+// water as fast as with the long steps. Without (F69) to (F71) they were +10 %, 4.3 times and 3.5 times.
 TEST(WedgeEntry, StepsThatResolveSoundGiveTheForceOfLongOnesWithoutBursts) {
   const double deadrise = std::numbers::pi / 9;
   const Entry coarse = enter(deadrise, 0.012, 0.04, 5e-5, 1500),
@@ -131,8 +131,8 @@ TEST(WedgeEntry, StepsThatResolveSoundGiveTheForceOfLongOnesWithoutBursts) {
       "wedge, 20 degrees: mean {:.1f} and {:.1f}, largest {:.1f} and {:.1f}, water {:.1f} and {:.1f} m/s\n",
       coarse.mean, fine.mean, coarse.largest, fine.largest, coarse.fastest, fine.fastest);
   EXPECT_NEAR(fine.mean, coarse.mean, 0.15 * coarse.mean);
-  EXPECT_LT(fine.largest, 3 * coarse.largest);
-  EXPECT_LT(fine.fastest, 2 * coarse.fastest);
+  EXPECT_LT(fine.largest, 1.5 * coarse.largest);
+  EXPECT_LT(fine.fastest, 1.3 * coarse.fastest);
 }
 
 // At 60 degrees every layer of water passes a sharp apex. Two rules keep the force smooth: water beyond a

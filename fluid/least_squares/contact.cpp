@@ -1,0 +1,146 @@
+#include "fluid/least_squares/scheme.hpp"
+#include "fluid/particles/pair_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+// Computes how water takes on the faces of bodies that it has just met (F71). A face that becomes wet enters
+// the equation of all water within 3.1 l0 at once. Water that is not the nearest may approach it with the
+// speed of the jet, or leave it. Without what follows that acts as an impact: ρcu with sound, ρ u l0/Δt
+// without.
+
+namespace strake::fluid {
+
+/// Returns tan β of the angle between a face with the normal n and the surface of the water about particle i.
+/// The surface's normal is −Σ w r over the water and wet layers of the tank.
+template <int dim>
+double LeastSquaresScheme<dim>::tangent_to_surface(const Boundary<dim>& boundary, const State<dim>& state,
+                                                   const Neighbours& far, std::int64_t i,
+                                                   const Vector<dim>& n) const {
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const auto columns = far.row(i);
+  const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+  Vector<dim> out = Vector<dim>::Zero();
+  for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.first_of_bodies(); ++e) {
+    if (columns[e] >= boundary.water() && !walls_.wet(columns[e])) continue;
+    const double w = gradient_.radius * far.inverse_of(first + static_cast<std::int64_t>(e)) - 1;
+    out -= std::max(0.0, w) *
+           boundary.tank().periodic().separation(state.position.col(i), state.position.col(columns[e]));
+  }
+  if (!(out.squaredNorm() > 0)) return tuned.steepest;
+  const double cosine = -out.normalized().dot(n);
+  if (!(cosine > 0)) return tuned.steepest;
+  return std::min(tuned.steepest, std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine);
+}
+
+/// Returns the time in which contact passes a face that has become wet:
+///   T = l0/max(u_n/tan β, u_t) ,
+/// u_n and u_t the approach and the slip of the nearest water. A level face has β = 0 and T = 0: there the
+/// whole face meets the water at once. The surface of a film lies along the face too, yet faces meet it one
+/// after the other. So for the part φ of (F69) β is a right angle.
+template <int dim>
+double LeastSquaresScheme<dim>::passing_time(const Boundary<dim>& boundary, const State<dim>& state,
+                                             const Neighbours& far,
+                                             const typename WallContact<dim>::Joined& face) const {
+  const Vector<dim> n = walls_.normal(face.row),
+                    past = state.velocity.col(face.nearest) - state.velocity.col(face.row);
+  const double approach = std::max(0.0, -past.dot(n)), slip = (past - past.dot(n) * n).norm();
+  const auto passing = [&](double tangent) {
+    const double speed = std::max(approach, slip * tangent);
+    return speed > 0 ? p_.spacing * tangent / speed : 0.0;
+  };
+  return std::max(passing(tangent_to_surface(boundary, state, far, face.nearest, n)),
+                  film_.share[face.nearest] * passing(least_squares_constants().steepest));
+}
+
+template <int dim>
+void LeastSquaresScheme<dim>::fade_lag(State<dim>& state, std::int64_t i, double time) {
+  const double left = std::max(0.0, std::abs(state.face_lag[i]) - time * state.face_lag_rate[i]);
+  state.face_lag[i] = std::copysign(left, state.face_lag[i]);
+}
+
+/// Sets the lag of the water beside faces that have just become wet, so that its equation does not change by
+/// them at that moment:
+///   Σ_wet w |P r| lag' = Σ_wet before w |P r| lag + Σ_new w |P r| u_n ,
+/// u_n its own approach to the new faces. From there the lag falls to zero in T (F71).
+template <int dim>
+void LeastSquaresScheme<dim>::meet_faces(const Boundary<dim>& boundary, State<dim>& state,
+                                         const Neighbours& far) {
+  if (walls_.joined().empty()) return;
+  meeting_.clear();
+  for (const auto& face : walls_.joined()) {
+    const double time = passing_time(boundary, state, far, face);
+    const auto columns = far.row(face.row);
+    const std::int64_t first = far.start()[static_cast<std::size_t>(face.row)];
+    for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
+      const std::int64_t i = columns[e];
+      const double w = face_weight(boundary, state, far, i, face.row, first + static_cast<std::int64_t>(e));
+      const double lacking = state.face_lag[i];
+      state.face_lag[i] = 0;
+      const double approach =
+          -walls_.normal(face.row).dot(relative_wall_velocity(boundary, state, i, face.row));
+      state.face_lag[i] = lacking;
+      meeting_.push_back({i, w, time > 0 ? w * approach : 0.0, time});
+    }
+  }
+  std::stable_sort(meeting_.begin(), meeting_.end(),
+                   [](const Meeting& a, const Meeting& b) { return a.particle < b.particle; });
+  for (std::size_t k = 0; k < meeting_.size();) {
+    Meeting all = meeting_[k];
+    for (++k; k < meeting_.size() && meeting_[k].particle == all.particle; ++k) {
+      all.weight += meeting_[k].weight;
+      all.approach += meeting_[k].approach;
+      all.time = std::min(all.time, meeting_[k].time);
+    }
+    if (all.weight > 0) set_lag(boundary, state, far, all);
+  }
+}
+
+/// Sets lag' of one particle, and its rate |lag'|/T. T is the least over the new faces, at most the time in
+/// which the particle comes to stopped_height:
+///   T ≤ 2 (h − stopped_height)/|lag'| ,  h its height over the nearest wet face.
+template <int dim>
+void LeastSquaresScheme<dim>::set_lag(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
+                                      const Meeting& met) {
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const std::int64_t i = met.particle;
+  const auto columns = far.row(i);
+  const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+  double wet = 0, height = std::numeric_limits<double>::infinity();
+  for (std::size_t e = water_pairs(columns, boundary.water()); e < columns.size(); ++e) {
+    const std::int64_t j = columns[e];
+    if (j < boundary.first_of_bodies() || !walls_.wet(j)) continue;
+    wet += face_weight(boundary, state, far, i, j, first + static_cast<std::int64_t>(e));
+    if (!is_over(boundary, state, i, j)) continue;
+    const Vector<dim> x = state.position.col(j) +
+                          boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
+    height = std::min(height, walls_.height(j, state.position.col(j), x));
+  }
+  if (!(wet > 0)) return;
+  const double lag = ((wet - met.weight) * state.face_lag[i] + met.approach) / wet;
+  double time = met.time;
+  if (lag != 0)
+    time = std::min(time, 2 * p_.spacing *
+                              std::max(tuned.least_stopping, height / p_.spacing - tuned.stopped_height) /
+                              std::abs(lag));
+  state.face_lag[i] = time > 0 ? lag : 0;
+  state.face_lag_rate[i] = time > 0 ? std::abs(lag) / time : 0;
+  fade_lag(state, i, now_.configuration);
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                             \
+  template double LeastSquaresScheme<dim>::tangent_to_surface(                                              \
+      const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t, const Vector<dim>&) const;  \
+  template double LeastSquaresScheme<dim>::passing_time(                                                    \
+      const Boundary<dim>&, const State<dim>&, const Neighbours&, const typename WallContact<dim>::Joined&) \
+      const;                                                                                                \
+  template void LeastSquaresScheme<dim>::fade_lag(State<dim>&, std::int64_t, double);                       \
+  template void LeastSquaresScheme<dim>::meet_faces(const Boundary<dim>&, State<dim>&, const Neighbours&);  \
+  template void LeastSquaresScheme<dim>::set_lag(const Boundary<dim>&, State<dim>&, const Neighbours&,      \
+                                                 const Meeting&);
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
+
+}  // namespace strake::fluid
