@@ -1,6 +1,6 @@
 """No two types have one qualified name. A program that links both would mix their functions, without a word.
 
-    tests/repo/types.py ROOT      exits 1 where two files define the same type in the same namespace
+    tests/repo/type_names.py ROOT      exits 1 where two files define the same type in the same namespace
 
 Types in unnamed namespaces, local types and types within types do not count.
 """
