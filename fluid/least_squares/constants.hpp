@@ -34,6 +34,9 @@ struct LeastSquaresConstants {
   double stopped_height = 0.25;  // [l0] height at which water must have lost its approach to a face. Chosen
   double least_stopping = 0.1;   // [l0] shortest way on which it loses it. Chosen; 0 stops it at once
 
+  // Own pressure beside bodies (F47).
+  double body_counts = 0.06;  // [n0] tr a of bodies where b ≥ f D N·C holds in full. Chosen; 0.25: noise
+
   // Images in faces (F72).
   double alike = 0.8;      // [-] cosine of two normals above which both are one face. Chosen
   double one_plane = 0.3;  // [l0] two heights over one face fit the places so far. Chosen

@@ -300,6 +300,7 @@ void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const St
     if (!is_over(boundary, state, i, j)) continue;
     const Vector<dim> projected = walls_.projection(j, r);
     sums.a.noalias() += weight * projected * projected.transpose();
+    if (j >= boundary.first_of_bodies()) sums.bodies += weight * projected.squaredNorm();
     sums.beside_wall = true;
   }
 }
@@ -376,8 +377,9 @@ double LeastSquaresScheme<dim>::fit_surface(std::int64_t i, const ParticleSums& 
     share = 1;
   }
   Tensor<dim> all = sums.a + sums.b;
-  const double lacking = share * std::max({0.0, gradient_.n0 / dim - normal.dot(all * normal),
-                                           one_wall<dim>(sums.a) * depth * normal.dot(sums.concentration)});
+  const double beside_body = std::min(1.0, sums.bodies / (tuned.body_counts * gradient_.n0));
+  const double outwards = beside_body * one_wall<dim>(sums.a) * depth * normal.dot(sums.concentration);
+  const double lacking = share * std::max({0.0, gradient_.n0 / dim - normal.dot(all * normal), outwards});
   all.noalias() += lacking * normal * normal.transpose();
   inverse_where_seen<dim>(all, moments_.a_inverse[static_cast<std::size_t>(i)]);
   surface_.normal.col(i) = normal.template cast<float>();

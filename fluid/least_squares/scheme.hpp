@@ -190,6 +190,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Vector<dim> m, concentration;  // Σ w_L r, Σ w r/r²
     Vector<dim> m_projected;       // with P r of the layers
     double weights, filled;        // Σ w_L and 1 + Σ W with the layers
+    double bodies = 0;             // tr a of bodies' faces
     bool beside_wall = false;      // over a wet face
   };
   template <bool seams, bool shares>
