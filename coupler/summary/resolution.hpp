@@ -17,8 +17,12 @@ std::vector<std::string> resolution_lines(const CaseView&, const InterfaceMesh& 
 /// Half the width, along x, of the part of a body that a level water surface at height y would wet [m].
 double half_width_below(const InterfaceMesh& body, double y);
 
+/// Thickness of the jet of a wedge at half-wetted width `c` [m]: δ = c tan²β/(2π). slope: tan β of the
+/// deadrise (Wagner 1932; Howison, Ockendon and Wilson 1991: δ = π c V²/(8 ċ²) with ċ = πV/(2 tan β)).
+double jet_thickness(double c, double slope);
+
 /// Width of the pressure peak that passes a place of a wedge at half-wetted width `c` [m], between its half
-/// heights. slope: tan of the deadrise. Wagner's jet root: 20.2 δ, with the jet's thickness δ = c tan²β/(2π).
+/// heights: 20.2 δ.
 double peak_width(double c, double slope);
 
 }  // namespace strake

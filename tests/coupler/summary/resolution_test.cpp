@@ -49,6 +49,17 @@ TEST(Resolution, CountsSpacingsOnTheHalfWidthThatIsWetAtTheEnd) {
   EXPECT_TRUE(says(resolution_lines(case_with(0.02, 0.012), wedge.mesh, wedge.velocity), "too few"));
 }
 
+TEST(Resolution, CountsSpacingsThroughTheJet) {
+  const Wedge wedge(0.25, std::tan(std::numbers::pi / 12));
+  // 15 degrees, V t = 0.036 m at 0.006 s: c = (π/2) 0.036 / tan 15° = 0.211 m, δ = c tan² 15° / 2π = 2.41 mm.
+  EXPECT_NEAR(jet_thickness(0.211, std::tan(std::numbers::pi / 12)), 2.41e-3, 1e-5);
+  EXPECT_TRUE(says(resolution_lines(case_with(0.008, 0.006), wedge.mesh, wedge.velocity), "0.3 spacings"));
+  EXPECT_TRUE(says(resolution_lines(case_with(0.008, 0.006), wedge.mesh, wedge.velocity), "= 0.0024"));
+  EXPECT_TRUE(says(resolution_lines(case_with(0.002, 0.006), wedge.mesh, wedge.velocity), "1.2 spacings"));
+  EXPECT_FALSE(says(resolution_lines(case_with(0.008, 0.012), wedge.mesh, wedge.velocity), "jet"))
+      << "the chines are wet";
+}
+
 TEST(Resolution, SaysThatOneSpacingIsNotCheckedAgainstASecond) {
   EXPECT_TRUE(says(resolution_lines(case_with(0.01, 1), {}, {}), "not checked against a second spacing"));
   CaseView dry = case_with(0.01, 1);
