@@ -55,6 +55,8 @@ struct CompareOptions {
 /// The compare blocks of a run's own case.toml against its summary and history, where one run is named, at
 /// most with probes and a plot. Else the records against the first of them, metric by metric.
 ExitCode compare(const CompareOptions&);
+/// The first of these two.
+ExitCode compare_run(const CompareOptions&);
 
 struct KeysOptions {
   std::filesystem::path folder = "keys";

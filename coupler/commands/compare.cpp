@@ -1,22 +1,15 @@
-// strake compare: a run against its case's references, or records against the first of them.
+// strake compare: records against the first of them. A run against its case's references: compare_run.cpp.
 #include "coupler/compare/compare.hpp"
 
-#include "coupler/case/case_queries.hpp"
-#include "coupler/case/case_view.hpp"
 #include "coupler/commands/commands.hpp"
+#include "coupler/commands/compare_plots.hpp"
 #include "coupler/compare/comparison.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/plot/canvas.hpp"
-#include "coupler/plot/chart.hpp"
-#include "coupler/plot/ticks.hpp"
-#include "proto/case/case_keys.hpp"
 #include "proto/error.hpp"
-#include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -28,168 +21,6 @@
 
 namespace strake {
 namespace {
-
-constexpr double fine = 2;  // pixels of a PNG per unit, for fine screens
-
-const MetricRow* row_of(const Comparison& comparison, const std::string& name) {
-  for (const MetricRow& row : comparison.rows)
-    if (row.name == name) return &row;
-  return nullptr;
-}
-
-/// "deflection" of "mid.y", as the case asks for it; empty where it does not.
-std::string quantity_of(const std::string& column, const std::vector<ProbeKeys>& probes) {
-  for (const ProbeKeys& probe : probes)
-    if (column == probe.name || column.starts_with(probe.name + ".")) return probe.quantity;
-  return {};
-}
-
-/// Throws Error(command_line) unless it is a .png or an .svg.
-picture::Canvas::Kind kind_of_plot(const std::filesystem::path& path) {
-  return picture::kind_of(path, "--plot", "a plot", "compare.svg");
-}
-
-/// The plots one below the other. Throws Error(command_line) where there is nothing to draw.
-void write_plots(const std::filesystem::path& path, const std::vector<report::Plot>& plots) {
-  const std::string bytes = picture::chart(plots, {.ratio = fine}, kind_of_plot(path));
-  if (bytes.empty())
-    throw Error(ExitCode::command_line, "--plot " + path.string(), "there is no curve to draw",
-                "--probe NAME chooses a quantity that was recorded over time");
-  write_text(path, bytes);
-}
-
-/// All records of one quantity over the span of their comparison, with the first peak of each.
-report::Plot overlay_plot(const std::string& quantity, const std::vector<Record>& records,
-                          const Comparison& comparison) {
-  report::Plot plot;
-  plot.title = plot.y_name = quantity;
-  plot.x_name = "time";
-  plot.x_unit = "s";
-  plot.y_unit = records.front().unit;
-  plot.window = {comparison.from, comparison.to};
-  const MetricRow *value = row_of(comparison, "first_peak"), *time = row_of(comparison, "time_of_first_peak");
-  for (std::size_t r = 0; r < records.size(); ++r) {
-    report::Series series = {
-        .name = records[r].name, .curve = records[r].curve, .style = static_cast<int>(r)};
-    if (value != nullptr && time != nullptr && value->value[r] && time->value[r])
-      series.marker = CurvePoint{comparison.origin[r] + *time->value[r], *value->value[r]};
-    plot.series.push_back(std::move(series));
-  }
-  return plot;
-}
-
-/// Plots a run against the expectations of its case, one plot for each probe of the blocks. Values of peaks,
-/// means and final values are references, beside the points of reference curves. Plots are named as the case
-/// names them.
-std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>& blocks, const RunData& data,
-                                          const std::string& run_name, const std::vector<ProbeKeys>& probes) {
-  std::vector<report::Plot> plots;
-  for (const CompareBlock& block : blocks) {
-    const auto column = data.history == nullptr ? std::nullopt : data.history->find(block.probe);
-    if (!column) continue;
-    const std::string quantity = quantity_of(block.probe, probes);
-    const std::string title = quantity.empty() ? block.probe : quantity + " " + block.probe;
-    const auto same = [&](const report::Plot& plot) { return plot.title == title; };
-    auto plot = std::find_if(plots.begin(), plots.end(), same);
-    if (plot == plots.end()) {
-      report::Plot fresh;
-      fresh.title = title;
-      fresh.y_name = quantity.empty() ? block.probe : quantity;
-      fresh.x_name = "time";
-      fresh.x_unit = "s";
-      fresh.y_unit = data.history->columns[*column].unit;
-      report::Series own = {.name = run_name, .curve = curve_of(*data.history, block.probe)};
-      const auto value = data.monitor.find(block.probe + ":first_peak"),
-                 time = data.monitor.find(block.probe + ":time_of_first_peak");
-      if (value != data.monitor.end() && time != data.monitor.end())
-        own.marker = CurvePoint{time->second, value->second};
-      fresh.series.push_back(std::move(own));
-      plots.push_back(std::move(fresh));
-      plot = std::prev(plots.end());
-    }
-    for (const CompareBlock::Metric& metric : block.metrics) {
-      if (!is_value_of_curve(metric.name)) continue;
-      const double value = metric.value * block.divide_by;
-      const double within = metric.value == 0 ? metric.tolerance * std::abs(block.divide_by)
-                                              : metric.tolerance * std::abs(value);
-      plot->references.push_back(
-          {.name = in_words(metric.name) + ", " + block.kind, .value = value, .within = within});
-    }
-    if (!block.file.empty())
-      plot->series.push_back({.name = block.file.stem().string() + ", " + block.kind,
-                              .curve = reference_curve(block),
-                              .style = static_cast<int>(plot->series.size()),
-                              .dots = true,
-                              .line = false});
-  }
-  return plots;
-}
-
-std::string required_text(const std::filesystem::path& path) {
-  const auto text = read_text(path);
-  if (!text)
-    throw Error(ExitCode::case_file, path.string(), "cannot be read",
-                "name the folder of a run that `strake run` has made, e.g. runs/plate_entry");
-  return *text;
-}
-
-Json required_json(const std::filesystem::path& path) {
-  Json json = parse_json(required_text(path));
-  if (json.is_null()) throw Error(ExitCode::case_file, path.string(), "is not JSON", "run the case again");
-  return json;
-}
-
-/// What the run had found, as its participants reported it.
-std::map<std::string, double> results_of(const Json& summary, const Json& record) {
-  std::map<std::string, double> monitor;
-  for (const auto& [probe, entry] : member(summary, "probes").items())
-    for (const auto& [metric, value] : entry.items())
-      if (value.is_number()) monitor[probe + ":" + metric] = value.get<double>();
-  for (const auto& [probe, value] : member(record, "contact").items())
-    if (value.is_number()) monitor[probe + ":contact"] = value.get<double>();
-  return monitor;
-}
-
-/// The blocks of the run's own case.toml against its summary and history.
-ExitCode compare_run(const CompareOptions& options) {
-  const std::filesystem::path folder = options.operands.front();
-  if (!options.plot.empty()) kind_of_plot(options.plot);
-  const auto text = required_text(folder / "case.toml");
-  const Json summary = required_json(folder / "summary.json");
-  const Json record = required_json(folder / "run.json");
-  std::vector<CompareBlock> blocks = compare_blocks_of(folder / "case.toml");
-  const auto values = flatten_toml(text, (folder / "case.toml").string());
-  const CaseLookup lookup = lookup_in(values);
-
-  const std::size_t in_file = blocks.size();
-  std::erase_if(blocks, [&](const CompareBlock& block) {
-    const auto& asked = options.probes;
-    return !applies(block, lookup) ||
-           (!asked.empty() && std::find(asked.begin(), asked.end(), block.probe) == asked.end());
-  });
-  const Table history = read_table(folder / "history.csv");
-  const RunData data{.monitor = results_of(summary, record),
-                     .history = &history,
-                     .time = number_of(summary, "end_time").value_or(0),
-                     .finished = number_of(summary, "exit_code") == 0};
-
-  const Style style = style_of(stdout);
-  const std::vector<Verdict> verdicts = judge(blocks, data, lookup);
-  ExitCode code = ExitCode::done;
-  for (const Verdict& verdict : verdicts) {
-    fmt::print("{}\n", verdict_text(verdict, style));
-    if (verdict.result == Verdict::Result::fail) code = ExitCode::outside_tolerance;
-  }
-  if (verdicts.empty())
-    fmt::print("{}: no [[compare]] block of its case applies to this run{} ({} in the file)\n",
-               visible(folder.string()), options.probes.empty() ? "" : " and that probe", in_file);
-  if (!options.plot.empty()) {
-    write_plots(options.plot,
-                reference_plots(blocks, data, folder.string(), common_keys_of(folder / "case.toml").probes));
-    fmt::print("plot  {}\n", options.plot.string());
-  }
-  return code;
-}
 
 struct Limit {
   std::string metric;

@@ -1,6 +1,6 @@
 #include "coupler/case/case_view.hpp"
 #include "coupler/commands/commands.hpp"
-#include "coupler/console/console.hpp"
+#include "coupler/commands/run_messages.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/run/checkpoint.hpp"
 #include "coupler/run/run_files.hpp"
@@ -20,10 +20,8 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -35,79 +33,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::unique_ptr<Reporter> reporter_of(const RunOptions& options) {
-  if (options.json) return json_reporter(stdout);
-  if (options.quiet) return quiet_reporter(stdout, style_of(stdout));
-  return table_reporter(stdout, style_of(stdout));
-}
-
-/// What the run tells: to the console, and to its log once that is open.
-struct RunMessages {
-  Reporter& reporter;
-  std::shared_ptr<spdlog::logger> log = {};
-  WaitLog wait_log = {};
-  ConsoleLoss console = {};
-
-  void note(const std::string& line) const {
-    if (log) log->info(line);
-    reporter.note(line);
-  }
-  void warn(const std::string& line) const {
-    if (log) log->warn(line);
-    reporter.warning(line);
-  }
-  void alarm(const std::string& line) const {
-    if (log) log->error("alarm: {}", line);
-    reporter.alarm(line);
-  }
-  void wait(const Awaited& whom, double elapsed) {
-    if (const std::string line = wait_log.line(whom); log && !line.empty()) log->info(line);
-    reporter.wait(whom, elapsed);
-  }
-};
-
-/// The head of console and log, before the first window. history: the columns of its file.
-RunHeader header_of(const CaseView& view, const Session& session, const RunPlan& plan,
-                    const std::filesystem::path& folder, const std::vector<Column>& history, bool resumed) {
-  RunHeader header{.title = view.common.title,
-                   .folder = folder,
-                   .blocks = session.understood(),
-                   .warnings = session.warnings(),
-                   .coupled = view.coupled(),
-                   .dimension = session.dimension(),
-                   .columns = session.columns(),
-                   .probes = view.common.probes,
-                   .history = history,
-                   .end_time = plan.end,
-                   .windows = plan.n_windows(),
-                   .from = plan.start};
-  if (std::vector<std::string> lines = session.resolution(); !lines.empty())
-    header.blocks.emplace_back("resolution", std::move(lines));
-  if (resumed)
-    header.blocks.push_back(
-        {"resumed", {fmt::format("after window {} (t = {:.6g} s)", plan.start.windows, plan.start.time)}});
-  return header;
-}
-
-/// Adds to the error that stopped a run the checkpoint to resume from, if there is one, and the loss.
-/// checkpoint: the latest, as the user would type it; empty: none. saved: its content.
-Error with_resume_hint(const Error& error, const std::filesystem::path& checkpoint, const LoopState& saved,
-                       const Summary& summary) {
-  const long lost = summary.windows() - saved.windows;
-  const std::string windows = fmt::format("{} finished window{}, {:.6g} s of simulated time", lost,
-                                          lost == 1 ? "" : "s", summary.end_time() - saved.time);
-  const std::string resume_hint =
-      checkpoint.empty()
-          ? fmt::format(
-                "nothing to go on from: the first checkpoint was still to come (run.checkpoint)\n"
-                "lost: {}",
-                windows)
-          : fmt::format("--resume goes on with window {} (t = {:.6g} s), from {}\ncomputed again: {}",
-                        saved.windows + 1, saved.time, checkpoint.string(), windows);
-  return Error(error.code(), error.where(), error.problem(),
-               error.fix().empty() ? resume_hint : error.fix() + "\n" + resume_hint);
 }
 
 /// One run, from its folder to its last file.
@@ -362,19 +287,7 @@ class Run {
     if (messages_.log) messages_.log->info("exit code {}", static_cast<int>(code));
 
     clocks_.close();
-    RunEnd end{.summary = &summary_,
-               .folder = folder_.path,
-               .fields = {},
-               .stopped = {},
-               .profile = clocks_.profile()};
-    for (const char* fields : {"fluid.xdmf", "structure.xdmf"})
-      if (std::error_code none; std::filesystem::exists(folder_.path / fields, none))
-        end.fields.emplace_back(fields);
-    if (code == ExitCode::interrupted || code == ExitCode::terminated || code == ExitCode::hung_up)
-      end.stopped = "interrupted";
-    else if (code != ExitCode::done)
-      end.stopped = "stopped";
-    if (started_) messages_.reporter.end(end);
+    if (started_) messages_.reporter.end(end_of(code, summary_, folder_.path, clocks_.profile()));
   }
 
   void fail(const Error& error) noexcept {
@@ -478,13 +391,6 @@ ExitCode run(const RunOptions& options, const StopRequest& stop) {
     throw;
   }
   return run->execute();
-}
-
-Error error_of(const std::exception& error, const std::string& where) {
-  if (const auto* refused = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
-    return {ExitCode::cannot_write, refused->path1().string(), refused->code().message(),
-            "check the path, and what this user may do there"};
-  return {ExitCode::our_bug, where, fmt::format("{}\nthis is a bug in Strake", error.what())};
 }
 
 }  // namespace strake

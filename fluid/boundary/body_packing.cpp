@@ -1,6 +1,7 @@
 #include "fluid/boundary/body_packing.hpp"
 
 #include "fluid/boundary/fill.hpp"
+#include "fluid/boundary/packing.hpp"
 #include "fluid/particles/kernel.hpp"
 #include "fluid/particles/neighbours.hpp"
 #include "proto/error.hpp"
@@ -16,11 +17,8 @@
 namespace strake::fluid {
 namespace {
 
-constexpr double depth = 6;       // [l0] of the water that may move. Chosen
-constexpr double strength = 0.2;  // A, as of `pack`
-constexpr double longest = 0.1;   // [l0] of one move
-constexpr double rest = 1e-3;     // [l0] largest move at which it has settled
-constexpr int most_rounds = 200;
+constexpr double body_depth = 6;  // [l0] of the water that may move. Chosen
+constexpr int most_body_rounds = 200;
 constexpr int tag_rounds = 10;         // after which it is asked anew what lies beside the faces
 constexpr double nearest_face = 0.25;  // [l0] water is not moved nearer to a face
 constexpr double closest = 0.4;        // [l0] distance of two particles below which water is refused
@@ -28,7 +26,6 @@ constexpr double dry_distance = 1;     // [l0] from a face's first row to water,
 constexpr double dry_stretch = 4;      // [l0] around a dry face, in which others are counted
 constexpr double covered = 0.1;        // [l0] distance of a face to a wall below which it is covered
 constexpr long most_dry_in_plane = 5, most_dry_in_space = 20;
-constexpr double first_row = 0.75;  // [l0] water less deep than this stays at its level
 
 /// The places around a body that are moved, and those around them.
 template <int dim>
@@ -76,7 +73,7 @@ Packing<dim>::Packing(const Parameters& p, Boundary<dim>& boundary, State<dim>& 
 
 template <int dim>
 void Packing<dim>::choose_water() {
-  const double reach = depth * l0_ + radius_ + l0_;
+  const double reach = body_depth * l0_ + radius_ + l0_;
   std::vector<std::int32_t> others, layers;
   for (std::int64_t i = 0; i < boundary_.first_of_bodies(); ++i) {
     const Vector<dim> x = state_.position.col(i);
@@ -87,7 +84,7 @@ void Packing<dim>::choose_water() {
       layers.push_back(static_cast<std::int32_t>(i));
       continue;
     }
-    const bool moves = distance < depth * l0_ && !beside_open_side<dim>(p_, boundary_, x, radius_);
+    const bool moves = distance < body_depth * l0_ && !beside_open_side<dim>(p_, boundary_, x, radius_);
     (moves ? global_ : others).push_back(static_cast<std::int32_t>(i));
     if (moves) away_.push_back(distance);
   }
@@ -121,8 +118,9 @@ double Packing<dim>::move(Vectors<dim>& by) {
   const double least = nearest_face * l0_;
 #pragma omp parallel for schedule(static)
   for (Eigen::Index i = 0; i < movers_; ++i) {
-    if (below_level(i) < first_row * l0_) by(1, i) = 0;
-    if (const double length = by.col(i).norm(); length > longest * l0_) by.col(i) *= longest * l0_ / length;
+    if (below_level(i) < level_row * l0_) by(1, i) = 0;
+    if (const double length = by.col(i).norm(); length > longest_move * l0_)
+      by.col(i) *= longest_move * l0_ / length;
     Vector<dim> x = place_.col(i) + by.col(i);
     double& away = away_[static_cast<std::size_t>(i)];
     away -= by.col(i).norm();
@@ -147,7 +145,7 @@ template <int dim>
 void Packing<dim>::even_out() {
   const auto& periodic = boundary_.tank().periodic();
   Vectors<dim> by(dim, movers_);
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < most_body_rounds; ++round) {
     const Neighbours& near = search(round);
 #pragma omp parallel for schedule(static)
     for (Eigen::Index i = 0; i < movers_; ++i) {
@@ -167,10 +165,10 @@ void Packing<dim>::even_out() {
         r[1] = under + below_level(j);  // the place j in the mirror
         add(r, 1 / r.norm());
       }
-      by.col(i) = -strength * l0_ * l0_ * dim / gradient_.n0 * sum;
+      by.col(i) = -packing_strength * l0_ * l0_ * dim / gradient_.n0 * sum;
     }
     const double moved = move(by);
-    if (moved < rest * l0_) break;
+    if (moved < settled_move * l0_) break;
   }
 }
 

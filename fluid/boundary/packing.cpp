@@ -9,14 +9,9 @@
 namespace strake::fluid {
 namespace {
 
-constexpr double depth = 8;       // [l0] of the places that may move
-constexpr double radius = 3.1;    // [l0] of the concentration
-constexpr double strength = 0.2;  // A; 0.1 is slower, 0.4 oscillates
-constexpr double longest = 0.1;   // [l0] of one move
-constexpr double rest = 1e-3;     // [l0] largest move at which it has settled
+constexpr double packed_depth = 8;  // [l0] of the places that may move
+constexpr double radius = 3.1;      // [l0] of the concentration
 constexpr int most_rounds = 300;
-constexpr double first_row =
-    0.75;  // [l0] from the water's level; water and air nearer to it stay in their rows
 
 /// Returns the middles of the cells beside the tank's bounding box that lie above an open side.
 std::vector<Vector<2>> lid(const TankShape<2>& tank, double spacing) {
@@ -41,11 +36,11 @@ void pack(std::vector<Vector<2>>& places, const TankShape<2>& tank, const WallPa
   // The places that move come first, then the fixed ones around them.
   const auto distance = [&](const Vector<2>& x) { return tank.distance_to_slanted(x); };
   const auto moving = std::stable_partition(
-      places.begin(), places.end(), [&](const Vector<2>& x) { return distance(x) < depth * spacing; });
+      places.begin(), places.end(), [&](const Vector<2>& x) { return distance(x) < packed_depth * spacing; });
   const auto movers = static_cast<Eigen::Index>(moving - places.begin());
   std::vector<Vector<2>> all(places.begin(), moving);
   const auto stand = [&](const Vector<2>& x) {
-    if (distance(x) < (depth + radius + 2) * spacing) all.push_back(x);
+    if (distance(x) < (packed_depth + radius + 2) * spacing) all.push_back(x);
   };
   std::for_each(moving, places.end(), stand);
   for (const Vector<2>& x : lid(tank, spacing)) stand(x);
@@ -67,13 +62,14 @@ void pack(std::vector<Vector<2>>& places, const TankShape<2>& tank, const WallPa
       for (std::size_t e = 0; e < columns.size(); ++e)
         concentration += (lattice.radius * inverses[e] - 1) * inverses[e] * inverses[e] *
                          (position.col(columns[e]) - position.col(i));
-      Vector<2> step = -strength * spacing * spacing * 2 / lattice.n0 * concentration;
-      if (std::abs(position(1, i) - level) < first_row * spacing) step[1] = 0;
-      if (const double length = step.norm(); length > longest * spacing) step *= longest * spacing / length;
+      Vector<2> step = -packing_strength * spacing * spacing * 2 / lattice.n0 * concentration;
+      if (std::abs(position(1, i) - level) < level_row * spacing) step[1] = 0;
+      if (const double length = step.norm(); length > longest_move * spacing)
+        step *= longest_move * spacing / length;
       move.col(i) = step;
     }
     position.leftCols(movers) += move;
-    if (movers == 0 || move.colwise().norm().maxCoeff() < rest * spacing) break;
+    if (movers == 0 || move.colwise().norm().maxCoeff() < settled_move * spacing) break;
   }
   for (Eigen::Index i = 0; i < movers; ++i) places[static_cast<std::size_t>(i)] = position.col(i);
 }

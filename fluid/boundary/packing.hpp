@@ -7,6 +7,11 @@
 
 namespace strake::fluid {
 
+/// What all packings have in common: A (0.1 is slower, 0.4 oscillates), and in l0 the longest move, the
+/// largest move at which all has settled, and the distance from the water's level up to which rows keep their
+/// height.
+inline constexpr double packing_strength = 0.2, longest_move = 0.1, settled_move = 1e-3, level_row = 0.75;
+
 /// Moves the places of a full tank beside walls that cut through the lattice. The method is particle packing
 /// (Colagrossi, Bouscasse, Antuono & Marrone 2012). All places within 8 l0 of such a wall move by
 ///   δr_i = −A l0² ∇C_i, ∇C_i = (d/n0) Σ_j w r_ij/r²,

@@ -13,7 +13,7 @@ constexpr double joining_height = 0.52, leaving_height = 1.0;
 /// Distance along the face up to which water counts [l0].
 constexpr double aside = 1.01;
 /// Distance of a body before a wall below which it covers the wall [l0].
-constexpr double covered = 0.1;
+constexpr double covering_distance = 0.1;
 /// A corner becomes wet when water is nearer to it than √2 l0 and this margin [l0]. It has no face: √2 l0 is
 /// the distance of the first lattice particle at an edge of two walls. In a corner of three walls that
 /// particle is √3 l0 away.
@@ -109,7 +109,7 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
     if (is_wet && j < boundary.first_of_bodies() && !corner(j) && !boundary.body_surface().empty()) {
       // The wall is dry behind a body that touches it, even where water is near the body's corner.
       const Vector<dim> before =
-          state.position.col(j) + (depth_[j - first_] + covered * spacing_) * axis_.col(j - first_);
+          state.position.col(j) + (depth_[j - first_] + covering_distance * spacing_) * axis_.col(j - first_);
       is_wet = !boundary.body_surface().inside(before);
     }
     const bool joins = is_wet && was_dry && state.step > 0 && j >= boundary.first_of_bodies();

@@ -7,10 +7,11 @@
 namespace strake::fluid {
 namespace {
 
-constexpr double layer = 2;       // [l0] above the floor that belong to the front's layer
-constexpr double gap = 2;         // [l0] between particles that end a body of water
-constexpr double column = 1;      // [l0] half-width of the column whose level is sought
-constexpr double half_width = 2;  // [l0] of a wave gauge: a whole number, so that a lattice sums to itself
+constexpr double layer = 2;   // [l0] above the floor that belong to the front's layer
+constexpr double gap = 2;     // [l0] between particles that end a body of water
+constexpr double column = 1;  // [l0] half-width of the column whose level is sought
+constexpr double gauge_half_width =
+    2;  // [l0] of a wave gauge: a whole number, so that a lattice sums to itself
 
 /// Returns the farthest of `places` that is reached from 0 without a gap. It is −l0/2 where the first one is
 /// too far.
@@ -79,7 +80,7 @@ double level(const Vectors<dim>& position, std::span<const std::int64_t> water, 
 template <int dim>
 double wetted_height(const Vectors<dim>& position, std::span<const std::int64_t> water, const Vector<dim>& at,
                      const Vector<dim>& low, const Vector<dim>& high, double spacing) {
-  const double b = half_width * spacing;
+  const double b = gauge_half_width * spacing;
   double sum = 0;
   for (const std::int64_t i : water) {
     const Vector<dim> x = position.col(i) - at;

@@ -15,7 +15,7 @@ namespace {
 constexpr double cells_per_spacing = 4;
 constexpr int added = 5, taken = 3;  // radii in cells: 1.25 l0 and 0.75 l0; their difference is l0/2
 constexpr int border = added + taken + 1;
-constexpr double most_cells = 4e10;  // 5 GB of them, one bit each
+constexpr double most_bits = 4e10;  // 5 GB of them, one bit each
 
 using Word = std::uint64_t;
 constexpr std::int64_t bits = 64;
@@ -72,7 +72,7 @@ double water_volume(const Vectors<dim>& particles, double spacing) {
   for (int d = 0; d < dim; ++d) {
     const double across = std::ceil((high[d] - low[d]) / h) + 2 * border + 1;
     count *= across;
-    if (!(count < most_cells)) return std::numeric_limits<double>::quiet_NaN();
+    if (!(count < most_bits)) return std::numeric_limits<double>::quiet_NaN();
     cells.size[static_cast<std::size_t>(d)] = static_cast<std::int64_t>(across);
   }
   cells.words = (cells.size[0] + bits - 1) / bits;

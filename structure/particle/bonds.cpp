@@ -1,6 +1,7 @@
 #include "structure/particle/bonds.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "structure/material/symmetric.hpp"
+
 #include <Eigen/LU>
 
 #include <cmath>
@@ -91,7 +92,7 @@ void find_shape(Bonds<dim>& bonds, Eigen::Index i) {
   }
   Eigen::Map<Matrix> inverse(bonds.shape_inverse.col(i).data());
   if (broken) {
-    const auto values = Eigen::SelfAdjointEigenSolver<Matrix>(shape, Eigen::EigenvaluesOnly).eigenvalues();
+    const Eigen::VectorXd values = eigenvalues_of(shape);
     if (!(values.minCoeff() > thin * values.maxCoeff())) {
       inverse.setZero();
       bonds.inverse_moment[i] = 0;

@@ -13,8 +13,6 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double near = 1e-6;  // [spacing] decimals of a case file, not physics
-
 /// A lattice cell between 2^dim particles from which a place is interpolated, and the position of the place
 /// in it.
 template <int dim>
@@ -45,7 +43,8 @@ std::vector<Block<dim>> blocks_at(const Lattice<dim>& lattice, const Eigen::Matr
   std::vector<Block<dim>> best;
   for_each_cell<dim>(natural - Cell::Ones(), natural + 2 * Cell::Ones(), [&](const Cell& base) {
     Block<dim> block{base, s - base.template cast<double>(), (base - natural).cwiseAbs().sum()};
-    const bool in_reach = block.within.minCoeff() >= -0.5 - near && block.within.maxCoeff() <= 1.5 + near;
+    const bool in_reach =
+        block.within.minCoeff() >= -0.5 - file_decimals && block.within.maxCoeff() <= 1.5 + file_decimals;
     if (!in_reach || (!best.empty() && block.shifted > best.front().shifted)) return;
     if (!is_complete<dim>(lattice, base)) return;
     if (!best.empty() && block.shifted < best.front().shifted) best.clear();

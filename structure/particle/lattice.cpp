@@ -13,8 +13,6 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double near = 1e-6;  // [spacing] decimals of a case file, not physics
-
 /// Planes of a body in spacings from the first one along each axis.
 struct Grid {
   const Solid& solid;
@@ -200,7 +198,7 @@ SolidFault fault_of_boxes(const Solid& solid, double spacing) {
   constexpr int layers = 2;  // through each part: below that a bond sees no bending
   const double thin = thinnest(solid), measure = common_measure(solid);
   const double fitting =
-      measure / std::ceil(std::max(measure / spacing, layers * measure / thin) * (1 - near));
+      measure / std::ceil(std::max(measure / spacing, layers * measure / thin) * (1 - file_decimals));
   // Planes without a practical common measure: no lattice of a feasible size fits them.
   const std::string fix = fitting > 0.02 * thin
                               ? fmt::format("spacing = {:.6g}", fitting)
@@ -208,7 +206,7 @@ SolidFault fault_of_boxes(const Solid& solid, double spacing) {
   for (int axis = 0; axis < solid.dimension; ++axis)
     for (const double plane : solid.plane[static_cast<std::size_t>(axis)]) {
       const double n = (plane - solid.plane[static_cast<std::size_t>(axis)].front()) / spacing;
-      if (std::abs(n - std::round(n)) < near * std::max(1.0, n)) continue;
+      if (std::abs(n - std::round(n)) < file_decimals * std::max(1.0, n)) continue;
       return {fmt::format(
                   "box \"{}\" has a side at {} = {:.6g} m, {:.6g} spacings of {:.6g} m from the body's first "
                   "side, and not a whole number",
@@ -225,7 +223,7 @@ SolidFault fault_of_boxes(const Solid& solid, double spacing) {
     part.cell.conservativeResize(Eigen::NoChange, kept);
     part.part_of.assign(static_cast<std::size_t>(kept), 0);
     const double across = thinnest(part);
-    if (across < (layers - near) * spacing)
+    if (across < (layers - file_decimals) * spacing)
       return {fmt::format("box \"{}\" is {:.6g} m thin, {:.6g} layers of {:.6g} m: at least {}",
                           solid.parts[p].name, across, across / spacing, spacing, layers),
               fix};
@@ -237,7 +235,7 @@ template <int dim>
 SolidFault fault_of_samples(const Solid& solid, double spacing) {
   constexpr double gate = 0.01;
   const double thin = thinnest(solid);
-  if (thin < 2 * spacing * (1 - near))
+  if (thin < 2 * spacing * (1 - file_decimals))
     return {fmt::format("a part is {:.6g} m thin, {:.3g} layers of {:.6g} m: at least 2", thin,
                         thin / spacing, spacing),
             fmt::format("spacing = {:.6g}", thin / 4)};

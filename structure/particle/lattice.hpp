@@ -16,6 +16,8 @@ namespace strake::structure {
 template <int dim>
 using Vectors = Eigen::Matrix<double, dim, Eigen::Dynamic>;
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+/// Decimals of a case file, not physics [spacing].
+inline constexpr double file_decimals = 1e-6;
 
 /// A body as a square or cubic lattice of particles, numbered with x slowest. A particle stands where at
 /// least half of a lattice cell lies in the body. Bodies of boxes fill their cells exactly. In other bodies a

@@ -38,13 +38,16 @@ bool is_positive_definite(Tensor<dim> A) {
   return true;
 }
 
-}  // namespace
-
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return A.ldlt().solve(b);
 }
-Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
-  return A.ldlt().solve(B);
+
+}  // namespace
+
+Eigen::MatrixXd condensed(const Eigen::MatrixXd& L, const Eigen::MatrixXd& H, const Eigen::MatrixXd& L1) {
+  const Eigen::MatrixXd right = L1.transpose();
+  const Eigen::MatrixXd solved = H.ldlt().solve(right);
+  return L * solved;
 }
 
 template <int dim, int n>

@@ -113,8 +113,7 @@ class EnhancedStrain {
   std::array<Modes, static_cast<std::size_t>(n)> modes_;
 };
 
-/// x of A x = b for a symmetric A, by L D Lᵀ; of many right-hand sides at once.
-Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
-Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+/// L H⁻¹ L1ᵀ with the stiffness H of the added strains: what their freedom takes from a cell's stiffness.
+Eigen::MatrixXd condensed(const Eigen::MatrixXd& L, const Eigen::MatrixXd& H, const Eigen::MatrixXd& L1);
 
 }  // namespace strake::structure::fem

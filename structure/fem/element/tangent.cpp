@@ -24,8 +24,7 @@ void soften(Local& local, const EnhancedStrain<dim, n>& enhanced, const CellView
       Eigen::Map<Eigen::Matrix<double, dim, n>>(L1.col(k).data()).noalias() += F1[at] * Tg;
     }
   }
-  const Eigen::MatrixXd right = solve_symmetric(enhanced.stiffness(m, E), Eigen::MatrixXd(L1.transpose()));
-  local.noalias() -= L_alpha * right;
+  local -= condensed(L_alpha, enhanced.stiffness(m, E), L1);
 }
 
 }  // namespace

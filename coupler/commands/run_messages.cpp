@@ -1,0 +1,74 @@
+#include "coupler/commands/run_messages.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <utility>
+
+namespace strake {
+
+std::unique_ptr<Reporter> reporter_of(const RunOptions& options) {
+  if (options.json) return json_reporter(stdout);
+  if (options.quiet) return quiet_reporter(stdout, style_of(stdout));
+  return table_reporter(stdout, style_of(stdout));
+}
+
+RunHeader header_of(const CaseView& view, const Session& session, const RunPlan& plan,
+                    const std::filesystem::path& folder, const std::vector<Column>& history, bool resumed) {
+  RunHeader header{.title = view.common.title,
+                   .folder = folder,
+                   .blocks = session.understood(),
+                   .warnings = session.warnings(),
+                   .coupled = view.coupled(),
+                   .dimension = session.dimension(),
+                   .columns = session.columns(),
+                   .probes = view.common.probes,
+                   .history = history,
+                   .end_time = plan.end,
+                   .windows = plan.n_windows(),
+                   .from = plan.start};
+  if (std::vector<std::string> lines = session.resolution(); !lines.empty())
+    header.blocks.emplace_back("resolution", std::move(lines));
+  if (resumed)
+    header.blocks.push_back(
+        {"resumed", {fmt::format("after window {} (t = {:.6g} s)", plan.start.windows, plan.start.time)}});
+  return header;
+}
+
+Error with_resume_hint(const Error& error, const std::filesystem::path& checkpoint, const LoopState& saved,
+                       const Summary& summary) {
+  const long lost = summary.windows() - saved.windows;
+  const std::string windows = fmt::format("{} finished window{}, {:.6g} s of simulated time", lost,
+                                          lost == 1 ? "" : "s", summary.end_time() - saved.time);
+  const std::string resume_hint =
+      checkpoint.empty()
+          ? fmt::format(
+                "nothing to go on from: the first checkpoint was still to come (run.checkpoint)\n"
+                "lost: {}",
+                windows)
+          : fmt::format("--resume goes on with window {} (t = {:.6g} s), from {}\ncomputed again: {}",
+                        saved.windows + 1, saved.time, checkpoint.string(), windows);
+  return Error(error.code(), error.where(), error.problem(),
+               error.fix().empty() ? resume_hint : error.fix() + "\n" + resume_hint);
+}
+
+RunEnd end_of(ExitCode code, const Summary& summary, const std::filesystem::path& folder,
+              const Profile* profile) {
+  RunEnd end{.summary = &summary, .folder = folder, .fields = {}, .stopped = {}, .profile = profile};
+  for (const char* fields : {"fluid.xdmf", "structure.xdmf"})
+    if (std::error_code none; std::filesystem::exists(folder / fields, none)) end.fields.emplace_back(fields);
+  if (code == ExitCode::interrupted || code == ExitCode::terminated || code == ExitCode::hung_up)
+    end.stopped = "interrupted";
+  else if (code != ExitCode::done)
+    end.stopped = "stopped";
+  return end;
+}
+
+Error error_of(const std::exception& error, const std::string& where) {
+  if (const auto* refused = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
+    return {ExitCode::cannot_write, refused->path1().string(), refused->code().message(),
+            "check the path, and what this user may do there"};
+  return {ExitCode::our_bug, where, fmt::format("{}\nthis is a bug in Strake", error.what())};
+}
+
+}  // namespace strake

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "coupler/case/case_view.hpp"
+#include "coupler/commands/commands.hpp"
+#include "coupler/console/console.hpp"
+#include "coupler/run/run_log.hpp"
+#include "coupler/run/session.hpp"
+#include "coupler/summary/summary.hpp"
+#include "proto/error.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// What strake run tells, and where.
+
+std::unique_ptr<Reporter> reporter_of(const RunOptions&);
+
+/// What the run tells: to the console, and to its log once that is open.
+struct RunMessages {
+  Reporter& reporter;
+  std::shared_ptr<spdlog::logger> log = {};
+  WaitLog wait_log = {};
+  ConsoleLoss console = {};
+
+  void note(const std::string& line) const {
+    if (log) log->info(line);
+    reporter.note(line);
+  }
+  void warn(const std::string& line) const {
+    if (log) log->warn(line);
+    reporter.warning(line);
+  }
+  void alarm(const std::string& line) const {
+    if (log) log->error("alarm: {}", line);
+    reporter.alarm(line);
+  }
+  void wait(const Awaited& whom, double elapsed) {
+    if (const std::string line = wait_log.line(whom); log && !line.empty()) log->info(line);
+    reporter.wait(whom, elapsed);
+  }
+};
+
+/// The head of console and log, before the first window. history: the columns of its file.
+RunHeader header_of(const CaseView&, const Session&, const RunPlan&, const std::filesystem::path& folder,
+                    const std::vector<Column>& history, bool resumed);
+
+/// Adds to the error that stopped a run the checkpoint to resume from, if there is one, and the loss.
+/// checkpoint: the latest, as the user would type it; empty: none. saved: its content.
+Error with_resume_hint(const Error&, const std::filesystem::path& checkpoint, const LoopState& saved,
+                       const Summary&);
+
+/// How the run ended, for its closing lines. The files of fields are those that lie in the folder.
+RunEnd end_of(ExitCode, const Summary&, const std::filesystem::path& folder, const Profile*);
+
+}  // namespace strake
