@@ -1,7 +1,6 @@
 #include "structure/particle/bonds.hpp"
 
-#include "structure/material/symmetric.hpp"
-
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <cmath>
@@ -92,7 +91,7 @@ void find_shape(Bonds<dim>& bonds, Eigen::Index i) {
   }
   Eigen::Map<Matrix> inverse(bonds.shape_inverse.col(i).data());
   if (broken) {
-    const Eigen::VectorXd values = eigenvalues_of(shape);
+    const auto values = Eigen::SelfAdjointEigenSolver<Matrix>(shape, Eigen::EigenvaluesOnly).eigenvalues();
     if (!(values.minCoeff() > thin * values.maxCoeff())) {
       inverse.setZero();
       bonds.inverse_moment[i] = 0;
