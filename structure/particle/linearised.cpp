@@ -3,6 +3,7 @@
 #include "proto/error.hpp"
 #include "structure/material/symmetric.hpp"
 
+#include <Eigen/QR>
 #include <Eigen/SparseLU>
 
 #include <algorithm>
@@ -105,15 +106,6 @@ Eigen::MatrixXd start_vectors(Eigen::Index n, Eigen::Index width) {
   return Q;
 }
 
-/// Makes the columns orthonormal, by Gram–Schmidt done twice.
-void orthonormalise(Eigen::MatrixXd& Q) {
-  for (Eigen::Index c = 0; c < Q.cols(); ++c) {
-    for (int pass = 0; pass < 2; ++pass)
-      for (Eigen::Index k = 0; k < c; ++k) Q.col(c) -= Q.col(k).dot(Q.col(c)) * Q.col(k);
-    Q.col(c).normalize();
-  }
-}
-
 /// Computes the lowest `count` frequencies ω/2π [Hz] of K v = ω² M v with C v = 0, M = diag(m), ascending,
 /// without those of rigid motions. `scale` [Hz] is of the order of the first; `rigid_motions`: that the body
 /// could have.
@@ -139,7 +131,7 @@ std::vector<double> lowest_frequencies(Eigen::SparseMatrix<double> K, const Eige
   Eigen::MatrixXd Q = start_vectors(n, width);
   Eigen::VectorXd value = Eigen::VectorXd::Zero(width);
   for (int k = 0; k < max_iterations; ++k) {
-    orthonormalise(Q);
+    Q = Eigen::HouseholderQR<Eigen::MatrixXd>(Q).householderQ() * Eigen::MatrixXd::Identity(n, width);
     const Eigen::MatrixXd Z = solver.solve(Q);
     const Eigen::VectorXd next = eigenvalues_of(Q.transpose() * Z).reverse();  // symmetric up to round-off
     Q = Z;
