@@ -16,6 +16,7 @@ namespace {
 constexpr double travel = 0.05;                               // [l0] of the body in a window
 constexpr double gravity_steps = 4;                           // of 0.05 √(l0/g), fluid/THEORY.md (F63)
 constexpr double sound_travel = 20;                           // [l0] of the structure's sound in a window
+constexpr double layer_travel = 3;                            // [l0] of the water's sound in a window
 constexpr double rows = 100;                                  // of the history, at least
 constexpr double rows_of_water = 400;                         // the same for water alone
 constexpr double steel_young = 2.1e11, steel_density = 7800;  // [Pa], [kg/m³] where the case gives none
@@ -112,6 +113,22 @@ void bound_by_body(const CaseFile& file, const CommonKeys& keys, double l0, doub
           "the structure's sound travels twenty spacings in it, so that its bending is followed");
 }
 
+/// Keeps the window short against the sound of a thin layer of water, which a light body lets ring. Two rows
+/// have half a period of 4.1 l0/c.
+void bound_by_layers(const CaseFile& file, const CommonKeys& keys, double l0, WindowChoice& choice) {
+  if (!is_elastic(keys) && !falls_free(file)) return;
+  // An infinite value is no number here.
+  const bool incompressible = file.has("fluid.sound_speed") && file.numbers_at("fluid.sound_speed").empty(),
+             limited = file.has("fluid.scheme.time_step");
+  const double usual = choice.level && !limited ? 2e-6 : 0,
+               step = first_of(file, "fluid.scheme.time_step", usual),
+               speed = first_of(file, "fluid.sound_speed", 1500);
+  if (!incompressible && step > 0 && speed * step < l0)
+    bound(choice, layer_travel * l0 / speed,
+          "the water's sound, which the steps resolve, travels three spacings in it: in longer windows thin "
+          "layers of water ring under a light body");
+}
+
 }  // namespace
 
 double round_window(double value, double whole) {
@@ -147,6 +164,8 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   }
   if (choice.level) {
     choice.why = "a level face may meet the water: five steps of 2e-6 s, which resolve its sound";
+    bound_by_layers(file, keys, l0, choice);
+    choice.window = round_window(choice.window);
     return choice;
   }
   if (!(l0 > 0) || !(keys.end_time > 0)) return choice;  // refused elsewhere
@@ -157,6 +176,7 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
     choice.window = keys.end_time / rows;
     choice.why = fmt::format("{:g} rows of the history", rows);
     bound_by_body(file, keys, l0, g, choice);
+    bound_by_layers(file, keys, l0, choice);
   }
   const double every = first_of(file, "output.every", 0);
   bound(choice, every, "as long as output.every");
