@@ -87,19 +87,20 @@ void LeastSquaresScheme<dim>::find_image_faces(const Boundary<dim>& boundary, co
 }
 
 /// Computes the slope of the pressure at the height of each particle over its faces, as a velocity [m/s]:
-///   v = v_s + exp(−h/(cΔt)) ((u* − U)·n − v_s)
-/// v_s = Δt g·n of weight, which acts at every height; with sound an impact does not (F36). After the step
+///   v = v_s + exp(−h/(c√(ΔtΔt_p))) ((u** − U)·n − v_s)
+/// v_s = Δt_p g·n of weight, which acts at every height; with sound an impact does not (F36). After the step
 /// there is no weight left: `steady` is zero.
 template <int dim>
 void LeastSquaresScheme<dim>::find_image_velocities(const Boundary<dim>& boundary, const State<dim>& state,
                                                     const Vector<dim>& steady, double dt) {
   if (!images_.any) return;
+  const double reach = p_.sound_speed * std::sqrt(dt * now_.projection);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     for (std::uint8_t f = 0; f < images_.count[static_cast<std::size_t>(i)]; ++f) {
       auto& face = images_.faces[static_cast<std::size_t>(i)][f];
       const Vector<dim> n = walls_.normal(face.layer);
-      const double always = steady.dot(n), reached = std::exp(-face.height / (p_.sound_speed * dt));
+      const double always = steady.dot(n), reached = std::exp(-face.height / reach);
       face.normal_velocity =
           always + reached * (relative_wall_velocity(boundary, state, i, face.layer).dot(n) - always);
     }

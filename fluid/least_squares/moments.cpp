@@ -108,7 +108,8 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
       laplacian_(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
       lattice_(laplacian_, p.spacing),
       walls_(boundary, state, p.spacing),
-      sound_(p.sound_depth, p.spacing) {
+      sound_(p.sound_depth, p.spacing),
+      oblique_(has_oblique_faces(boundary)) {
   images_.factor = image_factor();
   const std::int64_t water = boundary.water();
   full_ = boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&

@@ -9,13 +9,13 @@
 namespace strake::fluid {
 template <int dim>
 void LeastSquaresScheme<dim>::begin_equation(const Boundary<dim>& boundary, const State<dim>& state,
-                                             const Vector<dim>& gravity, double dt) {
+                                             const Vector<dim>& gravity) {
   equation_.limited.assign(static_cast<std::size_t>(boundary.water()), Limit::none);
   equation_.tension = true;
   now_.gravity = gravity;
   now_.largest_speed = fastest(boundary, state);
-  now_.deferred = 1 - corrected_fraction(state, dt);
-  now_.gravity_velocity = dt * gravity;
+  now_.deferred = 1 - corrected_fraction(state);
+  now_.gravity_velocity = now_.projection * gravity;
 }
 
 /// Gives the matrix the rows of far. Row and unknown have the number of their particle. A removed particle
@@ -36,42 +36,43 @@ void LeastSquaresScheme<dim>::share_rows(const Neighbours& far, PressureSystem& 
 }
 
 /// Assembles row i of (F40), with the sign of PressureSystem and s = n0 λ/(2d):
-///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²Δt²)
-///     + (Σ_layers w (−n·P r) + s g)/(cΔt) (p_i − p_still)
-///     = Σ_layers w q_ij − (1−σ) ρ g·m_P − s (ρ/Δt) (∇·u* − ε_i e_i) + s pⁿ/(c²Δt²)
-///       + s (ρ γ/Δt²) (δ − pⁿ/(ρc²)),
+///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²ΔtΔt_p)
+///     + (Σ_layers w (−n·P r) + s g)/(cΔt_p) (p_i − p_still)
+///     = Σ_layers w (ρ/Δt_p) (u**−U)·P r − (1−σ) ρ g·m_P − s (ρ/Δt_p) (∇·u** − ε_i e_i)
+///       + s pⁿ/(c²ΔtΔt_p) + s (ρ γ/(ΔtΔt_p)) (δ − pⁿ/(ρc²)),
 /// n the normals of absorbing walls, γ of drift_share. With a SoundLayer 1/c² and the sum over absorbing
 /// walls are multiplied by its compressible part at the particle's depth, and g is its own. δ = Σ W/Σ_lattice
 /// W − 1 is not below zero beside the surface. Where 1 − π > 0, that part of the change is left to the next
 /// steps (F45).
 template <int dim>
 void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>& state,
-                                       const Neighbours& far, const Vector<dim>& gravity, double dt,
-                                       PressureSystem& system) {
+                                       const Neighbours& far, const Neighbours& near,
+                                       const Vector<dim>& gravity, double dt, PressureSystem& system) {
   average_wall_velocity(boundary, state, far);
   if (!(velocity_.age > 0)) meet_faces(boundary, state, far);
-  begin_equation(boundary, state, gravity, dt);
+  begin_projection(boundary, state, far, near, dt);
+  begin_equation(boundary, state, gravity);
   find_image_velocities(boundary, state, now_.gravity_velocity, dt);
   share_rows(far, system);
   const CarriedFraction fraction = carried_fraction(dt);
-  const double part = corrected_fraction(state, dt);
+  const double part = corrected_fraction(state), projection = now_.projection;
   const double rho = p_.density, c = p_.sound_speed;
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
-  const double compression = std::isfinite(c) ? scale / (c * c * dt * dt) : 0.0;
+  const double compression = std::isfinite(c) ? scale / (c * c * dt * projection) : 0.0;
   const double drift =
-      p_.scheme.source == Source::divergence ? 0.0 : scale * rho * drift_share(dt) / (dt * dt);
+      p_.scheme.source == Source::divergence ? 0.0 : scale * rho * drift_share(dt) / (dt * projection);
   // This pressure is of the same time as the volumes.
   const double* const p_measured =
       velocity_.age > 0 ? equation_.pressure_at_start.data() : state.pressure.data();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
-    const WallTerms wall = wall_terms(boundary, state, far, dt, i);
+    const WallTerms wall = wall_terms(boundary, state, far, i);
     double local = compression, sheet = 0, sound = 1;
     if (!sound_.is_whole()) {
       const double depth = depth_of(boundary, state.position.col(i));
       sound = sound_.compressible(depth);
       local = sound * compression;
-      sheet = scale * sound_.yields(depth) / (c * dt);
+      sheet = scale * sound_.yields(depth) / (c * projection);
     }
     const double absorption = sound * wall.absorption + sheet;  // Y_i
     double deviation = volume_deviation(i);
@@ -91,10 +92,11 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
     equation_.carried[i] = static_cast<float>(carried);
     if (now_.deferred > 0)
       source += now_.deferred * incompressible *
-                (rho / dt * (scale * divergence(i) - wall.flux + now_.gravity_velocity.dot(wall.projected)) +
+                (rho / projection *
+                     (scale * divergence(i) - wall.flux + now_.gravity_velocity.dot(wall.projected)) +
                  own * state.pressure[i] - source);
     system.right[i] =
-        rho / dt * (wall.flux - scale * (divergence(i) - carried * state.residual_divergence[i])) -
+        rho / projection * (wall.flux - scale * (divergence(i) - carried * state.residual_divergence[i])) -
         rho * gravity.dot((1 - share) * moments_.m_projected.col(i).template cast<double>() + wall.images) +
         source;
     // Without a neighbour and without compressibility the pressure is undetermined: it is set to zero.
@@ -109,7 +111,6 @@ template <int dim>
 typename LeastSquaresScheme<dim>::WallTerms LeastSquaresScheme<dim>::wall_terms(const Boundary<dim>& boundary,
                                                                                 const State<dim>& state,
                                                                                 const Neighbours& far,
-                                                                                double dt,
                                                                                 std::int64_t i) const {
   const auto& periodic = boundary.tank().periodic();
   const bool absorbs = boundary.tank().absorbs();
@@ -128,7 +129,8 @@ typename LeastSquaresScheme<dim>::WallTerms LeastSquaresScheme<dim>::wall_terms(
     const Vector<dim> projected = walls_.projection(j, r);
     out.flux += w * relative_wall_velocity(boundary, state, i, j).dot(projected);
     out.projected += w * projected;
-    if (absorbs) out.absorption -= w * boundary.tank().absorbing(j).dot(projected) / (p_.sound_speed * dt);
+    if (absorbs)
+      out.absorption -= w * boundary.tank().absorbing(j).dot(projected) / (p_.sound_speed * now_.projection);
   }
   for_each_image(boundary, state, far, i,
                  [&](std::size_t, double w, const Vector<dim>& r, const Vector<dim>& n, double slope) {
@@ -187,43 +189,46 @@ auto LeastSquaresScheme<dim>::carried_fraction(double dt) const -> CarriedFracti
   return out;
 }
 
-// Returns π = min(1, Δt/τ_r) (F45), the fraction of the accumulated position error that this step corrects.
-// After a drop of the step, correcting all of it would need a pressure τ_r/Δt times larger. τ_r is bounded by
-// the CFL number: where steps are short because the water has become fast, nothing is deferred.
+// Returns π = min(1, Δt_p/τ_r) (F45), the fraction of the accumulated position error that this step corrects.
+// After a drop of the step, correcting all of it would need a pressure τ_r/Δt_p times larger. τ_r is bounded
+// by the CFL number: where steps are short because the water has become fast, nothing is deferred.
 template <int dim>
-double LeastSquaresScheme<dim>::corrected_fraction(const State<dim>& state, double dt) const {
+double LeastSquaresScheme<dim>::corrected_fraction(const State<dim>& state) const {
   const double time = std::min(
       state.residual_step, now_.largest_speed > 0 ? p_.scheme.cfl * p_.spacing / now_.largest_speed : 0.0);
-  return dt < time ? dt / time : 1.0;
+  return now_.projection < time ? now_.projection / time : 1.0;
 }
 
 /// Computes e_i of (F43), the divergence that the step has left at the same positions:
-///   e = ∇·u − Σ_layers w (u−U)·P r/s + Δt/(ρs) (own p − source)
+///   e = ∇·u − Σ_layers w (u−U)·P r/s + Δt_p/(ρs) (own p − source)
 /// This is ∇·u of the new velocity, with walls, less what the equation asked for. Where tension was limited
 /// water may open freely, and only a negative e is kept. Without that the next step would have to correct all
-/// of it at once.
+/// of it at once. What a projection longer than the step adds is left out, by the factor Δt/Δt_p (F74).
 template <int dim>
 void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<dim>& state,
                                                const Neighbours& far, const Neighbours& near, double dt) {
-  // τ_r falls slowly against the rate Δt/τ_r at which the deferred part itself falls.
+  const double length = now_.projection;
+  // τ_r falls slowly against the rate Δt_p/τ_r at which the deferred part itself falls.
   const double slowly = least_squares_constants().memory_rate;
   if (now_.deferred > 0)
-    state.residual_step -= slowly * (1 - now_.deferred) * std::max(0.0, state.residual_step - dt);
+    state.residual_step -= slowly * (1 - now_.deferred) * std::max(0.0, state.residual_step - length);
   else
-    state.residual_step = dt;
+    state.residual_step = length;
   fit_velocity(boundary, state, near);
   average_wall_velocity(boundary, state, far);
   find_image_velocities(boundary, state, Vector<dim>::Zero(), dt);
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
-  const double factor = dt / (p_.density * scale);
+  const double factor = length / (p_.density * scale);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    const double before = equation_.carried[i] * state.residual_divergence[i];
     state.residual_divergence[i] = 0;
     state.residual_wall_velocity.col(i).setZero();
     const Limit limit = equation_.limited[static_cast<std::size_t>(i)];
     if (limit == Limit::at_surface || boundary.is_removed(state, i)) continue;
-    const double left = divergence(i) - wall_terms(boundary, state, far, dt, i).flux / scale +
-                        factor * (equation_.own[i] * state.pressure[i] - equation_.source[i]);
+    double left = divergence(i) - wall_terms(boundary, state, far, i).flux / scale +
+                  factor * (equation_.own[i] * state.pressure[i] - equation_.source[i]);
+    if (dt < length) left = before + dt / length * (left - before);
     state.residual_divergence[i] = limit == Limit::tension ? std::min(0.0, left) : left;
     if (limit != Limit::none) continue;
     state.residual_wall_velocity.col(i) = residual_wall_velocity(boundary, state, near, i);
@@ -262,7 +267,8 @@ void LeastSquaresScheme<dim>::limit_at_surface(const Boundary<dim>& boundary, St
   template void LeastSquaresScheme<dim>::limit_at_surface(const Boundary<dim>&, State<dim>&,             \
                                                           const Neighbours&);                            \
   template void LeastSquaresScheme<dim>::assemble(const Boundary<dim>&, State<dim>&, const Neighbours&,  \
-                                                  const Vector<dim>&, double, PressureSystem&);
+                                                  const Neighbours&, const Vector<dim>&, double,         \
+                                                  PressureSystem&);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -59,8 +59,8 @@ void LeastSquaresScheme<dim>::predict(StepData<dim>& step) {
 template <int dim>
 void LeastSquaresScheme<dim>::assemble(StepData<dim>& step, PressureSystem& system) {
   filter(step.boundary, step.state, step.near_gradient(), step.dt, step.substepping);
-  assemble(step.boundary, step.state, *step.far, step.gravity - step.boundary.tank().acceleration(), step.dt,
-           system);
+  assemble(step.boundary, step.state, *step.far, step.near_gradient(),
+           step.gravity - step.boundary.tank().acceleration(), step.dt, system);
 }
 
 template <int dim>
@@ -72,6 +72,7 @@ void LeastSquaresScheme<dim>::limit_pressure(StepData<dim>& step, bool tension) 
 
 template <int dim>
 void LeastSquaresScheme<dim>::find_gradient(StepData<dim>& step) {
+  end_projection(step.boundary, step.state, *step.far);
   pressure_gradient(step.boundary, step.state, step.near_gradient(), step.dt);
 }
 
@@ -97,6 +98,7 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
   }
   stop_films(boundary, state, step.near_gradient());
   measure_residual(boundary, state, *step.far, step.near_gradient(), step.dt);
+  note_acceleration(boundary, state);
 #pragma omp parallel for schedule(static) reduction(max : largest, fastest)
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.is_removed(state, i)) continue;

@@ -73,8 +73,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     filter(boundary, state, near, dt, AcousticSubstepping::single_step(dt));
   }
   /// The pressure equation (F40). Notes in the state what water may still approach newly met faces with.
-  void assemble(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Vector<dim>& gravity,
-                double dt, PressureSystem&);
+  /// The state has the velocity u** of (F74) from here to `end_projection`.
+  void assemble(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
+                const Vector<dim>& gravity, double dt, PressureSystem&);
+  /// Gives the state the velocity u* again.
+  void end_projection(const Boundary<dim>&, State<dim>&, const Neighbours& far);
   /// Limits the pressure at the free surface, away from walls, to that of the inner water near by. A harmonic
   /// pressure has no maximum there. A drop or a film in flight gets p = 0.
   void limit_at_surface(const Boundary<dim>&, State<dim>&, const Neighbours& near);
@@ -166,6 +169,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   };
   /// Numbers of the present step.
   struct StepNumbers {
+    double projection = 0;                               // Δt_p (F74) [s]
     double deferred = 0;                                 // 1 − π (F45)
     double largest_speed = 0;                            // max|u| past the tank [m/s]
     Vector<dim> gravity = Vector<dim>::Zero();           // less the tank's acceleration [m/s²]
@@ -177,10 +181,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     VecD<dim> place, velocity, gradient[dim];  // columns of ∇u [1/s]
   };
   struct VelocityFit {
-    SharedMemory memory;       // of `motion`
-    std::span<Motion> motion;  // of the last `filter`, before it, or of `measure_residual`
-    Vectors<dim> filtered;     // acceleration by the filter at the start of the group [m/s²]
-    double age = 0;            // of the configuration [s]
+    SharedMemory memory;        // of `motion`
+    std::span<Motion> motion;   // of the last `filter`, before it, or of `measure_residual`
+    Vectors<dim> filtered;      // acceleration by the filter at the start of the group [m/s²]
+    double age = 0;             // of the configuration [s]
+    std::vector<Motion> start;  // u* and ∇u* while the state has u**; else empty
   };
 
   /// Sums over one particle's neighbours, before they are stored.
@@ -335,8 +340,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Vector<dim> images = Vector<dim>::Zero();     // Σ w_m r of images, r along the face [m]
     Beside beside = Beside::no_body;
   };
-  WallTerms wall_terms(const Boundary<dim>&, const State<dim>&, const Neighbours& far, double dt,
-                       std::int64_t i) const;
+  WallTerms wall_terms(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i) const;
 
   // Pressure.
   /// δ of particle i (F40): not below zero beside the surface.
@@ -344,7 +348,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     const double deviation = moments_.volume[i] / lattice_.volume - 1;
     return surface_.share[i] > 0 ? std::max(deviation, 0.0) : deviation;
   }
-  void begin_equation(const Boundary<dim>&, const State<dim>&, const Vector<dim>& gravity, double dt);
+  void begin_projection(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
+                        double dt);
+  static bool has_oblique_faces(const Boundary<dim>&);
+  void note_acceleration(const Boundary<dim>&, State<dim>&) const;
+  void begin_equation(const Boundary<dim>&, const State<dim>&, const Vector<dim>& gravity);
   void share_rows(const Neighbours& far, PressureSystem&) const;
   template <bool seams>
   void find_pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near, double dt);
@@ -369,14 +377,15 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     }
   };
   CarriedFraction carried_fraction(double dt) const;
-  double corrected_fraction(const State<dim>&, double dt) const;
+  double corrected_fraction(const State<dim>&) const;
 
   Parameters p_;
   LatticeConstants gradient_, laplacian_;
   SurfaceLattice<dim> lattice_;
   WallContact<dim> walls_;
   SoundLayer sound_;
-  bool full_;  // a closed tank without a gap or a body: no free surface, whatever the disorder
+  bool oblique_;  // a body has faces other than those of plates and boxes
+  bool full_;     // a closed tank without a gap or a body: no free surface, whatever the disorder
   Moments moments_;
   Images images_;
   FreeSurface surface_;

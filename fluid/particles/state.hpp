@@ -32,11 +32,12 @@ inline bool has_pressure(Kind kind) {
 /// What the participant measures of it is in diagnostics/measurements.hpp.
 template <int dim>
 struct State {
-  double time = 0;                      // [s]
-  std::int64_t step = 0;                // steps taken
-  Vectors<dim> position;                // dim×n [m]
-  Vectors<dim> velocity;                // dim×n [m/s]
-  Eigen::VectorXd pressure;             // n [Pa]
+  double time = 0;                     // [s]
+  std::int64_t step = 0;               // steps taken
+  Vectors<dim> position;               // dim×n [m]
+  Vectors<dim> velocity;               // dim×n [m/s]
+  Eigen::VectorXd pressure;            // n [Pa]
+  Vectors<dim> pressure_acceleration;  // dim×n [m/s²] −∇p/ρ of the last step, of water (least-squares)
   Eigen::VectorXd residual_divergence;  // n [1/s] that the projection of the last step left (least-squares)
   Vectors<dim> residual_wall_velocity;  // dim×n [m/s] of the water past the walls it touches, left likewise
   double residual_step = 0;             // [s] length of the steps whose moves the velocity has not followed
@@ -65,9 +66,10 @@ struct State {
 
   /// Lists the members that hold one entry per particle, by their names in a checkpoint.
   static constexpr auto columns() {
-    return std::tuple(std::pair("position", &State::position),                         //
-                      std::pair("velocity", &State::velocity),                         //
-                      std::pair("pressure", &State::pressure),                         //
+    return std::tuple(std::pair("position", &State::position),  //
+                      std::pair("velocity", &State::velocity),  //
+                      std::pair("pressure", &State::pressure),  //
+                      std::pair("pressure_acceleration", &State::pressure_acceleration),
                       std::pair("residual_divergence", &State::residual_divergence),   //
                       std::pair("residual_approach", &State::residual_wall_velocity),  //
                       std::pair("sps_k", &State::sps_k),                               //

@@ -63,7 +63,8 @@ struct Column {
 TEST(LeastSquaresScheme, HydrostaticPressureSolvesTheEquationHoweverTheParticlesLie) {
   Column column(incompressible(0.01), 0.15);
   PressureSystem system;
-  column.scheme.assemble(column.boundary, column.state, *column.far, column.gravity, dt, system);
+  column.scheme.assemble(column.boundary, column.state, *column.far, column.near(), column.gravity, dt,
+                         system);
   ASSERT_EQ(system.size(), column.boundary.water());
   double largest = 0, scale = 0;
   for (std::int64_t k = 0; k < system.size(); ++k) {
@@ -85,7 +86,8 @@ TEST(LeastSquaresScheme, PressureGradientOfStillWaterCarriesItsWeightAtWallsAndS
   Column column(incompressible(0.01), 0.15);
   for (std::int64_t i = 0; i < column.boundary.water(); ++i) column.state.pressure[i] = column.hydrostatic(i);
   PressureSystem system;
-  column.scheme.assemble(column.boundary, column.state, *column.far, column.gravity, dt, system);
+  column.scheme.assemble(column.boundary, column.state, *column.far, column.near(), column.gravity, dt,
+                         system);
   const Vectors<2>& gradient =
       column.scheme.pressure_gradient(column.boundary, column.state, column.near(), dt);
   const Vector<2> weight = column.p.density * column.gravity;
@@ -102,7 +104,8 @@ TEST(LeastSquaresScheme, FaceOfTheFloorCarriesTheWholeDepth) {
   Column column(incompressible(0.01), 0.15);
   for (std::int64_t i = 0; i < column.boundary.water(); ++i) column.state.pressure[i] = column.hydrostatic(i);
   PressureSystem system;
-  column.scheme.assemble(column.boundary, column.state, *column.far, column.gravity, dt, system);
+  column.scheme.assemble(column.boundary, column.state, *column.far, column.near(), column.gravity, dt,
+                         system);
   column.scheme.pressure_gradient(column.boundary, column.state, column.near(), dt);
   const LayerForces<2> forces = column.scheme.layer_forces(column.boundary, column.state, column.near());
   double floor = 0;
