@@ -16,7 +16,7 @@ namespace {
 constexpr double travel = 0.05;                               // [l0] of the body in a window
 constexpr double gravity_steps = 4;                           // of 0.05 √(l0/g), fluid/THEORY.md (F63)
 constexpr double sound_travel = 20;                           // [l0] of the structure's sound in a window
-constexpr double layer_travel = 3;                            // [l0] of the water's sound in a window
+constexpr double layer_travel = 2;                            // [l0] of the water's sound in a window
 constexpr double rows = 100;                                  // of the history, at least
 constexpr double rows_of_water = 400;                         // the same for water alone
 constexpr double steel_young = 2.1e11, steel_density = 7800;  // [Pa], [kg/m³] where the case gives none
@@ -125,7 +125,7 @@ void bound_by_layers(const CaseFile& file, const CommonKeys& keys, double l0, Wi
                speed = first_of(file, "fluid.sound_speed", 1500);
   if (!incompressible && step > 0 && speed * step < l0)
     bound(choice, layer_travel * l0 / speed,
-          "the water's sound, which the steps resolve, travels three spacings in it: in longer windows thin "
+          "the water's sound, which the steps resolve, travels two spacings in it: in longer windows thin "
           "layers of water ring under a light body");
 }
 

@@ -19,12 +19,12 @@ struct WindowChoice {
 /// keys: title, preset, end_time, solvers and interface have been read. Declares no key.
 ///
 /// A level face that may meet the water, and what Strake does not know (a program of the user's, a replay,
-/// preset paper, no fluid) keep 1e-5 s, a level face at most 3 l0/c. Elsewhere the window is the shortest of
+/// preset paper, no fluid) keep 1e-5 s, a level face at most 2 l0/c. Elsewhere the window is the shortest of
 ///
 ///   0.05 l0 / U                 the body, or water with waves of its depth, moves a twentieth of a spacing
 ///   0.2 √(l0/g)                 four of the steps that gravity allows
 ///   20 l0 / √(E/ρ_s)            elastic bodies: bending as short as the water can load
-///   3 l0 / c                    elastic or free bodies whose steps resolve sound, c Δt < l0: in longer
+///   2 l0 / c                    elastic or free bodies whose steps resolve sound, c Δt < l0: in longer
 ///   windows
 ///                               thin layers of water ring (coupler/THEORY.md, section on windows)
 ///   end_time / 100              rows of the history
