@@ -55,15 +55,14 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
   find_image_velocities(boundary, state, now_.gravity_velocity, dt);
   share_rows(far, system);
   const CarriedFraction fraction = carried_fraction(dt);
-  const double part = corrected_fraction(state), projection = now_.projection;
-  const double rho = p_.density, c = p_.sound_speed;
+  const double part = corrected_fraction(state);
+  const double rho = p_.density, c = p_.sound_speed, projection = now_.projection;
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
   const double compression = std::isfinite(c) ? scale / (c * c * dt * projection) : 0.0;
-  const double drift =
-      p_.scheme.source == Source::divergence ? 0.0 : scale * rho * drift_share(dt) / (dt * projection);
+  double drift = scale * rho * drift_share(dt) / (dt * projection);
+  if (p_.scheme.source == Source::divergence) drift = 0;
   // This pressure is of the same time as the volumes.
-  const double* const p_measured =
-      velocity_.age > 0 ? equation_.pressure_at_start.data() : state.pressure.data();
+  const auto& p_measured = velocity_.age > 0 ? equation_.pressure_at_start : state.pressure;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     const WallTerms wall = wall_terms(boundary, state, far, i);
