@@ -161,7 +161,7 @@ void read_turbulence(CaseTable t, Scheme& s) {
 /// step. Without sound the step is the window, except in the paper preset: an incompressible impact is one
 /// impulse. With shorter steps, the one that makes contact would depend on the interface motion that the
 /// coupling has not found yet. With sound, steps that resolve it serve a level face alone. Elsewhere the flow
-/// limits the step: in shorter ones single particles between jet and wall take pressures of ρ c u.
+/// limits the step: shorter ones change the mean force by less than its scatter, and cost time.
 void read_time_step(CaseTable& t, const CommonKeys& common, double sound_speed, bool level, Scheme& s) {
   const bool resolves_sound = level || common.preset == "paper" || common.interface == "volume";
   if (common.window > 0 && std::isinf(sound_speed) && common.preset != "paper")
