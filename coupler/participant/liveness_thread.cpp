@@ -1,5 +1,7 @@
 #include "coupler/participant/liveness_thread.hpp"
 
+#include "proto/files/unfinished_file.hpp"
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -58,6 +60,7 @@ void write_line(const std::array<char, n>& line) {
 }
 
 [[noreturn]] void end_without_coupler() {
+  remove_unfinished_file();
   write_line(last_moments.gone);
   if (last_moments.socket[0] != '\0') {
     unlink(last_moments.socket.data());
@@ -71,6 +74,7 @@ bool parent_is_gone() {
 }
 
 void on_sigterm(int) {
+  remove_unfinished_file();
   write_line(last_moments.terminated);
   _exit(static_cast<int>(ExitCode::terminated));
 }
@@ -132,6 +136,7 @@ bool started_by_coupler() {
 
 void Watch::give_up(ExitCode code, const std::string& problem, const std::string& fix) const {
   spdlog::error("{}", to_text(Error(code, endpoint_, problem, fix)));
+  remove_unfinished_file();
   _exit(static_cast<int>(code));
 }
 

@@ -1,9 +1,13 @@
 #include "proto/files/whole_file.hpp"
 
 #include "proto/descriptor.hpp"
+#include "proto/files/unfinished_file.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -87,9 +91,43 @@ Error cannot_write(const std::filesystem::path& path, int error_number) {
 
 namespace {
 
+/// Paths of the files that are being written, one per thread that writes.
+struct Slot {
+  enum State { free, taken, named };
+  std::atomic<int> state{free};
+  std::array<char, 4096> path{};
+};
+std::array<Slot, 4> slots;
+
+/// Notes the path for `remove_unfinished_file` as long as it lives.
+class Unfinished {
+ public:
+  explicit Unfinished(const std::string& path) {
+    for (Slot& slot : slots) {
+      int expected = Slot::free;
+      if (path.size() >= slot.path.size() || !slot.state.compare_exchange_strong(expected, Slot::taken))
+        continue;
+      std::copy(path.begin(), path.end(), slot.path.begin());
+      slot.path[path.size()] = '\0';
+      slot.state = Slot::named;
+      slot_ = &slot;
+      return;
+    }
+  }
+  ~Unfinished() {
+    if (slot_ != nullptr) slot_->state = Slot::free;
+  }
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
+
+ private:
+  Slot* slot_ = nullptr;
+};
+
 void write_aside(const std::filesystem::path& path, std::string_view bytes, bool lasting) {
   std::filesystem::path part = path;
   part += ".part";
+  const Unfinished noted(part.string());
   const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) throw cannot_write(path, errno);
   int failed = 0;
@@ -110,6 +148,11 @@ void write_aside(const std::filesystem::path& path, std::string_view bytes, bool
 }
 
 }  // namespace
+
+void remove_unfinished_file() noexcept {
+  for (Slot& slot : slots)
+    if (slot.state == Slot::named) unlink(slot.path.data());
+}
 
 void write_whole(const std::filesystem::path& path, std::string_view bytes) {
   write_aside(path, bytes, false);

@@ -2,10 +2,16 @@
 
 #include "proto/case/case_file.hpp"
 #include "proto/files/history.hpp"
+#include "proto/files/unfinished_file.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
+#include <csignal>
+#include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
+#include <thread>
+#include <unistd.h>
 
 namespace strake {
 namespace {
@@ -57,6 +63,26 @@ TEST(WholeFile, AHashReadsNoMoreThanATableMayHave) {
   const auto before = CaseFile::load(folder / "case.toml").hash();
   std::filesystem::resize_file(folder / "huge", (std::uintmax_t{1} << 40) + 1);
   EXPECT_NE(CaseFile::load(folder / "case.toml").hash(), before);  // its length still counts
+}
+
+// A pipe in the place of the unfinished file holds the write up in the middle.
+TEST(WholeFile, AProcessThatMustEndRemovesWhatItIsWriting) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "frame.h5").string(), part = path + ".part";
+  ASSERT_EQ(mkfifo(part.c_str(), 0600), 0);
+  remove_unfinished_file();
+  EXPECT_TRUE(std::filesystem::exists(part)) << "nobody writes it";
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  const int reader = open(part.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  std::thread writer([&] { EXPECT_THROW(write_whole(path, std::string(1 << 20, 'x')), Error); });
+  pollfd ready{reader, POLLIN, 0};
+  EXPECT_EQ(poll(&ready, 1, 5000), 1);
+  remove_unfinished_file();
+  EXPECT_FALSE(std::filesystem::exists(part));
+  close(reader);
+  writer.join();
+  std::signal(SIGPIPE, before);
 }
 
 }  // namespace
