@@ -73,10 +73,9 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     filter(boundary, state, near, dt, AcousticSubstepping::single_step(dt));
   }
   /// The pressure equation (F40). Notes in the state what water may still approach newly met faces with.
-  /// The state has the velocity u** of (F74) from here to `end_projection`.
+  /// The state has the velocity u** of (F74) from here to `end_projection`, which gives it u* again.
   void assemble(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                 const Vector<dim>& gravity, double dt, PressureSystem&);
-  /// Gives the state the velocity u* again.
   void end_projection(const Boundary<dim>&, State<dim>&, const Neighbours& far);
   /// Limits the pressure at the free surface, away from walls, to that of the inner water near by. A harmonic
   /// pressure has no maximum there. A drop or a film in flight gets p = 0.

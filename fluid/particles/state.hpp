@@ -32,12 +32,13 @@ inline bool has_pressure(Kind kind) {
 /// What the participant measures of it is in diagnostics/measurements.hpp.
 template <int dim>
 struct State {
-  double time = 0;                     // [s]
-  std::int64_t step = 0;               // steps taken
-  Vectors<dim> position;               // dim×n [m]
-  Vectors<dim> velocity;               // dim×n [m/s]
-  Eigen::VectorXd pressure;            // n [Pa]
-  Vectors<dim> pressure_acceleration;  // dim×n [m/s²] −∇p/ρ of the last step, of water (least-squares)
+  double time = 0;           // [s]
+  std::int64_t step = 0;     // steps taken
+  Vectors<dim> position;     // dim×n [m]
+  Vectors<dim> velocity;     // dim×n [m/s]
+  Eigen::VectorXd pressure;  // n [Pa]
+  Vectors<dim>
+      pressure_acceleration;  // dim×n [m/s²] −∇p/ρ of the last step, of water (least-squares, oblique bodies)
   Eigen::VectorXd residual_divergence;  // n [1/s] that the projection of the last step left (least-squares)
   Vectors<dim> residual_wall_velocity;  // dim×n [m/s] of the water past the walls it touches, left likewise
   double residual_step = 0;             // [s] length of the steps whose moves the velocity has not followed
