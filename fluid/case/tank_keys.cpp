@@ -194,7 +194,8 @@ void read_tank(CaseTable t, const CommonKeys& common, Parameters& p) {
   t.choice(
       "wall", p.wall, {{"free-slip", WallSlip::free_slip}, {"no-slip", WallSlip::no_slip}},
       {.paper = "no-slip",
-       .help = "of the tank for viscous stresses; the layer of water on a wall is far thinner than spacing"});
+       .help = "of tank and bodies for viscous stresses; no-slip with a turbulence model: where the boundary "
+               "layer is thinner than spacing, friction by the law of the wall"});
   read_absorbing(t, p);
   read_initial_velocity(
       t.table("initial_velocity",

@@ -94,7 +94,10 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
   }
   if (scheme.sps == SpsForm::joint) {
     const auto lattice = lattice_constants<dim>(scheme.radius_gradient, parameters.spacing);
-    behind_.extend(flow, lattice.radius);
+    std::optional<WallLaw> law;
+    if (scheme.turbulence != Turbulence::none)
+      law = WallLaw{parameters.kinematic_viscosity, parameters.spacing};
+    behind_.extend(flow, lattice.radius, law);
     model_ = sps_model(parameters);
     radius_ = lattice.radius;
     stress_scale_ = dim / lattice.n0;
@@ -105,6 +108,7 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
     gather_gradient(flow, k);
     if (kind_ == Turbulence::k) transport(flow, lattice, dt, k);
     gather_force(consistent(scheme), flow);
+    if (behind_.friction.cols() > 0) add_friction(flow);
   } else {
     separate(parameters, flow, dt, k);
   }
@@ -334,7 +338,7 @@ Vector<dim> ViscousStage<dim>::pair_with_layer(std::int64_t i, std::int64_t j, d
     }
     force[a] = (corrected ? 0.0 : s * push) + v * (d[width + a] - linear);
   }
-  if (corrected || !flow.walls.slip[static_cast<size_t>(j - flow.walls.first)]) return force;
+  if (corrected || !behind_.slip[static_cast<size_t>(j - flow.walls.first)]) return force;
   const Vector<dim> normal = flow.walls.normal.col(j - flow.walls.first);
   return normal.squaredNorm() > 0 ? Vector<dim>(normal * normal.dot(force)) : force;
 }
@@ -349,6 +353,26 @@ Vector<dim> ViscousStage<dim>::force_on_layer(std::int64_t j, const ViscousFlow<
     if (const double w = radius_ * inverses[e] - 1; w > 0)
       force -= pair_with_layer<false>(columns[e], j, w, inverses[e], flow);
   return force;
+}
+
+// Adds a_i = Σ_k w_ik f_k to the water, f = τ/(l0 Σ w) of the first layers (F76), and the opposite to the
+// layers.
+template <int dim>
+void ViscousStage<dim>::add_friction(const ViscousFlow<dim>& flow) {
+  const std::int64_t water = flow.walls.first;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < flow.position.cols(); ++i) {
+    const auto columns = flow.near.row(i);
+    const auto inverses = flow.near.inverses(i);
+    const bool layer = i >= water;
+    const size_t inner = water_pairs(columns, water);
+    const size_t first = layer ? 0 : inner, last = layer ? inner : columns.size();
+    Vector<dim> sum = Vector<dim>::Zero();
+    for (size_t e = first; e < last; ++e)
+      if (const double w = radius_ * inverses[e] - 1; w > 0)
+        sum += w * behind_.friction.col((layer ? i : columns[e]) - water);
+    acceleration.col(i) += layer ? Vector<dim>(-sum) : sum;
+  }
 }
 
 // Computes the paper's form operator by operator, with the walls' own velocity at their layers.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace strake::fluid {
 
@@ -56,13 +57,18 @@ void describe_layers(const Boundary<dim>& boundary, const State<dim>& state, boo
 }
 
 template <int dim>
-void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
+void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius,
+                                 const std::optional<WallLaw>& law) {
   const WallLayers<dim>& walls = flow.walls;
   const std::int64_t rows = walls.size();
   assert(walls.first + rows == flow.position.cols());
   velocity.resize(dim, rows);
   slope.resize(dim, rows);
   mean.resize(dim, rows);
+  distance_.setZero(rows);
+  weight_.setZero(rows);
+  slip = walls.slip;
+  friction.resize(dim, 0);
 #pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < rows; ++k) {
     if (walls.master[static_cast<size_t>(k)] >= 0) continue;
@@ -71,7 +77,7 @@ void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
     const auto inverses = flow.near.inverses(row);
     const Vector<dim> at = flow.position.col(row), face = walls.velocity.col(k), normal = walls.normal.col(k);
     Vector<dim> rise = Vector<dim>::Zero(), sum = Vector<dim>::Zero();
-    double run = 0, weight = 0;
+    double run = 0, weight = 0, distance = 0;
     for (size_t e = 0; e < columns.size() && columns[e] < walls.first; ++e) {
       const double w = radius * inverses[e] - 1;
       if (w <= 0) continue;
@@ -84,10 +90,14 @@ void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
       run += w * d * d;
       sum += w * u;
       weight += w;
+      distance += w * d;
     }
     slope.col(k) = run > 0 ? Vector<dim>(rise / run) : Vector<dim>(Vector<dim>::Zero());
     mean.col(k) = weight > 0 ? Vector<dim>(sum / weight) : Vector<dim>(Vector<dim>::Zero());
+    weight_[k] = weight;
+    distance_[k] = weight > 0 ? distance / weight : 0;
   }
+  if (law) find_friction(flow, radius, *law);
 #pragma omp parallel for schedule(static)
   for (std::int64_t k = 0; k < rows; ++k) {
     velocity.col(k) = walls.velocity.col(k);
@@ -96,7 +106,7 @@ void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
     const std::int64_t front = master < 0 ? k : master - walls.first;
     const Vector<dim> normal = walls.normal.col(front), rise = walls.depth[k] * slope.col(front);
     const bool corner = normal.squaredNorm() == 0;
-    if (!walls.slip[static_cast<size_t>(k)]) {
+    if (!slip[static_cast<size_t>(k)]) {
       if (!corner) velocity.col(k) -= rise;
     } else if (corner) {
       velocity.col(k) -= mean.col(front);
@@ -104,6 +114,41 @@ void VelocityBehind<dim>::extend(const ViscousFlow<dim>& flow, double radius) {
       velocity.col(k) += mean.col(front) - normal * normal.dot(mean.col(front) + rise);
     }
   }
+}
+
+// Computes u_τ from the water's mean velocity along the face and its mean distance (F75). The layers behind a
+// face that has friction are those of a smooth face.
+template <int dim>
+void VelocityBehind<dim>::find_friction(const ViscousFlow<dim>& flow, double radius, const WallLaw& law) {
+  const WallLayers<dim>& walls = flow.walls;
+  const std::int64_t rows = walls.size();
+  friction.setZero(dim, rows);
+  // Σ w of water on a lattice whose first row is l0/2 from the face: one particle l0 off, 2(d − 1) at √2 l0,
+  // …
+  const auto weight_at = [&](double r) { return std::max(0.0, radius / (r * law.spacing) - 1); };
+  const double covered =
+      dim == 2 ? weight_at(1) + 2 * weight_at(std::sqrt(2.0)) + weight_at(2)
+               : weight_at(1) + 4 * weight_at(std::sqrt(2.0)) + 4 * weight_at(std::sqrt(3.0)) + weight_at(2);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < rows; ++k) {
+    const auto at = static_cast<size_t>(k);
+    const Vector<dim> normal = walls.normal.col(k);
+    if (walls.master[at] >= 0 || walls.slip[at] || weight_[k] <= 0 || normal.squaredNorm() == 0 ||
+        flow.dry(walls.first + k))
+      continue;
+    const Vector<dim> along = mean.col(k) - normal * normal.dot(mean.col(k));
+    const double speed = along.norm();
+    const double u_tau = law.friction_velocity(speed, distance_[k]);
+    if (u_tau * distance_[k] <= viscous_sublayer * law.kinematic_viscosity && law.kinematic_viscosity > 0)
+      continue;
+    slip[at] = 1;
+    if (speed > 0)
+      friction.col(k) = -u_tau * u_tau / (law.spacing * std::max(weight_[k], covered) * speed) * along;
+  }
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < rows; ++k)
+    if (const std::int32_t master = walls.master[static_cast<size_t>(k)]; master >= 0)
+      slip[static_cast<size_t>(k)] = slip[static_cast<size_t>(master - walls.first)];
 }
 
 template struct WallLayers<2>;

@@ -4,10 +4,12 @@
 #include "fluid/particles/neighbours.hpp"
 #include "fluid/particles/periodic.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/viscosity/wall_law.hpp"
 
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,12 +57,24 @@ struct ViscousFlow {
 /// Sums are over the water i within `radius` of the face's first layer. The velocity is exact for a flow that
 /// is linear in the distance. In a corner it is u_w, or the point reflection 2 u_w − Σ w u_i/Σ w where it is
 /// smooth. Dry layer particles, and those without water near, keep u_w.
+///
+/// With a wall law, faces without slip are smooth here where the water next to them is outside the viscous
+/// sublayer. Their friction acts on that water instead, on particle i in proportion to w:
+///   a_i = Σ_k τ_k w_ik/(l0 Σ_i w_ik), τ = −u_τ² t, t along the mean velocity Σ w u_i/Σ w (fluid/THEORY.md
+///   (F76)).
+/// Where the water does not cover the face, Σ w is that of a covered one.
 template <int dim>
 struct VelocityBehind {
-  Vectors<dim> velocity;     // of each layer particle [m/s]
-  Vectors<dim> slope, mean;  // of the water before each first layer, relative to u_w: [1/s], [m/s]
+  Vectors<dim> velocity;           // of each layer particle [m/s]
+  Vectors<dim> slope, mean;        // of the water before each first layer, relative to u_w: [1/s], [m/s]
+  std::vector<std::uint8_t> slip;  // of each layer particle: 1: treated as smooth
+  Vectors<dim> friction;  // of each first layer particle on the water, τ/(l0 Σ w) [m/s²]; empty: none acts
 
-  void extend(const ViscousFlow<dim>&, double radius);
+  void extend(const ViscousFlow<dim>&, double radius, const std::optional<WallLaw>& = {});
+
+ private:
+  void find_friction(const ViscousFlow<dim>&, double radius, const WallLaw&);
+  Eigen::VectorXd distance_, weight_;  // of the water before each first layer: mean from the face [m], Σ w
 };
 
 }  // namespace strake::fluid
