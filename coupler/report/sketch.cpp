@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numbers>
 #include <sstream>
 
 namespace strake::report {
@@ -81,13 +83,13 @@ void draw_probes(PageCanvas& canvas, const Recorded& run, const View& view) {
   }
 }
 
-/// A supported side of a body, hatched by a heavy line.
+/// Supported sides of a body, drawn as heavy lines. at: its corners, counter-clockwise from the lower left.
 void draw_sides(PageCanvas& canvas, const Recorded& run, const View& view, const std::string& prefix,
-                const Place& low, const Place& high, std::string& said) {
-  const std::vector<std::pair<std::string, std::vector<Place>>> known = {{"left", {low, {low.x, high.y}}},
-                                                                         {"right", {{high.x, low.y}, high}},
-                                                                         {"bottom", {low, {high.x, low.y}}},
-                                                                         {"top", {{low.x, high.y}, high}}};
+                const std::vector<Place>& at, std::string& said) {
+  const std::vector<std::pair<std::string, std::vector<Place>>> known = {{"left", {at[0], at[3]}},
+                                                                         {"right", {at[1], at[2]}},
+                                                                         {"bottom", {at[0], at[1]}},
+                                                                         {"top", {at[3], at[2]}}};
   for (const auto& [side, ends] : known) {
     const std::string how = run.setting(prefix + "." + side);
     if (how.empty() || how == "free") continue;
@@ -96,12 +98,26 @@ void draw_sides(PageCanvas& canvas, const Recorded& run, const View& view, const
   }
 }
 
+/// The plate's corners; those of a plate at an angle are turned about the middle of its lower face.
+std::vector<Place> corners_of_plate(const Recorded& run, const Range& x, const Range& y) {
+  const auto number = [&](const char* key) { return std::strtod(run.setting(key).c_str(), nullptr); };
+  const double angle = number("structure.plate.angle") * std::numbers::pi / 180;
+  const auto bottom = places("[" + run.setting("structure.plate.bottom") + "]");
+  if (angle == 0 || bottom.empty()) return corners({{x.lo, y.lo}, {x.hi, y.hi}});
+  const double half = 0.5 * number("structure.plate.length"), thickness = number("structure.plate.thickness");
+  std::vector<Place> at = corners({{-half, 0}, {half, thickness}});
+  for (Place& corner : at)
+    corner = {bottom[0].x + corner.x * std::cos(angle) - corner.y * std::sin(angle),
+              bottom[0].y + corner.x * std::sin(angle) + corner.y * std::cos(angle)};
+  return at;
+}
+
 /// What holds the body, in words.
 std::string draw_supports(PageCanvas& canvas, const Recorded& run, const View& view, const Range& x,
                           const Range& y) {
   std::string said;
   if (!run.setting("structure.plate.length").empty() && !x.empty()) {
-    draw_sides(canvas, run, view, "structure.plate.supports", {x.lo, y.lo}, {x.hi, y.hi}, said);
+    draw_sides(canvas, run, view, "structure.plate.supports", corners_of_plate(run, x, y), said);
     return said;
   }
   for (int i = 0;; ++i) {
@@ -109,7 +125,7 @@ std::string draw_supports(PageCanvas& canvas, const Recorded& run, const View& v
     const auto low = places("[" + run.setting(box + ".min") + "]"),
                high = places("[" + run.setting(box + ".max") + "]");
     if (low.empty() || high.empty()) return said;
-    draw_sides(canvas, run, view, box + ".supports", low[0], high[0], said);
+    draw_sides(canvas, run, view, box + ".supports", corners({low[0], high[0]}), said);
   }
 }
 

@@ -158,9 +158,6 @@ class CaseTable {
   /// Reads a text, number or flag, or a list of them, each written as KeyInfo::value is. So `when` of a
   /// compare block can be compared with any declared key. Empty if the key is not given.
   std::vector<std::string> scalars_as_text(const std::string& name, const std::string& help = {});
-  /// Refuses a key of the user's, if it is given, with words of its own. Where a file is read to its end, the
-  /// reading goes on.
-  void refuse(const std::string& name, const std::string& expected, const std::string& fix);
   /// A key of the design that is not built yet: refused by name, with that reason.
   void not_built(const std::string& name, const std::string& help);
 

@@ -341,14 +341,6 @@ std::vector<CaseTable> CaseTable::tables(const std::string& name, const std::str
   return elements;
 }
 
-void CaseTable::refuse(const std::string& name, const std::string& expected, const std::string& fix) {
-  if (!has(name)) return;
-  const Error refused = error(name, expected, fix);
-  if (!document_->collects) throw refused;
-  document_->accepted.insert(document_->join(path_, name));
-  document_->refused.push_back(refused);
-}
-
 void CaseTable::accept_all() {
   document_->accepted.insert(path_);
 }

@@ -69,6 +69,7 @@ bool may_fall_level(const CaseFile& file, const CommonKeys& keys) {
   if (!is_elastic(keys) && solver != "rigid") return true;
   for (const char* shape : {"mesh", "outline", "wedge", "cylinder", "sphere"})
     if (file.has(std::string("structure.") + shape)) return false;
+  if (norm_of(file, "structure.plate.angle", 0) > 0) return false;
   return !file.is_true("fluid.submerged") && may_move(file, keys);
 }
 

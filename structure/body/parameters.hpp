@@ -23,6 +23,7 @@ enum class LoadKind { none, traction, point };
 struct Plate {
   double length = 0, thickness = 0;                  // [m] along x, along y
   Eigen::Vector3d bottom = Eigen::Vector3d::Zero();  // [m] middle of the lower face
+  double angle = 0;                                  // [deg] about `bottom`, counter-clockwise
   Support left = Support::free, right = Support::free;
 };
 

@@ -106,7 +106,7 @@ SizeEstimates lattice_sizes(const Parameters& p) {
                         .seconds_each = seconds,
                         .keys = keys},
                        {.what = "places of its lattice", .count = box / cell, .bytes_each = 4, .keys = keys}};
-  if (!solid.made_of_boxes()) {
+  if (!solid.along_axes()) {
     constexpr double bytes = 2, seconds = 2e-8;  // of a sample
     all.push_back({.what = "samples of its volume",
                    .count = 64 * box / cell,

@@ -308,8 +308,9 @@ Points part_sizes(const Solid& solid) {
     for (Index c = 0; c < solid.cell.cols(); ++c) {
       if (solid.part_of[static_cast<std::size_t>(c)] != static_cast<int>(p)) continue;
       for (Index k = 0; k < solid.cell.rows(); ++k) {
-        low = low.cwiseMin(solid.node.col(solid.cell(k, c)));
-        high = high.cwiseMax(solid.node.col(solid.cell(k, c)));
+        const Vector3d X = solid.turn.transpose() * solid.node.col(solid.cell(k, c));
+        low = low.cwiseMin(X);
+        high = high.cwiseMax(X);
       }
     }
     size.col(static_cast<Index>(p)) = high - low;

@@ -47,14 +47,17 @@ struct Solid {
                                 // outside. A segment (a, b) has its normal (t_y, -t_x) outside
   std::vector<int> facet_cell;  // k
   std::vector<SupportedFace> supported;
-  /// Boxes only: the planes that bound them along each axis, ascending [m].
+  /// Boxes only: the planes that bound them along each of their axes, ascending [m]. x = turn · y, with y
+  /// between the planes.
   std::array<std::vector<double>, 3> plane;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
 
   bool empty() const { return cell.cols() == 0; }
   const Part& part(Eigen::Index c) const {
     return parts[static_cast<std::size_t>(part_of[static_cast<std::size_t>(c)])];
   }
   bool made_of_boxes() const { return !plane[0].empty(); }
+  bool along_axes() const { return made_of_boxes() && turn.isIdentity(0); }
 };
 
 /// One axis-aligned box of a union; where two overlap the first one counts.
@@ -117,6 +120,9 @@ Eigen::Vector3d normal_of(const Solid&, const SupportedFace&);
 /// The axis that a supported face lies across. Throws Error(case_file) where there is none, as only a clamped
 /// face may lie.
 Eigen::Index axis_of(const Solid&, const SupportedFace&);
+/// Unit vector within a supported face, along the shorter of its two directions. In the plane: along the
+/// face.
+Eigen::Vector3d shorter_direction(const Solid&, const SupportedFace&);
 /// Middle of a supported face: of the box around it [m].
 Eigen::Vector3d middle_of(const Solid&, const SupportedFace&);
 
@@ -127,7 +133,7 @@ Eigen::Vector3d middle_of(const Solid&, const SupportedFace&);
 /// - "part.side": that side of one of its parts.
 std::vector<int> facets_named(const Solid&, const std::string& name);
 
-/// Extent of each part along each axis, 3×n [m].
+/// Extent of each part along each axis, of turned boxes along their own, 3×n [m].
 Points part_sizes(const Solid&);
 /// Smallest extent of a solid's parts [m]: what a discretisation has to resolve.
 double thinnest(const Solid&);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -187,9 +188,28 @@ Vector3d normal_of(const Solid& solid, const SupportedFace& face) {
 Index axis_of(const Solid& solid, const SupportedFace& face) {
   Index axis = 0;
   if (normal_of(solid, face).cwiseAbs().maxCoeff(&axis) > 1 - 1e-6) return axis;
-  throw Error(ExitCode::case_file, "structure, support \"" + face.name + "\"",
-              "a face that is pinned, rolls or is one of symmetry must lie across x, y or z",
-              "clamped, or turn the body");
+  throw Error(
+      ExitCode::case_file, "structure, support \"" + face.name + "\"",
+      "a face that rolls or is one of symmetry must lie across x, y or z, for particles a pinned one too",
+      "clamped, or turn the body");
+}
+
+Vector3d shorter_direction(const Solid& solid, const SupportedFace& face) {
+  const Vector3d normal = normal_of(solid, face);
+  if (solid.dimension == 2) return Vector3d(-normal.y(), normal.x(), 0);
+  // Two directions within the face: the axis that is most nearly in it, and the one across that.
+  Index axis = 0;
+  normal.cwiseAbs().minCoeff(&axis);
+  const Vector3d one = (Vector3d::Unit(axis) - normal[axis] * normal).normalized(), other = normal.cross(one);
+  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const int f : face.facet)
+    for (Index k = 0; k < solid.facet.rows(); ++k) {
+      const Vector3d X = solid.node.col(solid.facet(k, f));
+      const Vector3d reach(one.dot(X), other.dot(X), 0);
+      low = low.cwiseMin(reach);
+      high = high.cwiseMax(reach);
+    }
+  return (high - low).x() <= (high - low).y() ? one : other;
 }
 
 Vector3d middle_of(const Solid& solid, const SupportedFace& face) {

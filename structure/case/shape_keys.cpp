@@ -20,14 +20,17 @@ const std::vector<std::pair<std::string, Support>> supports = {
     {"free", Support::free}, {"clamped", Support::clamped}, {"pinned", Support::pinned}};
 
 void read_plate(CaseTable t, Plate& plate) {
-  t.refuse(
-      "angle", "nothing: a plate lies along x",
-      "a plate at an angle: structure.mesh, or structure.box for a rigid one, with structure.placed.angle");
   t.number("length", plate.length,
            {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "along x"});
   t.number("thickness", plate.thickness,
            {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "along y"});
   t.vector("bottom", plate.bottom, {.unit = "m", .help = "middle of the lower face"});
+  t.number("angle", plate.angle,
+           {.unit = "deg",
+            .min = -89,
+            .max = 89,
+            .help = "against the horizontal, about the middle of the lower face; positive: the right end is "
+                    "higher. Particles stay on a lattice along the axes"});
   CaseTable s = t.table("supports", "what holds the ends; held ends move with structure.velocity");
   s.choice("left", plate.left, supports, {.help = "pinned: at mid-height of the end face"});
   s.choice("right", plate.right, supports, {.help = "pinned: at mid-height of the end face"});
@@ -247,9 +250,10 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
            positive("m", "three dimensions: how far a plate, outline, wedge or cylinder reaches along z"));
   if (all) return;
 
-  if (t.has("box") || t.has("mesh")) p.shape.kind = ShapeKind::solid;
+  const bool tilted = given.empty() && p.plate.angle != 0;
+  if (t.has("box") || t.has("mesh") || tilted) p.shape.kind = ShapeKind::solid;
   const bool body = p.shape.kind == ShapeKind::solid;
-  if (p.shape.kind == ShapeKind::plate) p.shape.middle = p.plate.bottom.z();
+  if (p.shape.kind == ShapeKind::plate || tilted) p.shape.middle = p.plate.bottom.z();
   if (p.shape.kind != ShapeKind::plate && !body && p.kind != "rigid" && p.kind != "replay")
     throw t.error("solver",
                   fmt::format("\"rigid\": {} structures have the shape of structure.plate, structure.box or "
@@ -261,7 +265,7 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
   if (sphere && !solid)
     throw t.error("sphere", "a shape of the plane: fluid.dimension is 2",
                   "structure.cylinder, or fluid.dimension = 3");
-  if (solid && !sphere && !body && p.shape.depth == 0)
+  if (solid && !sphere && (!body || tilted) && p.shape.depth == 0)
     throw t.error("depth", "a length along z: fluid.dimension is 3", "depth = 1.0");
   if (!solid) p.shape.depth = p.shape.middle = 0;
   if (!body) check_outline(t, p, given.empty() ? "plate" : given[0]);

@@ -221,7 +221,7 @@ struct Placing {
   Eigen::Vector3d axis = {0, 0, 1}, move = {0, 0, 0};
 };
 
-Placing read_placing(CaseTable t, const Parameters& p, bool all, bool boxes) {
+Placing read_placing(CaseTable t, const Parameters& p, bool all) {
   Placing placing;
   t.number("scale", placing.scale, positive("1", "factor on all lengths, first: 0.001 for a mesh in mm"));
   t.number(
@@ -236,15 +236,34 @@ Placing read_placing(CaseTable t, const Parameters& p, bool all, bool boxes) {
   if (placing.axis.norm() == 0) throw t.error("axis", "a direction", "axis = [0, 0, 1]");
   if (all) return placing;
   const bool turned = placing.angle != 0;
-  if (p.shape.kind != ShapeKind::solid && (turned || placing.scale != 1 || !placing.move.isZero()))
+  const bool plate = p.shape.kind != ShapeKind::solid || p.plate.angle != 0;
+  if (plate && (turned || placing.scale != 1 || !placing.move.isZero()))
     throw t.error(turned               ? "angle"
                   : placing.scale != 1 ? "scale"
                                        : "move",
                   "nothing: it belongs to a body of structure.mesh or structure.box",
-                  "a plate at an angle: structure.box for a rigid one, structure.mesh for an elastic one");
-  if (turned && boxes && p.kind != "rigid")
-    throw t.error("angle", fmt::format("0 for boxes: the cells of a {} structure follow the axes", p.kind),
-                  "give the body as structure.mesh, or structure.solver = \"rigid\"");
+                  "a plate at an angle: structure.plate.angle");
+  return placing;
+}
+
+/// A plate as a box, before it is turned.
+Solid solid_of_plate(const Parameters& p) {
+  const Plate& plate = p.plate;
+  const Eigen::Vector3d half(0.5 * plate.length, 0, 0.5 * p.shape.depth);
+  SolidBox box{
+      .name = "plate", .min = plate.bottom - half, .max = plate.bottom + half, .material = p.material};
+  box.max.y() += plate.thickness;
+  box.support[0] = plate.left;
+  box.support[1] = plate.right;
+  return solid_of_boxes(p.dimension, {box});
+}
+
+/// The turn about the middle of the lower face.
+Placing tilt_of(const Plate& plate) {
+  Placing placing{.angle = plate.angle};
+  const double turn = plate.angle * std::numbers::pi / 180;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(turn, placing.axis).toRotationMatrix();
+  placing.move = plate.bottom - R * plate.bottom;
   return placing;
 }
 
@@ -253,11 +272,11 @@ void place(Solid& solid, const Placing& placing) {
   const Eigen::Matrix3d R = Eigen::AngleAxisd(turn, placing.axis.normalized()).toRotationMatrix();
   solid.node = ((placing.scale * R) * solid.node).colwise() + placing.move;
   if (solid.dimension == 2) solid.node.row(2).setZero();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto k = static_cast<std::size_t>(axis);
-    if (turn != 0) solid.plane.at(k).clear();  // no longer made of boxes along the axes
-    for (double& plane : solid.plane.at(k)) plane = placing.scale * plane + placing.move[axis];
-  }
+  solid.turn = R;
+  const Eigen::Vector3d move = R.transpose() * placing.move;  // along the boxes' own axes
+  for (int axis = 0; axis < 3; ++axis)
+    for (double& plane : solid.plane.at(static_cast<std::size_t>(axis)))
+      plane = placing.scale * plane + move[axis];
 }
 
 }  // namespace
@@ -283,17 +302,20 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
              "cells of the body: Gmsh (.msh, text) or Abaqus (.inp); triangles, tetrahedra and prisms are "
              "cut into "
              "quadrilaterals and hexahedra; physical names of cells are parts, those of their sides faces"});
-  const Placing placing = read_placing(
-      t.table("placed", "where a body of structure.mesh or structure.box goes"), p, all, mesh.empty());
+  const Placing placing =
+      read_placing(t.table("placed", "where a body of structure.mesh or structure.box goes"), p, all);
   const bool body = p.shape.kind == ShapeKind::solid;
   if (!all && !body)
     for (const char* key : {"part", "support"})
       if (t.has(key))
         throw t.error(key, "nothing: it belongs to a body of structure.mesh or structure.box",
                       "structure.plate.supports for a plate");
+  const bool tilted_plate = body && boxes.empty() && mesh.empty();
   if (!all && body)
-    p.solid = mesh.empty() ? solid_of_boxes(p.dimension, boxes) : read_mesh(mesh, p.dimension, p.material);
-  if (!all && body) place(p.solid, placing);
+    p.solid = tilted_plate   ? solid_of_plate(p)
+              : mesh.empty() ? solid_of_boxes(p.dimension, boxes)
+                             : read_mesh(mesh, p.dimension, p.material);
+  if (!all && body) place(p.solid, tilted_plate ? tilt_of(p.plate) : placing);
   if (!all && mesh.empty() && t.has("part"))
     throw t.error("part", "nothing: parts of structure.box say in their own table what they are",
                   "leave it out");
@@ -302,7 +324,7 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
   read_supports(t, all, p.solid);
   if (all || !body) return;
 
-  const std::string key = mesh.empty() ? "box" : "mesh";
+  const std::string key = tilted_plate ? "plate" : mesh.empty() ? "box" : "mesh";
   if (const SolidFault fault = fault_of(p.solid); !fault.problem.empty())
     throw t.error(key, "a sound body: " + fault.problem, fault.fix);
   check_planes(t, p.solid);

@@ -92,8 +92,7 @@ void clamp_facet(const Solid& solid, int facet, double spacing, int beyond, bool
 template <int dim>
 Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, ClampColumn clamp) {
   using Cell = typename Lattice<dim>::Cell;
-  Placement<dim> placement =
-      solid.made_of_boxes() ? filled<dim>(solid, spacing) : sampled<dim>(solid, spacing);
+  Placement<dim> placement = solid.along_axes() ? filled<dim>(solid, spacing) : sampled<dim>(solid, spacing);
   // Two beyond a clamp at least, else the reach of a bond.
   const int beyond = std::max(2, static_cast<int>(std::floor(radius)));
   for (const SupportedFace& face : solid.supported)
@@ -256,7 +255,7 @@ SolidFault fault_of_samples(const Solid& solid, double spacing) {
 }  // namespace
 
 SolidFault lattice_fault(const Solid& solid, double spacing) {
-  if (solid.made_of_boxes()) return fault_of_boxes(solid, spacing);
+  if (solid.along_axes()) return fault_of_boxes(solid, spacing);
   return solid.dimension == 2 ? fault_of_samples<2>(solid, spacing) : fault_of_samples<3>(solid, spacing);
 }
 

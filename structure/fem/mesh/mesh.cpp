@@ -45,7 +45,7 @@ void create(dealii::Triangulation<dim>& triangulation, const Solid& cells) {
       data[c].vertices[k] = static_cast<unsigned int>(cells.cell(k, static_cast<Eigen::Index>(c)));
     data[c].material_id = static_cast<dealii::types::material_id>(cells.part_of[c]);
   }
-  if (!cells.made_of_boxes()) dealii::GridTools::consistently_order_cells(data);
+  if (!cells.along_axes()) dealii::GridTools::consistently_order_cells(data);
   triangulation.create_triangulation(vertices, data, {});
 }
 
@@ -155,22 +155,16 @@ void Discretisation<dim>::constrain(const SupportedFace& face, double near) {
   };
   const Eigen::Vector3d middle = middle_of(solid_, face);
   const bool line = face.support == Support::pinned || face.support == Support::roller;
-  const Eigen::Index along = face.support == Support::clamped ? 0 : axis_of(solid_, face);  // of the normal
-  Eigen::Index across = along == 0 ? 1 : 0;  // the shorter direction within the face
-  if (dim == 3 && line) {
-    Eigen::Vector3d low = middle, high = middle;
-    for (const int f : face.facet)
-      for (Eigen::Index k = 0; k < solid_.facet.rows(); ++k) {
-        low = low.cwiseMin(solid_.node.col(solid_.facet(k, f)));
-        high = high.cwiseMax(solid_.node.col(solid_.facet(k, f)));
-      }
-    for (Eigen::Index axis = 0; axis < 3; ++axis)
-      if (axis != along && (high - low)[axis] < (high - low)[across]) across = axis;
-  }
+  // A clamped or pinned face may lie in any direction; the others act along the axes.
+  const bool along_axes = face.support == Support::roller || face.support == Support::symmetry;
+  const Eigen::Index along = along_axes ? axis_of(solid_, face) : 0;  // of the normal
+  const Eigen::Vector3d shorter = line ? shorter_direction(solid_, face) : Eigen::Vector3d::Zero();
+  Eigen::Index across = 0;
+  shorter.cwiseAbs().maxCoeff(&across);
   const std::size_t before = mesh_.fixed.size();
   for (int i = 0; i < mesh_.n_nodes(); ++i) {
     const Eigen::Vector3d X = mesh_.place(i);
-    if (!on_face(X) || (line && std::abs(X[across] - middle[across]) > near)) continue;
+    if (!on_face(X) || (line && std::abs(shorter.dot(X - middle)) > near)) continue;
     for (int k = 0; k < dim; ++k)
       if (face.support == Support::clamped || face.support == Support::pinned ||
           (face.support == Support::roller && k == across) ||

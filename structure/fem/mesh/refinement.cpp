@@ -83,6 +83,14 @@ bool supported_at(const Solid& solid, Index axis, double plane, double near) {
   return false;
 }
 
+/// A turned body of boxes as it is before the turn.
+Solid along_own_axes(const Solid& solid) {
+  Solid level = solid;
+  level.node = solid.turn.transpose() * solid.node;
+  level.turn.setIdentity();
+  return level;
+}
+
 /// How an interval between two planes is divided: evenly into cells of a height, or graded.
 struct Division {
   double length = 0, height = 0;  // [m] height 0: graded
@@ -155,6 +163,12 @@ std::vector<double> graded_cells(double length, const Grading& grading) {
 
 Solid refined(const Solid& solid, int refinement) {
   if (!solid.made_of_boxes()) return solid;
+  if (!solid.along_axes()) {
+    Solid fine = refined(along_own_axes(solid), refinement);
+    fine.node = solid.turn * fine.node;
+    fine.turn = solid.turn;
+    return fine;
+  }
   const int dim = solid.dimension;
 
   // 1. Lines of the finer grid, and the interval of the coarse one that each of its cells lies in.
@@ -199,6 +213,7 @@ Solid refined(const Solid& solid, int refinement) {
 
 double refined_count(const Solid& solid, int refinement) {
   if (!solid.made_of_boxes()) return static_cast<double>(solid.cell.cols());
+  if (!solid.along_axes()) return refined_count(along_own_axes(solid), refinement);
   std::array<std::vector<Division>, 3> parts;
   for (Index axis = 0; axis < solid.dimension; ++axis)
     parts[static_cast<std::size_t>(axis)] = divisions(solid, axis, refinement);

@@ -189,20 +189,6 @@ TEST(CaseFile, AMissingKeyDoesNotEndTheReading) {
     EXPECT_NE(all.find(words), std::string::npos) << words << "\n" << all;
 }
 
-TEST(CaseFile, AKeyCanBeRefusedWithWordsOfItsOwn) {
-  CaseFile file = CaseFile::parse("angle = 3\nE = 2\n");
-  const auto read = [&] {
-    file.root().refuse("angle", "nothing: it lies along x", "something else");
-    file.root().refuse("not_given", "nothing", "");
-    file.refuse_unknown();
-  };
-  const std::string all = text_of_error([&] { file.read_all(read); }, ExitCode::case_file);
-  EXPECT_NE(all.find("nothing: it lies along x"), std::string::npos) << all;
-  EXPECT_NE(all.find("E is not a key"), std::string::npos) << "the reading goes on\n" << all;
-  EXPECT_EQ(all.find("angle is not a key"), std::string::npos) << all;
-  EXPECT_THROW(file.root().refuse("angle", "nothing", ""), Error);
-}
-
 TEST(CaseFile, AFaultOfValuesThatStandInIsNotTold) {
   CaseFile file = CaseFile::parse("flag = 3\n");
   const std::string all = text_of_error(

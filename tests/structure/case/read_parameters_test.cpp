@@ -199,11 +199,5 @@ TEST(StructureKeys, DeclarationsAloneAskForNothing) {
   EXPECT_GT(nothing.declared().size(), 40u);
 }
 
-TEST(StructureKeys, APlateAtAnAngleIsRefusedWithWhatTakesOne) {
-  const std::string text = complaint("fem", {"structure.plate.angle=10"});
-  EXPECT_NE(text.find("a plate lies along x"), std::string::npos) << text;
-  EXPECT_NE(text.find("structure.placed.angle"), std::string::npos) << text;
-}
-
 }  // namespace
 }  // namespace strake::structure

@@ -51,12 +51,42 @@ TEST(BodyKeys, ABodyOfBoxesIsScaledThenTurnedThenMoved) {
   const MassProperties mass = mass_of(p.solid);
   EXPECT_NEAR(mass.mass, 100 * 0.2 * 0.01, 1e-12);
   EXPECT_LT((mass.centre - Eigen::Vector3d(1 - 0.005, 2 + 0.1, 0)).norm(), 1e-12);
-  EXPECT_FALSE(p.solid.made_of_boxes());
+  EXPECT_TRUE(p.solid.made_of_boxes());
+  EXPECT_FALSE(p.solid.along_axes());
   const Parameters moved = read_body(box + "placed = { scale = 0.001, move = [1, 2] }\n", {}, "fem");
-  ASSERT_TRUE(moved.solid.made_of_boxes());
+  ASSERT_TRUE(moved.solid.along_axes());
   EXPECT_NEAR(moved.solid.plane[0].back(), 1.2, 1e-12);
-  refuses(box + "placed.angle = 10\n", "follow the axes", {}, "fem");
-  refuses("plate = { length = 0.4, thickness = 0.02 }\nplaced.angle = 10\n", "structure.box for a rigid one");
+  refuses("plate = { length = 0.4, thickness = 0.02 }\nplaced.angle = 10\n", "structure.plate.angle");
+}
+
+// Turned about the middle of its lower face: mass and inertia are those of the level plate, the ends stay
+// ends.
+TEST(BodyKeys, APlateAtAnAngleIsTheLevelOneTurned) {
+  const std::string plate =
+      "plate = { length = 0.4, thickness = 0.02, bottom = [1, 2], supports = { left = \"pinned\" }, ";
+  const Parameters p = read_body(plate + "angle = 30 }\n", {}, "fem");
+  const double sine = 0.5, cosine = std::sqrt(0.75);
+  const MassProperties level = mass_of(read_body(plate + "angle = 0 }\n").shape,
+                                       read_body(plate + "angle = 0 }\n").plate, 7800),
+                       turned = mass_of(p.solid);
+  EXPECT_NEAR(turned.mass, level.mass, 1e-9 * level.mass);
+  EXPECT_NEAR(turned.inertia(2, 2), level.inertia(2, 2), 1e-9 * level.inertia(2, 2));
+  EXPECT_LT((turned.centre - Eigen::Vector3d(1 - 0.01 * sine, 2 + 0.01 * cosine, 0)).norm(), 1e-12);
+  ASSERT_EQ(p.solid.supported.size(), 1u);
+  EXPECT_EQ(p.solid.supported.front().support, Support::pinned);
+  EXPECT_LT((middle_of(p.solid, p.solid.supported.front()) -
+             Eigen::Vector3d(1 - 0.2 * cosine - 0.01 * sine, 2 - 0.2 * sine + 0.01 * cosine, 0))
+                .norm(),
+            1e-12);
+  EXPECT_LT(
+      (shorter_direction(p.solid, p.solid.supported.front()).cwiseAbs() - Eigen::Vector3d(sine, cosine, 0))
+          .norm(),
+      1e-12);
+  refuses(plate + "angle = 90 }\n", "-89 to 89", {}, "fem");
+  refuses(plate + "angle = 30 }\n", "depth", {"fluid.dimension=3"}, "fem");
+  const Parameters thick = read_body(plate + "angle = 30 }\ndepth = 0.2\n", {"fluid.dimension=3"}, "fem");
+  EXPECT_NEAR(mass_of(thick.solid).mass, 0.2 * level.mass, 1e-9 * level.mass);
+  EXPECT_GT(surface(thick).position.cols(), 400);  // points a spacing apart on the turned faces too
 }
 
 // The case.toml of a run contains every key, the tables of rigid bodies with their defaults too.

@@ -6,6 +6,7 @@
 #include "tests/structure/body/boxes.hpp"
 
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,6 +36,27 @@ TEST(FemSolid, CellsOfAUnionConformAndKeepMassAndParts) {
     junction += std::abs(fine.node(1, i) - 0.1) < 1e-12 && fine.node(0, i) > 0.4 - 1e-12 &&
                 fine.node(0, i) < 0.5 + 1e-12;
   EXPECT_EQ(junction, 5);
+}
+
+// A body of boxes that is turned has the cells of the level one, and its frequencies; a turned end can be
+// pinned.
+TEST(FemSolid, ATurnedBodyHasTheCellsAndTheFrequenciesOfTheLevelOne) {
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  for (const int dimension : {2, 3})
+    for (const Support support : {Support::clamped, Support::pinned}) {
+      SolidBox box = soft_box("strip", {0, 0, 0}, {1, 0.05, 0.2});
+      box.support[0] = box.support[1] = support;
+      const Parameters level = of(dimension, {box});
+      Parameters turned = level;
+      turned.solid.node = turn * level.solid.node;
+      turned.solid.turn = turn;
+      if (dimension == 2) turned.shape.corner = outer_polygons(turned.solid).front();
+      EXPECT_EQ(refined_count(turned.solid, 1), refined_count(level.solid, 1));
+      EXPECT_EQ(refined(turned.solid, 1).cell.cols(), refined(level.solid, 1).cell.cols());
+      const auto expected = make_solver(level)->frequencies(3), found = make_solver(turned)->frequencies(3);
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(found[k] / expected[k], 1, 1e-6) << dimension << " " << k;
+    }
 }
 
 TEST(FemSolid, ItsCellsAreCountedBeforeTheyAreMade) {
