@@ -5,6 +5,7 @@
 #include "coupler/participant/stop_request.hpp"
 #include "proto/case/case_depth.hpp"
 #include "proto/case/case_file.hpp"
+#include "proto/case/key_info.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/error.hpp"
 #include "proto/lookup.hpp"
@@ -108,6 +109,33 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
     if (!line.empty()) side.lines.push_back(line);
   side.echo = ask(side.program, {"--echo"}, file.path(), sets, stop);
   return side;
+}
+
+/// Refuses keys of an absent side that none of Strake's programs for that side knows. A known one may stand
+/// there for another choice of solver.
+void check_absent_side(CaseFile& file, const std::string& side) {
+  const CaseTable table = file.root().table(side);
+  std::vector<std::string> given = table.keys(), known;
+  std::erase(given, "solver");
+  if (given.empty()) return;
+  const std::vector<std::string> programs =
+      side == "fluid" ? std::vector<std::string>{"strake-fluid", "strake-fluid-replay"}
+                      : std::vector<std::string>{"strake-structure-rigid"};
+  for (const std::string& program : programs) {
+    const Captured answer = capture(find_program(program, file.folder()), {"--keys"});
+    if (answer.exit_code != 0) return;  // it cannot say
+    for (const KeyInfo& key : keys_from_json(answer.out))
+      if (key.path.starts_with(side + "."))
+        known.push_back(key.path.substr(side.size() + 1,
+                                        key.path.find_first_of(".[", side.size() + 1) - side.size() - 1));
+  }
+  for (const std::string& key : given) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    const std::string near = did_you_mean(key, known);
+    throw table.error(key, fmt::format("a key of [{}], also where its solver is \"none\"", side),
+                      near.empty() ? fmt::format("strake explain {} lists the keys", side)
+                                   : fmt::format("did you mean {}?", near));
+  }
 }
 
 /// Refuses more windows than a disk or an integer can take. Each window has a line of the history and a
@@ -280,6 +308,9 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
                 .value = {}};
   if (common.fluid_solver != "none")
     collect([&] { view.fluid = look_at("fluid", common.fluid_solver, file, sets, stop, by_hand); });
+  for (const auto& [side, solver] :
+       {std::pair{"fluid", common.fluid_solver}, std::pair{"structure", common.structure_solver}})
+    if (solver == "none") collect([&] { check_absent_side(file, side); });
   if (common.structure_solver != "none")
     collect(
         [&] { view.structure = look_at("structure", common.structure_solver, file, sets, stop, by_hand); });

@@ -17,6 +17,8 @@ CASES = [
     ("a negative spacing", "spacing = 0.01 ", "spacing = -0.01 ", 3, ["fluid.spacing", "greater than 0"]),
     ("not a number", "density = 1000.0", "density = nan", 3, ["fluid.density"]),
     ("a preset that does not exist", 'preset = "improved"', 'preset = "improve"', 3, ["preset", "improved", "paper"]),
+    ("a misspelt key of a side that is absent", 'solver = "fem"', 'solver = "none"\nE = 3', 3,
+     ["wrong.toml:", "structure.E", 'solver is "none"', "strake explain structure"]),
     ("a solver that does not exist", 'solver = "fem"', 'solver = "femm"', 3, ["structure.solver", "fem"]),
     ("a syntax error", "end_time = 0.03", "end_time = = 0.03", 3, ["wrong.toml:"]),
     ("a missing required key", "end_time = 0.03", "", 3, ["end_time"]),
