@@ -1,0 +1,103 @@
+#pragma once
+
+#include "fluid/air/air_columns.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strake::fluid {
+
+/// The air: an ideal gas whose compression is adiabatic (fluid/THEORY.md (F77)).
+struct AirProperties {
+  double pressure = 101325;    // p0 [Pa], of the open air
+  double density = 1.204;      // ρ0 [kg/m³]
+  double gamma = 1.4;          // ratio of specific heats [1]
+  double viscosity = 1.82e-5;  // µ [Pa s]
+  double film = 1e-5;          // δ [m]: each column keeps the air ρ0 δ
+  bool friction = true;
+
+  double sound_speed() const;                         // c0 of the open air [m/s]
+  double pressure_of(double mass, double gap) const;  // p = p0 (m/(ρ0 h))^γ [Pa]
+  double sound_speed_of(double density) const;        // c = c0 (ρ/ρ0)^((γ−1)/2) [m/s]
+  /// Returns the gap h > 0 that air and the surface below it agree on at the end of a step [m] (F82):
+  ///   h − h* = C (p(m, h) − p0),
+  /// h* = free_gap: where p0 on the surface would leave it; C: how far a pressure moves it in the step
+  /// [m/Pa], > 0.
+  double gap_of(double mass, double free_gap, double compliance) const;
+};
+
+/// What changes in time. mass: m = ρ h [kg/m²]; momentum: q = m u [kg/(m s)], along the plane; gap: h [m].
+template <int plane>
+struct AirState {
+  Eigen::VectorXd mass;
+  Eigen::Matrix<double, plane, Eigen::Dynamic> momentum;
+  Eigen::VectorXd gap;
+  double mass_out = 0;  // what has left over the border [kg], on a line [kg/m]
+};
+
+/// Depth-averaged flow of compressible air in a thin gap (fluid/THEORY.md (F77) to (F81)):
+///   ∂m/∂t + ∇·q = 0
+///   ∂q/∂t + ∇·(q⊗u + p h I) = p ∇h − (λ/4) ρ |u| u
+/// Finite volumes: van Leer's slopes of density and velocity, HLL fluxes through the narrower of two gaps,
+/// two-stage steps (Heun). A uniform pressure at rest stays at rest over any gap. Mass is exact. Results do
+/// not depend on the number of threads: there is none but the caller's.
+template <int plane>
+class AirLayer {
+ public:
+  using Place = typename AirColumns<plane>::Place;
+  AirLayer(const AirProperties&, AirColumns<plane>);
+
+  const AirProperties& air() const { return air_; }
+  const AirColumns<plane>& columns() const { return columns_; }
+
+  /// The flow that a gap closing with `speed` [m/s] drives if the air is incompressible (F81).
+  AirState<plane> start(const Eigen::VectorXd& gap, const Eigen::VectorXd& speed) const;
+  /// Longest step of the flow alone [s]: 0.45 Δx/(|u| + c).
+  double stable_step(const AirState<plane>&) const;
+  /// Advances by dt [s], in which the gaps go evenly to gap_end [m]. Divides dt into stable steps.
+  void advance(AirState<plane>&, const Eigen::VectorXd& gap_end, double dt) const;
+  /// p of each column [Pa].
+  Eigen::VectorXd pressure(const AirState<plane>&) const;
+  double mass(const AirState<plane>& state) const {
+    return state.mass.dot(columns_.area);
+  }  // [kg], on a line [kg/m]
+
+ private:
+  using Field = Eigen::Matrix<double, plane, Eigen::Dynamic>;
+  struct Rates {
+    Eigen::VectorXd mass;
+    Field momentum;
+    double out = 0;
+  };
+  struct Flux {
+    double mass = 0;
+    Place momentum = Place::Zero();
+  };
+  struct Gas {
+    double density = 0;
+    Place velocity = Place::Zero();
+  };
+  /// Fluxes and gaps of the sides, what leaves each column [kg/s], and u.
+  struct SideFlows {
+    std::vector<Flux> flux;
+    std::vector<double> gap;
+    Eigen::VectorXd leaving;
+    Field velocity;
+  };
+  SideFlows side_flows(const Eigen::VectorXd& mass, const Field& momentum, const Eigen::VectorXd& gap) const;
+  Rates rates(const Eigen::VectorXd& mass, const Field& momentum, const Eigen::VectorXd& gap,
+              double dt) const;
+  Flux hll(const Gas& left, const Gas& right, const Place& normal) const;
+  Gas open_air(const Gas& last, const Place& normal) const;
+  Field gradient(const Eigen::VectorXd& values) const;
+  void brake(AirState<plane>&, double dt) const;
+  double pressure_at(double density) const;
+
+  AirProperties air_;
+  AirColumns<plane> columns_;
+  std::vector<Eigen::Matrix<double, plane, plane>> inverse_moments_;  // of the least-squares gradients
+  Eigen::VectorXd width_;                                             // Δx of each column [m]
+};
+
+}  // namespace strake::fluid
