@@ -54,6 +54,7 @@ class FluidParticipant final : public Participant {
   void report_sensors(std::map<std::string, double>& monitor) const;
   void report_accounts(std::map<std::string, double>& monitor) const;
   void report_water(std::map<std::string, double>& monitor) const;
+  void report_air(std::map<std::string, double>& monitor) const;
   double momentum_scale() const;
   double momentum_gap() const;
   void write_first_frame();

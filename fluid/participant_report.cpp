@@ -63,6 +63,12 @@ std::vector<Column> FluidParticipant<dim>::columns() const {
   columns.push_back({"water.inner", "1"});
   columns.push_back({"water.surface", "1"});
   columns.push_back({"water.volume", dim == 2 ? "m^2" : "m^3"});
+  if (parameters_.air.layer) {
+    columns.push_back({"air.mass", dim == 2 ? "kg/m" : "kg"});
+    columns.push_back({"air.out", dim == 2 ? "kg/m" : "kg"});
+    columns.push_back({"air.least_gap", "m"});
+    columns.push_back({"air.largest_pressure", "Pa"});
+  }
   return columns;
 }
 
@@ -81,6 +87,22 @@ void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monito
   }
 }
 
+/// Reports the air under the body: what is left and what has gone, the narrowest gap that holds air, and the
+/// largest pressure less that of the open air.
+template <int dim>
+void FluidParticipant<dim>::report_air(std::map<std::string, double>& monitor) const {
+  const State<dim>& state = simulation_.state();
+  const double mass = simulation_.air_mass();
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Index c = 0; c < state.air_mass.size(); ++c)
+    if (state.air_mass[c] > 0) least = std::min(least, state.air_gap[c]);
+  monitor["air.mass"] = mass;
+  monitor["air.out"] = state.air_out;
+  monitor["air.least_gap"] = std::isfinite(least) ? least : 0;
+  monitor["air.largest_pressure"] = state.air_pressure.size() > 0 ? state.air_pressure.maxCoeff() : 0;
+  monitor["check.air_mass"] = (mass + state.air_out) / state.air_at_start - 1;
+}
+
 /// Reports energies, speed and centre of mass. Where a frame is due it also reports the volume and its change
 /// since t = 0.
 template <int dim>
@@ -95,6 +117,7 @@ void FluidParticipant<dim>::report_water(std::map<std::string, double>& monitor)
   for (int d = 0; d < dim; ++d) monitor[std::string("water.centre.") + "xyz"[d]] = account.centre[d];
   monitor["water.inner"] = static_cast<double>(account.inner);
   monitor["water.surface"] = static_cast<double>(account.surface);
+  if (parameters_.air.layer) report_air(monitor);
   if (!measures_water_) return;
   const double now = volume();
   monitor["water.volume"] = now;

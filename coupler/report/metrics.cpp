@@ -179,6 +179,8 @@ constexpr Check known_checks[] = {
     {"penetrations", "Most water particles inside the structure's outline at any time", "0"},
     {"lost", "Water particles that left the domain", "0, unless a splash leaves an open tank"},
     {"volume_drift", "Change of the water's volume since the start, as a share", "a per cent or less"},
+    {"air_mass", "Air under the body and what has left it, over that of the start, minus 1",
+     "round-off, at most 1e-12"},
     {"largest_speed", "Largest speed of the water over the largest that body and gravity can give it",
      "below 0.77, which is what theory gives without the margin"},
     {"largest_pressure", "Largest pressure on a face over the largest that an impact can give",

@@ -76,16 +76,17 @@ double AirLayer<plane>::pressure_at(double density) const {
 template <int plane>
 Eigen::VectorXd AirLayer<plane>::pressure(const AirState<plane>& state) const {
   Eigen::VectorXd p(columns_.size());
-  for (int i = 0; i < columns_.size(); ++i) p[i] = air_.pressure_of(state.mass[i], state.gap[i]);
+  for (int i = 0; i < columns_.size(); ++i)
+    p[i] = state.mass[i] > 0 ? air_.pressure_of(state.mass[i], state.gap[i]) : air_.pressure;
   return p;
 }
 
 // g_i = [Σ r⊗r/r²]⁻¹ Σ r (v_j − v_i)/r² over the neighbours.
 template <int plane>
-auto AirLayer<plane>::gradient(const Eigen::VectorXd& values) const -> Field {
+auto AirLayer<plane>::gradient(const Eigen::VectorXd& values, const Eigen::VectorXd& mass) const -> Field {
   Field g = Field::Zero(plane, columns_.size());
   for (const auto& side : columns_.sides) {
-    if (side.other < 0) continue;
+    if (side.other < 0 || !is_open(side, mass)) continue;
     const Place arm = columns_.place.col(side.other) - columns_.place.col(side.column);
     const Place part = arm * ((values[side.other] - values[side.column]) / arm.squaredNorm());
     g.col(side.column) += part;
@@ -146,12 +147,14 @@ auto AirLayer<plane>::side_flows(const Eigen::VectorXd& mass, const Field& momen
   const int n = columns_.size();
   SideFlows flows;
   flows.velocity.resize(plane, n);
-  for (int i = 0; i < n; ++i) flows.velocity.col(i) = momentum.col(i) / mass[i];
+  flows.velocity.setZero();
+  for (int i = 0; i < n; ++i)
+    if (mass[i] > 0) flows.velocity.col(i) = momentum.col(i) / mass[i];
   flows.leaving.setZero(n);
   const Eigen::VectorXd density = mass.cwiseQuotient(gap);
-  const Field density_slope = gradient(density);
+  const Field density_slope = gradient(density, mass);
   Field velocity_slope[plane];
-  for (int k = 0; k < plane; ++k) velocity_slope[k] = gradient(flows.velocity.row(k).transpose());
+  for (int k = 0; k < plane; ++k) velocity_slope[k] = gradient(flows.velocity.row(k).transpose(), mass);
   const auto at_side = [](const Place& slope, double here, double there, const Place& arm) {
     return here + 0.5 * van_leer(there - here, 2 * slope.dot(arm) - (there - here));
   };
@@ -165,7 +168,9 @@ auto AirLayer<plane>::side_flows(const Eigen::VectorXd& mass, const Field& momen
     const int i = side.column, j = side.other;
     Flux flux;
     double h = gap[i];
-    if (j < 0) {
+    if (!is_open(side, mass)) {
+      h = 0;  // a wall: its pressure is that of the column
+    } else if (j < 0) {
       const Gas gas = open_air({density[i], flows.velocity.col(i)}, side.normal);
       const double through = gas.density * gas.velocity.dot(side.normal);
       flux = {through, through * gas.velocity + pressure_at(gas.density) * side.normal};
@@ -191,7 +196,7 @@ auto AirLayer<plane>::rates(const Eigen::VectorXd& mass, const Field& momentum, 
   const SideFlows flows = side_flows(mass, momentum, gap);
   Eigen::VectorXd share(n), p(n);
   for (int i = 0; i < n; ++i) {
-    p[i] = pressure_at(mass[i] / gap[i]);
+    p[i] = mass[i] > 0 ? pressure_at(mass[i] / gap[i]) : air_.pressure;
     const double spare = std::max(0.0, mass[i] - air_.density * air_.film) * columns_.area[i];
     share[i] = flows.leaving[i] * dt > spare ? spare / (flows.leaving[i] * dt) : 1;
   }
@@ -225,6 +230,7 @@ template <int plane>
 void AirLayer<plane>::brake(AirState<plane>& state, double dt) const {
   for (int i = 0; i < columns_.size(); ++i) {
     const double h = state.gap[i], m = state.mass[i];
+    if (!(m > 0)) continue;
     if (air_.friction) {
       const double speed = state.momentum.col(i).norm() / m, reynolds = 2 * m * speed / air_.viscosity;
       const double laminar = 48 * air_.viscosity / m;
@@ -240,6 +246,7 @@ template <int plane>
 double AirLayer<plane>::stable_step(const AirState<plane>& state) const {
   double step = std::numeric_limits<double>::infinity();
   for (int i = 0; i < columns_.size(); ++i) {
+    if (!(state.mass[i] > 0)) continue;
     const double c = air_.sound_speed_of(state.mass[i] / state.gap[i]);
     step = std::min(step, courant * width_[i] / (state.momentum.col(i).norm() / state.mass[i] + c));
   }

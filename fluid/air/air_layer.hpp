@@ -1,6 +1,7 @@
 #pragma once
 
 #include "fluid/air/air_columns.hpp"
+#include "fluid/parameters/parameters.hpp"
 
 #include <Eigen/Core>
 
@@ -8,18 +9,13 @@
 
 namespace strake::fluid {
 
-/// The air: an ideal gas whose compression is adiabatic (fluid/THEORY.md (F77)).
-struct AirProperties {
-  double pressure = 101325;    // p0 [Pa], of the open air
-  double density = 1.204;      // ρ0 [kg/m³]
-  double gamma = 1.4;          // ratio of specific heats [1]
-  double viscosity = 1.82e-5;  // µ [Pa s]
-  double film = 1e-5;          // δ [m]: each column keeps the air ρ0 δ
-  bool friction = true;
-
-  double sound_speed() const;                         // c0 of the open air [m/s]
-  double pressure_of(double mass, double gap) const;  // p = p0 (m/(ρ0 h))^γ [Pa]
-  double sound_speed_of(double density) const;        // c = c0 (ρ/ρ0)^((γ−1)/2) [m/s]
+/// The gas (F77), and how it meets the surface below it (F82).
+struct AirProperties : AirKeys {
+  AirProperties() = default;
+  AirProperties(const AirKeys& keys) : AirKeys(keys) {}  // NOLINT(google-explicit-constructor)
+  double sound_speed() const;                            // c0 of the open air [m/s]
+  double pressure_of(double mass, double gap) const;     // p = p0 (m/(ρ0 h))^γ [Pa]
+  double sound_speed_of(double density) const;           // c = c0 (ρ/ρ0)^((γ−1)/2) [m/s]
   /// Returns the gap h > 0 that air and the surface below it agree on at the end of a step [m] (F82):
   ///   h − h* = C (p(m, h) − p0),
   /// h* = free_gap: where p0 on the surface would leave it; C: how far a pressure moves it in the step
@@ -27,7 +23,8 @@ struct AirProperties {
   double gap_of(double mass, double free_gap, double compliance) const;
 };
 
-/// What changes in time. mass: m = ρ h [kg/m²]; momentum: q = m u [kg/(m s)], along the plane; gap: h [m].
+/// What changes in time. mass: m = ρ h [kg/m²], 0 in a column that has none, past which no air flows;
+/// momentum: q = m u [kg/(m s)], along the plane; gap: h [m].
 template <int plane>
 struct AirState {
   Eigen::VectorXd mass;
@@ -90,7 +87,11 @@ class AirLayer {
               double dt) const;
   Flux hll(const Gas& left, const Gas& right, const Place& normal) const;
   Gas open_air(const Gas& last, const Place& normal) const;
-  Field gradient(const Eigen::VectorXd& values) const;
+  Field gradient(const Eigen::VectorXd& values, const Eigen::VectorXd& mass) const;
+  /// Whether air passes a side: both columns have some.
+  static bool is_open(const typename AirColumns<plane>::Side& side, const Eigen::VectorXd& mass) {
+    return mass[side.column] > 0 && (side.other < 0 || mass[side.other] > 0);
+  }
   void brake(AirState<plane>&, double dt) const;
   double pressure_at(double density) const;
 

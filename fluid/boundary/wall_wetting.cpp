@@ -93,7 +93,8 @@ void WallContact<dim>::list_joined(const Boundary<dim>& boundary, const State<di
 }
 
 template <int dim>
-void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near) {
+void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
+                              std::span<const std::uint8_t> aired) {
   if (boundary.tank().moves())
     for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j)
       if (!corner(j)) axis_.col(j - first_) = boundary.normal_of(j);
@@ -112,6 +113,8 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
           state.position.col(j) + (depth_[j - first_] + covering_distance * spacing_) * axis_.col(j - first_);
       is_wet = !boundary.body_surface().inside(before);
     }
+    if (!aired.empty() && j >= boundary.first_of_bodies())
+      is_wet = is_wet && !aired[static_cast<std::size_t>(boundary.point_of(j))];
     const bool joins = is_wet && was_dry && state.step > 0 && j >= boundary.first_of_bodies();
     joins_[k] = joins && !boundary.volume() ? nearest.particle : -1;
     state.surface[k] = is_wet ? 0 : 1;

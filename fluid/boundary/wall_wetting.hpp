@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace strake::fluid {
@@ -27,7 +28,10 @@ class WallContact {
 
   /// Places the faces where they are now, and marks them wet or dry from the water's places. near: rows of at
   /// least 2 l0.
-  void update(const Boundary<dim>&, State<dim>&, const Neighbours& near);
+  /// aired: 1 for wet points of bodies with air between them and the water, whose faces stay dry; empty:
+  /// none.
+  void update(const Boundary<dim>&, State<dim>&, const Neighbours& near,
+              std::span<const std::uint8_t> aired = {});
 
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
   /// Returns P r, the component of r along the face's normal. At an edge of the tank it is all of r across

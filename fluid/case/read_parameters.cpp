@@ -232,6 +232,36 @@ void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, bool
   read_turbulence(t.table("turbulence", "sub-particle-scale stresses"), s);
 }
 
+void read_air(CaseTable t, AirKeys& air) {
+  t.flag("layer", air.layer, {.help = "air between the lower faces of a body and the water is computed"});
+  t.number("pressure", air.pressure, positive("Pa", "of the open air"));
+  t.number("density", air.density, positive("kg/m^3", "of the open air"));
+  t.number("gamma", air.gamma, {.min = 1, .max = 2, .exclusive = true, .help = "ratio of specific heats"});
+  t.number("viscosity", air.viscosity, positive("Pa s", "of the air"));
+  t.number(
+      "film", air.film,
+      positive("m",
+               "thickness, at the open air's pressure, of the air that stays under each piece of a face"));
+  t.flag("friction", air.friction, {.help = "of the air on body and water"});
+}
+
+void check_air(CaseTable fluid, const CommonKeys& common, const Parameters& p) {
+  CaseTable air = fluid.table("air");
+  if (p.scheme.gradient != Gradient::least_squares)
+    throw air.error("layer", "false with this scheme: air belongs to gradient = \"least-squares\"",
+                    "preset = \"improved\", or layer = false");
+  if (common.interface == "volume")
+    throw air.error("layer", "false with coupling.interface = \"volume\"",
+                    "coupling.interface = \"surface\", or layer = false");
+  if (p.dimension != 2)
+    throw air.error("layer", "false in three dimensions: air under a body is computed in the plane",
+                    "fluid.dimension = 2, or layer = false");
+  if (common.structure_solver == "none")
+    throw air.error("layer", "false: there is no body", "a structure, or layer = false");
+  if (p.submerged)
+    throw air.error("layer", "false: a body that starts in the water has no air under it", "layer = false");
+}
+
 void check_sound_depth(CaseTable& fluid, CaseTable& scheme, const Parameters& p) {
   if (p.scheme.gradient != Gradient::least_squares)
     throw scheme.error("gradient",
@@ -272,6 +302,7 @@ void check_together(CaseFile& file, const CommonKeys& common, const Parameters& 
                        "least-squares with fluid.absorbing: the other schemes' walls do not yield",
                        "gradient = \"least-squares\", or leave fluid.absorbing out");
   if (std::isfinite(p.sound_depth)) check_sound_depth(fluid, scheme, p);
+  if (p.air.layer) check_air(fluid, common, p);
   if (p.scheme.gradient == Gradient::least_squares) {
     CaseTable source = scheme.table("source");
     if (p.scheme.density_at == DensityAt::star)
@@ -310,6 +341,7 @@ Parameters read(CaseFile& file, const CommonKeys& common) {
     if (probe.diameter == 0) probe.diameter = 2 * p.spacing;
   read_scheme(fluid.table("scheme", "the particle method; preset = paper | improved sets the defaults"),
               common, p.sound_speed, common.chosen.level, p.scheme);
+  read_air(fluid.table("air", "the air that a flat body traps"), p.air);
   if (!file.only_declares()) check_together(file, common, p);
   return p;
 }

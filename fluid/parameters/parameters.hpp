@@ -74,6 +74,17 @@ struct InitialVelocity {
   Eigen::Vector3d at(const Eigen::Vector3d& x) const { return value + gradient * x; }
 };
 
+/// [fluid.air]: an ideal gas whose compression is adiabatic (fluid/THEORY.md (F77)).
+struct AirKeys {
+  bool layer = false;          // air between a body and the water is computed
+  double pressure = 101325;    // p0 [Pa], of the open air
+  double density = 1.204;      // ρ0 [kg/m³]
+  double gamma = 1.4;          // ratio of specific heats [1]
+  double viscosity = 1.82e-5;  // µ [Pa s]
+  double film = 1e-5;          // δ [m]: each column keeps the air ρ0 δ
+  bool friction = true;
+};
+
 struct Parameters {
   int dimension = 2;
   double spacing = 0.01;                 // l0 [m]
@@ -98,6 +109,7 @@ struct Parameters {
   double end_time = 0;                                     // [s] of the run: how far the tank may move
   std::string interface = "surface";                       // surface | volume
   Scheme scheme;
+  AirKeys air;
   std::vector<ProbeKeys> probes;  // those of the fluid
   int threads = 2;
 };

@@ -3,6 +3,8 @@
 #include "fluid/particles/archive_member.hpp"
 #include "fluid/particles/columns.hpp"
 
+#include <string_view>
+
 namespace strake::fluid {
 
 template <int dim>
@@ -12,12 +14,27 @@ void save(const State<dim>& state, Archive& archive) {
   for_each_value(write, state);
 }
 
+namespace {
+
+/// Whether version 0.1.0 did not have that member. Where a checkpoint lacks it, it is zero.
+bool is_newer(std::string_view name) {
+  return name.starts_with("air_") || name == "pressure_acceleration" || name.starts_with("face_lag");
+}
+
+}  // namespace
+
 template <int dim>
 State<dim> load(const Archive& archive) {
   State<dim> state;
-  const auto read = [&](const char* name, auto& member) { get(archive, name, member); };
+  const auto read = [&](const char* name, auto& member) {
+    if (!is_newer(name) || archive.real.contains(name)) get(archive, name, member);
+  };
   for_each_column(read, state);
   for_each_value(read, state);
+  const Eigen::Index n = state.position.cols();
+  if (state.pressure_acceleration.cols() == 0) state.pressure_acceleration.setZero(dim, n);
+  for (Eigen::VectorXd* column : {&state.face_lag, &state.face_lag_rate})
+    if (column->size() == 0) column->setZero(n);
   const auto check = [&](const char*, const auto& column) {
     if (length(column) != state.position.cols()) refuse("has arrays of different lengths");
   };

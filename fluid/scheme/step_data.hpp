@@ -47,6 +47,8 @@ struct StepData {
   const Neighbours* far = nullptr;            // of the last `search_neighbours`
   Vector<dim> gravity = Vector<dim>::Zero();  // [m/s²]
   const Vectors<dim>* viscous = nullptr;      // ν∇²u + ∇·τ at every particle [m/s²]
+  Eigen::VectorXd surface_pressure;           // of air on the water's surface [Pa]; empty: none
+  std::vector<std::uint8_t> aired;            // 1: wet point with air between it and the water; empty: none
   std::vector<std::uint8_t> newly_connected;  // scratch of `follow_air`
 
  private:

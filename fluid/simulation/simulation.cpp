@@ -195,6 +195,11 @@ Extreme Simulation<dim>::highest_pressure() const {
 }
 
 template <int dim>
+double Simulation<dim>::air_mass() const {
+  return work_->air ? work_->air->mass(work_->step.state.air_mass) : 0;
+}
+
+template <int dim>
 Extreme Simulation<dim>::fastest() const {
   const Work& w = *work_;
   double square = 0;

@@ -64,6 +64,8 @@ class Simulation {
   std::vector<FacePiece> face_pieces() const;
   /// Returns the highest pressure of the last step on a piece of the bodies' faces, −(force · n)/area [Pa].
   Extreme highest_pressure() const;
+  /// Air under the body now [kg], in two dimensions [kg/m]; 0 where none is computed.
+  double air_mass() const;
   /// Returns the fastest particle of water now: its speed [m/s] and place.
   Extreme fastest() const;
 

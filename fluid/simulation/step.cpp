@@ -59,6 +59,8 @@ Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, c
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     state.initial_momentum += step.mass * state.velocity.col(i);
   begin_at_rest<dim>(p, boundary, state);
+  if constexpr (dim == 2)
+    if (p.air.layer) air = std::make_unique<AirUnderBody<2>>(p.air, step);
   scheme->begin(step);
 }
 
@@ -88,6 +90,8 @@ void Simulation<dim>::Work::measure() {
     sort_along_cells();
     step.search_neighbours();
   }
+  if constexpr (dim == 2)
+    if (air) air->give_over(step);
   find_stresses();
   scheme->measure(step);
 }
@@ -136,6 +140,8 @@ void Simulation<dim>::Work::solve_pressure() {
   const StageClock clock(step.seconds, "pressure");
   const Scheme& keys = step.p.scheme;
   State<dim>& state = step.state;
+  if constexpr (dim == 2)
+    if (air) air->advance(step);
   scheme->assemble(step, system);
   const bool all_compressible = std::isfinite(step.p.sound_speed) && std::isinf(step.p.sound_depth);
   const bool sealed = !all_compressible && close_sealed_blocks(system) > 0;
@@ -173,6 +179,8 @@ void Simulation<dim>::Work::correct() {
   }
   const StageClock clock(step.seconds, "corrector");
   report.divergence_max = scheme->correct(step);
+  if constexpr (dim == 2)
+    if (air) air->follow_surface(step);
 }
 
 template <int dim>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/air/air_under_body.hpp"
 #include "fluid/boundary/collision.hpp"
 #include "fluid/pressure_solver/poisson_solver.hpp"
 #include "fluid/scheme/fluid_scheme.hpp"
@@ -35,6 +36,7 @@ struct Simulation<dim>::Work {
 
   StepData<dim> step;
   std::unique_ptr<FluidScheme<dim>> scheme;
+  std::unique_ptr<AirUnderBody<2>> air;  // in the plane; null: none is computed
   ViscousStage<dim> viscous;
   PressureSystem system;
   PoissonSolver<dim> poisson;

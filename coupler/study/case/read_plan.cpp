@@ -138,6 +138,7 @@ void refuse_metric(CaseTable& table, const Quantity& q) {
                                                    "penetrations",
                                                    "lost",
                                                    "volume_drift",
+                                                   "air_mass",
                                                    "wall",
                                                    "windows",
                                                    "iterations",

@@ -1,0 +1,113 @@
+"""Air under a flat plate that falls on water: the layer takes the peak, keeps its mass, and does not depend on threads,
+rewinds or an interruption. What it cannot do is refused."""
+import json
+import pathlib
+import sys
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from processes import *  # noqa: F403: the test's own vocabulary
+
+CASE = """title = "air under a plate"
+end_time = 0.0042
+[fluid]
+dimension = 2
+spacing = 0.01
+tank  = [[-0.5, -0.25, 0.0], [0.5, 0.25, 0.0]]
+water = [[-0.5, -0.25, 0.0], [0.5, 0.0, 0.0]]
+air = { layer = true }
+[structure]
+solver = "rigid"
+velocity = [0.0, -4.0, 0.0]
+[structure.plate]
+length = 0.2
+thickness = 0.02
+bottom = [0.0, 0.012, 0.0]
+supports = { left = "clamped", right = "clamped" }
+[output]
+every = 1e-3
+"""
+A, V, CONTACT = 0.1, 4.0, 0.003
+
+
+def rows(run):
+    try:
+        return max(0, len((run / "history.csv").read_text().splitlines()) - 1)
+    except OSError:
+        return 0
+
+
+def table(run):
+    lines = [line for line in (run / "history.csv").read_text().splitlines() if not line.startswith("#")]
+    names = [title.split(" [")[0] for title in lines[0].split(",")]
+    return {name: [float(line.split(",")[k] or "nan") for line in lines[1:]] for k, name in enumerate(names)}
+
+
+def run(place, tag, *words, code=0):
+    result = strake("run", "case.toml", "--tag", tag, *words, cwd=place, timeout=240)
+    expect(result.returncode == code, f"{tag}: exit {result.returncode}\n{result.stderr}")
+    return place / "runs" / f"case-{tag}"
+
+
+def the_layer_takes_the_peak(place):
+    with_air, without = run(place, "air"), run(place, "none", "--set", "fluid.air.layer=false")
+    air, bare = table(with_air), table(without)
+    peak, impact = max(air["force.y"]) / (2 * A), max(bare["force.y"]) / (2 * A)
+    rho_c_v = 1000 * 1500 * V
+    print(f"      plate-mean peak {peak / 1e6:.2f} MPa with air, {impact / 1e6:.2f} MPa without, rho c V {rho_c_v / 1e6:.2f} MPa")
+    expect(0.15 * rho_c_v < peak < 0.75 * rho_c_v, "the air lowers the peak of a flat impact")
+    expect(impact > 0.9 * rho_c_v, "without air it is rho c V")
+    at_contact = min(range(len(air["time"])), key=lambda k: abs(air["time"][k] - CONTACT))
+    left = air["air.mass"][at_contact] / (1.204 * 2 * A)
+    print(f"      air left at nominal contact {1e3 * left:.2f} mm of 12")
+    expect(0.7e-3 < left < 3e-3, "a millimetre or two of the air is trapped")
+    # Slow flow: the cushion rho V^2 a^2/h^2 over water that hardly moves yet, at half the gap.
+    early = min(range(len(air["time"])), key=lambda k: abs(air["time"][k] - 0.5 * CONTACT))
+    cushion = 1.204 * V * V * A * A / (0.012 - V * air["time"][early]) ** 2
+    expect(0.8 < air["air.largest_pressure"][early] / cushion < 1.2, "before that it is the cushion of slow air")
+    found = json.loads((with_air / "summary.json").read_text())["checks"]
+    expect(abs(found["air_mass"]) <= 1e-12, f"air is neither made nor lost: {found['air_mass']}")
+    expect(found["momentum_gap"] < 0.05, f"momentum of water, plate and air: {found['momentum_gap']}")
+    expect("air_mass" not in json.loads((without / "summary.json").read_text())["checks"], "without a layer nothing is said of it")
+    return with_air
+
+
+def it_is_exact(place, whole):
+    two = run(place, "two", "--set", "run.threads=2")
+    expect((two / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(), "two threads: the same to the byte")
+    process = start("run", "case.toml", "--tag", "cut", cwd=place)
+    cut = place / "runs" / "case-cut"
+    expect(wait_until(lambda: rows(cut) >= 150, 60), "resume: the run is under way")
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    again = strake("run", "case.toml", "--tag", "cut", "--resume", cwd=place, timeout=120)
+    expect(again.returncode == 0, f"resume: exit {again.returncode}\n{again.stderr}")
+    expect((cut / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(), "resume: the same to the byte")
+
+
+def an_elastic_plate_feels_it(place):
+    """Windows are repeated until plate and water agree, with air between them."""
+    elastic = run(place, "fem", "--set", "structure.solver=fem", "--set", "end_time=0.0036")
+    checks = json.loads((elastic / "summary.json").read_text())["checks"]
+    expect(abs(checks["air_mass"]) <= 1e-12 and checks["work_gap"] < 1e-9, f"fem: {checks}")
+
+
+def what_it_cannot_do_is_refused(place):
+    for words, message in [(["fluid.air.pressure=-1"], "fluid.air.pressure"), (["fluid.air.film=0"], "fluid.air.film"),
+                           (["fluid.air.gamma=1"], "fluid.air.gamma"), (["preset=paper"], "fluid.air.layer"),
+                           (["structure.plate.bottom=[0,-0.1,0]", "fluid.submerged=true"], "fluid.air.layer"),
+                           (["fluid.air.presure=1"], "did you mean pressure"),
+                           (["structure.solver=none"], "fluid.air.layer")]:
+        sets = [part for word in words for part in ("--set", word)]
+        result = strake("check", "case.toml", *sets, cwd=place)
+        expect(result.returncode == 3 and message in result.stderr and "fix:" in result.stderr,
+               f"{words}: exit {result.returncode}\n{result.stderr}")
+
+
+with folder() as name:
+    place = pathlib.Path(name)
+    (place / "case.toml").write_text(CASE)
+    whole = the_layer_takes_the_peak(place)
+    it_is_exact(place, whole)
+    an_elastic_plate_feels_it(place)
+    what_it_cannot_do_is_refused(place)
+finish()
