@@ -86,7 +86,7 @@ template <int plane>
 auto AirLayer<plane>::gradient(const Eigen::VectorXd& values, const Eigen::VectorXd& mass) const -> Field {
   Field g = Field::Zero(plane, columns_.size());
   for (const auto& side : columns_.sides) {
-    if (side.other < 0 || !is_open(side, mass)) continue;
+    if (!joins(side, mass)) continue;
     const Place arm = columns_.place.col(side.other) - columns_.place.col(side.column);
     const Place part = arm * ((values[side.other] - values[side.column]) / arm.squaredNorm());
     g.col(side.column) += part;
@@ -143,7 +143,8 @@ auto AirLayer<plane>::open_air(const Gas& last, const Place& normal) const -> Ga
 // Fluxes of all sides, from values on both sides of each; on a line the limited value is van Leer's.
 template <int plane>
 auto AirLayer<plane>::side_flows(const Eigen::VectorXd& mass, const Field& momentum,
-                                 const Eigen::VectorXd& gap) const -> SideFlows {
+                                 const Eigen::VectorXd& gap, const std::vector<std::uint8_t>& vents) const
+    -> SideFlows {
   const int n = columns_.size();
   SideFlows flows;
   flows.velocity.resize(plane, n);
@@ -167,17 +168,17 @@ auto AirLayer<plane>::side_flows(const Eigen::VectorXd& mass, const Field& momen
   for (const auto& side : columns_.sides) {
     const int i = side.column, j = side.other;
     Flux flux;
-    double h = gap[i];
-    if (!is_open(side, mass)) {
-      h = 0;  // a wall: its pressure is that of the column
-    } else if (j < 0) {
-      const Gas gas = open_air({density[i], flows.velocity.col(i)}, side.normal);
-      const double through = gas.density * gas.velocity.dot(side.normal);
-      flux = {through, through * gas.velocity + pressure_at(gas.density) * side.normal};
-    } else {
+    double h = 0;  // 0: a wall, whose pressure is that of the column
+    if (joins(side, mass)) {
       const Place arm = columns_.place.col(j) - columns_.place.col(i);
       flux = hll(gas_of(i, j, arm), gas_of(j, i, -arm), side.normal);
-      h = std::min(h, gap[j]);
+      h = std::min(gap[i], gap[j]);
+    } else if (const int last = outlet(side, mass, vents); last >= 0) {
+      const double sign = last == i ? 1 : -1;
+      const Gas gas = open_air({density[last], flows.velocity.col(last)}, sign * side.normal);
+      const double through = gas.density * gas.velocity.dot(side.normal);
+      flux = {through, through * gas.velocity + pressure_at(gas.density) * side.normal};
+      h = gap[last];
     }
     if (flux.mass > 0) flows.leaving[i] += side.length * h * flux.mass;
     if (flux.mass < 0 && j >= 0) flows.leaving[j] -= side.length * h * flux.mass;
@@ -191,9 +192,9 @@ auto AirLayer<plane>::side_flows(const Eigen::VectorXd& mass, const Field& momen
 // keeps the film: what leaves it is scaled.
 template <int plane>
 auto AirLayer<plane>::rates(const Eigen::VectorXd& mass, const Field& momentum, const Eigen::VectorXd& gap,
-                            double dt) const -> Rates {
+                            const std::vector<std::uint8_t>& vents, double dt) const -> Rates {
   const int n = columns_.size();
-  const SideFlows flows = side_flows(mass, momentum, gap);
+  const SideFlows flows = side_flows(mass, momentum, gap, vents);
   Eigen::VectorXd share(n), p(n);
   for (int i = 0; i < n; ++i) {
     p[i] = mass[i] > 0 ? pressure_at(mass[i] / gap[i]) : air_.pressure;
@@ -204,20 +205,22 @@ auto AirLayer<plane>::rates(const Eigen::VectorXd& mass, const Field& momentum, 
   for (std::size_t s = 0; s < flows.flux.size(); ++s) {
     const auto& side = columns_.sides[s];
     const Flux& flux = flows.flux[s];
-    const int i = side.column, j = side.other, donor = flux.mass > 0 ? i : j;
+    const int i = side.column, j = side.other;
+    const auto has_air = [&](int k) { return k >= 0 && mass[k] > 0; };
+    const int upwind = flux.mass > 0 ? i : j, donor = has_air(upwind) ? upwind : -1;
     const double area = side.length * flows.gap[s], scale = donor < 0 ? 1 : share[donor];
     const double through = area * scale * flux.mass;
     // What the mass does not carry is the pressure of the side.
     Place carried = Place::Zero();
     if (donor >= 0) carried = flux.mass * flows.velocity.col(donor);
     const Place whole = area * (flux.momentum - (1 - scale) * carried);
-    rates.mass[i] -= through;
-    rates.momentum.col(i) -= whole - area * p[i] * side.normal;
-    if (j >= 0) {
-      rates.mass[j] += through;
-      rates.momentum.col(j) += whole - area * p[j] * side.normal;
-    } else {
-      rates.out += through;
+    for (const auto& [k, sign] : {std::pair{i, 1.0}, std::pair{j, -1.0}}) {
+      if (has_air(k)) {
+        rates.mass[k] -= sign * through;
+        rates.momentum.col(k) -= sign * (whole - area * p[k] * side.normal);
+      } else {
+        rates.out -= sign * through;
+      }
     }
   }
   rates.mass.array() /= columns_.area.array();
@@ -261,10 +264,10 @@ void AirLayer<plane>::advance(AirState<plane>& state, const Eigen::VectorXd& gap
     const double stable = stable_step(state);
     const double step = left <= stable * (1 + 1e-9) ? left : left / std::ceil(left / stable);
     const Eigen::VectorXd middle = state.gap + (0.5 * step / left) * (gap_end - state.gap);
-    const Rates first = rates(state.mass, state.momentum, middle, step);
+    const Rates first = rates(state.mass, state.momentum, middle, state.vents, step);
     const Eigen::VectorXd mass = state.mass + step * first.mass;
     const Field momentum = state.momentum + step * first.momentum;
-    const Rates second = rates(mass, momentum, middle, step);
+    const Rates second = rates(mass, momentum, middle, state.vents, step);
     state.mass += 0.5 * step * (first.mass + second.mass);
     state.momentum += 0.5 * step * (first.momentum + second.momentum);
     state.mass_out += 0.5 * step * (first.out + second.out);
@@ -314,7 +317,7 @@ AirState<plane> AirLayer<plane>::start(const Eigen::VectorXd& gap, const Eigen::
       edge_flow += side.length * std::abs(through);
     }
   }
-  AirState<plane> state{Eigen::VectorXd(n), Field(plane, n), gap, 0};
+  AirState<plane> state{Eigen::VectorXd(n), Field(plane, n), gap, {}, 0};
   const double edge = edge_flow > 0 ? edge_square / edge_flow : 0;
   for (int i = 0; i < n; ++i) {
     const Place u = velocity.col(i) / columns_.area[i];

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
 #include <vector>
 
 namespace strake::fluid {
@@ -30,6 +31,8 @@ struct AirState {
   Eigen::VectorXd mass;
   Eigen::Matrix<double, plane, Eigen::Dynamic> momentum;
   Eigen::VectorXd gap;
+  std::vector<std::uint8_t>
+      vents;            // 1: a column without air of its own lies open to the air; empty: none does
   double mass_out = 0;  // what has left over the border [kg], on a line [kg/m]
 };
 
@@ -82,15 +85,25 @@ class AirLayer {
     Eigen::VectorXd leaving;
     Field velocity;
   };
-  SideFlows side_flows(const Eigen::VectorXd& mass, const Field& momentum, const Eigen::VectorXd& gap) const;
+  SideFlows side_flows(const Eigen::VectorXd& mass, const Field& momentum, const Eigen::VectorXd& gap,
+                       const std::vector<std::uint8_t>& vents) const;
   Rates rates(const Eigen::VectorXd& mass, const Field& momentum, const Eigen::VectorXd& gap,
-              double dt) const;
+              const std::vector<std::uint8_t>& vents, double dt) const;
   Flux hll(const Gas& left, const Gas& right, const Place& normal) const;
   Gas open_air(const Gas& last, const Place& normal) const;
   Field gradient(const Eigen::VectorXd& values, const Eigen::VectorXd& mass) const;
-  /// Whether air passes a side: both columns have some.
-  static bool is_open(const typename AirColumns<plane>::Side& side, const Eigen::VectorXd& mass) {
-    return mass[side.column] > 0 && (side.other < 0 || mass[side.other] > 0);
+  /// Whether both columns of a side have air.
+  static bool joins(const typename AirColumns<plane>::Side& side, const Eigen::VectorXd& mass) {
+    return side.other >= 0 && mass[side.column] > 0 && mass[side.other] > 0;
+  }
+  /// Returns the column from which a side leads to the open air, −1 where it does not.
+  static int outlet(const typename AirColumns<plane>::Side& side, const Eigen::VectorXd& mass,
+                    const std::vector<std::uint8_t>& vents) {
+    const int i = side.column, j = side.other;
+    if (j < 0) return mass[i] > 0 ? i : -1;
+    if (vents.empty() || (mass[i] > 0) == (mass[j] > 0)) return -1;
+    const int with = mass[i] > 0 ? i : j, without = with == i ? j : i;
+    return vents[static_cast<std::size_t>(without)] ? with : -1;
   }
   void brake(AirState<plane>&, double dt) const;
   double pressure_at(double density) const;

@@ -108,6 +108,9 @@ AirState<AirUnderBody<dim>::plane> AirUnderBody<dim>::air_of(const State<dim>& s
                                                                                 plane, state.air_mass.size());
   air.gap = state.air_gap;
   air.mass_out = state.air_out;
+  air.vents.resize(row_.size());
+  for (std::size_t c = 0; c < row_.size(); ++c)
+    air.vents[c] = state.surface[static_cast<std::size_t>(row_[c])];  // a dry face
   return air;
 }
 
@@ -184,27 +187,17 @@ double AirUnderBody<dim>::column_at(const StepData<dim>& step, double x) const {
 template <int dim>
 void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   State<dim>& state = step.state;
-  const BodySurface<dim>& body = step.boundary.body_surface();
   const double least = keys_.density * keys_.film;
-  const bool some_without = (state.air_mass.array() == 0).any();
-  const Sample water = some_without ? sample(step) : Sample{};
+  const double compliance = step.dt * step.dt / (step.p.density * 0.5 * step.p.spacing);
   for (std::size_t c = 0; c < point_.size(); ++c) {
     const auto i = static_cast<Eigen::Index>(c);
     const double area = layer_.front().columns().area[i];
-    if (state.air_mass[i] > 0) {
-      if (!(state.air_mass[i] < at_film * least && state.air_pressure[i] > 0)) continue;
-      state.air_out += area * state.air_mass[i];
-      state.air_mass[i] = state.air_pressure[i] = 0;
-      state.air_momentum.segment(plane * i, plane).setZero();
-    } else if (state.surface[static_cast<std::size_t>(row_[c])]) {
-      const double level = water.weight[i] > 0 ? water.level[i] : state.air_surface[i] - step.p.spacing;
-      const double gap = body.point(point_[c])[1] - level;
-      if (!(gap > opened * step.p.spacing)) continue;
-      state.air_surface[i] = level;
-      state.air_gap[i] = gap;
-      state.air_mass[i] = keys_.density * gap;
-      state.air_out -= area * state.air_mass[i];
-    }
+    if (!(state.air_mass[i] > 0 && state.air_pressure[i] > 0)) continue;
+    const bool stiff = keys_.gamma * (keys_.pressure + state.air_pressure[i]) * compliance > state.air_gap[i];
+    if (!stiff && state.air_mass[i] > at_film * least) continue;
+    state.air_out += area * state.air_mass[i];
+    state.air_mass[i] = state.air_pressure[i] = 0;
+    state.air_momentum.segment(plane * i, plane).setZero();
   }
   mark(step);
 }

@@ -20,8 +20,8 @@ class AirUnderBody {
   /// no face looks down, or where one starts in the water.
   AirUnderBody(const AirKeys&, StepData<dim>&);
 
-  /// Gives faces without air over to contact with the water: columns that are down to the film and pressed.
-  /// Takes them back where the water has left the face. Called before the faces are found wet or dry.
+  /// Gives faces over to contact with the water: those whose air is pressed and down to the film, or stiffer
+  /// than the water's inertia in a step. Called before the faces are found wet or dry.
   void give_over(StepData<dim>&);
   /// Advances the air by the step, and finds the pressure on which air and surface agree (F82). Writes
   /// StepData::surface_pressure of the water and StepData::aired of the wet points. Called before the

@@ -116,8 +116,11 @@ TEST(AirLayer, ASealedLayerStopsAPlateAtThePressureOfItsEnergy) {
   const AirLayer<1> layer({}, closed);
   const double m = 156, g = 9.81, p0 = layer.air().pressure;
   for (const auto& [h0, expected] : {std::pair{0.012, 1957.94e3}, std::pair{0.005, 10.78686e6}}) {
-    AirState<1> state{Eigen::VectorXd::Constant(10, 1.204 * h0), Eigen::MatrixXd::Zero(1, 10),
-                      Eigen::VectorXd::Constant(10, h0), 0};
+    AirState<1> state{Eigen::VectorXd::Constant(10, 1.204 * h0),
+                      Eigen::MatrixXd::Zero(1, 10),
+                      Eigen::VectorXd::Constant(10, h0),
+                      {},
+                      0};
     double h = h0, v = -6.26, largest = 0;
     const double dt = 5e-8;
     for (double t = 0; t < 5e-3 && v < 0; t += dt) {
@@ -139,8 +142,11 @@ TEST(AirLayer, AnOpenedTubeIsChoked) {
   std::erase_if(tube.sides, [](const auto& side) { return side.other < 0 && side.normal[0] < 0; });
   const AirLayer<1> layer(air, tube);
   const double h = 0.01, density = air.density * std::pow(20, 1 / air.gamma), c = air.sound_speed_of(density);
-  AirState<1> state{Eigen::VectorXd::Constant(100, density * h), Eigen::MatrixXd::Zero(1, 100),
-                    Eigen::VectorXd::Constant(100, h), 0};
+  AirState<1> state{Eigen::VectorXd::Constant(100, density * h),
+                    Eigen::MatrixXd::Zero(1, 100),
+                    Eigen::VectorXd::Constant(100, h),
+                    {},
+                    0};
   const double time = 1.5 * a / c;
   for (int k = 0; k < 300; ++k) layer.advance(state, state.gap, time / 300);
   EXPECT_NEAR(state.mass_out / (h * time * density * c) / std::pow(2 / 2.4, 6), 1, 0.02);
