@@ -87,16 +87,21 @@ std::string what_was_run(const std::vector<Recorded>& runs) {
 
 std::string limits(const std::vector<Recorded>& runs) {
   std::set<std::string> spacings;
-  bool water = false;
+  bool water = false, bare = false;
   for (const Recorded& run : runs) {
     const bool has = run.solver.contains("fluid");
     water = water || has;
+    bare = bare || (has && run.setting("fluid.air.layer") != "true");
     if (has && !run.setting("fluid.spacing").empty()) spacings.insert(run.setting("fluid.spacing"));
   }
   if (!water) return {};
-  std::string items =
-      "<li>The water has no air over it: cushions under flat faces, pockets that waves shut in and spray in "
-      "air are not computed.</li>\n";
+  std::string items = bare ? "<li>The water has no air over it: cushions under flat faces, pockets that "
+                             "waves shut in and spray in "
+                             "air are not computed. fluid.air.layer = true computes the cushion under a flat "
+                             "body, in the plane.</li>\n"
+                           : "<li>Air is computed under the body alone, and for its impact: pockets that "
+                             "waves shut in and spray in air "
+                             "are not.</li>\n";
   if (spacings.size() == 1)
     items += "<li>All runs have one spacing, " + escape(*spacings.begin()) +
              " m: how far their numbers depend on it is not shown here. Halve fluid.spacing and report both "
