@@ -25,7 +25,9 @@ struct AirColumns {
   int size() const { return static_cast<int>(area.size()); }
 };
 
-/// n columns of equal width from x = low to high, open at both ends.
+/// Columns side by side in the order of x, open at both ends. middle, width: n [m].
+AirColumns<1> air_strip(const Eigen::VectorXd& middle, const Eigen::VectorXd& width);
+/// n columns of equal width from x = low to high.
 AirColumns<1> air_strip(double low, double high, int n);
 
 }  // namespace strake::fluid

@@ -14,34 +14,15 @@ namespace {
 
 constexpr double looks_down = 0.5;  // −n_y of a face from which on it has air under it; 60° against the level
 constexpr double at_film = 2;       // [ρ0 δ] air of a column that has lost its own
-constexpr double opened = 0.25;     // [l0] gap over water that has left the face; in contact it is below 0.02
 constexpr double disorder = 0.2;      // [l0] by which water in contact may be lower than its surface
 constexpr double follow_time = 0.01;  // [s] in which the surface comes back to the water's particles
-
-/// Columns under wet points in the order of x: as wide as the faces seen from above, open at both ends.
-AirColumns<1> columns_under(const Eigen::VectorXd& middle, const Eigen::VectorXd& width) {
-  AirColumns<1> columns;
-  const auto n = static_cast<int>(middle.size());
-  columns.place = middle.transpose();
-  columns.area = width;
-  const auto side = [&](int column, int other, double normal, double x) {
-    AirColumns<1>::Side made{.column = column, .other = other};
-    made.normal[0] = normal;
-    made.middle[0] = x;
-    columns.sides.push_back(made);
-  };
-  side(0, -1, -1, middle[0] - 0.5 * width[0]);
-  for (int i = 0; i + 1 < n; ++i) side(i, i + 1, 1, middle[i] + 0.5 * width[i]);
-  side(n - 1, -1, 1, middle[n - 1] + 0.5 * width[n - 1]);
-  return columns;
-}
 
 }  // namespace
 
 template <int dim>
 AirUnderBody<dim>::AirUnderBody(const AirKeys& keys, StepData<dim>& step) : keys_(keys) {
   find_columns(step);
-  step.aired.assign(static_cast<std::size_t>(step.boundary.body_surface().points()), 0);
+  step.air.aired.assign(static_cast<std::size_t>(step.boundary.body_surface().points()), 0);
   if (step.state.air_mass.size() == 0) begin(step);
   mark(step);
 }
@@ -74,7 +55,7 @@ void AirUnderBody<dim>::find_columns(const StepData<dim>& step) {
     const auto found = std::find(point_.begin(), point_.end(), step.boundary.point_of(j));
     if (found != point_.end()) row_[static_cast<std::size_t>(found - point_.begin())] = j;
   }
-  if constexpr (plane == 1) layer_.emplace_back(AirProperties(keys_), columns_under(middle, width));
+  if constexpr (plane == 1) layer_.emplace_back(AirProperties(keys_), air_strip(middle, width));
 }
 
 template <int dim>
@@ -94,7 +75,6 @@ void AirUnderBody<dim>::begin(StepData<dim>& step) {
                               -gap[c], body.point(k)[0]),
                   "start the body above the water, or fluid.air.layer = false");
   }
-  state.air_surface_velocity.setZero(n);
   store(layer_.front().start(gap, speed), state);
   state.air_pressure = layer_.front().pressure(air_of(state)).array() - keys_.pressure;
   state.air_at_start = mass(state.air_mass);
@@ -205,7 +185,8 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
 template <int dim>
 void AirUnderBody<dim>::mark(StepData<dim>& step) const {
   for (std::size_t c = 0; c < point_.size(); ++c)
-    step.aired[static_cast<std::size_t>(point_[c])] = step.state.air_mass[static_cast<Eigen::Index>(c)] > 0;
+    step.air.aired[static_cast<std::size_t>(point_[c])] =
+        step.state.air_mass[static_cast<Eigen::Index>(c)] > 0;
 }
 
 template <int dim>
@@ -224,30 +205,43 @@ void AirUnderBody<dim>::advance(StepData<dim>& step) {
     if (!(air.mass[c] > 0)) continue;
     const int k = point_[static_cast<std::size_t>(c)];
     const double face = body.point(k)[1] + (step.substepping.age() + dt) * body.velocity(k)[1];
-    const double push = water.weight[c] > 0 ? dt * (water.pressure[c] / (rho * depth) + step.gravity[1]) : 0;
-    const double free_gap = face - state.air_surface[c] - dt * (state.air_surface_velocity[c] + push);
+    double rise = 0;  // of the surface in the step, with p0 on it
+    if (water.weight[c] > 0) {
+      // A thin gap opens to the water's particles and is never closed by their disorder.
+      const double lacking = water.level[c] - state.air_surface[c];
+      const double share = lacking < -disorder * l0 ? 1 : std::clamp(air.gap[c] / l0 - 0.25, 0.0, 1.0);
+      rise = share * std::min(1.0, dt / follow_time) * lacking +
+             dt * (water.velocity[c] + dt * (water.pressure[c] / (rho * depth) + step.gravity[1]));
+    }
+    const double free_gap = face - state.air_surface[c] - rise;
     air.gap[c] = layer_.front().air().gap_of(air.mass[c], free_gap, compliance);
     state.air_surface[c] = face - air.gap[c];
   }
   store(air, state);
   state.air_pressure = layer_.front().pressure(air).array() - keys_.pressure;
-  step.surface_pressure.setZero(step.boundary.water());
+  press_surface(step);
+}
+
+// Linear between the middles of columns. Towards the border the pressure falls to that of the open air.
+template <int dim>
+void AirUnderBody<dim>::press_surface(StepData<dim>& step) const {
+  const State<dim>& state = step.state;
+  const BodySurface<dim>& body = step.boundary.body_surface();
+  const auto n = static_cast<Eigen::Index>(point_.size());
+  const double l0 = step.p.spacing;
+  step.air.pressure.setZero(step.boundary.water());
   const double left = body.point(point_.front())[0] - 0.5 * l0,
                right = body.point(point_.back())[0] + 0.5 * l0;
   for (std::int64_t i = 0; i < step.boundary.water(); ++i) {
     const double x = state.position(0, i);
     if (x <= left || x >= right) continue;
     const double at = std::max(0.0, column_at(step, x));
-    const auto c = std::min(n - 1, static_cast<Eigen::Index>(at));
-    const auto next = std::min(n - 1, c + 1);
+    const auto c = std::min(n - 1, static_cast<Eigen::Index>(at)), next = std::min(n - 1, c + 1);
     const double part = at - static_cast<double>(c);
-    const double level = (1 - part) * state.air_surface[c] + part * state.air_surface[next];
-    if (state.position(1, i) > level + l0) continue;  // over the body
-    double p = (1 - part) * state.air_pressure[c] + part * state.air_pressure[next];
-    // Towards the border the pressure falls to that of the open air.
-    const double inside = std::min(x - left, right - x);
-    if (inside < 0.5 * l0) p *= inside / (0.5 * l0);
-    step.surface_pressure[i] = p;
+    const auto between = [&](const Eigen::VectorXd& of) { return (1 - part) * of[c] + part * of[next]; };
+    if (state.position(1, i) > between(state.air_surface) + l0) continue;  // over the body
+    step.air.pressure[i] =
+        between(state.air_pressure) * std::min(1.0, std::min(x - left, right - x) / (0.5 * l0));
   }
 }
 
@@ -257,23 +251,6 @@ void AirUnderBody<dim>::add_load(const StepData<dim>& step, Vectors<dim>& on_poi
   for (std::size_t c = 0; c < point_.size(); ++c)
     on_points.col(point_[c]) -=
         step.state.air_pressure[static_cast<Eigen::Index>(c)] * body.area(point_[c]) * body.normal(point_[c]);
-}
-
-template <int dim>
-void AirUnderBody<dim>::follow_surface(StepData<dim>& step) {
-  State<dim>& state = step.state;
-  const Sample water = sample(step);
-  for (Eigen::Index c = 0; c < state.air_surface.size(); ++c) {
-    if (!(water.weight[c] > 0)) continue;
-    state.air_surface_velocity[c] = water.velocity[c];
-    if (!(state.air_mass[c] > 0)) continue;
-    if (!step.substepping.is_over()) continue;
-    // A thin gap opens to the water's particles and is never closed by their disorder.
-    const double lacking = water.level[c] - state.air_surface[c];
-    const double open = std::clamp(state.air_gap[c] / step.p.spacing - 0.25, 0.0, 1.0);
-    const double share = lacking < -disorder * step.p.spacing ? 1 : open;
-    state.air_surface[c] += share * std::min(1.0, step.dt / follow_time) * lacking;
-  }
 }
 
 template class AirUnderBody<2>;

@@ -11,7 +11,7 @@ namespace strake::fluid {
 
 /// The air between the lower faces of a body and the water, as columns under its wet points (fluid/THEORY.md,
 /// section 17a). Everything that changes is in State (air_…). The water feels the pressure on its surface
-/// (StepData::surface_pressure), the dry faces feel the same pressure on the same area.
+/// (StepData::air), the dry faces feel the same pressure on the same area.
 template <int dim>
 class AirUnderBody {
  public:
@@ -24,8 +24,7 @@ class AirUnderBody {
   /// than the water's inertia in a step. Called before the faces are found wet or dry.
   void give_over(StepData<dim>&);
   /// Advances the air by the step, and finds the pressure on which air and surface agree (F82). Writes
-  /// StepData::surface_pressure of the water and StepData::aired of the wet points. Called before the
-  /// pressure equation.
+  /// StepData::air. Called with the velocities that the step before has left.
   void advance(StepData<dim>&);
   /// Adds −p n A of the columns to the force on the wet points [N].
   void add_load(const StepData<dim>&, Vectors<dim>& on_points) const;
@@ -33,8 +32,6 @@ class AirUnderBody {
   double mass(const Eigen::VectorXd& of_columns) const {
     return of_columns.dot(layer_.front().columns().area);
   }
-  /// Moves the surface with the water's new velocity, and slowly towards its particles.
-  void follow_surface(StepData<dim>&);
 
  private:
   /// Means of the water in the surface's first row before each column.
@@ -45,6 +42,7 @@ class AirUnderBody {
   void find_columns(const StepData<dim>&);
   void begin(StepData<dim>&);
   void mark(StepData<dim>&) const;
+  void press_surface(StepData<dim>&) const;
   AirState<plane> air_of(const State<dim>&) const;
   void store(const AirState<plane>&, State<dim>&) const;
   double column_at(const StepData<dim>&, double x) const;

@@ -38,7 +38,7 @@ void LeastSquaresScheme<dim>::find_pressure_gradient(const Boundary<dim>& bounda
       differences += r * (w * (pressure[j] - here));
     }
     Vector<dim> sum =
-        surface_.slope_weight[i] * (here - above(i)) * surface_.normal.col(i).template cast<double>();
+        surface_.slope_weight[i] * (here - air_->above(i)) * surface_.normal.col(i).template cast<double>();
     sum += Eigen::Map<const Vector<dim>>(reinterpret_cast<const double*>(&differences));
     FaceSums faces;
     for (std::size_t e = inner; e < columns.size(); ++e) {

@@ -136,7 +136,7 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
 template <int dim>
 void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
                                       const Neighbours& near, double time) {
-  walls_.update(boundary, state, near, air_.aired);
+  walls_.update(boundary, state, near, air_->aired);
   now_.configuration = time;
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     if (state.face_lag[i] != 0) fade_lag(state, i, time);

@@ -97,7 +97,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
     system.right[i] =
         rho / projection * (wall.flux - scale * (divergence(i) - carried * state.residual_divergence[i])) -
         rho * gravity.dot((1 - share) * moments_.m_projected.col(i).template cast<double>() + wall.images) +
-        source + surface_.kappa[i] * above(i);
+        source + surface_.kappa[i] * air_->above(i);
     // Without a neighbour and without compressibility the pressure is undetermined: it is set to zero.
     if (system.diagonal[i] <= 0 || boundary.is_removed(state, i)) {
       system.diagonal[i] = 1;
@@ -245,7 +245,7 @@ void LeastSquaresScheme<dim>::limit_at_surface(const Boundary<dim>& boundary, St
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (!state.surface[static_cast<std::size_t>(i)] || !(state.pressure[i] > 0)) continue;
-    double inside = std::max(0.0, above(i));
+    double inside = std::max(0.0, air_->above(i));
     bool walled = false;
     for (const std::int32_t j : near.row(i)) {
       if (j >= water)

@@ -46,7 +46,7 @@ void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
 template <int dim>
 void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
   const StageClock clock(step.seconds, "density");
-  air_.aired = step.aired;
+  air_ = &step.air;
   measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
   follow_air(step.state, step.near_gradient(), step.boundary.water(), step.newly_connected);
 }
@@ -59,7 +59,6 @@ void LeastSquaresScheme<dim>::predict(StepData<dim>& step) {
 
 template <int dim>
 void LeastSquaresScheme<dim>::assemble(StepData<dim>& step, PressureSystem& system) {
-  air_.pressure = {step.surface_pressure.data(), static_cast<std::size_t>(step.surface_pressure.size())};
   filter(step.boundary, step.state, step.near_gradient(), step.dt, step.substepping);
   assemble(step.boundary, step.state, *step.far, step.near_gradient(),
            step.gravity - step.boundary.tank().acceleration(), step.dt, system);

@@ -342,10 +342,6 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   WallTerms wall_terms(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i) const;
 
   // Pressure.
-  /// Returns the pressure on the free surface over particle i [Pa].
-  double above(std::int64_t i) const {
-    return air_.pressure.empty() ? 0 : air_.pressure[static_cast<std::size_t>(i)];
-  }
   /// δ of particle i (F40): not below zero beside the surface.
   double volume_deviation(std::int64_t i) const {
     const double deviation = moments_.volume[i] / lattice_.volume - 1;
@@ -398,14 +394,10 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   StepNumbers now_;
   VelocityFit velocity_;
   PackedStart start_;
-  /// Views of StepData.
-  struct Air {
-    std::span<const double> pressure;     // on the surface of each water particle [Pa]; empty: 0
-    std::span<const std::uint8_t> aired;  // of the wet points
-  };
-  Air air_;
-  std::vector<Meeting> meeting_;    // scratch of `meet_faces`
-  Vectors<dim> pressure_gradient_;  // of the last call [Pa/m]
+  static inline const SurfaceAir no_air;
+  const SurfaceAir* air_ = &no_air;  // that of the step
+  std::vector<Meeting> meeting_;     // scratch of `meet_faces`
+  Vectors<dim> pressure_gradient_;   // of the last call [Pa/m]
 };
 
 }  // namespace strake::fluid

@@ -51,16 +51,15 @@ struct State {
   std::vector<std::uint8_t>
       air_connected;  // n, of surface water: beside air that came from outside (voids.hpp)
 
-  Eigen::VectorXd air_mass;              // [kg/m²] of each column of air under a body
-  Eigen::VectorXd air_momentum;          // [kg/(m s)] column by column
-  Eigen::VectorXd air_gap;               // [m]
-  Eigen::VectorXd air_pressure;          // [Pa] less that of the open air
-  Eigen::VectorXd air_surface;           // [m] level of the water below
-  Eigen::VectorXd air_surface_velocity;  // [m/s] upwards
-  double air_at_start = 0;               // [kg], in two dimensions [kg/m]
-  double air_out = 0;                    // [kg], in two dimensions [kg/m], that has left
-  Vectors<dim> interface_displacement;   // dim×m [m] committed motion of the interface points
-  Vectors<dim> interface_velocity;       // dim×m [m/s]
+  Eigen::VectorXd air_mass;             // [kg/m²] of each column of air under a body
+  Eigen::VectorXd air_momentum;         // [kg/(m s)] column by column
+  Eigen::VectorXd air_gap;              // [m]
+  Eigen::VectorXd air_pressure;         // [Pa] less that of the open air
+  Eigen::VectorXd air_surface;          // [m] level of the water below
+  double air_at_start = 0;              // [kg], in two dimensions [kg/m]
+  double air_out = 0;                   // [kg], in two dimensions [kg/m], that has left
+  Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
+  Vectors<dim> interface_velocity;      // dim×m [m/s]
 
   Vector<dim> impulse_on_bodies = Vector<dim>::Zero();  // [N s] momentum account, since t = 0
   Vector<dim> impulse_on_walls = Vector<dim>::Zero();
@@ -99,7 +98,6 @@ struct State {
                       std::pair("air_gap", &State::air_gap),                                //
                       std::pair("air_pressure", &State::air_pressure),                      //
                       std::pair("air_surface", &State::air_surface),                        //
-                      std::pair("air_surface_velocity", &State::air_surface_velocity),      //
                       std::pair("air_at_start", &State::air_at_start),                      //
                       std::pair("air_out", &State::air_out),                                //
                       std::pair("interface_displacement", &State::interface_displacement),  //

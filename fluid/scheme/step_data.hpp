@@ -15,6 +15,14 @@
 
 namespace strake::fluid {
 
+/// Air over the water that is not at the pressure of the open air.
+struct SurfaceAir {
+  Eigen::VectorXd pressure;         // on the surface over each water particle [Pa]; empty: 0
+  std::vector<std::uint8_t> aired;  // 1: wet point of a body with air between it and the water; empty: none
+
+  double above(Eigen::Index particle) const { return pressure.size() > 0 ? pressure[particle] : 0; }
+};
+
 /// What the stages of a step read and write, whatever the scheme. All that outlives a step is in `state`.
 template <int dim>
 struct StepData {
@@ -47,8 +55,7 @@ struct StepData {
   const Neighbours* far = nullptr;            // of the last `search_neighbours`
   Vector<dim> gravity = Vector<dim>::Zero();  // [m/s²]
   const Vectors<dim>* viscous = nullptr;      // ν∇²u + ∇·τ at every particle [m/s²]
-  Eigen::VectorXd surface_pressure;           // of air on the water's surface [Pa]; empty: none
-  std::vector<std::uint8_t> aired;            // 1: wet point with air between it and the water; empty: none
+  SurfaceAir air;
   std::vector<std::uint8_t> newly_connected;  // scratch of `follow_air`
 
  private:

@@ -38,6 +38,7 @@ StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion, doubl
   Work& w = *work_;
   w.begin(dt, rest, rest > 0 && w.step.substepping.is_over() ? stable_dt() : 0, motion);
   if (w.step.substepping.begins()) w.measure();  // neighbours; ν∇²u + ∇·τ; free surface
+  w.advance_air();                               // pressure on the surface under a body
   w.scheme->predict(w.step);                     // u* = u + Δt (ν∇²u + ∇·τ + g)
   w.solve_pressure();                            // ∇²p − p/(cΔt)² = ρ/Δt ∇·u* + …
   w.correct();                                   // load; u = u* − Δt/ρ ∇p; x += Δt u

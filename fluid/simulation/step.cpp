@@ -136,12 +136,16 @@ void Simulation<dim>::Work::find_stresses() {
 }
 
 template <int dim>
+void Simulation<dim>::Work::advance_air() {
+  if constexpr (dim == 2)
+    if (air) air->advance(step);
+}
+
+template <int dim>
 void Simulation<dim>::Work::solve_pressure() {
   const StageClock clock(step.seconds, "pressure");
   const Scheme& keys = step.p.scheme;
   State<dim>& state = step.state;
-  if constexpr (dim == 2)
-    if (air) air->advance(step);
   scheme->assemble(step, system);
   const bool all_compressible = std::isfinite(step.p.sound_speed) && std::isinf(step.p.sound_depth);
   const bool sealed = !all_compressible && close_sealed_blocks(system) > 0;
@@ -179,8 +183,6 @@ void Simulation<dim>::Work::correct() {
   }
   const StageClock clock(step.seconds, "corrector");
   report.divergence_max = scheme->correct(step);
-  if constexpr (dim == 2)
-    if (air) air->follow_surface(step);
 }
 
 template <int dim>

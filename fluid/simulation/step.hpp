@@ -24,6 +24,7 @@ struct Simulation<dim>::Work {
 
   void begin(double dt, double rest, double stable, const InterfaceMotion&);
   void measure();
+  void advance_air();
   void solve_pressure();
   void correct();
   void shift();

@@ -108,7 +108,7 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
     gather_gradient(flow, k);
     if (kind_ == Turbulence::k) transport(flow, lattice, dt, k);
     gather_force(consistent(scheme), flow);
-    if (behind_.friction.cols() > 0) add_friction(flow);
+    behind_.add_friction(flow, lattice.radius, acceleration);
   } else {
     separate(parameters, flow, dt, k);
   }
@@ -353,26 +353,6 @@ Vector<dim> ViscousStage<dim>::force_on_layer(std::int64_t j, const ViscousFlow<
     if (const double w = radius_ * inverses[e] - 1; w > 0)
       force -= pair_with_layer<false>(columns[e], j, w, inverses[e], flow);
   return force;
-}
-
-// Adds a_i = Σ_k w_ik f_k to the water, f = τ/(l0 Σ w) of the first layers (F76), and the opposite to the
-// layers.
-template <int dim>
-void ViscousStage<dim>::add_friction(const ViscousFlow<dim>& flow) {
-  const std::int64_t water = flow.walls.first;
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < flow.position.cols(); ++i) {
-    const auto columns = flow.near.row(i);
-    const auto inverses = flow.near.inverses(i);
-    const bool layer = i >= water;
-    const size_t inner = water_pairs(columns, water);
-    const size_t first = layer ? 0 : inner, last = layer ? inner : columns.size();
-    Vector<dim> sum = Vector<dim>::Zero();
-    for (size_t e = first; e < last; ++e)
-      if (const double w = radius_ * inverses[e] - 1; w > 0)
-        sum += w * behind_.friction.col((layer ? i : columns[e]) - water);
-    acceleration.col(i) += layer ? Vector<dim>(-sum) : sum;
-  }
 }
 
 // Computes the paper's form operator by operator, with the walls' own velocity at their layers.

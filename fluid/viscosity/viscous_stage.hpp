@@ -78,7 +78,6 @@ class ViscousStage {
   Vector<dim> pair_with_layer(std::int64_t i, std::int64_t j, double w, double inverse,
                               const ViscousFlow<dim>&) const;
   Vector<dim> force_on_layer(std::int64_t j, const ViscousFlow<dim>&) const;
-  void add_friction(const ViscousFlow<dim>&);
   void separate(const Parameters&, const ViscousFlow<dim>&, double dt, Eigen::VectorXd& k);
 
   SpsModel model_;

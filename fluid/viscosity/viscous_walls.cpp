@@ -1,5 +1,7 @@
 #include "fluid/viscosity/viscous_walls.hpp"
 
+#include "fluid/particles/pair_loop.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -149,6 +151,27 @@ void VelocityBehind<dim>::find_friction(const ViscousFlow<dim>& flow, double rad
   for (std::int64_t k = 0; k < rows; ++k)
     if (const std::int32_t master = walls.master[static_cast<size_t>(k)]; master >= 0)
       slip[static_cast<size_t>(k)] = slip[static_cast<size_t>(master - walls.first)];
+}
+
+// a_i = Σ_k w_ik f_k, f = τ/(l0 Σ w) of the first layers (F76).
+template <int dim>
+void VelocityBehind<dim>::add_friction(const ViscousFlow<dim>& flow, double radius,
+                                       Vectors<dim>& acceleration) const {
+  if (friction.cols() == 0) return;
+  const std::int64_t water = flow.walls.first;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < flow.position.cols(); ++i) {
+    const auto columns = flow.near.row(i);
+    const auto inverses = flow.near.inverses(i);
+    const bool layer = i >= water;
+    const size_t inner = water_pairs(columns, water);
+    const size_t first = layer ? 0 : inner, last = layer ? inner : columns.size();
+    Vector<dim> sum = Vector<dim>::Zero();
+    for (size_t e = first; e < last; ++e)
+      if (const double w = radius * inverses[e] - 1; w > 0)
+        sum += w * friction.col((layer ? i : columns[e]) - water);
+    acceleration.col(i) += layer ? Vector<dim>(-sum) : sum;
+  }
 }
 
 template struct WallLayers<2>;

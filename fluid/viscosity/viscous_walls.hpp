@@ -72,6 +72,9 @@ struct VelocityBehind {
 
   void extend(const ViscousFlow<dim>&, double radius, const std::optional<WallLaw>& = {});
 
+  /// Adds the friction to the acceleration of the water, and the opposite to that of the layers.
+  void add_friction(const ViscousFlow<dim>&, double radius, Vectors<dim>& acceleration) const;
+
  private:
   void find_friction(const ViscousFlow<dim>&, double radius, const WallLaw&);
   Eigen::VectorXd distance_, weight_;  // of the water before each first layer: mean from the face [m], Σ w
