@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace strake::fluid {
@@ -64,6 +65,30 @@ std::vector<std::string> level_face_lines(const Parameters& p, double window, co
                   width, p.dimension == 2 ? "m" : "m^2", advised * p.spacing / p.sound_speed)};
 }
 
+/// What the air under the body is like before the impact. V a/c0 is the gap from which on the air is
+/// compressed; wider ones let it flow out. The water yields to the flow of air by the depression of deep
+/// water (fluid/THEORY.md, section 17a).
+template <int dim>
+std::string air_line(const Parameters& p, const Simulation<dim>& simulation, double speed) {
+  const auto extent = simulation.air_extent();
+  const double a = extent.half_width, c0 = std::sqrt(p.air.gamma * p.air.pressure / p.air.density);
+  const double gap = simulation.state().air_gap.minCoeff();
+  constexpr double start_gap = 0.2;  // [a] over which the flow of air is too slow to move the water
+  std::string line = fmt::format("air under the body: {} columns over {:.3g} {}   gap {:.3g} m",
+                                 extent.columns, extent.area, dim == 2 ? "m" : "m^2", gap);
+  if (!(speed > 0)) return line;
+  const double compressed = speed * a / c0;
+  line += fmt::format("   compressed below V a/c0 = {:.3g} m", compressed);
+  if (dim == 2 && gap > compressed)
+    line += fmt::format("   the water sinks by {:.2g} m before",
+                        4 / std::numbers::pi * p.air.density / p.density * a *
+                            (std::log(gap / compressed) - 1 + compressed / gap));
+  if (gap < start_gap * a)
+    line += fmt::format("   a plate that falls from far sinks it more: start with a gap of {:.2g} m",
+                        start_gap * a);
+  return line;
+}
+
 template <int dim>
 Points in_space(const Vectors<dim>& value) {
   Points points = Points::Zero(3, value.cols());
@@ -96,6 +121,8 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   for (std::string& line :
        level_face_lines(parameters_, common.window, setup.partner_mesh, start_speeds_.entry))
     description_.lines.push_back(std::move(line));
+  if (parameters_.air.layer)
+    description_.lines.push_back(air_line(parameters_, simulation_, start_speeds_.entry));
   description_.columns = columns();
   if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
   force_ = Points::Zero(3, mesh().position.cols());
@@ -105,10 +132,29 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   committed_.measurements = measurements_;
 }
 
+/// Refuses a probe of the air where none is computed.
+template <int dim>
+void FluidParticipant<dim>::check_air_probe(const ProbeKeys& probe) const {
+  const std::string where = fmt::format("output.probe \"{}\"", probe.name);
+  if (!parameters_.air.layer)
+    throw Error(ExitCode::case_file, where,
+                fmt::format("quantity \"{}\" needs the air under a body, which this case does not compute",
+                            probe.quantity),
+                "fluid.air.layer = true, or another quantity");
+  const double away = simulation_.air_at(probe.at).distance;
+  if (away <= 2 * parameters_.spacing) return;
+  throw Error(
+      ExitCode::case_file, where,
+      fmt::format("no lower face of the body is near ({:.6g}, {:.6g}) m: the nearest is {:.3g} m away",
+                  probe.at[0], probe.at[1], away),
+      "place it on a face that looks down");
+}
+
 /// Refuses a sensor that covers no point, since its value would always be zero.
 template <int dim>
 void FluidParticipant<dim>::check_sensors() const {
   for (const ProbeKeys& probe : parameters_.probes) {
+    if (is_of_air(probe)) check_air_probe(probe);
     if (!is_sensor(probe)) continue;
     double nearest = std::numeric_limits<double>::infinity();
     if (has_body_) {
@@ -215,7 +261,8 @@ template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   std::vector<ProbeRecord>& records = measurements_.probes;
   std::vector<std::int64_t> particles;
-  if (!std::all_of(parameters_.probes.begin(), parameters_.probes.end(), is_sensor)) particles = water();
+  const auto reads_water = [](const ProbeKeys& probe) { return !is_sensor(probe) && !is_of_air(probe); };
+  if (std::any_of(parameters_.probes.begin(), parameters_.probes.end(), reads_water)) particles = water();
   const double threshold = 0.5 * parameters_.density * start_speeds_.entry * start_speeds_.entry;
   bool contact = false;
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -234,6 +281,10 @@ template <int dim>
 double FluidParticipant<dim>::pressure_or_place(const ProbeKeys& probe,
                                                 std::span<const std::int64_t> particles) const {
   if (is_sensor(probe)) return simulation_.sensor_pressure(probe.at, probe.diameter);
+  if (is_of_air(probe)) {
+    const auto air = simulation_.air_at(probe.at);
+    return probe.quantity == "gap" ? air.gap : air.pressure;
+  }
   const Vectors<dim>& position = simulation_.state().position;
   const Vector<dim> at = probe.at.template head<dim>();
   const double l0 = parameters_.spacing;

@@ -25,6 +25,11 @@ inline bool is_sensor(const ProbeKeys& probe) {
   return probe.quantity == "pressure";
 }
 
+/// Whether a probe reads the air under the body.
+inline bool is_of_air(const ProbeKeys& probe) {
+  return probe.quantity == "gap" || probe.quantity == "air_pressure";
+}
+
 /// The particle method as a participant of the coupling: motion in, force out. It makes the sub-steps and
 /// keeps sensors, accounts and frames.
 template <int dim>
@@ -44,6 +49,7 @@ class FluidParticipant final : public Participant {
 
  private:
   void check_sensors() const;
+  void check_air_probe(const ProbeKeys&) const;
   std::vector<Column> columns() const;
   double longest_step(double t, double rest) const;
   void follow_probes(double t0, double t1);

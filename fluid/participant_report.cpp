@@ -46,7 +46,7 @@ std::vector<Column> FluidParticipant<dim>::columns() const {
   std::vector<Column> columns;
   for (const ProbeKeys& probe : parameters_.probes) {
     if (!is_sensor(probe)) {
-      columns.push_back({probe.name, "m"});
+      columns.push_back({probe.name, probe.quantity == "air_pressure" ? "Pa" : "m"});
       continue;
     }
     for (const char* suffix : {"", ".min", ".max", ".mean"}) columns.push_back({probe.name + suffix, "Pa"});
@@ -65,6 +65,7 @@ std::vector<Column> FluidParticipant<dim>::columns() const {
   columns.push_back({"water.volume", dim == 2 ? "m^2" : "m^3"});
   if (parameters_.air.layer) {
     columns.push_back({"air.mass", dim == 2 ? "kg/m" : "kg"});
+    columns.push_back({"air.left", "m"});
     columns.push_back({"air.out", dim == 2 ? "kg/m" : "kg"});
     columns.push_back({"air.least_gap", "m"});
     columns.push_back({"air.largest_pressure", "Pa"});
@@ -87,7 +88,8 @@ void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monito
   }
 }
 
-/// Reports the air under the body: what is left and what has gone, the narrowest gap that holds air, and the
+/// Reports the air under the body: what is left (as mass, and as a thickness at the open air's pressure) and
+/// what has gone, the narrowest gap that holds air, and the
 /// largest pressure less that of the open air.
 template <int dim>
 void FluidParticipant<dim>::report_air(std::map<std::string, double>& monitor) const {
@@ -97,6 +99,7 @@ void FluidParticipant<dim>::report_air(std::map<std::string, double>& monitor) c
   for (Eigen::Index c = 0; c < state.air_mass.size(); ++c)
     if (state.air_mass[c] > 0) least = std::min(least, state.air_gap[c]);
   monitor["air.mass"] = mass;
+  monitor["air.left"] = mass / (parameters_.air.density * simulation_.air_extent().area);
   monitor["air.out"] = state.air_out;
   monitor["air.least_gap"] = std::isfinite(least) ? least : 0;
   monitor["air.largest_pressure"] = state.air_pressure.size() > 0 ? state.air_pressure.maxCoeff() : 0;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <set>
 
@@ -85,6 +86,26 @@ std::string what_was_run(const std::vector<Recorded>& runs) {
   return section("runs", "What was run", body + table.html());
 }
 
+/// Says how much the air under the body took part, where it was computed.
+std::string air_item(const Recorded& run) {
+  const auto left = run.history.find("air.left"), pressure = run.history.find("air.largest_pressure"),
+             time = run.history.find("time");
+  if (!left || !pressure || !time || run.history.rows() == 0) return {};
+  const std::vector<double>&amount = run.history.value[*left], &p = run.history.value[*pressure];
+  std::size_t peak = 0;
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (p[k] > p[peak] || std::isnan(p[peak])) peak = k;
+  constexpr double open_air = 101325;  // [Pa]
+  const char* const verdict = p[peak] < 0.1 * open_air ? "the air flowed out and hardly mattered"
+                              : p[peak] < open_air     ? "the air was compressed a little"
+                                                       : "the air was compressed and shaped the peak";
+  return "<li>Air in " + escape(run.name) + ": its pressure was largest, " + quantity(p[peak], "Pa") +
+         ", at " + quantity(run.history.value[*time][peak], "s") + ". Then " + quantity(amount[peak], "m") +
+         " of the " + quantity(amount.front(), "m") +
+         " at the start were left under the body, as thickness at the open air's pressure: " + verdict +
+         ".</li>\n";
+}
+
 std::string limits(const std::vector<Recorded>& runs) {
   std::set<std::string> spacings;
   bool water = false, bare = false;
@@ -98,10 +119,11 @@ std::string limits(const std::vector<Recorded>& runs) {
   std::string items = bare ? "<li>The water has no air over it: cushions under flat faces, pockets that "
                              "waves shut in and spray in "
                              "air are not computed. fluid.air.layer = true computes the cushion under a flat "
-                             "body, in the plane.</li>\n"
+                             "body.</li>\n"
                            : "<li>Air is computed under the body alone, and for its impact: pockets that "
                              "waves shut in and spray in air "
                              "are not.</li>\n";
+  for (const Recorded& run : runs) items += air_item(run);
   if (spacings.size() == 1)
     items += "<li>All runs have one spacing, " + escape(*spacings.begin()) +
              " m: how far their numbers depend on it is not shown here. Halve fluid.spacing and report both "

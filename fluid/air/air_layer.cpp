@@ -19,6 +19,15 @@ double van_leer(double a, double b) {
   return a * b > 0 ? 2 * a * b / (a + b) : 0;
 }
 
+/// M⁺ of a sum of r⊗r/r². M of one direction n alone, M = λ n⊗n with λ = tr M: M/λ².
+template <int plane>
+Eigen::Matrix<double, plane, plane> pseudo_inverse(const Eigen::Matrix<double, plane, plane>& moment) {
+  const double trace = moment.trace();
+  if (!(trace > 0)) return Eigen::Matrix<double, plane, plane>::Zero();
+  if (plane > 1 && moment.determinant() < 1e-9 * trace * trace) return moment / (trace * trace);
+  return moment.inverse();
+}
+
 }  // namespace
 
 double AirProperties::sound_speed() const {
@@ -64,8 +73,7 @@ AirLayer<plane>::AirLayer(const AirProperties& air, AirColumns<plane> columns)
     for (const int i : {side.column, side.other})
       inverse_moments_[static_cast<std::size_t>(i)] += arm * arm.transpose() / arm.squaredNorm();
   }
-  for (auto& moment : inverse_moments_)
-    moment = moment.completeOrthogonalDecomposition().pseudoInverse().eval();
+  for (auto& moment : inverse_moments_) moment = pseudo_inverse(moment);
 }
 
 template <int plane>

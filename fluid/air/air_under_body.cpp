@@ -1,21 +1,22 @@
 #include "fluid/air/air_under_body.hpp"
 
+#include "fluid/air/lower_faces.hpp"
+#include "fluid/air/near_columns.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 
 namespace strake::fluid {
 namespace {
 
-constexpr double looks_down = 0.5;  // −n_y of a face from which on it has air under it; 60° against the level
-constexpr double at_film = 2;       // [ρ0 δ] air of a column that has lost its own
+constexpr double at_film = 2;         // [ρ0 δ] air of a column that has lost its own
 constexpr double disorder = 0.2;      // [l0] by which water in contact may be lower than its surface
 constexpr double follow_time = 0.01;  // [s] in which the surface comes back to the water's particles
+constexpr double deep = 4;            // [l0] below the surface no particle sees it
 
 }  // namespace
 
@@ -27,141 +28,186 @@ AirUnderBody<dim>::AirUnderBody(const AirKeys& keys, StepData<dim>& step) : keys
   mark(step);
 }
 
-// The body is walked counter-clockwise, so that its lower faces come in the order of x.
+template <int dim>
+auto AirUnderBody<dim>::from_above(const Vector<dim>& x) -> Place {
+  if constexpr (dim == 2)
+    return Place(x[0]);
+  else
+    return Place(x[0], x[2]);
+}
+
 template <int dim>
 void AirUnderBody<dim>::find_columns(const StepData<dim>& step) {
   const BodySurface<dim>& body = step.boundary.body_surface();
-  const int n = body.points();
-  const auto down = [&](int k) { return -body.normal(k)[1] > looks_down; };
-  int first = 0;
-  while (first < n && !(down(first) && !down((first + n - 1) % n))) ++first;
-  if (first == n)
+  std::vector<std::pair<int, int>> of_point(static_cast<std::size_t>(body.points()), {-1, -1});
+  for (AirField<plane>& field : lower_faces<dim>(step.boundary, step.p.spacing)) {
+    const auto first = columns_.size();
+    for (std::size_t c = 0; c < field.points.size(); ++c) {
+      Column column;
+      Place mean = Place::Zero();
+      for (const int k : field.points[c]) {
+        of_point[static_cast<std::size_t>(k)] = {static_cast<int>(first + c),
+                                                 static_cast<int>(column.points.size())};
+        column.points.push_back(k);
+        mean += from_above(body.point(k)) / static_cast<double>(field.points[c].size());
+      }
+      column.rows.assign(column.points.size(), -1);
+      column.offset = field.columns.place.col(static_cast<Eigen::Index>(c)) - mean;
+      columns_.push_back(std::move(column));
+    }
+    for (const auto& side : field.columns.sides) {
+      if (side.other >= 0) continue;
+      const Place middle = side.middle - field.columns.place.col(side.column);
+      columns_[first + static_cast<std::size_t>(side.column)].borders.push_back(
+          {middle, side.normal, side.length});
+    }
+    first_.push_back(static_cast<Eigen::Index>(columns_.size()));
+    layer_.emplace_back(AirProperties(keys_), std::move(field.columns));
+  }
+  if (layer_.empty())
     throw Error(
         ExitCode::case_file, "fluid.air.layer = true",
-        "the body has no lower face with an end: air is computed under plates, boxes and other bodies "
-        "whose faces look down",
+        "the body has no lower face: air is computed under plates, boxes and other bodies whose faces "
+        "look down",
         "fluid.air.layer = false");
-  for (int k = first; down(k); k = (k + 1) % n) point_.push_back(k);
-  const auto columns = static_cast<Eigen::Index>(point_.size());
-  Eigen::VectorXd middle(columns), width(columns);
-  for (Eigen::Index c = 0; c < columns; ++c) {
-    const int k = point_[static_cast<std::size_t>(c)];
-    middle[c] = body.point(k)[0];
-    width[c] = -body.normal(k)[1] * body.area(k);
-  }
-  row_.assign(point_.size(), -1);
+  area_.resize(size());
+  for (std::size_t f = 0; f < layer_.size(); ++f)
+    area_.segment(first_of(f), count_of(f)) = layer_[f].columns().area;
   for (std::int64_t j = step.boundary.first_of_bodies(); j < step.state.position.cols(); ++j) {
     if (step.boundary.master_of(j) >= 0) continue;
-    const auto found = std::find(point_.begin(), point_.end(), step.boundary.point_of(j));
-    if (found != point_.end()) row_[static_cast<std::size_t>(found - point_.begin())] = j;
+    const auto [column, number] = of_point[static_cast<std::size_t>(step.boundary.point_of(j))];
+    if (column >= 0) columns_[static_cast<std::size_t>(column)].rows[static_cast<std::size_t>(number)] = j;
   }
-  if constexpr (plane == 1) layer_.emplace_back(AirProperties(keys_), air_strip(middle, width));
+}
+
+template <int dim>
+auto AirUnderBody<dim>::extent() const -> Extent {
+  double largest = 0;
+  for (std::size_t f = 0; f < layer_.size(); ++f) largest = std::max(largest, layer_[f].columns().area.sum());
+  return {size(), area_.sum(), 0.5 * (plane == 1 ? largest : std::sqrt(largest))};
+}
+
+template <int dim>
+auto AirUnderBody<dim>::column_at(const BodySurface<dim>& body, const Eigen::Vector3d& reference) const
+    -> Found {
+  Found found{-1, std::numeric_limits<double>::infinity()};
+  for (Eigen::Index c = 0; c < size(); ++c)
+    for (const int k : columns_[static_cast<std::size_t>(c)].points)
+      if (const double distance = (body.reference(k) - reference).norm(); distance < found.distance)
+        found = {c, distance};
+  return found;
+}
+
+// A face is extended in its plane from each wet point to the middle of the column.
+template <int dim>
+auto AirUnderBody<dim>::faces(const StepData<dim>& step) const -> Faces {
+  const BodySurface<dim>& body = step.boundary.body_surface();
+  Faces out{{plane, size()}, Eigen::VectorXd::Zero(size()), Eigen::VectorXd::Zero(size())};
+  for (Eigen::Index c = 0; c < size(); ++c) {
+    const Column& column = columns_[static_cast<std::size_t>(c)];
+    const double share = 1 / static_cast<double>(column.points.size());
+    Place middle = column.offset;
+    for (const int k : column.points) middle += share * from_above(body.point(k));
+    out.place.col(c) = middle;
+    for (const int k : column.points) {
+      const Place slope = from_above(body.normal(k)) / body.normal(k)[1];
+      out.height[c] += share * (body.point(k)[1] - slope.dot(middle - from_above(body.point(k))));
+      out.speed[c] += share * body.velocity(k)[1];
+    }
+  }
+  return out;
 }
 
 template <int dim>
 void AirUnderBody<dim>::begin(StepData<dim>& step) {
   State<dim>& state = step.state;
-  const BodySurface<dim>& body = step.boundary.body_surface();
-  const auto n = static_cast<Eigen::Index>(point_.size());
-  Eigen::VectorXd gap(n), speed(n);
-  state.air_surface.setConstant(n, step.p.water.max.y());
-  for (Eigen::Index c = 0; c < n; ++c) {
-    const int k = point_[static_cast<std::size_t>(c)];
-    gap[c] = body.point(k)[1] - state.air_surface[c];
-    speed[c] = std::max(0.0, -body.velocity(k)[1]);
-    if (!(gap[c] > keys_.film))
-      throw Error(ExitCode::case_file, "fluid.air.layer = true",
-                  fmt::format("the body's lower face starts {:.4g} m under the water's level at x = {:.4g} m",
-                              -gap[c], body.point(k)[0]),
-                  "start the body above the water, or fluid.air.layer = false");
+  const Faces face = faces(step);
+  state.air_surface.setConstant(size(), step.p.water.max.y());
+  const Eigen::VectorXd gap = face.height - state.air_surface, closing = (-face.speed).cwiseMax(0.0);
+  Eigen::Index lowest = 0;
+  if (!(gap.minCoeff(&lowest) > keys_.film))
+    throw Error(ExitCode::case_file, "fluid.air.layer = true",
+                fmt::format("the body's lower face starts {:.4g} m under the water's level at x = {:.4g} m",
+                            -gap[lowest], face.place(0, lowest)),
+                "start the body above the water, or fluid.air.layer = false");
+  state.air_mass.resize(size());
+  state.air_gap.resize(size());
+  state.air_pressure.resize(size());
+  state.air_momentum.resize(plane * size());
+  for (std::size_t f = 0; f < layer_.size(); ++f) {
+    const auto first = first_of(f), n = count_of(f);
+    const AirState<plane> air = layer_[f].start(gap.segment(first, n), closing.segment(first, n));
+    store(air, f, state);
+    state.air_pressure.segment(first, n) = layer_[f].pressure(air).array() - keys_.pressure;
   }
-  store(layer_.front().start(gap, speed), state);
-  state.air_pressure = layer_.front().pressure(air_of(state)).array() - keys_.pressure;
   state.air_at_start = mass(state.air_mass);
 }
 
 template <int dim>
-AirState<AirUnderBody<dim>::plane> AirUnderBody<dim>::air_of(const State<dim>& state) const {
+auto AirUnderBody<dim>::air_of(const State<dim>& state, std::size_t layer) const -> AirState<plane> {
+  const auto first = first_of(layer), n = count_of(layer);
   AirState<plane> air;
-  air.mass = state.air_mass;
-  air.momentum = Eigen::Map<const Eigen::Matrix<double, plane, Eigen::Dynamic>>(state.air_momentum.data(),
-                                                                                plane, state.air_mass.size());
-  air.gap = state.air_gap;
-  air.mass_out = state.air_out;
-  air.vents.resize(row_.size());
-  for (std::size_t c = 0; c < row_.size(); ++c)
-    air.vents[c] = state.surface[static_cast<std::size_t>(row_[c])];  // a dry face
+  air.mass = state.air_mass.segment(first, n);
+  air.momentum = Eigen::Map<const Eigen::Matrix<double, plane, Eigen::Dynamic>>(
+      state.air_momentum.data() + plane * first, plane, n);
+  air.gap = state.air_gap.segment(first, n);
+  const auto is_dry = [&](std::int64_t row) { return state.surface[static_cast<std::size_t>(row)] != 0; };
+  for (Eigen::Index c = first; c < first + n; ++c) {
+    const auto& rows = columns_[static_cast<std::size_t>(c)].rows;
+    air.vents.push_back(std::all_of(rows.begin(), rows.end(), is_dry));
+  }
   return air;
 }
 
 template <int dim>
-void AirUnderBody<dim>::store(const AirState<plane>& air, State<dim>& state) const {
-  state.air_mass = air.mass;
-  state.air_momentum = Eigen::Map<const Eigen::VectorXd>(air.momentum.data(), air.momentum.size());
-  state.air_gap = air.gap;
-  state.air_out = air.mass_out;
+void AirUnderBody<dim>::store(const AirState<plane>& air, std::size_t layer, State<dim>& state) const {
+  const auto first = first_of(layer), n = count_of(layer);
+  state.air_mass.segment(first, n) = air.mass;
+  state.air_momentum.segment(plane * first, plane * n) =
+      Eigen::Map<const Eigen::VectorXd>(air.momentum.data(), air.momentum.size());
+  state.air_gap.segment(first, n) = air.gap;
+  state.air_out += air.mass_out;
 }
 
 // The first row is the highest water under the face within a spacing, and what is less than 0.7 l0 lower.
 // Weights fall linearly to both.
 template <int dim>
-auto AirUnderBody<dim>::sample(const StepData<dim>& step) const -> Sample {
+auto AirUnderBody<dim>::sample(const StepData<dim>& step, const Faces& face) const -> Sample {
   const State<dim>& state = step.state;
-  const BodySurface<dim>& body = step.boundary.body_surface();
-  const auto n = static_cast<Eigen::Index>(point_.size());
   const double l0 = step.p.spacing;
-  const double left = body.point(point_.front())[0] - l0, right = body.point(point_.back())[0] + l0;
   Eigen::VectorXd top = state.air_surface.array() - 2 * l0;
-  const double low = top.minCoeff() - 2 * l0;
+  const double low = top.minCoeff() - 2 * l0, high = face.height.maxCoeff();
+  const NearColumns<plane> columns(face.place, l0);
   struct Near {
-    Eigen::Index column;
+    int column;
     std::int64_t particle;
-    double aside;
+    double w;
   };
   std::vector<Near> near;
   for (std::int64_t i = 0; i < step.boundary.water(); ++i) {
-    const double x = state.position(0, i), y = state.position(1, i);
-    if (y < low || x < left || x > right) continue;
-    const auto from = static_cast<Eigen::Index>(std::floor(column_at(step, x))) - 1;
-    for (Eigen::Index c = std::max<Eigen::Index>(0, from); c < std::min(n, from + 4); ++c) {
-      const Vector<dim> face = body.point(point_[static_cast<std::size_t>(c)]);
-      const double aside = std::abs(x - face[0]) / l0;
-      if (aside >= 1 || y > face[1]) continue;
-      near.push_back({c, i, aside});
+    const double y = state.position(1, i);
+    if (y < low || y > high) continue;
+    columns.for_each(from_above(state.position.col(i)), [&](int c, double w) {
+      if (y > face.height[c]) return;
+      near.push_back({c, i, w});
       top[c] = std::max(top[c], y);
-    }
+    });
   }
-  Sample out{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n),
-             Eigen::VectorXd::Zero(n)};
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(size());
+  Sample out{none, none, none, none};
   for (const auto& [c, i, aside] : near) {
-    const double w = (1 - aside) * (1 - (top[c] - state.position(1, i)) / (0.7 * l0));
+    const double w = aside * (1 - (top[c] - state.position(1, i)) / (0.7 * l0));
     if (!(w > 0)) continue;
     out.weight[c] += w;
     out.velocity[c] += w * state.velocity(1, i);
     out.pressure[c] += w * state.pressure[i];
     out.level[c] += w * (state.position(1, i) + 0.5 * l0);
   }
-  for (Eigen::Index c = 0; c < n; ++c) {
+  for (Eigen::Index c = 0; c < size(); ++c) {
     if (!(out.weight[c] > 0)) continue;
     for (Eigen::VectorXd* mean : {&out.velocity, &out.pressure, &out.level}) (*mean)[c] /= out.weight[c];
   }
   return out;
-}
-
-/// The number of the column at x, with a fraction: 2.5 is the middle between columns 2 and 3.
-template <int dim>
-double AirUnderBody<dim>::column_at(const StepData<dim>& step, double x) const {
-  const BodySurface<dim>& body = step.boundary.body_surface();
-  const auto place = [&](std::size_t c) { return body.point(point_[c])[0]; };
-  const std::size_t n = point_.size();
-  std::size_t low = 0, high = n - 1;
-  if (n == 1 || x <= place(0)) return x < place(0) ? -1 : 0;
-  if (x >= place(high)) return static_cast<double>(high);
-  while (high - low > 1) {
-    const std::size_t middle = (low + high) / 2;
-    (place(middle) <= x ? low : high) = middle;
-  }
-  return static_cast<double>(low) + (x - place(low)) / (place(high) - place(low));
 }
 
 template <int dim>
@@ -169,13 +215,11 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   State<dim>& state = step.state;
   const double least = keys_.density * keys_.film;
   const double compliance = step.dt * step.dt / (step.p.density * 0.5 * step.p.spacing);
-  for (std::size_t c = 0; c < point_.size(); ++c) {
-    const auto i = static_cast<Eigen::Index>(c);
-    const double area = layer_.front().columns().area[i];
+  for (Eigen::Index i = 0; i < size(); ++i) {
     if (!(state.air_mass[i] > 0 && state.air_pressure[i] > 0)) continue;
     const bool stiff = keys_.gamma * (keys_.pressure + state.air_pressure[i]) * compliance > state.air_gap[i];
     if (!stiff && state.air_mass[i] > at_film * least) continue;
-    state.air_out += area * state.air_mass[i];
+    state.air_out += area_[i] * state.air_mass[i];
     state.air_mass[i] = state.air_pressure[i] = 0;
     state.air_momentum.segment(plane * i, plane).setZero();
   }
@@ -184,75 +228,94 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
 
 template <int dim>
 void AirUnderBody<dim>::mark(StepData<dim>& step) const {
-  for (std::size_t c = 0; c < point_.size(); ++c)
-    step.air.aired[static_cast<std::size_t>(point_[c])] =
-        step.state.air_mass[static_cast<Eigen::Index>(c)] > 0;
+  for (std::size_t c = 0; c < columns_.size(); ++c)
+    for (const int k : columns_[c].points)
+      step.air.aired[static_cast<std::size_t>(k)] = step.state.air_mass[static_cast<Eigen::Index>(c)] > 0;
 }
 
 template <int dim>
 void AirUnderBody<dim>::advance(StepData<dim>& step) {
   State<dim>& state = step.state;
-  const BodySurface<dim>& body = step.boundary.body_surface();
-  const auto n = static_cast<Eigen::Index>(point_.size());
   const double l0 = step.p.spacing, dt = step.dt, rho = step.p.density;
-  AirState<plane> air = air_of(state);
-  layer_.front().advance(air, air.gap, dt);
-
-  // The surface meets the air: w' = w + Δt ((p_water − p)/(ρ d) + g), d = l0/2 down to the first row.
-  const Sample water = sample(step);
-  const double depth = 0.5 * l0, compliance = dt * dt / (rho * depth);
-  for (Eigen::Index c = 0; c < n; ++c) {
-    if (!(air.mass[c] > 0)) continue;
-    const int k = point_[static_cast<std::size_t>(c)];
-    const double face = body.point(k)[1] + (step.substepping.age() + dt) * body.velocity(k)[1];
-    double rise = 0;  // of the surface in the step, with p0 on it
-    if (water.weight[c] > 0) {
-      // A thin gap opens to the water's particles and is never closed by their disorder.
-      const double lacking = water.level[c] - state.air_surface[c];
-      const double share = lacking < -disorder * l0 ? 1 : std::clamp(air.gap[c] / l0 - 0.25, 0.0, 1.0);
-      rise = share * std::min(1.0, dt / follow_time) * lacking +
-             dt * (water.velocity[c] + dt * (water.pressure[c] / (rho * depth) + step.gravity[1]));
+  const Faces face = faces(step);
+  // The surface meets the air: w' = w + Δt ((p_water − p)/(ρ d) + g), d = l0/2 down to the first row. That
+  // half row is pressed together by d (p − p_before)/(ρ c²).
+  const Sample water = sample(step, face);
+  const double depth = 0.5 * l0;
+  const double elastic = depth / (rho * step.p.sound_speed * step.p.sound_speed);
+  const double compliance = dt * dt / (rho * depth) + elastic;
+  for (std::size_t f = 0; f < layer_.size(); ++f) {
+    const auto first = first_of(f);
+    AirState<plane> air = air_of(state, f);
+    layer_[f].advance(air, air.gap, dt);
+    for (Eigen::Index k = 0; k < count_of(f); ++k) {
+      if (!(air.mass[k] > 0)) continue;
+      const Eigen::Index c = first + k;
+      const double height = face.height[c] + (step.substepping.age() + dt) * face.speed[c];
+      double rise = 0;  // of the surface in the step, with p0 on it
+      if (water.weight[c] > 0) {
+        // A thin gap opens to the water's particles and is never closed by their disorder.
+        const double lacking = water.level[c] - state.air_surface[c];
+        const double share = lacking < -disorder * l0 ? 1 : std::clamp(air.gap[k] / l0 - 0.25, 0.0, 1.0);
+        rise = share * std::min(1.0, dt / follow_time) * lacking +
+               dt * (water.velocity[c] + dt * (water.pressure[c] / (rho * depth) + step.gravity[1]));
+      }
+      const double free_gap = height - state.air_surface[c] - rise - elastic * state.air_pressure[c];
+      air.gap[k] = layer_[f].air().gap_of(air.mass[k], free_gap, compliance);
+      state.air_surface[c] = height - air.gap[k];
     }
-    const double free_gap = face - state.air_surface[c] - rise;
-    air.gap[c] = layer_.front().air().gap_of(air.mass[c], free_gap, compliance);
-    state.air_surface[c] = face - air.gap[c];
+    store(air, f, state);
+    state.air_pressure.segment(first, count_of(f)) = layer_[f].pressure(air).array() - keys_.pressure;
   }
-  store(air, state);
-  state.air_pressure = layer_.front().pressure(air).array() - keys_.pressure;
-  press_surface(step);
+  press_surface(step, face);
 }
 
-// Linear between the middles of columns. Towards the border the pressure falls to that of the open air.
+// Linear between the middles of columns of one field. Over the last l0/2 before an open border the pressure
+// falls to that of the open air.
 template <int dim>
-void AirUnderBody<dim>::press_surface(StepData<dim>& step) const {
+void AirUnderBody<dim>::press_surface(StepData<dim>& step, const Faces& face) const {
   const State<dim>& state = step.state;
-  const BodySurface<dim>& body = step.boundary.body_surface();
-  const auto n = static_cast<Eigen::Index>(point_.size());
   const double l0 = step.p.spacing;
   step.air.pressure.setZero(step.boundary.water());
-  const double left = body.point(point_.front())[0] - 0.5 * l0,
-               right = body.point(point_.back())[0] + 0.5 * l0;
-  for (std::int64_t i = 0; i < step.boundary.water(); ++i) {
-    const double x = state.position(0, i);
-    if (x <= left || x >= right) continue;
-    const double at = std::max(0.0, column_at(step, x));
-    const auto c = std::min(n - 1, static_cast<Eigen::Index>(at)), next = std::min(n - 1, c + 1);
-    const double part = at - static_cast<double>(c);
-    const auto between = [&](const Eigen::VectorXd& of) { return (1 - part) * of[c] + part * of[next]; };
-    if (state.position(1, i) > between(state.air_surface) + l0) continue;  // over the body
-    step.air.pressure[i] =
-        between(state.air_pressure) * std::min(1.0, std::min(x - left, right - x) / (0.5 * l0));
+  for (std::size_t f = 0; f < layer_.size(); ++f) {
+    const auto first = first_of(f), n = count_of(f);
+    const NearColumns<plane> columns(face.place.middleCols(first, n), l0);
+    const auto surface = state.air_surface.segment(first, n);
+    const double low = surface.minCoeff() - deep * l0, high = surface.maxCoeff() + l0;
+#pragma omp parallel for schedule(static)
+    for (std::int64_t i = 0; i < step.boundary.water(); ++i) {
+      const double y = state.position(1, i);
+      if (y < low || y > high) continue;
+      const Place x = from_above(state.position.col(i));
+      double weights = 0, pressure = 0, level = 0, inside = 0.5 * l0;
+      columns.for_each(x, [&](int k, double w) {
+        const Eigen::Index c = first + k;
+        weights += w;
+        pressure += w * state.air_pressure[c];
+        level += w * state.air_surface[c];
+        for (const Border& border : columns_[static_cast<std::size_t>(c)].borders) {
+          const Place to = face.place.col(c) + border.middle - x;
+          const double across = to.dot(border.normal);
+          if ((to - across * border.normal).norm() <= 0.5 * (border.length + l0))
+            inside = std::min(inside, across);
+        }
+      });
+      if (!(weights > 0 && inside > 0) || y > level / weights + l0) continue;  // aside or over the body
+      step.air.pressure[i] = pressure / weights * inside / (0.5 * l0);
+    }
   }
 }
 
 template <int dim>
 void AirUnderBody<dim>::add_load(const StepData<dim>& step, Vectors<dim>& on_points) const {
   const BodySurface<dim>& body = step.boundary.body_surface();
-  for (std::size_t c = 0; c < point_.size(); ++c)
-    on_points.col(point_[c]) -=
-        step.state.air_pressure[static_cast<Eigen::Index>(c)] * body.area(point_[c]) * body.normal(point_[c]);
+  for (std::size_t c = 0; c < columns_.size(); ++c)
+    for (const int k : columns_[c].points)
+      on_points.col(k) -=
+          step.state.air_pressure[static_cast<Eigen::Index>(c)] * body.area(k) * body.normal(k);
 }
 
 template class AirUnderBody<2>;
+template class AirUnderBody<3>;
 
 }  // namespace strake::fluid

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
 #include <vector>
 
 namespace strake::fluid {
@@ -28,29 +29,61 @@ class AirUnderBody {
   void advance(StepData<dim>&);
   /// Adds −p n A of the columns to the force on the wet points [N].
   void add_load(const StepData<dim>&, Vectors<dim>& on_points) const;
-  /// Mass of the columns together [kg/m].
-  double mass(const Eigen::VectorXd& of_columns) const {
-    return of_columns.dot(layer_.front().columns().area);
-  }
+  /// Number of columns, their area [m², in the plane m], half the width of the largest field [m].
+  struct Extent {
+    std::int64_t columns;
+    double area, half_width;
+  };
+  Extent extent() const;
+  /// The column under the face whose wet points were nearest to a place of the reference, and how far [m].
+  struct Found {
+    Eigen::Index column;
+    double distance;
+  };
+  Found column_at(const BodySurface<dim>&, const Eigen::Vector3d& reference) const;
+  /// Mass of the columns together [kg], in the plane [kg/m].
+  double mass(const Eigen::VectorXd& of_columns) const { return of_columns.dot(area_); }
 
  private:
+  using Place = Eigen::Matrix<double, plane, 1>;
+  /// A piece of the open border, from the middle of its column.
+  struct Border {
+    Place middle, normal;
+    double length = 0;
+  };
+  struct Column {
+    std::vector<int> points;         // wet points over it
+    std::vector<std::int64_t> rows;  // first-layer particles behind them
+    Place offset = Place::Zero();    // its middle from the mean of those points
+    std::vector<Border> borders;
+  };
+  /// The faces over the columns, at the start of a step.
+  struct Faces {
+    Eigen::Matrix<double, plane, Eigen::Dynamic> place;  // of the columns, seen from above [m]
+    Eigen::VectorXd height, speed;                       // [m], upwards [m/s]
+  };
   /// Means of the water in the surface's first row before each column.
   struct Sample {
     Eigen::VectorXd velocity, pressure, level, weight;  // upwards [m/s]; [Pa]; of the surface [m]; Σ
   };
-  Sample sample(const StepData<dim>&) const;
+  static Place from_above(const Vector<dim>&);
+  Eigen::Index size() const { return static_cast<Eigen::Index>(columns_.size()); }
+  Eigen::Index first_of(std::size_t layer) const { return first_[layer]; }
+  Eigen::Index count_of(std::size_t layer) const { return first_[layer + 1] - first_[layer]; }
+  Faces faces(const StepData<dim>&) const;
+  Sample sample(const StepData<dim>&, const Faces&) const;
   void find_columns(const StepData<dim>&);
   void begin(StepData<dim>&);
   void mark(StepData<dim>&) const;
-  void press_surface(StepData<dim>&) const;
-  AirState<plane> air_of(const State<dim>&) const;
-  void store(const AirState<plane>&, State<dim>&) const;
-  double column_at(const StepData<dim>&, double x) const;
+  void press_surface(StepData<dim>&, const Faces&) const;
+  AirState<plane> air_of(const State<dim>&, std::size_t layer) const;
+  void store(const AirState<plane>&, std::size_t layer, State<dim>&) const;
 
   AirKeys keys_;
-  std::vector<std::int64_t> row_;  // first-layer particle behind each column's face
-  std::vector<int> point_;         // wet point of each column, in the order of x
-  std::vector<AirLayer<plane>> layer_;
+  std::vector<Column> columns_;         // field after field
+  std::vector<AirLayer<plane>> layer_;  // of each field of faces
+  std::vector<Eigen::Index> first_{0};  // column of each field, and their number
+  Eigen::VectorXd area_;                // of the columns [m²], on a line [m]
 };
 
 }  // namespace strake::fluid

@@ -253,9 +253,6 @@ void check_air(CaseTable fluid, const CommonKeys& common, const Parameters& p) {
   if (common.interface == "volume")
     throw air.error("layer", "false with coupling.interface = \"volume\"",
                     "coupling.interface = \"surface\", or layer = false");
-  if (p.dimension != 2)
-    throw air.error("layer", "false in three dimensions: air under a body is computed in the plane",
-                    "fluid.dimension = 2, or layer = false");
   if (common.structure_solver == "none")
     throw air.error("layer", "false: there is no body", "a structure, or layer = false");
   if (p.submerged)

@@ -38,8 +38,11 @@ class BodySurface3d {
 
   bool empty() const { return points_.point.empty(); }
   const InterfaceMesh& mesh() const { return mesh_; }  // the partner's
+  const Points& mesh_points() const { return now_; }   // its points in their places now
   int points() const { return static_cast<int>(points_.point.size()); }
   int edge_of(int k) const { return points_.point[static_cast<std::size_t>(k)].patch; }
+  int triangle_of(int k) const { return points_.point[static_cast<std::size_t>(k)].triangle; }
+  Vector3 face_normal(int triangle) const { return face_normal_.col(triangle); }
   /// Returns the particles behind each wet point, layer after layer. Then follow those past borders with an
   /// interior angle above 90°.
   const std::vector<LayerParticle>& layer_particles() const { return layer_particles_; }

@@ -1,6 +1,7 @@
 #include "fluid/geometry/wet_points.hpp"
 
 #include "fluid/geometry/triangle_grid.hpp"
+#include "proto/geometry/polygon.hpp"
 
 #include <Eigen/Geometry>
 
@@ -71,27 +72,6 @@ std::optional<Rectangle> rectangle_of(const InterfaceMesh& mesh, const SurfacePa
   return box;
 }
 
-/// The part of a polygon with s·x[axis] ≤ s·limit.
-std::vector<Vector2> cut(const std::vector<Vector2>& polygon, int axis, double limit, double s) {
-  std::vector<Vector2> kept;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Vector2 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-    const double ha = s * (limit - a[axis]), hb = s * (limit - b[axis]);
-    if (ha >= 0) kept.push_back(a);
-    if ((ha > 0 && hb < 0) || (ha < 0 && hb > 0)) kept.push_back(a + ha / (ha - hb) * (b - a));
-  }
-  return kept;
-}
-
-double area_of(const std::vector<Vector2>& polygon) {
-  double twice = 0;
-  for (std::size_t k = 2; k < polygon.size(); ++k) {
-    const Vector2 a = polygon[k - 1] - polygon[0], b = polygon[k] - polygon[0];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return 0.5 * std::abs(twice);
-}
-
 class Spreading {
  public:
   Spreading(const InterfaceMesh& mesh, const SurfacePatches& patches, double spacing)
@@ -124,22 +104,23 @@ class Spreading {
         add(box.origin + (c + 0.5) * dx * box.along + (r + 0.5) * dy * box.across, patch);
     std::map<std::pair<int, int>, double> part;
     for (const int t : triangles) {
-      std::vector<Vector2> whole;
+      Polygon whole;
       Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
       for (int k = 0; k < 3; ++k) {
         whole.push_back(box.place(corner(mesh_, t, k)));
         low = low.cwiseMin(whole.back());
         high = high.cwiseMax(whole.back());
       }
-      const double area = area_of(whole);
+      const double area = std::abs(polygon_area(whole));
       const auto cell = [](double x, double d, int n) {
         return std::clamp(static_cast<int>(std::floor(x / d)), 0, n - 1);
       };
       for (int r = cell(low.y(), dy, rows); r <= cell(high.y(), dy, rows); ++r)
         for (int c = cell(low.x(), dx, columns); c <= cell(high.x(), dx, columns); ++c) {
-          const auto piece =
-              cut(cut(cut(cut(whole, 0, c * dx, -1), 0, (c + 1) * dx, 1), 1, r * dy, -1), 1, (r + 1) * dy, 1);
-          if (const double share = area_of(piece) / area; share > 0)
+          const auto piece = cut_polygon(
+              cut_polygon(cut_polygon(cut_polygon(whole, 0, c * dx, -1), 0, (c + 1) * dx, 1), 1, r * dy, -1),
+              1, (r + 1) * dy, 1);
+          if (const double share = std::abs(polygon_area(piece)) / area; share > 0)
             part[{first + r * columns + c, t}] += share;
         }
     }

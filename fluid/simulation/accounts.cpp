@@ -14,8 +14,7 @@ void Simulation<dim>::Work::take_load(const Load<dim>& load) {
   const Boundary<dim>& boundary = step.boundary;
   const LayerForces<dim>& forces = load.on_layers;
   on_points = gather_on_points<dim>(forces, boundary);
-  if constexpr (dim == 2)
-    if (air) air->add_load(step, on_points);
+  if (air) air->add_load(step, on_points);
   on_solids = load.on_solids;
   floor = Vector<dim>::Zero();
   const std::int64_t first = boundary.water();

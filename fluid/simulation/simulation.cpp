@@ -201,6 +201,22 @@ double Simulation<dim>::air_mass() const {
 }
 
 template <int dim>
+auto Simulation<dim>::air_extent() const -> AirExtent {
+  if (!work_->air) return {};
+  const auto [columns, area, half_width] = work_->air->extent();
+  return {columns, area, half_width};
+}
+
+template <int dim>
+auto Simulation<dim>::air_at(const Eigen::Vector3d& reference) const -> AirAt {
+  const Work& w = *work_;
+  if (!w.air) return {};
+  const auto [column, distance] = w.air->column_at(w.step.boundary.body_surface(), reference);
+  if (!(w.step.state.air_mass[column] > 0)) return {0, 0, distance};
+  return {w.step.state.air_gap[column], w.step.state.air_pressure[column], distance};
+}
+
+template <int dim>
 Extreme Simulation<dim>::fastest() const {
   const Work& w = *work_;
   double square = 0;

@@ -6,6 +6,7 @@
 #include "fluid/scheme/interface_motion.hpp"
 #include "proto/interface.hpp"
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -66,6 +67,19 @@ class Simulation {
   Extreme highest_pressure() const;
   /// Air under the body now [kg], in two dimensions [kg/m]; 0 where none is computed.
   double air_mass() const;
+  /// Columns of air, their area seen from above [m², in two dimensions m], and the half width of the largest
+  /// field [m].
+  struct AirExtent {
+    std::int64_t columns = 0;
+    double area = 0, half_width = 0;
+  };
+  AirExtent air_extent() const;
+  /// The air under the body at a place of the reference: the nearest column's gap [m] and pressure less that
+  /// of the open air [Pa], both 0 where the water touches the face. distance: of that column's face [m].
+  struct AirAt {
+    double gap = 0, pressure = 0, distance = std::numeric_limits<double>::infinity();
+  };
+  AirAt air_at(const Eigen::Vector3d& reference) const;
   /// Returns the fastest particle of water now: its speed [m/s] and place.
   Extreme fastest() const;
 

@@ -59,8 +59,7 @@ Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, c
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     state.initial_momentum += step.mass * state.velocity.col(i);
   begin_at_rest<dim>(p, boundary, state);
-  if constexpr (dim == 2)
-    if (p.air.layer) air = std::make_unique<AirUnderBody<2>>(p.air, step);
+  if (p.air.layer) air = std::make_unique<AirUnderBody<dim>>(p.air, step);
   scheme->begin(step);
 }
 
@@ -90,8 +89,7 @@ void Simulation<dim>::Work::measure() {
     sort_along_cells();
     step.search_neighbours();
   }
-  if constexpr (dim == 2)
-    if (air) air->give_over(step);
+  if (air) air->give_over(step);
   find_stresses();
   scheme->measure(step);
 }
@@ -137,8 +135,7 @@ void Simulation<dim>::Work::find_stresses() {
 
 template <int dim>
 void Simulation<dim>::Work::advance_air() {
-  if constexpr (dim == 2)
-    if (air) air->advance(step);
+  if (air) air->advance(step);
 }
 
 template <int dim>

@@ -37,7 +37,7 @@ struct Simulation<dim>::Work {
 
   StepData<dim> step;
   std::unique_ptr<FluidScheme<dim>> scheme;
-  std::unique_ptr<AirUnderBody<2>> air;  // in the plane; null: none is computed
+  std::unique_ptr<AirUnderBody<dim>> air;  // null: none is computed
   ViscousStage<dim> viscous;
   PressureSystem system;
   PoissonSolver<dim> poisson;

@@ -22,11 +22,13 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   table.choice(
       "quantity", probe.quantity,
       {"deflection", "displacement", "velocity", "von_mises", "stress", "pressure", "front", "level",
-       "height"},
-      {.help = "structure: deflection (displacement less that of the supports, the default), displacement, "
-               "velocity, von_mises or stress (Cauchy's, each component); fluid: pressure (the default), "
-               "front (x where the water on the floor at `at` ends), "
-               "level (of the water over `at`) or height (wetted length over `at`)"});
+       "height", "gap", "air_pressure"},
+      {.help =
+           "structure: deflection (displacement less that of the supports, the default), displacement, "
+           "velocity, von_mises or stress (Cauchy's, each component); fluid: pressure (the default), "
+           "front (x where the water on the floor at `at` ends), "
+           "level (of the water over `at`), height (wetted length over `at`), or of the air under the body's "
+           "face at `at`: gap or air_pressure (of that alone)"});
   table.number("diameter", probe.diameter, positive("m", "of a pressure sensor; not given: 2 fluid.spacing"));
   if (!table.has("name")) return probe;  // a list of declarations contains no probe to check
 
@@ -46,11 +48,11 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   const auto among = [&](std::initializer_list<const char*> names) {
     return std::any_of(names.begin(), names.end(), [&](const char* name) { return probe.quantity == name; });
   };
-  if ((probe.of == "fluid") != among({"pressure", "front", "level", "height"}))
+  if ((probe.of == "fluid") != among({"pressure", "front", "level", "height", "gap", "air_pressure"}))
     throw table.error(
         "quantity",
         probe.of == "fluid"
-            ? "pressure, front, level or height for a probe of the fluid"
+            ? "pressure, front, level, height, gap or air_pressure for a probe of the fluid"
             : "deflection, displacement, velocity, von_mises or stress for a probe of the structure",
         probe.of == "fluid" ? "quantity = \"pressure\"" : "of = \"fluid\", or another quantity");
   return probe;

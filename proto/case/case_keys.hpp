@@ -18,7 +18,7 @@ struct ProbeKeys {
   Eigen::Vector3d at =
       Eigen::Vector3d::Zero();  // [m] reference configuration; moves with the body it touches
   /// Structure: "deflection" | "displacement" | "velocity" | "von_mises" | "stress"; fluid: "pressure" |
-  /// "front" | "level" | "height", which stay where they are in space.
+  /// "front" | "level" | "height" | "gap" | "air_pressure", which stay where they are in space.
   std::string quantity;
   double diameter = 0;  // [m] pressure sensor; 0: 2 l0
 };

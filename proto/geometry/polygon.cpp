@@ -18,6 +18,17 @@ double polygon_area(const Polygon& p) {
   return area;
 }
 
+Polygon cut_polygon(const Polygon& polygon, int axis, double limit, double s) {
+  Polygon kept;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Eigen::Vector2d &a = polygon[k], &b = following(polygon, k);
+    const double ha = s * (limit - a[axis]), hb = s * (limit - b[axis]);
+    if (ha >= 0) kept.push_back(a);
+    if ((ha > 0 && hb < 0) || (ha < 0 && hb > 0)) kept.push_back(a + ha / (ha - hb) * (b - a));
+  }
+  return kept;
+}
+
 double distance_to_polygon(const Polygon& p, const Eigen::Vector2d& x) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < p.size(); ++i) {

@@ -34,7 +34,9 @@ inline const Eigen::Vector2d& following(const Polygon& p, std::size_t i) {
 }
 
 bool inside_polygon(const Polygon&, const Eigen::Vector2d& x);
-double polygon_area(const Polygon&);                                   // [m²], negative when clockwise
+double polygon_area(const Polygon&);  // [m²], negative when clockwise
+/// The part with s·x[axis] ≤ s·limit, s = ±1, of a polygon without reflex corners; empty where none is.
+Polygon cut_polygon(const Polygon&, int axis, double limit, double s);
 double distance_to_polygon(const Polygon&, const Eigen::Vector2d& x);  // to its edges [m]
 
 }  // namespace strake

@@ -1,0 +1,68 @@
+#include "fluid/air/lower_faces.hpp"
+
+#include <cmath>
+
+namespace strake::fluid {
+namespace {
+
+constexpr double looks_down = 0.5;  // −n_y of a face from which on it has air under it; 60° against the level
+constexpr double closed_within = 0.5;  // [l0] from a wall of the tank: no air passes
+
+// The body is walked counter-clockwise, so that its lower faces come in the order of x.
+std::vector<AirField<1>> fields_of(const BodySurface2d& body, double /*spacing*/) {
+  const int n = body.points();
+  const auto down = [&](int k) { return -body.normal((k + n) % n)[1] > looks_down; };
+  std::vector<AirField<1>> fields;
+  for (int first = 0; first < n; ++first) {
+    if (!down(first) || down(first - 1)) continue;
+    AirField<1> field;
+    std::vector<double> middle, width;
+    for (int k = first; down(k); ++k) {
+      const int point = k % n;
+      field.points.push_back({point});
+      middle.push_back(body.point(point)[0]);
+      width.push_back(-body.normal(point)[1] * body.area(point));
+    }
+    const auto size = static_cast<Eigen::Index>(middle.size());
+    field.columns =
+        air_strip(Eigen::VectorXd::Map(middle.data(), size), Eigen::VectorXd::Map(width.data(), size));
+    fields.push_back(std::move(field));
+  }
+  return fields;
+}
+
+std::vector<AirField<2>> fields_of(const BodySurface3d& body, double spacing) {
+  const InterfaceMesh& mesh = body.mesh();
+  std::vector<int> down;
+  for (int t = 0; t < static_cast<int>(mesh.faces.cols()); ++t)
+    if (-body.face_normal(t)[1] > looks_down) down.push_back(t);
+  std::vector<std::vector<int>> points_of(static_cast<std::size_t>(mesh.faces.cols()));
+  Eigen::Matrix2Xd place(2, body.points());
+  for (int k = 0; k < body.points(); ++k) {
+    points_of[static_cast<std::size_t>(body.triangle_of(k))].push_back(k);
+    place.col(k) = Eigen::Vector2d(body.point(k).x(), body.point(k).z());
+  }
+  return columns_under_triangles(mesh, body.mesh_points(), down, points_of, place, spacing);
+}
+
+}  // namespace
+
+template <int dim>
+std::vector<AirField<dim - 1>> lower_faces(const Boundary<dim>& boundary, double spacing) {
+  const BodySurface<dim>& body = boundary.body_surface();
+  std::vector<AirField<dim - 1>> fields = fields_of(body, spacing);
+  for (auto& field : fields)
+    std::erase_if(field.columns.sides, [&](const auto& side) {
+      if (side.other >= 0) return false;
+      Vector<dim> place = body.point(field.points[static_cast<std::size_t>(side.column)].front());
+      place[0] = side.middle[0];
+      if constexpr (dim == 3) place[2] = side.middle[1];
+      return boundary.tank().distance(place) < closed_within * spacing;
+    });
+  return fields;
+}
+
+template std::vector<AirField<1>> lower_faces<2>(const Boundary<2>&, double);
+template std::vector<AirField<2>> lower_faces<3>(const Boundary<3>&, double);
+
+}  // namespace strake::fluid
