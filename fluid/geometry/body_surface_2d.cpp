@@ -195,6 +195,13 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
       values->col(end) = values->col(next.vertex) = corner;
     }
   }
+  ends_.resize(edges_.size());
+  for (std::size_t r = 0; r < edges_.size(); ++r)
+    for (const bool last : {false, true}) {
+      const int at = edges_[r].vertex + (last ? edges_[r].count : 0);
+      const Vector2 place = vertex_.col(at), inwards = vertex_.col(last ? at - 1 : at + 1) - place;
+      ends_[r][last ? 1 : 0] = {place, inwards, inwards.norm()};
+    }
   run_low_.resize(2, static_cast<Eigen::Index>(edges_.size()));
   run_high_.resize(2, static_cast<Eigen::Index>(edges_.size()));
   for (std::size_t r = 0; r < edges_.size(); ++r) {
@@ -293,12 +300,6 @@ bool BodySurface2d::beside_corner(const Vector2& x, double distance) const {
   });
 }
 
-double BodySurface2d::within(int edge, const Vector2& x) const {
-  const Edge& r = edges_[static_cast<std::size_t>(edge)];
-  if (r.closed) return std::numeric_limits<double>::infinity();
-  return std::min(end_of(edge, false, x).inside, end_of(edge, true, x).inside);
-}
-
 bool BodySurface2d::is_between_sharp_corners(int edge) const {
   const Edge& r = edges_[static_cast<std::size_t>(edge)];
   return !r.closed && r.start_angle < right_angle && r.end_angle < right_angle;
@@ -306,10 +307,8 @@ bool BodySurface2d::is_between_sharp_corners(int edge) const {
 
 BodySurface2d::End BodySurface2d::end_of(int edge, bool last, const Vector2& x) const {
   const Edge& r = edges_[static_cast<std::size_t>(edge)];
-  const int at = last ? r.vertex + r.count : r.vertex;
-  const Vector2 place = vertex_.col(at), inwards = vertex_.col(last ? at - 1 : at + 1) - place;
-  return {place, (x - place).dot(inwards) / inwards.norm(),
-          !r.closed && (last ? r.end_angle : r.start_angle) < right_angle};
+  const Ending& end = ends_[static_cast<std::size_t>(edge)][last ? 1 : 0];
+  return {end.place, end.inside(x), !r.closed && (last ? r.end_angle : r.start_angle) < right_angle};
 }
 
 bool BodySurface2d::inside(const Vector2& x) const {

@@ -4,7 +4,10 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -73,7 +76,11 @@ class BodySurface2d {
   bool inside(const Vector2& x) const;
   /// Returns the distance of x from the nearer end of that edge, along its first and last piece [m]. It is
   /// negative past an end, and infinite where the edge has no end.
-  double within(int edge, const Vector2& x) const;
+  double within(int edge, const Vector2& x) const {
+    const auto& [start, end] = ends_[static_cast<std::size_t>(edge)];
+    if (edges_[static_cast<std::size_t>(edge)].closed) return std::numeric_limits<double>::infinity();
+    return std::min(start.inside(x), end.inside(x));
+  }
   /// One end of an edge, and how far inside it x lies, along the face [m].
   struct End {
     Vector2 place;
@@ -91,6 +98,11 @@ class BodySurface2d {
   Foot nearest(const Vector2& x) const;
 
  private:
+  struct Ending {  // of an edge: its first or last piece, from the end inwards
+    Vector2 place, inwards;
+    double length = 0;
+    double inside(const Vector2& x) const { return (x - place).dot(inwards) / length; }
+  };
   /// Which corners count: those that the edge owns, all but the tips (see `separates`), or all.
   enum class Corners : std::uint8_t { owned, without_tips, all };
   bool crosses(int edge, const Vector2& a, const Vector2& b, Corners) const;
@@ -105,6 +117,7 @@ class BodySurface2d {
   Vectors2 point_, velocity_, normal_, normal_rate_;
   Vectors2 vertex_, vertex_velocity_;
   Eigen::VectorXd area_;
+  std::vector<std::array<Ending, 2>> ends_;  // of each edge: start, end
   Vectors2 run_low_, run_high_;
   Vector2 low_ = Vector2::Zero(), high_ = Vector2::Zero();
 };
