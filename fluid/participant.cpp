@@ -371,7 +371,8 @@ void FluidParticipant<dim>::write_first_frame() {
 }
 
 /// Returns the frame of all particles with a pressure: water, first layers of walls and bodies, structure
-/// particles. Dummies and particles that have left the tank are not shown.
+/// particles. Dummies and particles that have left the tank are not shown. Faces over air show its pressure
+/// and its gap.
 template <int dim>
 Frame FluidParticipant<dim>::frame() const {
   const State<dim>& state = simulation_.state();
@@ -381,6 +382,8 @@ Frame FluidParticipant<dim>::frame() const {
     if (has_pressure(state.kind[i]) && !simulation_.is_removed(k)) shown.push_back(k);
   }
   const auto n = static_cast<Eigen::Index>(shown.size());
+  const auto air = simulation_.air_on_faces();
+  Eigen::MatrixXd gap(1, air.gap.size() > 0 ? n : 0);
   Eigen::MatrixXd pressure(1, n), velocity = Eigen::MatrixXd::Zero(3, n), kind(1, n), surface(1, n), id(1, n);
   Frame frame{.time = committed_.progress.time,
               .position = Points::Zero(3, n),
@@ -392,6 +395,10 @@ Frame FluidParticipant<dim>::frame() const {
     frame.position.col(k).template head<dim>() = state.position.col(i);
     velocity.col(k).template head<dim>() = state.velocity.col(i);
     pressure(0, k) = state.pressure[i];
+    if (gap.size() > 0) {  // a dry face has the pressure of its air
+      gap(0, k) = air.gap[i];
+      if (air.gap[i] > 0) pressure(0, k) = air.pressure[i];
+    }
     kind(0, k) = static_cast<double>(state.kind[static_cast<std::size_t>(i)]);
     surface(0, k) = state.surface[static_cast<std::size_t>(i)];
     id(0, k) = static_cast<double>(state.id[static_cast<std::size_t>(i)]);
@@ -401,6 +408,7 @@ Frame FluidParticipant<dim>::frame() const {
                       {"kind", "1", std::move(kind)},
                       {"surface", "1", std::move(surface)},
                       {"id", "1", std::move(id)}};
+  if (gap.size() > 0) frame.point_data.push_back({"gap", "m", std::move(gap)});
   return frame;
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace strake {
@@ -71,7 +72,12 @@ const std::array<AlarmWords, 6> all_words = {
 
 constexpr double short_step = 0.2;  // of the flow's own, below which the step is the suspect
 
-std::string advice_of(const AlarmWords& words, double step, double flow_step) {
+/// air: air under the body is computed, and has been compressed.
+std::string advice_of(const AlarmWords& words, double step, double flow_step, bool air) {
+  if (air && std::string_view(words.kind) == "pressure")
+    return "probably a thin pocket of air that water closes, which the particles do not show well; do not "
+           "use what "
+           "follows, or try half of fluid.spacing";
   if (step > 0 && step < short_step * flow_step)
     return fmt::format(
         "probably single particles between jet and wall, in steps of {:.1g} s that are short for this flow; "
@@ -99,9 +105,9 @@ std::vector<RaisedAlarm> alarms_of(const std::map<std::string, double>& monitor)
     alarm.placed = std::isfinite(alarm.x) && std::isfinite(alarm.y) && std::isfinite(alarm.z);
     alarm.line = fmt::format("t = {:.6g} s", alarm.time);
     if (alarm.placed) alarm.line += fmt::format(" at ({:.4g}, {:.4g}, {:.4g}) m", alarm.x, alarm.y, alarm.z);
-    alarm.line +=
-        fmt::format(": {}; {}", words.what(alarm.value, alarm.bound),
-                    advice_of(words, part("step"), at_or(monitor, "alarm.flow_step", std::nan(""))));
+    alarm.line += fmt::format(": {}; {}", words.what(alarm.value, alarm.bound),
+                              advice_of(words, part("step"), at_or(monitor, "alarm.flow_step", std::nan("")),
+                                        monitor.contains("air.mass")));
     alarms.push_back(std::move(alarm));
   }
   std::stable_sort(alarms.begin(), alarms.end(),

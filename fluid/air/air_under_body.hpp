@@ -41,6 +41,14 @@ class AirUnderBody {
     double distance;
   };
   Found column_at(const BodySurface<dim>&, const Eigen::Vector3d& reference) const;
+  /// Calls visit(row, gap, pressure) for each first-layer particle behind a face with air: h [m], and p less
+  /// that of the open air [Pa].
+  template <class Visit>
+  void for_each_row(const State<dim>& state, const Visit& visit) const {
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      if (const auto i = static_cast<Eigen::Index>(c); state.air_mass[i] > 0)
+        for (const std::int64_t row : columns_[c].rows) visit(row, state.air_gap[i], state.air_pressure[i]);
+  }
   /// Mass of the columns together [kg], in the plane [kg/m].
   double mass(const Eigen::VectorXd& of_columns) const { return of_columns.dot(area_); }
 

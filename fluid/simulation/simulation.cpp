@@ -208,6 +208,19 @@ auto Simulation<dim>::air_extent() const -> AirExtent {
 }
 
 template <int dim>
+auto Simulation<dim>::air_on_faces() const -> AirOnFaces {
+  const State<dim>& state = work_->step.state;
+  if (!work_->air) return {};
+  AirOnFaces faces{Eigen::VectorXd::Zero(state.position.cols()),
+                   Eigen::VectorXd::Zero(state.position.cols())};
+  work_->air->for_each_row(state, [&](std::int64_t row, double gap, double pressure) {
+    faces.gap[row] = gap;
+    faces.pressure[row] = pressure;
+  });
+  return faces;
+}
+
+template <int dim>
 auto Simulation<dim>::air_at(const Eigen::Vector3d& reference) const -> AirAt {
   const Work& w = *work_;
   if (!w.air) return {};

@@ -80,6 +80,12 @@ class Simulation {
     double gap = 0, pressure = 0, distance = std::numeric_limits<double>::infinity();
   };
   AirAt air_at(const Eigen::Vector3d& reference) const;
+  /// The gap [m] and pressure [Pa] of the air before each particle of the first layer of a body; empty: no
+  /// air is computed. Both are 0 where there is none.
+  struct AirOnFaces {
+    Eigen::VectorXd gap, pressure;  // of all particles
+  };
+  AirOnFaces air_on_faces() const;
   /// Returns the fastest particle of water now: its speed [m/s] and place.
   Extreme fastest() const;
 

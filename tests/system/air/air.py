@@ -91,6 +91,57 @@ def an_elastic_plate_feels_it(place):
     expect(abs(checks["air_mass"]) <= 1e-12 and checks["work_gap"] < 1e-9, f"fem: {checks}")
 
 
+IN_SPACE = """title = "air under a square plate"
+end_time = 0.0036
+[fluid]
+dimension = 3
+spacing = 0.02
+tank  = [[-0.24, -0.2, -0.24], [0.24, 0.2, 0.24]]
+water = [[-0.24, -0.2, -0.24], [0.24, 0.0, 0.24]]
+air = { layer = true }
+[structure]
+solver = "rigid"
+depth = 0.2
+velocity = [0.0, -4.0, 0.0]
+[structure.plate]
+length = 0.2
+thickness = 0.04
+bottom = [0.0, 0.012, 0.0]
+[output]
+every = 1e-3
+[[output.probe]]
+name = "gap"
+of = "fluid"
+at = [0.0, 0.012, 0.0]
+quantity = "gap"
+[[output.probe]]
+name = "rise"
+of = "fluid"
+at = [0.0, 0.012, 0.0]
+quantity = "air_pressure"
+"""
+
+
+def a_plate_in_space_has_it(place):
+    (place / "case.toml").write_text(IN_SPACE)
+    square = run(place, "square")
+    air = table(square)
+    early = min(range(len(air["time"])), key=lambda k: abs(air["time"][k] - 0.5 * CONTACT))
+    # Between that of a square without the border's speed, 0.295, and that of a strip, 1: a disc has 0.375.
+    cushion = 1.204 * V * V * A * A / air["gap"][early] ** 2
+    share = air["rise"][early] / cushion
+    print(f"      square plate: cushion {share:.3f} rho V^2 a^2/h^2")
+    expect(0.33 < share < 0.55, f"the cushion of a square is near that of a disc: {share}")
+    expect(max(air["force.y"]) / 0.04 < 0.75 * 1000 * 1500 * V, "the air lowers the peak of a flat impact in space")
+    checks = json.loads((square / "summary.json").read_text())["checks"]
+    expect(abs(checks["air_mass"]) <= 1e-12 and abs(checks["momentum_gap"]) < 0.1, f"square: {checks}")
+    two = run(place, "square2", "--set", "run.threads=2")
+    expect((two / "history.csv").read_bytes() == (square / "history.csv").read_bytes(), "two threads: the same to the byte")
+    result = strake("check", "case.toml", "--set", "fluid.air.layer=false", cwd=place)
+    expect(result.returncode == 3 and 'output.probe "gap"' in result.stderr and "fix:" in result.stderr,
+           f"a probe of air that is not computed: exit {result.returncode}\n{result.stderr}")
+
+
 def what_it_cannot_do_is_refused(place):
     for words, message in [(["fluid.air.pressure=-1"], "fluid.air.pressure"), (["fluid.air.film=0"], "fluid.air.film"),
                            (["fluid.air.gamma=1"], "fluid.air.gamma"), (["preset=paper"], "fluid.air.layer"),
@@ -110,4 +161,5 @@ with folder() as name:
     it_is_exact(place, whole)
     an_elastic_plate_feels_it(place)
     what_it_cannot_do_is_refused(place)
+    a_plate_in_space_has_it(place)
 finish()
