@@ -25,7 +25,8 @@ AirUnderBody<dim>::AirUnderBody(const AirKeys& keys, StepData<dim>& step) : keys
   find_columns(step);
   step.air.aired.assign(static_cast<std::size_t>(step.boundary.body_surface().points()), 0);
   if (step.state.air_mass.size() == 0) begin(step);
-  mark(step);
+  for (Eigen::Index i = 0; i < size(); ++i)
+    if (step.state.air_mass[i] > 0) set_aired(i, step);
 }
 
 template <int dim>
@@ -39,19 +40,21 @@ auto AirUnderBody<dim>::from_above(const Vector<dim>& x) -> Place {
 template <int dim>
 void AirUnderBody<dim>::find_columns(const StepData<dim>& step) {
   const BodySurface<dim>& body = step.boundary.body_surface();
-  std::vector<std::pair<int, int>> of_point(static_cast<std::size_t>(body.points()), {-1, -1});
-  for (AirField<plane>& field : lower_faces<dim>(step.boundary, step.p.spacing)) {
+  std::vector<std::int64_t> row_behind(static_cast<std::size_t>(body.points()), -1);
+  for (std::int64_t j = step.boundary.first_of_bodies(); j < step.state.position.cols(); ++j)
+    if (step.boundary.master_of(j) < 0) row_behind[static_cast<std::size_t>(step.boundary.point_of(j))] = j;
+  columns_over_.assign(static_cast<std::size_t>(body.points()), 0);
+  for (AirField<plane>& field : lower_faces<dim>(step.boundary, step.p.spacing, keys_.columns)) {
     const auto first = columns_.size();
     for (std::size_t c = 0; c < field.points.size(); ++c) {
       Column column;
       Place mean = Place::Zero();
       for (const int k : field.points[c]) {
-        of_point[static_cast<std::size_t>(k)] = {static_cast<int>(first + c),
-                                                 static_cast<int>(column.points.size())};
         column.points.push_back(k);
+        column.rows.push_back(row_behind[static_cast<std::size_t>(k)]);
+        ++columns_over_[static_cast<std::size_t>(k)];
         mean += from_above(body.point(k)) / static_cast<double>(field.points[c].size());
       }
-      column.rows.assign(column.points.size(), -1);
       column.offset = field.columns.place.col(static_cast<Eigen::Index>(c)) - mean;
       columns_.push_back(std::move(column));
     }
@@ -73,11 +76,6 @@ void AirUnderBody<dim>::find_columns(const StepData<dim>& step) {
   area_.resize(size());
   for (std::size_t f = 0; f < layer_.size(); ++f)
     area_.segment(first_of(f), count_of(f)) = layer_[f].columns().area;
-  for (std::int64_t j = step.boundary.first_of_bodies(); j < step.state.position.cols(); ++j) {
-    if (step.boundary.master_of(j) >= 0) continue;
-    const auto [column, number] = of_point[static_cast<std::size_t>(step.boundary.point_of(j))];
-    if (column >= 0) columns_[static_cast<std::size_t>(column)].rows[static_cast<std::size_t>(number)] = j;
-  }
 }
 
 template <int dim>
@@ -210,27 +208,39 @@ auto AirUnderBody<dim>::sample(const StepData<dim>& step, const Faces& face) con
   return out;
 }
 
+// Columns under one wet point go together.
 template <int dim>
 void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   State<dim>& state = step.state;
   const double least = keys_.density * keys_.film;
   const double compliance = step.dt * step.dt / (step.p.density * 0.5 * step.p.spacing);
-  for (Eigen::Index i = 0; i < size(); ++i) {
-    if (!(state.air_mass[i] > 0 && state.air_pressure[i] > 0)) continue;
+  const auto keeps = [&](Eigen::Index i) {
+    if (!(state.air_pressure[i] > 0)) return true;
     const bool stiff = keys_.gamma * (keys_.pressure + state.air_pressure[i]) * compliance > state.air_gap[i];
-    if (!stiff && state.air_mass[i] > at_film * least) continue;
+    return !stiff && state.air_mass[i] > at_film * least;
+  };
+  step.air.aired.assign(step.air.aired.size(), 0);
+  for (Eigen::Index i = 0; i < size(); ++i)
+    if (state.air_mass[i] > 0 && keeps(i)) set_aired(i, step);
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    if (!(state.air_mass[i] > 0) || is_aired(i, step)) continue;
     state.air_out += area_[i] * state.air_mass[i];
     state.air_mass[i] = state.air_pressure[i] = 0;
     state.air_momentum.segment(plane * i, plane).setZero();
   }
-  mark(step);
 }
 
 template <int dim>
-void AirUnderBody<dim>::mark(StepData<dim>& step) const {
-  for (std::size_t c = 0; c < columns_.size(); ++c)
-    for (const int k : columns_[c].points)
-      step.air.aired[static_cast<std::size_t>(k)] = step.state.air_mass[static_cast<Eigen::Index>(c)] > 0;
+void AirUnderBody<dim>::set_aired(Eigen::Index column, StepData<dim>& step) const {
+  for (const int k : columns_[static_cast<std::size_t>(column)].points)
+    step.air.aired[static_cast<std::size_t>(k)] = 1;
+}
+
+template <int dim>
+bool AirUnderBody<dim>::is_aired(Eigen::Index column, const StepData<dim>& step) const {
+  const auto& points = columns_[static_cast<std::size_t>(column)].points;
+  return std::any_of(points.begin(), points.end(),
+                     [&](int k) { return step.air.aired[static_cast<std::size_t>(k)] != 0; });
 }
 
 template <int dim>
@@ -311,8 +321,8 @@ void AirUnderBody<dim>::add_load(const StepData<dim>& step, Vectors<dim>& on_poi
   const BodySurface<dim>& body = step.boundary.body_surface();
   for (std::size_t c = 0; c < columns_.size(); ++c)
     for (const int k : columns_[c].points)
-      on_points.col(k) -=
-          step.state.air_pressure[static_cast<Eigen::Index>(c)] * body.area(k) * body.normal(k);
+      on_points.col(k) -= step.state.air_pressure[static_cast<Eigen::Index>(c)] /
+                          columns_over_[static_cast<std::size_t>(k)] * body.area(k) * body.normal(k);
 }
 
 template class AirUnderBody<2>;

@@ -82,7 +82,8 @@ class AirUnderBody {
   Sample sample(const StepData<dim>&, const Faces&) const;
   void find_columns(const StepData<dim>&);
   void begin(StepData<dim>&);
-  void mark(StepData<dim>&) const;
+  void set_aired(Eigen::Index column, StepData<dim>&) const;  // its wet points have air
+  bool is_aired(Eigen::Index column, const StepData<dim>&) const;
   void press_surface(StepData<dim>&, const Faces&) const;
   AirState<plane> air_of(const State<dim>&, std::size_t layer) const;
   void store(const AirState<plane>&, std::size_t layer, State<dim>&) const;
@@ -91,6 +92,7 @@ class AirUnderBody {
   std::vector<Column> columns_;         // field after field
   std::vector<AirLayer<plane>> layer_;  // of each field of faces
   std::vector<Eigen::Index> first_{0};  // column of each field, and their number
+  std::vector<int> columns_over_;       // under each wet point
   Eigen::VectorXd area_;                // of the columns [m²], on a line [m]
 };
 

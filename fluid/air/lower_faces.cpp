@@ -9,7 +9,7 @@ constexpr double looks_down = 0.5;  // −n_y of a face from which on it has air
 constexpr double closed_within = 0.5;  // [l0] from a wall of the tank: no air passes
 
 // The body is walked counter-clockwise, so that its lower faces come in the order of x.
-std::vector<AirField<1>> fields_of(const BodySurface2d& body, double /*spacing*/) {
+std::vector<AirField<1>> fields_of(const BodySurface2d& body, double /*spacing*/, int per_point) {
   const int n = body.points();
   const auto down = [&](int k) { return -body.normal((k + n) % n)[1] > looks_down; };
   std::vector<AirField<1>> fields;
@@ -19,9 +19,12 @@ std::vector<AirField<1>> fields_of(const BodySurface2d& body, double /*spacing*/
     std::vector<double> middle, width;
     for (int k = first; down(k); ++k) {
       const int point = k % n;
-      field.points.push_back({point});
-      middle.push_back(body.point(point)[0]);
-      width.push_back(-body.normal(point)[1] * body.area(point));
+      const double whole = -body.normal(point)[1] * body.area(point);
+      for (int part = 0; part < per_point; ++part) {
+        field.points.push_back({point});
+        middle.push_back(body.point(point)[0] + ((part + 0.5) / per_point - 0.5) * whole);
+        width.push_back(whole / per_point);
+      }
     }
     const auto size = static_cast<Eigen::Index>(middle.size());
     field.columns =
@@ -31,7 +34,7 @@ std::vector<AirField<1>> fields_of(const BodySurface2d& body, double /*spacing*/
   return fields;
 }
 
-std::vector<AirField<2>> fields_of(const BodySurface3d& body, double spacing) {
+std::vector<AirField<2>> fields_of(const BodySurface3d& body, double spacing, int /*per_point*/) {
   const InterfaceMesh& mesh = body.mesh();
   std::vector<int> down;
   for (int t = 0; t < static_cast<int>(mesh.faces.cols()); ++t)
@@ -48,9 +51,9 @@ std::vector<AirField<2>> fields_of(const BodySurface3d& body, double spacing) {
 }  // namespace
 
 template <int dim>
-std::vector<AirField<dim - 1>> lower_faces(const Boundary<dim>& boundary, double spacing) {
+std::vector<AirField<dim - 1>> lower_faces(const Boundary<dim>& boundary, double spacing, int per_point) {
   const BodySurface<dim>& body = boundary.body_surface();
-  std::vector<AirField<dim - 1>> fields = fields_of(body, spacing);
+  std::vector<AirField<dim - 1>> fields = fields_of(body, spacing, per_point);
   for (auto& field : fields)
     std::erase_if(field.columns.sides, [&](const auto& side) {
       if (side.other >= 0) return false;
@@ -62,7 +65,7 @@ std::vector<AirField<dim - 1>> lower_faces(const Boundary<dim>& boundary, double
   return fields;
 }
 
-template std::vector<AirField<1>> lower_faces<2>(const Boundary<2>&, double);
-template std::vector<AirField<2>> lower_faces<3>(const Boundary<3>&, double);
+template std::vector<AirField<1>> lower_faces<2>(const Boundary<2>&, double, int);
+template std::vector<AirField<2>> lower_faces<3>(const Boundary<3>&, double, int);
 
 }  // namespace strake::fluid

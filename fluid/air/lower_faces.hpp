@@ -16,11 +16,12 @@ struct AirField {
 };
 
 /// Returns the fields under the faces of a body that look down by more than 30° against the level, in the
-/// body's place now. A column is about l0 wide. In the plane each stands under one wet point. In space the
+/// body's place now. In the plane `per_point` columns of equal width stand under each wet point, about l0
+/// wide together. In space there is one to about l0², whatever `per_point`: the
 /// columns are the cells of a grid, cut along the borders of the faces; small pieces belong to the column
 /// beside them. The borders of a field are open, but at walls of the tank nearer than l0/2.
 template <int dim>
-std::vector<AirField<dim - 1>> lower_faces(const Boundary<dim>&, double spacing);
+std::vector<AirField<dim - 1>> lower_faces(const Boundary<dim>&, double spacing, int per_point = 1);
 
 /// The columns under a surface of triangles in space, seen from above. `looks_down` are the triangles;
 /// `points_of` the wet points of each triangle of the mesh, in places point_place, 2×n (x, z).

@@ -242,6 +242,8 @@ void read_air(CaseTable t, AirKeys& air) {
       "film", air.film,
       positive("m",
                "thickness, at the open air's pressure, of the air that stays under each piece of a face"));
+  t.integer("columns", air.columns,
+            {.min = 1, .max = 16, .help = "of air in a spacing, in the plane; in space one"});
   t.flag("friction", air.friction, {.help = "of the air on body and water"});
 }
 
@@ -255,6 +257,8 @@ void check_air(CaseTable fluid, const CommonKeys& common, const Parameters& p) {
                     "coupling.interface = \"surface\", or layer = false");
   if (common.structure_solver == "none")
     throw air.error("layer", "false: there is no body", "a structure, or layer = false");
+  if (p.dimension == 3 && p.air.columns != 1)
+    throw air.error("columns", "1 in three dimensions", "columns = 1");
   if (p.submerged)
     throw air.error("layer", "false: a body that starts in the water has no air under it", "layer = false");
 }

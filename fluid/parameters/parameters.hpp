@@ -82,6 +82,7 @@ struct AirKeys {
   double gamma = 1.4;          // ratio of specific heats [1]
   double viscosity = 1.82e-5;  // µ [Pa s]
   double film = 1e-5;          // δ [m]: each column keeps the air ρ0 δ
+  int columns = 1;             // of air in a spacing, in the plane
   bool friction = true;
 };
 
