@@ -110,8 +110,10 @@ ExitCode draw_picture(const PictureOptions& options) {
     if (!of->all.empty()) {
       const Prefix prefix = prefix_for(std::max(std::abs(of->all.lo), std::abs(of->all.hi)), of->unit);
       fmt::print("  {} of the {}: {:.4g} to {:.4g} {}\n", of->name,
-                 of == &scene.water_field ? "water" : "structure", prefix.factor * of->all.lo,
-                 prefix.factor * of->all.hi, with_prefix(prefix, of->unit));
+                 of != &scene.water_field ? "structure"
+                 : of->name == "gap"      ? "air"
+                                          : "water",
+                 prefix.factor * of->all.lo, prefix.factor * of->all.hi, with_prefix(prefix, of->unit));
       if (of == &scene.solid_field && scene.cells.empty())
         fmt::print("    at particles, half a spacing inside a face; a probe at the face extrapolates\n");
     }

@@ -78,12 +78,13 @@ void draw_marks(Canvas& canvas, const PlotArea& f, const std::vector<Mark>& mark
   }
 }
 
-void draw_cells(Canvas& canvas, const PlotArea& f, const Scene& scene, const Range& range) {
+void draw_cells(Canvas& canvas, const PlotArea& f, const std::vector<Patch>& cells, const Range& range,
+                bool solid) {
   std::vector<Place> corner;
-  for (const Patch& patch : scene.cells) {
+  for (const Patch& patch : cells) {
     corner.clear();
     for (const Place& p : patch.corner) corner.push_back(f(p));
-    const Colour colour = colour_of(patch.value, range, true);
+    const Colour colour = colour_of(patch.value, range, solid);
     canvas.path(corner, {.colour = colour, .width = 2.5, .filled = corner.size() > 2});
   }
 }
@@ -111,6 +112,7 @@ void draw_axes(Canvas& canvas, const PlotArea& f) {
 
 /// "von_mises" → "von Mises stress of the structure".
 std::string words(const std::string& field, bool solid) {
+  if (field == "gap") return "gap of the air";
   if (field == "damage") return "damage of the structure (0 sound, 1 broken)";
   return (field == "von_mises" ? "von Mises stress" : in_words(field)) +
          (solid ? " of the structure" : " of the water");
@@ -205,10 +207,11 @@ std::string draw(const Scene& scene, const DrawingOptions& options, Canvas::Kind
     canvas.square(p.x, p.y, std::max(0.7, 0.5 * scene.spacing * f.scale), grey);
   }
   draw_marks(canvas, f, scene.water, scene.spacing, water, false);
+  draw_cells(canvas, f, scene.air, water, false);
   draw_marks(canvas, f, scene.solid, scene.solid_spacing, solid, true);
   many ? canvas.end_image() : canvas.unclip();
   canvas.clip(f.x, f.y, f.width, f.height);
-  draw_cells(canvas, f, scene, solid);
+  draw_cells(canvas, f, scene.cells, solid, true);
   canvas.unclip();
   draw_axes(canvas, f);
 

@@ -56,16 +56,28 @@ std::string names(const Frame& frame) {
   return text;
 }
 
+/// A column of air below the face whose first layer particle is `behind`, l0/2 inside the body.
+void add_air(Scene& scene, const Mark& behind, double gap) {
+  const double half = 0.5 * scene.spacing, top = behind.at.y - half;
+  const double left = behind.at.x - half, right = behind.at.x + half;
+  scene.air.push_back({{{left, top}, {right, top}, {right, top - gap}, {left, top - gap}}, behind.value});
+}
+
 void take_water(const Frame& frame, const std::string& field, const Cut& cut, Scene& scene) {
   const auto value = scalar(frame, field, scene.water_field);
-  const Frame::Array* kind = find(frame.point_data, "kind");
+  const Frame::Array *kind = find(frame.point_data, "kind"), *gap = find(frame.point_data, "gap");
   std::vector<double> values;
   for (Index i = 0; i < frame.position.cols(); ++i) {
     const auto x = frame.position.col(i);
     if (!x.allFinite() || !cut.shows(x.z(), 0.5 * scene.spacing)) continue;
     const double what = kind == nullptr ? 0 : kind->value(0, i);
-    const Mark mark = {{x.x(), x.y()}, value ? (*value)(i) : none};
+    const bool has = value && (what != 0 || field != "gap");  // the water has no gap
+    const Mark mark = {{x.x(), x.y()}, has ? (*value)(i) : none};
     if (what == 1) scene.wall.push_back(mark);
+    if (what == 3 && gap != nullptr && gap->value(0, i) > 0) {
+      add_air(scene, mark, gap->value(0, i));
+      if (std::isfinite(mark.value)) values.push_back(mark.value);
+    }
     if (what != 0) continue;  // interface and structure particles are drawn from the structure's frames
     scene.water.push_back(mark);
     scene.x.add(x.x());
