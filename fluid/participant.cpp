@@ -3,7 +3,6 @@
 #include "fluid/diagnostics/energy_and_gauges.hpp"
 #include "fluid/diagnostics/voids.hpp"
 #include "fluid/diagnostics/volume.hpp"
-#include "fluid/geometry/tank_shape.hpp"
 #include "fluid/level_face.hpp"
 #include "fluid/particles/state_archive.hpp"
 #include "proto/error.hpp"
@@ -14,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace strake::fluid {
@@ -65,30 +63,6 @@ std::vector<std::string> level_face_lines(const Parameters& p, double window, co
                   width, p.dimension == 2 ? "m" : "m^2", advised * p.spacing / p.sound_speed)};
 }
 
-/// What the air under the body is like before the impact. V a/c0 is the gap from which on the air is
-/// compressed; wider ones let it flow out. The water yields to the flow of air by the depression of deep
-/// water (fluid/THEORY.md, section 17a).
-template <int dim>
-std::string air_line(const Parameters& p, const Simulation<dim>& simulation, double speed) {
-  const auto extent = simulation.air_extent();
-  const double a = extent.half_width, c0 = std::sqrt(p.air.gamma * p.air.pressure / p.air.density);
-  const double gap = simulation.state().air_gap.minCoeff();
-  constexpr double start_gap = 0.2;  // [a] over which the flow of air is too slow to move the water
-  std::string line = fmt::format("air under the body: {} columns over {:.3g} {}   gap {:.3g} m",
-                                 extent.columns, extent.area, dim == 2 ? "m" : "m^2", gap);
-  if (!(speed > 0)) return line;
-  const double compressed = speed * a / c0;
-  line += fmt::format("   compressed below V a/c0 = {:.3g} m", compressed);
-  if (dim == 2 && gap > compressed)
-    line += fmt::format("   the water sinks by {:.2g} m before",
-                        4 / std::numbers::pi * p.air.density / p.density * a *
-                            (std::log(gap / compressed) - 1 + compressed / gap));
-  if (gap < start_gap * a)
-    line += fmt::format("   a plate that falls from far sinks it more: start with a gap of {:.2g} m",
-                        start_gap * a);
-  return line;
-}
-
 template <int dim>
 Points in_space(const Vectors<dim>& value) {
   Points points = Points::Zero(3, value.cols());
@@ -121,8 +95,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   for (std::string& line :
        level_face_lines(parameters_, common.window, setup.partner_mesh, start_speeds_.entry))
     description_.lines.push_back(std::move(line));
-  if (parameters_.air.layer)
-    description_.lines.push_back(air_line(parameters_, simulation_, start_speeds_.entry));
+  if (parameters_.air.layer) description_.lines.push_back(air_line());
   description_.columns = columns();
   if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
   force_ = Points::Zero(3, mesh().position.cols());
@@ -130,48 +103,6 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   guard_.faces(measurements_.guard, simulation_.face_pieces());
   committed_.state = simulation_.state();
   committed_.measurements = measurements_;
-}
-
-/// Refuses a probe of the air where none is computed.
-template <int dim>
-void FluidParticipant<dim>::check_air_probe(const ProbeKeys& probe) const {
-  const std::string where = fmt::format("output.probe \"{}\"", probe.name);
-  if (!parameters_.air.layer)
-    throw Error(ExitCode::case_file, where,
-                fmt::format("quantity \"{}\" needs the air under a body, which this case does not compute",
-                            probe.quantity),
-                "fluid.air.layer = true, or another quantity");
-  const double away = simulation_.air_at(probe.at).distance;
-  if (away <= 2 * parameters_.spacing) return;
-  throw Error(
-      ExitCode::case_file, where,
-      fmt::format("no lower face of the body is near ({:.6g}, {:.6g}) m: the nearest is {:.3g} m away",
-                  probe.at[0], probe.at[1], away),
-      "place it on a face that looks down");
-}
-
-/// Refuses a sensor that covers no point, since its value would always be zero.
-template <int dim>
-void FluidParticipant<dim>::check_sensors() const {
-  for (const ProbeKeys& probe : parameters_.probes) {
-    if (is_of_air(probe)) check_air_probe(probe);
-    if (!is_sensor(probe)) continue;
-    double nearest = std::numeric_limits<double>::infinity();
-    if (has_body_) {
-      nearest = (mesh().position.colwise() - probe.at).colwise().norm().minCoeff();
-    } else {
-      nearest = std::abs(TankShape<dim>(parameters_).distance(probe.at.template head<dim>()));
-      nearest += 0.5 * parameters_.spacing;  // to the middle of the nearest wall particle's face, at worst
-    }
-    if (nearest <= 0.5 * probe.diameter) continue;
-    throw Error(
-        ExitCode::case_file, fmt::format("output.probe \"{}\"", probe.name),
-        fmt::format("its sensor at ({:.6g}, {:.6g}) m of diameter {:.6g} m covers no point of the {}: the "
-                    "nearest is {:.3g} m away",
-                    probe.at[0], probe.at[1], probe.diameter, has_body_ ? "body" : "tank's walls", nearest),
-        has_body_ ? "place it on the body's surface, or enlarge its diameter"
-                  : "place it on a wall of the tank, or enlarge its diameter");
-  }
 }
 
 /// Returns the next step, rest / ⌈rest / limit⌉. So steps are equal as long as the limit stays, and the last

@@ -50,6 +50,7 @@ class FluidParticipant final : public Participant {
  private:
   void check_sensors() const;
   void check_air_probe(const ProbeKeys&) const;
+  std::string air_line() const;
   std::vector<Column> columns() const;
   double longest_step(double t, double rest) const;
   void follow_probes(double t0, double t1);

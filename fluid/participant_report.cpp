@@ -1,6 +1,10 @@
 #include "fluid/diagnostics/energy_and_gauges.hpp"
+#include "fluid/geometry/tank_shape.hpp"
 #include "fluid/mps/interface_load.hpp"
 #include "fluid/participant.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,6 +44,30 @@ double tank_speed(const Parameters& p) {
 }
 
 }  // namespace
+
+/// Refuses a sensor that covers no point, since its value would always be zero.
+template <int dim>
+void FluidParticipant<dim>::check_sensors() const {
+  for (const ProbeKeys& probe : parameters_.probes) {
+    if (is_of_air(probe)) check_air_probe(probe);
+    if (!is_sensor(probe)) continue;
+    double nearest = std::numeric_limits<double>::infinity();
+    if (has_body_) {
+      nearest = (mesh().position.colwise() - probe.at).colwise().norm().minCoeff();
+    } else {
+      nearest = std::abs(TankShape<dim>(parameters_).distance(probe.at.template head<dim>()));
+      nearest += 0.5 * parameters_.spacing;  // to the middle of the nearest wall particle's face, at worst
+    }
+    if (nearest <= 0.5 * probe.diameter) continue;
+    throw Error(
+        ExitCode::case_file, fmt::format("output.probe \"{}\"", probe.name),
+        fmt::format("its sensor at ({:.6g}, {:.6g}) m of diameter {:.6g} m covers no point of the {}: the "
+                    "nearest is {:.3g} m away",
+                    probe.at[0], probe.at[1], probe.diameter, has_body_ ? "body" : "tank's walls", nearest),
+        has_body_ ? "place it on the body's surface, or enlarge its diameter"
+                  : "place it on a wall of the tank, or enlarge its diameter");
+  }
+}
 
 template <int dim>
 std::vector<Column> FluidParticipant<dim>::columns() const {
@@ -86,24 +114,6 @@ void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monito
     monitor[name + ".mean"] = records[i].window_mean();
     monitor[name + ".impulse"] = records[i].running_impulse();
   }
-}
-
-/// Reports the air under the body: what is left (as mass, and as a thickness at the open air's pressure) and
-/// what has gone, the narrowest gap that holds air, and the
-/// largest pressure less that of the open air.
-template <int dim>
-void FluidParticipant<dim>::report_air(std::map<std::string, double>& monitor) const {
-  const State<dim>& state = simulation_.state();
-  const double mass = simulation_.air_mass();
-  double least = std::numeric_limits<double>::infinity();
-  for (Eigen::Index c = 0; c < state.air_mass.size(); ++c)
-    if (state.air_mass[c] > 0) least = std::min(least, state.air_gap[c]);
-  monitor["air.mass"] = mass;
-  monitor["air.left"] = mass / (parameters_.air.density * simulation_.air_extent().area);
-  monitor["air.out"] = state.air_out;
-  monitor["air.least_gap"] = std::isfinite(least) ? least : 0;
-  monitor["air.largest_pressure"] = state.air_pressure.size() > 0 ? state.air_pressure.maxCoeff() : 0;
-  monitor["check.air_mass"] = (mass + state.air_out) / state.air_at_start - 1;
 }
 
 /// Reports energies, speed and centre of mass. Where a frame is due it also reports the volume and its change
@@ -245,6 +255,7 @@ void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monito
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                   \
+  template void FluidParticipant<dim>::check_sensors() const;                                     \
   template std::vector<Column> FluidParticipant<dim>::columns() const;                            \
   template void FluidParticipant<dim>::report_sensors(std::map<std::string, double>&) const;      \
   template void FluidParticipant<dim>::report_water(std::map<std::string, double>&) const;        \
