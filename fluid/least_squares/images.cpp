@@ -1,7 +1,10 @@
 #include "fluid/least_squares/images.hpp"
 
+#include "fluid/particles/pair_loop.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 // Pairs of water that are mirrored in a face (F72). A layer particle stands for p_i + q_ij, so it carries no
 // change of pressure along the face. A mirrored neighbour k does: seen across the face it is
@@ -106,17 +109,77 @@ void LeastSquaresScheme<dim>::find_image_velocities(const Boundary<dim>& boundar
     }
 }
 
+/// Calls visit(pair) for each pair of row i that is mirrored in a face (F72):
+///   w_m = f (1−τ_i) (1−τ_k) part_i part_k (1 − |n·r|/(l0/2)) (R/d − 1) ,  d² = r² + 4 h_i h_k < R² ,  |n·r|
+///   < l0/2 ,  τ = σ (1 − e max(0, n·N))
+/// e is 0 in the plane; `end` of the face in space.
+/// The faces of i and k must have nearly one normal n and one plane: |n·r − (h_k − h_i)| < `one_plane` l0.
+/// Row k gets the same weights, to the last bit.
+template <int dim>
+template <class Visit>
+void LeastSquaresScheme<dim>::for_each_mirrored(const Boundary<dim>& boundary, const State<dim>& state,
+                                                const Neighbours& far, std::int64_t i,
+                                                const Visit& visit) const {
+  const auto own = static_cast<std::size_t>(i);
+  if (images_.count[own] == 0) return;
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const double reach = laplacian_.radius, row = tuned.first_row * p_.spacing;
+  const auto columns = far.row(i);
+  for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
+    const auto k = static_cast<std::size_t>(columns[e]);
+    if (images_.count[k] == 0) continue;
+    const Vector<dim> r =
+        boundary.tank().periodic().separation(state.position.col(i), state.position.col(columns[e]));
+    for (std::uint8_t a = 0; a < images_.count[own]; ++a)
+      for (std::uint8_t b = 0; b < images_.count[k]; ++b) {
+        const auto &one = images_.faces[own][a], &other = images_.faces[k][b];
+        const double square = r.squaredNorm() + 4 * (one.height * other.height);
+        if (!(square < reach * reach)) continue;
+        const Vector<dim> n1 = walls_.normal(one.layer), n2 = walls_.normal(other.layer);
+        if (n1.dot(n2) < tuned.alike) continue;
+        const Vector<dim> n = (n1 + n2).normalized();
+        if (std::abs(n.dot(r) - (other.height - one.height)) > tuned.one_plane * p_.spacing) continue;
+        const double level = 1 - std::abs(n.dot(r)) / row;
+        if (!(level > 0)) continue;
+        const float inner = (1 - open_share(i, one, n)) * (1 - open_share(columns[e], other, n));
+        if (!(inner > 0)) continue;
+        const double w =
+            images_.factor * inner * level * (one.part * other.part) * (reach / std::sqrt(square) - 1);
+        visit({static_cast<std::uint32_t>(e), columns[e], a, b, w, r, n});
+      }
+  }
+}
+
+/// Lists the mirrored pairs of all particles, row by row.
+template <int dim>
+void LeastSquaresScheme<dim>::pair_images(const Boundary<dim>& boundary, const State<dim>& state,
+                                          const Neighbours& far) {
+  const std::int64_t water = boundary.water();
+  images_.first.assign(static_cast<std::size_t>(water) + 1, 0);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i)
+    for_each_mirrored(boundary, state, far, i, [&](const typename Images::Pair&) {
+      ++images_.first[static_cast<std::size_t>(i) + 1];
+    });
+  std::partial_sum(images_.first.begin(), images_.first.end(), images_.first.begin());
+  images_.pairs.resize(static_cast<std::size_t>(images_.first.back()));
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i) {
+    auto next = static_cast<std::size_t>(images_.first[static_cast<std::size_t>(i)]);
+    for_each_mirrored(boundary, state, far, i,
+                      [&](const typename Images::Pair& pair) { images_.pairs[next++] = pair; });
+  }
+}
+
 /// Adds the mirrored neighbours of particle i to its row of the matrix.
 template <int dim>
-void LeastSquaresScheme<dim>::add_images(const Boundary<dim>& boundary, const State<dim>& state,
-                                         const Neighbours& far, std::int64_t i) {
+void LeastSquaresScheme<dim>::add_images(const Neighbours& far, std::int64_t i) {
   float* const entries = moments_.entry.data() + far.start()[static_cast<std::size_t>(i)];
-  for_each_image(boundary, state, far, i,
-                 [&](std::size_t e, double w, const Vector<dim>&, const Vector<dim>&, double) {
-                   const double before = entries[e];
-                   entries[e] = static_cast<float>(before - w);
-                   moments_.diagonal[i] += before - entries[e];
-                 });
+  for_each_image(i, [&](std::size_t e, double w, const Vector<dim>&, const Vector<dim>&, double) {
+    const double before = entries[e];
+    entries[e] = static_cast<float>(before - w);
+    moments_.diagonal[i] += before - entries[e];
+  });
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                         \
@@ -127,8 +190,9 @@ void LeastSquaresScheme<dim>::add_images(const Boundary<dim>& boundary, const St
                                                           const Neighbours&, std::int64_t);             \
   template void LeastSquaresScheme<dim>::find_image_velocities(const Boundary<dim>&, const State<dim>&, \
                                                                const Vector<dim>&, double);             \
-  template void LeastSquaresScheme<dim>::add_images(const Boundary<dim>&, const State<dim>&,            \
-                                                    const Neighbours&, std::int64_t);
+  template void LeastSquaresScheme<dim>::pair_images(const Boundary<dim>&, const State<dim>&,           \
+                                                     const Neighbours&);                                \
+  template void LeastSquaresScheme<dim>::add_images(const Neighbours&, std::int64_t);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -156,8 +156,9 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
             : fit<false, false>(boundary, state, far, near, i);
   }
   if (images_.any) {
+    pair_images(boundary, state, far);
 #pragma omp parallel for schedule(static)
-    for (std::int64_t i = 0; i < water; ++i) add_images(boundary, state, far, i);
+    for (std::int64_t i = 0; i < water; ++i) add_images(far, i);
   }
   list_films();
 }

@@ -131,13 +131,12 @@ typename LeastSquaresScheme<dim>::WallTerms LeastSquaresScheme<dim>::wall_terms(
     if (absorbs)
       out.absorption -= w * boundary.tank().absorbing(j).dot(projected) / (p_.sound_speed * now_.projection);
   }
-  for_each_image(boundary, state, far, i,
-                 [&](std::size_t, double w, const Vector<dim>& r, const Vector<dim>& n, double slope) {
-                   const double up = n.dot(r);
-                   out.flux -= w * slope * up;
-                   out.projected -= w * up * n;
-                   out.images += w * (r - up * n);
-                 });
+  for_each_image(i, [&](std::size_t, double w, const Vector<dim>& r, const Vector<dim>& n, double slope) {
+    const double up = n.dot(r);
+    out.flux -= w * slope * up;
+    out.projected -= w * up * n;
+    out.images += w * (r - up * n);
+  });
   return out;
 }
 

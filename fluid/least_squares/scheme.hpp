@@ -4,6 +4,7 @@
 #include "fluid/boundary/wall_wetting.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
 #include "fluid/least_squares/constants.hpp"
+#include "fluid/least_squares/face_images.hpp"
 #include "fluid/least_squares/surface_model.hpp"
 #include "fluid/mps/operators.hpp"
 #include "fluid/parameters/parameters.hpp"
@@ -130,19 +131,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     SingleVectors force;              // R_i of (F52) per weight of a layer particle [N]
     SingleVectors deferred_velocity;  // past the faces, left to the next steps [m/s]
   };
-  /// Faces in which a water particle and its neighbours are mirrored (F72), of the last `measure`.
-  struct Images {
-    struct Face {
-      std::int32_t layer;      // particle of the first layer behind the face
-      float end;               // e of (F72), how near the face's free end is: 0 … 1
-      double height, part;     // of the particle over the face [m]; part of the face's end, 0 … 1
-      double normal_velocity;  // slope of the pressure over ρ/Δt at that height [m/s]
-    };
-    std::vector<std::array<Face, dim>> faces;  // of each water particle
-    std::vector<std::uint8_t> count;           // how many of them
-    bool any = false;
-    double factor = 1;  // f
-  };
+  using Images = FaceImages<dim>;
   /// The configuration at the start, where it is packed; else empty. Columns are those of State::id.
   struct PackedStart {
     Vectors<dim> place;         // in the tank as the case gives it [m]
@@ -206,7 +195,11 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
                             ParticleSums&) const;
   void find_images(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   void find_image_faces(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i);
-  void add_images(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i);
+  void pair_images(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
+  template <class Visit>
+  void for_each_mirrored(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
+                         const Visit&) const;
+  void add_images(const Neighbours& far, std::int64_t i);
   void find_image_velocities(const Boundary<dim>&, const State<dim>&, const Vector<dim>& steady, double dt);
   double image_factor() const;
   /// Returns τ of (F72), the share of the free surface in particle i beside a face with the normal n.
@@ -217,8 +210,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Calls visit(e, w_m, r, n, slope) for each pair of row i that is mirrored in a face. e: its number in the
   /// row; r: to the neighbour; n: the normal; slope: mean of both particles' normal_velocity [m/s].
   template <class Visit>
-  void for_each_image(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
-                      const Visit&) const;
+  void for_each_image(std::int64_t i, const Visit&) const;
   double surface_share(double m) const;
   /// Whether particle i starts deeper than two rows in packed water.
   bool starts_under_level(const State<dim>&, std::int64_t i) const;
