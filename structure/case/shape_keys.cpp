@@ -31,6 +31,10 @@ void read_plate(CaseTable t, Plate& plate) {
             .max = 89,
             .help = "against the horizontal, about the middle of the lower face; positive: the right end is "
                     "higher. Particles stay on a lattice along the axes"});
+  t.number("hollow", plate.hollow,
+           {.unit = "m",
+            .help = "height of the lower face's middle over its ends, a parabola; less than 0: they hang "
+                    "lower; rigid plates alone"});
   CaseTable s = t.table("supports", "what holds the ends; held ends move with structure.velocity");
   s.choice("left", plate.left, supports, {.help = "pinned: at mid-height of the end face"});
   s.choice("right", plate.right, supports, {.help = "pinned: at mid-height of the end face"});
@@ -46,6 +50,30 @@ void read_outline(CaseTable structure, Shape& shape) {
   shape.kind = ShapeKind::polygon;
   for (const Eigen::Vector3d& point : points) shape.corner.push_back(point.head<2>());
   shape.middle = points.front().z();
+}
+
+/// A plate whose lower face is a parabola, as a polygon: 40 chords miss it by 0.0006 of its depth.
+void read_hollow_plate(CaseTable t, Parameters& p) {
+  const Plate& plate = p.plate;
+  if (p.kind != "rigid" && p.kind != "replay")
+    throw t.table("plate").error("hollow", "0: only rigid plates have a curved face",
+                                 "structure.solver = \"rigid\", or an elastic one by structure.mesh");
+  if (plate.hollow >= plate.thickness)
+    throw t.table("plate").error("hollow", "less than the thickness", "hollow = 0.001");
+  constexpr int chords = 40;
+  const Eigen::Rotation2Dd turn(plate.angle * std::numbers::pi / 180);
+  const auto add = [&](double x, double y) {
+    p.shape.corner.push_back(plate.bottom.head<2>() + turn * Eigen::Vector2d(x, y));
+  };
+  const double half = 0.5 * plate.length;
+  for (int k = 0; k <= chords; ++k) {
+    const double s = 2.0 * k / chords - 1;
+    add(s * half, plate.hollow * (1 - s * s));
+  }
+  add(half, plate.thickness);
+  add(-half, plate.thickness);
+  p.shape.kind = ShapeKind::polygon;
+  p.shape.middle = plate.bottom.z();
 }
 
 void read_wedge(CaseTable t, Shape& shape) {
@@ -250,7 +278,8 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
            positive("m", "three dimensions: how far a plate, outline, wedge or cylinder reaches along z"));
   if (all) return;
 
-  const bool tilted = given.empty() && p.plate.angle != 0;
+  if (given.empty() && p.plate.hollow != 0) read_hollow_plate(t, p);
+  const bool tilted = given.empty() && p.plate.angle != 0 && p.plate.hollow == 0;
   if (t.has("box") || t.has("mesh") || tilted) p.shape.kind = ShapeKind::solid;
   const bool body = p.shape.kind == ShapeKind::solid;
   if (p.shape.kind == ShapeKind::plate || tilted) p.shape.middle = p.plate.bottom.z();
