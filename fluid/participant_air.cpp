@@ -57,8 +57,9 @@ void FluidParticipant<dim>::check_air_probe(const ProbeKeys& probe) const {
 }
 
 /// Reports the air under the body: what is left (as mass, and as a thickness at the open air's pressure) and
-/// what has gone, the narrowest gap that holds air, and the
-/// largest pressure less that of the open air.
+/// what has gone, the narrowest gap that holds air, and the largest pressure less that of the open air. The
+/// checks: mass that is neither left nor gone, and energy, as a share of what was given (fluid/THEORY.md,
+/// (F83)).
 template <int dim>
 void FluidParticipant<dim>::report_air(std::map<std::string, double>& monitor) const {
   const State<dim>& state = simulation_.state();
@@ -72,6 +73,8 @@ void FluidParticipant<dim>::report_air(std::map<std::string, double>& monitor) c
   monitor["air.least_gap"] = std::isfinite(least) ? least : 0;
   monitor["air.largest_pressure"] = state.air_pressure.size() > 0 ? state.air_pressure.maxCoeff() : 0;
   monitor["check.air_mass"] = (mass + state.air_out) / state.air_at_start - 1;
+  monitor["check.air_energy"] =
+      (simulation_.air_energy() - state.air_energy_due) / std::max(state.air_energy_given, 1e-300);
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                 \

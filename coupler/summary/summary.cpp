@@ -175,7 +175,9 @@ Json Summary::json() const {
        {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids", "openings", "penetrations",
         "lost", "volume_drift", "largest_speed", "largest_pressure"})
     json["checks"][check] = either(fluid_, structure_, std::string("check.") + check);
-  if (fluid_.contains("check.air_mass")) json["checks"]["air_mass"] = finite(fluid_.at("check.air_mass"));
+  for (const std::string check : {"air_mass", "air_energy"})
+    if (const auto found = fluid_.find("check." + check); found != fluid_.end())
+      json["checks"][check] = finite(found->second);
   json["checks"]["grades"] = grades_of(json["checks"], number_of(json["particles"], "fluid").value_or(0));
   json["alarms"] = Json::array();
   for (const RaisedAlarm& alarm : alarms()) json["alarms"].push_back(json_of(alarm));

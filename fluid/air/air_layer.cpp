@@ -36,6 +36,11 @@ double AirProperties::sound_speed() const {
 double AirProperties::pressure_of(double mass, double gap) const {
   return pressure * std::pow(mass / (density * gap), gamma);
 }
+// e = ∫ from h0 to h of (p0 − p) dh at constant m, h0 = m/ρ0: p h/(γ−1) + p0 h − γ/(γ−1) p0 h0 (F83).
+double AirProperties::energy_of(double mass, double gap) const {
+  const double g = gamma - 1, at_rest = mass / density;
+  return pressure_of(mass, gap) * gap / g + pressure * (gap - gamma / g * at_rest);
+}
 double AirProperties::sound_speed_of(double rho) const {
   return sound_speed() * std::pow(rho / density, 0.5 * (gamma - 1));
 }
@@ -87,6 +92,18 @@ Eigen::VectorXd AirLayer<plane>::pressure(const AirState<plane>& state) const {
   for (int i = 0; i < columns_.size(); ++i)
     p[i] = state.mass[i] > 0 ? air_.pressure_of(state.mass[i], state.gap[i]) : air_.pressure;
   return p;
+}
+
+template <int plane>
+double AirLayer<plane>::energy(const AirState<plane>& state) const {
+  double sum = 0;
+  for (int i = 0; i < columns_.size(); ++i) {
+    const double m = state.mass[i];
+    if (!(m > 0)) continue;
+    const double moves = 0.5 * state.momentum.col(i).squaredNorm() / m;
+    sum += columns_.area[i] * (moves + air_.energy_of(m, state.gap[i]));
+  }
+  return sum;
 }
 
 // g_i = [Σ r⊗r/r²]⁻¹ Σ r (v_j − v_i)/r² over the neighbours.
@@ -148,6 +165,15 @@ auto AirLayer<plane>::open_air(const Gas& last, const Place& normal) const -> Ga
   return {density_at(c), last.velocity + (u - along) * normal};
 }
 
+// Mass, momentum, and the energy that the open air does not have: ρ u (u²/2 + (c² − c0²)/(γ−1)).
+template <int plane>
+auto AirLayer<plane>::border_flux(const Gas& gas, const Place& normal) const -> Flux {
+  const double through = gas.density * gas.velocity.dot(normal);
+  const double c = air_.sound_speed_of(gas.density), c0 = air_.sound_speed();
+  const double over = 0.5 * gas.velocity.squaredNorm() + (c * c - c0 * c0) / (air_.gamma - 1);
+  return {through, through * gas.velocity + pressure_at(gas.density) * normal, through * over};
+}
+
 // Fluxes of all sides, from values on both sides of each; on a line the limited value is van Leer's.
 template <int plane>
 auto AirLayer<plane>::side_flows(const Eigen::VectorXd& mass, const Field& momentum,
@@ -183,9 +209,8 @@ auto AirLayer<plane>::side_flows(const Eigen::VectorXd& mass, const Field& momen
       h = std::min(gap[i], gap[j]);
     } else if (const int last = outlet(side, mass, vents); last >= 0) {
       const double sign = last == i ? 1 : -1;
-      const Gas gas = open_air({density[last], flows.velocity.col(last)}, sign * side.normal);
-      const double through = gas.density * gas.velocity.dot(side.normal);
-      flux = {through, through * gas.velocity + pressure_at(gas.density) * side.normal};
+      flux =
+          border_flux(open_air({density[last], flows.velocity.col(last)}, sign * side.normal), side.normal);
       h = gap[last];
     }
     if (flux.mass > 0) flows.leaving[i] += side.length * h * flux.mass;
@@ -209,7 +234,7 @@ auto AirLayer<plane>::rates(const Eigen::VectorXd& mass, const Field& momentum, 
     const double spare = std::max(0.0, mass[i] - air_.density * air_.film) * columns_.area[i];
     share[i] = flows.leaving[i] * dt > spare ? spare / (flows.leaving[i] * dt) : 1;
   }
-  Rates rates{Eigen::VectorXd::Zero(n), Field::Zero(plane, n), 0};
+  Rates rates{Eigen::VectorXd::Zero(n), Field::Zero(plane, n)};
   for (std::size_t s = 0; s < flows.flux.size(); ++s) {
     const auto& side = columns_.sides[s];
     const Flux& flux = flows.flux[s];
@@ -228,6 +253,7 @@ auto AirLayer<plane>::rates(const Eigen::VectorXd& mass, const Field& momentum, 
         rates.momentum.col(k) -= sign * (whole - area * p[k] * side.normal);
       } else {
         rates.out -= sign * through;
+        rates.energy_out -= sign * area * scale * flux.energy;
       }
     }
   }
@@ -242,6 +268,7 @@ void AirLayer<plane>::brake(AirState<plane>& state, double dt) const {
   for (int i = 0; i < columns_.size(); ++i) {
     const double h = state.gap[i], m = state.mass[i];
     if (!(m > 0)) continue;
+    const double before = state.momentum.col(i).squaredNorm();
     if (air_.friction) {
       const double speed = state.momentum.col(i).norm() / m, reynolds = 2 * m * speed / air_.viscosity;
       const double laminar = 48 * air_.viscosity / m;
@@ -250,6 +277,7 @@ void AirLayer<plane>::brake(AirState<plane>& state, double dt) const {
     }
     const double speed = state.momentum.col(i).norm() / m, most = fastest * air_.sound_speed();
     if (speed > most) state.momentum.col(i) *= most / speed;
+    state.energy_out += 0.5 * columns_.area[i] * (before - state.momentum.col(i).squaredNorm()) / m;
   }
 }
 
@@ -279,6 +307,7 @@ void AirLayer<plane>::advance(AirState<plane>& state, const Eigen::VectorXd& gap
     state.mass += 0.5 * step * (first.mass + second.mass);
     state.momentum += 0.5 * step * (first.momentum + second.momentum);
     state.mass_out += 0.5 * step * (first.out + second.out);
+    state.energy_out += 0.5 * step * (first.energy_out + second.energy_out);
     state.gap += (step / left) * (gap_end - state.gap);
     brake(state, step);
     left -= step;
@@ -325,7 +354,7 @@ AirState<plane> AirLayer<plane>::start(const Eigen::VectorXd& gap, const Eigen::
       edge_flow += side.length * std::abs(through);
     }
   }
-  AirState<plane> state{Eigen::VectorXd(n), Field(plane, n), gap, {}, 0};
+  AirState<plane> state{Eigen::VectorXd(n), Field(plane, n), gap, {}};
   const double edge = edge_flow > 0 ? edge_square / edge_flow : 0;
   for (int i = 0; i < n; ++i) {
     const Place u = velocity.col(i) / columns_.area[i];

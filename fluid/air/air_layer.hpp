@@ -16,7 +16,9 @@ struct AirProperties : AirKeys {
   AirProperties(const AirKeys& keys) : AirKeys(keys) {}  // NOLINT(google-explicit-constructor)
   double sound_speed() const;                            // c0 of the open air [m/s]
   double pressure_of(double mass, double gap) const;     // p = p0 (m/(ρ0 h))^γ [Pa]
-  double sound_speed_of(double density) const;           // c = c0 (ρ/ρ0)^((γ−1)/2) [m/s]
+  /// Work that the air of a column can do against the open air, less its motion [J/m²] (F83).
+  double energy_of(double mass, double gap) const;
+  double sound_speed_of(double density) const;  // c = c0 (ρ/ρ0)^((γ−1)/2) [m/s]
   /// Returns the gap h > 0 that air and the surface below it agree on at the end of a step [m] (F82):
   ///   h − h* = C (p(m, h) − p0),
   /// h* = free_gap: where p0 on the surface would leave it; C: how far a pressure moves it in the step
@@ -32,8 +34,9 @@ struct AirState {
   Eigen::Matrix<double, plane, Eigen::Dynamic> momentum;
   Eigen::VectorXd gap;
   std::vector<std::uint8_t>
-      vents;            // 1: a column without air of its own lies open to the air; empty: none does
-  double mass_out = 0;  // what has left over the border [kg], on a line [kg/m]
+      vents;              // 1: a column without air of its own lies open to the air; empty: none does
+  double mass_out = 0;    // what has left over the border [kg], on a line [kg/m]
+  double energy_out = 0;  // has left over the border or went into friction [J], on a line [J/m]
 };
 
 /// Depth-averaged flow of compressible air in a thin gap (fluid/THEORY.md (F77) to (F81)):
@@ -62,17 +65,20 @@ class AirLayer {
   double mass(const AirState<plane>& state) const {
     return state.mass.dot(columns_.area);
   }  // [kg], on a line [kg/m]
+  /// E = Σ A [½ q²/m + e(m, h)] [J], on a line [J/m] (F83).
+  double energy(const AirState<plane>&) const;
 
  private:
   using Field = Eigen::Matrix<double, plane, Eigen::Dynamic>;
   struct Rates {
     Eigen::VectorXd mass;
     Field momentum;
-    double out = 0;
+    double out = 0, energy_out = 0;
   };
   struct Flux {
     double mass = 0;
     Place momentum = Place::Zero();
+    double energy = 0;  // to the open air
   };
   struct Gas {
     double density = 0;
@@ -91,6 +97,7 @@ class AirLayer {
               const std::vector<std::uint8_t>& vents, double dt) const;
   Flux hll(const Gas& left, const Gas& right, const Place& normal) const;
   Gas open_air(const Gas& last, const Place& normal) const;
+  Flux border_flux(const Gas&, const Place& normal) const;
   Field gradient(const Eigen::VectorXd& values, const Eigen::VectorXd& mass) const;
   /// Whether both columns of a side have air.
   static bool joins(const typename AirColumns<plane>::Side& side, const Eigen::VectorXd& mass) {

@@ -139,6 +139,7 @@ void AirUnderBody<dim>::begin(StepData<dim>& step) {
     state.air_pressure.segment(first, n) = layer_[f].pressure(air).array() - keys_.pressure;
   }
   state.air_at_start = mass(state.air_mass);
+  state.air_energy_due = state.air_energy_given = energy(state);
 }
 
 template <int dim>
@@ -165,6 +166,14 @@ void AirUnderBody<dim>::store(const AirState<plane>& air, std::size_t layer, Sta
       Eigen::Map<const Eigen::VectorXd>(air.momentum.data(), air.momentum.size());
   state.air_gap.segment(first, n) = air.gap;
   state.air_out += air.mass_out;
+  state.air_energy_due -= air.energy_out;
+}
+
+template <int dim>
+double AirUnderBody<dim>::energy(const State<dim>& state) const {
+  double sum = 0;
+  for (std::size_t f = 0; f < layer_.size(); ++f) sum += layer_[f].energy(air_of(state, f));
+  return sum;
 }
 
 // The first row is the highest water under the face within a spacing, and what is less than 0.7 l0 lower.
@@ -225,6 +234,9 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   for (Eigen::Index i = 0; i < size(); ++i) {
     if (!(state.air_mass[i] > 0) || is_aired(i, step)) continue;
     state.air_out += area_[i] * state.air_mass[i];
+    state.air_energy_due -=
+        area_[i] * AirProperties(keys_).energy_of(state.air_mass[i], state.air_gap[i]) +
+        0.5 * area_[i] * state.air_momentum.segment(plane * i, plane).squaredNorm() / state.air_mass[i];
     state.air_mass[i] = state.air_pressure[i] = 0;
     state.air_momentum.segment(plane * i, plane).setZero();
   }
@@ -270,8 +282,14 @@ void AirUnderBody<dim>::advance(StepData<dim>& step) {
         rise = share * std::min(1.0, dt / follow_time) * lacking +
                dt * (water.velocity[c] + dt * (water.pressure[c] / (rho * depth) + step.gravity[1]));
       }
-      const double free_gap = height - state.air_surface[c] - rise - elastic * state.air_pressure[c];
+      const double before = air.gap[k],
+                   free_gap = height - state.air_surface[c] - rise - elastic * state.air_pressure[c];
       air.gap[k] = layer_[f].air().gap_of(air.mass[k], free_gap, compliance);
+      // Face and surface do the work (p − p0) A (h − h').
+      const double over = layer_[f].air().pressure_of(air.mass[k], air.gap[k]) - keys_.pressure;
+      const double work = over * area_[c] * (before - air.gap[k]);
+      state.air_energy_due += work;
+      state.air_energy_given += std::max(0.0, work);
       state.air_surface[c] = height - air.gap[k];
     }
     store(air, f, state);

@@ -51,6 +51,8 @@ class AirUnderBody {
   }
   /// Mass of the columns together [kg], in the plane [kg/m].
   double mass(const Eigen::VectorXd& of_columns) const { return of_columns.dot(area_); }
+  /// Energy of the air against the open air [J], in the plane [J/m] (F83).
+  double energy(const State<dim>&) const;
 
  private:
   using Place = Eigen::Matrix<double, plane, 1>;

@@ -58,6 +58,8 @@ struct State {
   Eigen::VectorXd air_surface;          // [m] level of the water below
   double air_at_start = 0;              // [kg], in two dimensions [kg/m]
   double air_out = 0;                   // [kg], in two dimensions [kg/m], that has left
+  double air_energy_due = 0;            // [J], in two dimensions [J/m]: of the start, and work, less what left
+  double air_energy_given = 0;          // the same: of the start, and the work done on the air
   Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
   Vectors<dim> interface_velocity;      // dim×m [m/s]
 
@@ -100,6 +102,8 @@ struct State {
                       std::pair("air_surface", &State::air_surface),                        //
                       std::pair("air_at_start", &State::air_at_start),                      //
                       std::pair("air_out", &State::air_out),                                //
+                      std::pair("air_energy_due", &State::air_energy_due),                  //
+                      std::pair("air_energy_given", &State::air_energy_given),              //
                       std::pair("interface_displacement", &State::interface_displacement),  //
                       std::pair("interface_velocity", &State::interface_velocity),          //
                       std::pair("impulse_on_bodies", &State::impulse_on_bodies),            //

@@ -201,6 +201,11 @@ double Simulation<dim>::air_mass() const {
 }
 
 template <int dim>
+double Simulation<dim>::air_energy() const {
+  return work_->air ? work_->air->energy(work_->step.state) : 0;
+}
+
+template <int dim>
 auto Simulation<dim>::air_extent() const -> AirExtent {
   if (!work_->air) return {};
   const auto [columns, area, half_width] = work_->air->extent();

@@ -67,6 +67,8 @@ class Simulation {
   Extreme highest_pressure() const;
   /// Air under the body now [kg], in two dimensions [kg/m]; 0 where none is computed.
   double air_mass() const;
+  /// Energy of that air against the open air [J], in two dimensions [J/m].
+  double air_energy() const;
   /// Columns of air, their area seen from above [m², in two dimensions m], and the half width of the largest
   /// field [m].
   struct AirExtent {

@@ -139,6 +139,7 @@ void refuse_metric(CaseTable& table, const Quantity& q) {
                                                    "lost",
                                                    "volume_drift",
                                                    "air_mass",
+                                                   "air_energy",
                                                    "wall",
                                                    "windows",
                                                    "iterations",

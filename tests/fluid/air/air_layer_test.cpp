@@ -152,6 +152,42 @@ TEST(AirLayer, AnOpenedTubeIsChoked) {
   EXPECT_NEAR(state.mass_out / (h * time * density * c) / std::pow(2 / 2.4, 6), 1, 0.02);
 }
 
+// e is the work against the open air: none at p0, and −dE = (p − p0) dh.
+TEST(AirLayer, EnergyIsTheWorkOfThePressure) {
+  const AirProperties air;
+  const double m = air.density * 0.01;
+  EXPECT_NEAR(air.energy_of(m, 0.01), 0, 1e-9 * air.pressure * 0.01);
+  for (const double h : {0.002, 0.005, 0.02}) {
+    const double d = 1e-6 * h, slope = (air.energy_of(m, h + d) - air.energy_of(m, h - d)) / (2 * d);
+    EXPECT_NEAR(slope, air.pressure - air.pressure_of(m, h), 1e-6 * air.pressure_of(m, h));
+  }
+}
+
+// What the faces give is in the air, has gone over the border, or into friction. Slopes and fluxes dissipate a
+// little, and less in narrower columns.
+TEST(AirLayer, EnergyIsKept) {
+  const auto lost = [](int n, bool friction) {
+    AirProperties air;
+    air.friction = friction;
+    const AirLayer<1> strip(air, air_strip(-a, a, n));
+    AirState<1> state = strip.start(Eigen::VectorXd::Constant(n, 0.012), Eigen::VectorXd::Constant(n, 6.26));
+    const double start = strip.energy(state), dt = 5e-7, least = 5e-4;
+    double work = 0;
+    for (double h = 0.012; h > least; h -= 6.26 * dt) {
+      strip.advance(state, state.gap, dt);
+      const double before = strip.energy(state);
+      state.gap.array() -= 6.26 * dt;
+      work += strip.energy(state) - before;
+    }
+    EXPECT_GT(state.energy_out, 0.05 * work);
+    return 1 - (strip.energy(state) + state.energy_out) / (start + work);
+  };
+  const double coarse = lost(20, true), fine = lost(80, true), smooth = lost(80, false);
+  EXPECT_LT(std::abs(coarse), 0.005);
+  EXPECT_LT(std::abs(fine), 0.5 * std::abs(coarse));
+  EXPECT_NEAR(smooth, fine, 0.002);
+}
+
 // Water at rest below, incompressible and deep: w_t = −|k| (p − p0)/ρ. The surface is pressed down by
 // (4/π)(ρ_a/ρ) a [ln(h0/h) − 1 + h/h0], whatever the speed, until the air is compressed.
 TEST(AirLayer, TheWaterIsPressedDownAsTheCushionAsks) {
