@@ -1,5 +1,6 @@
-"""Solvers that are not ours: one in C++ against the installed package, built outside the tree, and one in Python.
-Both are the floor on a spring of cases/python_spring, run by the installed programs, so they must agree."""
+"""Solvers that are not ours: one in C++ against the installed package, built outside the tree, and two in Python, one by
+the package `strake` and one that speaks the messages itself. All are the floor on a spring of cases/python_spring, run by the
+installed programs, so they must agree."""
 import csv
 import json
 import shutil
@@ -45,11 +46,18 @@ def build_outside(place, prefix):
 def run_both(place, prefix, solver):
     case = place / "case"
     shutil.copytree(CASE, case)
-    expect(len((case / "spring.py").read_text().splitlines()) <= 60, "the solver in Python has at most 60 lines")
+    expect(len((case / "spring.py").read_text().splitlines()) <= 25, "the solver in Python has at most 25 lines")
     words = [prefix / "bin" / "strake", "run", case / "python_spring.toml"]
     command(*words, "--strict", cwd=place)
     command(*words, "--tag", "cpp", "--set", f"structure.solver={solver}", cwd=place)
     runs = place / "runs" / "python_spring", place / "runs" / "python_spring-cpp"
+    raw = place / "raw"
+    shutil.copytree(CASE, raw)
+    shutil.copytree(FOREIGN.parent / "raw", raw, dirs_exist_ok=True)
+    command(*words[:2], raw / "python_spring.toml", "--tag", "raw", cwd=place)
+    for name in ("history.csv", "iterations.csv"):
+        expect((place / "runs" / "python_spring-raw" / name).read_bytes() == (runs[0] / name).read_bytes(),
+               f"package and raw messages: {name} is the same to the byte")
     y = [column(run, "floor.y [m]") for run in runs]
     largest = max(map(abs, y[0]))
     gap = max(abs(a - b) for a, b in zip(*y)) / largest
