@@ -44,7 +44,7 @@ def nearest(word, known):
     """The end of a message about an unknown name: ' (did you mean "mid.y"?)', or all names."""
     import difflib
     known = list(known)
-    close = difflib.get_close_matches(word, known, 1, 0.5) or [k for k in known if k.startswith(word + ".")]
+    close = [k for k in known if k.startswith(word + ".")] or difflib.get_close_matches(word, known, 1, 0.5)
     if close:
         return f'did you mean "{close[0]}"?'
     return "there are " + ", ".join(known) if known else "there are none"

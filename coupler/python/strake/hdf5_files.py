@@ -139,8 +139,8 @@ class Frames:
             try:
                 with open_file(path, FRAME) as file:
                     self.times.append(float(file.attrs["time"]))
-            except Error:
-                if path.exists() and path != paths[-1]:
+            except Error as e:
+                if path != paths[-1] or e.exit_code != 3:
                     raise
                 continue  # the last one of a run that was killed, or is under way
             self.paths.append(path)

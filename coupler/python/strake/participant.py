@@ -3,6 +3,7 @@ import copy
 import pathlib
 import sys
 import traceback
+import types
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class Participant:
     def __init__(self, options):
         self.options, self.side, self.name = options, options.name, options.stem
         self.columns, self.lines, self.monitor, self.samples, self.sent = {}, [], {}, [], []
-        self.committed = None
+        self.committed, self.wants_history = None, False
 
     # ---- what a solver writes
 
@@ -106,6 +107,14 @@ class Participant:
             sys.exit(report(e))
         sys.exit(solver.serve())
 
+    @classmethod
+    def alone(cls, key, side="structure", dimension=2):
+        """A solver without a coupler, for a test: built from the keys given, checked, and ready for `advance`."""
+        solver = cls(types.SimpleNamespace(name=side, stem=cls.__name__.lower()))
+        solver.case, solver.dimension, solver.partner, solver.partner_initial = {}, dimension, (None, None), {}
+        solver.make(key)
+        return solver
+
     # ---- the conversation
 
     def serve(self):
@@ -138,14 +147,18 @@ class Participant:
         self.run_folder, self.asked_history = setup.run_folder, setup.history
         self.case = self.options.read_case()
         self.dimension = int(self.case.get("fluid", {}).get("dimension", 2))
-        self.build(self.options.own_keys(self.case))
-        self.mesh = Mesh(self.name, self.dimension, self.points, self.faces, self.mass)
-        initial = self.initial_fields()
-        self.committed = copy.deepcopy(self.state)
+        initial = self.make(self.options.own_keys(self.case))
         columns = [pb.Column(name=name, unit=unit) for name, unit in self.columns.items()]
         ready = pb.Ready(mesh=self.mesh.header(), dt_limit=self.dt_limit, columns=columns, lines=self.lines, history=self.history,
                          initial=[field_header(quantity, self.mesh.n) for quantity, _ in initial])
         self.connection.reply(pb.Reply(ready=ready), [*self.mesh.frames(), *(values for _, values in initial)])
+
+    def make(self, key):
+        """Builds the solver and checks what it set; returns what it sends at t = 0."""
+        self.build(key)
+        self.mesh = Mesh(self.name, self.dimension, self.points, self.faces, self.mass)
+        self.committed = copy.deepcopy(self.state)
+        return self.initial_fields()
 
     def on_advance(self, ask, frames):
         self.settle(ask.before, ask.write_output)
