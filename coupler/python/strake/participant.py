@@ -156,6 +156,7 @@ class Participant:
     def make(self, key):
         """Builds the solver and checks what it set; returns what it sends at t = 0."""
         self.build(key)
+        self.lines = self.lines or [f"{self.name} {self.version}   {len(self.points) if self.points is not None else 0} points"]
         self.mesh = Mesh(self.name, self.dimension, self.points, self.faces, self.mass)
         self.committed = copy.deepcopy(self.state)
         return self.initial_fields()
