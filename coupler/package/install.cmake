@@ -13,6 +13,8 @@ install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/coupler/python/strake
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
+install(FILES ${PROJECT_BINARY_DIR}/python/strake/version.py
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python/strake COMPONENT programs)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/coupler/python/precice
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python_precice COMPONENT programs FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
 

@@ -20,7 +20,7 @@ def read_names():
 
 
 def quantity_of(data, dimensions, is_conservative, names):
-    """The quantity of a data: by the environment, else by its lower-case name where Strake knows it, else one of its own.
+    """Returns the quantity of a data. The environment names it, else its lower-case name does, else it is one of its own.
 
     Error where a scalar stands for a vector of Strake, or a vector for a scalar.
     """

@@ -43,7 +43,7 @@ class Session:
         return max(0.0, self.t + self.dt - self.now)
 
     def step(self, dt, fields):
-        """A time step of the solver with what it wrote; True where it reached the window's end, and the next is there."""
+        """Notes a time step of the solver with what it wrote. True: it reached the window's end, and the next window is there."""
         self.complete = False
         self.now += dt
         at_end = self.left <= SAME * self.dt
@@ -140,7 +140,7 @@ class Session:
     # ---- the end
 
     def finish(self):
-        """finalize(): the answer to Stop; before the end of the run it is a fault, which ends the run at once."""
+        """Carries out finalize(), the answer to Stop. Before the end of the run it is a fault, which ends the run at once."""
         if self.ongoing:
             self.fail(StrakeError(f"called finalize() at t = {self.now:g} s, before the end of the run",
                                   "end_time of the case and the end time of the solver must be one", self.solver))
@@ -158,7 +158,7 @@ class Session:
 
 
 def connection_data():
-    """Whom to talk to and as whom: of the environment, else of the options that strake gives every program it starts."""
+    """Returns endpoint, name, hash, token and key file: of the environment, else of the options on the command line."""
     given = dict(zip(sys.argv[1::2], sys.argv[2::2]))
     found = {name: os.environ.get(variable) or given.get(option, "")
              for name, variable, option in (("endpoint", "STRAKE_CONNECT", "--connect"), ("name", "STRAKE_NAME", "--name"),

@@ -11,6 +11,11 @@ PARTS = {"Participant": "participant", "Run": "run_folder", "open": "run_folder"
 
 def __getattr__(name):
     import importlib
+    if name == "__version__":
+        try:
+            return importlib.import_module(".version", __name__).VERSION  # the build writes it
+        except ModuleNotFoundError:
+            return "of a source tree"
     if name not in PARTS:
         raise AttributeError(f"module 'strake' has no attribute {name!r}")
     return getattr(importlib.import_module("." + PARTS[name], __name__), name)

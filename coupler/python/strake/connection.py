@@ -16,6 +16,7 @@ LOOK = 100       # [ms] between two tests of the connection while no question co
 TO_ANSWER = 30   # [s] until a coupler must have answered the first connection
 TO_THAW = 10     # [s] that a coupler which accepts connections may be suspended, for a solver started by hand
 TO_RETURN = 2    # [s] that a coupler which accepts none may be away, likewise
+REFUSED = 5, 5.0  # greetings in a row, and seconds, after which failure is taken to be final
 LINGER = 2000    # [ms] that the last answer may take to leave the process
 
 
@@ -31,7 +32,7 @@ class Connection:
                               case_hash=from_hexadecimal(case_hash, "the case's hash"), token=from_hexadecimal(token, "STRAKE_TOKEN"))
         self.sequence, self.answer, self.received = 0, None, 0  # of the last question, and to it; [ns] when it came
         self.told = 0.0  # when Working was sent last
-        self.lost, self.reachable, self.greeted = time.monotonic(), False, False
+        self.lost, self.reachable, self.greeted, self.failed = time.monotonic(), False, False, []
         keys = read_keys(key_file, name)
         self.launched = liveness.watch(name)
         self.context = zmq.Context()
@@ -42,7 +43,7 @@ class Connection:
             self.socket.curve_serverkey = keys["coupler"]
         self.monitor = self.socket.get_monitor_socket(
             zmq.EVENT_CONNECTED | zmq.EVENT_DISCONNECTED | zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_HANDSHAKE_FAILED_AUTH
-            | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
+            | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL | zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL)
         try:
             self.socket.connect(endpoint)
         except zmq.ZMQError as e:
@@ -116,10 +117,7 @@ class Connection:
             elif event == zmq.EVENT_HANDSHAKE_SUCCEEDED:
                 self.greet()
             elif not self.greeted:
-                self.hello = None
-                raise Error("what answers there does not accept this participant's key, or asks for one",
-                            "STRAKE_KEY must name the participant's key file if the case has coupling.keys, and only then",
-                            self.endpoint, 2)
+                self.judge(event)
         silent = time.monotonic() - self.lost if self.lost else 0
         if not self.greeted and silent > TO_ANSWER:
             raise Error(f"no coupler answers there for {TO_ANSWER} s", "the coupler's console and its run.json tell the endpoint",
@@ -127,6 +125,16 @@ class Connection:
         # The kernel of a coupler that is only suspended accepts connections; that of a dead one refuses them.
         if self.greeted and not self.launched and silent > (TO_THAW if self.reachable else TO_RETURN):
             liveness.end(self.name)
+
+    def judge(self, event):
+        """A greeting has failed: Error where the coupler will never accept this participant."""
+        if event == zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL:  # may happen once when a network is cut
+            self.failed.append(time.monotonic())
+            if len(self.failed) < REFUSED[0] or self.failed[-1] - self.failed[0] < REFUSED[1]:
+                return
+        self.hello = None
+        raise Error("what answers there does not accept this participant's key, or asks for one",
+                    "STRAKE_KEY must name the participant's key file if the case has coupling.keys, and only then", self.endpoint, 2)
 
     def greet(self):
         if self.greeted:

@@ -25,7 +25,7 @@ class Fields(dict):
 
 
 def open_file(path, expected):
-    """An HDF5 file of Strake, to be used in a `with`; Error where it is none, or one of another version."""
+    """Opens an HDF5 file of Strake, to be used in a `with`. Error where it is none, or one of another version."""
     h5py = need("h5py", "python3-h5py")
     try:
         file = h5py.File(path, "r")
@@ -97,7 +97,7 @@ def read_interface(blocks):
 
 
 def read_block(path):
-    """One file of the record: mesh, time [s] and dt [s] of its windows, and fields as windows × numbers; and the units."""
+    """Reads one file of the record. Returns mesh, time [s], dt [s] and fields as windows × numbers; and the units."""
     with open_file(path, ARCHIVE) as file:
         real = {from_link_name(link): (dataset[()], unit_of(dataset)) for link, dataset in file["real"].items()}
         whole = {from_link_name(link): dataset[()].ravel() for link, dataset in file.get("integer", {}).items()}

@@ -8,7 +8,7 @@ BEAT = 0.1   # [s] between two tests of the coupler's process
 
 
 def coupler_process():
-    """Process id of the coupler that started this program or a script above it; 0 where it was started by hand."""
+    """Returns the id of the coupler's process; 0 where this program was started by hand."""
     text = os.environ.get("STRAKE_COUPLER", "")
     return int(text) if text.isdigit() else 0
 

@@ -87,7 +87,7 @@ class Participant:
     # ---- what a solver may call
 
     def working(self, fraction, what):
-        """Tells the coupler how far a long computation is, 0 to 1; without it a silent solver is given up in the end."""
+        """Tells the coupler how far a long computation is, 0 to 1. A solver that is silent for long is given up."""
         self.connection.working(fraction, what)
 
     def sample(self, time, values):
@@ -131,7 +131,6 @@ class Participant:
                     return 0
         except Error as e:
             code = report(e)
-            traceback.print_exc()
             self.connection.fault(e)
         except BaseException as e:  # whatever a solver raises ends the run at once and is named
             traceback.print_exc()

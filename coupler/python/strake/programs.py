@@ -11,7 +11,7 @@ from .errors import Error
 
 
 def find_program(name="strake"):
-    """The program as a path: in STRAKE_BIN, beside this package, or on PATH; Error that says where it was looked for."""
+    """Finds a program: in STRAKE_BIN, beside this package, or on PATH. The Error says where it was looked for."""
     package = pathlib.Path(__file__).resolve().parent
     given = os.environ.get("STRAKE_BIN", "")
     beside = [package.parent.parent / "bin", package.parent.parent.parent.parent / "bin"]  # a build, an installation

@@ -1,9 +1,12 @@
 """A solver derived from strake.Participant, asked by a toy coupler: participant_test.py FOLDER_OF_strake FOLDER_OF_precice"""
+import os
 import sys
+import tempfile
 import unittest
 
 sys.path[:0] = [sys.argv.pop(1), sys.argv.pop(1)]
 import numpy as np  # noqa: E402
+import zmq  # noqa: E402
 from toy_coupler import ToyCoupler, pb  # noqa: E402
 
 BEGIN = """
@@ -31,8 +34,8 @@ def script(build="self.columns = {'n': '1'}", advance="pass"):
 
 
 class Participant(unittest.TestCase):
-    def begin(self, text, case=CASE, **environment):
-        coupler = ToyCoupler()
+    def begin(self, text, case=CASE, keys=None, **environment):
+        coupler = ToyCoupler(keys=keys)
         self.addCleanup(coupler.close)
         coupler.start(text, case=case, **environment)
         self.said = coupler.hello()
@@ -162,6 +165,20 @@ class Participant(unittest.TestCase):
         coupler.setup()
         coupler.advance(0, 1.0, LOAD)
         self.assertEqual([(w.fraction, w.what) for w in coupler.working], [(0.5, "assembling")])
+
+    def test_takes_part_under_encryption(self):
+        coupler_keys, own = zmq.curve_keypair(), zmq.curve_keypair()
+        with tempfile.NamedTemporaryFile("w", suffix=".key") as file:  # mode 0600
+            for word, value in (("name", b"structure"), ("public", own[0]), ("secret", own[1]), ("coupler", coupler_keys[0])):
+                file.write(f'{word} = "{value.decode()}"\n')
+            file.flush()
+            coupler = self.begin(script(), keys=coupler_keys, STRAKE_KEY=file.name)
+            coupler.setup()
+            coupler.stop()
+            self.assertEqual(coupler.printed(), "")
+            os.chmod(file.name, 0o644)
+            coupler.start(script(), case=CASE, STRAKE_KEY=file.name)
+            self.assertIn("can be read by others", coupler.printed())
 
     def test_refused_it_ends_at_once(self):
         coupler = self.begin(script())

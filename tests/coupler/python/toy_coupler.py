@@ -1,4 +1,4 @@
-"""A coupler for one participant, in the test's own process: it asks what the test tells it to, and keeps the answers."""
+"""A coupler for one participant, in the test's own process. It asks what the test tells it to ask."""
 import os
 import pathlib
 import subprocess
@@ -16,14 +16,16 @@ TOKEN, HASH = "00" * 16, "11" * 32
 
 
 class ToyCoupler:
-    """Binds a socket; `environment` leads a participant to it. `start` runs a script as one."""
+    """Binds a socket; `environment` leads a participant to it. `start` runs a script as one. keys: public and secret of the coupler."""
 
-    def __init__(self, name="structure"):
+    def __init__(self, name="structure", keys=None):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="strake-test-"))
         self.name, self.peer, self.sequence, self.process, self.working, self.over = name, None, 0, None, [], False
         self.context = zmq.Context()
         self.socket = self.context.socket(zmq.ROUTER)
         self.socket.linger = 0
+        if keys:
+            self.socket.curve_server, (self.socket.curve_publickey, self.socket.curve_secretkey) = True, keys
         self.endpoint = f"ipc://{self.folder}/hub"
         self.socket.bind(self.endpoint)
         self.environment = {"STRAKE_CONNECT": self.endpoint, "STRAKE_NAME": name, "STRAKE_CASE_HASH": HASH, "STRAKE_TOKEN": TOKEN}

@@ -1,4 +1,4 @@
-"""A solver by the names of preCICE alone, a floor on a spring under Strake's water (floor/floor.py): period and mean against theory.
+"""A floor on a spring that knows preCICE alone, under Strake's water (floor/floor.py): period and mean against theory.
 Both kinds of Python solvers are then killed, suspended, and give what is no number: each is named, and soon."""
 import pathlib
 import re
@@ -61,7 +61,7 @@ def connected_by_its_environment(place):
 
 
 def faults(place, solver, line, name):
-    """`line`: of the solver, with the lines that are put before it; each must end the run with its code, and be named."""
+    """Puts faults beside a line of the solver. Each must end the run with its code, and be named."""
     text = (place / solver).read_text()
     assert line in text
     indent = re.match(" *", next(l for l in text.splitlines() if line in l)).group()
