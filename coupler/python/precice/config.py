@@ -22,6 +22,7 @@ class Data:
 class MeshOf:
     name: str
     dimensions: int
+    data: list
 
 
 @dataclass
@@ -32,7 +33,9 @@ class Configuration:
     read, write pairs of mesh and data
     initial     names of data that it writes before the first window
     histories   whether data that it reads comes with samples inside a window
-    conservative   names of own meshes whose fields are mapped so that sums are kept
+    conservative   names of meshes whose fields are mapped so that sums are kept
+    projects    names of meshes from or onto which a mapping projects, and so looks at faces
+    is_implicit   whether windows may be computed again; so it is where the file holds no scheme of this participant
     """
 
     file: str
@@ -46,6 +49,8 @@ class Configuration:
     initial: set = field(default_factory=set)
     histories: bool = False
     conservative: set = field(default_factory=set)
+    projects: set = field(default_factory=set)
+    is_implicit: bool = True
 
     def mesh(self, name, function):
         """A provided mesh; Error where the participant has none of that name."""
@@ -62,6 +67,13 @@ class Configuration:
             return self.data[name]
         names = [data for owner, data in listed if owner == mesh]
         raise Error(f'{function}(): {self.participant} {verb} no data "{name}" on "{mesh}"; {nearest(name, names)}')
+
+    def used_mesh(self, name, function):
+        """A mesh of its own or one that it receives; Error where it is neither."""
+        used = self.provided + self.received
+        if name in used:
+            return self.meshes[name]
+        raise Error(f'{function}(): {self.participant} has no mesh "{name}"; {nearest(name, used)}')
 
 
 def load(file):
@@ -90,13 +102,15 @@ def read_configuration(file, participant):
         dimensions = element.get("dimensions", "")
         if dimensions not in ("2", "3"):
             raise Error(f'{file}: the mesh "{element.get("name")}" has dimensions="{dimensions}", expected 2 or 3')
-        found.meshes[need(element, "name", file)] = MeshOf(element.get("name"), int(dimensions))
+        found.meshes[need(element, "name", file)] = MeshOf(
+            element.get("name"), int(dimensions), [use.get("name") for use in element.iter("use-data")])
     own = {p.get("name"): p for p in root.iter("participant") if len(p)}
     if participant not in own:
         raise Error(f'{file}: there is no participant "{participant}"; {nearest(participant, own)}')
     read_own(own[participant], found)
     read_exchanges(root, found)
     read_constraints(root, found)
+    read_scheme(root, found)
     return found
 
 
@@ -134,3 +148,13 @@ def read_constraints(root, found):
     for mapping in root.iter():
         if mapping.tag.startswith("mapping:") and mapping.get("constraint") == "conservative":
             found.conservative.add(mapping.get("from"))
+        if mapping.tag in ("mapping:nearest-projection", "mapping:linear-cell-interpolation"):
+            found.projects |= {mapping.get("from"), mapping.get("to")}
+
+
+def read_scheme(root, found):
+    for scheme in root.iter():
+        if scheme.tag.startswith("coupling-scheme:"):
+            names = [value for part in scheme for key, value in part.attrib.items() if part.tag in ("participants", "participant")]
+            if found.participant in names:
+                found.is_implicit = scheme.tag.endswith(("-implicit", ":multi"))

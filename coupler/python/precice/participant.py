@@ -1,8 +1,7 @@
 """Class `Participant` with the methods of preCICE's Python bindings 3.x, carried out by Strake's messages."""
 import numpy as np
 
-from strake.arrays import spread
-from strake.errors import Error as StrakeError
+from strake.errors import Error as StrakeError, nearest
 
 from .config import read_configuration
 from .errors import Error, refuse
@@ -25,14 +24,15 @@ class Participant:
     def __init__(self, solver_name, configuration_file_name, solver_process_index, solver_process_size, communicator=None):
         if (solver_process_index, solver_process_size) != (0, 1):
             raise Error(f"Participant(): process {solver_process_index} of {solver_process_size}: Strake couples a solver in one process")
-        connection_data()
+        connection_data()  # an error of its own before one of the file
         self._name = str(solver_name)
         self._config = read_configuration(configuration_file_name, self._name)
         self._names = read_names()
         self._meshes = {name: Vertices(name, self._config.meshes[name].dimensions) for name in self._config.provided}
         self._stage = BEFORE
         self._asked_initial = False
-        self._written, self._read, self._session = {}, {}, None
+        self._written, self._read = {}, {}
+        self._session = self._carry_out(Session, self._name, self._config.is_implicit)
 
     # ---- steering
 
@@ -43,14 +43,14 @@ class Participant:
             raise Error(f'initialize(): "{missing[0]}" has a value at the begin (exchange initialize="true"); '
                         "ask requires_initial_data() first, and write it")
         mesh = self._own_mesh()
-        written = {data: self._buffer(mesh, data) for owner, data in self._config.write if owner == mesh.name}
-        initial = [(self._quantity(mesh, data), values) for data, values in written.items()]
-        self._session = self._carry_out(Session, self._name, mesh, initial, self._config.histories)
-        self._read = {data: Waveform(np.zeros((len(mesh), self._quantity(mesh, data).components)), self._config.data[data].degree)
-                      for owner, data in self._config.read if owner == mesh.name}
+        self._writes = [data for owner, data in self._config.write if owner == mesh.name]
+        initial = [(self._quantity(mesh, data), self._buffer(mesh, data)) for data in self._writes]
+        self._carry_out(self._session.begin, mesh, initial, self._config.histories)
         self._stage = DURING
-        self._carry_out(self._session.next_window)
-        self._take_samples(mesh)
+        for owner, data in self._config.read:
+            if owner == mesh.name:
+                self._read[data] = Waveform(self._session.first_value(self._quantity(mesh, data)), self._config.data[data].degree)
+        self._after_step(mesh)
 
     def advance(self, computed_timestep_length):
         self._expect(DURING, "advance")
@@ -59,40 +59,36 @@ class Participant:
             raise Error("advance(): the coupling has ended; ask is_coupling_ongoing() before")
         if not np.isfinite(dt) or dt <= 0:
             raise Error(f"advance(): a time step of {dt:g} s, expected more than 0")
-        if dt > session.left * (1 + SAME) + SAME * session.dt:
+        if dt > session.left + SAME * session.dt:
             raise Error(f"advance(): a time step of {dt:g} s, but the window ends in {session.left:g} s; get_max_time_step_size() tells it")
-        if session.must_read:
-            raise Error("advance(): the window is to be computed again, and requires_reading_checkpoint() was not asked: "
-                        "the solver must return to its checkpoint")
+        if "write" in session.duties:
+            raise Error("advance(): requires_writing_checkpoint() was not asked; the window may be computed again, and the solver must save its state")
+        if "read" in session.duties:
+            raise Error("advance(): requires_reading_checkpoint() was not asked; the window is computed again, and the solver must return to its state")
         mesh = self._own_mesh()
-        fields = [spread(self._padded(mesh, data, values), len(mesh), self._quantity(mesh, data).components, data)
-                  for data, values in self._written.items()]
-        if self._carry_out(session.step, dt, fields):
-            if session.complete:
-                for waveform in self._read.values():
-                    waveform.accept()
-            if session.ongoing:
-                self._take_samples(mesh)
+        if self._carry_out(session.step, dt, [self._buffer(mesh, data) for data in self._writes]) and session.complete:
+            for waveform in self._read.values():
+                waveform.accept()
+        self._after_step(mesh)
 
     def finalize(self):
         if self._stage == AFTER:
             raise Error("finalize(): was called before")
         self._stage = AFTER
-        if self._session:
-            self._carry_out(self._session.finish)
+        self._carry_out(self._session.finish)
 
     # ---- status
 
     def get_mesh_dimensions(self, mesh_name):
         self._expect_not_after("get_mesh_dimensions")
-        if mesh_name in self._config.received:
-            return self._config.meshes[mesh_name].dimensions
-        return self._config.mesh(mesh_name, "get_mesh_dimensions").dimensions
+        return self._config.used_mesh(mesh_name, "get_mesh_dimensions").dimensions
 
     def get_data_dimensions(self, mesh_name, data_name):
         self._expect_not_after("get_data_dimensions")
-        data = self._config.data_of(mesh_name, data_name, "get_data_dimensions", self._config.read + self._config.write, "reads and writes")
-        return self._config.meshes[mesh_name].dimensions if data.is_vector else 1
+        mesh = self._config.used_mesh(mesh_name, "get_data_dimensions")
+        if data_name not in mesh.data:
+            raise Error(f'get_data_dimensions(): the mesh "{mesh_name}" has no data "{data_name}"; {nearest(data_name, mesh.data)}')
+        return mesh.dimensions if self._config.data[data_name].is_vector else 1
 
     def is_coupling_ongoing(self):
         self._expect(DURING, "is_coupling_ongoing")
@@ -113,18 +109,19 @@ class Participant:
 
     def requires_writing_checkpoint(self):
         self._expect(DURING, "requires_writing_checkpoint")
-        return self._session.ask_to_write()
+        return self._session.ask_duty("write")
 
     def requires_reading_checkpoint(self):
         self._expect(DURING, "requires_reading_checkpoint")
-        return self._session.ask_to_read()
+        return self._session.ask_duty("read")
 
     # ---- mesh
 
     def requires_mesh_connectivity_for(self, mesh_name):
         self._expect_not_after("requires_mesh_connectivity_for")
         self._config.mesh(mesh_name, "requires_mesh_connectivity_for")
-        return True  # the water of Strake needs faces, and no mapping minds them
+        # The coupler projects onto a structure's faces, and Strake's water needs them.
+        return self._session.side == "structure" or mesh_name in self._config.projects
 
     def set_mesh_vertex(self, mesh_name, position):
         return int(self._mesh(mesh_name, "set_mesh_vertex").add([position], "set_mesh_vertex")[0])
@@ -167,6 +164,8 @@ class Participant:
 
     def write_data(self, mesh_name, data_name, vertex_ids, values):
         self._expect_not_after("write_data")
+        if not self._session.ongoing:
+            raise Error("write_data(): the run has ended")
         data = self._config.data_of(mesh_name, data_name, "write_data", self._config.write, "writes")
         mesh = self._meshes[mesh_name]
         ids = mesh.known(vertex_ids, "write_data").ravel()
@@ -190,16 +189,20 @@ class Participant:
             found = waveform.at(session.now + relative_read_time)
         return found[ids, :mesh.dimensions].copy() if data.is_vector else found[ids, 0].copy()
 
+    # ---- profiling
+
+    def start_profiling_section(self, event_name):
+        self._expect_not_after("start_profiling_section")
+        self._session.start_section(event_name)
+
+    def stop_last_profiling_section(self):
+        self._expect_not_after("stop_last_profiling_section")
+        self._session.stop_section()
+
     # ---- what Strake does not have
 
     def requires_gradient_data_for(self, mesh_name, data_name):
         return False
-
-    def start_profiling_section(self, event_name):
-        """Not recorded: trace.json holds the windows of every solver."""
-
-    def stop_last_profiling_section(self):
-        """See start_profiling_section."""
 
     def write_gradient_data(self, mesh_name, data_name, vertex_ids, gradients):
         refuse("write_gradient_data", "no mapping of it takes gradients; requires_gradient_data_for() says so")
@@ -268,14 +271,10 @@ class Participant:
             self._written[data] = have = new
         return have
 
-    def _padded(self, mesh, data, values):
-        """Values with the components that the quantity has: z = 0 in two dimensions."""
-        more = self._quantity(mesh, data).components - values.shape[1]
-        return np.concatenate([values, np.zeros((len(values), more))], 1) if more > 0 else values
-
-    def _take_samples(self, mesh):
-        session = self._session
-        if not session.ongoing:
+    def _after_step(self, mesh):
+        """What was written is 0 again, as in preCICE; at the begin of a window the partner's samples are taken."""
+        session, self._written = self._session, {}
+        if not session.ongoing or session.now != session.t:
             return
         for data, waveform in self._read.items():
             name = self._quantity(mesh, data).name

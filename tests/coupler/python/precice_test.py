@@ -50,7 +50,7 @@ class Calls(unittest.TestCase):
 
     def setUp(self):
         self.coupler = ToyCoupler()
-        self.addCleanup(self.end)
+        self.addCleanup(lambda: self.end())
         os.environ.update(self.coupler.environment, STRAKE_PRECICE_NAMES="")
         self.config = pathlib.Path(tempfile.mkstemp(suffix=".xml")[1])
         self.addCleanup(self.config.unlink)
@@ -60,13 +60,20 @@ class Calls(unittest.TestCase):
     def end(self):
         """Ends a conversation that a test left in the middle."""
         for session in list(open_sessions):
-            session.fail(strake.Error("the test has ended"))
+            open_sessions.remove(session)
+            session.connection.fault(strake.Error("the test has ended"))
+            session.connection.close()
         self.coupler.over = True
         if self.thread:
             self.thread.join(10)
         self.coupler.close()
 
     def solver(self, config=None, name="Solid"):
+        """A new solver, with a coupler of its own where there was one before."""
+        if open_sessions:
+            self.end()
+            self.coupler, self.thread = ToyCoupler(), None
+            os.environ.update(self.coupler.environment)
         if config:
             self.config.write_text(config)
         return precice.Participant(name, str(self.config), 0, 1)
@@ -131,13 +138,40 @@ class Calls(unittest.TestCase):
         solver, ids = self.ready()
         one = lambda t: solver.read_data(MESH, READ, ids[:1], t)[0, 1]  # noqa: E731
         self.assertEqual((one(0), one(0.5), one(1)), (0, 0.5, 1))
+        self.refused(lambda: solver.advance(0.25), "advance(): requires_writing_checkpoint() was not asked")
+        self.assertTrue(solver.requires_writing_checkpoint())
         solver.advance(0.25)
         self.assertFalse(solver.is_time_window_complete())
         self.assertFalse(solver.requires_writing_checkpoint())
         self.assertEqual((solver.get_max_time_step_size(), one(0), one(0.75)), (0.75, 0.25, 1))
         self.refused(lambda: one(0.76), "read_data", "relative_read_time = 0.76", "0.75")
+
+    def test_an_explicit_scheme_asks_for_no_checkpoint(self):
+        solver, _ = self.ready(windows=[(0, "NOTHING", 1.0), (1, "COMMIT", 1.0)], config=CONFIG.replace("serial-implicit", "serial-explicit"))
+        self.assertFalse(solver.requires_writing_checkpoint())
+        self.finish(solver)
+        solver, _ = self.ready(config=CONFIG.replace("serial-implicit", "serial-explicit"))
+        self.refused(lambda: solver.advance(1), "explicit scheme", "max_iterations = 1")
+
+    def test_what_was_written_is_zero_again_after_a_step(self):
+        solver, ids = self.ready(windows=[(0, "NOTHING", 1.0)])
         solver.requires_writing_checkpoint()
-        self.refused(lambda: solver.advance(0.75), "saves no state", "requires_writing_checkpoint")
+        solver.write_data(MESH, WRITE, ids, SQUARE)
+        solver.advance(0.5)
+        solver.write_data(MESH, WRITE, ids[:1], [(3, 4)])
+        solver.advance(0.5)
+        solver.finalize()
+        self.thread.join(10)
+        self.assertEqual(np.frombuffer(self.answers[1][1][0]).reshape(4, 3).tolist(), [[3, 4, 0]] + [[0, 0, 0]] * 3)
+        self.assertEqual([w.what for w in self.coupler.working], ["time steps inside the window"])
+
+    def test_sections_are_seconds(self):
+        solver, ids = self.ready(windows=[(0, "NOTHING", 1.0)])
+        solver.start_profiling_section("solve")
+        solver.stop_last_profiling_section()
+        self.refused(solver.stop_last_profiling_section, "stop_last_profiling_section(): none is open")
+        self.finish(solver)
+        self.assertGreater(self.answers[1][0].advanced.monitor["seconds.solve"], 0)
 
     def test_sub_steps_end_with_the_window(self):
         solver, ids = self.ready(windows=[(0, "NOTHING", 1.0)])
@@ -200,7 +234,7 @@ class Calls(unittest.TestCase):
             self.refused(lambda: solver.advance(step), "advance(): a time step of", word)
         solver.requires_writing_checkpoint()
         solver.advance(1)
-        self.refused(lambda: solver.advance(1), "advance()", "requires_reading_checkpoint() was not asked")
+        self.refused(lambda: solver.advance(1), "advance(): requires_reading_checkpoint() was not asked")
         self.finish(solver)
         self.refused(solver.finalize, "finalize(): was called before")
         self.refused(solver.is_coupling_ongoing, "is_coupling_ongoing(): was called after finalize()")
@@ -226,8 +260,6 @@ class Calls(unittest.TestCase):
                                 ("write_and_map_data", 4), ("map_and_read_data", 4), ("write_gradient_data", 4)):
             self.refused(lambda: getattr(solver, name)(*[MESH] * arguments), f"{name}() is not supported by Strake")
         self.assertFalse(solver.requires_gradient_data_for(MESH, READ))
-        solver.start_profiling_section("solve")
-        solver.stop_last_profiling_section()
         self.assertTrue(precice.get_version_information().startswith(b"3.4.1"))
 
     def test_data_that_the_partner_does_not_send_are_told(self):
@@ -251,15 +283,21 @@ solver.advance(1)
 solver.finalize()
 """
 
-    def fault_of(self, line):
+    def test_an_exception_before_initialize_is_named_too(self):
+        fault, _ = self.fault_of("", first="1 / 0")
+        self.assertEqual(fault, 'structure, preCICE participant "Solid", solver.py:3, in <module>: ZeroDivisionError: division by zero (4)')
+
+    def fault_of(self, line, first=""):
         coupler = ToyCoupler()
         self.addCleanup(coupler.close)
         config = coupler.folder / "precice-config.xml"
         config.write_text(CONFIG)
-        coupler.start(self.SOLVER.replace("LINE", line), str(config))
+        coupler.start(self.SOLVER.replace("LINE", line).replace("ids = ", f"{first}\nids = " if first else "ids = "), str(config))
         coupler.hello()
-        self.assertEqual(coupler.setup()[0].WhichOneof("what"), "ready")
-        reply, _ = coupler.advance(0, 1.0, LOAD)
+        reply, _ = coupler.setup()
+        if not first:
+            self.assertEqual(reply.WhichOneof("what"), "ready")
+            reply, _ = coupler.advance(0, 1.0, LOAD)
         printed = coupler.printed()
         self.assertEqual(reply.WhichOneof("what"), "fault", printed)
         self.assertNotEqual(coupler.process.returncode, 0)
@@ -267,15 +305,15 @@ solver.finalize()
 
     def test_an_exception_is_named_with_its_line(self):
         fault, printed = self.fault_of("1 / 0")
-        self.assertEqual(fault, "solver.py:5, in <module>: ZeroDivisionError: division by zero (4)")
+        self.assertEqual(fault, 'structure, preCICE participant "Solid", solver.py:5, in <module>: ZeroDivisionError: division by zero (4)')
         self.assertIn("Traceback", printed)
 
     def test_a_wrong_call_is_named(self):
         self.assertIn("advance(): a time step of -1 s, expected more than 0 (4)", self.fault_of("solver.advance(-1)")[0])
 
     def test_leaving_early_is_named(self):
-        self.assertIn("Solid: ended at t = 0 s without finalize() (4)", self.fault_of("sys.exit(3)")[0])
-        self.assertIn("Solid: called finalize() at t = 0 s, before the end of the run (4)", self.fault_of("solver.finalize(); sys.exit(1)")[0])
+        self.assertIn('preCICE participant "Solid": ended at t = 0 s without finalize() (4)', self.fault_of("sys.exit(3)")[0])
+        self.assertIn('"Solid": called finalize() at t = 0 s, before the end of the run (4)', self.fault_of("solver.finalize(); sys.exit(1)")[0])
 
 
 class Parts(unittest.TestCase):
@@ -299,7 +337,7 @@ class Parts(unittest.TestCase):
         mesh.connect([[0, 1]], 2, "set_mesh_edges")
         self.assertEqual((mesh.faces, mesh.unused), ([[0, 1, 3], [1, 2, 3]], {"set_mesh_edges": 1}))
 
-    def test_a_spline_of_degree_three_is_exact_for_cubes(self):
+    def test_a_polynomial_of_degree_three_is_exact_for_cubes(self):
         times = [0.0, 0.1, 0.35, 0.6, 1.0]
         wave = Waveform(np.array([[0.0]]), 3)
         wave.take(0.0, 1.0, [(t, np.array([[t**3 - 2 * t]])) for t in times[1:]])
