@@ -86,7 +86,7 @@ class Session:
         return True
 
     def ask_duty(self, duty):
-        """Whether the solver must do it now: "write" at the begin of a new window, "read" where one is computed again."""
+        """Whether the solver must "write" its state now, or "read" it back; both once in a window."""
         self.duties.discard(duty)
         return duty in self.required
 

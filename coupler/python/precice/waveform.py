@@ -14,7 +14,7 @@ class Waveform:
         self.times, self.values, self.dt = [], [], 0.0
 
     def take(self, t, dt, samples):
-        """A new result for the window [t, t + dt]: pairs of time and array, ascending; the last holds for its end."""
+        """Takes a new result for the window [t, t + dt]: pairs of time and array, ascending. The last is of its end."""
         times, values = [time for time, _ in samples], [value for _, value in samples]
         times[-1] = t + dt
         if times[0] > t + SAME * dt:
