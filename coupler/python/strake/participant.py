@@ -37,6 +37,7 @@ class Participant:
 
     version = "1"     # of the solver; run.json names it
     history = False   # True: `samples` holds the load at every step of the fluid, not its mean alone
+    can_resume = True  # False: the solver cannot save its state, so the run writes no checkpoints
 
     points = faces = mass = state = sends = None
     dt_limit = np.inf
@@ -150,6 +151,8 @@ class Participant:
         columns = [pb.Column(name=name, unit=unit) for name, unit in self.columns.items()]
         ready = pb.Ready(mesh=self.mesh.header(), dt_limit=self.dt_limit, columns=columns, lines=self.lines, history=self.history,
                          initial=[field_header(quantity, self.mesh.n) for quantity, _ in initial])
+        if not self.can_resume and "cannot_resume" in pb.Ready.DESCRIPTOR.fields_by_name:
+            ready.cannot_resume = True
         self.connection.reply(pb.Reply(ready=ready), [*self.mesh.frames(), *(values for _, values in initial)])
 
     def make(self, key):
