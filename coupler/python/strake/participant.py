@@ -2,6 +2,7 @@
 import copy
 import pathlib
 import sys
+import sysconfig
 import traceback
 import types
 
@@ -13,6 +14,11 @@ from .connection import Connection
 from .errors import Error, RetrySmallerStep
 from .messages import pb
 from .options import Options
+
+
+# Folders of Python's library, of packages and of this one. An exception is named by a line outside of them.
+OF_OTHERS = ("<", *(str(pathlib.Path(path)) for path in (
+    pathlib.Path(__file__).resolve().parent, sysconfig.get_path("stdlib"), pathlib.Path(np.__file__).parent.parent)))
 
 
 class Participant:
@@ -31,7 +37,7 @@ class Participant:
       dt_limit    longest window that the solver accepts [s]
     What it may read:
       side        "structure" or "fluid"; dimension: 2 or 3; case: the case file as a dict; run_folder
-      partner     position and faces of the partner's mesh, (None, None) for the side that is set up first
+      partner     position n × 3 [m] and faces of the partner's mesh; no points for the side that is set up first
       partner_initial   what the partner sends, at t = 0: dict of arrays
     """
 
@@ -39,7 +45,7 @@ class Participant:
     history = False   # True: `samples` holds the load at every step of the fluid, not its mean alone
     can_resume = True  # False: the solver cannot save its state, so the run writes no checkpoints
 
-    points = faces = mass = state = sends = None
+    points = faces = mass = state = sends = connection = None
     dt_limit = np.inf
 
     def __init__(self, options):
@@ -67,12 +73,12 @@ class Participant:
     def commit(self, write_output):
         """Called once a window is accepted. write_output: a field frame is due."""
 
-    def save(self, folder):
+    def write_checkpoint(self, folder):
         """Writes the accepted state into the folder of a checkpoint; overridden where `state` does not hold all of it."""
         np.savez(self.checkpoint_file(folder), **self.arrays_of_state())
 
-    def load(self, folder):
-        """Reads what `save` wrote, and sets `state`."""
+    def read_checkpoint(self, folder):
+        """Reads what `write_checkpoint` wrote, and sets `state`."""
         with np.load(self.checkpoint_file(folder)) as file:
             found = {name: file[name] for name in file.files}
         expected = self.arrays_of_state()
@@ -80,7 +86,8 @@ class Participant:
             shapes = [arrays[name].shape if name in arrays else None for arrays in (found, expected)]
             if shapes[0] != shapes[1]:
                 raise Error(f"{name} has the shape {shapes[0]}, expected {shapes[1]}", "run it again with --force", folder, 3)
-        self.state = found if isinstance(self.state, dict) else found["state"] if np.ndim(self.state) else found["state"].item()
+        found = {name: array if array.ndim else array.item() for name, array in found.items()}
+        self.state = found if isinstance(self.state, dict) else found.get("state")
 
     def close(self):
         """Called at the end of a run that went well: writes what is still to be written."""
@@ -89,7 +96,8 @@ class Participant:
 
     def working(self, fraction, what):
         """Tells the coupler how far a long computation is, 0 to 1. A solver that is silent for long is given up."""
-        self.connection.working(fraction, what)
+        if self.connection:
+            self.connection.working(fraction, what)
 
     def sample(self, time, values):
         """Adds values at a time inside the window to the history that the partner receives, where it asked for one."""
@@ -112,7 +120,7 @@ class Participant:
     def alone(cls, key, side="structure", dimension=2):
         """A solver without a coupler, for a test: built from the keys given, checked, and ready for `advance`."""
         solver = cls(types.SimpleNamespace(name=side, stem=cls.__name__.lower()))
-        solver.case, solver.dimension, solver.partner, solver.partner_initial = {}, dimension, (None, None), {}
+        solver.case, solver.dimension, solver.partner, solver.partner_initial = {}, dimension, (np.zeros((0, 3)), None), {}
         solver.make(key)
         return solver
 
@@ -181,7 +189,8 @@ class Participant:
         advanced = pb.Advanced(fields=headers, dt_limit=self.dt_limit, monitor={k: float(v) for k, v in self.monitor.items()})
         arrays = list(values)
         if self.wants_history:
-            for time, sampled in [*self.sent, *([(ask.t + ask.dt, values)] if not self.sent else [])]:
+            end = ask.t + ask.dt
+            for time, sampled in [*(sample for sample in self.sent if sample[0] < end), (end, values)]:
                 advanced.history.append(pb.Sample(time=time, fields=headers))
                 arrays += sampled
         return self.connection.reply(pb.Reply(advanced=advanced), arrays)
@@ -189,11 +198,11 @@ class Participant:
     def on_checkpoint(self, ask, frames):
         self.settle(ask.before, ask.write_output)
         if ask.resume:
-            self.load(ask.folder)
+            self.read_checkpoint(ask.folder)
             self.committed = copy.deepcopy(self.state)
         else:
             self.state = copy.deepcopy(self.committed)
-            self.save(ask.folder)
+            self.write_checkpoint(ask.folder)
         self.connection.reply(pb.Reply(done=pb.Done()))
 
     def on_stop(self, ask, frames):
@@ -248,7 +257,7 @@ class Participant:
         odd = [name for name, array in arrays.items() if array.dtype.kind not in "biufc"]
         if odd:
             raise Error(f"the state {odd[0]} is {type(state[odd[0]]).__name__}, which no checkpoint can hold",
-                        "make it an array, or override save(folder) and load(folder)")
+                        "make it an array, or override write_checkpoint(folder) and read_checkpoint(folder)")
         return arrays
 
 
@@ -257,7 +266,7 @@ def error_of(problem):
     if isinstance(problem, Error):
         return problem
     raised = traceback.extract_tb(problem.__traceback__)
-    inside = [frame for frame in raised if pathlib.Path(frame.filename).parent != pathlib.Path(__file__).parent] or raised
+    inside = [frame for frame in raised if not frame.filename.startswith(OF_OTHERS)] or raised
     where = f"{pathlib.Path(inside[-1].filename).name}:{inside[-1].lineno}, in {inside[-1].name}" if inside else ""
     text = str(problem)
     return Error(f"{type(problem).__name__}{': ' + text if text else ''}", "its traceback stands in the solver's log", where)

@@ -104,6 +104,12 @@ class Participant(unittest.TestCase):
         printed = self.fault(coupler, reply, "solver.py:10, in advance", "ValueError: the stiffness is singular")
         self.assertIn("Traceback", printed)
 
+    def test_names_its_own_line_where_a_package_raises(self):
+        coupler = self.begin(script(advance="np.linalg.solve(np.zeros((2, 2)), np.ones(2))"))
+        coupler.setup()
+        reply, _ = coupler.advance(0, 1.0, LOAD)
+        self.fault(coupler, reply, "solver.py:10, in advance", "LinAlgError: Singular matrix")
+
     def test_an_error_of_its_own_keeps_place_words_and_code(self):
         coupler = self.begin(script(build="raise strake.Error('no such material', 'use steel', 'case.toml:3', 3)"))
         reply, _ = coupler.setup()
@@ -157,8 +163,8 @@ class Participant(unittest.TestCase):
         self.assertTrue(reply.ready.history)
         self.assertEqual(np.frombuffer(arrays[2]).reshape(3, 3)[0].tolist(), [1, 2, 0])
         reply, arrays = coupler.advance(0, 1.0, LOAD, history=[(0.25, LOAD)])
-        self.assertEqual([s.time for s in reply.advanced.history], [0.5])
-        self.assertEqual([np.frombuffer(a)[0] for a in arrays], [2, 3, 7, 8])
+        self.assertEqual([s.time for s in reply.advanced.history], [0.5, 1.0])
+        self.assertEqual([np.frombuffer(a)[0] for a in arrays], [2, 3, 7, 8, 2, 3])
 
     def test_says_what_it_does_while_it_computes(self):
         coupler = self.begin(script(advance="self.working(0.5, 'assembling')"))
