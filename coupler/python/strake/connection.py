@@ -47,6 +47,7 @@ class Connection:
         try:
             self.socket.connect(endpoint)
         except zmq.ZMQError as e:
+            self.close()
             raise Error(f"is no endpoint that can be reached: {e}", "the coupler's console and its run.json tell it", endpoint, 2) from None
         self.say_hello()
 

@@ -6,7 +6,10 @@ import unittest
 
 sys.path[:0] = [sys.argv.pop(1), sys.argv.pop(1)]
 import numpy as np  # noqa: E402
+import strake  # noqa: E402
 import zmq  # noqa: E402
+from strake.connection import Connection  # noqa: E402
+from strake.options import Options  # noqa: E402
 from toy_coupler import ToyCoupler, pb  # noqa: E402
 
 BEGIN = """
@@ -115,25 +118,33 @@ class Participant(unittest.TestCase):
         reply, _ = coupler.setup()
         self.fault(coupler, reply, "case.toml:3: no such material use steel", code=3)
 
+    def alone(self, **parts):
+        """The solver in this process, without a coupler."""
+        names = {}
+        exec(script(**parts).replace("Solver.main()", ""), names)
+        return names["Solver"].alone({"mass": 2.0})
+
     def test_refuses_what_it_cannot_send(self):
-        for advance, *words in (("return 0, float('nan')", "displacement is nan at point 0"),
-                                ("return np.zeros((4, 3))", "displacement has the shape (4, 3), expected (3, 3)"),
-                                ("return {'velocity': 0}", "returned velocity, expected displacement"),
-                                ("return None", "displacement")):
-            coupler = self.begin(script(advance=advance))
-            coupler.setup()
-            reply, _ = coupler.advance(0, 1.0, LOAD)
-            self.fault(coupler, reply, *words)
+        for advance, words in (("return 0, float('nan')", "displacement is nan at point 0"),
+                               ("return np.zeros((4, 3))", r"displacement has the shape \(4, 3\), expected \(3, 3\)"),
+                               ("return {'velocity': 0}", "returned velocity, expected displacement"),
+                               ("return None", "displacement")):
+            solver = self.alone(advance=advance)
+            with self.assertRaisesRegex(strake.Error, words):
+                solver.checked(solver.advance(0, 1.0, {"force": LOAD}))
 
     def test_refuses_a_mesh_that_is_none(self):
-        for build, code, *words in (("self.faces = [(0, 3)]", 4, "a face names point 3, the points are 0 to 2"),
-                                    ("self.faces = [(0, 1, 2)]", 4, "faces have the shape (1, 3)", "1 faces of 2 points"),
-                                    ("self.points = None", 4, "set self.points in build()"),
-                                    ("self.sends = 'warmth'", 4, '"warmth" is no quantity that Strake knows'),
-                                    ("key['mas']", 3, "no key structure.solver.mas", 'did you mean "mass"?')):
-            coupler = self.begin(script(build=build))
-            reply, _ = coupler.setup()
-            self.fault(coupler, reply, *words, code=code)
+        for build, words in (("self.faces = [(0, 3)]", "a face names point 3, the points are 0 to 2"),
+                             ("self.faces = [(0, 1, 2)]", r"faces have the shape \(1, 3\) of int64, expected 1 faces of 2 points"),
+                             ("self.points = None", r"set self.points in build\(\)"),
+                             ("self.sends = 'warmth'", '"warmth" is no quantity that Strake knows')):
+            with self.assertRaisesRegex(strake.Error, words):
+                self.alone(build=build)
+
+    def test_a_key_that_is_missing_is_named(self):
+        coupler = self.begin(script(build="key['mas']"))
+        reply, _ = coupler.setup()
+        self.fault(coupler, reply, "no key structure.solver.mas", 'did you mean "mass"?', code=3)
 
     def test_refuses_messages_that_do_not_fit(self):
         force = pb.Field(quantity="force", unit="N", components=3, n_points=3)
@@ -206,13 +217,17 @@ class Participant(unittest.TestCase):
         self.assertEqual(coupler.process.returncode, 5)
 
     def test_a_wrong_command_line_is_told(self):
-        for change, word in (({"STRAKE_CONNECT": ""}, "--connect is missing"), ({"STRAKE_TOKEN": "xyz"}, "STRAKE_TOKEN is not hexadecimal"),
-                             ({"STRAKE_KEY": "/nowhere.key"}, "cannot be read"), ({"STRAKE_CONNECT": "over://there"}, "no endpoint")):
-            coupler = ToyCoupler()
-            self.addCleanup(coupler.close)
-            coupler.start(script(), case=CASE, **change)
-            self.assertIn(word, coupler.printed())
-            self.assertEqual(coupler.process.returncode, 2)
+        coupler = ToyCoupler()
+        self.addCleanup(coupler.close)
+        for change, words in (({"endpoint": "over://there"}, "no endpoint"), ({"token": "xyz"}, "STRAKE_TOKEN is not hexadecimal"),
+                              ({"key_file": "/nowhere.key"}, "cannot be read")):
+            with self.assertRaisesRegex(strake.Error, words):
+                Connection(**{**dict(endpoint=coupler.endpoint, name="structure", case_hash="", token="", solver="s", version="1"), **change})
+        with self.assertRaisesRegex(strake.Error, "not that of a participant: --case"):
+            Options(["--case"])
+        coupler.start(script(), case=CASE, STRAKE_CONNECT="")
+        self.assertIn("--connect is missing", coupler.printed())
+        self.assertEqual(coupler.process.returncode, 2)
 
 
 unittest.main()
