@@ -3,6 +3,7 @@ the package `strake` and one that speaks the messages itself. All are the floor 
 installed programs, so they must agree."""
 import csv
 import json
+import re
 import shutil
 import time
 import tomllib
@@ -41,6 +42,17 @@ def build_outside(place, prefix):
     keys = json.loads(command(place / "made" / "spring", "--keys", cwd=place).stdout)
     expect(any(key["path"] == "structure.spring.mass" for key in keys), "the solver prints its keys")
     return place / "made" / "spring"
+
+
+def python_package(place, prefix):
+    """The package of the installation finds its program, its messages and its version."""
+    code = "import strake; from strake.programs import find_program; import strake.messages; print(strake.__version__, find_program())"
+    folders = f"{prefix}/share/strake/python:{prefix}/share/strake/python_precice"
+    result = subprocess.run(["/usr/bin/python3", "-B", "-c", code + "; import precice; print(precice.__file__)"], cwd=place,
+                            env=dict(ENV, PYTHONPATH=folders, STRAKE_BIN=""), capture_output=True, text=True)
+    words = result.stdout.split()
+    expect(len(words) == 3 and re.fullmatch(r"\d+\.\d+\.\d+", words[0]) and words[1] == f"{prefix}/bin/strake" and str(prefix) in words[2],
+           f"the installed package: {result.stdout.strip() or result.stderr}")
 
 
 def run_both(place, prefix, solver):
@@ -140,6 +152,7 @@ with folder() as place:
     place = pathlib.Path(place)
     prefix = place / "prefix"
     solver = build_outside(place, prefix)
+    python_package(place, prefix)
     words, whole = run_both(place, prefix, solver)
     resume_python(place, words, whole)
     coupler_dies(place, words)
