@@ -8,7 +8,10 @@ class Error(Exception):
     fix        what the user can change; may be empty
     where      the file, key or place; may be empty
     exit_code  the code of proto/README.md, "Exit codes", that a program ends with; 4: a solver gave up
+    run        of strake.run: the run as far as it went, opened; None where it did not begin
     """
+
+    run = None
 
     def __init__(self, problem, fix="", where="", exit_code=4):
         super().__init__(problem)

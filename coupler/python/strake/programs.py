@@ -4,10 +4,13 @@ import math
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import tempfile
 
 from .errors import Error
+
+TO_END = 20  # [s] for a run to save its state: more than its own patience with a solver
 
 
 def find_program(name="strake"):
@@ -92,23 +95,30 @@ def call(words, hear):
     Ctrl-C ends the program in order, with its state saved, and is then raised here.
     """
     with tempfile.TemporaryFile("w+", errors="replace") as errors:
+        # A group of its own: Ctrl-C reaches this process alone, which sends one signal. A second would end the run unsaved.
         process = subprocess.Popen([str(find_program()), *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors,
-                                   env=dict(os.environ, NO_COLOR="1"), text=True, errors="replace")
+                                   env=dict(os.environ, NO_COLOR="1"), text=True, errors="replace", process_group=0)
         try:
             with process.stdout:
                 for line in process.stdout:
                     hear(line.rstrip("\n"))
             code = process.wait()
         except BaseException:
-            process.terminate()
-            try:
-                process.wait(20)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            end(process)
             raise
         errors.seek(0)
         return code if code >= 0 else 128 - code, errors.read().strip()
+
+
+def end(process):
+    """Ends the program in order, and by force where it has not ended after TO_END."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+        process.send_signal(number)
+        try:
+            process.wait(TO_END)
+            return
+        except subprocess.TimeoutExpired:
+            continue
 
 
 def settings(keys):

@@ -236,5 +236,18 @@ class Programs(unittest.TestCase):
                 strake.run("case.toml", follow=heard.append)
         self.assertEqual((str(caught.exception), caught.exception.exit_code, heard), ("case.toml:3: no such key", 3, [{"kind": "error"}]))
 
+    def test_an_interrupt_ends_the_program_in_order(self):
+        with tempfile.TemporaryDirectory() as place:
+            program = pathlib.Path(place) / "strake"
+            program.write_text(f"#!/bin/sh\ntrap 'echo once >>{place}/signals; kill %1; exit 130' INT TERM\necho ready\nsleep 60 & wait\n")
+            program.chmod(0o755)
+
+            def interrupt(line):
+                raise KeyboardInterrupt
+
+            with mock.patch.dict(os.environ, {"STRAKE_BIN": place}), self.assertRaises(KeyboardInterrupt):
+                strake.study("study.toml", follow=interrupt)
+            self.assertEqual((pathlib.Path(place) / "signals").read_text(), "once\n")
+
 
 unittest.main()
