@@ -127,6 +127,7 @@ class TableReporter final : public Reporter {
     put(visible(fmt::format("{:<44}{}", title, header.folder.string())));
     for (const auto& [name, lines] : header.blocks) {
       std::string text = block_text(name, lines);
+      if (text.empty()) continue;  // a participant that says nothing of itself
       text.pop_back();
       put(text);
     }

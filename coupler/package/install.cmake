@@ -8,8 +8,15 @@ install(FILES ${PROJECT_SOURCE_DIR}/proto/coupling.proto ${PROJECT_SOURCE_DIR}/p
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/proto COMPONENT programs)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/   # where tests/run.sh --manual has made it
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strake COMPONENT programs OPTIONAL)
+# Python: the messages and the package `strake`; apart from them `precice`, which must not shadow preCICE's own bindings.
 install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/coupler/python/strake
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
+install(FILES ${PROJECT_BINARY_DIR}/python/strake/version.py
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python/strake COMPONENT programs)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/coupler/python/precice
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python_precice COMPONENT programs FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
 
 # A participant's own headers: Eigen and the standard library, nothing else.
 set(headers coupler/participant/participant_main.hpp coupler/participant/serve.hpp proto/box.hpp proto/case/case_file.hpp proto/case/key_info.hpp proto/case/case_keys.hpp proto/error.hpp

@@ -135,15 +135,16 @@ std::filesystem::path folder_of_this_program() {
   return std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
 }
 
-/// Returns PYTHONPATH with the folder of coupling_pb2.py in front, in a build or an installation. A
-/// participant in Python then imports the messages of this version.
+/// Returns PYTHONPATH with the packages of this version in front, in a build or an installation: `strake`
+/// beside its messages coupling_pb2.py, and `precice`, which stands apart so that nothing else finds it by
+/// chance.
 std::string python_path() {
   const char* given = std::getenv("PYTHONPATH");
   const std::string path = given ? given : "";
-  for (const char* folder : {"python", "share/strake/python"}) {
-    const auto messages = folder_of_this_program().parent_path() / folder;
-    if (std::filesystem::exists(messages / "coupling_pb2.py"))
-      return path.empty() ? messages.string() : messages.string() + ":" + path;
+  for (const std::string folder : {"python", "share/strake/python"}) {
+    const auto packages = folder_of_this_program().parent_path() / folder;
+    if (std::filesystem::exists(packages / "coupling_pb2.py"))
+      return packages.string() + ":" + packages.string() + "_precice" + (path.empty() ? "" : ":" + path);
   }
   return path;
 }

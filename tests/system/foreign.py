@@ -1,7 +1,9 @@
-"""Solvers that are not ours: one in C++ against the installed package, built outside the tree, and one in Python.
-Both are the floor on a spring of cases/python_spring, run by the installed programs, so they must agree."""
+"""Solvers that are not ours: one in C++ against the installed package, built outside the tree, and two in Python, one by
+the package `strake` and one that speaks the messages itself. All are the floor on a spring of cases/python_spring, run by the
+installed programs, so they must agree."""
 import csv
 import json
+import re
 import shutil
 import time
 import tomllib
@@ -42,14 +44,32 @@ def build_outside(place, prefix):
     return place / "made" / "spring"
 
 
+def python_package(place, prefix):
+    """The package of the installation finds its program, its messages and its version."""
+    code = "import strake; from strake.programs import find_program; import strake.messages; print(strake.__version__, find_program())"
+    folders = f"{prefix}/share/strake/python:{prefix}/share/strake/python_precice"
+    result = subprocess.run(["/usr/bin/python3", "-B", "-c", code + "; import precice; print(precice.__file__)"], cwd=place,
+                            env=dict(ENV, PYTHONPATH=folders, STRAKE_BIN=""), capture_output=True, text=True)
+    words = result.stdout.split()
+    expect(len(words) == 3 and re.fullmatch(r"\d+\.\d+\.\d+", words[0]) and words[1] == f"{prefix}/bin/strake" and str(prefix) in words[2],
+           f"the installed package: {result.stdout.strip() or result.stderr}")
+
+
 def run_both(place, prefix, solver):
     case = place / "case"
     shutil.copytree(CASE, case)
-    expect(len((case / "spring.py").read_text().splitlines()) <= 60, "the solver in Python has at most 60 lines")
+    expect(len((case / "spring.py").read_text().splitlines()) <= 25, "the solver in Python has at most 25 lines")
     words = [prefix / "bin" / "strake", "run", case / "python_spring.toml"]
     command(*words, "--strict", cwd=place)
     command(*words, "--tag", "cpp", "--set", f"structure.solver={solver}", cwd=place)
     runs = place / "runs" / "python_spring", place / "runs" / "python_spring-cpp"
+    raw = place / "raw"
+    shutil.copytree(CASE, raw)
+    shutil.copytree(FOREIGN.parent / "raw", raw, dirs_exist_ok=True)
+    command(*words[:2], raw / "python_spring.toml", "--tag", "raw", cwd=place)
+    for name in ("history.csv", "iterations.csv"):
+        expect((place / "runs" / "python_spring-raw" / name).read_bytes() == (runs[0] / name).read_bytes(),
+               f"package and raw messages: {name} is the same to the byte")
     y = [column(run, "floor.y [m]") for run in runs]
     largest = max(map(abs, y[0]))
     gap = max(abs(a - b) for a, b in zip(*y)) / largest
@@ -132,6 +152,7 @@ with folder() as place:
     place = pathlib.Path(place)
     prefix = place / "prefix"
     solver = build_outside(place, prefix)
+    python_package(place, prefix)
     words, whole = run_both(place, prefix, solver)
     resume_python(place, words, whole)
     coupler_dies(place, words)

@@ -95,7 +95,7 @@ def under_nohup(place):
 
 def a_participant_that_builds_for_ever(place):
     shutil.copytree(ROOT / "cases" / "python_spring", place / "slow")
-    script = (place / "slow" / "spring.py").read_text().replace('if what == "setup":', 'if what == "setup":\n        import time; time.sleep(60)')
+    script = (place / "slow" / "spring.py").read_text().replace("def build(self, key):", "def build(self, key):\n        import time; time.sleep(60)")
     (place / "slow" / "spring.py").write_text(script)
     for words in (("check", "slow/python_spring.toml"), ("run", "slow/python_spring.toml")):
         process = start(*words, cwd=place)

@@ -285,6 +285,16 @@ TEST(ConsoleTable, OfOneParticipantHasNoCouplingColumns) {
   EXPECT_NE(stream.text().find("floor.y [N/m]"), std::string::npos);
 }
 
+TEST(ConsoleTable, LeavesOutAParticipantThatSaysNothingOfItself) {
+  TextStream stream;
+  auto reporter = table_reporter(stream.file(), Style{});
+  RunHeader header = plate_header();
+  header.blocks.front().second.clear();
+  reporter->start(header);
+  EXPECT_EQ(stream.text().find("fluid"), std::string::npos);
+  EXPECT_NE(stream.text().find("structure"), std::string::npos);
+}
+
 TEST(JsonLines, AreOneObjectEachWithItsKindAndHoldTheRowsOfFieldFrames) {
   TextStream stream;
   auto reporter = json_reporter(stream.file());

@@ -1,0 +1,353 @@
+"""The names of preCICE's Python bindings, answered by a toy coupler: precice_test.py FOLDER_OF_strake FOLDER_OF_precice"""
+import contextlib
+import os
+import pathlib
+import sys
+import tempfile
+import threading
+import unittest
+
+sys.path[:0] = [sys.argv.pop(1), sys.argv.pop(1)]
+import numpy as np  # noqa: E402
+import precice  # noqa: E402
+import strake  # noqa: E402
+from precice.config import read_configuration  # noqa: E402
+from precice.session import open_sessions  # noqa: E402
+from precice.vertices import Vertices  # noqa: E402
+from precice.waveform import Waveform  # noqa: E402
+from toy_coupler import ToyCoupler, pb  # noqa: E402
+
+CONFIG = """<?xml version="1.0"?>
+<precice-configuration>
+  <data:vector name="Force"/>
+  <data:vector name="Displacement"/>
+  <data:scalar name="Gap"/>
+  <mesh name="Solid-Mesh" dimensions="2"> <use-data name="Force"/> <use-data name="Displacement"/> <use-data name="Gap"/> </mesh>
+  <mesh name="Fluid-Mesh" dimensions="2"> <use-data name="Force"/> <use-data name="Displacement"/> </mesh>
+  <participant name="Fluid"> <provide-mesh name="Fluid-Mesh"/> </participant>
+  <participant name="Solid">
+    <provide-mesh name="Solid-Mesh"/>
+    <receive-mesh name="Fluid-Mesh" from="Fluid"/>
+    <read-data name="Force" mesh="Solid-Mesh"/>
+    <write-data name="Displacement" mesh="Solid-Mesh"/>
+    <mapping:nearest-neighbor direction="read" from="Fluid-Mesh" to="Solid-Mesh" constraint="conservative"/>
+  </participant>
+  <coupling-scheme:serial-implicit>
+    <participants first="Fluid" second="Solid"/>
+    <exchange data="Displacement" mesh="Solid-Mesh" from="Solid" to="Fluid"/>
+    <exchange data="Force" mesh="Solid-Mesh" from="Fluid" to="Solid"/>
+  </coupling-scheme:serial-implicit>
+</precice-configuration>
+"""
+MESH, READ, WRITE = "Solid-Mesh", "Force", "Displacement"
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+LOAD = np.array([[0, 1.0, 0]] * 4)
+WINDOWS = [(0, "NOTHING", 1.0), (0, "REWIND", 2.0), (1, "COMMIT", 5.0)]  # begin [s], what becomes of the one before, load
+
+
+class Calls(unittest.TestCase):
+    """Calls in this process; the toy coupler asks from a thread."""
+
+    def setUp(self):
+        self.coupler = ToyCoupler()
+        self.addCleanup(lambda: self.end())
+        os.environ.update(self.coupler.environment, STRAKE_PRECICE_NAMES="")
+        self.config = pathlib.Path(tempfile.mkstemp(suffix=".xml")[1])
+        self.addCleanup(self.config.unlink)
+        self.config.write_text(CONFIG)
+        self.thread = None
+
+    def end(self):
+        """Ends a conversation that a test left in the middle."""
+        for session in list(open_sessions):
+            open_sessions.remove(session)
+            session.connection.fault(strake.Error("the test has ended"))
+            session.connection.close()
+        self.coupler.over = True
+        if self.thread:
+            self.thread.join(10)
+        self.coupler.close()
+
+    def solver(self, config=None, name="Solid"):
+        """A new solver, with a coupler of its own where there was one before."""
+        if open_sessions:
+            self.end()
+            self.coupler, self.thread = ToyCoupler(), None
+            os.environ.update(self.coupler.environment)
+        if config:
+            self.config.write_text(config)
+        return precice.Participant(name, str(self.config), 0, 1)
+
+    def refused(self, call, *words):
+        with self.assertRaises(precice.Error) as caught:
+            call()
+        for word in words:
+            self.assertIn(word, str(caught.exception))
+
+    def ready(self, windows=WINDOWS, before=None, config=None, history=()):
+        """A solver after initialize(); the coupler asks for these windows of 1 s and then for the end."""
+        solver = self.solver(config)
+        ids = solver.set_mesh_vertices(MESH, SQUARE)
+        if before:
+            before(solver)
+        self.answers = []
+
+        def ask():
+            with contextlib.suppress(TimeoutError):
+                self.coupler.hello()
+                self.answers.append(self.coupler.setup())
+                for t, decision, load in windows:
+                    self.answers.append(self.coupler.advance(t, 1.0, load * LOAD, decision, history=history))
+                self.answers.append(self.coupler.stop())
+
+        self.thread = threading.Thread(target=ask, daemon=True)
+        self.thread.start()
+        solver.initialize()
+        return solver, ids
+
+    def finish(self, solver):
+        """Computes what is left of the run."""
+        while solver.is_coupling_ongoing():
+            solver.requires_writing_checkpoint()
+            solver.requires_reading_checkpoint()
+            solver.advance(solver.get_max_time_step_size())
+        solver.finalize()
+        self.thread.join(10)
+
+    def test_a_run_goes_through_all_its_windows(self):
+        solver, ids = self.ready()
+        seen = []
+        while solver.is_coupling_ongoing():
+            writes = solver.requires_writing_checkpoint()
+            dt = solver.get_max_time_step_size()
+            force = solver.read_data(MESH, READ, ids, dt)
+            solver.write_data(MESH, WRITE, ids, 2 * force)
+            solver.advance(dt)
+            seen.append((writes, dt, force[0].tolist(), solver.requires_reading_checkpoint(), solver.is_time_window_complete()))
+        self.assertEqual(seen, [(True, 1.0, [0, 1], True, False), (False, 1.0, [0, 2], False, True), (True, 1.0, [0, 5], False, True)])
+        self.assertEqual(solver.get_max_time_step_size(), 0)
+        solver.finalize()
+        self.thread.join(10)
+        kinds = [reply.WhichOneof("what") for reply, _ in self.answers]
+        self.assertEqual(kinds, ["ready", "advanced", "advanced", "advanced", "done"])
+        ready = self.answers[0][0].ready
+        self.assertEqual([(f.quantity, f.unit, f.components, f.conservative) for f in ready.initial], [("displacement", "m", 3, False)])
+        self.assertEqual(np.frombuffer(self.answers[3][1][0]).reshape(4, 3)[1].tolist(), [0, 10, 0])
+
+    def test_reads_along_a_line_between_the_ends_of_a_window(self):
+        solver, ids = self.ready()
+        one = lambda t: solver.read_data(MESH, READ, ids[:1], t)[0, 1]  # noqa: E731
+        self.assertEqual((one(0), one(0.5), one(1)), (0, 0.5, 1))
+        self.refused(lambda: solver.advance(0.25), "advance(): requires_writing_checkpoint() was not asked")
+        self.assertTrue(solver.requires_writing_checkpoint())
+        solver.advance(0.25)
+        self.assertFalse(solver.is_time_window_complete())
+        self.assertFalse(solver.requires_writing_checkpoint())
+        self.assertEqual((solver.get_max_time_step_size(), one(0), one(0.75)), (0.75, 0.25, 1))
+        self.refused(lambda: one(0.76), "read_data", "relative_read_time = 0.76", "0.75")
+
+    def test_an_explicit_scheme_asks_for_no_checkpoint(self):
+        solver, _ = self.ready(windows=[(0, "NOTHING", 1.0), (1, "COMMIT", 1.0)], config=CONFIG.replace("serial-implicit", "serial-explicit"))
+        self.assertFalse(solver.requires_writing_checkpoint())
+        self.finish(solver)
+        solver, _ = self.ready(config=CONFIG.replace("serial-implicit", "serial-explicit"))
+        self.refused(lambda: solver.advance(1), "explicit scheme", "max_iterations = 1")
+
+    def test_what_was_written_is_zero_again_after_a_step(self):
+        solver, ids = self.ready(windows=[(0, "NOTHING", 1.0)])
+        solver.requires_writing_checkpoint()
+        solver.write_data(MESH, WRITE, ids, SQUARE)
+        solver.advance(0.5)
+        solver.write_data(MESH, WRITE, ids[:1], [(3, 4)])
+        solver.advance(0.5)
+        solver.finalize()
+        self.thread.join(10)
+        self.assertEqual(np.frombuffer(self.answers[1][1][0]).reshape(4, 3).tolist(), [[3, 4, 0]] + [[0, 0, 0]] * 3)
+        self.assertEqual([w.what for w in self.coupler.working], ["time steps inside the window"])
+
+    def test_sections_are_seconds(self):
+        solver, ids = self.ready(windows=[(0, "NOTHING", 1.0)])
+        solver.start_profiling_section("solve")
+        solver.stop_last_profiling_section()
+        self.refused(solver.stop_last_profiling_section, "stop_last_profiling_section(): none is open")
+        self.finish(solver)
+        self.assertGreater(self.answers[1][0].advanced.monitor["seconds.solve"], 0)
+
+    def test_sub_steps_end_with_the_window(self):
+        solver, ids = self.ready(windows=[(0, "NOTHING", 1.0)])
+        solver.requires_writing_checkpoint()
+        for k in range(3):
+            solver.write_data(MESH, WRITE, ids, [(0, k)] * 4)
+            solver.advance(1 / 3)
+        self.assertTrue(solver.is_time_window_complete())
+        self.assertFalse(solver.is_coupling_ongoing())
+        solver.finalize()
+        self.thread.join(10)
+        self.assertEqual(np.frombuffer(self.answers[1][1][0]).reshape(4, 3)[0].tolist(), [0, 2, 0])
+
+    def test_samples_inside_a_window_are_read_where_the_configuration_asks(self):
+        text = CONFIG.replace('to="Solid"/>\n  </coupling', 'to="Solid" substeps="true"/>\n  </coupling')
+        solver, ids = self.ready(windows=[(0, "NOTHING", 4.0)], config=text, history=[(0.5, LOAD)])
+        self.assertEqual([solver.read_data(MESH, READ, ids[:1], t)[0, 1] for t in (0.25, 0.5, 0.75, 1)], [0.5, 1, 2.5, 4])
+        self.finish(solver)
+        self.assertTrue(self.answers[0][0].ready.history)
+
+    def test_initial_data_are_sent_where_the_configuration_asks(self):
+        text = CONFIG.replace('from="Solid" to="Fluid"/>', 'from="Solid" to="Fluid" initialize="true"/>')
+        solver = self.solver(text)
+        solver.set_mesh_vertices(MESH, SQUARE)
+        self.refused(solver.initialize, "initialize", "requires_initial_data")
+
+        def write(solver):
+            self.assertTrue(solver.requires_initial_data())
+            solver.write_data(MESH, WRITE, [2], [(7, 8)])
+
+        solver, _ = self.ready(config=text, before=write)
+        self.finish(solver)
+        self.assertEqual(np.frombuffer(self.answers[0][1][1]).reshape(4, 3).tolist(), [[0, 0, 0]] * 2 + [[7, 8, 0], [0, 0, 0]])
+
+    def test_faces_are_what_the_solver_connects(self):
+        def connect(solver):
+            self.assertTrue(solver.requires_mesh_connectivity_for(MESH))
+            solver.set_mesh_edges(MESH, [(0, 1), (1, 2), (2, 3)])
+            solver.set_mesh_edge(MESH, 3, 0)
+
+        solver, _ = self.ready(before=connect)
+        self.finish(solver)
+        reply, arrays = self.answers[0]
+        self.assertEqual(reply.ready.mesh.n_faces, 4)
+        self.assertEqual(np.frombuffer(arrays[1], "<i4").reshape(4, 2).tolist(), [[0, 1], [1, 2], [2, 3], [3, 0]])
+
+    def test_calls_in_a_wrong_order_are_refused_by_name(self):
+        solver = self.solver()
+        for name in ("is_coupling_ongoing", "is_time_window_complete", "get_max_time_step_size", "requires_writing_checkpoint",
+                     "requires_reading_checkpoint"):
+            self.refused(getattr(solver, name), f"{name}(): was called before initialize()")
+        self.refused(lambda: solver.advance(1), "advance(): was called before initialize()")
+        self.refused(lambda: solver.read_data(MESH, READ, [0], 0), "read_data(): was called before initialize()")
+        self.refused(solver.initialize, "initialize(): ", "Solid-Mesh", "no vertices")
+        solver, ids = self.ready()
+        self.refused(solver.initialize, "initialize(): was called after initialize()")
+        self.refused(lambda: solver.set_mesh_vertex(MESH, (0, 0)), "set_mesh_vertex(): was called after initialize()")
+        self.refused(solver.requires_initial_data, "requires_initial_data(): was called after initialize()")
+        for step, word in ((0, "more than 0"), (-1, "more than 0"), (float("inf"), "more than 0"), (float("nan"), "more than 0"), (1.01, "the window ends in 1 s")):
+            self.refused(lambda: solver.advance(step), "advance(): a time step of", word)
+        solver.requires_writing_checkpoint()
+        solver.advance(1)
+        self.refused(lambda: solver.advance(1), "advance(): requires_reading_checkpoint() was not asked")
+        self.finish(solver)
+        self.refused(solver.finalize, "finalize(): was called before")
+        self.refused(solver.is_coupling_ongoing, "is_coupling_ongoing(): was called after finalize()")
+        self.refused(lambda: solver.write_data(MESH, WRITE, ids, SQUARE), "write_data(): was called after finalize()")
+
+    def test_names_and_shapes_that_are_wrong_are_refused(self):
+        self.refused(lambda: self.solver(name="Soild"), 'no participant "Soild"', 'did you mean "Solid"?')
+        self.refused(lambda: precice.Participant("Solid", str(self.config), 1, 2), "process 1 of 2")
+        solver, ids = self.ready()
+        self.refused(lambda: solver.get_mesh_dimensions("Sold-Mesh"), "get_mesh_dimensions()", 'did you mean "Solid-Mesh"?')
+        self.refused(lambda: solver.get_mesh_vertex_size("Fluid-Mesh"), "get_mesh_vertex_size()", "is received")
+        self.refused(lambda: solver.read_data(MESH, WRITE, ids, 0), "read_data()", 'reads no data "Displacement"')
+        self.refused(lambda: solver.write_data(MESH, READ, ids, SQUARE), "write_data()", 'writes no data "Force"')
+        self.refused(lambda: solver.write_data(MESH, WRITE, ids, [1, 2, 3]), "expected 4 × 2")
+        self.refused(lambda: solver.write_data(MESH, WRITE, [4], [(1, 2)]), "there is no vertex 4", "it has 4")
+        self.refused(lambda: solver.write_data(MESH, WRITE, [0], [(1, float("nan"))]), "write_data", "not finite")
+        self.assertEqual((solver.get_mesh_dimensions(MESH), solver.get_data_dimensions(MESH, READ), solver.get_mesh_vertex_size(MESH)), (2, 2, 4))
+        self.finish(solver)
+
+    def test_what_strake_does_not_have_is_refused_by_name(self):
+        solver = self.solver()
+        for name, arguments in (("reset_mesh", 1), ("set_mesh_access_region", 2), ("get_mesh_vertex_ids_and_coordinates", 1),
+                                ("write_and_map_data", 4), ("map_and_read_data", 4), ("write_gradient_data", 4)):
+            self.refused(lambda: getattr(solver, name)(*[MESH] * arguments), f"{name}() is not supported by Strake")
+        self.assertFalse(solver.requires_gradient_data_for(MESH, READ))
+        self.assertTrue(precice.get_version_information().startswith(b"3.4.1"))
+
+    def test_data_that_the_partner_does_not_send_are_told(self):
+        os.environ["STRAKE_PRECICE_NAMES"] = "Force=traction; Displacement=displacement"
+        self.refused(lambda: self.ready()[0], 'the partner sends force, and "Force" is read as traction', "STRAKE_PRECICE_NAMES")
+
+    def test_outside_of_a_run_the_module_says_whose_it_is(self):
+        os.environ["STRAKE_CONNECT"] = ""
+        self.refused(self.solver, "STRAKE_CONNECT is not set", "strake run CASE", "PYTHONPATH")
+
+
+class Faults(unittest.TestCase):
+    """A solver as a program: what it throws ends the run at once, and is named."""
+
+    SOLVER = """import precice, sys
+solver = precice.Participant("Solid", sys.argv[-1], 0, 1)
+ids = solver.set_mesh_vertices("Solid-Mesh", [(0, 0), (1, 0), (1, 1), (0, 1)])
+solver.initialize()
+LINE
+solver.advance(1)
+solver.finalize()
+"""
+
+    def test_an_exception_before_initialize_is_named_too(self):
+        fault, _ = self.fault_of("", first="1 / 0")
+        self.assertEqual(fault, 'structure, preCICE participant "Solid", solver.py:3, in <module>: ZeroDivisionError: division by zero (4)')
+
+    def fault_of(self, line, first=""):
+        coupler = ToyCoupler()
+        self.addCleanup(coupler.close)
+        config = coupler.folder / "precice-config.xml"
+        config.write_text(CONFIG)
+        coupler.start(self.SOLVER.replace("LINE", line).replace("ids = ", f"{first}\nids = " if first else "ids = "), str(config))
+        coupler.hello()
+        reply, _ = coupler.setup()
+        if not first:
+            self.assertEqual(reply.WhichOneof("what"), "ready")
+            reply, _ = coupler.advance(0, 1.0, LOAD)
+        printed = coupler.printed()
+        self.assertEqual(reply.WhichOneof("what"), "fault", printed)
+        self.assertNotEqual(coupler.process.returncode, 0)
+        return f"{reply.fault.where}: {reply.fault.problem} ({reply.fault.exit_code})", printed
+
+    def test_an_exception_is_named_with_its_line(self):
+        fault, printed = self.fault_of("1 / 0")
+        self.assertEqual(fault, 'structure, preCICE participant "Solid", solver.py:5, in <module>: ZeroDivisionError: division by zero (4)')
+        self.assertIn("Traceback", printed)
+
+    def test_a_wrong_call_is_named(self):
+        self.assertIn("advance(): a time step of -1 s, expected more than 0 (4)", self.fault_of("solver.advance(-1)")[0])
+
+    def test_leaving_early_is_named(self):
+        self.assertIn('preCICE participant "Solid": ended at t = 0 s without finalize() (4)', self.fault_of("sys.exit(3)")[0])
+        self.assertIn('"Solid": called finalize() at t = 0 s, before the end of the run (4)', self.fault_of("solver.finalize(); sys.exit(1)")[0])
+
+
+class Parts(unittest.TestCase):
+    def test_a_configuration_that_is_broken_is_told_with_its_line(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
+            for text, word in (("<a>\n<b></a>", ":2:"), (CONFIG.replace('dimensions="2"', ""), "expected 2 or 3"),
+                               (CONFIG.replace('<read-data name="Force"', '<read-data name="Fore"'), 'did you mean "Force"?')):
+                file.seek(0)
+                file.truncate()
+                file.write(text)
+                file.flush()
+                with self.assertRaisesRegex(precice.Error, word.replace("?", r"\?")):
+                    read_configuration(file.name, "Solid")
+        with self.assertRaisesRegex(precice.Error, "cannot be read"):
+            read_configuration("nowhere.xml", "Solid")
+
+    def test_a_quad_is_cut_along_its_shorter_diagonal(self):
+        mesh = Vertices("m", 3)
+        mesh.add([(0, 0, 0), (2, 0, 0), (3, 1, 0), (0, 1, 0)], "set_mesh_vertices")
+        mesh.connect([0, 1, 2, 3], 4, "set_mesh_quad")
+        mesh.connect([[0, 1]], 2, "set_mesh_edges")
+        self.assertEqual((mesh.faces, mesh.unused), ([[0, 1, 3], [1, 2, 3]], {"set_mesh_edges": 1}))
+
+    def test_a_polynomial_of_degree_three_is_exact_for_cubes(self):
+        times = [0.0, 0.1, 0.35, 0.6, 1.0]
+        wave = Waveform(np.array([[0.0]]), 3)
+        wave.take(0.0, 1.0, [(t, np.array([[t**3 - 2 * t]])) for t in times[1:]])
+        for t in (0.05, 0.2, 0.5, 0.77, 1.0):
+            self.assertAlmostEqual(wave.at(t)[0, 0], t**3 - 2 * t, 12)
+
+    def test_degree_zero_holds_the_next_sample(self):
+        wave = Waveform(np.array([[9.0]]), 0)
+        wave.take(0.0, 1.0, [(0.5, np.array([[1.0]])), (1.0, np.array([[2.0]]))])
+        self.assertEqual([wave.at(t)[0, 0] for t in (0, 0.5, 0.6, 1)], [1, 1, 2, 2])
+
+
+unittest.main()
