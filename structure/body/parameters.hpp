@@ -24,7 +24,7 @@ struct Plate {
   double length = 0, thickness = 0;                  // [m] along x, along y
   Eigen::Vector3d bottom = Eigen::Vector3d::Zero();  // [m] middle of the lower face
   double angle = 0;                                  // [deg] about `bottom`, counter-clockwise
-  double hollow = 0;  // [m] by which the middle of the lower face lies above its ends
+  double hollow = 0;                                 // [m] of the lower face's ends under its middle
   Support left = Support::free, right = Support::free;
 };
 

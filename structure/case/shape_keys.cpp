@@ -33,8 +33,8 @@ void read_plate(CaseTable t, Plate& plate) {
                     "higher. Particles stay on a lattice along the axes"});
   t.number("hollow", plate.hollow,
            {.unit = "m",
-            .help = "height of the lower face's middle over its ends, a parabola; less than 0: they hang "
-                    "lower; rigid plates alone"});
+            .help = "depth of the lower face's ends under its middle, a parabola; less than 0: they lie "
+                    "higher; rigid plates alone"});
   CaseTable s = t.table("supports", "what holds the ends; held ends move with structure.velocity");
   s.choice("left", plate.left, supports, {.help = "pinned: at mid-height of the end face"});
   s.choice("right", plate.right, supports, {.help = "pinned: at mid-height of the end face"});
@@ -58,7 +58,7 @@ void read_hollow_plate(CaseTable t, Parameters& p) {
   if (p.kind != "rigid" && p.kind != "replay")
     throw t.table("plate").error("hollow", "0: only rigid plates have a curved face",
                                  "structure.solver = \"rigid\", or an elastic one by structure.mesh");
-  if (plate.hollow >= plate.thickness)
+  if (std::abs(plate.hollow) >= plate.thickness)
     throw t.table("plate").error("hollow", "less than the thickness", "hollow = 0.001");
   constexpr int chords = 40;
   const Eigen::Rotation2Dd turn(plate.angle * std::numbers::pi / 180);
@@ -68,7 +68,7 @@ void read_hollow_plate(CaseTable t, Parameters& p) {
   const double half = 0.5 * plate.length;
   for (int k = 0; k <= chords; ++k) {
     const double s = 2.0 * k / chords - 1;
-    add(s * half, plate.hollow * (1 - s * s));
+    add(s * half, -plate.hollow * s * s);
   }
   add(half, plate.thickness);
   add(-half, plate.thickness);
