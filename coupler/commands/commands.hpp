@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/new_case/new_options.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "proto/error.hpp"
 
@@ -37,9 +38,15 @@ struct CheckOptions {
 };
 ExitCode check(const CheckOptions&, const StopRequest&);
 
-/// key: empty for all; a table ("fluid.scheme") lists its keys. markdown: the reference of
-/// proto/CASE_FILE.md.
-ExitCode explain(const std::string& key, bool markdown);
+struct ExplainOptions {
+  std::string key;        // empty: all; a table ("fluid.scheme") lists its keys
+  bool markdown = false;  // the reference of proto/CASE_FILE.md instead
+  bool schema = false;    // a JSON Schema of the case file instead
+};
+ExitCode explain(const ExplainOptions&);
+
+/// Writes a commented case file, which `check` accepts. Replaces no file.
+ExitCode new_case(NewOptions);
 
 struct CompareOptions {
   std::vector<std::string> operands;  // run folders, CSV files, FILE:COLUMN; the first is the reference
