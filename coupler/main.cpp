@@ -4,6 +4,7 @@
 #include "coupler/new_case/new_options.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "proto/error.hpp"
+#include "proto/version.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -171,12 +172,13 @@ void add_check(CLI::App& app, strake::CheckOptions& options, const StopRequest& 
 void add_explain(CLI::App& app, strake::ExplainOptions& options, Action& action) {
   CLI::App* command =
       app.add_subcommand("explain", "what a key means: unit, range, default; a table lists its keys");
-  auto* key = command->add_option("KEY", options.key, "key or table, e.g. fluid.scheme.cfl");
-  auto* markdown = command->add_flag("--markdown", options.markdown,
-                                     "the reference of every key, as it stands in proto/CASE_FILE.md");
-  command->add_flag("--schema", options.schema, "a JSON Schema of the case file, for text editors")
-      ->excludes(markdown, key);
-  command->callback([&] { action = [&] { return strake::explain(options); }; });
+  strake::add_explain_options(*command, options);
+  command->callback([&] {
+    const bool program = !options.completion.empty() || !options.man.empty();
+    action = [&, program] {
+      return program ? strake::explain_program(options, app) : strake::explain(options);
+    };
+  });
 }
 
 void add_new(CLI::App& app, strake::NewOptions& options, Action& action) {
@@ -378,7 +380,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Strake: fluid and structure solvers for slamming and water entry, coupled."};
   app.name("strake");
   app.set_version_flag("--version", [] {
-    return fmt::format("strake {} ({})", strake::strake_version(), strake::strake_commit());
+    return fmt::format("strake {}\n{}", strake::strake_version(), strake::build_text());
   });
   app.require_subcommand(1);
 

@@ -9,6 +9,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace strake {
 
 class StopRequest;
@@ -39,11 +43,17 @@ struct CheckOptions {
 ExitCode check(const CheckOptions&, const StopRequest&);
 
 struct ExplainOptions {
-  std::string key;        // empty: all; a table ("fluid.scheme") lists its keys
-  bool markdown = false;  // the reference of proto/CASE_FILE.md instead
-  bool schema = false;    // a JSON Schema of the case file instead
+  std::string key;            // empty: all; a table ("fluid.scheme") lists its keys
+  bool markdown = false;      // the reference of proto/CASE_FILE.md instead
+  bool schema = false;        // a JSON Schema of the case file instead
+  std::string completion;     // "bash": the completion of that shell instead
+  std::filesystem::path man;  // folder that the man pages are written into instead
 };
 ExitCode explain(const ExplainOptions&);
+/// Declares the options of `explain`.
+void add_explain_options(CLI::App& command, ExplainOptions&);
+/// Writes completion or man pages from the command line of `strake` and of the solver programs.
+ExitCode explain_program(const ExplainOptions&, const CLI::App& strake);
 
 /// Writes a commented case file, which `check` accepts. Replaces no file.
 ExitCode new_case(NewOptions);

@@ -44,7 +44,8 @@ struct Program {
   std::string program;  // "strake-fluid"
   std::string solver;   // "mps", "fem", …
   std::string version;
-  std::string prefix;  // its part of the case file: "fluid" or "structure"
+  std::string built_from;  // lines that --version adds: commit and libraries
+  std::string prefix;      // its part of the case file: "fluid" or "structure"
   /// Reads (so declares) all of its keys, the common ones too, and refuses what does not go together.
   std::function<void(CaseFile&)> declare;
   /// Optional, for --check: derived numbers, one line each; more refusals (a body outside the tank, …).
