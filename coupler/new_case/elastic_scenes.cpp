@@ -119,6 +119,7 @@ NewScene box_scene(const NewAnswers& answers) {
   const double width = answers.value("width"), height = answers.value("height");
   const double thickness = answers.value("thickness"), speed = answers.value("speed");
   const double side = 0.1 * width, half = 0.5 * width;
+  check_height(width, height);
   if (thickness > 0.25 * std::min(height, width))
     throw Error(
         ExitCode::command_line, fmt::format("--thickness {:g}", thickness),

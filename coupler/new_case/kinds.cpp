@@ -21,7 +21,7 @@ NewNumber mass() {
           "kg",
           "free to heave with this mass, in the plane per metre of depth",
           0,
-          0,
+          1e-3,
           1e9,
           "driven at constant speed"};
 }

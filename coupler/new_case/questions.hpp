@@ -7,7 +7,7 @@
 
 namespace strake {
 
-/// Asks for the kind of a case: by its name or its number in the list. An empty line takes the first.
+/// Asks for the kind of a case by its name. An empty line takes the first.
 /// Throws Error(command_line) where the input ends before an answer.
 const NewKind& ask_kind(std::istream& answers, std::ostream& questions);
 /// Asks for the solver, the mesh file and each number of a kind, with their defaults and bounds. An answer

@@ -55,6 +55,15 @@ double round_number(double x) {
   return best;
 }
 
+void check_height(double width, double height) {
+  constexpr double most = 10;
+  if (height <= most * width && height >= width / most) return;
+  throw Error(
+      ExitCode::command_line, fmt::format("--height {:g}", height),
+      fmt::format("expected {:g} to {:g} m: a tenth of the width to ten widths", width / most, most * width),
+      fmt::format("--height {:g}, or another --width", width));
+}
+
 double chosen_spacing(const NewAnswers& answers, const std::string& name, double length, double parts) {
   const double given = answers.value("spacing");
   if (given == 0) return round_number(length / parts);
@@ -150,6 +159,7 @@ NewScene mesh_scene(const NewAnswers& answers) {
 
 NewScene dam_scene(const NewAnswers& answers) {
   const double width = answers.value("width"), height = answers.value("height");
+  check_height(width, height);
   NewScene s;
   s.title = "dam break";
   s.physics = fmt::format("Column of water {:g} m wide and {:g} m high that collapses over a dry floor, 2-D.",
