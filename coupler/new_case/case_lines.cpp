@@ -28,7 +28,7 @@ double two_digits(double x) {
 }  // namespace
 
 std::string toml_number(double x) {
-  std::string text = fmt::format("{:.6g}", x);
+  std::string text = fmt::format("{:.9g}", x);
   if (const auto e = text.find('e'); e != std::string::npos) {
     const int exponent = std::atoi(text.c_str() + e + 1);  // 6 instead of +06
     const std::string digits = text.substr(0, e);

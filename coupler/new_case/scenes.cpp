@@ -142,7 +142,8 @@ NewScene mesh_scene(const NewAnswers& answers) {
                           motion_words(answers), s.dimension);
   s.spacing = chosen_spacing(answers, "body's width", width, s.dimension == 2 ? 80 : 30);
   put_wide_tank(s, width, width, height + 0.5 * width);
-  const double middle = 0.5 * (mesh.min[0] + mesh.max[0]), gap = rigid_gap * s.spacing;
+  const double gap = rigid_gap * s.spacing;
+  const double middle = s.spacing * std::round(0.5 * (mesh.min[0] + mesh.max[0]) / s.spacing);
   // The mesh keeps its place; tank and water are put around it.
   s.left += middle;
   s.right = s.water_right = s.right + middle;
