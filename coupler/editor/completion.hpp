@@ -8,8 +8,8 @@
 
 namespace strake {
 
-/// Writes the completion of bash for programs: commands, options, choices, case files, run folders, and the
-/// keys of a case file behind --set with the choices of their values.
+/// Writes the completion of bash for programs. It knows commands, options, choices, case files and run
+/// folders; behind --set also the keys of a case file with their choices.
 std::string bash_completion(const std::vector<ProgramText>& programs, const std::vector<KeyInfo>& keys);
 
 }  // namespace strake

@@ -119,8 +119,8 @@ bool is_within(const KeyLimits& limits, double x) {
   return !low && !(limits.max && x > *limits.max);
 }
 
-/// The default as JSON; null where JSON has no value for it (inf), where there is none, and where it is 0 for
-/// "not given" and may not be written.
+/// The default as JSON, else null. JSON has no value for inf; and a default of 0 that means "not given" may
+/// not be written.
 Json default_json(const KeyInfo& key) {
   if (key.default_value.empty()) return nullptr;
   if (key.type == "text" || key.type == "choice" || key.type == "file" || key.type == "folder")

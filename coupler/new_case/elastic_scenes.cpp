@@ -36,8 +36,8 @@ double lattice_spacing(double thickness, const std::vector<double>& lengths, boo
   return thickness / fewest_layers;
 }
 
-/// First period in water [s] of a strip with clamped ends, from its dry one and the added mass of a flat
-/// plate.
+/// First period in water of a strip with clamped ends [s]. It follows from the dry one and a flat plate's
+/// added mass.
 double wet_period(double span, double thickness) {
   const double clamped = 22.373;  // (k L)^2 of the first mode
   const double wave = std::sqrt(steel_young * thickness * thickness /

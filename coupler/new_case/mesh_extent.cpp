@@ -35,7 +35,7 @@ std::optional<bool> begins_nodes(const std::string& line) {
   return word == "nodes" || word == "node";
 }
 
-/// Where the coordinates of a node begin in its line; none in a line of Gmsh's that counts or numbers nodes.
+/// Where the coordinates of a node begin in its line. None in lines of Gmsh that count or number nodes.
 std::optional<std::size_t> first_coordinate(bool abaqus, double version, std::size_t numbers) {
   if (abaqus) return numbers >= 3 ? std::optional<std::size_t>(1) : std::nullopt;
   if (version < 4) return numbers == 4 ? std::optional<std::size_t>(1) : std::nullopt;

@@ -10,8 +10,8 @@ struct MeshExtent {
   std::array<double, 3> min = {}, max = {};
 };
 
-/// Reads the nodes of a Gmsh file (ASCII, 2.2 or 4.1) or of an Abaqus file, and nothing else of it. Whether
-/// the mesh is good the solver says. Throws Error(case_file) for a file without nodes.
+/// Reads the nodes of a Gmsh file (ASCII, 2.2 or 4.1) or an Abaqus file. It reads nothing else: whether the
+/// mesh is good the solver says. Throws Error(case_file) for a file without nodes.
 MeshExtent read_mesh_extent(const std::filesystem::path& file);
 
 }  // namespace strake

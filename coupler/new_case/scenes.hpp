@@ -14,7 +14,7 @@ NewScene sphere_scene(const NewAnswers&);
 NewScene mesh_scene(const NewAnswers&);
 NewScene dam_scene(const NewAnswers&);
 
-/// Refuses a height of more than ten or less than a tenth of the width [m]: its tank would be all but empty.
+/// Refuses a height [m] of more than ten widths, or less than a tenth. Its tank would be all but empty.
 void check_height(double width, double height);
 /// The next smaller one of 1, 2, 2.5, 4 or 5 times a power of ten.
 double round_number(double);

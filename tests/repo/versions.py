@@ -1,5 +1,5 @@
-"""One version everywhere: CMake, CITATION.cff, the newest version of CHANGELOG.md that is no longer in progress, and what
-the programs say with --version, beside commit and libraries. One source alone is compiled anew for each commit.
+"""One version stands in CMake, CITATION.cff, CHANGELOG.md and the programs. Of CHANGELOG.md the newest counts that is no
+longer in progress. The programs say it with --version, beside commit and libraries. A new commit compiles one source anew.
 
     tests/repo/versions.py ROOT BIN      exits 1 where they differ
 """

@@ -1,4 +1,4 @@
-"""strake new: every kind passes check and says each key's unit; what it is asked, refuses and leaves alone; one runs."""
+"""strake new: every kind passes check and says each key's unit. Questions, refusals, files left alone; one case runs."""
 import json
 import os
 import pathlib

@@ -1,4 +1,4 @@
-"""The JSON Schema of the case file: every case validates, its own defaults do, and it sees the wrong cases that it can."""
+"""The JSON Schema of the case file accepts every case and its own defaults. It sees the wrong cases that it can."""
 import json
 import math
 import pathlib
