@@ -8,7 +8,7 @@ strake_packages_build="g++ cmake ninja-build ccache pkg-config libeigen3-dev lib
   libdeal.ii-dev libprotobuf-dev protobuf-compiler libzmq3-dev cppzmq-dev libhdf5-dev libtomlplusplus-dev libcli11-dev
   libfmt-dev libspdlog-dev nlohmann-json3-dev libsodium-dev libspectra-dev libnanoflann-dev libcairo2-dev libcpp-httplib-dev"
 strake_packages_python="python3 python3-zmq python3-protobuf python3-numpy"   # for participants in Python
-strake_packages_test="$strake_packages_python libgtest-dev libbenchmark-dev python3-h5py
+strake_packages_test="$strake_packages_python libgtest-dev libbenchmark-dev python3-h5py python3-jsonschema mandoc
   calculix-ccx"   # another finite-element program, the umpire; its tests are skipped without it
 strake_packages_browser="chromium fonts-dejavu-core"   # and node with npm, where they are missing
 strake_packages_paraview="paraview python3-paraview xvfb libgl1-mesa-dri"   # and a display without a screen to draw on

@@ -1,8 +1,10 @@
 // strake: the commands, their options, and the one place where errors are printed.
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
+#include "coupler/new_case/new_options.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "proto/error.hpp"
+#include "proto/version.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -25,11 +27,6 @@ using strake::ExitCode;
 using strake::put;
 using strake::StopRequest;
 using Action = std::function<ExitCode()>;
-
-struct ExplainOptions {
-  std::string key;
-  bool markdown = false;
-};
 
 void add_sets(CLI::App& command, std::vector<std::string>& sets) {
   command.add_option("--set", sets, "change one key of the case: --set structure.solver=rigid")
@@ -90,20 +87,20 @@ void add_picture_options(CLI::App* command, strake::PictureOptions& options, con
   command->add_option("-o", options.out, out)->type_name("FILE");
 }
 
-/// The first word that is no command of the program, or no option of a command, and the one that was probably
-/// meant. Both are empty where all words are known.
+/// The first word that is no command (or kind of case) where one is chosen, else no option, and the one that
+/// was probably meant. Both are empty where all words are known.
 std::pair<std::string, std::string> mistaken_word(const CLI::App& command) {
-  const bool program = command.get_parent() == nullptr;
+  const auto below = command.get_subcommands([](const CLI::App*) { return true; });
+  const bool chooses = !below.empty();
   std::vector<std::string> known;
-  if (program)
-    for (const CLI::App* one : command.get_subcommands([](const CLI::App*) { return true; }))
-      known.push_back(one->get_name());
+  if (chooses)
+    for (const CLI::App* one : below) known.push_back(one->get_name());
   else
     for (const CLI::Option* option : command.get_options())
       for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   for (const std::string& word : command.remaining()) {
     const bool option = word.starts_with("--");
-    if (option == program) continue;
+    if (option == chooses) continue;
     return {word, strake::did_you_mean(word.substr(0, word.find('=')), known)};
   }
   return {};
@@ -112,13 +109,16 @@ std::pair<std::string, std::string> mistaken_word(const CLI::App& command) {
 /// CLI11's words in the form of ours.
 ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
-  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
-  const std::string name = command == &app ? "strake" : "strake " + command->get_name();
+  std::string name = "strake";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
   std::string problem = error.what();
   if (const auto [word, meant] = mistaken_word(*command); !word.empty()) {
-    const std::string what = command == &app ? "command" : "option";
+    const std::string what = word.starts_with("--") ? "option" : command == &app ? "command" : "kind of case";
     put(stderr, to_text(Error(ExitCode::command_line, name, fmt::format("\"{}\" is no {}", word, what),
-                              meant.empty() ? name + " --help lists the " + what + "s"
+                              meant.empty() ? name + " --help lists what there is"
                                             : fmt::format("did you mean {}?  ({} --help)", meant, name))));
     return ExitCode::command_line;
   }
@@ -169,13 +169,22 @@ void add_check(CLI::App& app, strake::CheckOptions& options, const StopRequest& 
   command->callback([&] { action = [&] { return strake::check(options, stop); }; });
 }
 
-void add_explain(CLI::App& app, ExplainOptions& options, Action& action) {
+void add_explain(CLI::App& app, strake::ExplainOptions& options, Action& action) {
   CLI::App* command =
       app.add_subcommand("explain", "what a key means: unit, range, default; a table lists its keys");
-  command->add_option("KEY", options.key, "key or table, e.g. fluid.scheme.cfl");
-  command->add_flag("--markdown", options.markdown,
-                    "the reference of every key, as it stands in proto/CASE_FILE.md");
-  command->callback([&] { action = [&] { return strake::explain(options.key, options.markdown); }; });
+  strake::add_explain_options(*command, options);
+  command->callback([&] {
+    const bool program = !options.completion.empty() || !options.man.empty();
+    action = [&, program] {
+      return program ? strake::explain_program(options, app) : strake::explain(options);
+    };
+  });
+}
+
+void add_new(CLI::App& app, strake::NewOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand("new", "write a commented case file; on a terminal it asks");
+  strake::add_new_options(*command, options);
+  command->callback([&] { action = [&] { return strake::new_case(options); }; });
 }
 
 void add_compare(CLI::App& app, strake::CompareOptions& options, Action& action) {
@@ -312,7 +321,8 @@ void add_replay(CLI::App& app, strake::ReplayOptions& options, const StopRequest
 struct Options {
   strake::RunOptions run;
   strake::CheckOptions check;
-  ExplainOptions explain;
+  strake::NewOptions fresh;
+  strake::ExplainOptions explain;
   strake::CompareOptions compare;
   strake::ExportOptions deck;
   strake::PictureOptions picture;
@@ -328,6 +338,7 @@ struct Options {
 void add_commands(CLI::App& app, Options& options, const StopRequest& stop, Action& action) {
   add_run(app, options.run, stop, action);
   add_check(app, options.check, stop, action);
+  add_new(app, options.fresh, action);
   add_explain(app, options.explain, action);
   add_compare(app, options.compare, action);
   add_export(app, options.deck, stop, action);
@@ -369,7 +380,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Strake: fluid and structure solvers for slamming and water entry, coupled."};
   app.name("strake");
   app.set_version_flag("--version", [] {
-    return fmt::format("strake {} ({})", strake::strake_version(), strake::strake_commit());
+    return fmt::format("strake {}\n{}", strake::strake_version(), strake::build_text());
   });
   app.require_subcommand(1);
 

@@ -2,6 +2,7 @@
 #include "fluid/case/read_parameters.hpp"
 #include "fluid/participant.hpp"
 #include "fluid/size.hpp"
+#include "proto/version.hpp"
 
 #include <memory>
 
@@ -14,7 +15,8 @@ int main(int argc, char** argv) {
   Program program;
   program.program = "strake-fluid";
   program.solver = "mps";
-  program.version = STRAKE_VERSION;
+  program.version = strake_version();
+  program.built_from = build_text();
   program.prefix = "fluid";
   program.declare = [&](CaseFile& file) {
     common = read_common(file);

@@ -1,4 +1,5 @@
 #include "coupler/participant/participant_main.hpp"
+#include "proto/version.hpp"
 #include "structure/case/read_parameters.hpp"
 #include "structure/participant.hpp"
 #include "structure/solver/program.hpp"
@@ -16,7 +17,8 @@ int main(int argc, char** argv) {
   Program program;
   program.program = "strake-structure-" + solver.kind;
   program.solver = solver.kind;
-  program.version = STRAKE_VERSION;
+  program.version = strake_version();
+  program.built_from = build_text();
   program.prefix = "structure";
   program.declare = [&](CaseFile& file) {
     common = read_common(file);

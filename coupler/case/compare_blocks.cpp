@@ -94,9 +94,11 @@ std::vector<CompareBlock::Metric> read_metrics(CaseTable block, bool only_declar
                         near.empty() ? "" : "did you mean " + near + "?");
     }
     CompareBlock::Metric metric = {name, 0, 0};
-    value.number(name, metric.value, {.unit = "SI", .required = true, .help = "expected " + name});
-    tolerance.number(name, metric.tolerance,
-                     {.min = 0, .required = true, .help = "allowed deviation of " + name});
+    value.number(name, metric.value,
+                 {.unit = "SI", .required = true, .conditional = true, .help = "expected " + name});
+    tolerance.number(
+        name, metric.tolerance,
+        {.min = 0, .required = true, .conditional = true, .help = "allowed deviation of " + name});
     metrics.push_back(metric);
   }
   for (const std::string& name : tolerance.keys())
@@ -122,7 +124,12 @@ CompareBlock::Span read_window(CaseTable window, bool only_declares) {
     span.from = span.to = 0;
     window.number("from", span.from, {.unit = "s", .min = 0, .help = "begin of the window"});
     window.number("to", span.to,
-                  {.unit = "s", .min = 0, .exclusive = true, .required = !shares, .help = "its end"});
+                  {.unit = "s",
+                   .min = 0,
+                   .exclusive = true,
+                   .required = !shares,
+                   .conditional = true,
+                   .help = "its end"});
   }
   for (const char* key : {"from", "to"})
     if (shares && window.has(key))

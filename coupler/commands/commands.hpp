@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/new_case/new_options.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "proto/error.hpp"
 
@@ -7,6 +8,10 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace strake {
 
@@ -37,9 +42,21 @@ struct CheckOptions {
 };
 ExitCode check(const CheckOptions&, const StopRequest&);
 
-/// key: empty for all; a table ("fluid.scheme") lists its keys. markdown: the reference of
-/// proto/CASE_FILE.md.
-ExitCode explain(const std::string& key, bool markdown);
+struct ExplainOptions {
+  std::string key;            // empty: all; a table ("fluid.scheme") lists its keys
+  bool markdown = false;      // the reference of proto/CASE_FILE.md instead
+  bool schema = false;        // a JSON Schema of the case file instead
+  std::string completion;     // "bash": the completion of that shell instead
+  std::filesystem::path man;  // folder that the man pages are written into instead
+};
+ExitCode explain(const ExplainOptions&);
+/// Declares the options of `explain`.
+void add_explain_options(CLI::App& command, ExplainOptions&);
+/// Writes completion or man pages from the command line of `strake` and of the solver programs.
+ExitCode explain_program(const ExplainOptions&, const CLI::App& strake);
+
+/// Writes a commented case file, which `check` accepts. Replaces no file.
+ExitCode new_case(NewOptions);
 
 struct CompareOptions {
   std::vector<std::string> operands;  // run folders, CSV files, FILE:COLUMN; the first is the reference

@@ -1,69 +1,19 @@
-#include "coupler/case/case_queries.hpp"
-#include "coupler/case/case_view.hpp"
 #include "coupler/commands/commands.hpp"
-#include "coupler/participant/launch.hpp"
+#include "coupler/console/console.hpp"
+#include "coupler/editor/declarations.hpp"
+#include "coupler/editor/schema.hpp"
 #include "proto/error.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <map>
-#include <set>
 
 namespace strake {
 
 namespace {
-
-const char* const solver_programs[] = {"strake-fluid",           "strake-fluid-replay",
-                                       "strake-structure-fem",   "strake-structure-particle",
-                                       "strake-structure-rigid", "strake-structure-replay"};
-
-struct Declarations {
-  std::vector<KeyInfo> keys;         // each once, tables together
-  std::vector<std::string> missing;  // programs that are not built
-};
-
-std::string table_of(const std::string& path) {
-  const auto dot = path.rfind('.');
-  return dot == std::string::npos ? std::string() : path.substr(0, dot);
-}
-
-Declarations collect() {
-  Declarations all;
-  std::set<std::string> seen;
-  const auto add = [&](const std::vector<KeyInfo>& keys) {
-    for (const KeyInfo& key : keys)
-      if (seen.insert(key.path).second) all.keys.push_back(key);
-  };
-  add(coupler_declarations());
-  for (const char* program : solver_programs) {
-    try {
-      const Captured answer = capture(find_program(program), {"--keys"});
-      if (answer.exit_code != 0) throw Error(ExitCode::participant_lost, program, "does not answer --keys");
-      add(keys_from_json(answer.out));
-    } catch (const Error&) {
-      all.missing.emplace_back(program);
-    }
-  }
-  // Root keys, then [fluid], [structure], [coupling], [output], …; inside a table as declared.
-  const auto rank = [](const KeyInfo& key) {
-    const std::string top = key.path.substr(0, key.path.find_first_of(".["));
-    const std::vector<std::string> order = {"fluid", "structure", "coupling", "output", "compare", "run"};
-    if (key.path.find('.') == std::string::npos && key.type != "table") return std::ptrdiff_t{-1};
-    return std::find(order.begin(), order.end(), top) - order.begin();
-  };
-  std::stable_sort(all.keys.begin(), all.keys.end(),
-                   [&](const KeyInfo& a, const KeyInfo& b) { return rank(a) < rank(b); });
-  return all;
-}
-
-std::string type_text(const KeyInfo& key) {
-  if (!key.choices.empty()) return joined(key.choices, " | ");
-  return key.unit.empty() || key.unit == "1" ? key.type : fmt::format("{} [{}]", key.type, key.unit);
-}
 
 void print_key(const KeyInfo& key) {
   fmt::print("{}\n", key.path);
@@ -92,13 +42,6 @@ std::string cell(std::string text) {
 
 std::string code(const std::string& text) {
   return text.empty() ? text : "`" + cell(text) + "`";
-}
-
-/// "how the programs run" → "How the programs run."; a key at the front stays as it is.
-std::string sentence(std::string text) {
-  if (text.find('.') >= text.find(' '))
-    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text.ends_with('.') ? text : text + ".";
 }
 
 /// The keys table by table, as Markdown; a table stands before the tables inside it.
@@ -177,9 +120,12 @@ std::vector<KeyInfo> below(const std::vector<KeyInfo>& keys, const std::string& 
 
 }  // namespace
 
-ExitCode explain(const std::string& key, bool markdown) {
-  const Declarations all = collect();
-  if (markdown) {
+ExitCode explain(const ExplainOptions& options) {
+  const std::string& key = options.key;
+  const Declarations all = collect_declarations();
+  if (options.schema) {
+    put(stdout, case_schema(all.keys));
+  } else if (options.markdown) {
     Reference(all.keys).print();
   } else if (key.empty()) {
     print_list(all.keys);

@@ -2,6 +2,7 @@
 #include "coupler/commands/commands.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/run/run_folder.hpp"
+#include "proto/version.hpp"
 
 #include <fmt/format.h>
 

@@ -7,6 +7,7 @@
 #include "coupler/study/runner.hpp"
 #include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
+#include "proto/version.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>

@@ -8,6 +8,15 @@ install(FILES ${PROJECT_SOURCE_DIR}/proto/coupling.proto ${PROJECT_SOURCE_DIR}/p
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/proto COMPONENT programs)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/   # where tests/run.sh --manual has made it
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strake COMPONENT programs OPTIONAL)
+# Man pages and completion come from the programs' own declarations, so they are written by `strake` when it is installed.
+set(pages ${PROJECT_BINARY_DIR}/pages)
+install(CODE "execute_process(COMMAND \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/strake\" explain --man \"${pages}/man1\"
+    COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+  file(MAKE_DIRECTORY \"${pages}/completions\")
+  execute_process(COMMAND \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/strake\" explain --completion bash
+    COMMAND_ERROR_IS_FATAL ANY OUTPUT_FILE \"${pages}/completions/strake\")" COMPONENT programs)
+install(DIRECTORY ${pages}/man1/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs FILES_MATCHING PATTERN "*.1")
+install(FILES ${pages}/completions/strake DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs)
 # Python: the messages and the package `strake`; apart from them `precice`, which must not shadow preCICE's own bindings.
 install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/strake/python COMPONENT programs)

@@ -58,7 +58,8 @@ struct Program {
   /// Optional: estimates the size of the case from its keys; every mode refuses what this machine's memory
   /// cannot take. `declare` has run on the same file.
   std::function<SizeEstimates()> sizes = {};
-  double properties_cost = 1;  // how many times as long as to build it the line of --properties takes
+  double properties_cost = 1;   // how many times as long as to build it the line of --properties takes
+  std::string built_from = {};  // lines that --version adds: commit and libraries
 };
 
 /// The whole of a solver's main: parses, does the mode or serves, prints errors, returns the exit code.

@@ -2,6 +2,7 @@
 #include "coupler/report/sections.hpp"
 #include "coupler/report/style.hpp"
 #include "coupler/run/run_folder.hpp"
+#include "proto/version.hpp"
 
 #include <fmt/format.h>
 

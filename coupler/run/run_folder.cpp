@@ -1,9 +1,9 @@
 #include "coupler/run/run_folder.hpp"
 
-#include "coupler/commit.hpp"
 #include "coupler/transport/system_calls.hpp"
 #include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
+#include "proto/version.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/chrono.h>
@@ -207,13 +207,6 @@ void RunRecord::write() const {
   std::optional<OnlyMine> mask;
   if (private_) mask.emplace();
   write_text(folder_ / "run.json", json_text(data_, 2) + "\n");
-}
-
-std::string strake_version() {
-  return STRAKE_VERSION;
-}
-std::string strake_commit() {
-  return STRAKE_COMMIT;
 }
 
 std::string compiler() {

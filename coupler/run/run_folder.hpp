@@ -77,9 +77,6 @@ class RunRecord {
   Json data_;
 };
 
-/// Version and commit that this program was built from.
-std::string strake_version();
-std::string strake_commit();
 /// The compiler that built this program: "gcc 12.2.0".
 std::string compiler();
 /// "2025-11-21T02:04:42Z"

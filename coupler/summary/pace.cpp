@@ -39,7 +39,7 @@ double count_of(const std::string& text, const std::string& what) {
 }
 
 /// The memory behind the colon of the same line [bytes].
-double bytes_of(const std::string& text) {
+double memory_behind_colon(const std::string& text) {
   const std::size_t colon = text.rfind(": ");
   if (colon == std::string::npos) return 0;
   return std::strtod(text.c_str() + colon + 2, nullptr) * (text.ends_with("GB") ? 1e9 : 1e6);
@@ -109,7 +109,7 @@ std::optional<Pace> pace_of(const CaseView& view) {
   for (const auto& side : {view.fluid, view.structure}) {
     if (!side) continue;
     for (const std::string& text : lines_with(size_words, *side)) {
-      pace.bytes += bytes_of(text);
+      pace.bytes += memory_behind_colon(text);
       pace.particles += count_of(text, "water particles") + count_of(text, "wall particles");
     }
   }

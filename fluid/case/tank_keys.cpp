@@ -27,7 +27,10 @@ void read_shape(CaseTable& t, Parameters& p) {
   t.points("tank_polygon", p.tank_polygon,
            {.unit = "m", .help = "2-D, in place of tank: corners of the inner faces, counter-clockwise"});
   t.box("tank", p.tank,
-        {.unit = "m", .required = p.tank_polygon.empty(), .help = "inner faces of the tank, a box"});
+        {.unit = "m",
+         .required = p.tank_polygon.empty(),
+         .unless = {"tank_polygon"},
+         .help = "inner faces of the tank, a box"});
   t.flag("open_top", p.open_top,
          {.help = "a box without lid; a polygon without wall from its last corner to its first"});
   if (p.tank_polygon.empty()) return;
@@ -45,6 +48,7 @@ void read_water_shapes(CaseTable& t, Parameters& p) {
   t.box("water", p.water,
         {.unit = "m",
          .required = polygon.empty() && !has_more,
+         .unless = {"water_polygon", "more_water"},
          .help = "the water at the start, a box inside the tank"});
   if (t.has("water")) p.water_shapes.push_back({p.water.min, p.water.max});
   if (!polygon.empty()) p.water_shapes.push_back(polygon);

@@ -1,6 +1,7 @@
 #include "coupler/participant/participant_main.hpp"
 #include "fluid/case/replay_keys.hpp"
 #include "fluid/replay/replay.hpp"
+#include "proto/version.hpp"
 
 #include <memory>
 
@@ -12,7 +13,8 @@ int main(int argc, char** argv) {
   Program program;
   program.program = "strake-fluid-replay";
   program.solver = "replay";
-  program.version = STRAKE_VERSION;
+  program.version = strake_version();
+  program.built_from = build_text();
   program.prefix = "fluid";
   program.declare = [&](CaseFile& file) { run = fluid::read_replayed_run(file); };
   program.check = [&](CaseFile&) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <memory>
 #include <sstream>
 
@@ -90,9 +91,42 @@ std::string CaseFile::as_given(const std::string& table, const std::string& solv
   return text.str();
 }
 
+namespace {
+
+/// What differs from KeyLimits{}; a limit that is infinite, which JSON has no number for, is left out.
+Json json_of(const KeyLimits& limits) {
+  Json json = Json::object();
+  if (limits.min && std::isfinite(*limits.min)) json["min"] = *limits.min;
+  if (limits.max && std::isfinite(*limits.max)) json["max"] = *limits.max;
+  if (limits.above) json["above"] = true;
+  if (limits.infinite) json["infinite"] = true;
+  if (limits.path) json["path"] = true;
+  if (limits.required) json["required"] = true;
+  if (!limits.unless.empty()) json["unless"] = limits.unless;
+  if (limits.fewest > 0) json["fewest"] = limits.fewest;
+  if (limits.most > 0) json["most"] = limits.most;
+  return json;
+}
+
+KeyLimits limits_of(const Json& json) {
+  KeyLimits limits;
+  if (json.contains("min")) limits.min = json.at("min").get<double>();
+  if (json.contains("max")) limits.max = json.at("max").get<double>();
+  limits.above = json.value("above", false);
+  limits.infinite = json.value("infinite", false);
+  limits.path = json.value("path", false);
+  limits.required = json.value("required", false);
+  limits.unless = json.value("unless", std::vector<std::string>());
+  limits.fewest = json.value("fewest", std::size_t{0});
+  limits.most = json.value("most", std::size_t{0});
+  return limits;
+}
+
+}  // namespace
+
 std::string to_json(const std::vector<KeyInfo>& keys) {
   Json list = Json::array();
-  for (const KeyInfo& key : keys)
+  for (const KeyInfo& key : keys) {
     list.push_back({{"path", key.path},
                     {"type", key.type},
                     {"unit", key.unit},
@@ -103,6 +137,9 @@ std::string to_json(const std::vector<KeyInfo>& keys) {
                     {"value", key.value},
                     {"origin", key.origin},
                     {"help", key.help}});
+    if (const Json limits = json_of(key.limits); !limits.empty()) list.back()["limits"] = limits;
+    if (!key.instead.empty()) list.back()["instead"] = key.instead;
+  }
   return json_text(list, 2) + "\n";
 }
 
@@ -121,6 +158,8 @@ std::vector<KeyInfo> keys_from_json(const std::string& text) {
       key.value = item.value("value", "");
       key.origin = item.value("origin", "");
       key.help = item.value("help", "");
+      key.limits = limits_of(item.value("limits", Json::object()));
+      key.instead = item.value("instead", "");
       keys.push_back(key);
     }
   } catch (const Json::exception& error) {

@@ -28,6 +28,7 @@ struct NumberKey {
   bool exclusive = false;  // min itself is refused
   bool required = false;
   bool infinite = false;  // inf is accepted, as where the default or the paper's value is inf; NaN never is
+  bool conditional = false;  // `required` depends on what else the case gives, so no list says it
   std::optional<double> paper = {};
   std::string help = {};
 };
@@ -48,6 +49,7 @@ struct FlagKey {
 struct TextKey {
   bool required = false;
   std::optional<std::string> paper = {};
+  std::string instead = {};  // the key is an older name of this key of the table
   std::string help = {};
 };
 struct ChoiceKey {
@@ -60,6 +62,8 @@ struct ChoiceKey {
 struct VectorKey {
   std::string unit = "1";
   bool required = false;
+  bool conditional = false;              // `required` depends on other tables, so no list says it
+  std::vector<std::string> unless = {};  // keys of the table of which any one stands in for a required key
   std::string help = {};
 };
 struct PointsKey {

@@ -120,6 +120,12 @@ Eigen::Vector3d read_vector(const Declaration& d, const toml::node& node) {
   return value;
 }
 
+/// Limits of each component of a vector, a box or a point.
+KeyLimits limits_of(const VectorKey& key) {
+  const double most = magnitude_of(key.unit).largest;
+  return {.min = -most, .max = most, .required = key.required && !key.conditional, .unless = key.unless};
+}
+
 bool is_box(const Box& box) {
   return box.min.x() < box.max.x() && box.min.y() < box.max.y() && box.min.z() <= box.max.z();
 }
@@ -185,6 +191,11 @@ void CaseTable::number(const std::string& name, double& value, const NumberKey& 
   const std::string declared = range_text(key.min, key.max, key.exclusive);
   const bool complete = std::isfinite(key.min) && std::isfinite(key.max);
   d.info.range = complete ? declared : range_text(wide.min, wide.max, wide.exclusive) + or_inf;
+  d.info.limits = {.min = wide.min,
+                   .max = wide.max,
+                   .above = wide.exclusive,
+                   .infinite = infinite,
+                   .required = key.required && !key.conditional};
   d.info.default_value = key.required ? "" : to_toml(value);
   d.default_passes = !key.required && in_range(value, key, infinite);
   if (key.paper) d.info.paper_value = to_toml(*key.paper);
@@ -215,6 +226,9 @@ void CaseTable::integer(const std::string& name, int& value, const IntegerKey& k
   using Limits = std::numeric_limits<int>;
   d.info.range = range_text(key.min == Limits::min() ? -infinity : key.min,
                             key.max == Limits::max() ? infinity : key.max, false);
+  d.info.limits.required = key.required;
+  if (key.min != Limits::min()) d.info.limits.min = key.min;
+  if (key.max != Limits::max()) d.info.limits.max = key.max;
   d.info.default_value = key.required ? "" : fmt::format("{}", value);
   d.default_passes = !key.required && value >= key.min && value <= key.max;
   if (key.paper) d.info.paper_value = fmt::format("{}", *key.paper);
@@ -252,6 +266,7 @@ void CaseTable::flag(const std::string& name, bool& value, const FlagKey& key) {
 
 void CaseTable::vector(const std::string& name, Eigen::Vector3d& value, const VectorKey& key) {
   Declaration d(*document_, path_, name, {.type = "vector", .unit = key.unit, .help = key.help});
+  d.info.limits = limits_of(key);
   d.info.default_value = key.required ? "" : to_text(value);
   d.default_passes = !key.required;
   d.expected = "[x, y] or [x, y, z]" + in_unit(key.unit);
@@ -264,6 +279,7 @@ void CaseTable::vector(const std::string& name, Eigen::Vector3d& value, const Ve
 void CaseTable::box(const std::string& name, Box& value, const VectorKey& key) {
   Declaration d(*document_, path_, name, {.type = "box", .unit = key.unit, .help = key.help});
   const auto text = [](const Box& box) { return "[" + to_text(box.min) + ", " + to_text(box.max) + "]"; };
+  d.info.limits = limits_of(key);
   d.default_passes = !key.required && is_box(value);
   d.info.default_value = d.default_passes ? text(value) : "";
   d.expected = "two corners [[x, y], [x, y]]" + in_unit(key.unit) + ", the lower one first";
@@ -290,6 +306,9 @@ void CaseTable::points(const std::string& name, std::vector<Eigen::Vector3d>& va
     for (const Eigen::Vector3d& point : points) list += (list.empty() ? "" : ", ") + to_text(point);
     return "[" + list + "]";
   };
+  d.info.limits = limits_of({.unit = key.unit, .required = key.required});
+  d.info.limits.fewest = key.at_least;
+  d.info.limits.most = most_points;
   d.info.default_value = value.empty() ? "" : text(value);
   d.default_passes = !value.empty();
   d.expected = fmt::format("a list of at least {} points [[x, y], ...]", key.at_least) + in_unit(key.unit);

@@ -37,6 +37,7 @@ void read_path(Declaration& d, const std::filesystem::path& folder, std::filesys
                const TextKey& key, PathKind kind) {
   const std::string noun = kind == PathKind::file ? "file" : "folder";
   d.expected = "the path of a " + noun;
+  d.info.limits.required = key.required;
   d.info.default_value = key.required ? "" : value.string();
   d.default_passes = false;
   if (d.given(key.required, "\"<path>\"")) {
@@ -65,6 +66,7 @@ void read_path(Declaration& d, const std::filesystem::path& folder, std::filesys
 void CaseTable::text(const std::string& name, std::string& value, const TextKey& key) {
   Declaration d(*document_, path_, name, {.type = "text", .help = key.help});
   d.expected = "text in quotes";
+  d.info.limits.required = key.required;
   d.info.default_value = key.required ? "" : value;
   d.default_passes = false;
   if (key.paper) d.info.paper_value = *key.paper;
@@ -99,6 +101,7 @@ void CaseTable::choice(const std::string& name, std::string& value, const std::v
   d.expected = (choices.size() == 1 ? "" : "one of ") + list_of(choices) +
                (key.or_path ? ", or the path of a program" : "");
   d.info.range = key.or_path ? "or the path of a program" : "";
+  d.info.limits = {.path = key.or_path, .required = key.required};
   d.info.default_value = key.required ? "" : value;
   d.default_passes = false;
   if (key.paper) d.info.paper_value = *key.paper;
@@ -128,6 +131,8 @@ void CaseTable::choice(const std::string& name, std::string& value, const std::v
 void CaseTable::texts(const std::string& name, std::vector<std::string>& value, const TextKey& key) {
   Declaration d(*document_, path_, name, {.type = "texts", .help = key.help});
   d.expected = "text in quotes, or a list of them";
+  d.info.limits.required = key.required;
+  d.info.instead = key.instead;
   d.info.default_value = key.required ? "" : "[" + list_of(value) + "]";
   d.default_passes = !key.required;
   if (d.given(key.required, "[\"<text>\"]")) {

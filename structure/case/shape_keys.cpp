@@ -339,7 +339,7 @@ void read_body(const CaseFile& file, CaseTable t, const CommonKeys& common, Para
                                    const char* help) {
     Eigen::Vector3d given = Eigen::Vector3d::Zero();
     if (!all && !t.has(name)) return;
-    t.vector(name, given, {.unit = unit, .required = true, .help = help});
+    t.vector(name, given, {.unit = unit, .required = true, .conditional = true, .help = help});
     if (!all) value = given;
   };
   optional_vector("inertia_axes", body.inertia_axes, "kg m^2",
@@ -387,7 +387,7 @@ void read_loaded_faces(CaseTable t, bool only_declares, Parameters& p) {
                "name of its mesh, or PART.SIDE of a structure.box; others keep it out and feel nothing; "
                "[]: all of the outer surface"});
   std::vector<std::string> old_key;
-  t.texts("wet", old_key, {.help = "name of loaded_faces before version 0.2"});
+  t.texts("wet", old_key, {.instead = "loaded_faces", .help = "name of loaded_faces before version 0.2"});
   if (only_declares) return;
   if (!old_key.empty() && !p.loaded_faces.empty())
     throw t.error("wet", "loaded_faces alone: wet is its older name", "leave wet out");

@@ -24,7 +24,7 @@ def equal(one, other, what, names=("history.csv", "iterations.csv")):
 def help_and_version(place):
     result = strake("--help", cwd=place)
     expect(result.returncode == 0, "--help exits 0")
-    for command in ("run", "check", "explain", "compare", "replay", "export", "picture", "film", "report", "study", "watch", "manual"):
+    for command in ("run", "check", "new", "explain", "compare", "replay", "export", "picture", "film", "report", "study", "watch", "manual"):
         expect(f"  {command} " in result.stdout, f"--help names {command}")
     for words, meant in ((("rnu", "x.toml"), "run"), (("chekc",), "check"), (("run", "x.toml", "--tga", "a"), "--tag"),
                          (("compare", "a", "--porbe=mid.y"), "--probe")):

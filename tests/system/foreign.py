@@ -30,6 +30,10 @@ def column(run, name):
 def build_outside(place, prefix):
     for component in ("programs", "participant"):
         command("cmake", "--install", BUILD, "--prefix", prefix, "--component", component, cwd=place)
+    pages = prefix / "share" / "man" / "man1"
+    expect({"strake.1", "strake-run.1", "strake-fluid.1"} <= {page.name for page in pages.glob("*.1")}, f"man pages are installed in {pages}")
+    completion = prefix / "share" / "bash-completion" / "completions" / "strake"
+    expect(completion.exists() and completion.read_text().rstrip().endswith("strake-structure-ccx"), f"the completion is {completion}")
     source = place / "solver"
     shutil.copytree(FOREIGN, source)
     expect(len((source / "spring.cpp").read_text().splitlines()) < 50, "the solver in C++ is short")

@@ -1,5 +1,6 @@
 #include "coupler/participant/participant_main.hpp"
 
+#include "coupler/participant/case/participant_options.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/liveness_thread.hpp"
 #include "proto/case/case_file.hpp"
@@ -93,7 +94,8 @@ int run_mode(const ParticipantOptions& options, const Program& program) {
     case Mode::serve:
       return serve_case(options, program);
     case Mode::version:
-      fmt::print("{} {} ({})\n", program.program, program.version, program.solver);
+      fmt::print("{} {} ({})\n{}{}", program.program, program.version, program.solver, program.built_from,
+                 program.built_from.empty() ? "" : "\n");
       break;
     case Mode::keys: {
       CaseFile nothing = CaseFile::declarations_only();
@@ -131,35 +133,45 @@ int run_mode(const ParticipantOptions& options, const Program& program) {
 
 }  // namespace
 
-ParticipantOptions parse_participant_options(int argc, char** argv) {
-  ParticipantOptions options;
-  bool check = false, properties = false, picture = false, echo = false, keys = false, version = false;
-  std::string hash;
-  CLI::App app{"A participant of a Strake run. `strake run CASE` starts it; its modes stand alone."};
-  app.add_option("--connect", options.endpoint, "endpoint of the coupler; the token is in STRAKE_TOKEN");
-  app.add_option("--name", options.name, "part in the run: fluid or structure");
-  app.add_option("--case,case", options.case_file, "case file");
+void add_participant_options(CLI::App& app, ParticipantOptions& options, ParticipantFlags& flags) {
+  app.description("A participant of a Strake run. `strake run CASE` starts it; its modes stand alone.");
+  app.add_option("--connect", options.endpoint, "endpoint of the coupler; the token is in STRAKE_TOKEN")
+      ->type_name("ENDPOINT");
+  app.add_option("--name", options.name, "part in the run: fluid or structure")->type_name("fluid|structure");
+  app.add_option("--case,CASE", options.case_file, "case file")->type_name("CASE");
   app.add_option("--set", options.sets, "KEY=VALUE, replaces a key of the case file")
+      ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  app.add_option("--case-hash", hash, "hash of the case as the coupler read it");
+  app.add_option("--case-hash", flags.hash, "hash of the case as the coupler read it")->type_name("HEX");
   auto* modes = app.add_option_group("modes", "instead of taking part in a run");
-  modes->add_flag("--check", check, "read the case, refuse what a run would refuse, print derived numbers");
-  modes->add_flag("--properties", properties, "print mass, centre, inertia, frequencies and stable step");
-  modes->add_flag("--picture", picture,
+  modes->add_flag("--check", flags.check,
+                  "read the case, refuse what a run would refuse, print derived numbers");
+  modes->add_flag("--properties", flags.properties,
+                  "print mass, centre, inertia, frequencies and stable step");
+  modes->add_flag("--picture", flags.picture,
                   "print a drawing of shape, cells or particles, supports and wet surface (SVG)");
-  modes->add_flag("--echo", echo, "print this program's tables with every key resolved");
-  const auto* to_file = modes
-                            ->add_option("--export", options.deck.format,
-                                         "write mesh, supports and recorded loads for ccx or ansys")
-                            ->check(CLI::IsMember({"ccx", "ansys"}));
-  app.add_option("--run", options.deck.run, "with --export: folder of the run whose loads are taken");
-  app.add_option("--into", options.deck.folder, "with --export: folder of the input file");
+  modes->add_flag("--echo", flags.echo, "print this program's tables with every key resolved");
+  modes
+      ->add_option("--export", options.deck.format,
+                   "write mesh, supports and recorded loads for ccx or ansys")
+      ->check(CLI::IsMember({"ccx", "ansys"}))
+      ->type_name("ccx|ansys");
+  app.add_option("--run", options.deck.run, "with --export: folder of the run whose loads are taken")
+      ->type_name("RUN");
+  app.add_option("--into", options.deck.folder, "with --export: folder of the input file")->type_name("DIR");
   app.add_option("--origin", options.deck.origin, "with --export: what its heading says of its origin");
-  modes->add_flag("--keys,--declarations", keys, "print this program's keys as JSON");
-  modes->add_flag("--version", version, "print name and version");
+  modes->add_flag("--keys,--declarations", flags.keys, "print this program's keys as JSON");
+  modes->add_flag("--version", flags.version, "print name, version and libraries");
   modes->require_option(0, 1);
+}
+
+ParticipantOptions parse_participant_options(int argc, char** argv) {
+  ParticipantOptions options;
+  ParticipantFlags flags;
+  CLI::App app;
+  add_participant_options(app, options, flags);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -167,16 +179,16 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     throw Error(ExitCode::command_line, argv[0], e.what(), "--help lists the options");
   }
-  if (!hash.empty()) options.case_hash = parse_hash(hash);
+  if (!flags.hash.empty()) options.case_hash = parse_hash(flags.hash);
   using Mode = ParticipantOptions::Mode;
-  options.mode = check        ? Mode::check
-                 : properties ? Mode::properties
-                 : picture    ? Mode::picture
-                 : echo       ? Mode::echo
-                 : *to_file   ? Mode::export_deck
-                 : keys       ? Mode::keys
-                 : version    ? Mode::version
-                              : Mode::serve;
+  options.mode = flags.check                    ? Mode::check
+                 : flags.properties             ? Mode::properties
+                 : flags.picture                ? Mode::picture
+                 : flags.echo                   ? Mode::echo
+                 : !options.deck.format.empty() ? Mode::export_deck
+                 : flags.keys                   ? Mode::keys
+                 : flags.version                ? Mode::version
+                                                : Mode::serve;
   return options;
 }
 

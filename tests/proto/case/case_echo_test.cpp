@@ -115,6 +115,14 @@ TEST(CaseFile, DeclarationsGoThroughJsonAndBack) {
   const std::vector<KeyInfo> back = keys_from_json(to_json(file.declared()));
   ASSERT_EQ(back.size(), file.declared().size());
   EXPECT_EQ(to_json(back), to_json(file.declared()));
+  const auto at = [&](const std::string& path) {
+    return *std::find_if(back.begin(), back.end(), [&](const KeyInfo& key) { return key.path == path; });
+  };
+  const KeyLimits cfl = at("fluid.scheme.cfl").limits, spacing = at("fluid.spacing").limits;
+  EXPECT_EQ(cfl.max, 1) << "as declared";
+  EXPECT_FALSE(cfl.required);
+  EXPECT_EQ(spacing.min, 1e-9) << "the smallest length";
+  EXPECT_TRUE(spacing.required);
   EXPECT_THROW(keys_from_json("{"), Error);
   EXPECT_THROW(keys_from_json("[{\"path\": 3}]"), Error);
 }

@@ -1,0 +1,103 @@
+#include "coupler/new_case/case_lines.hpp"
+
+#include "coupler/new_case/scenes.hpp"
+#include "proto/visible.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace strake {
+namespace {
+
+constexpr std::size_t comment_column = 40;
+constexpr double frames_of_run = 50;  // of a run
+
+std::string corners_text(const NewScene& s, double top, double right) {
+  const double back = s.dimension == 3 ? s.left : 0, front = s.dimension == 3 ? s.right : 0;
+  return fmt::format("[{}, {}]", toml_vector(s.left, s.bottom, back), toml_vector(right, top, front));
+}
+
+/// The next larger number of two digits.
+double two_digits(double x) {
+  const double unit = std::pow(10, std::floor(std::log10(x)) - 1);
+  return std::ceil(x / unit - 1e-9) * unit;
+}
+
+}  // namespace
+
+std::string toml_number(double x) {
+  std::string text = fmt::format("{:.9g}", x);
+  if (const auto e = text.find('e'); e != std::string::npos) {
+    const int exponent = std::atoi(text.c_str() + e + 1);  // 6 instead of +06
+    const std::string digits = text.substr(0, e);
+    return fmt::format("{}{}e{}", digits, digits.find('.') == std::string::npos ? ".0" : "", exponent);
+  }
+  return text.find('.') == std::string::npos ? text + ".0" : text;
+}
+
+std::string toml_vector(double x, double y, double z) {
+  return fmt::format("[{}, {}, {}]", toml_number(x), toml_number(y), toml_number(z));
+}
+
+CaseLines& CaseLines::table(const std::string& head) {
+  text_ += "\n" + head + "\n";
+  return *this;
+}
+
+CaseLines& CaseLines::key(const std::string& name, const std::string& value, const std::string& comment) {
+  const std::string line = name + " = " + value;
+  const std::size_t gap = line.size() + 1 < comment_column ? comment_column - line.size() : 2;
+  text_ += line + std::string(gap, ' ') + "# " + comment + "\n";
+  return *this;
+}
+
+CaseLines& CaseLines::number(const std::string& name, double value, const std::string& comment) {
+  return key(name, toml_number(value), comment);
+}
+
+CaseLines& CaseLines::text(const std::string& name, const std::string& value, const std::string& comment) {
+  std::string quoted;
+  for (const char c : visible(value))
+    quoted += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
+  return key(name, "\"" + quoted + "\"", comment);
+}
+
+CaseLines& CaseLines::comment(const std::string& words) {
+  text_ += "# " + visible(words, "") + "\n";
+  return *this;
+}
+
+std::string case_file_text(const std::string& kind, const NewScene& s) {
+  CaseLines lines;
+  lines.comment(s.physics)
+      .comment(fmt::format(
+          "Written by `strake new {}`. `strake check FILE` says what a run of it costs and what", kind))
+      .comment(
+          "its spacings resolve; `strake run FILE` runs it. Units are SI. `strake explain KEY` explains a "
+          "key.");
+  lines.text("title", s.title, "headline of the run")
+      .number("end_time", two_digits(s.end_time), "s, " + s.end_reason);
+  lines.table("[fluid]")
+      .key("dimension", fmt::format("{}", s.dimension),
+           s.dimension == 2 ? "2: the plane, masses and forces are per metre of depth" : "3: space")
+      .number("spacing", s.spacing, "m, between particles; halve it to judge a result")
+      .number("density", 1000, "kg/m^3, of the water")
+      .number("kinematic_viscosity", 1e-6, "m^2/s, of the water")
+      .key("gravity", "[0.0, -9.81, 0.0]", "m/s^2")
+      .number("sound_speed", 1500, "m/s, of the water; inf: incompressible")
+      .key("tank", corners_text(s, s.top, s.right), "m, corners of its inner faces; it is open above")
+      .key("water", corners_text(s, s.surface, s.water_right), "m, corners of the water at the start");
+  std::string text = lines.str() + s.body;
+  CaseLines rest;
+  rest.table("[output]")
+      .number("every", round_number(s.end_time / frames_of_run), "s, between frames of the fields");
+  rest.table("[coupling.surface]")
+      .comment(
+          "window = 1.0e-5                       # s, between exchanges; left out, it follows shape, speed "
+          "and spacing");
+  return text + rest.str();
+}
+
+}  // namespace strake

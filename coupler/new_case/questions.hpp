@@ -1,0 +1,17 @@
+#pragma once
+
+#include "coupler/new_case/kinds.hpp"
+
+#include <iosfwd>
+#include <optional>
+
+namespace strake {
+
+/// Asks for the kind of a case by its name. An empty line takes the first.
+/// Throws Error(command_line) where the input ends before an answer.
+const NewKind& ask_kind(std::istream& answers, std::ostream& questions);
+/// Asks for the solver, the mesh file and each number of a kind, with their defaults and bounds. An answer
+/// that does not do is asked for again. Throws Error(command_line) where the input ends.
+NewAnswers ask_answers(const NewKind&, std::istream& answers, std::ostream& questions);
+
+}  // namespace strake

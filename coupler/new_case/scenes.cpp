@@ -1,0 +1,188 @@
+// Scenes of rigid bodies and of water alone. Elastic ones: elastic_scenes.cpp.
+#include "coupler/new_case/scenes.hpp"
+
+#include "coupler/new_case/case_lines.hpp"
+#include "coupler/new_case/mesh_extent.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace strake {
+namespace {
+
+// Air between body and water at the start [spacing]: no time is lost in free fall.
+constexpr double rigid_gap = 0.6;
+
+/// A tank around a body `width` wide: wide enough that its walls add some per cent to the force.
+void put_wide_tank(NewScene& s, double width, double depth, double above) {
+  const double l0 = s.spacing;
+  const auto whole = [l0](double length) { return l0 * std::ceil(length / l0 - 1e-9); };
+  s.right = s.water_right = whole(2 * width);
+  s.left = -s.right;
+  s.bottom = -whole(depth);
+  s.top = whole(above);
+}
+
+/// [structure] of a rigid body that moves down: driven, or free to heave with a mass.
+CaseLines rigid_body(const NewAnswers& answers, int dimension) {
+  CaseLines lines;
+  lines.table("[structure]")
+      .text("solver", "rigid", "rigid | replay | none, or the path of a program")
+      .key("velocity", toml_vector(0, -answers.value("speed")), "m/s, at the start");
+  if (const double mass = answers.value("mass"); mass > 0)
+    lines.number("mass", mass, dimension == 2 ? "kg, per metre of depth" : "kg")
+        .key("free", "{ y = true }", "true: the loads move the body along y, up and down");
+  return lines;
+}
+
+std::string motion_words(const NewAnswers& answers) {
+  const double mass = answers.value("mass"), speed = answers.value("speed");
+  return mass > 0 ? fmt::format("of {:g} kg, free to heave, meets still water at {:g} m/s", mass, speed)
+                  : fmt::format("driven into still water at {:g} m/s", speed);
+}
+
+}  // namespace
+
+double round_number(double x) {
+  const double power = std::pow(10, std::floor(std::log10(x) + 1e-9));
+  double best = power;
+  for (const double digit : {2.0, 2.5, 4.0, 5.0})
+    if (digit * power <= x * (1 + 1e-9)) best = digit * power;
+  return best;
+}
+
+void check_height(double width, double height) {
+  constexpr double most = 10;
+  if (height <= most * width && height >= width / most) return;
+  throw Error(
+      ExitCode::command_line, fmt::format("--height {:g}", height),
+      fmt::format("expected {:g} to {:g} m: a tenth of the width to ten widths", width / most, most * width),
+      fmt::format("--height {:g}, or another --width", width));
+}
+
+double chosen_spacing(const NewAnswers& answers, const std::string& name, double length, double parts) {
+  const double given = answers.value("spacing");
+  if (given == 0) return round_number(length / parts);
+  if (given > length / 10 || given < length / 1000)
+    throw Error(ExitCode::command_line, fmt::format("--spacing {:g}", given),
+                fmt::format("expected {:g} to {:g} m: a thousandth to a tenth of the {}, {:g} m",
+                            length / 1000, length / 10, name, length),
+                fmt::format("--spacing {:g}, or leave it out", round_number(length / parts)));
+  return given;
+}
+
+NewScene wedge_scene(const NewAnswers& answers) {
+  const double width = answers.value("width"), angle = answers.value("angle"), speed = answers.value("speed");
+  NewScene s;
+  s.title = "wedge entry";
+  s.physics = fmt::format("Rigid wedge of {:g} degrees deadrise, {}, 2-D.", angle, motion_words(answers));
+  s.spacing = chosen_spacing(answers, "width", width, 100);
+  const double gap = rigid_gap * s.spacing;
+  const double chine = 0.5 * width * std::tan(angle * std::numbers::pi / 180);  // [m] above the apex
+  put_wide_tank(s, width, 1.5 * width, chine + 0.75 * width);
+  // Wagner's rise of the water: the chines are wet when the apex is 2/pi of their height deep.
+  s.end_time = 1.1 * (gap + 2 / std::numbers::pi * chine) / speed;
+  s.end_reason = "the water has reached the chines";
+  CaseLines lines = rigid_body(answers, 2);
+  lines.table("[structure.wedge]")
+      .number("deadrise", angle, "deg, of the faces against the horizontal")
+      .number("width", width, "m, between the chines")
+      .key("apex", toml_vector(0, gap), "m, lowest point: a gap of 0.6 spacings above the water");
+  s.body = lines.str();
+  return s;
+}
+
+namespace {
+
+NewScene round_scene(const NewAnswers& answers, const std::string& name, int dimension, double parts) {
+  const double radius = answers.value("radius"), speed = answers.value("speed");
+  NewScene s;
+  s.dimension = dimension;
+  s.title = name + " entry";
+  s.physics =
+      fmt::format("Rigid {} of {:g} m radius, {}, {}-D.", name, radius, motion_words(answers), dimension);
+  s.spacing = chosen_spacing(answers, "radius", radius, parts);
+  const double gap = rigid_gap * s.spacing;
+  if (dimension == 2)
+    put_wide_tank(s, 3 * radius, 4 * radius, 3 * radius);
+  else
+    put_wide_tank(s, 1.25 * radius, 1.25 * radius, 2.5 * radius);
+  s.end_time = (gap + (dimension == 2 ? 0.5 : 0.2) * radius) / speed;
+  s.end_reason = dimension == 2 ? "the body is half a radius deep" : "the body is a fifth of its radius deep";
+  CaseLines lines = rigid_body(answers, dimension);
+  lines.table("[structure." + name + "]")
+      .number("radius", radius, "m")
+      .key("centre", toml_vector(0, radius + gap), "m: a gap of 0.6 spacings above the water");
+  s.body = lines.str();
+  return s;
+}
+
+}  // namespace
+
+NewScene cylinder_scene(const NewAnswers& answers) {
+  return round_scene(answers, "cylinder", 2, 20);
+}
+
+NewScene sphere_scene(const NewAnswers& answers) {
+  return round_scene(answers, "sphere", 3, 10);
+}
+
+NewScene mesh_scene(const NewAnswers& answers) {
+  const MeshExtent mesh = read_mesh_extent(answers.mesh);
+  const double width = std::max(mesh.max[0] - mesh.min[0], mesh.max[2] - mesh.min[2]);
+  const double height = mesh.max[1] - mesh.min[1], speed = answers.value("speed");
+  NewScene s;
+  s.dimension = mesh.max[2] - mesh.min[2] > 1e-6 * width ? 3 : 2;
+  s.title = answers.mesh.stem().string() + " entry";
+  s.physics = fmt::format("Rigid body of {}, {}, {}-D.", answers.mesh.filename().string(),
+                          motion_words(answers), s.dimension);
+  s.spacing = chosen_spacing(answers, "body's width", width, s.dimension == 2 ? 80 : 30);
+  put_wide_tank(s, width, width, height + 0.5 * width);
+  const double gap = rigid_gap * s.spacing;
+  const double middle = s.spacing * std::round(0.5 * (mesh.min[0] + mesh.max[0]) / s.spacing);
+  // The mesh keeps its place; tank and water are put around it.
+  s.left += middle;
+  s.right = s.water_right = s.right + middle;
+  s.surface = mesh.min[1] - gap;
+  s.bottom += s.surface;
+  s.top += s.surface;
+  s.end_time = (gap + 0.5 * std::min(height, 0.5 * width)) / speed;
+  s.end_reason = "the body is deep in the water";
+  CaseLines lines = rigid_body(answers, s.dimension);
+  lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on; lengths in m");
+  s.body = lines.str();
+  return s;
+}
+
+NewScene dam_scene(const NewAnswers& answers) {
+  const double width = answers.value("width"), height = answers.value("height");
+  check_height(width, height);
+  NewScene s;
+  s.title = "dam break";
+  s.physics = fmt::format("Column of water {:g} m wide and {:g} m high that collapses over a dry floor, 2-D.",
+                          width, height);
+  s.spacing = chosen_spacing(answers, "column's width", std::min(width, height), 40);
+  const auto whole = [&s](double length) { return s.spacing * std::ceil(length / s.spacing - 1e-9); };
+  s.right = whole(4 * width);
+  s.water_right = whole(width);
+  s.surface = whole(height);
+  s.top = s.surface + whole(std::max(width, height));
+  // Time in which the front crosses the floor, from experiments: T = t sqrt(2 g/L) = 3.2.
+  s.end_time = 3.2 * std::sqrt(width / (2 * 9.81));
+  s.end_reason = "the front is at the far wall";
+  CaseLines lines;
+  lines.table("[structure]").text("solver", "none", "there is no body");
+  lines.table("[[output.probe]]")
+      .text("name", "front", "of the probe's column in history.csv")
+      .text("of", "fluid", "fluid | structure")
+      .key("at", toml_vector(0, 0), "m, on the floor under the column")
+      .text("quantity", "front", "x in m where the water on the floor ends");
+  s.body = lines.str();
+  return s;
+}
+
+}  // namespace strake

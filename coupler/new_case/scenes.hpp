@@ -1,0 +1,25 @@
+#pragma once
+
+#include "coupler/new_case/kinds.hpp"
+
+namespace strake {
+
+/// The scene of each kind. The answers are complete and each within its bounds; what does not fit together (a
+/// spacing larger than the body) throws Error(command_line) with the option to change.
+NewScene plate_scene(const NewAnswers&);
+NewScene box_scene(const NewAnswers&);
+NewScene wedge_scene(const NewAnswers&);
+NewScene cylinder_scene(const NewAnswers&);
+NewScene sphere_scene(const NewAnswers&);
+NewScene mesh_scene(const NewAnswers&);
+NewScene dam_scene(const NewAnswers&);
+
+/// Refuses a height [m] of more than ten widths, or less than a tenth. Its tank would be all but empty.
+void check_height(double width, double height);
+/// The next smaller one of 1, 2, 2.5, 4 or 5 times a power of ten.
+double round_number(double);
+/// The given spacing, else length/parts rounded. Refuses one of more than a tenth or less than a thousandth
+/// of `length`, which `name` calls.
+double chosen_spacing(const NewAnswers&, const std::string& name, double length, double parts);
+
+}  // namespace strake

@@ -1,0 +1,160 @@
+"""strake new: every kind passes check and says each key's unit. Questions, refusals, files left alone; one case runs."""
+import json
+import os
+import pathlib
+import pty
+import re
+import select
+import sys
+import tomllib
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from processes import *  # noqa: F403: the test's own vocabulary
+
+MESH = ROOT / "cases" / "wedge_elastic.msh"
+KINDS = {"plate": "", "wedge": "", "box": "", "cylinder": "", "sphere": "", "mesh": f"--mesh {MESH}", "dam": ""}
+
+
+def units(place):
+    """Key → its unit, from the schema of the case file."""
+    found = {}
+
+    def walk(schema, where):
+        for name, key in schema.get("properties", {}).items():
+            unit = re.search(r"Unit: (.+?)(?:\. |\.$)", key.get("description", ""))
+            found[f"{where}{name}"] = unit.group(1) if unit else ""
+            walk(key.get("items", key), f"{where}{name}.")
+    schema = json.loads(strake("explain", "--schema", cwd=place).stdout)
+    walk(schema, "")
+    for side in ("fluid", "structure"):
+        walk(schema["definitions"][f"{side}_keys"], f"{side}.")
+    return found
+
+
+def comments_hold(kind, text, unit_of):
+    table, bare = "", []
+    for line in text.splitlines():
+        if head := re.match(r"\[+([\w.]+)\]+", line):
+            table = head.group(1) + "."
+        elif key := re.match(r"(\w+) = (.*?) +# (.+)$", line):
+            unit = unit_of.get(table + key.group(1), "")
+            if unit and not re.match(re.escape(unit) + r"\b|" + re.escape(unit) + r"$", key.group(3)):
+                bare.append(f"{table}{key.group(1)} [{unit}]: {key.group(3)}")
+        elif re.match(r"\w+ =", line):
+            bare.append(line)
+    expect(not bare, f"{kind}: each key has a comment that begins with its unit {bare}")
+
+
+def kinds_pass_check(place, unit_of):
+    listed = strake("new", "--help", cwd=place).stdout
+    for kind, words in KINDS.items():
+        expect(re.search(rf"^  {kind} ", listed, re.M), f"new --help lists {kind}")
+        made = strake("new", kind, *words.split(), cwd=place)
+        file = place / f"{kind}.toml"
+        expect(made.returncode == 0 and f"strake run {kind}.toml" in made.stdout, f"new {kind}: exit {made.returncode}\n{made.stderr}")
+        comments_hold(kind, file.read_text(), unit_of)
+        checked = strake("check", file, *without_fem(file), cwd=place)
+        expect(checked.returncode == 0, f"check {kind}.toml: exit {checked.returncode}\n{checked.stderr}")
+        far_off = [line for line in checked.stdout.splitlines() if "Strake would take" in line]
+        expect(not far_off, f"{kind}: no key is far from what Strake would take {far_off}")
+
+
+def without_fem(file):
+    built = (BIN / "strake-structure-fem").exists() or 'solver = "fem"' not in file.read_text()
+    return [] if built else ["--set", "structure.solver=rigid"]
+
+
+def options_arrive(place):
+    made = strake("new", "wedge", "--angle", "20", "--speed", "7", "--width", "0.3", "--mass", "50", "--spacing", "0.01", "-o", "my.toml", cwd=place)
+    case = tomllib.loads((place / "my.toml").read_text())
+    body = case["structure"]
+    expect(made.returncode == 0 and body["wedge"]["deadrise"] == 20 and body["wedge"]["width"] == 0.3, f"angle and width {body}")
+    expect(body["velocity"] == [0, -7, 0] and body["mass"] == 50 and body["free"] == {"y": True}, f"speed and mass {body}")
+    expect(case["fluid"]["spacing"] == 0.01, "spacing")
+    flat = strake("new", "plate", "--solver", "particle", "--length", "0.6", "--thickness", "0.015", "-o", "flat.toml", cwd=place)
+    spacing = tomllib.loads((place / "flat.toml").read_text())["structure"]["particle"]["spacing"]
+    whole = [abs(length / spacing - round(length / spacing)) < 1e-6 for length in (0.6, 0.015)]
+    expect(flat.returncode == 0 and all(whole), f"a lattice of {spacing} fills the plate")
+    particle = (BIN / "strake-structure-particle").exists()
+    checked = strake("check", "flat.toml", *([] if particle else ["--set", "structure.solver=rigid"]), cwd=place)
+    expect(checked.returncode == 0, f"check flat.toml: exit {checked.returncode}\n{checked.stderr}")
+    strake("new", "mesh", "--mesh", ROOT / "cases" / "flag.msh", "-o", "off.toml", cwd=place)
+    checked = strake("check", "off.toml", cwd=place)
+    expect(checked.returncode == 0, f"a mesh away from the origin: exit {checked.returncode}\n{checked.stderr}")
+    (place / "below").mkdir()
+    strake("new", "mesh", "--mesh", os.path.relpath(MESH, place), "-o", "below/hull.toml", cwd=place)
+    checked = strake("check", "below/hull.toml", cwd=place)
+    expect(checked.returncode == 0, f"a mesh is found from the case file's folder: exit {checked.returncode}\n{checked.stderr}")
+
+
+def refusals_help(place):
+    before = (place / "wedge.toml").read_bytes()
+    for words, code, said in (
+            ("wedge", 2, "exists already"), ("wedge --angle 95 -o x.toml", 2, "expected 4 to 80 deg"),
+            ("wedge --angle steep -o x.toml", 2, "--angle"), ("wedge --speed nan -o x.toml", 2, "expected 0.01 to 100 m/s"),
+            ("wedge --spacing 0.2 -o x.toml", 2, "a tenth of the width"), ("plate --thickness 0.3 -o x.toml", 2, "a quarter of the length"),
+            ("plate --solver particle --thickness 0.0137 -o x.toml", 2, "--solver fem"), ("plate --solver fme -o x.toml", 2, "fem"),
+            ("dam --height 9 -o x.toml", 2, "ten widths"), ("cylinder --mass -1 -o x.toml", 2, "expected 0.001"), ("mesh -o x.toml", 2, "--mesh"), ("mesh --mesh nothing.msh -o x.toml", 3, "nothing.msh"),
+            (f"mesh --mesh {ROOT / 'README.md'} -o x.toml", 3, "no nodes"), ("wegde -o x.toml", 2, "did you mean wedge?"),
+            ("", 2, "expected a kind of case"), ("wedge -o none/x.toml", 6, "none")):
+        refused = strake("new", *words.split(), cwd=place)
+        expect(refused.returncode == code and said in refused.stderr, f"new {words}: exit {refused.returncode}, {refused.stderr.strip()}")
+        expect(code == 6 or "fix:" in refused.stderr or "--help" in refused.stderr, f"new {words}: says what to do")
+    expect(not (place / "x.toml").exists(), "what is refused leaves no file")
+    expect((place / "wedge.toml").read_bytes() == before, "an existing file is not touched")
+
+
+def on_terminal(place, words, answers):
+    """Exit code and screen of `strake new` on a terminal that gives these answers, each when it is asked for one."""
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.chdir(place)
+        os.execve(BIN / "strake", ["strake", "new", *words], ENV)
+    screen, left, end_of_wait = "", list(answers), time.monotonic() + 20
+    while time.monotonic() < end_of_wait:
+        if not select.select([terminal], [], [], 0.2)[0]:
+            continue
+        try:
+            new = os.read(terminal, 4096).decode(errors="replace")
+        except OSError:
+            break
+        if not new:
+            break
+        screen += new
+        if screen.endswith("): ") and left:
+            os.write(terminal, (left.pop(0) + "\n").encode())
+        elif screen.endswith("): "):
+            os.write(terminal, b"\x04")
+    os.close(terminal)
+    return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), screen
+
+
+def questions_are_asked(place):
+    code, screen = on_terminal(place, ["-o", "asked.toml"], ["wegde", "wedge", "95", "25", "", "0.4", "", ""])
+    expect(code == 0, f"questions: exit {code}\n{screen}")
+    expect("expected one of plate, wedge" in screen and "expected 4 to 80 deg" in screen, f"wrong answers are asked for again\n{screen}")
+    body = tomllib.loads((place / "asked.toml").read_text())["structure"] if code == 0 else {}
+    expect(body.get("wedge", {}).get("deadrise") == 25 and body.get("velocity") == [0, -5, 0], f"answers and defaults arrive {body}")
+    code, screen = on_terminal(place, ["cylinder", "-o", "short.toml"], [""])
+    expect(code == 2 and "the input ended" in screen and not (place / "short.toml").exists(), f"an end of input: exit {code}\n{screen}")
+    code, screen = on_terminal(place, ["cylinder", "--radius", "0.2", "-o", "flags.toml"], [])
+    expect(code == 0 and "): " not in screen, f"flags on a terminal: no question\n{screen}")
+
+
+def one_runs(place):
+    strake("new", "wedge", "--spacing", "0.02", "-o", "quick.toml", cwd=place)
+    ran = strake("run", "quick.toml", "--set", "end_time=3e-3", cwd=place)
+    expect(ran.returncode == 0, f"run quick.toml: exit {ran.returncode}\n{ran.stderr}")
+    expect(rows(place / "runs" / "quick") > 3, f"{rows(place / 'runs' / 'quick')} windows")
+    summary = json.loads((place / "runs" / "quick" / "summary.json").read_text())
+    expect(not summary["alarms"], f"without alarm {summary['alarms']}")
+
+
+with folder() as name:
+    here = pathlib.Path(name)
+    kinds_pass_check(here, units(here))
+    options_arrive(here)
+    refusals_help(here)
+    questions_are_asked(here)
+    one_runs(here)
+finish()
