@@ -213,8 +213,19 @@ std::vector<std::string> Session::resolution() const {
                           velocity == nullptr ? Points() : Points(velocity->value));
 }
 
+std::string Session::cannot_resume() const {
+  std::vector<std::string> names;
+  if (fluid_ != nullptr && fluid_->description().cannot_resume) names.emplace_back("fluid");
+  if (structure_ != nullptr && structure_->description().cannot_resume) names.emplace_back("structure");
+  if (names.empty()) return {};
+  return fmt::format("{} cannot save {} state", fmt::join(names, " and "),
+                     names.size() > 1 ? "their" : "its");
+}
+
 std::vector<std::string> Session::warnings() const {
   std::vector<std::string> warnings;
+  if (const std::string who = cannot_resume(); !who.empty())
+    warnings.push_back(who + ": a run writes no checkpoints, and --resume cannot go on with it");
   bool moved = case_.structure && case_.structure->solver != "rigid" && case_.structure->solver != "replay";
   moved = moved || case_.moves_freely();
   const bool live = case_.fluid && case_.fluid->solver != "replay";

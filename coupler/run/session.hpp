@@ -58,6 +58,8 @@ class Session {
   /// The quality of the mapping, a line each; empty without a surface between two participants.
   std::vector<std::string> mapping_lines() const;
   std::vector<std::string> warnings() const;
+  /// "structure cannot save its state"; empty: every participant can.
+  std::string cannot_resume() const;
   /// What the spacings resolve (coupler/summary/resolution.hpp).
   std::vector<std::string> resolution() const;
   int dimension() const;

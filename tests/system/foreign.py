@@ -92,6 +92,33 @@ def run_without_options(place, words, whole):
            f"no options: arguments for a solver of ours are refused, exit {refused.returncode}")
 
 
+def changed_spring(place, name, *changes):
+    """The solver in Python with other words in it."""
+    text = (CASE / "spring.py").read_text()
+    for was, now in changes:
+        expect(text.count(was) == 1, f"{name}: spring.py has {was!r} once")
+        text = text.replace(was, now)
+    (place / "case" / name).write_text(text)
+    (place / "case" / name).chmod(0o755)
+    return ["--set", f"structure.solver=./{name}"]
+
+
+def run_that_cannot_resume(place, words):
+    own = changed_spring(place, "forgetful", ("dt_limit=np.inf, columns", "dt_limit=np.inf, cannot_resume=True, columns"))
+    says = "structure cannot save its state"
+    checked = command(words[0], "check", *words[2:], *own, cwd=place).stdout
+    expect(checked.count(says) == 1, "forgetful: check says once that the structure cannot save its state")
+    process, run = begin(place, words, "forgetful", *own, "--set", "run.checkpoint_windows=10")
+    expect(wait_until(lambda: rows(run) >= 50, 60), "forgetful: the run is under way")
+    process.send_signal(signal.SIGINT)
+    output = process.communicate(timeout=30)[0]
+    expect(process.returncode == 130 and f"nothing to go on from: {says}" in output, f"forgetful: interrupted, and told: exit {process.returncode}")
+    expect(output.count("--resume cannot go on with it") == 1, "forgetful: the run says it once")
+    expect(not (run / "checkpoint").exists(), "forgetful: no checkpoint was written")
+    again = subprocess.run([*map(str, words), "--tag", "forgetful", *own, "--resume"], cwd=place, env=ENV, capture_output=True, text=True)
+    expect(again.returncode == 2 and f"cannot be resumed: {says}" in again.stderr, f"forgetful: --resume is refused, exit {again.returncode}")
+
+
 def resume_python(place, words, whole):
     cut = place / "runs" / "python_spring-cut"
     process = subprocess.Popen([*map(str, words), "--tag", "cut"], cwd=place, env=ENV, stdout=subprocess.DEVNULL,
@@ -162,6 +189,7 @@ with folder() as place:
     solver = build_outside(place, prefix)
     words, whole = run_both(place, prefix, solver)
     run_without_options(place, words, whole)
+    run_that_cannot_resume(place, words)
     resume_python(place, words, whole)
     coupler_dies(place, words)
     solver_is_suspended(place, words, whole)
