@@ -212,6 +212,11 @@ const Description& RemoteParticipant::description() const {
   return member_->description;
 }
 
+void RemoteParticipant::give_faces(Eigen::MatrixXi faces) {
+  assert(member_->mesh.faces.cols() == 0);
+  member_->mesh.faces = std::move(faces);
+}
+
 void RemoteParticipant::count_windows_from(std::uint64_t committed) {
   member_->progress.committed = committed;
 }

@@ -111,6 +111,8 @@ class RemoteParticipant final : public Participant {
   void checkpoint(const std::filesystem::path&) override;
   void resume(const std::filesystem::path&) override;
 
+  /// Gives faces to a participant that sent its points alone.
+  void give_faces(Eigen::MatrixXi);
   /// Windows committed before this run (resume), so that messages name the right window.
   void count_windows_from(std::uint64_t committed);
 

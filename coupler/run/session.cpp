@@ -3,6 +3,7 @@
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
+#include "coupler/run/surface_faces.hpp"
 #include "coupler/summary/pace.hpp"
 #include "coupler/summary/resolution.hpp"
 #include "proto/error.hpp"
@@ -73,6 +74,7 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
               .partner_initial = {}};
   if (view.structure) {
     structure_ = &set_up(*view.structure, setup);
+    take_surface();
     setup.partner_mesh = structure_->mesh();
     setup.partner_initial = structure_->description().initial;
     setup.history = structure_->description().history && view.common.interface == "surface";
@@ -124,6 +126,17 @@ RemoteParticipant& Session::set_up(const SideView& side, const Setup& setup) {
   RemoteParticipant& participant = participants_->connect(side.side, setup);
   add_columns(side.side, participant.description());
   return participant;
+}
+
+/// Faces of a structure that sends its points alone, from structure.surface.
+void Session::take_surface() {
+  const std::filesystem::path& file = case_.common.structure_program.surface;
+  if (file.empty()) return;
+  if (structure_->mesh().faces.cols() > 0)
+    throw Error(ExitCode::case_file, "structure.surface = " + file.string(),
+                fmt::format("the structure sends {} faces itself", structure_->mesh().faces.cols()),
+                "leave structure.surface out");
+  structure_->give_faces(faces_from_file(file, structure_->mesh()));
 }
 
 void Session::add_columns(const std::string& side, const Description& description) {
@@ -192,6 +205,9 @@ std::vector<std::pair<std::string, std::vector<std::string>>> Session::understoo
   std::vector<std::pair<std::string, std::vector<std::string>>> blocks;
   if (fluid_ != nullptr) blocks.emplace_back("fluid", fluid_->description().lines);
   if (structure_ != nullptr) blocks.emplace_back("structure", structure_->description().lines);
+  if (const auto& file = case_.common.structure_program.surface; structure_ != nullptr && !file.empty())
+    blocks.back().second.push_back(
+        fmt::format("{} faces from {}", structure_->mesh().faces.cols(), file.filename().string()));
   blocks.emplace_back("coupling", coupling_lines());
   return blocks;
 }

@@ -66,6 +66,7 @@ class Session {
 
  private:
   RemoteParticipant& set_up(const SideView&, const Setup&);
+  void take_surface();
   void add_columns(const std::string& side, const Description&);
   void launch(const SideView&);
   std::vector<std::string> coupling_lines() const;

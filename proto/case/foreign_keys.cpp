@@ -10,7 +10,7 @@ ForeignKeys read_foreign(CaseFile& file, const std::string& side, const std::str
   const bool users = solver.find('/') != std::string::npos;
   if (!users && !file.only_declares()) {
     if (solver == "none") return keys;
-    for (const char* name : {"arguments", "folder"})
+    for (const char* name : {"arguments", "folder", "surface"})
       if (table.has(name))
         throw table.error(name, "no such key beside solver = \"" + solver + "\"",
                           "it is for a program of yours: solver = \"./PROGRAM\"");
@@ -24,6 +24,12 @@ ForeignKeys read_foreign(CaseFile& file, const std::string& side, const std::str
   table.folder("folder", keys.folder,
                {.help = "where solver is a path: the folder in which the program is started; not given: the "
                         "one where strake was called"});
+  if (side == "structure")
+    table.file(
+        "surface", keys.surface,
+        {.help = "where solver is a path: mesh of the surface that meets the water, for a program that "
+                 "sends its points without faces; Gmsh (.msh, text) or Abaqus (.inp), with the "
+                 "program's own points as nodes"});
   return keys;
 }
 

@@ -14,6 +14,9 @@ struct ForeignKeys {
   bool own_command_line = false;
   std::vector<std::string> arguments;
   std::filesystem::path folder;  // absolute, where the program is started; empty: where strake was called
+  /// Of a structure: mesh of its wet surface, for a program that sends its points alone; empty: it sends
+  /// faces.
+  std::filesystem::path surface;
 };
 
 /// Declares and reads those keys of the table `side` ("fluid" | "structure"). With one of Strake's solvers it

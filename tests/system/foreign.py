@@ -119,6 +119,28 @@ def run_that_cannot_resume(place, words):
     expect(again.returncode == 2 and f"cannot be resumed: {says}" in again.stderr, f"forgetful: --resume is refused, exit {again.returncode}")
 
 
+def run_with_faces_from_a_file(place, words, whole):
+    """A structure that sends its points alone, as most programs do that were written for another coupler."""
+    own = changed_spring(place, "faceless", ("n_points=2 * n, n_faces=2 * n)", "n_points=2 * n)"),
+                         ('frames = position.astype("<f8"), faces.astype("<i4"),', 'frames = position.astype("<f8"),'))
+    refused = subprocess.run([*map(str, words), "--tag", "faceless", *own], cwd=place, env=ENV, capture_output=True, text=True)
+    expect(refused.returncode == 3 and "has points but no faces" in refused.stderr and "structure.surface" in refused.stderr,
+           f"faceless: the advice names structure.surface, exit {refused.returncode}\n{refused.stderr if refused.returncode != 3 else ''}")
+    n = 21
+    points = [(-0.5 + i / (n - 1), -0.05) for i in range(n)] + [(0.5 - i / (n - 1), 0.0) for i in range(n)]
+    nodes = "".join(f"{k + 1} {x:.17g} {y:.17g} 0\n" for k, (x, y) in enumerate(points))
+    lines = "".join(f"{k + 1} 1 2 0 1 {a} {b}\n" for k, (a, b) in
+                    enumerate((k + 1, (k + 1) % (2 * n) + 1) if k % 3 else ((k + 1) % (2 * n) + 1, k + 1) for k in range(2 * n)))
+    (place / "case" / "floor.msh").write_text(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{2 * n}\n{nodes}$EndNodes\n"
+                                              f"$Elements\n{2 * n}\n{lines}$EndElements\n")
+    told = command(*words, "--tag", "faceless", *own, "--set", "structure.surface=floor.msh", cwd=place).stdout
+    expect("42 faces from floor.msh" in told, "faceless: the run says where the faces come from")
+    twice = subprocess.run([*map(str, words), "--tag", "twice", "--set", "structure.surface=floor.msh"], cwd=place, env=ENV, capture_output=True, text=True)
+    expect(twice.returncode == 3 and "the structure sends 42 faces itself" in twice.stderr, "faceless: a surface beside faces is refused")
+    expect((place / "runs" / "python_spring-faceless" / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(),
+           "faceless: with faces from a file, history.csv is the same to the byte")
+
+
 def resume_python(place, words, whole):
     cut = place / "runs" / "python_spring-cut"
     process = subprocess.Popen([*map(str, words), "--tag", "cut"], cwd=place, env=ENV, stdout=subprocess.DEVNULL,
@@ -190,6 +212,7 @@ with folder() as place:
     words, whole = run_both(place, prefix, solver)
     run_without_options(place, words, whole)
     run_that_cannot_resume(place, words)
+    run_with_faces_from_a_file(place, words, whole)
     resume_python(place, words, whole)
     coupler_dies(place, words)
     solver_is_suspended(place, words, whole)
