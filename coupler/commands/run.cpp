@@ -105,6 +105,7 @@ class Run {
     open_files();
     summary_.describe(files_->table().columns);
     summary_.resolution = session_->resolution();
+    summary_.mechanical = session_->is_mechanical();
     summary_.coupler_seconds["setup"] = seconds_since(start_);
 
     const RunHeader header =
@@ -168,6 +169,7 @@ class Run {
       files.mesh = session_->structure()->mesh();
       files.initial = session_->structure()->description().initial;
       files.measured = session_->scheme()->measured();
+      files.mechanical = session_->scheme()->is_mechanical();
     }
     files_ = std::make_unique<RunFiles>(std::move(files));
   }

@@ -20,6 +20,7 @@ RunHeader header_of(const CaseView& view, const Session& session, const RunPlan&
                    .blocks = session.understood(),
                    .warnings = session.warnings(),
                    .coupled = view.coupled(),
+                   .mechanical = session.is_mechanical(),
                    .dimension = session.dimension(),
                    .columns = session.columns(),
                    .probes = view.common.probes,

@@ -43,6 +43,8 @@ class Session {
   WindowLoop loop(const RunPlan&);
   RunPlan plan() const;                       // of the whole case
   Scheme* scheme() { return scheme_.get(); }  // nullptr with one participant
+  /// True if displacement and force cross the interface.
+  bool is_mechanical() const { return scheme_ && scheme_->is_mechanical(); }
   RemoteParticipant* fluid() { return fluid_; }
   RemoteParticipant* structure() { return structure_; }
   std::vector<RemoteParticipant*> remotes() const;
