@@ -129,7 +129,6 @@ class Run {
     record_.write();  // the first file: by it the folder is known as a run's
     messages_.log = open_run_log(folder_.path / "coupler.log");
     write_text(folder_.path / "case.toml", case_.resolved);
-
     for (const auto& side : {case_.fluid, case_.structure})
       if (side && is_large(*side))
         messages_.warn(side->side + ", long to set up: " + lines_with(size_words, *side).front());
