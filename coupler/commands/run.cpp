@@ -66,7 +66,7 @@ class Run {
       const Error told =
           started_ && !saved_on_request_
               ? with_resume_hint(error, last.empty() ? last : std::filesystem::path(in_folder(last)), saved_,
-                                 summary_)
+                                 summary_, cannot_resume())
               : error;
       fail(told);
       throw told;
@@ -87,6 +87,7 @@ class Run {
     std::filesystem::path checkpoint;
     if (resume) {
       check_same_case(case_, folder_.path);
+      check_can_resume(string_of(read_json(folder_.path / "run.json"), "cannot_resume"), folder_.path);
       checkpoint = checkpoints_.choose([this](const std::string& line) { messages_.warn(line); });
       check_end_time(case_, folder_.path, checkpoint);
       remove_unfinished(folder_.path);
@@ -94,6 +95,8 @@ class Run {
     begin_record();
     clocks_.open();
     open_session(resume ? std::optional(Checkpoints::window_of(checkpoint) + 1) : std::nullopt);
+    if (resume) check_can_resume(cannot_resume(), folder_.path);
+    if (!cannot_resume().empty()) record_.set("cannot_resume", cannot_resume());
     plan_ = resume ? checkpoints_.resume(checkpoint, *session_, summary_) : session_->plan();
     if (resume) record_.set("resumed_at", {{"window", plan_.start.windows}, {"time", plan_.start.time}});
     saved_ = plan_.start;
@@ -102,6 +105,7 @@ class Run {
     open_files();
     summary_.describe(files_->table().columns);
     summary_.resolution = session_->resolution();
+    summary_.mechanical = session_->is_mechanical();
     summary_.coupler_seconds["setup"] = seconds_since(start_);
 
     const RunHeader header =
@@ -125,7 +129,6 @@ class Run {
     record_.write();  // the first file: by it the folder is known as a run's
     messages_.log = open_run_log(folder_.path / "coupler.log");
     write_text(folder_.path / "case.toml", case_.resolved);
-
     for (const auto& side : {case_.fluid, case_.structure})
       if (side && is_large(*side))
         messages_.warn(side->side + ", long to set up: " + lines_with(size_words, *side).front());
@@ -165,6 +168,7 @@ class Run {
       files.mesh = session_->structure()->mesh();
       files.initial = session_->structure()->description().initial;
       files.measured = session_->scheme()->measured();
+      files.mechanical = session_->scheme()->is_mechanical();
     }
     files_ = std::make_unique<RunFiles>(std::move(files));
   }
@@ -225,7 +229,9 @@ class Run {
     }
   }
 
+  std::string cannot_resume() const { return session_ ? session_->cannot_resume() : ""; }
   void save(const WindowLoop& loop) {
+    if (!cannot_resume().empty()) return;
     summary_.wall_seconds = elapsed();
     files_->flush();  // state from which a resume continues
     checkpoints_.write(*session_, loop, summary_);
@@ -234,6 +240,7 @@ class Run {
 
   /// Ctrl-C between two windows: the participants are at rest, so that what is committed can be kept.
   [[noreturn]] void interrupt(const WindowLoop& loop) {
+    if (!cannot_resume().empty()) throw Error(stop_.code(), position(), stop_.in_words());
     save(loop);
     saved_on_request_ = true;
     throw Error(stop_.code(), position(), stop_.in_words() + ", the state is saved",
@@ -277,11 +284,7 @@ class Run {
     if (files_) summary_.take_history(files_->table());
     summary_.verdicts = verdicts_.all(data(code == ExitCode::done));
     write_text(folder_.path / "summary.json", json_text(summary_.json(), 2) + "\n");
-    Json contact = Json::object();  // [s] where `compare` counts from
-    const std::string metric = ":contact";
-    for (const auto& [name, time] : summary_.probe_results())
-      if (name.ends_with(metric)) contact[name.substr(0, name.size() - metric.size())] = time;
-    record_.set("contact", contact);
+    record_.set("contact", contact_times(summary_));
     if (code == ExitCode::done) record_.ended(code);
     record_.write();
     if (messages_.log) messages_.log->info("exit code {}", static_cast<int>(code));

@@ -20,6 +20,7 @@ RunHeader header_of(const CaseView& view, const Session& session, const RunPlan&
                    .blocks = session.understood(),
                    .warnings = session.warnings(),
                    .coupled = view.coupled(),
+                   .mechanical = session.is_mechanical(),
                    .dimension = session.dimension(),
                    .columns = session.columns(),
                    .probes = view.common.probes,
@@ -36,12 +37,13 @@ RunHeader header_of(const CaseView& view, const Session& session, const RunPlan&
 }
 
 Error with_resume_hint(const Error& error, const std::filesystem::path& checkpoint, const LoopState& saved,
-                       const Summary& summary) {
+                       const Summary& summary, const std::string& cannot_resume) {
   const long lost = summary.windows() - saved.windows;
   const std::string windows = fmt::format("{} finished window{}, {:.6g} s of simulated time", lost,
                                           lost == 1 ? "" : "s", summary.end_time() - saved.time);
   const std::string resume_hint =
-      checkpoint.empty()
+      !cannot_resume.empty() ? fmt::format("nothing to go on from: {}\nlost: {}", cannot_resume, windows)
+      : checkpoint.empty()
           ? fmt::format(
                 "nothing to go on from: the first checkpoint was still to come (run.checkpoint)\n"
                 "lost: {}",
@@ -50,6 +52,14 @@ Error with_resume_hint(const Error& error, const std::filesystem::path& checkpoi
                         saved.windows + 1, saved.time, checkpoint.string(), windows);
   return Error(error.code(), error.where(), error.problem(),
                error.fix().empty() ? resume_hint : error.fix() + "\n" + resume_hint);
+}
+
+Json contact_times(const Summary& summary) {
+  Json contact = Json::object();
+  const std::string metric = ":contact";
+  for (const auto& [name, time] : summary.probe_results())
+    if (name.ends_with(metric)) contact[name.substr(0, name.size() - metric.size())] = time;
+  return contact;
 }
 
 RunEnd end_of(ExitCode code, const Summary& summary, const std::filesystem::path& folder,

@@ -7,6 +7,7 @@
 #include "coupler/run/session.hpp"
 #include "coupler/summary/summary.hpp"
 #include "proto/error.hpp"
+#include "proto/files/json_file.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -52,8 +53,12 @@ RunHeader header_of(const CaseView&, const Session&, const RunPlan&, const std::
 
 /// Adds to the error that stopped a run the checkpoint to resume from, if there is one, and the loss.
 /// checkpoint: the latest, as the user would type it; empty: none. saved: its content.
+/// cannot_resume: why there will never be one, if that is so.
 Error with_resume_hint(const Error&, const std::filesystem::path& checkpoint, const LoopState& saved,
-                       const Summary&);
+                       const Summary&, const std::string& cannot_resume = {});
+
+/// [s] of the first contact that each sensor has seen, by its name: `compare` counts from there.
+Json contact_times(const Summary&);
 
 /// How the run ended, for its closing lines. The files of fields are those that lie in the folder.
 RunEnd end_of(ExitCode, const Summary&, const std::filesystem::path& folder, const Profile*);

@@ -29,6 +29,7 @@ struct RunHeader {
       blocks;  // "fluid" → lines, the first is the headline
   std::vector<std::string> warnings;
   bool coupled = true;
+  bool mechanical = true;  // displacement and force cross the interface
   int dimension = 2;
   std::vector<Column> columns;    // of the participants
   std::vector<ProbeKeys> probes;  // their columns come first

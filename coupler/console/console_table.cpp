@@ -74,9 +74,11 @@ std::vector<TableColumn> table_of(const RunHeader& header) {
         {"it", 2, [](const RunRow& row) { return std::to_string(row.window->report.iterations); }});
     table.push_back({"residual", 8,
                      [](const RunRow& row) { return fmt::format("{:.1e}", row.window->report.residual); }});
+  }
+  const bool mechanical = header.coupled && header.mechanical;
+  if (mechanical)
     table.push_back({header.dimension == 2 ? "force y [N/m]" : "force y [N]", 13,
                      [](const RunRow& row) { return fmt::format("{:.2e}", row.force.y()); }});
-  }
   for (const Column& column : telling_columns(header, columns_of_table))
     table.push_back(participant_column(column));
   if (has(header, "cfl"))
@@ -84,7 +86,7 @@ std::vector<TableColumn> table_of(const RunHeader& header) {
   if (has(header, "pressure_iterations"))
     table.push_back(
         {"p-it", 4, [](const RunRow& row) { return fixed(monitor_of(row, "pressure_iterations"), 0); }, 0});
-  if (header.coupled)
+  if (mechanical)
     table.push_back({"work gap", 8,
                      [](const RunRow& row) { return fmt::format("{:.1e}", row.window->report.work.gap()); },
                      0});
@@ -124,7 +126,7 @@ class TableReporter final : public Reporter {
     take_bar_away();
     header_ = header;
     const std::string title = header.title.empty() ? header.folder.filename().string() : header.title;
-    put(visible(fmt::format("{:<44}{}", title, header.folder.string())));
+    put(visible(fmt::format("{:<42}  {}", title, header.folder.string())));
     for (const auto& [name, lines] : header.blocks) {
       std::string text = block_text(name, lines);
       if (text.empty()) continue;  // a participant that says nothing of itself

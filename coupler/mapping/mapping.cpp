@@ -33,8 +33,8 @@ void check_meshes(const InterfaceMesh& structure, const InterfaceMesh& fluid) {
   if (fluid.position.cols() == 0 && structure.faces.cols() == 0 && structure.mass.size() == 0)
     throw Error(ExitCode::case_file, where,
                 "the structure's interface has points but no faces: the fluid finds no surface to wet",
-                "let the structure give its faces: segments in 2-D, triangles in 3-D, counter-clockwise seen "
-                "from outside");
+                "let the structure give its faces (segments in 2-D, triangles in 3-D, counter-clockwise seen "
+                "from outside), or name a mesh of its surface: structure.surface = \"FILE.msh\"");
   if (fluid.position.cols() == 0)
     throw Error(ExitCode::case_file, where, "the fluid's interface has no points",
                 "is the structure inside the tank?");

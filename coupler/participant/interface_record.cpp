@@ -44,7 +44,8 @@ Archive to_archive(const InterfaceRecord& record) {
   }
   archive.real["position"] = record.mesh.position;
   if (record.mesh.mass.size() > 0) archive.real["mass"] = record.mesh.mass;
-  archive.real["initial_displacement"] = record.initial_displacement;
+  if (record.initial_displacement.size() > 0)
+    archive.real["initial_displacement"] = record.initial_displacement;
   if (record.initial_velocity.size() > 0) archive.real["initial_velocity"] = record.initial_velocity;
   MatrixXd& time = archive.real["time"] = MatrixXd(1, n_windows);
   MatrixXd& dt = archive.real["dt"] = MatrixXd(1, n_windows);
@@ -126,7 +127,9 @@ InterfaceRecord read_block(const std::filesystem::path& path) {
     }
   }
   record.mesh.mass = in.real("mass", n, 1, false).reshaped();
-  record.initial_displacement = in.real("initial_displacement", 3, n);
+  if (const MatrixXd u = in.real("initial_displacement", 3, n, archive.real.contains("displacement"));
+      u.size() > 0)
+    record.initial_displacement = u;
   if (const MatrixXd v = in.real("initial_velocity", 3, n, false); v.size() > 0) record.initial_velocity = v;
   const MatrixXd time = in.real("time", 1, -1), dt = in.real("dt", 1, time.cols());
   const ArchiveUnits unit = read_archive_units(path);
@@ -232,7 +235,8 @@ InterfaceRecorder::InterfaceRecorder(std::filesystem::path run_folder, Interface
     : folder_(std::move(run_folder)), per_file_(static_cast<std::size_t>(std::max(1, windows_per_file))) {
   const Field* u = find(initial, "displacement");
   const Field* v = find(initial, "velocity");
-  record_.initial_displacement = Points::Zero(3, mesh.position.cols());
+  const bool moves = initial.empty() || u || v;  // else it sends fields of other quantities
+  if (moves) record_.initial_displacement = Points::Zero(3, mesh.position.cols());
   if (u) record_.initial_displacement = u->value;
   if (v) record_.initial_velocity = v->value;
   record_.mesh = std::move(mesh);

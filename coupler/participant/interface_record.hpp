@@ -12,7 +12,7 @@ namespace strake {
 /// The interface of a run, window by window, on the structure's mesh.
 struct InterfaceRecord {
   InterfaceMesh mesh;
-  Points initial_displacement, initial_velocity;  // 3×n at the start
+  Points initial_displacement, initial_velocity;  // 3×n at the start; empty: no motion crosses the interface
   std::vector<Window> windows;                    // ascending, without gaps
   std::vector<Points> displacement, velocity;     // at the end of each window
   std::vector<Points> force;                      // 3×n [N] mean over each window

@@ -70,8 +70,8 @@ class Participants {
   std::string endpoint() const;
   const std::string& token() const;  // hexadecimal; what a participant started by hand needs in STRAKE_TOKEN
 
-  /// Starts the program with "--connect … --name `name` --case-hash …" put before launch.arguments, and the
-  /// token.
+  /// Starts the program with "--connect … --name `name` --case-hash …" put before launch.arguments. Its
+  /// environment says the same, and holds the token. With launch.own_command_line it alone does.
   void launch(const std::string& name, Launch launch);
   /// Expects a participant started by hand (--attach).
   void attach(const std::string& name);
@@ -111,6 +111,8 @@ class RemoteParticipant final : public Participant {
   void checkpoint(const std::filesystem::path&) override;
   void resume(const std::filesystem::path&) override;
 
+  /// Gives faces to a participant that sent its points alone.
+  void give_faces(Eigen::MatrixXi);
   /// Windows committed before this run (resume), so that messages name the right window.
   void count_windows_from(std::uint64_t committed);
 

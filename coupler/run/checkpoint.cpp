@@ -220,6 +220,13 @@ std::vector<std::string> settled_sets(const fs::path& case_file, std::vector<std
   return sets;
 }
 
+void check_can_resume(const std::string& who_cannot, const fs::path& run_folder) {
+  if (who_cannot.empty()) return;
+  throw Error(ExitCode::command_line, run_folder.string(),
+              "cannot be resumed: " + who_cannot + ", so it has no checkpoints",
+              "run it again with --force, or under another --tag");
+}
+
 void check_same_case(const CaseView& view, const fs::path& run_folder) {
   const fs::path path = run_folder / "case.toml";
   const auto text = read_text(path);

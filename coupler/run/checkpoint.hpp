@@ -47,6 +47,9 @@ class Checkpoints {
 std::vector<std::string> settled_sets(const std::filesystem::path& case_file, std::vector<std::string> sets,
                                       const std::filesystem::path& run_folder);
 
+/// Throws Error(command_line) when `who_cannot` says that a participant cannot save its state
+/// (Session::cannot_resume, or that of the run before); empty: they can.
+void check_can_resume(const std::string& who_cannot, const std::filesystem::path& run_folder);
 /// Throws Error(command_line) when the case means something else than it did when the run began. What only
 /// says how long, how often and how fast may change.
 void check_same_case(const CaseView&, const std::filesystem::path& run_folder);

@@ -21,11 +21,11 @@ std::vector<Column> history_columns(const RunFiles::Options& options) {
   const int dimension = options.dimension;
   std::vector<Column> columns = {{"window", "1"}, {"time", "s"}};
   if (options.coupled) {
+    columns.insert(columns.end(), {{"iterations", "1"}, {"residual", residual_unit(options)}});
+  }
+  if (options.coupled && options.mechanical) {
     const std::string newton = dimension == 2 ? "N/m" : "N";
-    columns.insert(columns.end(), {{"iterations", "1"},
-                                   {"residual", residual_unit(options)},
-                                   {"force.x", newton},
-                                   {"force.y", newton}});
+    columns.insert(columns.end(), {{"force.x", newton}, {"force.y", newton}});
     if (dimension == 3) columns.push_back({"force.z", newton});
     if (options.tells_moment && dimension == 2) columns.push_back({"moment.z", "N"});
     if (options.tells_moment && dimension == 3)
@@ -39,10 +39,11 @@ std::vector<Column> history_columns(const RunFiles::Options& options) {
 std::vector<Column> iteration_columns(const RunFiles::Options& options) {
   const int dimension = options.dimension;
   const std::string newton = dimension == 2 ? "N/m" : "N", unit = residual_unit(options);
-  std::vector<Column> columns = {
-      {"window", "1"},     {"time", "s"},    {"iteration", "1"}, {"residual", unit},  {"threshold", unit},
-      {"relaxation", "1"}, {"columns", "1"}, {"dropped", "1"},   {"force.x", newton}, {"force.y", newton}};
-  if (dimension == 3) columns.push_back({"force.z", newton});
+  std::vector<Column> columns = {{"window", "1"},    {"time", "s"},       {"iteration", "1"},
+                                 {"residual", unit}, {"threshold", unit}, {"relaxation", "1"},
+                                 {"columns", "1"},   {"dropped", "1"}};
+  if (options.mechanical) columns.insert(columns.end(), {{"force.x", newton}, {"force.y", newton}});
+  if (options.mechanical && dimension == 3) columns.push_back({"force.z", newton});
   for (std::size_t k = 1; k < options.measured.size(); ++k) {
     const auto& [quantity, own_unit] = options.measured[k];
     columns.push_back({"residual." + quantity, own_unit});
@@ -76,11 +77,13 @@ std::unique_ptr<History> open(const std::filesystem::path& path, const std::vect
   return history;
 }
 
-/// Whether the run that is continued was begun by a version that wrote no moments.
-bool is_without_moment(const std::filesystem::path& history, const std::optional<LoopState>& resumed) {
+/// Whether a run that is continued writes a column: where it was begun by another version, that one decides.
+/// otherwise: of a run that begins.
+bool writes(const std::string& column, const std::filesystem::path& history,
+            const std::optional<LoopState>& resumed, bool otherwise) {
   std::error_code none;
-  if (!resumed || resumed->windows == 0 || !std::filesystem::exists(history, none)) return false;
-  return !read_table(history).find("moment.z");
+  if (!resumed || resumed->windows == 0 || !std::filesystem::exists(history, none)) return otherwise;
+  return read_table(history).find(column).has_value();
 }
 
 void add_force(std::vector<double>& row, const Eigen::Vector3d& force, int dimension) {
@@ -93,10 +96,12 @@ void add_force(std::vector<double>& row, const Eigen::Vector3d& force, int dimen
 
 RunFiles::RunFiles(Options options) : options_(std::move(options)) {
   const auto& folder = options_.folder;
-  options_.tells_moment = !is_without_moment(folder / "history.csv", options_.resumed);
+  const std::filesystem::path history = folder / "history.csv";
+  options_.tells_moment = writes("moment.z", history, options_.resumed, true);
+  options_.mechanical = writes("force.y", history, options_.resumed, options_.mechanical);
   table_.columns = history_columns(options_);
   table_.value.resize(table_.columns.size());
-  history_ = open(folder / "history.csv", table_.columns, options_.resumed, &table_);
+  history_ = open(history, table_.columns, options_.resumed, &table_);
   if (!options_.coupled) return;
   iterations_ = open(folder / "iterations.csv", iteration_columns(options_), options_.resumed, nullptr);
   interface_ = std::make_unique<InterfaceRecorder>(folder, options_.mesh, options_.initial);
@@ -116,6 +121,8 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
   if (options_.coupled) {
     row.push_back(report.iterations);
     row.push_back(report.residual);
+  }
+  if (options_.coupled && options_.mechanical) {
     add_force(row, report.total_force(), options_.dimension);
     if (options_.tells_moment) add_moment(row, report);
     row.push_back(report.work.gap());
@@ -133,7 +140,7 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
                                      iteration.relaxation,
                                      static_cast<double>(iteration.columns),
                                      static_cast<double>(iteration.dropped)};
-    add_force(values_of, iteration.force, options_.dimension);
+    if (options_.mechanical) add_force(values_of, iteration.force, options_.dimension);
     for (std::size_t k = 1; k < iteration.fields.size(); ++k) {
       values_of.push_back(iteration.fields[k].residual);
       values_of.push_back(iteration.fields[k].threshold);

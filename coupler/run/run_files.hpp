@@ -20,6 +20,7 @@ class RunFiles {
   struct Options {
     std::filesystem::path folder;
     bool coupled = false;
+    bool mechanical = true;  // displacement and force cross the interface: their columns are written
     int dimension = 2;
     std::vector<Column> columns;                  // of the participants
     InterfaceMesh mesh;                           // the structure's

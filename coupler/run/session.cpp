@@ -3,6 +3,7 @@
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
+#include "coupler/run/surface_faces.hpp"
 #include "coupler/summary/pace.hpp"
 #include "coupler/summary/resolution.hpp"
 #include "proto/error.hpp"
@@ -73,6 +74,7 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
               .partner_initial = {}};
   if (view.structure) {
     structure_ = &set_up(*view.structure, setup);
+    take_surface();
     setup.partner_mesh = structure_->mesh();
     setup.partner_initial = structure_->description().initial;
     setup.history = structure_->description().history && view.common.interface == "surface";
@@ -88,21 +90,27 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
 void Session::launch(const SideView& side) {
   Launch launch;
   launch.program = side.program;
-  launch.arguments = {"--case", case_.path.string()};
-  for (const std::string& set : case_.sets) {
-    launch.arguments.push_back("--set");
-    launch.arguments.push_back(set);
+  const ForeignKeys& own = side.side == "fluid" ? case_.common.fluid_program : case_.common.structure_program;
+  const auto& by_hand = options_.by_hand;
+  const bool started_here = std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end();
+  launch.folder = own.folder;
+  launch.own_command_line = own.own_command_line;
+  if (own.own_command_line) {
+    launch.arguments = own.arguments;
+  } else {
+    // Relative where it is started where strake was called.
+    const bool elsewhere = !started_here || !own.folder.empty();
+    launch.arguments = {"--case", (elsewhere ? std::filesystem::absolute(case_.path) : case_.path).string()};
+    for (const std::string& set : case_.sets) launch.arguments.insert(launch.arguments.end(), {"--set", set});
   }
+  if (!own.folder.empty()) launch.program = std::filesystem::absolute(launch.program);
   launch.log = options_.log_folder / (side.side + ".log");
   if (options_.resumed_at) {
     note_resume(launch.log, *options_.resumed_at);
     launch.keep_log = true;
   }
   launch.threads = case_.common.threads;
-  const auto& by_hand = options_.by_hand;
-  if (std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end())
-    return participants_->launch(side.side, std::move(launch));
-  launch.arguments[1] = std::filesystem::absolute(case_.path).string();  // it may start anywhere
+  if (started_here) return participants_->launch(side.side, std::move(launch));
   participants_->attach(side.side);
   if (options_.invite) options_.invite(side.side, participants_->command(side.side, launch));
 }
@@ -118,6 +126,17 @@ RemoteParticipant& Session::set_up(const SideView& side, const Setup& setup) {
   RemoteParticipant& participant = participants_->connect(side.side, setup);
   add_columns(side.side, participant.description());
   return participant;
+}
+
+/// Faces of a structure that sends its points alone, from structure.surface.
+void Session::take_surface() {
+  const std::filesystem::path& file = case_.common.structure_program.surface;
+  if (file.empty()) return;
+  if (structure_->mesh().faces.cols() > 0)
+    throw Error(ExitCode::case_file, "structure.surface = " + file.string(),
+                fmt::format("the structure sends {} faces itself", structure_->mesh().faces.cols()),
+                "leave structure.surface out");
+  structure_->give_faces(faces_from_file(file, structure_->mesh()));
 }
 
 void Session::add_columns(const std::string& side, const Description& description) {
@@ -186,6 +205,9 @@ std::vector<std::pair<std::string, std::vector<std::string>>> Session::understoo
   std::vector<std::pair<std::string, std::vector<std::string>>> blocks;
   if (fluid_ != nullptr) blocks.emplace_back("fluid", fluid_->description().lines);
   if (structure_ != nullptr) blocks.emplace_back("structure", structure_->description().lines);
+  if (const auto& file = case_.common.structure_program.surface; structure_ != nullptr && !file.empty())
+    blocks.back().second.push_back(
+        fmt::format("{} faces from {}", structure_->mesh().faces.cols(), file.filename().string()));
   blocks.emplace_back("coupling", coupling_lines());
   return blocks;
 }
@@ -207,8 +229,19 @@ std::vector<std::string> Session::resolution() const {
                           velocity == nullptr ? Points() : Points(velocity->value));
 }
 
+std::string Session::cannot_resume() const {
+  std::vector<std::string> names;
+  if (fluid_ != nullptr && fluid_->description().cannot_resume) names.emplace_back("fluid");
+  if (structure_ != nullptr && structure_->description().cannot_resume) names.emplace_back("structure");
+  if (names.empty()) return {};
+  return fmt::format("{} cannot save {} state", fmt::join(names, " and "),
+                     names.size() > 1 ? "their" : "its");
+}
+
 std::vector<std::string> Session::warnings() const {
   std::vector<std::string> warnings;
+  if (const std::string who = cannot_resume(); !who.empty())
+    warnings.push_back(who + ": a run writes no checkpoints, and --resume cannot go on with it");
   bool moved = case_.structure && case_.structure->solver != "rigid" && case_.structure->solver != "replay";
   moved = moved || case_.moves_freely();
   const bool live = case_.fluid && case_.fluid->solver != "replay";

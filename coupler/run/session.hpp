@@ -43,6 +43,8 @@ class Session {
   WindowLoop loop(const RunPlan&);
   RunPlan plan() const;                       // of the whole case
   Scheme* scheme() { return scheme_.get(); }  // nullptr with one participant
+  /// True if displacement and force cross the interface.
+  bool is_mechanical() const { return scheme_ && scheme_->is_mechanical(); }
   RemoteParticipant* fluid() { return fluid_; }
   RemoteParticipant* structure() { return structure_; }
   std::vector<RemoteParticipant*> remotes() const;
@@ -58,12 +60,15 @@ class Session {
   /// The quality of the mapping, a line each; empty without a surface between two participants.
   std::vector<std::string> mapping_lines() const;
   std::vector<std::string> warnings() const;
+  /// "structure cannot save its state"; empty: every participant can.
+  std::string cannot_resume() const;
   /// What the spacings resolve (coupler/summary/resolution.hpp).
   std::vector<std::string> resolution() const;
   int dimension() const;
 
  private:
   RemoteParticipant& set_up(const SideView&, const Setup&);
+  void take_surface();
   void add_columns(const std::string& side, const Description&);
   void launch(const SideView&);
   std::vector<std::string> coupling_lines() const;

@@ -170,7 +170,7 @@ Json Summary::json() const {
       json["probes"][probe] = entry;
     }
 
-  json["checks"]["work_gap"] = coupled_ ? finite(work_gap_) : Json(nullptr);
+  json["checks"]["work_gap"] = coupled_ && mechanical ? finite(work_gap_) : Json(nullptr);
   for (const char* check :
        {"momentum_gap", "structure_energy_drift", "inner_fraction_min", "voids", "openings", "penetrations",
         "lost", "volume_drift", "largest_speed", "largest_pressure"})

@@ -30,6 +30,7 @@ class Summary {
   double coupler_memory = 0;                      // [bytes] peak
   std::vector<Verdict> verdicts;
   std::vector<std::string> resolution;  // what the spacings resolve, in words
+  bool mechanical = true;  // displacement and force cross the interface, so that works can be compared
 
   double end_time() const { return time_; }
   long windows() const { return windows_; }

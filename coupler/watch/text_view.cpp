@@ -114,6 +114,15 @@ std::string stages_text(const WatchedRun& run) {
   return text;
 }
 
+/// Of the last window; empty where nothing is coupled.
+std::string coupling_text(const TableTail& history) {
+  const auto iterations = history.last("iterations"), gap = history.last("work_gap");
+  if (!iterations) return {};
+  return fmt::format("coupling   {:.0f} iterations   residual {}{}", *iterations,
+                     value_text(history.last("residual").value_or(NAN), "m"),
+                     gap ? "   work gap " + value_text(*gap, "1") : "");  // none: no force crosses
+}
+
 void wrap(std::vector<std::string>& lines, const std::string& text, std::size_t width) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(fitted("  " + line, width));
@@ -152,11 +161,8 @@ std::vector<std::string> screen_lines(const WatchedRun& run, const Screen& scree
   if (!g.error.empty()) wrap(lines, g.error, width);
 
   std::vector<std::string> foot;
-  if (const auto it = run.history().last("iterations"))
-    foot.push_back(fitted(fmt::format("coupling   {:.0f} iterations   residual {}   work gap {}", *it,
-                                      value_text(run.history().last("residual").value_or(NAN), "m"),
-                                      value_text(run.history().last("work_gap").value_or(NAN), "1")),
-                          width));
+  if (const std::string text = coupling_text(run.history()); !text.empty())
+    foot.push_back(fitted(text, width));
   if (const std::string text = processes_text(g); !text.empty())
     foot.push_back(fitted("processes  " + text, width));
   if (const std::string text = stages_text(run); !text.empty())
@@ -204,7 +210,7 @@ void PlainLines::say_state(const WatchedRun& run) {
 }
 
 void PlainLines::begin(const WatchedRun& run) {
-  put(fmt::format("{:<44}{}", run.title(), run.folder().string()));
+  put(fmt::format("{:<42}  {}", run.title(), run.folder().string()));
   say_state(run);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "structure/mesh_files/mesh_text.hpp"
+#include "proto/mesh_files/mesh_text.hpp"
 
 namespace strake::structure {
 

@@ -1,8 +1,8 @@
 #include "structure/mesh_files/mesh_file.hpp"
 
 #include "proto/error.hpp"
+#include "proto/mesh_files/mesh_text.hpp"
 #include "structure/mesh_files/cut_cells.hpp"
-#include "structure/mesh_files/mesh_text.hpp"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -16,13 +16,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
-
-std::string extension(const std::filesystem::path& path) {
-  std::string text = path.extension().string();
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// Corners walked around, as files give them, in lexicographic order; turned over where the walk is
 /// clockwise.
@@ -178,11 +171,7 @@ class MeshReader {
 }  // namespace
 
 Solid read_mesh(const std::filesystem::path& path, int dimension, const Material& material) {
-  const std::string kind = extension(path);
-  if (kind != ".msh" && kind != ".inp")
-    throw Error(ExitCode::case_file, path.string(), "a mesh file ends in .msh (Gmsh) or .inp (Abaqus)",
-                "gmsh -2 -format msh41 FILE.geo");
-  MeshText text = kind == ".msh" ? read_gmsh(path) : read_abaqus(path);
+  MeshText text = read_mesh_text(path);
   if (has_simplices(text, dimension)) text = cut_into_quadrilaterals(text, dimension);
   return MeshReader(path, text, dimension).read(material);
 }

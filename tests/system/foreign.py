@@ -88,6 +88,83 @@ def run_both(place, prefix, solver):
     return words, runs[0]
 
 
+UNMODIFIED = """#!/usr/bin/python3 -B
+import os, runpy, sys
+assert sys.argv[1:] == ["-i", "floor"], sys.argv
+assert os.getcwd() == os.path.realpath(os.path.dirname(sys.argv[0]) + "/elsewhere"), os.getcwd()
+case = "../python_spring.toml"  # of its own knowledge: no option names it
+sys.argv = ["spring.py", "--connect", os.environ["STRAKE_CONNECT"], "--name", os.environ["STRAKE_NAME"],
+            "--case-hash", os.environ["STRAKE_CASE_HASH"], "--case", case]
+sys.path.insert(0, "..")
+runpy.run_path("../spring.py", run_name="__main__")
+"""
+
+
+def run_without_options(place, words, whole):
+    """A program whose command line takes none of Strake's options: its connection is in its environment."""
+    case = place / "case"
+    (case / "elsewhere").mkdir()
+    (case / "unmodified").write_text(UNMODIFIED)
+    (case / "unmodified").chmod(0o755)
+    own = ["--set", "structure.solver=./unmodified", "--set", 'structure.arguments=["-i", "floor"]', "--set", "structure.folder=elsewhere"]
+    command(*words, "--tag", "plain", *own, cwd=place)
+    run = place / "runs" / "python_spring-plain"
+    expect((run / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(), "no options: history.csv is the same to the byte")
+    refused = subprocess.run([*map(str, words), "--tag", "fem", "--set", "structure.solver=rigid", "--set", "structure.arguments=[]"],
+                             cwd=place, env=ENV, capture_output=True, text=True)
+    expect(refused.returncode == 3 and 'no such key beside solver = "rigid"' in refused.stderr,
+           f"no options: arguments for a solver of ours are refused, exit {refused.returncode}")
+
+
+def changed_spring(place, name, *changes):
+    """The solver in Python with other words in it."""
+    text = (CASE / "spring.py").read_text()
+    for was, now in changes:
+        expect(text.count(was) == 1, f"{name}: spring.py has {was!r} once")
+        text = text.replace(was, now)
+    (place / "case" / name).write_text(text)
+    (place / "case" / name).chmod(0o755)
+    return ["--set", f"structure.solver=./{name}"]
+
+
+def run_that_cannot_resume(place, words):
+    own = changed_spring(place, "forgetful", ("dt_limit=np.inf, columns", "dt_limit=np.inf, cannot_resume=True, columns"))
+    says = "structure cannot save its state"
+    checked = command(words[0], "check", *words[2:], *own, cwd=place).stdout
+    expect(checked.count(says) == 1, "forgetful: check says once that the structure cannot save its state")
+    process, run = begin(place, words, "forgetful", *own, "--set", "run.checkpoint_windows=10")
+    expect(wait_until(lambda: rows(run) >= 50, 60), "forgetful: the run is under way")
+    process.send_signal(signal.SIGINT)
+    output = process.communicate(timeout=30)[0]
+    expect(process.returncode == 130 and f"nothing to go on from: {says}" in output, f"forgetful: interrupted, and told: exit {process.returncode}")
+    expect(output.count("--resume cannot go on with it") == 1, "forgetful: the run says it once")
+    expect(not (run / "checkpoint").exists(), "forgetful: no checkpoint was written")
+    again = subprocess.run([*map(str, words), "--tag", "forgetful", *own, "--resume"], cwd=place, env=ENV, capture_output=True, text=True)
+    expect(again.returncode == 2 and f"cannot be resumed: {says}" in again.stderr, f"forgetful: --resume is refused, exit {again.returncode}")
+
+
+def run_with_faces_from_a_file(place, words, whole):
+    """A structure that sends its points alone, as most programs do that were written for another coupler."""
+    own = changed_spring(place, "faceless", ("n_points=2 * n, n_faces=2 * n)", "n_points=2 * n)"),
+                         ('frames = position.astype("<f8"), faces.astype("<i4"),', 'frames = position.astype("<f8"),'))
+    refused = subprocess.run([*map(str, words), "--tag", "faceless", *own], cwd=place, env=ENV, capture_output=True, text=True)
+    expect(refused.returncode == 3 and "has points but no faces" in refused.stderr and "structure.surface" in refused.stderr,
+           f"faceless: the advice names structure.surface, exit {refused.returncode}\n{refused.stderr if refused.returncode != 3 else ''}")
+    n = 21
+    points = [(-0.5 + i / (n - 1), -0.05) for i in range(n)] + [(0.5 - i / (n - 1), 0.0) for i in range(n)]
+    nodes = "".join(f"{k + 1} {x:.17g} {y:.17g} 0\n" for k, (x, y) in enumerate(points))
+    lines = "".join(f"{k + 1} 1 2 0 1 {a} {b}\n" for k, (a, b) in
+                    enumerate((k + 1, (k + 1) % (2 * n) + 1) if k % 3 else ((k + 1) % (2 * n) + 1, k + 1) for k in range(2 * n)))
+    (place / "case" / "floor.msh").write_text(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{2 * n}\n{nodes}$EndNodes\n"
+                                              f"$Elements\n{2 * n}\n{lines}$EndElements\n")
+    told = command(*words, "--tag", "faceless", *own, "--set", "structure.surface=floor.msh", cwd=place).stdout
+    expect("42 faces from floor.msh" in told, "faceless: the run says where the faces come from")
+    twice = subprocess.run([*map(str, words), "--tag", "twice", "--set", "structure.surface=floor.msh"], cwd=place, env=ENV, capture_output=True, text=True)
+    expect(twice.returncode == 3 and "the structure sends 42 faces itself" in twice.stderr, "faceless: a surface beside faces is refused")
+    expect((place / "runs" / "python_spring-faceless" / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(),
+           "faceless: with faces from a file, history.csv is the same to the byte")
+
+
 def resume_python(place, words, whole):
     cut = place / "runs" / "python_spring-cut"
     process = subprocess.Popen([*map(str, words), "--tag", "cut"], cwd=place, env=ENV, stdout=subprocess.DEVNULL,
@@ -158,6 +235,9 @@ with folder() as place:
     solver = build_outside(place, prefix)
     python_package(place, prefix)
     words, whole = run_both(place, prefix, solver)
+    run_without_options(place, words, whole)
+    run_that_cannot_resume(place, words)
+    run_with_faces_from_a_file(place, words, whole)
     resume_python(place, words, whole)
     coupler_dies(place, words)
     solver_is_suspended(place, words, whole)

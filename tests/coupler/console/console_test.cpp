@@ -285,14 +285,38 @@ TEST(ConsoleTable, OfOneParticipantHasNoCouplingColumns) {
   EXPECT_NE(stream.text().find("floor.y [N/m]"), std::string::npos);
 }
 
-TEST(ConsoleTable, LeavesOutAParticipantThatSaysNothingOfItself) {
+TEST(ConsoleTable, OfARunWithoutForceHasNoColumnsOfIt) {
   TextStream stream;
   auto reporter = table_reporter(stream.file(), Style{});
   RunHeader header = plate_header();
-  header.blocks.front().second.clear();
+  header.mechanical = false;
   reporter->start(header);
-  EXPECT_EQ(stream.text().find("fluid"), std::string::npos);
-  EXPECT_NE(stream.text().find("structure"), std::string::npos);
+  EXPECT_NE(stream.text().find("residual"), std::string::npos);
+  EXPECT_EQ(stream.text().find("force y"), std::string::npos);
+  EXPECT_EQ(stream.text().find("work gap"), std::string::npos);
+}
+
+TEST(ConsoleTable, LeavesOutAPartThatHasNothingToSay) {
+  TextStream stream;
+  auto reporter = table_reporter(stream.file(), Style{});
+  RunHeader header = plate_header();
+  header.blocks = {{"fluid", {}}, {"structure", {"spring   m 200 kg/m"}}};
+  reporter->start(header);
+  EXPECT_EQ(stream.text().find("  fluid"), std::string::npos);
+  EXPECT_NE(stream.text().find("  structure  spring   m 200 kg/m\n"), std::string::npos) << stream.text();
+}
+
+TEST(ConsoleTable, KeepsALongTitleOffTheFolder) {
+  for (const std::size_t length : {10, 43, 55}) {
+    TextStream stream;
+    auto reporter = table_reporter(stream.file(), Style{});
+    RunHeader header = plate_header();
+    header.title = std::string(length, 'x');
+    header.folder = "runs/tube";
+    reporter->start(header);
+    EXPECT_NE(stream.text().find("x  "), std::string::npos);
+    EXPECT_NE(stream.text().find("  runs/tube\n"), std::string::npos) << stream.text();
+  }
 }
 
 TEST(JsonLines, AreOneObjectEachWithItsKindAndHoldTheRowsOfFieldFrames) {

@@ -181,6 +181,7 @@ class RunFilesTest : public CheckpointTest {
   RunFiles files(std::optional<LoopState> resumed = std::nullopt) {
     return RunFiles({.folder = place_.path(),
                      .coupled = true,
+                     .mechanical = mechanical_,
                      .dimension = 2,
                      .columns = {},
                      .mesh = {"structure", 2, Points::Zero(3, 2), {}, {}},
@@ -216,7 +217,33 @@ class RunFilesTest : public CheckpointTest {
       all += content(place_.path() / name);
     return all;
   }
+  std::string head(const std::string& file) const {
+    const std::string text = content(place_.path() / file);
+    return text.substr(0, text.find('\n'));
+  }
+  bool mechanical_ = true;
 };
+
+TEST_F(RunFilesTest, OfARunWithoutForceHaveNoColumnsOfIt) {
+  mechanical_ = false;
+  record(1, 5);
+  EXPECT_EQ(head("history.csv"), "window [1],time [s],iterations [1],residual [m]");
+  EXPECT_EQ(
+      head("iterations.csv"),
+      "window [1],time [s],iteration [1],residual [m],threshold [m],relaxation [1],columns [1],dropped [1]");
+  const std::string whole = bytes();
+  record(4, 5, after(3));
+  EXPECT_EQ(bytes(), whole);
+}
+
+TEST_F(RunFilesTest, OfARunWithoutForceThatAnEarlierVersionBeganKeepItsColumns) {
+  record(1, 5);
+  const std::string before = head("history.csv"), whole = bytes();
+  mechanical_ = false;
+  record(4, 5, after(3));
+  EXPECT_EQ(head("history.csv"), before);
+  EXPECT_EQ(bytes(), whole);
+}
 
 TEST_F(RunFilesTest, GoOnFromAWindowToTheSameBytes) {
   record(1, 5);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace strake::structure {
+namespace strake {
 
 /// Content of a mesh file in its own form: nodes and elements by their numbers.
 struct MeshText {
@@ -22,8 +22,9 @@ struct MeshText {
   std::map<std::string, std::vector<long>> node_set;  // Abaqus
 };
 
-/// Both throw Error(case_file) that names file and line.
+/// All throw Error(case_file) that names file and line. The first goes by the ending: .msh or .inp.
+MeshText read_mesh_text(const std::filesystem::path&);
 MeshText read_gmsh(const std::filesystem::path&);
 MeshText read_abaqus(const std::filesystem::path&);
 
-}  // namespace strake::structure
+}  // namespace strake

@@ -1,6 +1,6 @@
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
-#include "structure/mesh_files/mesh_text.hpp"
+#include "proto/mesh_files/mesh_text.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <locale>
 #include <sstream>
 
-namespace strake::structure {
+namespace strake {
 namespace {
 
 /// Lines of a file with their numbers, and errors that name them.
@@ -240,4 +240,4 @@ MeshText read_gmsh(const std::filesystem::path& path) {
   return mesh;
 }
 
-}  // namespace strake::structure
+}  // namespace strake

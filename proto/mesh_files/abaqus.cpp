@@ -1,6 +1,6 @@
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
-#include "structure/mesh_files/mesh_text.hpp"
+#include "proto/mesh_files/mesh_text.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <charconv>
 #include <fstream>
 
-namespace strake::structure {
+namespace strake {
 namespace {
 
 std::string upper(std::string text) {
@@ -167,4 +167,4 @@ MeshText read_abaqus(const std::filesystem::path& path) {
   return AbaqusReader(path).read();
 }
 
-}  // namespace strake::structure
+}  // namespace strake
