@@ -17,3 +17,15 @@ set_target_properties(strake_precice PROPERTIES OUTPUT_NAME precice VERSION ${ST
 target_link_options(strake_precice PRIVATE -Wl,--version-script=${precice}/exported_symbols.map -Wl,-Bsymbolic
   -Wl,--no-undefined)
 strake_reuse_headers(strake_precice strake_installed_headers)
+
+# What an installation gets: everything in lib/strake/precice, component "precice". The files for CMake and pkg-config find the
+# library from their own place, so the folder may be moved. The build tree has the same folder.
+set(STRAKE_PRECICE_PLACE ${CMAKE_INSTALL_LIBDIR}/strake/precice)
+set(STRAKE_PRECICE_BUILT ${PROJECT_BINARY_DIR}/lib/strake/precice)
+foreach(file libprecice.pc preciceConfig.cmake preciceConfigVersion.cmake)
+  configure_file(${precice}/package/${file}.in ${STRAKE_PRECICE_BUILT}/${file} @ONLY)
+  install(FILES ${STRAKE_PRECICE_BUILT}/${file} DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT precice)
+endforeach()
+file(COPY ${precice}/include DESTINATION ${STRAKE_PRECICE_BUILT} PATTERN README.md EXCLUDE)
+install(DIRECTORY ${precice}/include DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT precice PATTERN README.md EXCLUDE)
+install(TARGETS strake_precice LIBRARY DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT precice)
