@@ -31,6 +31,7 @@ struct Launch {
   bool keep_log = false;                           // append to the existing log
   std::filesystem::path folder = {};               // its current folder; empty: that of this process
   int input = -1;                                  // descriptor of its standard input; below 0: /dev/null
+  bool own_command_line = false;  // `arguments` are all: a participant is told the rest by its environment
 };
 
 /// What every solver gets beside the environment of this process, so that it computes the same everywhere.

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -103,6 +104,8 @@ struct Participants::State {
   void say(const std::string& line) const;
   std::vector<std::string> arguments(const std::string& endpoint, const std::string& name,
                                      const Launch&) const;
+  /// What each program of a run finds in its environment: whom it talks to, and as whom.
+  std::map<std::string, std::string> connection(const std::string& endpoint, const std::string& name) const;
 
   void ask(Member&, wire::Request);
   /// The answer to the request under way. Sees to all other participants meanwhile.

@@ -66,26 +66,37 @@ void Participants::attach(const std::string& name) {
 
 std::vector<std::string> Participants::State::arguments(const std::string& endpoint, const std::string& name,
                                                         const Launch& launch) const {
+  if (launch.own_command_line) return launch.arguments;
   const std::string hash = fmt::format("{:02x}", fmt::join(options.case_hash, ""));
   std::vector<std::string> all{"--connect", endpoint, "--name", name, "--case-hash", hash};
   all.insert(all.end(), launch.arguments.begin(), launch.arguments.end());
   return all;
 }
 
+std::map<std::string, std::string> Participants::State::connection(const std::string& endpoint,
+                                                                   const std::string& name) const {
+  return {{"STRAKE_CONNECT", endpoint},
+          {"STRAKE_NAME", name},
+          {"STRAKE_CASE_HASH", fmt::format("{:02x}", fmt::join(options.case_hash, ""))}};
+}
+
 std::string Participants::command(const std::string& name, const Launch& launch) const {
+  const std::string connect = state_->socket.endpoint_elsewhere();
   std::map<std::string, std::string> environment = solver_environment(launch.threads);
+  environment.merge(state_->connection(connect, name));
   for (const auto& [variable, value] : launch.environment) environment[variable] = value;
   if (const auto& keys = state_->options.keys) environment["STRAKE_KEY"] = key_file(keys->folder, name);
-  std::string line = "STRAKE_TOKEN=" + state_->token;
+  std::string line = launch.folder.empty() ? "" : "env -C " + shell_word(launch.folder.string()) + " ";
+  line += "STRAKE_TOKEN=" + state_->token;
   for (const auto& [variable, value] : environment) line += " " + variable + "=" + shell_word(value);
   line += " " + shell_word(launch.program.string());
-  for (const std::string& word : state_->arguments(state_->socket.endpoint_elsewhere(), name, launch))
-    line += " " + shell_word(word);
+  for (const std::string& word : state_->arguments(connect, name, launch)) line += " " + shell_word(word);
   return line;
 }
 
 void Participants::launch(const std::string& name, Launch launch) {
   launch.arguments = state_->arguments(endpoint(), name, launch);
+  launch.environment.merge(state_->connection(endpoint(), name));
   launch.environment["STRAKE_TOKEN"] = state_->token;
   launch.environment["STRAKE_COUPLER"] = std::to_string(getpid());
   launch.environment["STRAKE_COUPLER_FOLDER"] = state_->socket.private_folder();

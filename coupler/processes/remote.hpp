@@ -70,8 +70,8 @@ class Participants {
   std::string endpoint() const;
   const std::string& token() const;  // hexadecimal; what a participant started by hand needs in STRAKE_TOKEN
 
-  /// Starts the program with "--connect … --name `name` --case-hash …" put before launch.arguments, and the
-  /// token.
+  /// Starts the program with "--connect … --name `name` --case-hash …" put before launch.arguments. Its
+  /// environment says the same, and holds the token. With launch.own_command_line it alone does.
   void launch(const std::string& name, Launch launch);
   /// Expects a participant started by hand (--attach).
   void attach(const std::string& name);

@@ -88,21 +88,27 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
 void Session::launch(const SideView& side) {
   Launch launch;
   launch.program = side.program;
-  launch.arguments = {"--case", case_.path.string()};
-  for (const std::string& set : case_.sets) {
-    launch.arguments.push_back("--set");
-    launch.arguments.push_back(set);
+  const ForeignKeys& own = side.side == "fluid" ? case_.common.fluid_program : case_.common.structure_program;
+  const auto& by_hand = options_.by_hand;
+  const bool started_here = std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end();
+  launch.folder = own.folder;
+  launch.own_command_line = own.own_command_line;
+  if (own.own_command_line) {
+    launch.arguments = own.arguments;
+  } else {
+    // Relative where it is started where strake was called.
+    const bool elsewhere = !started_here || !own.folder.empty();
+    launch.arguments = {"--case", (elsewhere ? std::filesystem::absolute(case_.path) : case_.path).string()};
+    for (const std::string& set : case_.sets) launch.arguments.insert(launch.arguments.end(), {"--set", set});
   }
+  if (!own.folder.empty()) launch.program = std::filesystem::absolute(launch.program);
   launch.log = options_.log_folder / (side.side + ".log");
   if (options_.resumed_at) {
     note_resume(launch.log, *options_.resumed_at);
     launch.keep_log = true;
   }
   launch.threads = case_.common.threads;
-  const auto& by_hand = options_.by_hand;
-  if (std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end())
-    return participants_->launch(side.side, std::move(launch));
-  launch.arguments[1] = std::filesystem::absolute(case_.path).string();  // it may start anywhere
+  if (started_here) return participants_->launch(side.side, std::move(launch));
   participants_->attach(side.side);
   if (options_.invite) options_.invite(side.side, participants_->command(side.side, launch));
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "proto/case/foreign_keys.hpp"
 #include "proto/case/window_choice.hpp"
 
 #include <Eigen/Core>
@@ -32,6 +33,7 @@ struct CommonKeys {
   std::vector<ProbeKeys> probes;
   std::string interface = "surface";  // "surface" | "volume"
   std::string fluid_solver = "mps", structure_solver = "fem";
+  ForeignKeys fluid_program, structure_program;  // where the solver is a program of the user's
   double window = 1e-5;  // [s] of the chosen interface (coupling.surface.window or coupling.volume.window)
   WindowChoice chosen;   // what coupling.surface.window is where the case gives none
   std::string interpolation = "mean";  // load over a window as the structure takes it: its mean, or a history

@@ -64,6 +64,34 @@ def run_both(place, prefix, solver):
     return words, runs[0]
 
 
+UNMODIFIED = """#!/usr/bin/python3 -B
+import os, runpy, sys
+assert sys.argv[1:] == ["-i", "floor"], sys.argv
+assert os.getcwd() == os.path.realpath(os.path.dirname(sys.argv[0]) + "/elsewhere"), os.getcwd()
+case = "../python_spring.toml"  # of its own knowledge: no option names it
+sys.argv = ["spring.py", "--connect", os.environ["STRAKE_CONNECT"], "--name", os.environ["STRAKE_NAME"],
+            "--case-hash", os.environ["STRAKE_CASE_HASH"], "--case", case]
+sys.path.insert(0, "..")
+runpy.run_path("../spring.py", run_name="__main__")
+"""
+
+
+def run_without_options(place, words, whole):
+    """A program whose command line takes none of Strake's options: its connection is in its environment."""
+    case = place / "case"
+    (case / "elsewhere").mkdir()
+    (case / "unmodified").write_text(UNMODIFIED)
+    (case / "unmodified").chmod(0o755)
+    own = ["--set", "structure.solver=./unmodified", "--set", 'structure.arguments=["-i", "floor"]', "--set", "structure.folder=elsewhere"]
+    command(*words, "--tag", "plain", *own, cwd=place)
+    run = place / "runs" / "python_spring-plain"
+    expect((run / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(), "no options: history.csv is the same to the byte")
+    refused = subprocess.run([*map(str, words), "--tag", "fem", "--set", "structure.solver=rigid", "--set", "structure.arguments=[]"],
+                             cwd=place, env=ENV, capture_output=True, text=True)
+    expect(refused.returncode == 3 and 'no such key beside solver = "rigid"' in refused.stderr,
+           f"no options: arguments for a solver of ours are refused, exit {refused.returncode}")
+
+
 def resume_python(place, words, whole):
     cut = place / "runs" / "python_spring-cut"
     process = subprocess.Popen([*map(str, words), "--tag", "cut"], cwd=place, env=ENV, stdout=subprocess.DEVNULL,
@@ -133,6 +161,7 @@ with folder() as place:
     prefix = place / "prefix"
     solver = build_outside(place, prefix)
     words, whole = run_both(place, prefix, solver)
+    run_without_options(place, words, whole)
     resume_python(place, words, whole)
     coupler_dies(place, words)
     solver_is_suspended(place, words, whole)

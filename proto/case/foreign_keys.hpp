@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+class CaseFile;
+
+/// Keys that a side has where its solver is a program of the user's ("./solver").
+struct ForeignKeys {
+  /// True if `arguments` is given: it is then the whole command line, and --connect … stays away.
+  bool own_command_line = false;
+  std::vector<std::string> arguments;
+  std::filesystem::path folder;  // absolute, where the program is started; empty: where strake was called
+};
+
+/// Declares and reads those keys of the table `side` ("fluid" | "structure"). With one of Strake's solvers it
+/// refuses them: Error(case_file).
+ForeignKeys read_foreign(CaseFile&, const std::string& side, const std::string& solver);
+
+}  // namespace strake
