@@ -195,6 +195,7 @@ void SolverRun::begin_window(const wire::Advance& advance) {
   history_.clear();
   data_.receive(window_, advance.input);
   ongoing_ = true;
+  noted_.reset();  // the solver went on
 }
 
 void SolverRun::await_window() {
