@@ -92,7 +92,7 @@ SolverRun::SolverRun(const std::string& participant, const std::string& config, 
       is_exchanged(config_, participant, &PreciceConfig::Exchange::to, &PreciceConfig::Exchange::substeps);
   const ServeOptions connection = connection_of_environment();
   is_structure_ = connection.name == "structure";
-  place_ = fmt::format("{} (preCICE participant \"{}\")", connection.name, participant);
+  place_ = fmt::format("{}, preCICE participant \"{}\"", connection.name, participant);
   prepare_last_moments(connection.name, connection.endpoint);
   conversation_ = std::make_unique<Conversation>(connection);
 }
@@ -142,7 +142,7 @@ void SolverRun::prepare(const Setup& setup) {
 
 void SolverRun::initialize() {
   if (initial_data.missed())
-    throw Error(ExitCode::solver_fault, place_, "has not asked whether initial data are required",
+    throw Error(ExitCode::solver_fault, "initial data", "the solver has not asked whether they are required",
                 "call requiresInitialData() and then writeData() before initialize()");
   if (mesh_.size() == 0)
     throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", mesh_.name()), "has no vertices",
@@ -222,17 +222,19 @@ void SolverRun::await_window() {
 
 void SolverRun::check_step(double dt) const {
   if (!std::isfinite(dt) || dt <= 0)
-    throw Error(ExitCode::solver_fault, place_, fmt::format("ends a time step of {} s", dt),
+    throw Error(ExitCode::solver_fault, "time step", fmt::format("is {} s", dt),
                 "a time step is finite and greater than 0");
   if (dt > left() + round_off * window_.dt)
-    throw Error(ExitCode::solver_fault, place_,
-                fmt::format("ends a time step of {:.9g} s, and {:.9g} s are left of the window", dt, left()),
+    throw Error(ExitCode::solver_fault, "time step",
+                fmt::format("is {:.9g} s, and {:.9g} s are left of the window", dt, left()),
                 "at most getMaxTimeStepSize()");
   if (write_checkpoint.missed())
-    throw Error(ExitCode::solver_fault, place_, "has not asked whether it must save its state",
+    throw Error(ExitCode::solver_fault, "checkpoint",
+                "the solver has not asked whether it must save its state",
                 "call requiresWritingCheckpoint() before advance()");
   if (read_checkpoint.missed())
-    throw Error(ExitCode::solver_fault, place_, "has not asked whether it must go back to its saved state",
+    throw Error(ExitCode::solver_fault, "checkpoint",
+                "the solver has not asked whether it must go back to its saved state",
                 "call requiresReadingCheckpoint() after advance()");
 }
 
