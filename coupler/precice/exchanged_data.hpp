@@ -28,7 +28,7 @@ class ExchangedData {
   /// values: the same; at a time of the window [s, absolute].
   void read(const std::string& mesh, const std::string& data, std::span<const int> ids, double time,
             std::span<double> values) const;
-  /// What was written since the last call of `reset`, as the coupler takes it: vectors have three components
+  /// What was written since the last call of `reset`, as the coupler takes it. Vectors have three components
   /// where Strake knows the quantity.
   std::vector<Field> fields() const;
   void reset();

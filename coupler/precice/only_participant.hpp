@@ -16,8 +16,7 @@ void make_only_participant(const std::string& name, const std::string& config, i
 /// Ends its part in the run; another one may be made then.
 void drop_only_participant();
 
-/// Says an error on standard error, reports it to the coupler and ends the process: C and Fortran know no
-/// exceptions.
+/// Prints an error, reports it to the coupler and ends the process. C and Fortran know no exceptions.
 [[noreturn]] void end_process(const char* error);
 
 /// Calls a function of C++ for one of C.

@@ -38,8 +38,8 @@ class SolverRun {
   SolverMesh& mesh(const std::string& name);
   const SolverMesh& mesh(const std::string& name) const { return const_cast<SolverRun*>(this)->mesh(name); }
   const std::string& mesh_name() const { return mesh_.name(); }
-  /// True if the faces of its mesh are used: the coupler projects onto those of a structure, and Strake's
-  /// water needs them; of a fluid, if a mapping of the configuration file projects.
+  /// True if the faces of its mesh are used. The coupler projects onto those of a structure, and Strake's
+  /// water needs them. Those of a fluid are used if a mapping of the configuration file projects.
   bool uses_faces() const;
   ExchangedData& data() { return data_; }
   const ExchangedData& data() const { return data_; }

@@ -20,8 +20,8 @@ class QuantityNames {
   /// "=".
   explicit QuantityNames(const std::string& rules);
 
-  /// A name that no rule has is written in lower case; if that is one of Strake's quantities it stands for
-  /// it. Any other name is passed on as it is. `conservative` holds for those.
+  /// The quantity of a rule; without one, that of Strake with this name in lower case. Any other name is
+  /// passed on as it is. `conservative` holds for those.
   Quantity of(const std::string& name, bool conservative) const;
 
  private:

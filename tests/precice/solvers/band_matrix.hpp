@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-/// A square matrix whose entries lie within `width` of the diagonal, and the solution of A x = b by elimination with
+/// A square matrix whose entries lie within `width` of the diagonal. A x = b is solved by elimination with
 /// row exchanges.
 class BandMatrix {
  public:

@@ -1,5 +1,5 @@
-// One of two solvers that solve nothing: each adds 1 to what the other sent. It says in which order preCICE's functions
-// ask for its state, and can fail on request.
+// One of two solvers that solve nothing: each adds 1 to what the other sent. It says in which order preCICE's
+// functions ask for its state, and can fail on request.
 #include <precice/precice.hpp>
 
 #include <chrono>
@@ -24,7 +24,8 @@ void fail(const std::string& how, precice::Participant& coupling) {
 
 int run(const std::string& name, const std::string& config, const std::string& how) {
   precice::Participant coupling(name, config, 0, 1);
-  const std::string mesh = name + "-Mesh", own = "Data-" + name, other = name == "One" ? "Data-Two" : "Data-One";
+  const std::string mesh = name + "-Mesh", own = "Data-" + name,
+                    other = name == "One" ? "Data-Two" : "Data-One";
   const std::vector<double> positions{0, 0, 0, 1, 0, 0, 2, 0, 0};
   std::vector<int> ids(3);
   std::vector<double> values(9, 0.0);

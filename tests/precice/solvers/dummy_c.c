@@ -1,6 +1,5 @@
 /* dummy.cpp in C. */
 #include <precice/preciceC.h>
-
 #include <stdio.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
-// Participant One of dummies.xml makes every call that preCICE refuses, and goes on: a call that is refused changes nothing.
+// Participant One of dummies.xml makes every call that preCICE refuses, and goes on: a call that is refused
+// changes nothing.
 #include <precice/precice.hpp>
 
 #include <cmath>
@@ -50,7 +51,9 @@ void before_initialize(Participant& p) {
   refused("getMeshDimensions()", "did you mean \"One-Mesh\"", [&] { p.getMeshDimensions("One-Mash"); });
   refused("getDataDimensions()", "is none of mesh", [&] { p.getDataDimensions(mesh, "Force"); });
   refused("setMeshVertex()", "has 2 numbers", [&] { p.setMeshVertex(mesh, {place.data(), 2}); });
-  refused("setMeshVertex()", "is none of this participant", [&] { p.setMeshVertex("Two-Mesh", {place.data(), 3}); });
+  refused("setMeshVertex()", "is none of this participant", [&] {
+    p.setMeshVertex("Two-Mesh", {place.data(), 3});
+  });
   refused("setMeshVertices()", "has 8 numbers", [&] { p.setMeshVertices(mesh, {place.data(), 8}, ids); });
   refused("setMeshVertex()", "not finite", [&] { p.setMeshVertex(mesh, std::vector<double>{0, NAN, 0}); });
   refused("initialize()", "has no vertices", [&] { p.initialize(); });
@@ -60,10 +63,15 @@ void before_initialize(Participant& p) {
   refused("setMeshEdges()", "multiple of 2", [&] { p.setMeshEdges(mesh, ids); });
   refused("setMeshQuads()", "multiple of 4", [&] { p.setMeshQuads(mesh, ids); });
   refused("setMeshTetrahedron()", "vertex -1", [&] { p.setMeshTetrahedron(mesh, 0, 1, 2, -1); });
-  refused("writeData()", "no vertex 7", [&] { p.writeData(mesh, "Data-One", std::vector<int>{7}, {values.data(), 3}); });
+  refused("writeData()", "no vertex 7", [&] {
+    p.writeData(mesh, "Data-One", std::vector<int>{7}, {values.data(), 3});
+  });
   refused("writeData()", "is not written", [&] { p.writeData(mesh, "Data-Two", ids, values); });
-  refused("writeData()", "3 vertices and 8 numbers", [&] { p.writeData(mesh, "Data-One", ids, {values.data(), 8}); });
-  refused("writeData()", "not finite", [&] { p.writeData(mesh, "Data-One", ids, std::vector<double>(9, NAN)); });
+  refused("writeData()", "3 vertices and 8 numbers", [&] {
+    p.writeData(mesh, "Data-One", ids, {values.data(), 8});
+  });
+  refused("writeData()", "not finite",
+          [&] { p.writeData(mesh, "Data-One", ids, std::vector<double>(9, NAN)); });
 }
 
 void in_the_run(Participant& p) {
@@ -84,7 +92,8 @@ void in_the_run(Participant& p) {
   refused("writeAndMapData()", "not supported", [&] { p.writeAndMapData(mesh, "Data-One", place, values); });
   refused("mapAndReadData()", "not supported", [&] { p.mapAndReadData(mesh, "Data-Two", place, 0, values); });
   refused("setMeshAccessRegion()", "not supported", [&] { p.setMeshAccessRegion(mesh, place); });
-  refused("writeGradientData()", "not supported", [&] { p.writeGradientData(mesh, "Data-One", ids, values); });
+  refused("writeGradientData()", "not supported",
+          [&] { p.writeGradientData(mesh, "Data-One", ids, values); });
 }
 
 void after_a_window(Participant& p) {

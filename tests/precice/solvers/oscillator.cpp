@@ -1,5 +1,6 @@
-// One of two masses of 1 kg between springs: wall, k = 4π², mass, k12 = 16π², mass, k = 4π², wall. Each is a participant
-// that sends its displacement and takes the other's, in four time steps a window. It knows preCICE's functions alone.
+// One of two masses of 1 kg between springs: wall, k = 4π², mass, k12 = 16π², mass, k = 4π², wall. Each is a
+// participant that sends its displacement and takes the other's, in four time steps a window. It knows
+// preCICE's functions alone.
 #include <precice/precice.hpp>
 
 #include <algorithm>
@@ -43,7 +44,8 @@ int main(int argc, char** argv) {
   if (argc < 3) return 2;
   const std::string side = argv[1], other = side == "Left" ? "Right" : "Left";
   const bool left = side == "Left";
-  const std::string mesh = side + "-Mesh", own_data = "Displacement-" + side, other_data = "Displacement-" + other;
+  const std::string mesh = side + "-Mesh", own_data = "Displacement-" + side,
+                    other_data = "Displacement-" + other;
   precice::Participant coupling(side, argv[2], 0, 1);
   const std::vector<double> place(static_cast<std::size_t>(coupling.getMeshDimensions(mesh)), 0.0);
   const std::vector<int> ids{coupling.setMeshVertex(mesh, place)};

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <vector>
 
-/// Flow through a straight elastic tube, one-dimensional: 100 cells over 10 m, unit density, wall stiffness 1e4,
-/// radius 1/√π, steps of 0.01 s by the implicit Euler rule. Area a [m²], velocity u [m/s] and pressure p [Pa] at the
-/// nodes.
+/// Flow through a straight elastic tube, one-dimensional. 100 cells over 10 m, unit density, wall stiffness
+/// 1e4, radius 1/√π, steps of 0.01 s by the implicit Euler rule. Area a [m²], velocity u [m/s] and pressure p
+/// [Pa] at the nodes.
 namespace tube {
 
 using Values = std::vector<double>;

@@ -1,4 +1,5 @@
-// The flow in the elastic tube (tube.hpp): takes the area, sends the pressure. It knows preCICE's functions alone.
+// The flow in the elastic tube (tube.hpp): takes the area, sends the pressure. It knows preCICE's functions
+// alone.
 #include "band_matrix.hpp"
 #include "tube.hpp"
 
@@ -23,10 +24,10 @@ double norm(const Values& v) {
   return std::sqrt(sum);
 }
 
-/// One time step for a given area, by Newton's method on velocity and pressure. With face values as the mean of two
-/// nodes, at the inner nodes:
-///   dx/dt (u_i a_i − u_iⁿ a_iⁿ) + a₊ u₊ u_i − a₋ u₋ u_(i−1) + ½ (a₊ (p_(i+1) − p_i) + a₋ (p_i − p_(i−1))) = 0
-///   dx/dt (a_i − a_iⁿ) + a₊ u₊ − a₋ u₋ = 0
+/// One time step for a given area, by Newton's method on velocity and pressure. With face values as the mean
+/// of two nodes, at the inner nodes:
+///   dx/dt (u_i a_i − u_iⁿ a_iⁿ) + a₊ u₊ u_i − a₋ u₋ u_(i−1) + ½ (a₊ (p_(i+1) − p_i) + a₋ (p_i − p_(i−1))) =
+///   0 dx/dt (a_i − a_iⁿ) + a₊ u₊ − a₋ u₋ = 0
 /// Inlet: u = 10 + 3 sin(10π t), p extrapolated. Outlet: u extrapolated, no reflection:
 ///   p = 2 (c² − (√(c² − pⁿ/2) − (u − uⁿ)/4)²)
 class Step {
@@ -41,7 +42,8 @@ class Step {
         now.p[index(i)] -= residual_[index(2 * i + 1)];
       }
       const double change = norm(residual_), whole = std::hypot(norm(now.u), norm(now.p));
-      if (change <= 1e-15 * whole || (change <= 1e-12 * whole && change >= 0.5 * shortest)) return;  // round-off
+      if (change <= 1e-15 * whole || (change <= 1e-12 * whole && change >= 0.5 * shortest))
+        return;  // round-off
       shortest = std::min(shortest, change);
     }
   }
@@ -74,8 +76,7 @@ class Step {
       add(2 * i, pressure(i - 1), -left / 2);
       add(2 * i, pressure(i), (left - right) / 2);
       add(2 * i, pressure(i + 1), right / 2);
-      residual_[index(2 * i + 1)] =
-          rate * (a(i) - before.a[index(i)]) + right * u_right - left * u_left;
+      residual_[index(2 * i + 1)] = rate * (a(i) - before.a[index(i)]) + right * u_right - left * u_left;
       add(2 * i + 1, velocity(i - 1), -left / 2);
       add(2 * i + 1, velocity(i), (right - left) / 2);
       add(2 * i + 1, velocity(i + 1), right / 2);

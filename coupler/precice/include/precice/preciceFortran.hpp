@@ -6,9 +6,9 @@
 extern "C" {
 #endif
 
-// The functions of preciceC.h for Fortran, as GNU Fortran calls external procedures: all arguments by
-// reference, and at the end the lengths of the texts, whose trailing blanks do not count. set_tetrahedron has
-// two names, one without the last underscore.
+// The functions of preciceC.h for Fortran, as GNU Fortran calls external procedures. All arguments go by
+// reference. The lengths of the texts stand at the end; trailing blanks of a text do not count.
+// set_tetrahedron has two names, one without the last underscore.
 PRECICE_API void precicef_create_(const char* name, const char* config, const int* rank, const int* size,
                                   int name_length, int config_length);
 PRECICE_API void precicef_create_with_communicator_(const char* name, const char* config, const int* rank,

@@ -22,7 +22,7 @@ struct is_span : std::false_type {};
 template <typename T, std::size_t n>
 struct is_span<span<T, n>> : std::true_type {};
 
-/// True if elements of type From may be seen as elements of type To: the same type, or To adds const.
+/// True if elements of type From may be seen as To. That is the same type, or To adds const.
 template <typename From, typename To>
 using may_view = std::is_convertible<From (*)[], To (*)[]>;
 
