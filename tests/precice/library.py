@@ -108,6 +108,17 @@ def oscillator(runs):
         expect(left <= 0.0051 and 3.7 < left / right < 4.4, f"two masses: error {left}, {right} at half the window: order {left / right:.2f}")
 
 
+def spring(runs):
+    """(m + rho H W) y'' + k y = -rho g H W from rest: mean and period as cases/python_spring has them, within 2 %."""
+    runs.run("spring")
+    y = [float(line) for line in runs.log("spring", "structure").splitlines()]
+    middle = sum(y) / len(y)
+    rising = [i + (middle - a) / (b - a) for i, (a, b) in enumerate(zip(y, y[1:])) if a < middle <= b]
+    period = (rising[1] - rising[0]) * 2.5e-4 if len(rising) == 2 else 0
+    expect(len(y) == 175 and abs(middle / -9.81e-5 - 1) < 0.02 and abs(period / 0.021766 - 1) < 0.02,
+           f"floor under water: mean {middle:.4g} m, expected -9.81e-5; period {1e3 * period:.3f} ms, expected 21.766")
+
+
 def dummies(runs):
     """Two windows of two iterations: the order of preCICE's calls, and the same numbers in every language."""
     order = ["saves", "goes back", "goes on"] * 2 + ["4 steps, last value 8"]
@@ -190,6 +201,6 @@ with folder() as place:
     symbols(home / "libprecice.so.3")
     source, env = build(place, home)
     runs = Runs(source, env)
-    for check in (dummies, tube, oscillator, misuses, faults, killed, alone):
+    for check in (dummies, tube, oscillator, spring, misuses, faults, killed, alone):
         check(runs)
 finish()

@@ -22,6 +22,12 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+std::string_view without_blanks(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
 }  // namespace
 
 QuantityNames::QuantityNames(const std::string& rules) {
@@ -29,13 +35,15 @@ QuantityNames::QuantityNames(const std::string& rules) {
   while (!left.empty()) {
     const std::string_view rule = left.substr(0, left.find(';'));
     left.remove_prefix(std::min(left.size(), rule.size() + 1));
-    const std::size_t equals = rule.find('=');
-    if (rule.empty()) continue;
-    if (equals == 0 || equals == std::string_view::npos || equals + 1 == rule.size())
+    if (without_blanks(rule).empty()) continue;
+    const std::size_t equals = std::min(rule.find('='), rule.size());
+    const std::string_view name = without_blanks(rule.substr(0, equals));
+    const std::string_view quantity = without_blanks(rule.substr(std::min(equals + 1, rule.size())));
+    if (name.empty() || quantity.empty())
       throw Error(ExitCode::command_line, "STRAKE_PRECICE_NAMES",
                   "has the rule \"" + std::string(rule) + "\"",
                   "Name=quantity, several with ; between them: Force=force;Displacement=displacement");
-    rules_[std::string(rule.substr(0, equals))] = rule.substr(equals + 1);
+    rules_[std::string(name)] = quantity;
   }
 }
 
