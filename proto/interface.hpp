@@ -55,6 +55,7 @@ struct Input {
   /// One: constant (force) or end value (motion). More: a history, ascending, that ends with the window and
   /// may begin before it.
   std::vector<Sample> samples;
+  bool wants_history = false;  // the partner takes a history: send Advanced::history
 };
 struct Window {
   double t = 0, dt = 0;  // [s]

@@ -29,6 +29,10 @@ struct Description {
   std::vector<Field> initial;
   bool history =
       false;  // it takes the partner's fields over the window, as several samples, where there are such
+  /// Of a structure, which is set up before its partner: the samples of its first window begin with the
+  /// fields that the partner announces, at the time at which that window begins.
+  bool partner_initial = false;
+  bool cannot_resume = false;  // it cannot save its state: no checkpoint of the run is written
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest first window
   std::vector<Column> columns;  // monitors that become columns of history.csv, in this order
   std::vector<std::string>
@@ -37,8 +41,9 @@ struct Description {
 
 struct Advanced {
   std::vector<Field> output;  // displacement, velocity: at t + dt; force: mean over the window; on mesh()
-  /// The same fields at times in (t, t + dt], ascending, the last at t + dt. They are sent if Setup::history
-  /// requests them. A force is the mean since the sample before.
+  /// The same fields at times in (t, t + dt], ascending, the last at t + dt. They are sent if
+  /// Input::wants_history (of a fluid Setup::history as well) requests them. A force is the mean since the
+  /// sample before.
   std::vector<Sample> history;
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest next window this solver accepts
   /// Named scalars. Names in Description::columns go to history.csv. Reserved prefixes go elsewhere:

@@ -65,10 +65,13 @@ void CouplingState::save(Archive& archive) const {
   archive.integer["coupling.counts"] = {
       windows, sends_velocity ? 1 : 0, static_cast<std::int64_t>(structure.size()),
       static_cast<std::int64_t>(fluid.size()), static_cast<std::int64_t>(history.size())};
+  if (!structure_history.empty())
+    archive.integer["coupling.structure_history"] = {static_cast<std::int64_t>(structure_history.size())};
   archive.real["coupling.velocity_scale"] = MatrixXd::Constant(1, 1, velocity_scale);
   put(archive, "structure", structure);
   put(archive, "fluid", fluid);
   put(archive, "history", history);
+  put(archive, "structure_history", structure_history);
   accelerator.save(archive);
 }
 
@@ -83,6 +86,10 @@ void CouplingState::load(const Archive& archive) {
     structure.push_back(StructureSample::of(std::move(sample)));
   fluid = get(archive, "fluid", counts->second[3]);
   history = get(archive, "history", counts->second[4]);
+  const auto more = archive.integer.find("coupling.structure_history");  // none: the fluid takes no histories
+  if (more != archive.integer.end() && more->second.size() == 1)
+    for (Sample& sample : get(archive, "structure_history", more->second.front()))
+      structure_history.push_back(StructureSample::of(std::move(sample)));
   accelerator.load(archive);
 }
 

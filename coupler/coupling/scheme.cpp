@@ -20,6 +20,15 @@ double dot(const A& a, const B& b) {
   return a.reshaped().dot(b.reshaped());
 }
 
+/// Appends samples of a window to those before it, of which the last are kept.
+template <class T>
+void keep_earlier(std::vector<T>& history, std::vector<T>& samples) {
+  constexpr std::size_t earlier = 3;  // with one more a cubic at the start of a window
+  for (T& sample : samples) history.push_back(std::move(sample));
+  if (history.size() > earlier)
+    history.erase(history.begin(), history.end() - static_cast<std::ptrdiff_t>(earlier));
+}
+
 /// In one line: the console shows it with the window.
 std::string asks_for_shorter(const char* who, const Window& window, const std::string& why) {
   return fmt::format("{} asks for a shorter window than {:.3g} s{}{}", who, window.dt,
@@ -61,7 +70,10 @@ Scheme::Scheme(Participant& fluid, Participant& structure, FieldTransfer transfe
   state_.structure = {of_structure_};
   Sample load = {start_time, {}};
   for (const Field& field : of_fluid_) load.fields.push_back(transfer_.onto_structure(field));
-  if (structure_.description().history && !fluid_.description().initial.empty()) state_.history = {load};
+  const bool announced = !fluid_.description().initial.empty();
+  if (structure_.description().history && announced) state_.history = {load};
+  if (structure_.description().partner_initial && announced) initial_load_ = load;
+  if (fluid_takes_history()) state_.structure_history = {of_structure_};
   if (needs_last_load()) state_.fluid = {std::move(load)};
 }
 
@@ -96,8 +108,14 @@ void Scheme::set_state(CouplingState state) {
       std::all_of(state.structure.begin(), state.structure.end(), [&](StructureSample& sample) {
         return moves_alike(sample.motion) && fit(sample.others, of_structure_.others);
       });
+  const bool history_fits = std::all_of(
+      state.structure_history.begin(), state.structure_history.end(), [&](StructureSample& sample) {
+        const bool moves = !sample.motion || sample.motion->displacement.cols() == n;
+        return moves && sample.motion.has_value() == of_structure_.motion.has_value() &&
+               fit(sample.others, of_structure_.others);
+      });
   const bool all_load = !needs_last_load() || !state.fluid.empty();
-  if (!structure_fits || !all_load || !load_fits(state.fluid) || !load_fits(state.history))
+  if (!structure_fits || !history_fits || !all_load || !load_fits(state.fluid) || !load_fits(state.history))
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5",
                 fmt::format("its interface does not have the structure's {} points and fields", n),
                 "resume with the case that the checkpoint was made with");
@@ -280,6 +298,7 @@ void Scheme::close(WindowReport& report, Iterate& now) {
   pending_.structure = std::move(now.answer);
   if (needs_last_load()) pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
   pending_.history = std::move(now.history);
+  pending_.structure_history = std::move(now.structure_history);
   pending_.accelerator = accelerator_->state();
   open_ = true;
 }
@@ -298,10 +317,8 @@ void Scheme::commit(bool write_output) {
       state_.fluid.clear();  // a first guess of the load is made in parallel schemes alone
     remember(state_.fluid, std::move(pending_.fluid), kind);
   }
-  constexpr std::size_t earlier = 3;  // with one more a cubic at the start of a window
-  for (Sample& sample : pending_.history) state_.history.push_back(std::move(sample));
-  if (state_.history.size() > earlier)
-    state_.history.erase(state_.history.begin(), state_.history.end() - static_cast<std::ptrdiff_t>(earlier));
+  keep_earlier(state_.history, pending_.history);
+  keep_earlier(state_.structure_history, pending_.structure_history);
   state_.accelerator = std::move(pending_.accelerator);
   open_ = false;
 }

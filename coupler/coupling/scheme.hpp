@@ -30,6 +30,7 @@ struct CouplingState {
   StructureSamples structure;   // what it sent at the ends of committed windows, last is now
   Samples fluid;    // likewise the fluid's, on the structure's mesh; none where no window looks back
   Samples history;  // the last three of the fluid's samples before now, where the structure takes histories
+  StructureSamples structure_history;  // the structure's, where the fluid takes histories
   AcceleratorState accelerator;
 
   void save(Archive&) const;  // names begin with "coupling."
@@ -77,6 +78,9 @@ class Scheme {
   Input for_fluid(const Window&, const Iterate&) const;
   Input for_structure(const Window&, const Iterate&) const;
   Samples receive_history(const Window&, int iteration, Iterate&) const;
+  bool fluid_takes_history() const;
+  StructureSamples moved_history(const Window&, const Iterate&) const;
+  StructureSamples receive_structure_history(const Window&, int iteration, Iterate&) const;
   static void sum_load(Iterate&);
   void receive_fluid(const Window&, int iteration, Iterate&) const;
   void receive_structure(const Window&, int iteration, Iterate&);
@@ -98,8 +102,9 @@ class Scheme {
   Participant& structure_;
   FieldTransfer transfer_;
   SchemeParameters parameters_;
-  StructureSample of_structure_;  // announced
-  std::vector<Field> of_fluid_;   // announced
+  StructureSample of_structure_;        // announced
+  std::vector<Field> of_fluid_;         // announced
+  std::optional<Sample> initial_load_;  // for a structure that asks for it in its first window
   std::unique_ptr<Accelerator> accelerator_;
   CouplingState state_;
   /// What a commit adds to the state.
@@ -109,6 +114,7 @@ class Scheme {
     StructureSample structure;
     Sample fluid;
     Samples history;
+    StructureSamples structure_history;
     AcceleratorState accelerator;
   };
   Pending pending_;

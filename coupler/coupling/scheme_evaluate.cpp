@@ -1,9 +1,7 @@
-// One evaluation of the coupled map: the order of the calls, and the exchanged fields.
+// One evaluation of the coupled map: the order of the calls, and the exchanged fields at a window's end.
 
 #include "coupler/coupling/scheme_iterate.hpp"
 #include "proto/error.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
@@ -12,15 +10,6 @@ namespace strake {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-namespace {
-
-/// Adds b − c to a, field by field.
-void shift(std::vector<Field>& a, const std::vector<Field>& b, const std::vector<Field>& c) {
-  for (std::size_t k = 0; k < a.size(); ++k) a[k].value.edit() += b[k].value - c[k].value;
-}
-
-}  // namespace
 
 MatrixXd followed_velocity(const Motion& committed, const Values& displacement, double dt) {
   return 2 / dt * (displacement - committed.displacement) - committed.velocity;
@@ -90,57 +79,6 @@ std::optional<Scheme::Shorter> Scheme::evaluate_parallel(const Window& window, i
   return std::nullopt;
 }
 
-Input Scheme::for_fluid(const Window& window, const Iterate& now) const {
-  Sample sample = {parameters_.volume ? window.t : window.t + window.dt, {}};
-  for (const Field& field : guess_of(now).fields()) sample.fields.push_back(transfer_.onto_fluid(field));
-  Input input;
-  input.samples.push_back(std::move(sample));
-  return input;
-}
-
-// The load at the window's end, or its history with the samples before it. In a parallel scheme the
-// history is the fluid's last one, moved by what the load has been changed since.
-Input Scheme::for_structure(const Window& window, const Iterate& now) const {
-  const std::vector<Field>& load = parameters_.parallel ? now.load_guess : now.load;
-  const Samples& given = parameters_.parallel ? now.history_before : now.history;
-  Input input;
-  if (!structure_.description().history || given.empty()) {
-    input.samples.push_back({window.t + window.dt, load});
-    return input;
-  }
-  input.samples = state_.history;
-  for (const Sample& sample : given) {
-    input.samples.push_back(sample);
-    if (parameters_.parallel) shift(input.samples.back().fields, load, now.load_before);
-  }
-  return input;
-}
-
-// What the fluid sends over the window. Where it is alone with its end values, and these are no means, they
-// make a history with those before.
-Samples Scheme::receive_history(const Window& window, int iteration, Iterate& now) const {
-  const Place place = {"fluid", window, state_.windows + 1, iteration};
-  const double end = window.t + window.dt, slack = 1e-9 * window.dt;
-  Samples history;
-  double last = window.t;
-  for (Sample& sample : now.from_fluid.history) {
-    if (!(sample.time > last) || sample.time > end + slack)
-      throw Error(ExitCode::solver_fault, place.text(),
-                  fmt::format("sent a sample at {:.9g} s after {:.9g} s in a window to {:.9g} s", sample.time,
-                              last, end),
-                  "samples ascend from after the window's start to its end");
-    last = sample.time;
-    history.push_back({sample.time, {}});
-    for (const Field& field : received_fields(std::move(sample.fields), of_fluid_, fluid_.mesh(), place))
-      history.back().fields.push_back(transfer_.onto_structure(field));
-  }
-  if (!history.empty()) return history;
-  const bool means =
-      std::any_of(of_fluid_.begin(), of_fluid_.end(), [](const Field& field) { return field.conservative; });
-  if (!means) history = {{end, now.load}};
-  return history;
-}
-
 void Scheme::sum_load(Iterate& now) {
   if (const Field* force = find(now.load, "force")) now.force = force->value.sum_over_points();
 }
@@ -156,6 +94,7 @@ void Scheme::receive_fluid(const Window& window, int iteration, Iterate& now) co
 void Scheme::receive_structure(const Window& window, int iteration, Iterate& now) {
   const Place place = {"structure", window, state_.windows + 1, iteration};
   now.answer = received_fields(std::move(now.from_structure.output), of_structure_, structure_.mesh(), place);
+  if (fluid_takes_history()) now.structure_history = receive_structure_history(window, iteration, now);
   if (!now.answer.motion) return;
   auto& [displacement, velocity] = *now.answer.motion;
   pending_.sends_velocity = velocity.size() > 0;

@@ -12,7 +12,8 @@ struct Scheme::Iterate {
   std::vector<Field> load;          // what the fluid answers; serial: what the structure is given
   std::vector<Field> load_before;   // of the iteration before, in the first one of the window before
   Samples history, history_before;  // the load over the window, if the structure takes it; likewise
-  std::vector<Field> wet;           // the fluid's answer on its own mesh
+  StructureSamples structure_history;  // the structure's last answers over it, if the fluid takes them
+  std::vector<Field> wet;              // the fluid's answer on its own mesh
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // [N] whole load on the structure
   Advanced from_fluid, from_structure;
 };

@@ -14,7 +14,7 @@ install(FILES ${PROJECT_BINARY_DIR}/python/coupling_pb2.py
 # A participant's own headers: Eigen and the standard library, nothing else.
 set(headers coupler/participant/participant_main.hpp coupler/participant/serve.hpp proto/box.hpp proto/case/case_file.hpp proto/case/key_info.hpp proto/case/case_keys.hpp proto/error.hpp
   proto/files/frame_writer.hpp proto/interface.hpp proto/interpolation.hpp proto/participant.hpp proto/probe.hpp proto/files/result_file.hpp
-  proto/case/size_limit.hpp proto/case/window_choice.hpp proto/values.hpp proto/files/vector_participant.hpp)
+  proto/case/foreign_keys.hpp proto/case/size_limit.hpp proto/case/window_choice.hpp proto/values.hpp proto/files/vector_participant.hpp)
 foreach(header ${headers})
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header}

@@ -93,6 +93,7 @@ void write(const Advance& from, pb::Request& request, Writer& writer) {
   to.set_dt(from.window.dt);
   to.set_iteration(from.iteration);
   to.set_write_output(from.write_output);
+  to.set_wants_history(from.input.wants_history);
   write(from.input.samples, *to.mutable_samples(), writer);
 }
 void write(const Checkpoint& from, pb::Request& request, Writer&) {
@@ -131,6 +132,7 @@ Advance read(const pb::Advance& from, Reader& reader) {
   to.iteration = from.iteration();
   to.write_output = from.write_output();
   to.input.samples = read_samples(from.samples(), reader);
+  to.input.wants_history = from.wants_history();
   return to;
 }
 
@@ -153,6 +155,8 @@ void write(const Ready& from, pb::Reply& reply, Writer& writer) {
   writer.fields(d.initial, *to.mutable_initial());
   to.set_dt_limit(d.dt_limit);
   to.set_history(d.history);
+  to.set_partner_initial(d.partner_initial);
+  to.set_cannot_resume(d.cannot_resume);
   writer.rules().columns(d.columns);
   for (const Column& c : d.columns) {
     to.add_columns()->set_name(c.name);
@@ -194,6 +198,8 @@ Ready read(const pb::Ready& from, Reader& reader) {
   to.description.initial = reader.fields(from.initial());
   to.description.dt_limit = from.dt_limit();
   to.description.history = from.history();
+  to.description.partner_initial = from.partner_initial();
+  to.description.cannot_resume = from.cannot_resume();
   for (const pb::Column& c : from.columns()) to.description.columns.push_back({c.name(), c.unit()});
   reader.rules().columns(to.description.columns);
   to.description.lines.assign(from.lines().begin(), from.lines().end());

@@ -100,6 +100,14 @@ MESSAGES = {  # name: what it is for, header, frames
                                 fields=[P], dt_limit=INF,
                                 history=[pb.Sample(time=5e-6, fields=[P]), pb.Sample(time=1e-5, fields=[P])])),
                             [np.array([11, 21], "<f8"), np.array([10, 20], "<f8"), np.array([12, 22], "<f8")]),
+    "22-ready-cannot-resume": ("A structure that cannot save its state, and needs the fluid's fields at the start.",
+                               pb.Reply(sequence=1, ready=pb.Ready(mesh=mesh("mass", 2), dt_limit=INF, cannot_resume=True,
+                                                                   partner_initial=True)), [WET]),
+    "23-advance-wants-history": ("The fluid takes the structure's fields as a history: send Advanced.history. The first window of\n"
+                                 "one that asked for it begins with the fluid's field at the start.",
+                                 pb.Request(sequence=2, advance=pb.Advance(t=0, dt=1e-5, iteration=1, wants_history=True, samples=[
+                                     pb.Sample(time=0, fields=[P]), pb.Sample(time=1e-5, fields=[P])])),
+                                 [np.array([9, 19], "<f8"), np.array([12, 22], "<f8")]),
     "18-refused": ("Hello was not accepted.",
                    pb.Request(refused=pb.Refused(where="coupler", problem='"structure" does not know the token of this run',
                                                  fix="STRAKE_TOKEN must hold the token that the coupler printed")), []),

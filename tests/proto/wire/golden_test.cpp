@@ -191,10 +191,24 @@ TEST(GoldenMessages, HistoriesOfOtherFields) {
   expect_field(advanced.history[1].fields.at(0), "pressure", "Pa", false, Eigen::RowVector2d(12, 22));
 }
 
-TEST(GoldenMessages, AreTwentyOneFiles) {
+TEST(GoldenMessages, WhatASideAsksFor) {
+  const Description structure = reply<Ready>("22-ready-cannot-resume", 1).description;
+  EXPECT_TRUE(structure.cannot_resume && structure.partner_initial);
+  EXPECT_FALSE(structure.history);
+  const Description other = reply<Ready>("19-ready-history", 1).description;
+  EXPECT_FALSE(other.cannot_resume || other.partner_initial);
+  const Input input = request<Advance>("23-advance-wants-history", 2).input;
+  EXPECT_TRUE(input.wants_history);
+  ASSERT_EQ(input.samples.size(), 2u);
+  EXPECT_EQ(input.samples[0].time, 0);
+  expect_field(input.samples[0].fields.at(0), "pressure", "Pa", false, Eigen::RowVector2d(9, 19));
+  EXPECT_FALSE(request<Advance>("06-advance", 2).input.wants_history);
+}
+
+TEST(GoldenMessages, AreTwentyThreeFiles) {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) names.insert(entry.path().stem());
-  EXPECT_EQ(names.size(), 21u) << "a new one wants a line in the tests above";
+  EXPECT_EQ(names.size(), 23u) << "a new one wants a line in the tests above";
 }
 
 }  // namespace
