@@ -45,10 +45,6 @@ void ExchangedData::resize(int n_points) {
   n_points_ = n_points;
 }
 
-void ExchangedData::reset() {
-  for (Entry& entry : written_) entry.value = Eigen::MatrixXd::Zero(entry.components, n_points_);
-}
-
 const ExchangedData::Entry* ExchangedData::find(const std::vector<Entry>& entries, const std::string& mesh,
                                                 const std::string& data) const {
   for (const Entry& entry : entries)
@@ -105,17 +101,21 @@ void ExchangedData::read(const std::string& mesh, const std::string& data, std::
   check_sizes(*entry, ids.size(), values.size());
   if (ids.empty()) return;
   if (entry->waveform.empty()) throw Error(ExitCode::solver_fault, entry->text(), "has no values yet", "");
-  const Eigen::MatrixXd now = entry->waveform.at(time);
+  const Values now = entry->waveform.at(time);
   for (std::size_t i = 0; i < ids.size(); ++i)
     for (int c = 0; c < entry->components; ++c)
       values[i * static_cast<std::size_t>(entry->components) + static_cast<std::size_t>(c)] = now(c, ids[i]);
 }
 
-std::vector<Field> ExchangedData::fields() const {
+std::vector<Field> ExchangedData::take_fields() {
   std::vector<Field> fields;
-  for (const Entry& entry : written_) {
-    Eigen::MatrixXd value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points_);
-    value.topRows(entry.components) = entry.value;
+  for (Entry& entry : written_) {
+    Eigen::MatrixXd value = std::exchange(entry.value, Eigen::MatrixXd::Zero(entry.components, n_points_));
+    if (entry.components < entry.quantity.components) {
+      const Eigen::MatrixXd narrow = std::move(value);
+      value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points_);
+      value.topRows(entry.components) = narrow;
+    }
     fields.push_back(
         {entry.quantity.name, entry.quantity.unit, entry.quantity.conservative, std::move(value)});
   }
@@ -123,14 +123,14 @@ std::vector<Field> ExchangedData::fields() const {
 }
 
 /// In two dimensions the third component of the partner's vectors is zero and is left out.
-Eigen::MatrixXd ExchangedData::from_partner(const Entry& entry, const Field& field) const {
+Values ExchangedData::from_partner(const Entry& entry, const Field& field) const {
   if (field.value.rows() != entry.quantity.components || field.value.cols() != n_points_)
     throw Error(ExitCode::case_file, entry.text(),
                 fmt::format("is the partner's {}, which has {} components at {} points; expected {} at {}",
                             field.quantity, field.value.rows(), field.value.cols(), entry.quantity.components,
                             n_points_),
                 "both participants must mean the same by it");
-  return field.value.topRows(entry.components);
+  return entry.components == field.value.rows() ? field.value : Values(field.value.topRows(entry.components));
 }
 
 void ExchangedData::begin(const InterfaceMesh& partner, const std::vector<Field>& fields,

@@ -28,10 +28,9 @@ class ExchangedData {
   /// values: the same; at a time of the window [s, absolute].
   void read(const std::string& mesh, const std::string& data, std::span<const int> ids, double time,
             std::span<double> values) const;
-  /// What was written since the last call of `reset`, as the coupler takes it. Vectors have three components
-  /// where Strake knows the quantity.
-  std::vector<Field> fields() const;
-  void reset();
+  /// What was written since the last call, as the coupler takes it; from here on it is zero. Vectors have
+  /// three components where Strake knows the quantity.
+  std::vector<Field> take_fields();
 
   /// The partner's fields where the run begins, on its own mesh. They are taken where that mesh has the
   /// points of `mesh`; else, and where one is missing, a field begins at zero.
@@ -56,7 +55,7 @@ class ExchangedData {
   const Entry* find(const std::vector<Entry>&, const std::string& mesh, const std::string& data) const;
   void check_sizes(const Entry&, std::size_t ids, std::size_t values) const;
   std::string listed(const std::vector<Entry>&) const;
-  Eigen::MatrixXd from_partner(const Entry&, const Field&) const;
+  Values from_partner(const Entry&, const Field&) const;
 
   std::vector<Entry> written_, read_;
   int n_points_ = 0;

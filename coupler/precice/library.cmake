@@ -22,7 +22,7 @@ strake_reuse_headers(strake_precice strake_installed_headers)
 
 # What an installation gets: everything in lib/strake/precice, component "precice". The files for CMake and pkg-config find the
 # library from their own place, so the folder may be moved. The build tree has the same folder.
-set(STRAKE_PRECICE_PLACE ${CMAKE_INSTALL_LIBDIR}/strake/precice)
+set(STRAKE_PRECICE_PLACE lib/strake/precice)   # where programs in bin/ look for it
 set(STRAKE_PRECICE_BUILT ${PROJECT_BINARY_DIR}/lib/strake/precice)
 foreach(file libprecice.pc preciceConfig.cmake preciceConfigVersion.cmake)
   configure_file(${precice}/package/${file}.in ${STRAKE_PRECICE_BUILT}/${file} @ONLY)

@@ -160,13 +160,14 @@ void SolverRun::initialize() {
                 fmt::format("the coupler sent {} before Setup", wire::name_of(request)));
   prepare(*setup);
   Description description;
-  description.initial = data_.fields();
+  description.initial = data_.take_fields();
   description.history = takes_history_;
+  description.partner_initial = is_structure_;
+  description.cannot_resume = true;
   description.lines = {fmt::format("preCICE participant \"{}\"   mesh \"{}\", {} points", me_->name,
                                    mesh_.name(), mesh_.size())};
   conversation_->answer({0, wire::Ready{mesh_.interface_mesh(), description}});
   initialized_ = true;
-  data_.reset();
   await_window();
 }
 
@@ -193,6 +194,7 @@ void SolverRun::begin_window(const wire::Advance& advance) {
   window_ = advance.window;
   done_ = 0;
   history_.clear();
+  sends_history_ = sends_history_ || advance.input.wants_history;
   data_.receive(window_, advance.input);
   ongoing_ = true;
   noted_.reset();  // the solver went on
@@ -244,19 +246,18 @@ void SolverRun::advance(double dt) {
   write_checkpoint = read_checkpoint = {};
   const bool at_end = dt >= left() - round_off * window_.dt;
   done_ = at_end ? window_.dt : done_ + dt;
-  if (sends_history_) history_.push_back({now(), data_.fields()});
-  if (at_end) return send_window();
-  data_.reset();
+  std::vector<Field> fields = data_.take_fields();
+  if (sends_history_) history_.push_back({now(), fields});
+  if (at_end) return send_window(std::move(fields));
   conversation_->working(done_ / window_.dt, "time steps inside the window");
 }
 
-void SolverRun::send_window() {
+void SolverRun::send_window(std::vector<Field> fields) {
   Advanced advanced;
-  advanced.output = data_.fields();
+  advanced.output = std::move(fields);
   advanced.history = std::move(history_);
   advanced.monitor = sections_.seconds();
   conversation_->answer({0, std::move(advanced)});
-  data_.reset();
   await_window();
 }
 

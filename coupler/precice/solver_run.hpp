@@ -80,7 +80,7 @@ class SolverRun {
   void await_window();
   void begin_window(const wire::Advance&);
   void settle(wire::Before);
-  void send_window();
+  void send_window(std::vector<Field> fields);
   void leave_with(const Error&);
 
   PreciceConfig config_;

@@ -8,8 +8,8 @@ namespace strake {
 namespace {
 
 /// Lagrange's polynomial through `count` knots from `first` on.
-Eigen::MatrixXd polynomial(const std::vector<Waveform::Knot>& knots, std::size_t first, std::size_t count,
-                           double time) {
+Values polynomial(const std::vector<Waveform::Knot>& knots, std::size_t first, std::size_t count,
+                  double time) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(knots[first].value.rows(), knots[first].value.cols());
   for (std::size_t i = first; i < first + count; ++i) {
     double weight = 1;
@@ -22,7 +22,7 @@ Eigen::MatrixXd polynomial(const std::vector<Waveform::Knot>& knots, std::size_t
 
 }  // namespace
 
-void Waveform::begin(double time, Eigen::MatrixXd value) {
+void Waveform::begin(double time, Values value) {
   start_ = {time, std::move(value)};
 }
 
@@ -30,7 +30,7 @@ void Waveform::set_window(double start, std::vector<Knot> samples) {
   start_.time = start;
   const Knot& last = samples.back();
   if (start_.value.cols() != last.value.cols() || start_.value.rows() != last.value.rows())
-    start_.value = Eigen::MatrixXd::Zero(last.value.rows(), last.value.cols());
+    start_.value = Values(Eigen::MatrixXd(Eigen::MatrixXd::Zero(last.value.rows(), last.value.cols())));
   const double same = 1e-9 * (last.time - start);
   knots_.clear();
   if (samples.front().time > start + same) knots_.push_back(start_);
@@ -41,7 +41,7 @@ void Waveform::commit() {
   if (!knots_.empty()) start_ = knots_.back();
 }
 
-Eigen::MatrixXd Waveform::at(double time) const {
+Values Waveform::at(double time) const {
   const Knot& last = knots_.back();
   const double same = 1e-9 * (last.time - start_.time);
   if (std::abs(time - last.time) <= same || knots_.size() == 1) return last.value;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include "proto/values.hpp"
 
 #include <vector>
 
@@ -14,10 +14,10 @@ class Waveform {
 
   struct Knot {
     double time;  // [s] absolute
-    Eigen::MatrixXd value;
+    Values value;
   };
   /// The value that holds where the first window begins.
-  void begin(double time, Eigen::MatrixXd value);
+  void begin(double time, Values value);
   /// The partner's samples for the window that begins at `start`, ascending; the last one is the window's
   /// end. Replaces those that were set for the same window. The field keeps what it had at `start`.
   void set_window(double start, std::vector<Knot> samples);
@@ -25,7 +25,7 @@ class Waveform {
   void commit();
 
   /// The value at a time of the window. With one sample and degree 1 it is linear between the window's ends.
-  Eigen::MatrixXd at(double time) const;
+  Values at(double time) const;
   bool empty() const { return knots_.empty(); }
 
  private:

@@ -51,7 +51,7 @@ def build(place, home):
     """The solvers by find_package(precice 3); one by pkg-config, in C++11, as old adapters are."""
     source = place / "solvers"
     shutil.copytree(SOLVERS, source)
-    env = dict(ENV, PKG_CONFIG_PATH=str(home), LD_LIBRARY_PATH=str(home))
+    env = dict(ENV, PKG_CONFIG_PATH=str(home))
     command("cmake", "-S", source, "-B", source / "made", f"-Dprecice_DIR={home}", "-DCMAKE_BUILD_TYPE=Release",
             "-DCMAKE_C_FLAGS=-Werror", "-DCMAKE_CXX_FLAGS=-Werror", cwd=place)
     command("cmake", "--build", source / "made", "-j2", cwd=place)
@@ -75,6 +75,7 @@ class Runs:
         return result
 
     def begin(self, case, *settings):
+        shutil.rmtree(self.folder / "runs" / case, ignore_errors=True)  # its history would count as this run's
         return subprocess.Popen(self.words(case, *settings), cwd=self.folder, env=self.env, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.PIPE, text=True)
 
@@ -105,7 +106,7 @@ def oscillator(runs):
         runs.run("oscillator", f"coupling.surface.window={window}")
         errors[window] = [float(re.search(r"error (\S+)", runs.log("oscillator", side))[1]) for side in ("fluid", "structure")]
     for left, right in zip(errors[0.01], errors[0.005]):
-        expect(left <= 0.0051 and 3.7 < left / right < 4.4, f"two masses: error {left}, {right} at half the window: order {left / right:.2f}")
+        expect(left <= 0.002 and 3.7 < left / right < 4.4, f"two masses: error {left}, {right} at half the window: order {left / right:.2f}")
 
 
 def spring(runs):
@@ -164,7 +165,6 @@ def killed(runs):
         took = time.monotonic() - killed_at
         expect(process.returncode == 5 and errors.startswith(side) and "signal 9" in errors and took < WITHIN,
                f"kill -9 of the {side}: exit {process.returncode} after {took:.2f} s: {errors.splitlines()[:1]}")
-        shutil.rmtree(runs.folder / "runs" / "dummies")
     process = runs.begin("dummies", *slow)
     expect(wait_until(lambda: rows(runs.folder / "runs" / "dummies") >= 3, 20), "kill: the run is under way")
     solvers = [solver_of(process.pid, name) for name in ("One", "Two")]
@@ -173,6 +173,19 @@ def killed(runs):
     expect(wait_until(lambda: not any(map(alive, solvers)), WITHIN), f"kill -9 of the coupler: no solver outlives it by {WITHIN} s")
     for side in ("fluid", "structure"):
         expect("is gone, so this process ends (exit 5)" in runs.log("dummies", side), f"the {side} says so")
+
+
+def frozen(runs):
+    """Heartbeats stop for 0.8 s before a connection counts as cut; the case then waits 0.1 s more."""
+    slow = ("end_time=10000", "coupling.frozen_after=0.1", 'structure.arguments=["Two", "dummies.xml", "slow"]')
+    process = runs.begin("dummies", *slow)
+    expect(wait_until(lambda: rows(runs.folder / "runs" / "dummies") >= 3, 20), "freeze: the run is under way")
+    os.kill(solver_of(process.pid, "Two"), signal.SIGSTOP)
+    stopped = time.monotonic()
+    errors = process.communicate(timeout=20)[1]
+    took = time.monotonic() - stopped
+    told = [line for line in errors.splitlines() if line.startswith("structure")]
+    expect(process.returncode == 5 and told and took < 2, f"a frozen structure: exit {process.returncode} after {took:.2f} s: {told[-1:]}")
 
 
 def solver_of(coupler, name):
@@ -191,6 +204,7 @@ def solver_of(coupler, name):
 def alone(runs):
     """Outside a run it says what it is."""
     env = {key: value for key, value in runs.env.items() if not key.startswith("STRAKE_")}
+    env["LD_LIBRARY_PATH"] = str(BIN.parent / "lib" / "strake" / "precice")
     result = subprocess.run([runs.folder / "made" / "dummy", "One", "dummies.xml"], cwd=runs.folder, env=env, capture_output=True, text=True, timeout=20)
     expect(result.returncode == 1 and "takes part in runs of Strake alone" in result.stderr, f"outside a run: {result.stderr.splitlines()[:1]}")
 
@@ -201,6 +215,6 @@ with folder() as place:
     symbols(home / "libprecice.so.3")
     source, env = build(place, home)
     runs = Runs(source, env)
-    for check in (dummies, tube, oscillator, spring, misuses, faults, killed, alone):
+    for check in (dummies, tube, oscillator, spring, misuses, faults, killed, frozen, alone):
         check(runs)
 finish()
