@@ -4,10 +4,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace strake {
+namespace {
+
+/// True if the vertices are 0, 1, … n − 1: the usual case, in which nothing need be looked up.
+bool are_all(std::span<const int> ids, int n) {
+  if (static_cast<int>(ids.size()) != n) return false;
+  for (int i = 0; i < n; ++i)
+    if (ids[static_cast<std::size_t>(i)] != i) return false;
+  return true;
+}
+
+}  // namespace
 
 ExchangedData::Entry ExchangedData::entry(const PreciceConfig& config, const PreciceConfig::MeshData& id,
                                           const QuantityNames& names) const {
@@ -40,7 +52,7 @@ void ExchangedData::resize(int n_points) {
   for (Entry& entry : written_) {
     const Eigen::MatrixXd before = std::move(entry.value);
     entry.value = Eigen::MatrixXd::Zero(entry.components, n_points);
-    if (n_points_ > 0 && n_points_ <= n_points) entry.value.leftCols(n_points_) = before;
+    if (before.cols() > 0 && before.cols() <= n_points) entry.value.leftCols(before.cols()) = before;
   }
   n_points_ = n_points;
 }
@@ -81,15 +93,23 @@ void ExchangedData::write(const std::string& mesh, const std::string& data, std:
                 "is not written by this participant", "it writes " + listed(written_));
   check_sizes(*found, ids.size(), values.size());
   Entry& entry = written_[static_cast<std::size_t>(found - written_.data())];
-  for (std::size_t i = 0; i < ids.size(); ++i)
-    for (int c = 0; c < entry.components; ++c) {
-      const double value =
-          values[i * static_cast<std::size_t>(entry.components) + static_cast<std::size_t>(c)];
-      if (!std::isfinite(value))
-        throw Error(ExitCode::solver_fault, entry.text(),
-                    fmt::format("is {} at vertex {}, which is not finite", value, ids[i]), "");
-      entry.value(c, ids[i]) = value;
-    }
+  const auto k = static_cast<std::size_t>(entry.components);
+  if (!all_finite(
+          Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())))) {
+    const auto first = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+    throw Error(ExitCode::solver_fault, entry.text(),
+                fmt::format("is {} at vertex {}, which is not finite", *first,
+                            ids[static_cast<std::size_t>(first - values.begin()) / k]),
+                "");
+  }
+  const bool all = are_all(ids, n_points_);
+  if (all) entry.value.resize(entry.components, n_points_);
+  if (entry.value.size() == 0) entry.value = Eigen::MatrixXd::Zero(entry.components, n_points_);
+  if (all) {
+    std::copy(values.begin(), values.end(), entry.value.data());
+    return;
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) std::copy_n(&values[i * k], k, entry.value.col(ids[i]).data());
 }
 
 void ExchangedData::read(const std::string& mesh, const std::string& data, std::span<const int> ids,
@@ -102,15 +122,19 @@ void ExchangedData::read(const std::string& mesh, const std::string& data, std::
   if (ids.empty()) return;
   if (entry->waveform.empty()) throw Error(ExitCode::solver_fault, entry->text(), "has no values yet", "");
   const Values now = entry->waveform.at(time);
-  for (std::size_t i = 0; i < ids.size(); ++i)
-    for (int c = 0; c < entry->components; ++c)
-      values[i * static_cast<std::size_t>(entry->components) + static_cast<std::size_t>(c)] = now(c, ids[i]);
+  const auto k = static_cast<std::size_t>(entry->components);
+  if (are_all(ids, n_points_)) {
+    std::copy_n(now.data(), values.size(), values.data());
+    return;
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) std::copy_n(now.col(ids[i]).data(), k, &values[i * k]);
 }
 
 std::vector<Field> ExchangedData::take_fields() {
   std::vector<Field> fields;
   for (Entry& entry : written_) {
-    Eigen::MatrixXd value = std::exchange(entry.value, Eigen::MatrixXd::Zero(entry.components, n_points_));
+    Eigen::MatrixXd value = std::exchange(entry.value, {});
+    if (value.size() == 0) value = Eigen::MatrixXd::Zero(entry.components, n_points_);
     if (entry.components < entry.quantity.components) {
       const Eigen::MatrixXd narrow = std::move(value);
       value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points_);

@@ -47,7 +47,7 @@ class ExchangedData {
     std::string mesh, data;
     Quantity quantity;
     int components;         // in the solver
-    Eigen::MatrixXd value;  // components×n, of what is written
+    Eigen::MatrixXd value;  // components×n, of what is written; empty: nothing yet
     Waveform waveform;      // of what is read
     std::string text() const { return "data \"" + data + "\" of mesh \"" + mesh + "\""; }
   };

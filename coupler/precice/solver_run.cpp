@@ -1,5 +1,6 @@
 #include "coupler/precice/solver_run.hpp"
 
+#include "coupler/participant/launch.hpp"
 #include "coupler/precice/environment.hpp"
 
 #include <fmt/format.h>
@@ -93,6 +94,7 @@ SolverRun::SolverRun(const std::string& participant, const std::string& config, 
   const ServeOptions connection = connection_of_environment();
   is_structure_ = connection.name == "structure";
   place_ = fmt::format("{}, preCICE participant \"{}\"", connection.name, participant);
+  tune_malloc();
   prepare_last_moments(connection.name, connection.endpoint);
   conversation_ = std::make_unique<Conversation>(connection);
 }
