@@ -110,7 +110,7 @@ def oscillator(runs):
 
 
 def spring(runs):
-    """(m + rho H W) y'' + k y = -rho g H W from rest: mean and period as cases/python_spring has them, within 2 %."""
+    """(m + rho H W) y'' + k y = -rho g H W from rest. Mean and period as cases/python_spring has them, within 2 %."""
     runs.run("spring")
     y = [float(line) for line in runs.log("spring", "structure").splitlines()]
     middle = sum(y) / len(y)
