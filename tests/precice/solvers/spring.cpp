@@ -1,5 +1,5 @@
-// A rigid floor on a spring, m y'' + k y = F, under a column of water (cases/python_spring). It knows preCICE's functions
-// alone. Trapezoidal rule with the force at the window's end.
+// A rigid floor on a spring, m y'' + k y = F, under a column of water (cases/python_spring). It knows
+// preCICE's functions alone. Trapezoidal rule with the force at the window's end.
 #include <precice/precice.hpp>
 
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   constexpr double m = 200, k = 1e8, width = 1, thickness = 0.05;  // kg and N/m per metre of depth; m
-  constexpr int n = 21;                                            // points on its upper face, and on its lower one
+  constexpr int n = 21;  // points on its upper face, and on its lower one
   precice::Participant coupling("Floor", argc > 1 ? argv[1] : "spring.xml", 0, 1);
   std::vector<double> positions;
   for (int i = 0; i < 2 * n; ++i) {
