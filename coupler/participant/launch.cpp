@@ -186,6 +186,13 @@ std::map<std::string, std::string> solver_environment(int threads) {
   return environment;
 }
 
+std::string library_path() {
+  const auto folder = folder_of_this_program().parent_path() / "lib/strake/precice";
+  if (!std::filesystem::exists(folder / "libprecice.so.3")) return {};
+  const char* given = std::getenv("LD_LIBRARY_PATH");
+  return folder.string() + (given && *given ? std::string(":") + given : "");
+}
+
 std::string shell_word(const std::string& text) {
   const std::string plain = "_-+=./:,@%";  // beside letters and digits
   const auto is_plain = [&](unsigned char c) {

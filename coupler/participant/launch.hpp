@@ -37,6 +37,10 @@ struct Launch {
 /// What every solver gets beside the environment of this process, so that it computes the same everywhere.
 std::map<std::string, std::string> solver_environment(int threads);
 
+/// LD_LIBRARY_PATH with the folder of Strake's libprecice.so.3 in front. A solver with a preCICE adapter
+/// loads it. Empty where that library was not built.
+std::string library_path();
+
 /// A text as one word of a shell's command line.
 std::string shell_word(const std::string&);
 

@@ -1,9 +1,8 @@
 #include "coupler/participant/serve.hpp"
 
+#include "coupler/participant/conversation.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/liveness_thread.hpp"
-#include "coupler/transport/curve_keys.hpp"
-#include "coupler/transport/sockets.hpp"
 #include "coupler/transport/system_calls.hpp"
 #include "proto/wire/wire.hpp"
 
@@ -12,7 +11,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -26,34 +24,6 @@
 
 namespace strake {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
-
-/// The keys of this participant; nothing where it has none.
-std::optional<ParticipantKeys> keys_of(const ServeOptions& options) {
-  const char* named = std::getenv("STRAKE_KEY");
-  const std::filesystem::path file = options.key.empty() ? (named ? named : "") : options.key;
-  if (file.empty()) return {};
-  ParticipantKeys keys = read_participant_keys(file);
-  if (keys.name != options.name)
-    throw Error(ExitCode::command_line, file.string(),
-                fmt::format("is the key of \"{}\", and this participant is \"{}\"", keys.name, options.name),
-                "STRAKE_KEY must name the key file of this participant");
-  return keys;
-}
-
-std::int64_t steady_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
-}
-
-std::string bytes_of_token(const std::string& token) {
-  std::string bytes = bytes_of(token);
-  if (bytes.empty() && !token.empty())
-    throw Error(ExitCode::command_line, "STRAKE_TOKEN", "is not hexadecimal",
-                "give it the token that the coupler printed");
-  return bytes;
-}
 
 /// Checks that coupler and participant use the same run folder. Both write checkpoints into it. The
 /// participant does not make it.
@@ -83,20 +53,12 @@ Error with_machine(const Error& e) {
 class Server {
  public:
   Server(const ServeOptions& options, const ParticipantFactory& factory)
-      : options_(options),
-        factory_(factory),
-        keys_(keys_of(options)),
-        socket_(options.endpoint, keys_),
-        watch_(socket_, options.endpoint, keys_) {}
+      : options_(options), factory_(factory), conversation_(options) {}
 
   int run();
-  void working(double fraction, const std::string& what);
+  void working(double fraction, const std::string& what) { conversation_.working(fraction, what); }
 
  private:
-  wire::Request next_request();
-  void say_hello();
-  void send(wire::Reply);
-  void renew();
   /// False after Stop.
   bool answer(wire::Request);
   wire::Reply reply(const Setup&);
@@ -109,65 +71,12 @@ class Server {
 
   const ServeOptions& options_;
   const ParticipantFactory& factory_;
-  std::optional<ParticipantKeys> keys_;
-  ParticipantSocket socket_;
-  Watch watch_;
+  Conversation conversation_;
   std::unique_ptr<Participant> participant_;
-  std::uint64_t sequence_ = 0;  // of the last request
-  std::int64_t received_ = 0;   // [ns] when it came
-  wire::Parts last_reply_;
   bool stopped_ = false, refused_ = false;
-  Clock::time_point last_working_;
 };
 
 thread_local Server* serving = nullptr;  // for working()
-
-void Server::say_hello() {
-  const std::string hash(options_.case_hash.begin(), options_.case_hash.end());
-  socket_.send(wire::encode(
-      wire::Reply{sequence_, wire::Hello{wire::protocol, options_.name, bytes_of_token(options_.token),
-                                         options_.solver, options_.version, hash}},
-      options_.name));
-}
-
-/// After a new connection the coupler has another routing id for us, and messages under way are lost.
-void Server::renew() {
-  if (!watch_.take_renewed()) return;
-  say_hello();
-  if (!last_reply_.empty()) socket_.send(last_reply_);
-}
-
-void Server::send(wire::Reply message) {
-  message.sequence = sequence_;
-  message.times = {received_, steady_now()};
-  wire::Parts parts = wire::encode(std::move(message), options_.name);
-  last_reply_.clear();
-  renew();
-  last_reply_ = std::move(parts);
-  socket_.send(last_reply_);
-}
-
-wire::Request Server::next_request() {
-  for (;;) {
-    renew();
-    const auto parts = socket_.receive(milliseconds(100));
-    if (!parts) continue;
-    const std::int64_t received = steady_now();
-    wire::Request request = wire::decode_request(*parts);
-    if (std::holds_alternative<wire::Refused>(request.what)) return request;
-    if (request.sequence == sequence_ && !last_reply_.empty()) {  // sent again over a new connection
-      socket_.send(last_reply_);
-      continue;
-    }
-    if (request.sequence != sequence_ + 1)
-      throw Error(ExitCode::participant_lost, options_.name,
-                  fmt::format("the coupler sent request {} after {}", request.sequence, sequence_));
-    sequence_ = request.sequence;
-    received_ = received;
-    last_reply_.clear();  // it was heard: the next one takes its memory
-    return request;
-  }
-}
 
 Participant& Server::participant(const char* message) {
   if (!participant_)
@@ -228,21 +137,20 @@ wire::Reply Server::reply(const wire::Refused& refused) {
 }
 
 bool Server::answer(wire::Request request) {
-  send(std::visit([this](const auto& what) { return reply(what); }, request.what));
+  conversation_.answer(std::visit([this](const auto& what) { return reply(what); }, request.what));
   return !stopped_;
 }
 
 int Server::run() {
   serving = this;
-  say_hello();
   const auto fault = [this](const Error& e) {
     spdlog::error("{}", to_text(e));
-    if (!refused_) send({0, wire::Fault{e.where(), e.problem(), e.fix(), e.code()}});
+    if (!refused_) conversation_.answer({0, wire::Fault{e.where(), e.problem(), e.fix(), e.code()}});
     return static_cast<int>(e.code());
   };
   int code = 0;
   try {
-    while (answer(next_request())) {
+    while (answer(conversation_.next())) {
     }
   } catch (const Error& e) {
     code = fault(with_machine(e));
@@ -255,14 +163,6 @@ int Server::run() {
   }
   serving = nullptr;
   return code;
-}
-
-void Server::working(double fraction, const std::string& what) {
-  const auto now = Clock::now();
-  if (now - last_working_ < std::chrono::seconds(1)) return;
-  last_working_ = now;
-  if (watch_.take_renewed()) say_hello();
-  socket_.send(wire::encode(wire::Reply{sequence_, wire::Working{fraction, what}}, options_.name));
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ LIBRARIES = {
     "hdf5": ("proto/files/",),
     "cairo": ("coupler/plot/",),
     "httplib": ("coupler/watch/",),
+    "expat": ("coupler/precice/config/",),
 }
 # Headers that the numerical method never reaches: files, messages, other processes.
 NOT_IN_A_CORE = ("coupler/", CASE_FILE, "proto/files/result_file", "proto/files/history", "proto/wire/", "proto/coupling")

@@ -1,0 +1,58 @@
+#include "coupler/precice/config/quantities.hpp"
+
+#include "proto/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+namespace strake {
+namespace {
+
+const std::array<Quantity, 5> known{{{"displacement", "m", 3, false},
+                                     {"velocity", "m/s", 3, false},
+                                     {"force", "N", 3, true},
+                                     {"traction", "Pa", 3, false},
+                                     {"pressure", "Pa", 1, false}}};
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::string_view without_blanks(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+}  // namespace
+
+QuantityNames::QuantityNames(const std::string& rules) {
+  std::string_view left = rules;
+  while (!left.empty()) {
+    const std::string_view rule = left.substr(0, left.find(';'));
+    left.remove_prefix(std::min(left.size(), rule.size() + 1));
+    if (without_blanks(rule).empty()) continue;
+    const std::size_t equals = std::min(rule.find('='), rule.size());
+    const std::string_view name = without_blanks(rule.substr(0, equals));
+    const std::string_view quantity = without_blanks(rule.substr(std::min(equals + 1, rule.size())));
+    if (name.empty() || quantity.empty())
+      throw Error(ExitCode::command_line, "STRAKE_PRECICE_NAMES",
+                  "has the rule \"" + std::string(rule) + "\"",
+                  "Name=quantity, several with ; between them: Force=force;Displacement=displacement");
+    rules_[std::string(name)] = quantity;
+  }
+}
+
+Quantity QuantityNames::of(const std::string& name, bool conservative) const {
+  const auto rule = rules_.find(name);
+  const std::string wanted = rule == rules_.end() ? lower_case(name) : rule->second;
+  for (const Quantity& quantity : known)
+    if (quantity.name == wanted) return quantity;
+  return {rule == rules_.end() ? name : wanted, "1", 0, conservative};
+}
+
+}  // namespace strake

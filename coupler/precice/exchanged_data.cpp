@@ -1,0 +1,195 @@
+#include "coupler/precice/exchanged_data.hpp"
+
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace strake {
+namespace {
+
+/// True if the vertices are 0, 1, … n − 1: the usual case, in which nothing need be looked up.
+bool are_all(std::span<const int> ids, int n) {
+  if (static_cast<int>(ids.size()) != n) return false;
+  for (int i = 0; i < n; ++i)
+    if (ids[static_cast<std::size_t>(i)] != i) return false;
+  return true;
+}
+
+}  // namespace
+
+ExchangedData::Entry ExchangedData::entry(const PreciceConfig& config, const PreciceConfig::MeshData& id,
+                                          const QuantityNames& names) const {
+  const PreciceConfig::Data& data = *config.find_data(id.data);
+  const int dimension = config.find_mesh(id.mesh)->dimension;
+  Entry entry{.mesh = id.mesh,
+              .data = id.data,
+              .quantity = names.of(id.data, config.conservative(id.mesh)),
+              .components = data.vector ? dimension : 1,
+              .value = {},
+              .waveform = Waveform(data.waveform_degree)};
+  const int needed = entry.quantity.components;
+  if (needed != 0 && (needed == 1) == data.vector)
+    throw Error(
+        ExitCode::case_file, config.file.string(),
+        fmt::format("{} is a {}, and Strake's {} is a {}", entry.text(), data.vector ? "vector" : "scalar",
+                    entry.quantity.name, data.vector ? "scalar" : "vector"),
+        fmt::format("give it a name of its own: STRAKE_PRECICE_NAMES=\"{}=my-{}\"", id.data, id.data));
+  if (needed == 0) entry.quantity.components = entry.components;
+  return entry;
+}
+
+ExchangedData::ExchangedData(const PreciceConfig& config, const PreciceConfig::Participant& participant,
+                             const QuantityNames& names) {
+  for (const auto& id : participant.writes) written_.push_back(entry(config, id, names));
+  for (const auto& id : participant.reads) read_.push_back(entry(config, id, names));
+}
+
+void ExchangedData::resize(int n_points) {
+  for (Entry& entry : written_) {
+    const Eigen::MatrixXd before = std::move(entry.value);
+    entry.value = Eigen::MatrixXd::Zero(entry.components, n_points);
+    if (before.cols() > 0 && before.cols() <= n_points) entry.value.leftCols(before.cols()) = before;
+  }
+  n_points_ = n_points;
+}
+
+const ExchangedData::Entry* ExchangedData::find(const std::vector<Entry>& entries, const std::string& mesh,
+                                                const std::string& data) const {
+  for (const Entry& entry : entries)
+    if (entry.mesh == mesh && entry.data == data) return &entry;
+  return nullptr;
+}
+
+bool ExchangedData::writes(const std::string& mesh, const std::string& data) const {
+  return find(written_, mesh, data) != nullptr;
+}
+bool ExchangedData::reads(const std::string& mesh, const std::string& data) const {
+  return find(read_, mesh, data) != nullptr;
+}
+
+std::string ExchangedData::listed(const std::vector<Entry>& entries) const {
+  std::string text;
+  for (const Entry& entry : entries) text += (text.empty() ? "" : ", ") + entry.text();
+  return text.empty() ? "none" : text;
+}
+
+void ExchangedData::check_sizes(const Entry& entry, std::size_t ids, std::size_t values) const {
+  const auto components = static_cast<std::size_t>(entry.components);
+  if (values != ids * components)
+    throw Error(ExitCode::solver_fault, entry.text(),
+                fmt::format("came with {} vertices and {} numbers", ids, values),
+                fmt::format("{} numbers: {} for each vertex", ids * components, components));
+}
+
+void ExchangedData::write(const std::string& mesh, const std::string& data, std::span<const int> ids,
+                          std::span<const double> values) {
+  const Entry* found = find(written_, mesh, data);
+  if (!found)
+    throw Error(ExitCode::solver_fault, fmt::format("data \"{}\" of mesh \"{}\"", data, mesh),
+                "is not written by this participant", "it writes " + listed(written_));
+  check_sizes(*found, ids.size(), values.size());
+  Entry& entry = written_[static_cast<std::size_t>(found - written_.data())];
+  const auto k = static_cast<std::size_t>(entry.components);
+  if (!all_finite(
+          Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())))) {
+    const auto first = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+    throw Error(ExitCode::solver_fault, entry.text(),
+                fmt::format("is {} at vertex {}, which is not finite", *first,
+                            ids[static_cast<std::size_t>(first - values.begin()) / k]),
+                "");
+  }
+  const bool all = are_all(ids, n_points_);
+  if (all) entry.value.resize(entry.components, n_points_);
+  if (entry.value.size() == 0) entry.value = Eigen::MatrixXd::Zero(entry.components, n_points_);
+  if (all) {
+    std::copy(values.begin(), values.end(), entry.value.data());
+    return;
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) std::copy_n(&values[i * k], k, entry.value.col(ids[i]).data());
+}
+
+void ExchangedData::read(const std::string& mesh, const std::string& data, std::span<const int> ids,
+                         double time, std::span<double> values) const {
+  const Entry* entry = find(read_, mesh, data);
+  if (!entry)
+    throw Error(ExitCode::solver_fault, fmt::format("data \"{}\" of mesh \"{}\"", data, mesh),
+                "is not read by this participant", "it reads " + listed(read_));
+  check_sizes(*entry, ids.size(), values.size());
+  if (ids.empty()) return;
+  if (entry->waveform.empty()) throw Error(ExitCode::solver_fault, entry->text(), "has no values yet", "");
+  const Values now = entry->waveform.at(time);
+  const auto k = static_cast<std::size_t>(entry->components);
+  if (are_all(ids, n_points_)) {
+    std::copy_n(now.data(), values.size(), values.data());
+    return;
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) std::copy_n(now.col(ids[i]).data(), k, &values[i * k]);
+}
+
+std::vector<Field> ExchangedData::take_fields() {
+  std::vector<Field> fields;
+  for (Entry& entry : written_) {
+    Eigen::MatrixXd value = std::exchange(entry.value, {});
+    if (value.size() == 0) value = Eigen::MatrixXd::Zero(entry.components, n_points_);
+    if (entry.components < entry.quantity.components) {
+      const Eigen::MatrixXd narrow = std::move(value);
+      value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points_);
+      value.topRows(entry.components) = narrow;
+    }
+    fields.push_back(
+        {entry.quantity.name, entry.quantity.unit, entry.quantity.conservative, std::move(value)});
+  }
+  return fields;
+}
+
+/// In two dimensions the third component of the partner's vectors is zero and is left out.
+Values ExchangedData::from_partner(const Entry& entry, const Field& field) const {
+  if (field.value.rows() != entry.quantity.components || field.value.cols() != n_points_)
+    throw Error(ExitCode::case_file, entry.text(),
+                fmt::format("is the partner's {}, which has {} components at {} points; expected {} at {}",
+                            field.quantity, field.value.rows(), field.value.cols(), entry.quantity.components,
+                            n_points_),
+                "both participants must mean the same by it");
+  return entry.components == field.value.rows() ? field.value : Values(field.value.topRows(entry.components));
+}
+
+void ExchangedData::begin(const InterfaceMesh& partner, const std::vector<Field>& fields,
+                          const InterfaceMesh& mesh) {
+  const Points &theirs = partner.position, &ours = mesh.position;
+  const double same = 1e-9 * (1 + ours.cwiseAbs().maxCoeff());  // [m]
+  if (theirs.cols() != ours.cols() || (theirs - ours).cwiseAbs().maxCoeff() > same) return;
+  for (Entry& entry : read_)
+    if (const Field* field = strake::find(fields, entry.quantity.name))
+      entry.waveform.begin(0, from_partner(entry, *field));
+}
+
+void ExchangedData::receive(const Window& window, const Input& input) {
+  for (Entry& entry : read_) {
+    std::vector<Waveform::Knot> knots;
+    for (const Sample& sample : input.samples) {
+      const Field* field = strake::find(sample.fields, entry.quantity.name);
+      if (!field) {
+        std::string sent;
+        for (const Field& other : sample.fields) sent += (sent.empty() ? "" : ", ") + other.quantity;
+        throw Error(ExitCode::case_file, entry.text(),
+                    fmt::format("is not sent by the partner (looked for {}); it sends {}",
+                                entry.quantity.name, sent.empty() ? "nothing" : sent),
+                    fmt::format("say which it is: STRAKE_PRECICE_NAMES=\"{}=quantity\"", entry.data));
+      }
+      knots.push_back({sample.time, from_partner(entry, *field)});
+    }
+    if (knots.size() == 1) knots.front().time = window.t + window.dt;
+    if (knots.empty()) throw Error(ExitCode::case_file, entry.text(), "has no partner in this run", "");
+    entry.waveform.set_window(window.t, std::move(knots));
+  }
+}
+
+void ExchangedData::commit() {
+  for (Entry& entry : read_) entry.waveform.commit();
+}
+
+}  // namespace strake

@@ -1,0 +1,121 @@
+// precice::Participant: the run, and what a solver may ask of it at any time.
+
+#include "coupler/precice/call_order.hpp"
+#include "coupler/precice/guarded_call.hpp"
+
+#include <precice/Participant.hpp>
+
+#include <string>
+
+namespace precice {
+
+using strake::before_initialize;
+using strake::guarded_call;
+using strake::in_coupling;
+using strake::initialized;
+using strake::text_of;
+
+Participant::Participant(string_view name, string_view config, int rank, int size)
+    : impl_(guarded_call("Participant()", nullptr, [&] {
+        return std::make_unique<impl::ParticipantImpl>(text_of(name), text_of(config), rank, size);
+      })) {}
+
+Participant::Participant(string_view name, string_view config, int rank, int size, void*)
+    : Participant(name, config, rank, size) {}
+
+Participant::~Participant() {
+  const bool thrown = std::uncaught_exceptions() > impl_->exceptions;
+  impl_->run.finish(thrown ? "was left by an exception" : "ended before the run did, without finalize()");
+}
+
+void Participant::initialize() {
+  guarded_call("initialize()", &impl_->run, [&] {
+    before_initialize(impl_->run);
+    impl_->run.initialize();
+  });
+}
+
+void Participant::advance(double dt) {
+  guarded_call("advance()", &impl_->run, [&] {
+    in_coupling(impl_->run);
+    impl_->run.advance(dt);
+  });
+}
+
+void Participant::finalize() {
+  guarded_call("finalize()", &impl_->run, [&] {
+    strake::not_finished(impl_->run);
+    impl_->run.finish("called finalize() before the end of the run");
+  });
+}
+
+bool Participant::isCouplingOngoing() const {
+  return guarded_call("isCouplingOngoing()", &impl_->run, [&] {
+    initialized(impl_->run);
+    return impl_->run.ongoing();
+  });
+}
+
+bool Participant::isTimeWindowComplete() const {
+  return guarded_call("isTimeWindowComplete()", &impl_->run, [&] {
+    initialized(impl_->run);
+    return impl_->run.window_complete();
+  });
+}
+
+double Participant::getMaxTimeStepSize() const {
+  return guarded_call("getMaxTimeStepSize()", &impl_->run, [&] {
+    initialized(impl_->run);
+    return impl_->run.left();
+  });
+}
+
+bool Participant::requiresInitialData() {
+  return guarded_call("requiresInitialData()", &impl_->run, [&] {
+    before_initialize(impl_->run);
+    return impl_->run.initial_data.ask();
+  });
+}
+
+bool Participant::requiresWritingCheckpoint() {
+  return guarded_call("requiresWritingCheckpoint()", &impl_->run, [&] {
+    initialized(impl_->run);
+    return impl_->run.write_checkpoint.ask();
+  });
+}
+
+bool Participant::requiresReadingCheckpoint() {
+  return guarded_call("requiresReadingCheckpoint()", &impl_->run, [&] {
+    initialized(impl_->run);
+    return impl_->run.read_checkpoint.ask();
+  });
+}
+
+int Participant::getMeshDimensions(string_view mesh) const {
+  return guarded_call("getMeshDimensions()", &impl_->run,
+                      [&] { return strake::used_mesh(impl_->run, text_of(mesh)).dimension; });
+}
+
+int Participant::getDataDimensions(string_view mesh, string_view data) const {
+  return guarded_call("getDataDimensions()", &impl_->run, [&] {
+    const auto& used = strake::used_mesh(impl_->run, text_of(mesh));
+    return strake::data_of_mesh(impl_->run, used, text_of(data)).vector ? used.dimension : 1;
+  });
+}
+
+bool Participant::requiresMeshConnectivityFor(string_view mesh) const {
+  return guarded_call("requiresMeshConnectivityFor()", &impl_->run, [&] {
+    return strake::used_mesh(impl_->run, text_of(mesh)).name == impl_->run.mesh_name() &&
+           impl_->run.uses_faces();
+  });
+}
+
+void Participant::startProfilingSection(string_view name) {
+  guarded_call("startProfilingSection()", &impl_->run, [&] { impl_->run.sections().start(text_of(name)); });
+}
+
+void Participant::stopLastProfilingSection() {
+  guarded_call("stopLastProfilingSection()", &impl_->run, [&] { impl_->run.sections().stop(); });
+}
+
+}  // namespace precice

@@ -1,0 +1,291 @@
+#include "coupler/precice/solver_run.hpp"
+
+#include "coupler/participant/launch.hpp"
+#include "coupler/precice/environment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+#include <variant>
+
+namespace strake {
+namespace {
+
+constexpr double round_off = 1e-9;  // of a window: by so much sums of time steps may miss its end
+
+QuantityNames names_of_environment() {
+  const char* rules = std::getenv("STRAKE_PRECICE_NAMES");
+  return QuantityNames(rules ? rules : "");
+}
+
+/// True if the solver has to be able to compute a window again. Where the file holds no scheme, the case
+/// decides.
+bool is_implicit(const PreciceConfig& config, const std::string& participant) {
+  for (const auto& scheme : config.schemes)
+    for (const std::string& name : scheme.participants)
+      if (name == participant) return scheme.implicit;
+  return true;
+}
+
+bool is_exchanged(const PreciceConfig& config, const std::string& participant,
+                  std::string PreciceConfig::Exchange::*end, bool PreciceConfig::Exchange::*how) {
+  for (const auto& scheme : config.schemes)
+    for (const auto& exchange : scheme.exchanges)
+      if (exchange.*end == participant && exchange.*how) return true;
+  return false;
+}
+
+/// The only mesh that it provides.
+const PreciceConfig::Mesh& own_mesh(const PreciceConfig& config,
+                                    const PreciceConfig::Participant& participant) {
+  return *config.find_mesh(participant.provided.front());
+}
+
+}  // namespace
+
+const PreciceConfig::Participant& checked_participant(const PreciceConfig& config, const std::string& name,
+                                                      int rank, int size) {
+  if (size < 1 || rank < 0 || rank >= size)
+    throw Error(ExitCode::command_line, name, fmt::format("is rank {} of {}", rank, size),
+                "ranks are numbered from 0 to size - 1");
+  if (size > 1)
+    throw Error(ExitCode::command_line, name, fmt::format("runs as {} processes", size),
+                "Strake takes one process for each participant: start it without mpirun");
+  const PreciceConfig::Participant* found = config.find_participant(name);
+  if (!found) {
+    std::vector<std::string> names;
+    for (const auto& participant : config.participants) names.push_back(participant.name);
+    const std::string near = did_you_mean(name, names);
+    throw Error(ExitCode::case_file, config.file.string(), fmt::format("has no participant \"{}\"", name),
+                near.empty() ? "a name that <participant name=\"…\"> gives"
+                             : fmt::format("did you mean \"{}\"?", near));
+  }
+  if (found->provided.size() != 1)
+    throw Error(ExitCode::case_file, config.file.string(),
+                fmt::format("participant \"{}\" provides {} meshes", name, found->provided.size()),
+                "Strake exchanges one mesh for each participant: one <provide-mesh>");
+  if (found->writes.empty())
+    throw Error(ExitCode::case_file, config.file.string(),
+                fmt::format("participant \"{}\" writes no data", name),
+                "<write-data name=\"…\" mesh=\"…\" />");
+  for (const auto* list : {&found->writes, &found->reads})
+    for (const auto& entry : *list)
+      if (entry.mesh != found->provided.front())
+        throw Error(ExitCode::case_file, config.file.string(),
+                    fmt::format("participant \"{}\" uses data \"{}\" on mesh \"{}\", which it receives", name,
+                                entry.data, entry.mesh),
+                    "Strake gives data on the participant's own mesh alone");
+  return *found;
+}
+
+SolverRun::SolverRun(const std::string& participant, const std::string& config, int rank, int size)
+    : config_(PreciceConfig::read(config)),
+      me_(&checked_participant(config_, participant, rank, size)),
+      implicit_(is_implicit(config_, participant)),
+      mesh_(own_mesh(config_, *me_).name, own_mesh(config_, *me_).dimension),
+      data_(config_, *me_, names_of_environment()) {
+  initial_data.required = is_exchanged(config_, participant, &PreciceConfig::Exchange::from,
+                                       &PreciceConfig::Exchange::initialize);
+  takes_history_ =
+      is_exchanged(config_, participant, &PreciceConfig::Exchange::to, &PreciceConfig::Exchange::substeps);
+  const ServeOptions connection = connection_of_environment();
+  is_structure_ = connection.name == "structure";
+  place_ = fmt::format("{}, preCICE participant \"{}\"", connection.name, participant);
+  tune_malloc();
+  prepare_last_moments(connection.name, connection.endpoint);
+  conversation_ = std::make_unique<Conversation>(connection);
+}
+
+SolverRun::~SolverRun() {
+  finish("ended without finalize()");
+}
+
+SolverMesh& SolverRun::mesh(const std::string& name) {
+  if (name == mesh_.name()) return mesh_;
+  const auto& received = me_->received;
+  if (std::find(received.begin(), received.end(), name) != received.end())
+    throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", name), "is the partner's",
+                fmt::format("this participant's own mesh is \"{}\"", mesh_.name()));
+  throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", name), "is none of this participant",
+              fmt::format("it provides \"{}\"", mesh_.name()));
+}
+
+bool SolverRun::uses_faces() const {
+  if (is_structure_) return true;
+  for (const auto& participant : config_.participants)
+    for (const auto& mapping : participant.mappings)
+      for (const char* kind : {"nearest-projection", "linear-cell-interpolation"})
+        if (mapping.kind == kind && (mapping.from == mesh_.name() || mapping.to == mesh_.name())) return true;
+  return false;
+}
+
+void SolverRun::fit_data() {
+  if (!initialized_ && data_.points() != mesh_.size()) data_.resize(mesh_.size());
+}
+
+void SolverRun::check_time(double relative) const {
+  if (std::isfinite(relative) && relative >= 0 && relative <= left() + round_off * window_.dt) return;
+  throw Error(
+      ExitCode::solver_fault, place_,
+      fmt::format("reads at {:.9g} s after now, and {:.9g} s are left of the window", relative, left()),
+      "a time from 0 to getMaxTimeStepSize()");
+}
+
+void SolverRun::prepare(const Setup& setup) {
+  if (setup.interface == "volume")
+    throw Error(ExitCode::case_file, place_, "cannot take part where coupling.interface = \"volume\"",
+                "coupling.interface = \"surface\"");
+  sends_history_ = setup.history;
+  data_.begin(setup.partner_mesh, setup.partner_initial, mesh_.interface_mesh());
+}
+
+void SolverRun::initialize() {
+  if (initial_data.missed())
+    throw Error(ExitCode::solver_fault, "initial data", "the solver has not asked whether they are required",
+                "call requiresInitialData() and then writeData() before initialize()");
+  if (mesh_.size() == 0)
+    throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", mesh_.name()), "has no vertices",
+                "setMeshVertices() before initialize()");
+  fit_data();
+  wire::Request request = conversation_->next();
+  if (const auto* refused = std::get_if<wire::Refused>(&request.what)) {
+    conversation_.reset();
+    throw Error(ExitCode::participant_lost, place_, "was refused by the coupler: " + refused->problem,
+                refused->fix);
+  }
+  const auto* setup = std::get_if<Setup>(&request.what);
+  if (!setup)
+    throw Error(ExitCode::participant_lost, place_,
+                fmt::format("the coupler sent {} before Setup", wire::name_of(request)));
+  prepare(*setup);
+  Description description;
+  description.initial = data_.take_fields();
+  description.history = takes_history_;
+  description.partner_initial = is_structure_;
+  description.cannot_resume = true;
+  description.lines = {fmt::format("preCICE participant \"{}\"   mesh \"{}\", {} points", me_->name,
+                                   mesh_.name(), mesh_.size())};
+  conversation_->answer({0, wire::Ready{mesh_.interface_mesh(), description}});
+  initialized_ = true;
+  await_window();
+}
+
+void SolverRun::settle(wire::Before before) {
+  if (before == wire::Before::commit) {
+    data_.commit();
+    complete_ = true;
+  }
+  if (before != wire::Before::rewind) return;
+  if (!implicit_)
+    throw Error(
+        ExitCode::case_file, config_.file.string(),
+        fmt::format("describes an explicit scheme, and the coupler asks \"{}\" to compute a window again",
+                    me_->name),
+        "make the scheme implicit there, so that the solver saves its state,\n"
+        "or set coupling.surface.converged.max_iterations = 1 in the case");
+  read_checkpoint = {.required = true};
+}
+
+void SolverRun::begin_window(const wire::Advance& advance) {
+  const bool again = advance.before == wire::Before::rewind;
+  settle(advance.before);
+  write_checkpoint = {.required = implicit_ && !again};
+  window_ = advance.window;
+  done_ = 0;
+  history_.clear();
+  sends_history_ = sends_history_ || advance.input.wants_history;
+  data_.receive(window_, advance.input);
+  ongoing_ = true;
+  noted_.reset();  // the solver went on
+}
+
+void SolverRun::await_window() {
+  for (;;) {
+    wire::Request request = conversation_->next();
+    if (const auto* advance = std::get_if<wire::Advance>(&request.what)) return begin_window(*advance);
+    if (const auto* stop = std::get_if<wire::Stop>(&request.what)) {
+      if (stop->commit) settle(wire::Before::commit);
+      ongoing_ = false;
+      return;
+    }
+    const auto* checkpoint = std::get_if<wire::Checkpoint>(&request.what);
+    if (!checkpoint)
+      throw Error(ExitCode::participant_lost, place_,
+                  fmt::format("the coupler sent {} in a run", wire::name_of(request)));
+    if (checkpoint->resume)
+      throw Error(ExitCode::case_file, place_,
+                  "cannot resume: preCICE has no function that saves a solver's state",
+                  "run the case from its beginning");
+    settle(checkpoint->before);
+    conversation_->answer({0, wire::Done{}});
+  }
+}
+
+void SolverRun::check_step(double dt) const {
+  if (!std::isfinite(dt) || dt <= 0)
+    throw Error(ExitCode::solver_fault, "time step", fmt::format("is {} s", dt),
+                "a time step is finite and greater than 0");
+  if (dt > left() + round_off * window_.dt)
+    throw Error(ExitCode::solver_fault, "time step",
+                fmt::format("is {:.9g} s, and {:.9g} s are left of the window", dt, left()),
+                "at most getMaxTimeStepSize()");
+  if (write_checkpoint.missed())
+    throw Error(ExitCode::solver_fault, "checkpoint",
+                "the solver has not asked whether it must save its state",
+                "call requiresWritingCheckpoint() before advance()");
+  if (read_checkpoint.missed())
+    throw Error(ExitCode::solver_fault, "checkpoint",
+                "the solver has not asked whether it must go back to its saved state",
+                "call requiresReadingCheckpoint() after advance()");
+}
+
+void SolverRun::advance(double dt) {
+  check_step(dt);
+  complete_ = false;
+  write_checkpoint = read_checkpoint = {};
+  const bool at_end = dt >= left() - round_off * window_.dt;
+  done_ = at_end ? window_.dt : done_ + dt;
+  std::vector<Field> fields = data_.take_fields();
+  if (sends_history_) history_.push_back({now(), fields});
+  if (at_end) return send_window(std::move(fields));
+  conversation_->working(done_ / window_.dt, "time steps inside the window");
+}
+
+void SolverRun::send_window(std::vector<Field> fields) {
+  Advanced advanced;
+  advanced.output = std::move(fields);
+  advanced.history = std::move(history_);
+  advanced.monitor = sections_.seconds();
+  conversation_->answer({0, std::move(advanced)});
+  await_window();
+}
+
+/// Tells the coupler why there will be no answer to its question. Before `initialize` that question may not
+/// have been received yet.
+void SolverRun::leave_with(const Error& error) {
+  constexpr std::chrono::milliseconds to_receive{1000};
+  if (!initialized_) conversation_->next_within(to_receive);
+  conversation_->answer({0, wire::Fault{error.where(), error.problem(), error.fix(), error.code()}});
+}
+
+void SolverRun::finish(const std::string& why) {
+  if (finished_) return;
+  finished_ = true;
+  if (!conversation_) return;
+  try {
+    if (initialized_ && !ongoing_)
+      conversation_->answer({0, wire::Done{}});
+    else if (noted_)
+      leave_with(Error(noted_->code(), place_ + ", " + noted_->where(), noted_->problem(), noted_->fix()));
+    else
+      leave_with(Error(ExitCode::solver_fault, place_, why, "its log may say more"));
+  } catch (const std::exception&) {  // the connection cannot carry it: the end of the process tells
+  }
+  ongoing_ = false;
+  conversation_.reset();  // what was sent leaves first
+}
+
+}  // namespace strake

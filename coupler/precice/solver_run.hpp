@@ -1,0 +1,101 @@
+#pragma once
+
+#include "coupler/participant/conversation.hpp"
+#include "coupler/precice/config/precice_config.hpp"
+#include "coupler/precice/exchanged_data.hpp"
+#include "coupler/precice/sections.hpp"
+#include "coupler/precice/solver_mesh.hpp"
+#include "proto/error.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strake {
+
+/// Tests what would keep a participant from taking part: its name, its meshes, its number of processes.
+/// Error(case_file) with the file, or Error(command_line).
+const PreciceConfig::Participant& checked_participant(const PreciceConfig&, const std::string& name, int rank,
+                                                      int size);
+
+/// A run as a solver sees it that asks for its next window, instead of answering a question. Between two
+/// calls the coupler waits for the answer to its last question: Setup before `initialize`, Advance before the
+/// end of a window, Stop before `finish`.
+///
+/// Functions throw Error for what the solver may not do, and for what the coupler reports.
+class SolverRun {
+ public:
+  /// Connects as the environment says: STRAKE_CONNECT, STRAKE_NAME, STRAKE_CASE_HASH, STRAKE_TOKEN,
+  /// STRAKE_KEY.
+  SolverRun(const std::string& participant, const std::string& config, int rank, int size);
+  /// Reports a fault if the run is not finished.
+  ~SolverRun();
+
+  const PreciceConfig& config() const { return config_; }
+  const PreciceConfig::Participant& participant() const { return *me_; }
+  /// The mesh that the solver provides. Error if that is another one.
+  SolverMesh& mesh(const std::string& name);
+  const SolverMesh& mesh(const std::string& name) const { return const_cast<SolverRun*>(this)->mesh(name); }
+  const std::string& mesh_name() const { return mesh_.name(); }
+  /// True if the faces of its mesh are used. The coupler projects onto those of a structure, and Strake's
+  /// water needs them. Those of a fluid are used if a mapping of the configuration file projects.
+  bool uses_faces() const;
+  ExchangedData& data() { return data_; }
+  const ExchangedData& data() const { return data_; }
+  Sections& sections() { return sections_; }
+
+  /// Room for what is written, at as many points as the mesh has now.
+  void fit_data();
+  /// A time to read at, from now [s]: from 0 to what is left of the window.
+  void check_time(double relative) const;
+  void initialize();
+  void advance(double dt);
+  /// The end of the solver's part. Before the run's end it is a fault; `why` says what it did.
+  void finish(const std::string& why);
+  /// An error that the solver was told: the run ends with it if the solver leaves before the end.
+  void note(const Error& error) { noted_ = error; }
+
+  bool initialized() const { return initialized_; }
+  bool finished() const { return finished_; }
+  bool ongoing() const { return ongoing_; }
+  bool window_complete() const { return complete_; }
+  double left() const { return ongoing_ ? window_.dt - done_ : 0; }  // [s] of the window
+  double now() const { return window_.t + done_; }                   // [s]
+
+  /// What the solver has to do, and whether it has asked for it.
+  struct Duty {
+    bool required = false, asked = false;
+    bool ask() {
+      asked = true;
+      return required;
+    }
+    bool missed() const { return required && !asked; }
+  };
+  Duty initial_data, write_checkpoint, read_checkpoint;
+
+ private:
+  void prepare(const Setup&);
+  void check_step(double dt) const;
+  void await_window();
+  void begin_window(const wire::Advance&);
+  void settle(wire::Before);
+  void send_window(std::vector<Field> fields);
+  void leave_with(const Error&);
+
+  PreciceConfig config_;
+  const PreciceConfig::Participant* me_;
+  bool is_structure_ = false, implicit_ = true, takes_history_ = false, sends_history_ = false;
+  SolverMesh mesh_;
+  ExchangedData data_;
+  Sections sections_;
+  std::string place_;  // who this is, for errors
+  std::unique_ptr<Conversation> conversation_;
+  bool initialized_ = false, finished_ = false, ongoing_ = false, complete_ = false;
+  Window window_;
+  double done_ = 0;              // [s] of the window
+  std::vector<Sample> history_;  // what was written inside the window
+  std::optional<Error> noted_;
+};
+
+}  // namespace strake
