@@ -19,7 +19,7 @@ class Reader {
   void open(const XmlElement& element) {
     const std::string_view kind = element.kind();
     if (element.depth == 0) return root(element);
-    if (kind == "data") return data(element);
+    if (kind == "data" && element.depth == 1) return data(element);  // else of an acceleration
     if (kind == "mesh") return mesh(element);
     if (kind == "use-data") return use_data(element);
     if (kind == "participant") return participant(element);

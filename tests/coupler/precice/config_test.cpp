@@ -51,6 +51,7 @@ const std::string whole = R"(<?xml version="1.0"?>
   <coupling-scheme:parallel-explicit>
     <participants first="One" second="Two" />
     <exchange data="Force" mesh="A" from="One" to="Two" initialize="yes" substeps="on" />
+    <acceleration:IQN-ILS><data name="Force" mesh="A" /></acceleration:IQN-ILS>
   </coupling-scheme:parallel-explicit>
 </precice-configuration>
 )";
@@ -60,6 +61,7 @@ TEST_F(PreciceConfigFile, KeepsNamesDimensionsAndExchanges) {
   EXPECT_TRUE(config.find_data("Force")->vector);
   EXPECT_EQ(config.find_data("Force")->waveform_degree, 3);
   EXPECT_EQ(config.find_data("Heat")->waveform_degree, 1);
+  EXPECT_EQ(config.data.size(), 2u);
   EXPECT_EQ(config.find_mesh("A")->dimension, 2);
   EXPECT_EQ(config.find_mesh("A")->data, std::vector<std::string>{"Force"});
   const auto* one = config.find_participant("One");
