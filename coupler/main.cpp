@@ -13,7 +13,6 @@
 #include <clocale>
 #include <csignal>
 #include <cstdio>
-#include <fcntl.h>
 #include <functional>
 #include <system_error>
 #include <utility>
@@ -133,13 +132,6 @@ int report(const Error& error) {
   return static_cast<int>(error.code());
 }
 
-/// Opens the three standard streams if they are closed. Else a file of the run would get the number of a
-/// closed one. Writes to a closed standard output still fail, as they should.
-void hold_streams() {
-  for (const int stream : {0, 1, 2})
-    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 1 ? O_RDONLY : O_RDWR);
-}
-
 /// What a command printed is out, or why not. failure: errno of a write that failed before; 0: none.
 int end_of_output(int code, int failure) {
   const bool out = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
@@ -185,6 +177,12 @@ void add_new(CLI::App& app, strake::NewOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand("new", "write a commented case file; on a terminal it asks");
   strake::add_new_options(*command, options);
   command->callback([&] { action = [&] { return strake::new_case(options); }; });
+}
+
+void add_import(CLI::App& app, strake::ImportOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand("import", "write a case file from a preCICE configuration");
+  strake::add_import_options(*command, options);
+  command->callback([&] { action = [&] { return strake::import_case(options); }; });
 }
 
 void add_compare(CLI::App& app, strake::CompareOptions& options, Action& action) {
@@ -322,6 +320,7 @@ struct Options {
   strake::RunOptions run;
   strake::CheckOptions check;
   strake::NewOptions fresh;
+  strake::ImportOptions import;
   strake::ExplainOptions explain;
   strake::CompareOptions compare;
   strake::ExportOptions deck;
@@ -339,6 +338,7 @@ void add_commands(CLI::App& app, Options& options, const StopRequest& stop, Acti
   add_run(app, options.run, stop, action);
   add_check(app, options.check, stop, action);
   add_new(app, options.fresh, action);
+  add_import(app, options.import, action);
   add_explain(app, options.explain, action);
   add_compare(app, options.compare, action);
   add_export(app, options.deck, stop, action);
@@ -371,7 +371,7 @@ int end_of(const Action& action) {
 
 int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");  // numbers are read and written with a point
-  hold_streams();
+  strake::hold_streams();
   const strake::StopRequest stop;
   // A limit on the size of files, and a pipe that was closed, are errors of the write, told like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/import/import_options.hpp"
 #include "coupler/new_case/new_options.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "proto/error.hpp"
@@ -57,6 +58,12 @@ ExitCode explain_program(const ExplainOptions&, const CLI::App& strake);
 
 /// Writes a commented case file, which `check` accepts. Replaces no file.
 ExitCode new_case(NewOptions);
+/// Error(command_line) if a file of that name exists: no case file is replaced.
+void refuse_existing(const std::filesystem::path& file);
+
+/// Writes a case file from a preCICE configuration, with what is left out and what is left to do. Replaces no
+/// file.
+ExitCode import_case(const ImportOptions&);
 
 struct CompareOptions {
   std::vector<std::string> operands;  // run folders, CSV files, FILE:COLUMN; the first is the reference

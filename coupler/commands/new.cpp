@@ -12,13 +12,6 @@
 namespace strake {
 namespace {
 
-void refuse_existing(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (std::filesystem::exists(std::filesystem::symlink_status(file, ignored)))
-    throw Error(ExitCode::command_line, file.string(), "exists already, and is not replaced",
-                "-o another.toml, or remove it");
-}
-
 const NewKind& kind_named(const std::string& name) {
   for (const NewKind& kind : new_kinds())
     if (kind.name == name) return kind;
@@ -30,6 +23,13 @@ const NewKind& kind_named(const std::string& name) {
 }
 
 }  // namespace
+
+void refuse_existing(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::exists(std::filesystem::symlink_status(file, ignored)))
+    throw Error(ExitCode::command_line, file.string(), "exists already, and is not replaced",
+                "-o another.toml, or remove it");
+}
 
 ExitCode new_case(NewOptions options) {
   const bool terminal = isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0;

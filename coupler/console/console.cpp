@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <fcntl.h>
 #include <string_view>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -86,6 +87,11 @@ void put(std::FILE* stream, const std::string& text) {
 
 int console_failure() {
   return failure;
+}
+
+void hold_streams() {
+  for (const int stream : {0, 1, 2})
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 1 ? O_RDONLY : O_RDWR);
 }
 
 int width_of(std::FILE* stream, const Style& style) {

@@ -86,6 +86,9 @@ Style style_of(std::FILE*);
 void put(std::FILE*, const std::string&);
 /// errno of the first text that `put` could not write to the standard output; 0: all were.
 int console_failure();
+/// Opens the three standard streams if they are closed. Else a file of the run would get the number of a
+/// closed one. Writes to a closed standard output still fail, as they should.
+void hold_streams();
 
 /// Characters in a line of the stream's terminal at this moment. If it cannot be found out, the style's
 /// width, else 80.

@@ -112,6 +112,8 @@ void Session::launch(const SideView& side) {
   launch.threads = case_.common.threads;
   if (const std::string path = library_path(); own.own_command_line && !path.empty())
     launch.environment["LD_LIBRARY_PATH"] = path;
+  if (!own.precice_names.empty())
+    launch.environment["STRAKE_PRECICE_NAMES"] = fmt::format("{}", fmt::join(own.precice_names, ";"));
   if (started_here) return participants_->launch(side.side, std::move(launch));
   participants_->attach(side.side);
   if (options_.invite) options_.invite(side.side, participants_->command(side.side, launch));

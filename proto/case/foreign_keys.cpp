@@ -10,7 +10,7 @@ ForeignKeys read_foreign(CaseFile& file, const std::string& side, const std::str
   const bool users = solver.find('/') != std::string::npos;
   if (!users && !file.only_declares()) {
     if (solver == "none") return keys;
-    for (const char* name : {"arguments", "folder", "surface"})
+    for (const char* name : {"arguments", "folder", "precice_names", "surface"})
       if (table.has(name))
         throw table.error(name, "no such key beside solver = \"" + solver + "\"",
                           "it is for a program of yours: solver = \"./PROGRAM\"");
@@ -24,6 +24,16 @@ ForeignKeys read_foreign(CaseFile& file, const std::string& side, const std::str
   table.folder("folder", keys.folder,
                {.help = "where solver is a path: the folder in which the program is started; not given: the "
                         "one where strake was called"});
+  table.texts("precice_names", keys.precice_names,
+              {.help = "where solver is a path: for a program with a preCICE adapter, a list of "
+                       "\"Name=quantity\": what its names of data are at Strake's coupler"});
+  for (const std::string& rule : keys.precice_names) {
+    const std::size_t equals = rule.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == rule.size() ||
+        rule.find(';') != std::string::npos)
+      throw table.error("precice_names", "texts \"Name=quantity\", not \"" + rule + "\"",
+                        "precice_names = [\"Force=force\", \"Displacement=displacement\"]");
+  }
   if (side == "structure")
     table.file(
         "surface", keys.surface,

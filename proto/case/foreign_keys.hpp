@@ -14,6 +14,9 @@ struct ForeignKeys {
   bool own_command_line = false;
   std::vector<std::string> arguments;
   std::filesystem::path folder;  // absolute, where the program is started; empty: where strake was called
+  /// For a solver with a preCICE adapter: what its names of data mean, "Force=force". It gets them in the
+  /// variable STRAKE_PRECICE_NAMES. Empty: that of the user's environment.
+  std::vector<std::string> precice_names;
   /// Of a structure: mesh of its wet surface, for a program that sends its points alone; empty: it sends
   /// faces.
   std::filesystem::path surface;

@@ -86,17 +86,32 @@ class Runs:
         return json.loads((self.folder / "runs" / case / "summary.json").read_text())
 
 
-def tube(runs):
+def tube(runs, case="tube"):
     """Against the discrete equations solved to 1e-10 (tests/method/coupling/elastic_tube_test.cpp), and preCICE's 8.59."""
-    runs.run("tube")
-    iterations = runs.summary("tube")["iterations"]
+    runs.run(case)
+    iterations = runs.summary(case)["iterations"]
     expect(abs(iterations["mean"] - 8.4) <= 0.3 and iterations["unconverged"] == 0,
-           f"elastic tube: {iterations['mean']} iterations a window, expected 8.4 +- 0.3")
-    rows = [tuple(map(float, line.split())) for line in runs.log("tube", "fluid").splitlines() if re.match(r"\d\.\d+ ", line)]
+           f"elastic tube, {case}: {iterations['mean']} iterations a window, expected 8.4 +- 0.3")
+    rows = [tuple(map(float, line.split())) for line in runs.log(case, "fluid").splitlines() if re.match(r"\d\.\d+ ", line)]
     expect(len(rows) == 100, f"elastic tube: {len(rows)} windows")
     for index, area, pressure in ((23, 0.994420069, -49.6587672), (49, 1.025458222, 221.3991549), (99, 0.975320299, -222.8516757)):
         t, a, p = rows[index]
         expect(abs(a - area) < 5e-6 and abs(p - pressure) < 1e-3, f"elastic tube: t = {t:.2f}: a {a:.6f} m^2, p {p:.4f} Pa, expected {area:.6f}, {pressure:.4f}")
+
+
+def imported(runs):
+    """The tube's configuration as a case file: nothing is written by hand but the two programs and their arguments."""
+    case = runs.folder / "imported.toml"
+    command(BIN / "strake", "import", "tube.xml", "-o", case.name, cwd=runs.folder)
+    text = case.read_text()
+    check = subprocess.run([BIN / "strake", "check", case.name], cwd=runs.folder, env=ENV, capture_output=True, text=True, timeout=60)
+    expect(check.returncode == 3 and check.stderr.count("fix: ") == check.stderr.count("fix: there is no file") == 2,
+           f"import: check asks for the programs alone: {check.stderr.splitlines()[:1]}")
+    for participant, program in (("Fluid", "tube_fluid"), ("Wall", "tube_wall")):
+        text = text.replace(f'"./{participant}"', f'"made/{program}"')
+    case.write_text(text.replace("arguments = []", 'arguments = ["tube.xml"]'))
+    command(BIN / "strake", "check", case.name, cwd=runs.folder, env=runs.env)
+    tube(runs, "imported")
 
 
 def oscillator(runs):
@@ -215,6 +230,6 @@ with folder() as place:
     symbols(home / "libprecice.so.3")
     source, env = build(place, home)
     runs = Runs(source, env)
-    for check in (dummies, tube, oscillator, spring, misuses, faults, killed, frozen, alone):
+    for check in (dummies, tube, imported, oscillator, spring, misuses, faults, killed, frozen, alone):
         check(runs)
 finish()
