@@ -2,6 +2,7 @@
 #include "coupler/console/console.hpp"
 #include "coupler/import/case_text.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -29,7 +30,7 @@ ExitCode import_case(const ImportOptions& options) {
       std::filesystem::absolute(configuration).lexically_normal().parent_path();
   write_whole(out, case_text(run, seen_from(out, home)));
   std::string text = fmt::format("wrote {}\n", out.string());
-  for (const std::string& note : run.notes) text += fmt::format("  {}\n", note);
+  for (const std::string& note : run.notes) text += fmt::format("  {}\n", visible(note, ""));
   text += fmt::format(
       "  next  write the programs into {0}: fluid.solver for {1}, structure.solver for {2}\n"
       "        strake check {0}\n        strake run {0}\n",

@@ -1,6 +1,7 @@
 #include "coupler/import/case_text.hpp"
 
 #include "coupler/new_case/case_lines.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -21,7 +22,7 @@ std::string list_of(const std::vector<std::string>& texts) {
 }
 
 void add_head(const ImportedRun& run, CaseLines& lines) {
-  const std::string file = run.file.filename().string();
+  const std::string file = visible(run.file.filename().string(), "");
   lines.comment(fmt::format("Written by `strake import` from {}; the comments say from which line.", file))
       .comment(
           "Left to do: fluid.solver and structure.solver are the programs, arguments their command lines.");

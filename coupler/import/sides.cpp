@@ -1,5 +1,6 @@
 #include "coupler/import/import_parts.hpp"
 #include "coupler/precice/config/quantities.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -17,6 +18,15 @@ std::string rule_of(const PreciceConfig::Data& data, bool conservative) {
     return data.name + "=" + known.name;
   // A name that is spelt as a quantity is kept apart from it.
   return data.name + "=" + data.name + (is_known && known.name == data.name ? "-data" : "");
+}
+
+/// Names become part of the case file and of STRAKE_PRECICE_NAMES.
+void check_name(const XmlElement& element, const std::string& name) {
+  const bool printable =
+      std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 127; });
+  if (name.empty() || !printable || name.find_first_of("\"\\;=") != std::string::npos)
+    element.refuse(fmt::format("has the name \"{}\"", visible(name, "")),
+                   "a name without quotation marks, \\, ; and =");
 }
 
 /// The mesh that a participant provides: exactly one.
@@ -66,6 +76,7 @@ void check_schemes(const XmlTree& tree) {
 ImportedSide side_of(const Configuration& from, const std::string& which) {
   const XmlElement& both = from.scheme().first("participants")->element;
   const std::string name = both.text(which);
+  check_name(both, name);
   return {.participant = {name, place_of(both)},
           .mesh = own_mesh(participant_of(from.tree, name)),
           .sends = {},
@@ -87,6 +98,7 @@ void import_exchanges(const Configuration& from, ImportedSide& side, const Impor
                        fmt::format("{} or {}", side.participant.value, other.participant.value));
     if (element.text("from") != side.participant.value) continue;
     const std::string data = element.text("data");
+    check_name(element, data);
     side.sends.push_back(data);
     names.push_back(rule_of(*from.config.find_data(data), from.config.conservative(side.mesh)));
   }

@@ -8,6 +8,8 @@
 namespace strake {
 namespace {
 
+constexpr int deepest = 20;  // elements around one; preCICE's files have 4
+
 template <class Number>
 Number value_of(const XmlElement& element, const std::string& attribute, Number min, Number max,
                 const char* what) {
@@ -40,6 +42,7 @@ const XmlTree* XmlTree::first(std::string_view kind) const {
 XmlTree read_xml_tree(const std::filesystem::path& path) {
   XmlTree whole;
   read_xml(path, [&](const XmlElement& element) {
+    if (element.depth > deepest) element.refuse(fmt::format("is inside {} elements", element.depth), "");
     XmlTree* around = &whole;  // the last element of each depth is the open one
     for (int depth = 0; depth < element.depth; ++depth) around = &around->inner.back();
     around->inner.push_back({element, {}});

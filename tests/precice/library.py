@@ -112,6 +112,15 @@ def imported(runs):
     case.write_text(text.replace("arguments = []", 'arguments = ["tube.xml"]'))
     command(BIN / "strake", "check", case.name, cwd=runs.folder, env=runs.env)
     tube(runs, "imported")
+    for words, code, said in ((("import", "tube.xml", "-o", case.name), 2, "exists already"), (("import", "no.xml"), 3, "cannot be read"),
+                              (("import", "oscillator.xml", "-o", "new.toml"), 3, "oscillator.xml:26:3: <coupling-scheme:serial-implicit>"),
+                              (("check", case.name, "--set", 'fluid.precice_names=["Pressure"]'), 3, 'expected texts "Name=quantity"')):
+        result = subprocess.run([BIN / "strake", *words], cwd=runs.folder, env=ENV, capture_output=True, text=True, timeout=60)
+        expect(result.returncode == code and said in result.stderr, f"{' '.join(words)}: exit {result.returncode}, {result.stderr.splitlines()[:1]}")
+    names = 'precice_names=["Data-One=velocity", "Data-Two=motion"]'
+    runs.run("dummies", *(f"{side}.{names}" for side in ("fluid", "structure")))
+    record = (runs.folder / "runs" / "dummies" / "interface" / "000001.h5").read_bytes()
+    expect(b"velocity" in record and b"motion" in record and b"Data-" not in record, "names of the case are those of the record")
 
 
 def oscillator(runs):

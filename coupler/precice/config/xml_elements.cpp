@@ -60,7 +60,7 @@ std::string content_of(const std::filesystem::path& path) {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file || std::filesystem::is_directory(path))
     throw Error(ExitCode::case_file, path.string(), "cannot be read",
-                "the path of precice-config.xml, from the folder where the solver was started: " +
+                "the path of precice-config.xml, seen from the current folder, " +
                     std::filesystem::current_path().string());
   if (text.size() > largest_file)
     throw Error(ExitCode::case_file, path.string(), "is too large to be a preCICE configuration", "");

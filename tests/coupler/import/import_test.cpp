@@ -262,6 +262,22 @@ TEST_F(PreciceImport, RefusesSchemesAndAccelerationsByName) {
                   .starts_with("35:7: <data>: Force does not go from Hull to Water"));
 }
 
+TEST_F(PreciceImport, RefusesNamesThatACaseCannotHold) {
+  EXPECT_TRUE(refused(changed("first=\"Water\"", "first=\"Wa&#10;ter\"",
+                              changed("participant name=\"Water\"", "participant name=\"Wa&#10;ter\"")))
+                  .starts_with("24:5: <participants>: has the name \"Wa\\x0ater\""));
+  std::string text = whole;
+  for (std::size_t at; (at = text.find("\"Force\"")) != std::string::npos;) text.replace(at, 7, "'F=\"'");
+  EXPECT_TRUE(refused(text).starts_with("29:5: <exchange>: has the name \"F=\"\"")) << refused(text);
+}
+
+TEST_F(PreciceImport, RefusesElementsWithoutEnd) {
+  std::string deep;
+  for (int i = 0; i < 100000; ++i) deep += "<data>";
+  EXPECT_TRUE(refused("<precice-configuration>" + deep).starts_with("1:144: <data>: is inside 21 elements"))
+      << refused("<precice-configuration>" + deep);
+}
+
 TEST_F(PreciceImport, NamesAllForeignElementsAtOnce) {
   const std::string said = refused(changed("<m2n", "<action:summation /><colour /><m2n"));
   EXPECT_NE(said.find("22:3: <action:summation>"), std::string::npos) << said;

@@ -111,7 +111,7 @@ def bash_completes(place):
     offers(bash, ("strake", "export", "--to", ""), {"ccx", "ansys"}, exactly=True)
     offers(bash, ("strake-fluid", "--ch"), {"--check"}, exactly=True)
     offers(bash, ("strake-structure-rigid", "--check", "sh"), {"ship.toml"}, exactly=True)
-    offers(bash, ("strake", ""), {"run", "study", "new"})
+    offers(bash, ("strake", ""), {"run", "study", "new", "import"})
 
 
 def refusals_help(place):
