@@ -8,7 +8,8 @@
 namespace strake {
 namespace {
 
-constexpr double no_absolute = 1e-300;  // 0 would be the default, which is a length
+/// A limit that no residual is below but 0. The limit 0 would be a default, or that of the other data.
+constexpr double never = 1e-300;
 
 /// A number as short as it can be without a change of its value.
 std::string shortest(double x) {
@@ -48,8 +49,9 @@ void add_mapping(const ImportedMapping& mapping, CaseLines& lines) {
   if (mapping.kind.value != "radial-basis") return;
   lines.table("[coupling.surface.mapping.radial_basis]")
       .text("function", mapping.function, mapping.kind.from)
-      .key("support", shortest(mapping.support), "m; for thin-plate it is not used")
-      .text("polynomial", mapping.polynomial, "reproduced exactly")
+      .key("support", shortest(mapping.support),
+           mapping.function == "thin-plate" ? "m; not used" : "m; " + mapping.kind.from)
+      .text("polynomial", mapping.polynomial, "what is reproduced exactly, as preCICE's polynomial")
       .text("solve", mapping.solve, mapping.kind.from)
       .key("patch_points", std::to_string(mapping.patch_points), "vertices-per-cluster")
       .key("overlap", shortest(mapping.overlap), "relative-overlap");
@@ -69,12 +71,16 @@ void add_acceleration(const ImportedAcceleration& acceleration, CaseLines& lines
       .key("max_columns", std::to_string(acceleration.max_columns.value), acceleration.max_columns.from);
 }
 
-void add_limits(const ImportedLimits& limits, const std::string& sender, double absolute, CaseLines& lines) {
-  const std::string from =
-      limits.from.empty() ? "no measure: " + sender + "'s data need not settle" : limits.from;
-  lines.key("relative", shortest(limits.relative), from)
-      .key("absolute", shortest(limits.absolute > 0 ? limits.absolute : absolute), from)
-      .key("residual_relative", shortest(limits.residual_relative), from);
+void add_limits(const ImportedLimits& limits, const std::string& sender, CaseLines& lines) {
+  const std::string none =
+      limits.from.empty() ? "no measure: " + sender + "'s data need not settle" : "no such measure";
+  const auto add = [&](const char* key, double limit) {
+    const bool given = limit > 0 && !limits.from.empty();
+    lines.key(key, shortest(limit > 0 ? limit : never), given ? limits.from : none);
+  };
+  add("relative", limits.relative);
+  add("absolute", limits.absolute);
+  add("residual_relative", limits.residual_relative);
 }
 
 void add_convergence(const ImportedRun& run, CaseLines& lines) {
@@ -86,9 +92,9 @@ void add_convergence(const ImportedRun& run, CaseLines& lines) {
             scheme.strict.value ? "strict, " + scheme.strict.from : "as preCICE");
   if (!scheme.implicit.value) return;
   lines.text("measure", "value", "as preCICE");
-  add_limits(scheme.of_structure, run.structure.participant.value, no_absolute, lines);
+  add_limits(scheme.of_structure, run.structure.participant.value, lines);
   lines.table("[coupling.surface.converged.load]");
-  add_limits(scheme.of_fluid, run.fluid.participant.value, 0, lines);
+  add_limits(scheme.of_fluid, run.fluid.participant.value, lines);
 }
 
 }  // namespace

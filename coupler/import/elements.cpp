@@ -133,7 +133,7 @@ std::vector<std::string> check_elements(const XmlTree& configuration) {
     const Words* words = words_for(left_out, tree.element.kind());
     if (!words) {
       collect(tree.element, check_element);
-      return true;
+      return words_for(refused_elements, tree.element.kind()) == nullptr;  // what is inside goes with it
     }
     if (said.insert(words->kind).second)
       notes.push_back(

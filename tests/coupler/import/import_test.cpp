@@ -116,6 +116,8 @@ TEST_F(PreciceImport, WritesEverySettingWithItsLine) {
         "measure = \"value\" ",      "relative = 0.0001 ",
         "absolute = 1e-300 ",        "residual_relative = 0.001 "})
     expect_line(text, line);
+  // A limit of 0 would be that of the displacement.
+  expect_line(text.substr(text.find("[coupling.surface.converged.load]")), "relative = 1e-300 ");
   EXPECT_NE(text.find("# s; line 26"), std::string::npos) << text;
   EXPECT_LT(text.find("./Water"), text.find("./Hull"));  // the first participant is the fluid's side
 }
@@ -269,6 +271,13 @@ TEST_F(PreciceImport, RefusesNamesThatACaseCannotHold) {
   std::string text = whole;
   for (std::size_t at; (at = text.find("\"Force\"")) != std::string::npos;) text.replace(at, 7, "'F=\"'");
   EXPECT_TRUE(refused(text).starts_with("29:5: <exchange>: has the name \"F=\"\"")) << refused(text);
+}
+
+TEST_F(PreciceImport, SaysOnceThatAFileIsOfVersion2) {
+  EXPECT_EQ(
+      refused("<precice-configuration><solver-interface dimensions=\"2\"><use-mesh name=\"A\" /><use-mesh />"
+              "</solver-interface></precice-configuration>"),
+      "1:24: <solver-interface>: is of preCICE 2\n  fix: bring the configuration to preCICE 3 first\n");
 }
 
 TEST_F(PreciceImport, RefusesElementsWithoutEnd) {
