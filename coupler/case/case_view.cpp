@@ -1,5 +1,6 @@
 #include "coupler/case/case_view.hpp"
 
+#include "coupler/case/precice_names.hpp"
 #include "coupler/compare/compare_block.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"
@@ -97,8 +98,14 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
   const bool users = solver.find('/') != std::string::npos;
   const bool elsewhere = std::find(by_hand.begin(), by_hand.end(), name) != by_hand.end();
   std::error_code ignored;
-  if (users && !elsewhere && !std::filesystem::is_regular_file(solver, ignored))
+  if (users && !elsewhere && !std::filesystem::is_regular_file(solver, ignored)) {
+    if (file.has(name + ".precice.command"))
+      throw file.root()
+          .table(name)
+          .table("precice", "")
+          .error("command", "a program that is there, or a name on PATH", "there is no file " + solver);
     throw file.root().table(name).error("solver", "the path of a program", "there is no file " + solver);
+  }
   if (users && elsewhere)
     side.program = solver;
   else
@@ -260,7 +267,9 @@ void resolve(const CaseFile& file, CaseView& view) {
     if (side && side->echo.empty())
       view.resolved += "\n# read by a program of the user's: as given, files relative to " +
                        file.folder().string() + "\n" +
-                       file.as_given(side->side, std::filesystem::absolute(side->program).string());
+                       file.as_given(side->side, view.common.program_of(side->side).adapted
+                                                     ? "precice"
+                                                     : std::filesystem::absolute(side->program).string());
 }
 
 }  // namespace
@@ -314,6 +323,8 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   if (common.structure_solver != "none")
     collect(
         [&] { view.structure = look_at("structure", common.structure_solver, file, sets, stop, by_hand); });
+  for (const char* side : {"fluid", "structure"})
+    collect([&] { check_precice_names(side, common.program_of(side)); });
   if (!refused.empty()) throw all_of(refused);
   resolve(file, view);
   return view;

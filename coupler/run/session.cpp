@@ -90,7 +90,7 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
 void Session::launch(const SideView& side) {
   Launch launch;
   launch.program = side.program;
-  const ForeignKeys& own = side.side == "fluid" ? case_.common.fluid_program : case_.common.structure_program;
+  const ForeignKeys& own = case_.common.program_of(side.side);
   const auto& by_hand = options_.by_hand;
   const bool started_here = std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end();
   launch.folder = own.folder;

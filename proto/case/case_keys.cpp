@@ -102,11 +102,12 @@ CommonKeys read_common(CaseFile& file) {
               {.unit = "s", .min = 0, .exclusive = true, .required = true, .help = "length of the run"});
 
   CaseTable fluid = root.table("fluid", "the fluid: its box, its material, its scheme");
-  fluid.choice("solver", keys.fluid_solver, {"mps", "replay", "none"},
+  fluid.choice("solver", keys.fluid_solver, {"mps", "replay", "precice", "none"},
                {.or_path = true, .help = "which program solves the fluid"});
   keys.fluid_program = read_foreign(file, "fluid", keys.fluid_solver);
   CaseTable structure = root.table("structure", "the structure: its shape, its material, its solver");
-  structure.choice("solver", keys.structure_solver, {"fem", "particle", "ccx", "rigid", "replay", "none"},
+  structure.choice("solver", keys.structure_solver,
+                   {"fem", "particle", "ccx", "rigid", "replay", "precice", "none"},
                    {.or_path = true, .help = "which program solves the structure"});
   keys.structure_program = read_foreign(file, "structure", keys.structure_solver);
 

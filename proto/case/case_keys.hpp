@@ -34,6 +34,9 @@ struct CommonKeys {
   std::string interface = "surface";  // "surface" | "volume"
   std::string fluid_solver = "mps", structure_solver = "fem";
   ForeignKeys fluid_program, structure_program;  // where the solver is a program of the user's
+  const ForeignKeys& program_of(const std::string& side) const {
+    return side == "fluid" ? fluid_program : structure_program;
+  }
   double window = 1e-5;  // [s] of the chosen interface (coupling.surface.window or coupling.volume.window)
   WindowChoice chosen;   // what coupling.surface.window is where the case gives none
   std::string interpolation = "mean";  // load over a window as the structure takes it: its mean, or a history

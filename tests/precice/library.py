@@ -123,6 +123,32 @@ def imported(runs):
     expect(b"velocity" in record and b"motion" in record and b"Data-" not in record, "names of the case are those of the record")
 
 
+def led(runs):
+    """solver = "precice": the same numbers and the same order of calls as with a path and arguments; what the table refuses."""
+    case = runs.folder / "led.toml"
+    text = (runs.folder / "dummies.toml").read_text()
+    for side, name, reads in (("fluid", "One", "Two"), ("structure", "Two", "One")):
+        program = "made/dummy" if side == "fluid" else "dummy"  # by its path; on PATH
+        text = text.replace(f'[{side}]\nsolver = "made/dummy"\narguments = ["{name}", "dummies.xml"]\nfolder = "."',
+                            f'[{side}]\nsolver = "precice"\n[{side}.precice]\ncommand = ["{program}", "{name}", "dummies.xml"]\n'
+                            f'folder = "."\nconfig = "dummies.xml"\nread = ["Data-{reads}=b{reads}"]\nwrite = ["Data-{name}=b{name}"]')
+    case.write_text(text)
+    env, runs.env = runs.env, dict(runs.env, PATH=f"{runs.folder / 'made'}:{os.environ['PATH']}")
+    runs.run("dummies")
+    runs.run("led")
+    same = [(runs.folder / "runs" / run / "iterations.csv").read_bytes() for run in ("dummies", "led")]
+    expect(same[0] == same[1] and runs.log("led", "structure") == runs.log("dummies", "structure"), "solver = precice: the same run")
+    expect(b"bOne" in (runs.folder / "runs" / "led" / "interface" / "000001.h5").read_bytes(), "solver = precice: names of the case")
+    for setting, said in (("structure.precice.command=[]", "expected a program and its arguments"),
+                          ('structure.precice.command=["no-such-solver"]', "a name on PATH"),
+                          ('structure.precice.read=["Data-on=x"]', 'did you mean "Data-One"?'),
+                          ("structure.precice.comand=[]", "did you mean command?"),
+                          ("structure.arguments=[]", "here structure.precice has its own")):
+        result = subprocess.run([BIN / "strake", "check", case, "--set", setting], cwd=runs.folder, env=runs.env, capture_output=True, text=True, timeout=60)
+        expect(result.returncode == 3 and said in result.stderr, f"solver = precice, {setting}: exit {result.returncode}, {result.stderr.splitlines()[:1]}")
+    runs.env = env
+
+
 def oscillator(runs):
     """A quarter of the error at half the window."""
     errors = {}
@@ -239,6 +265,6 @@ with folder() as place:
     symbols(home / "libprecice.so.3")
     source, env = build(place, home)
     runs = Runs(source, env)
-    for check in (dummies, tube, imported, oscillator, spring, misuses, faults, killed, frozen, alone):
+    for check in (dummies, tube, imported, led, oscillator, spring, misuses, faults, killed, frozen, alone):
         check(runs)
 finish()
