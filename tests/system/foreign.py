@@ -117,8 +117,9 @@ def run_without_options(place, words, whole):
 
 
 def changed_spring(place, name, *changes):
-    """The solver in Python with other words in it."""
-    text = (CASE / "spring.py").read_text()
+    """The solver that speaks the messages itself, with other words in it."""
+    text = (FOREIGN.parent / "raw" / "spring.py").read_text()
+    shutil.copy(FOREIGN.parent / "raw" / "connection.py", place / "case")
     for was, now in changes:
         expect(text.count(was) == 1, f"{name}: spring.py has {was!r} once")
         text = text.replace(was, now)
