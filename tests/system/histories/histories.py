@@ -27,7 +27,7 @@ def errors(place, *sets):
 
 with folder() as place:
     place = pathlib.Path(place)
-    for file in (HERE / "mass.py", HERE / "two_masses.toml", ROOT / "cases" / "python_spring" / "connection.py"):
+    for file in (HERE / "mass.py", HERE / "two_masses.toml", ROOT / "tests" / "system" / "raw" / "connection.py"):
         shutil.copy(file, place)
     (place / "runs").mkdir()
     history, half = errors(place), errors(place, "coupling.surface.window=0.005")
