@@ -36,10 +36,12 @@ double AirProperties::sound_speed() const {
 double AirProperties::pressure_of(double mass, double gap) const {
   return pressure * std::pow(mass / (density * gap), gamma);
 }
-// e = ∫ from h0 to h of (p0 − p) dh at constant m, h0 = m/ρ0: p h/(γ−1) + p0 h − γ/(γ−1) p0 h0 (F83).
-double AirProperties::energy_of(double mass, double gap) const {
+// ½ m u² + e, e = ∫ from h0 to h of (p0 − p) dh at constant m, h0 = m/ρ0: p h/(γ−1) + p0 h − γ/(γ−1) p0 h0
+// (F83).
+double AirProperties::energy_of(double mass, double gap, double speed_squared) const {
   const double g = gamma - 1, at_rest = mass / density;
-  return pressure_of(mass, gap) * gap / g + pressure * (gap - gamma / g * at_rest);
+  return 0.5 * mass * speed_squared + pressure_of(mass, gap) * gap / g +
+         pressure * (gap - gamma / g * at_rest);
 }
 double AirProperties::sound_speed_of(double rho) const {
   return sound_speed() * std::pow(rho / density, 0.5 * (gamma - 1));
@@ -100,8 +102,7 @@ double AirLayer<plane>::energy(const AirState<plane>& state) const {
   for (int i = 0; i < columns_.size(); ++i) {
     const double m = state.mass[i];
     if (!(m > 0)) continue;
-    const double moves = 0.5 * state.momentum.col(i).squaredNorm() / m;
-    sum += columns_.area[i] * (moves + air_.energy_of(m, state.gap[i]));
+    sum += columns_.area[i] * air_.energy_of(m, state.gap[i], (state.momentum.col(i) / m).squaredNorm());
   }
   return sum;
 }

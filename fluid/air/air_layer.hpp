@@ -16,8 +16,8 @@ struct AirProperties : AirKeys {
   AirProperties(const AirKeys& keys) : AirKeys(keys) {}  // NOLINT(google-explicit-constructor)
   double sound_speed() const;                            // c0 of the open air [m/s]
   double pressure_of(double mass, double gap) const;     // p = p0 (m/(ρ0 h))^γ [Pa]
-  /// Work that the air of a column can do against the open air, less its motion [J/m²] (F83).
-  double energy_of(double mass, double gap) const;
+  /// Energy of a column's air against the open air [J/m²], with its motion, u² = speed_squared (F83).
+  double energy_of(double mass, double gap, double speed_squared) const;
   double sound_speed_of(double density) const;  // c = c0 (ρ/ρ0)^((γ−1)/2) [m/s]
   /// Returns the gap h > 0 that air and the surface below it agree on at the end of a step [m] (F82):
   ///   h − h* = C (p(m, h) − p0),

@@ -221,6 +221,7 @@ auto AirUnderBody<dim>::sample(const StepData<dim>& step, const Faces& face) con
 template <int dim>
 void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   State<dim>& state = step.state;
+  const AirProperties air(keys_);
   const double least = keys_.density * keys_.film;
   const double compliance = step.dt * step.dt / (step.p.density * 0.5 * step.p.spacing);
   const auto keeps = [&](Eigen::Index i) {
@@ -234,9 +235,9 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   for (Eigen::Index i = 0; i < size(); ++i) {
     if (!(state.air_mass[i] > 0) || is_aired(i, step)) continue;
     state.air_out += area_[i] * state.air_mass[i];
-    state.air_energy_due -=
-        area_[i] * AirProperties(keys_).energy_of(state.air_mass[i], state.air_gap[i]) +
-        0.5 * area_[i] * state.air_momentum.segment(plane * i, plane).squaredNorm() / state.air_mass[i];
+    const auto momentum = state.air_momentum.segment(plane * i, plane);
+    state.air_energy_due -= area_[i] * air.energy_of(state.air_mass[i], state.air_gap[i],
+                                                     (momentum / state.air_mass[i]).squaredNorm());
     state.air_mass[i] = state.air_pressure[i] = 0;
     state.air_momentum.segment(plane * i, plane).setZero();
   }

@@ -156,15 +156,15 @@ TEST(AirLayer, AnOpenedTubeIsChoked) {
 TEST(AirLayer, EnergyIsTheWorkOfThePressure) {
   const AirProperties air;
   const double m = air.density * 0.01;
-  EXPECT_NEAR(air.energy_of(m, 0.01), 0, 1e-9 * air.pressure * 0.01);
+  EXPECT_NEAR(air.energy_of(m, 0.01, 0), 0, 1e-9 * air.pressure * 0.01);
   for (const double h : {0.002, 0.005, 0.02}) {
-    const double d = 1e-6 * h, slope = (air.energy_of(m, h + d) - air.energy_of(m, h - d)) / (2 * d);
+    const double d = 1e-6 * h, slope = (air.energy_of(m, h + d, 0) - air.energy_of(m, h - d, 0)) / (2 * d);
     EXPECT_NEAR(slope, air.pressure - air.pressure_of(m, h), 1e-6 * air.pressure_of(m, h));
   }
 }
 
-// What the faces give is in the air, has gone over the border, or into friction. Slopes and fluxes dissipate a
-// little, and less in narrower columns.
+// What the faces give is in the air, has gone over the border, or into friction. Slopes and fluxes dissipate
+// a little, and less in narrower columns.
 TEST(AirLayer, EnergyIsKept) {
   const auto lost = [](int n, bool friction) {
     AirProperties air;
