@@ -54,8 +54,8 @@ CLI::App* add_run_options(CLI::App* command, strake::RunOptions& options) {
             options.by_hand = sides == "both" ? std::vector<std::string>{"fluid", "structure"}
                                               : std::vector<std::string>{sides};
           },
-          "start this side by hand, here or elsewhere: its command line is printed")
-      ->check(CLI::IsMember({"fluid", "structure", "both"}))
+          "start this side, or one of several bodies, by hand, here or elsewhere: its command line is "
+          "printed")
       ->type_name("fluid|structure|both");
   command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
   command->add_flag("--strict", options.strict, "exit 1 when a compare block fails, or an alarm was raised");

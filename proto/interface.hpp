@@ -14,6 +14,12 @@ namespace strake {
 /// 3×n, one column per point. In two dimensions z = 0, and values are per metre of depth.
 using Points = Eigen::Matrix3Xd;
 
+/// Where one of several bodies begins in a mesh that holds them one after the other.
+struct MeshPart {
+  std::string name;
+  Eigen::Index first_point = 0, first_face = 0;
+};
+
 /// The loaded surface (or, for volume coupling, all solid points) of one participant in its reference
 /// configuration.
 struct InterfaceMesh {
@@ -24,6 +30,7 @@ struct InterfaceMesh {
                           // 2-D: for a segment (a, b) the normal into the fluid is (t_y, -t_x), t = x_b -
                           // x_a, that is, a closed body is walked counter-clockwise
   Eigen::VectorXd mass;   // n [kg], optional: inertia the fluid's pressure equation may use
+  std::vector<MeshPart> parts = {};  // of several bodies, in order; none: one body
 };
 
 /// One quantity on the points of a mesh.

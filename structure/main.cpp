@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   program.declare = [&](CaseFile& file) {
     common = read_common(file);
     parameters = structure::read(file, solver.kind, common);
+    parameters.body_name = common.body;
   };
   program.sizes = [&] { return solver.sizes(parameters); };
   program.properties_cost = solver.properties_cost;

@@ -110,6 +110,7 @@ std::string properties_line(const std::string& kind, const Properties& p) {
 StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const Parameters& p,
                                            const CommonKeys& common, const Setup& setup)
     : solver_(std::move(solver)),
+      name_(common.body.empty() ? "structure" : common.body),
       analysis_(p.analysis),
       support_velocity_(support_velocity(p)),
       contact_pressure_(0.5 * p.fluid_density * solver_->velocity().colwise().squaredNorm().maxCoeff()),
@@ -140,7 +141,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   if (analysis_ == Analysis::modal)
     for (std::size_t i = 0; i < n_frequencies; ++i) description_.columns.push_back({frequency_name(i), "Hz"});
 
-  if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "structure", dimension_);
+  if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, name_, dimension_);
   solver_->save();
   committed_ = state_;
 }
@@ -286,11 +287,11 @@ void StructureParticipant::checkpoint(const std::filesystem::path& folder) {
   archive.integer["participant.steps"] = {committed_steps_};
   for (std::size_t i = 0; i < committed_.probes.size(); ++i)
     committed_.probes[i].save(fmt::format("probe{}", i), archive);
-  write_archive(folder / "structure.h5", archive);
+  write_archive(folder / (name_ + ".h5"), archive);
 }
 
 void StructureParticipant::resume(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / "structure.h5";
+  const std::filesystem::path file = folder / (name_ + ".h5");
   const Archive archive = read_archive(file);
   if (!archive.real.contains("participant"))
     throw Error(ExitCode::case_file, file.string(), "is not a checkpoint of a structure");

@@ -52,6 +52,7 @@ class StructureParticipant final : public Participant {
   std::vector<Field> motion() const;
 
   std::unique_ptr<Solver> solver_;
+  std::string name_;  // of its files: "structure", or the body's
   Interpolation interpolation_ = Interpolation::linear;
   Analysis analysis_;
   Eigen::Vector3d support_velocity_;  // [m/s]

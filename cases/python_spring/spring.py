@@ -7,7 +7,7 @@ import strake
 class Spring(strake.Participant):
     def build(self, key):  # key: the table [structure.spring]
         self.m, self.k, depth, n = key["mass"], key["stiffness"], key["thickness"], key["points"]
-        x = np.linspace(-key["width"] / 2, key["width"] / 2, n)
+        x = np.linspace(-key["width"] / 2, key["width"] / 2, n) + key.get("middle", 0)
         self.points = [(a, -depth) for a in x] + [(a, 0) for a in x[::-1]]  # the outline, counter-clockwise
         self.faces = [(i, (i + 1) % (2 * n)) for i in range(2 * n)]  # (a, b) along t: normal (t_y, -t_x), into the fluid
         self.state = np.zeros(2)  # all that changes in time: y [m] and v [m/s]

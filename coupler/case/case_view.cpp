@@ -1,6 +1,7 @@
 #include "coupler/case/case_view.hpp"
 
 #include "coupler/case/precice_names.hpp"
+#include "coupler/case/sides_by_hand.hpp"
 #include "coupler/compare/compare_block.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"
@@ -37,6 +38,11 @@ std::string text_of(const toml::node& node) {
 
 void flatten(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& value) {
   for (const auto& [key, node] : table) {
+    if (prefix.empty() && key.str() == "structures" && node.is_array_of_tables()) {  // by their names
+      for (const toml::node& body : *node.as_array())
+        flatten(*body.as_table(), "structures." + (*body.as_table())["name"].value_or(std::string()), value);
+      continue;
+    }
     const std::string path = prefix.empty() ? std::string(key.str()) : prefix + "." + std::string(key.str());
     if (const auto* inner = node.as_table())
       flatten(*inner, path, value);
@@ -54,7 +60,7 @@ std::string without_sides(const std::string& toml_text) {
     if (line.starts_with('[')) {
       const std::string name = line.substr(line.find_first_not_of('['));
       const std::string top = name.substr(0, name.find_first_of(".] \t"));
-      keep = top != "fluid" && top != "structure";
+      keep = top != "fluid" && top != "structure" && top != "structures";
     }
     if (keep) kept += line + "\n";
   }
@@ -65,9 +71,10 @@ std::string without_sides(const std::string& toml_text) {
 
 std::string ask(const std::filesystem::path& program, std::vector<std::string> arguments,
                 const std::filesystem::path& case_file, const std::vector<std::string>& sets,
-                const StopRequest* stop) {
+                const StopRequest* stop, const std::string& body) {
   const std::string mode = arguments.front();
   arguments.insert(arguments.end(), {"--case", case_file.string()});
+  if (!body.empty()) arguments.insert(arguments.end(), {"--body", body});
   for (const std::string& set : sets) {
     arguments.push_back("--set");
     arguments.push_back(set);
@@ -91,30 +98,36 @@ std::string ask(const std::filesystem::path& program, std::vector<std::string> a
 
 namespace {
 
+/// file: of a body, the case as that body's program reads it.
 SideView look_at(const std::string& name, const std::string& solver, CaseFile file,
                  const std::vector<std::string>& sets, const StopRequest* stop,
                  const std::vector<std::string>& by_hand) {
-  SideView side{.side = name, .solver = solver, .program = {}, .lines = {}, .echo = {}};
-  const bool users = solver.find('/') != std::string::npos;
-  const bool elsewhere = std::find(by_hand.begin(), by_hand.end(), name) != by_hand.end();
+  SideView side{.side = name,
+                .solver = solver,
+                .program = {},
+                .lines = {},
+                .echo = {},
+                .is_body = !file.body().empty()};
+  const std::string table = name == "fluid" ? "fluid" : "structure";
+  const bool users = side.is_users(), elsewhere = starts_by_hand(by_hand, side);
   std::error_code ignored;
   if (users && !elsewhere && !std::filesystem::is_regular_file(solver, ignored)) {
-    if (file.has(name + ".precice.command"))
+    if (file.has(table + ".precice.command"))
       throw file.root()
-          .table(name)
+          .table(table)
           .table("precice", "")
           .error("command", "a program that is there, or a name on PATH", "there is no file " + solver);
-    throw file.root().table(name).error("solver", "the path of a program", "there is no file " + solver);
+    throw file.root().table(table).error("solver", "the path of a program", "there is no file " + solver);
   }
   if (users && elsewhere)
     side.program = solver;
   else
-    side.program = find_program(program_name(name, solver), file.folder());
+    side.program = find_program(program_name(table, solver), file.folder());
   if (users) return side;  // only the program itself can check its own table
-  std::istringstream lines(ask(side.program, {"--check"}, file.path(), sets, stop));
+  std::istringstream lines(ask(side.program, {"--check"}, file.path(), sets, stop, file.body()));
   for (std::string line; std::getline(lines, line);)
     if (!line.empty()) side.lines.push_back(line);
-  side.echo = ask(side.program, {"--echo"}, file.path(), sets, stop);
+  side.echo = ask(side.program, {"--echo"}, file.path(), sets, stop, file.body());
   return side;
 }
 
@@ -163,6 +176,14 @@ void check_across(CaseFile& file, const CommonKeys& common) {
   if (common.fluid_solver == "none" && common.structure_solver == "none")
     throw file.root().table("fluid").error("solver", "a fluid, or a structure with structure.solver",
                                            "leave out one of the two \"none\"");
+  if (common.interface == "volume" && !common.bodies.empty())
+    throw file.root()
+        .table("coupling")
+        .error("interface", "\"surface\": volume coupling takes one body, in [structure]",
+               "interface = \"surface\"");
+  if (!common.bodies.empty() && common.fluid_solver == "none")
+    throw file.root().table("fluid").error("solver", "a fluid: several bodies have only the water in common",
+                                           "a case of its own for each body, with [structure]");
   if (common.fluid_solver == "none" || common.structure_solver == "none") return;
   if (common.interface == "volume" && common.structure_solver != "particle" &&
       common.structure_solver.find('/') == std::string::npos)
@@ -215,18 +236,19 @@ std::map<std::string, std::string> flatten_toml(const std::string& text, const s
   }
 }
 
-std::optional<std::string> ask_solver(const CaseView& view, const std::string& side,
+std::optional<std::string> ask_solver(const CaseView& view, const SideView& structure,
                                       const std::string& solver, const std::string& mode,
                                       const StopRequest* stop) {
   std::filesystem::path program;
   try {
-    program = find_program(program_name(side, solver), view.folder);
+    program = find_program(program_name("structure", solver), view.folder);
   } catch (const Error&) {
     return std::nullopt;  // an optional one that was not built
   }
   std::vector<std::string> sets = view.sets;
-  sets.push_back(fmt::format("{}.solver={}", side, solver));
-  return ask(program, {mode}, view.path, sets, stop);
+  const std::string body = structure.is_body ? structure.side : "";
+  sets.push_back(fmt::format("{}.solver={}", body.empty() ? "structure" : "structures." + body, solver));
+  return ask(program, {mode}, view.path, sets, stop, body);
 }
 
 CaseLookup lookup_in(std::map<std::string, std::string> values) {
@@ -237,8 +259,28 @@ CaseLookup lookup_in(std::map<std::string, std::string> values) {
 
 bool CaseView::moves_freely() const {
   return std::any_of(value.begin(), value.end(), [](const auto& key) {
-    return key.first.starts_with("structure.free.") && key.second == "true";
+    return key.first.starts_with("structure") && key.first.find(".free.") != std::string::npos &&
+           key.second == "true";
   });
+}
+
+bool CaseView::any_deforms() const {
+  return std::any_of(structures.begin(), structures.end(),
+                     [](const SideView& side) { return side.deforms(); });
+}
+
+std::vector<const SideView*> CaseView::sides() const {
+  std::vector<const SideView*> all;
+  if (fluid) all.push_back(&*fluid);
+  for (const SideView& structure : structures) all.push_back(&structure);
+  return all;
+}
+
+std::vector<std::string> CaseView::bodies() const {
+  std::vector<std::string> names;
+  for (const SideView& structure : structures)
+    if (structure.is_body) names.push_back(structure.side);
+  return names;
 }
 
 std::optional<double> CaseView::number(const std::string& key) const {
@@ -255,21 +297,24 @@ namespace {
 void resolve(const CaseFile& file, CaseView& view) {
   const std::string own = file.echo();
   view.resolved = without_sides(own);
-  for (const auto& side : {view.fluid, view.structure})
-    if (side && !side->echo.empty()) view.resolved += "\n" + side->echo;
-  for (const auto& text :
-       {own, view.fluid ? view.fluid->echo : "", view.structure ? view.structure->echo : ""})
-    for (const auto& [key, text_value] : flatten_toml(text, "case.toml")) view.value[key] = text_value;
+  view.value = flatten_toml(own, "case.toml");
+  for (const SideView* side : view.sides()) {
+    if (!side->echo.empty()) view.resolved += "\n" + side->echo;
+    for (const auto& [key, text_value] : flatten_toml(side->echo, "case.toml")) view.value[key] = text_value;
+  }
   // A side that is absent still has its word in case.toml, or the echo would read as the default.
   if (!view.fluid) view.resolved += "\n[fluid]\nsolver = \"none\"\n";
-  if (!view.structure) view.resolved += "\n[structure]\nsolver = \"none\"\n";
-  for (const auto& side : {view.fluid, view.structure})
-    if (side && side->echo.empty())
-      view.resolved += "\n# read by a program of the user's: as given, files relative to " +
-                       file.folder().string() + "\n" +
-                       file.as_given(side->side, view.common.program_of(side->side).adapted
-                                                     ? "precice"
-                                                     : std::filesystem::absolute(side->program).string());
+  if (view.structures.empty()) view.resolved += "\n[structure]\nsolver = \"none\"\n";
+  for (const SideView* side : view.sides()) {
+    if (!side->echo.empty()) continue;
+    const CaseFile read = side->is_body ? file.of_body(side->side) : file;
+    view.resolved += "\n# read by a program of the user's: as given, files relative to " +
+                     file.folder().string() + "\n" +
+                     read.as_given(side->side == "fluid" ? "fluid" : "structure",
+                                   view.common.program_of(side->side).adapted
+                                       ? "precice"
+                                       : std::filesystem::absolute(side->program).string());
+  }
 }
 
 }  // namespace
@@ -311,7 +356,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
                 .coupling = coupling,
                 .blocks = blocks,
                 .fluid = std::nullopt,
-                .structure = std::nullopt,
+                .structures = {},
                 .sets = sets,
                 .resolved = {},
                 .value = {}};
@@ -320,11 +365,19 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   for (const auto& [side, solver] :
        {std::pair{"fluid", common.fluid_solver}, std::pair{"structure", common.structure_solver}})
     if (solver == "none") collect([&] { check_absent_side(file, side); });
-  if (common.structure_solver != "none")
-    collect(
-        [&] { view.structure = look_at("structure", common.structure_solver, file, sets, stop, by_hand); });
+  if (common.structure_solver != "none" && common.bodies.empty())
+    collect([&] {
+      view.structures.push_back(look_at("structure", common.structure_solver, file, sets, stop, by_hand));
+    });
+  for (const BodyKeys& body : common.bodies)
+    collect([&] {
+      view.structures.push_back(
+          look_at(body.name, body.solver, file.of_body(body.name), sets, stop, by_hand));
+    });
   for (const char* side : {"fluid", "structure"})
     collect([&] { check_precice_names(side, common.program_of(side)); });
+  for (const BodyKeys& body : common.bodies)
+    collect([&] { check_precice_names("structures." + body.name, body.program); });
   if (!refused.empty()) throw all_of(refused);
   resolve(file, view);
   return view;

@@ -18,11 +18,16 @@ class StopRequest;
 
 /// One side of a case: the program that solves it and what that program understood.
 struct SideView {
-  std::string side;    // "fluid" | "structure"
+  std::string side;    // "fluid" | "structure" | the name of one of several bodies
   std::string solver;  // "mps", "fem", …, or the path of a user's program
   std::filesystem::path program;
   std::vector<std::string> lines;  // of its --check: derived numbers
   std::string echo;                // its resolved tables, TOML; empty for a user's program
+  bool is_body = false;            // one of several
+
+  /// Whether its solver computes how it deforms.
+  bool deforms() const { return solver != "rigid" && solver != "replay"; }
+  bool is_users() const { return solver.find('/') != std::string::npos; }
 };
 
 /// Lines of a side's own check that begin so, without those words.
@@ -37,16 +42,20 @@ struct CaseView {
   CommonKeys common;
   CouplingKeys coupling;
   std::vector<CompareBlock> blocks;
-  std::optional<SideView> fluid, structure;  // none: solver = "none"
+  std::optional<SideView> fluid;     // none: solver = "none"
+  std::vector<SideView> structures;  // one, the bodies of [[structures]], or none: solver = "none"
   std::vector<std::string> sets;
   std::string resolved;                      // case.toml of the run folder: every key, defaults marked
   std::map<std::string, std::string> value;  // key → resolved value as text
 
-  /// Whether the whole body is free in some direction.
+  /// Whether a whole body is free in some direction.
   bool moves_freely() const;
   /// The resolved value as a number, or nothing.
   std::optional<double> number(const std::string& key) const;
-  bool coupled() const { return fluid && structure; }
+  bool coupled() const { return fluid && !structures.empty(); }
+  bool any_deforms() const;
+  std::vector<const SideView*> sides() const;  // fluid, then the structures
+  std::vector<std::string> bodies() const;     // names of several; empty for one structure
 };
 
 /// Reads the case with the coupler's keys, and lets each side's program check its own. So everything that
@@ -56,14 +65,14 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
                    const StopRequest* stop = nullptr, const std::vector<std::string>& by_hand = {});
 
 /// Runs one mode of a program ("--check", or "--export" and what goes with it) on a case; what it prints.
-/// What it refuses is thrown with its own words and exit code.
+/// What it refuses is thrown with its own words and exit code. body: of several; empty: it needs none.
 std::string ask(const std::filesystem::path& program, std::vector<std::string> arguments,
                 const std::filesystem::path& case_file, const std::vector<std::string>& sets,
-                const StopRequest* stop = nullptr);
+                const StopRequest* stop = nullptr, const std::string& body = {});
 
-/// Returns the output of a program's mode ("--properties") for the case with another solver on that side
+/// Returns the output of a program's mode ("--properties") for the case with another solver of that structure
 /// ("particle"). Nothing if the program is not installed. A refusal is thrown with the program's own words.
-std::optional<std::string> ask_solver(const CaseView&, const std::string& side, const std::string& solver,
+std::optional<std::string> ask_solver(const CaseView&, const SideView& structure, const std::string& solver,
                                       const std::string& mode, const StopRequest* stop);
 
 /// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.

@@ -19,14 +19,13 @@
 namespace strake {
 namespace {
 
-/// The case's body as each discretisation of ours has it; one that cannot take the case says why.
-void print_properties(const CaseView& view, const StopRequest& stop) {
+/// A body as each discretisation of ours has it; one that cannot take the case says why.
+void print_properties(const CaseView& view, const SideView& body, const StopRequest& stop) {
   std::string rows;
   for (const std::string solver : {"fem", "particle", "rigid"}) try {
-      rows += ask_solver(view, "structure", solver, "--properties", &stop).value_or("");
+      rows += ask_solver(view, body, solver, "--properties", &stop).value_or("");
     } catch (const Error& error) {
-      if (solver == "rigid" || view.structure->solver == "rigid")
-        continue;  // no third and second opinion then
+      if (solver == "rigid" || body.solver == "rigid") continue;  // no third and second opinion then
       // The line, and from below it what was expected there.
       const std::string words = error.problem(), expected = "^ expected ";
       std::string why = words.substr(0, words.find('\n'));
@@ -35,16 +34,15 @@ void print_properties(const CaseView& view, const StopRequest& stop) {
       rows += fmt::format("{:<10} not with this case: {}\n", solver, why);
     }
   if (!rows.empty())
-    fmt::print("\nthe body, by discretisation\n{:<10} {:>12}   {} {:>14}   {:<28} {}\n{}", "solver",
-               "mass [kg]", "centre [m]", "inertia [kg m2]", "f1, f2, f3 dry [Hz]", "stable step",
-               visible(rows));
+    fmt::print("\n{}, by discretisation\n{:<10} {:>12}   {} {:>14}   {:<28} {}\n{}",
+               body.is_body ? body.side : "the body", "solver", "mass [kg]", "centre [m]", "inertia [kg m2]",
+               "f1, f2, f3 dry [Hz]", "stable step", visible(rows));
 }
 
 /// The title, how large each side is, how the run steps and what that costs, and what is not built.
 void print_head(const CaseView& view, const CheckOptions& options) {
   std::vector<std::string> sizes, not_built;
-  for (const auto& side : {view.fluid, view.structure}) {
-    if (!side) continue;
+  for (const SideView* side : view.sides()) {
     for (const std::string& text : lines_with(size_words, *side)) sizes.push_back(side->side + ": " + text);
     for (const std::string& text : lines_with(not_built_words, *side))
       not_built.push_back(side->side + ": " + text);
@@ -56,8 +54,8 @@ void print_head(const CaseView& view, const CheckOptions& options) {
 
 /// Whether both sides are small enough for a check to set them up.
 bool can_be_built(const CaseView& view) {
-  for (const auto& side : {view.fluid, view.structure})
-    if (side && is_large(*side)) return false;
+  for (const SideView* side : view.sides())
+    if (is_large(*side)) return false;
   return true;
 }
 
@@ -70,18 +68,22 @@ Error nothing_to_draw(const std::filesystem::path& path) {
 void write_picture(const CaseView& view, const std::filesystem::path& path, const StopRequest& stop) {
   std::string drawings;
   double y = 0, width = 0;
-  for (const std::string solver : {"fem", "particle", "rigid"}) try {
-      const std::string drawing = ask_solver(view, "structure", solver, "--picture", &stop).value_or("");
-      if (drawing.empty() || (solver == "rigid" && y > 0 && view.structure->solver != "rigid")) continue;
-      const auto number = [&](const std::string& name) {
-        const std::size_t at = drawing.find(name + "='");
-        return at == std::string::npos ? 0.0 : std::strtod(drawing.c_str() + at + name.size() + 2, nullptr);
-      };
-      drawings += fmt::format("<g transform='translate(0 {:.0f})'>\n{}</g>\n", y, drawing);
-      y += number("height");
-      width = std::max(width, number("width"));
-    } catch (const Error&) {  // the table says why
-    }
+  for (const SideView& body : view.structures) {
+    double drawn = 0;  // of this body
+    for (const std::string solver : {"fem", "particle", "rigid"}) try {
+        const std::string drawing = ask_solver(view, body, solver, "--picture", &stop).value_or("");
+        if (drawing.empty() || (solver == "rigid" && drawn > 0 && body.solver != "rigid")) continue;
+        const auto number = [&](const std::string& name) {
+          const std::size_t at = drawing.find(name + "='");
+          return at == std::string::npos ? 0.0 : std::strtod(drawing.c_str() + at + name.size() + 2, nullptr);
+        };
+        drawings += fmt::format("<g transform='translate(0 {:.0f})'>\n{}</g>\n", y, drawing);
+        y += number("height");
+        drawn += number("height");
+        width = std::max(width, number("width"));
+      } catch (const Error&) {  // the table says why
+      }
+  }
   if (drawings.empty()) throw nothing_to_draw(path);
   write_whole(path, fmt::format("<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' "
                                 "viewBox='0 0 {0:.0f} {1:.0f}'>\n{2}</svg>\n",
@@ -125,10 +127,12 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
     for (const std::string& warning : far_off_lines(view, 0)) print_warning(warning);
   }
 
-  const bool ours = view.structure && view.structure->solver.find('/') == std::string::npos;
-  if (built && ours && view.structure->solver != "replay") print_properties(view, stop);
+  const auto is_ours = [](const SideView& side) { return !side.is_users(); };
+  for (const SideView& body : view.structures)
+    if (built && is_ours(body) && body.solver != "replay") print_properties(view, body, stop);
   if (!options.picture.empty()) {
-    if (!view.structure || !ours) throw nothing_to_draw(options.picture);
+    if (!std::any_of(view.structures.begin(), view.structures.end(), is_ours))
+      throw nothing_to_draw(options.picture);
     write_picture(view, options.picture, stop);
   }
   if (options.all) fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));

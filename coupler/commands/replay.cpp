@@ -8,9 +8,8 @@ namespace {
 
 /// The side that the record replaces. It is the requested one, else the structure if the case has none, else
 /// the fluid, so that recorded loads act on another structure.
-std::string playing_side(const ReplayOptions& options) {
+std::string playing_side(const ReplayOptions& options, const CommonKeys& keys) {
   if (!options.side.empty()) return options.side;
-  const CommonKeys keys = common_keys_of(options.run.case_file, options.run.sets);
   return keys.structure_solver == "none" ? "structure" : "fluid";
 }
 
@@ -21,11 +20,18 @@ ExitCode replay(const ReplayOptions& options, const StopRequest& stop) {
   if (!std::filesystem::exists(options.recorded / "interface", none))
     throw Error(ExitCode::case_file, options.recorded.string(), "has no interface/ to play back",
                 "name the folder of a coupled run");
-  const std::string side = playing_side(options);
+  const CommonKeys keys = common_keys_of(options.run.case_file, options.run.sets);
+  const std::string side = playing_side(options, keys);
+  std::vector<std::string> tables;  // of several bodies each plays its own part
+  if (side == "structure")
+    for (const BodyKeys& body : keys.bodies) tables.push_back("structures." + body.name);
+  if (tables.empty()) tables = {side};
   RunOptions run_options = options.run;
-  run_options.sets.push_back(side + ".solver=replay");
-  run_options.sets.push_back(
-      side + ".replay.run=" + std::filesystem::absolute(options.recorded).lexically_normal().string());
+  for (const std::string& table : tables) {
+    run_options.sets.push_back(table + ".solver=replay");
+    run_options.sets.push_back(
+        table + ".replay.run=" + std::filesystem::absolute(options.recorded).lexically_normal().string());
+  }
   if (run_options.folder.tag.empty()) run_options.folder.tag = "replay";
   return run(run_options, stop);
 }

@@ -1,4 +1,5 @@
 #include "coupler/case/case_view.hpp"
+#include "coupler/case/sides_by_hand.hpp"
 #include "coupler/commands/commands.hpp"
 #include "coupler/commands/run_messages.hpp"
 #include "coupler/participant/stop_request.hpp"
@@ -106,6 +107,7 @@ class Run {
     summary_.describe(files_->table().columns);
     summary_.resolution = session_->resolution();
     summary_.mechanical = session_->is_mechanical();
+    summary_.bodies = case_.bodies();
     summary_.coupler_seconds["setup"] = seconds_since(start_);
 
     const RunHeader header =
@@ -123,14 +125,14 @@ class Run {
     record_.set("tag", folder_.tag);
     record_.set("set", case_.sets);
     record_.set("threads", case_.common.threads);
-    for (const auto& side : {case_.fluid, case_.structure})
-      if (side) programs_[side->side] = {{"solver", side->solver}, {"program", side->program.string()}};
+    for (const SideView* side : case_.sides())
+      programs_[side->side] = {{"solver", side->solver}, {"program", side->program.string()}};
     record_.set("participants", programs_);
     record_.write();  // the first file: by it the folder is known as a run's
     messages_.log = open_run_log(folder_.path / "coupler.log");
     write_text(folder_.path / "case.toml", case_.resolved);
-    for (const auto& side : {case_.fluid, case_.structure})
-      if (side && is_large(*side))
+    for (const SideView* side : case_.sides())
+      if (is_large(*side))
         messages_.warn(side->side + ", long to set up: " + lines_with(size_words, *side).front());
   }
 
@@ -175,7 +177,8 @@ class Run {
 
   void windows() {
     started_ = true;
-    FailureNotes failure(case_.common.interface == "surface" && case_.coupled(), plan_.start.time);
+    FailureNotes failure(case_.common.interface == "surface" && case_.coupled(), plan_.start.time,
+                         case_.bodies());
     AlarmNotes alarms(plan_.start.time);
     WindowLoop loop = session_->loop(plan_);
     auto saved = Clock::now();
@@ -370,13 +373,6 @@ std::vector<std::string> sets_of(const RunOptions& options) {
                       find_run_folder(options.case_file, options.folder).path);
 }
 
-void check_by_hand(const RunOptions& options, const CaseView& view) {
-  for (const std::string& side : options.by_hand)
-    if (side == "fluid" ? !view.fluid : !view.structure)
-      throw Error(ExitCode::command_line, "--attach", fmt::format("the case has no {}", side),
-                  "--attach names sides that have a solver");
-}
-
 }  // namespace
 
 ExitCode run(const RunOptions& options, const StopRequest& stop) {
@@ -387,7 +383,7 @@ ExitCode run(const RunOptions& options, const StopRequest& stop) {
     if (!options.folder.first_free_tag)
       find_run_folder(options.case_file, options.folder);  // the quickest refusal first
     view = read_case(options.case_file, sets_of(options), &stop, options.by_hand);
-    check_by_hand(options, *view);
+    check_by_hand(options.by_hand, *view);
     run.emplace(*view, create_run_folder(options.case_file, options.folder), options, stop, *reporter);
   } catch (const Error& error) {
     reporter->error(error);

@@ -210,6 +210,29 @@ Json side_json(const std::string& side, const Branch& table, Json& definitions) 
   return json;
 }
 
+/// [[structures]]: each body has a name and the keys of [structure]. `own` is the schema of that table.
+Json bodies_json(const Branch& list, const Branch& structure, const Json& own, Json& definitions) {
+  Json keys = table_json(structure, false);
+  for (const auto& [name, branch] : list.below) keys["properties"][name] = branch_json(*branch);
+  definitions["structures_keys"] = keys;
+  Json body = own;
+  const Json ours = {{"$ref", "#/definitions/structures_keys"}};
+  body["anyOf"] = {ours, true};
+  body["else"] = ours;
+  body.update(requirements(list));
+  Json json = array_of(body, 1, 0);
+  if (list.info) json["description"] = description(*list.info);
+  return json;
+}
+
+/// `of` of a probe may also be the name of a body.
+void accept_bodies(Json& properties) {
+  Json& of = properties["output"]["properties"]["probe"]["items"]["properties"]["of"];
+  const Json names = of["enum"];
+  of.erase("enum");
+  of["anyOf"] = {{{"enum", names}}, {{"pattern", "^[A-Za-z]"}, {"description", "the name of a body"}}};
+}
+
 }  // namespace
 
 std::string case_schema(const std::vector<KeyInfo>& keys) {
@@ -219,9 +242,15 @@ std::string case_schema(const std::vector<KeyInfo>& keys) {
   for (const auto& [name, branch] : root.below) {
     const bool side = name == "fluid" || name == "structure";
     properties[name] = side ? side_json(name, *branch, definitions) : branch_json(*branch);
+    if (name == "structures")
+      for (const auto& [other, structure] : root.below)
+        if (other == "structure")
+          properties[name] =
+              bodies_json(*branch, *structure, side_json(other, *structure, definitions), definitions);
     // Without its table a side has its default solver, and what that requires is missing.
     if (side && properties[name].contains("allOf")) required.push_back(name);
   }
+  if (properties.contains("output")) accept_bodies(properties);
   const Json schema = {
       {"$schema", "http://json-schema.org/draft-07/schema#"},
       {"title", "Case file of Strake"},

@@ -62,24 +62,34 @@ CaseLines driven_body(const NewAnswers& answers, const std::string& held) {
   return lines;
 }
 
-/// Material, lattice and probes at the middle of a lower face that lies `bottom` above the water.
-void put_steel_and_probes(CaseLines& lines, double lattice, double bottom, double diameter) {
-  lines.table("[structure.material]")
+/// One body of a case: its table, its name in probes, what stands before the names of its probes, and where.
+struct Named {
+  std::string table = "structure", name = "structure", before;
+  double x = 0;  // [m] of its middle
+};
+
+/// Material and lattice of a steel body.
+void put_steel(CaseLines& lines, double lattice, const Named& body = {}) {
+  lines.table("[" + body.table + ".material]")
       .text("model", "saint_venant_kirchhoff", "for large deflections; linear: for small ones")
       .number("density", steel_density, "kg/m^3")
       .number("young", steel_young, "Pa, Young's modulus")
       .number("poisson", steel_poisson, "1, Poisson's ratio");
-  lines.table("[structure.particle]")
+  lines.table("[" + body.table + ".particle]")
       .number("spacing", lattice, "m, of its particles where solver = \"particle\"");
+}
+
+/// Probes at the middle of a lower face that lies `bottom` above the water.
+void put_probes(CaseLines& lines, double bottom, double diameter, const Named& body = {}) {
   lines.table("[[output.probe]]")
-      .text("name", "mid", "of the probe's columns in history.csv")
-      .text("of", "structure", "fluid | structure")
-      .key("at", toml_vector(0, bottom), "m, at the start")
+      .text("name", body.before + "mid", "of the probe's columns in history.csv")
+      .text("of", body.name, body.before.empty() ? "fluid | structure" : "fluid, or the name of a body")
+      .key("at", toml_vector(body.x, bottom), "m, at the start")
       .text("quantity", "deflection", "m, displacement less that of the supports");
   lines.table("[[output.probe]]")
-      .text("name", "p_mid", "of the probe's column in history.csv")
-      .text("of", "fluid", "fluid | structure")
-      .key("at", toml_vector(0, bottom), "m, at the start; the sensor moves with the body")
+      .text("name", "p_" + body.before + "mid", "of the probe's column in history.csv")
+      .text("of", "fluid", body.before.empty() ? "fluid | structure" : "fluid, or the name of a body")
+      .key("at", toml_vector(body.x, bottom), "m, at the start; the sensor moves with the body")
       .text("quantity", "pressure", "Pa, mean over the sensor")
       .number("diameter", diameter, "m, of the sensor");
 }
@@ -109,8 +119,48 @@ NewScene plate_scene(const NewAnswers& answers) {
       .number("thickness", thickness, "m")
       .key("bottom", toml_vector(0, gap), "m, middle of the lower face: a gap of 1.2 spacings")
       .key("supports", "{ left = \"clamped\", right = \"clamped\" }", "clamped | pinned | free");
-  put_steel_and_probes(lines, lattice_spacing(thickness, {length}, answers.solver == "particle"), gap,
-                       2 * s.spacing);
+  put_steel(lines, lattice_spacing(thickness, {length}, answers.solver == "particle"));
+  put_probes(lines, gap, 2 * s.spacing);
+  s.body = lines.str();
+  return s;
+}
+
+NewScene bodies_scene(const NewAnswers& answers) {
+  NewScene s = plate_scene(answers);  // its spacing, depth and times are those of one plate
+  const double length = answers.value("length"), thickness = answers.value("thickness"),
+               distance = answers.value("distance"), gap = level_gap * s.spacing;
+  if (distance < 4 * s.spacing)
+    throw Error(ExitCode::command_line, fmt::format("--distance {:g}", distance),
+                fmt::format("expected at least four spacings of the water, {:g} m", 4 * s.spacing),
+                fmt::format("--distance {:g}, or a smaller --spacing", 4 * s.spacing));
+  s.title = "entry of two plates";
+  s.physics = fmt::format(
+      "Two steel plates {:g} m long and {:g} m thick, {:g} m apart, driven flat into still water at {:g} "
+      "m/s, "
+      "2-D.",
+      length, thickness, distance, answers.value("speed"));
+  const double middle = 0.5 * (length + distance),
+               wall = s.spacing * std::ceil((middle + 2.5 * length) / s.spacing - 1e-9);
+  s.right = s.water_right = wall;
+  s.left = -wall;
+  CaseLines lines;
+  const double lattice = lattice_spacing(thickness, {length}, answers.solver == "particle");
+  const std::vector<Named> bodies = {{"structures", "left", "left_", -middle},
+                                     {"structures", "right", "right_", middle}};
+  for (const Named& body : bodies) {
+    lines.table("[[structures]]")
+        .text("name", body.name,
+              "of this body, in probes, columns and --set structures." + body.name + ".KEY")
+        .text("solver", answers.solver, "fem | particle | ccx | rigid, or the path of a program")
+        .key("velocity", toml_vector(0, -answers.value("speed")), "m/s, of the supports");
+    lines.table("[structures.plate]")
+        .number("length", length, "m")
+        .number("thickness", thickness, "m")
+        .key("bottom", toml_vector(body.x, gap), "m, middle of the lower face: a gap of 1.2 spacings")
+        .key("supports", "{ left = \"clamped\", right = \"clamped\" }", "clamped | pinned | free");
+    put_steel(lines, lattice, body);
+  }
+  for (const Named& body : bodies) put_probes(lines, gap, 2 * s.spacing, body);
   s.body = lines.str();
   return s;
 }
@@ -149,9 +199,9 @@ NewScene box_scene(const NewAnswers& answers) {
   part("right", half - side, gap, half, gap + height, true);
   part("bottom", side - half, gap, half - side, gap + thickness, false);
   part("deck", side - half, gap + height - thickness, half - side, gap + height, false);
-  put_steel_and_probes(
-      lines, lattice_spacing(thickness, {side, width - 2 * side, height}, answers.solver == "particle"), gap,
-      2 * s.spacing);
+  put_steel(lines,
+            lattice_spacing(thickness, {side, width - 2 * side, height}, answers.solver == "particle"));
+  put_probes(lines, gap, 2 * s.spacing);
   s.body = lines.str();
   return s;
 }

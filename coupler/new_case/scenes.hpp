@@ -7,6 +7,7 @@ namespace strake {
 /// The scene of each kind. The answers are complete and each within its bounds; what does not fit together (a
 /// spacing larger than the body) throws Error(command_line) with the option to change.
 NewScene plate_scene(const NewAnswers&);
+NewScene bodies_scene(const NewAnswers&);
 NewScene box_scene(const NewAnswers&);
 NewScene wedge_scene(const NewAnswers&);
 NewScene cylinder_scene(const NewAnswers&);

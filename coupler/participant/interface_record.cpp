@@ -1,5 +1,6 @@
 #include "coupler/participant/interface_record.hpp"
 
+#include "coupler/participant/interface_bodies.hpp"
 #include "proto/error.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/files/whole_file.hpp"
@@ -42,6 +43,8 @@ Archive to_archive(const InterfaceRecord& record) {
     auto& faces = archive.integer["faces"];
     for (const int point : record.mesh.faces.reshaped()) faces.push_back(point);
   }
+  for (const MeshPart& part : record.mesh.parts)
+    archive.integer["body." + part.name] = {part.first_point, part.first_face};
   archive.real["position"] = record.mesh.position;
   if (record.mesh.mass.size() > 0) archive.real["mass"] = record.mesh.mass;
   if (record.initial_displacement.size() > 0)
@@ -126,6 +129,7 @@ InterfaceRecord read_block(const std::filesystem::path& path) {
       record.mesh.faces.reshaped()[static_cast<Index>(k)] = static_cast<int>(faces[k]);
     }
   }
+  record.mesh.parts = parts_in(archive);
   record.mesh.mass = in.real("mass", n, 1, false).reshaped();
   if (const MatrixXd u = in.real("initial_displacement", 3, n, archive.real.contains("displacement"));
       u.size() > 0)

@@ -28,6 +28,9 @@ struct InterfaceRecord {
   void append(const Window&, const Points& displacement, const Points& velocity, const Points& force);
   double start() const { return windows.empty() ? 0 : windows.front().t; }
   double end() const { return windows.empty() ? 0 : windows.back().t + windows.back().dt; }
+  /// The part of one of several bodies. Throws Error(case_file) where the record has no such body; `source`
+  /// names it.
+  InterfaceRecord of_body(const std::string& name, const std::string& source) const;
   /// Displacement [m] and velocity [m/s] at a time: the cubic with the recorded values at both ends of its
   /// window. Where the structure sent no velocity, the one that the fluid took: v_(n+1) = 2 (x_(n+1) −
   /// x_n)/dt − v_n, and the cubic is the parabola of constant acceleration. At a window's end exactly what

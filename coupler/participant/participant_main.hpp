@@ -31,6 +31,7 @@ struct ParticipantOptions {
   enum class Mode { serve, check, properties, picture, echo, export_deck, keys, version };
   Mode mode = Mode::serve;
   std::string endpoint, name, case_file;
+  std::string body;  // of several in the case; empty: it has one [structure], or this is the fluid
   DeckRequest deck;
   std::vector<std::string> sets;
   std::optional<std::array<std::uint8_t, 32>>

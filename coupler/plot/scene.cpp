@@ -91,18 +91,32 @@ void take_water(const Frame& frame, const std::string& field, const Cut& cut, Sc
 }
 
 /// Positions with the deformation drawn larger, x + (s − 1) d.
-Points enlarged(const Frame& frame, const std::map<std::string, std::string>& keys, double scale) {
+Points enlarged(const Frame& frame, const std::map<std::string, std::string>& keys, double scale,
+                const std::string& body) {
   if (scale == 1) return frame.position;
-  const auto bend = deformation(keys, frame);
+  const auto bend = deformation(keys, frame, body);
   return bend ? Points(frame.position + (scale - 1) * *bend) : frame.position;
 }
 
 /// Whether the whole body turns or goes where no support at a constant speed takes it.
-bool moves_freely(const std::map<std::string, std::string>& keys) {
-  return std::any_of(keys.begin(), keys.end(), [](const auto& key) {
-    return (key.first.starts_with("structure.free.") && key.second == "true") ||
-           key.first.starts_with("structure.motion.");
+bool moves_freely(const std::map<std::string, std::string>& keys, const std::string& table) {
+  return std::any_of(keys.begin(), keys.end(), [&](const auto& key) {
+    return (key.first.starts_with(table + ".free.") && key.second == "true") ||
+           key.first.starts_with(table + ".motion.");
   });
+}
+
+/// The table of a body's keys.
+std::string table_of(const std::string& body) {
+  return body.empty() ? "structure" : "structures." + body;
+}
+
+/// The bodies of a case with several, from "structures.left.name".
+std::vector<std::string> bodies_of(const std::map<std::string, std::string>& keys) {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : keys)
+    if (key == "structures." + value + ".name") names.push_back(value);
+  return names;
 }
 
 /// Displacements of the rigid motion that fits best: the least Σ |R (X_i − X̄) + x̄ − x_i|², X = x − u. R comes
@@ -120,9 +134,8 @@ Points rigid_part(const Points& at, const Points& u) {
 }
 
 void take_structure(const Frame& frame, const Points& at, const std::string& field, const Cut& cut,
-                    Scene& scene) {
+                    Scene& scene, std::vector<double>& values) {
   const auto value = scalar(frame, field, scene.solid_field);
-  std::vector<double> values;
   const auto keep = [&](double v) {
     if (std::isfinite(v)) values.push_back(v);
   };
@@ -160,7 +173,7 @@ void take_structure(const Frame& frame, const Points& at, const std::string& fie
   }
   if (value) {
     for (const double v : values) scene.solid_field.all.add(v);
-    scene.solid_field.shown = shown_range(std::move(values));
+    scene.solid_field.shown = shown_range(values);
   }
 }
 
@@ -219,11 +232,13 @@ std::optional<Eigen::VectorXd> scalar(const Frame& frame, const std::string& nam
   return array->value.colwise().norm().transpose();
 }
 
-std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame& frame) {
+std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame& frame,
+                                  const std::string& body) {
   const Frame::Array* u = find(frame.point_data, "displacement");
   if (u == nullptr || u->value.rows() != 3 || u->value.cols() == 0) return std::nullopt;
-  if (moves_freely(keys)) return Points(u->value - rigid_part(frame.position, u->value));
-  return Points(u->value.colwise() - frame.time * vector(keys, "structure.velocity"));
+  if (body.empty() && !bodies_of(keys).empty()) return std::nullopt;  // each moves in its own way
+  if (moves_freely(keys, table_of(body))) return Points(u->value - rigid_part(frame.position, u->value));
+  return Points(u->value.colwise() - frame.time * vector(keys, table_of(body) + ".velocity"));
 }
 
 Range shown_range(std::vector<double> values) {
@@ -245,7 +260,12 @@ RunFrames find_frames(const std::filesystem::path& folder) {
   RunFrames run = {.folder = folder,
                    .keys = keys_of(folder),
                    .fluid = list_frames(folder, "fluid"),
-                   .structure = list_frames(folder, "structure")};
+                   .structure = list_frames(folder, "structure"),
+                   .bodies = {}};
+  for (const std::string& body : bodies_of(run.keys))
+    run.bodies.emplace_back(body, list_frames(folder, body));
+  if (run.bodies.empty()) run.bodies.emplace_back("", run.structure);
+  run.structure = run.bodies.front().second;
   if (run.fluid.empty() && run.structure.empty())
     throw Error(ExitCode::case_file, (folder / "frames").string(), "there is no frame to draw",
                 "name the folder of a run that has written frames (output.every), e.g. runs/plate_entry");
@@ -253,7 +273,7 @@ RunFrames find_frames(const std::filesystem::path& folder) {
 }
 
 Scene read_scene(const RunFrames& run, const SceneOptions& options) {
-  const auto& [folder, keys, fluid, structure] = run;
+  const auto& [folder, keys, fluid, structure, bodies] = run;
   Scene scene;
   scene.title = at_or(keys, "title");
   if (scene.title.empty()) scene.title = folder.filename().string();
@@ -271,19 +291,22 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
     known = "speed, " + names(frame);
   }
   // The structure's frame of the fluid's time: both are written at the same windows.
-  if (const FrameFile* file = nearest(structure, fluid.empty() ? options.time : scene.time)) {
+  std::vector<double> shown;
+  for (const auto& [body, frames] : bodies) {
+    const FrameFile* file = nearest(frames, fluid.empty() ? options.time : scene.time);
+    if (file == nullptr) continue;
     const Frame frame = read_frame(file->path);
     if (fluid.empty()) {
       scene.time = frame.time;
       cut = middle_cut(keys, frame, 0);
     }
-    scene.solid_spacing = number(keys, "structure.particle.spacing", scene.spacing);
+    scene.solid_spacing = number(keys, table_of(body) + ".particle.spacing", scene.spacing);
     if (at_or(keys, "coupling.interface") == "volume" && scene.spacing > 0)
       scene.solid_spacing = scene.spacing;
     const bool has = find(frame.point_data, options.field) != nullptr && options.field != "velocity";
-    take_structure(frame, enlarged(frame, keys, options.scale), has ? options.field : "von_mises", cut,
-                   scene);
-    known += (known.empty() ? "" : "; of the structure: ") + names(frame);
+    take_structure(frame, enlarged(frame, keys, options.scale, body), has ? options.field : "von_mises", cut,
+                   scene, shown);
+    if (body == bodies.front().first) known += (known.empty() ? "" : "; of the structure: ") + names(frame);
   }
   if (scene.water_field.name != options.field && scene.solid_field.name != options.field &&
       !(scene.water_field.name.empty() && options.field == "pressure"))

@@ -79,7 +79,9 @@ struct SceneOptions {
 struct RunFrames {
   std::filesystem::path folder;
   std::map<std::string, std::string> keys;  // of case.toml
-  std::vector<FrameFile> fluid, structure;
+  std::vector<FrameFile> fluid, structure;  // of several bodies those of the first
+  /// Of each body; one without a name for one structure.
+  std::vector<std::pair<std::string, std::vector<FrameFile>>> bodies;
 };
 /// Throws Error(case_file) where there is no frame.
 RunFrames find_frames(const std::filesystem::path& run_folder);
@@ -90,8 +92,10 @@ Scene read_scene(const RunFrames&, const SceneOptions&);
 std::optional<Eigen::VectorXd> scalar(const Frame&, const std::string& name, Quantity& quantity);
 /// Displacement of each point less the rigid motion of the whole [m], 3 x n; nothing without displacements.
 /// The rigid motion is that of driven supports, V t; of a body that is free or follows a table the one that
-/// fits its points best.
-std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame&);
+/// fits its points best. body: of several, its name; nothing for
+/// all of them in one frame.
+std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame&,
+                                  const std::string& body = {});
 /// The shown range of values: from zero where the least is but a small part of the largest.
 Range shown_range(std::vector<double> values);
 

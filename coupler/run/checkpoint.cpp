@@ -173,7 +173,7 @@ RunPlan Checkpoints::resume(const fs::path& source, Session& session, Summary& s
   if (session.scheme() != nullptr) {
     CouplingState state;
     state.load(archive);
-    session.scheme()->set_state(std::move(state));
+    session.set_state(std::move(state));
   }
   forget(source);
   return plan;

@@ -65,21 +65,23 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
       .stop = options.stop,
       .on_exchange = options.on_exchange,
       .on_wait = options.on_wait});
-  if (view.structure) launch(*view.structure);
+  for (const SideView& structure : view.structures) launch(structure);
   if (view.fluid) launch(*view.fluid);
 
   Setup setup{.run_folder = options.run_folder,
               .interface = view.coupled() ? view.common.interface : "none",
               .partner_mesh = {},
               .partner_initial = {}};
-  if (view.structure) {
-    structure_ = &set_up(*view.structure, setup);
-    take_surface();
+  if (!view.structures.empty()) {
+    set_up_structures(setup);
     setup.partner_mesh = structure_->mesh();
     setup.partner_initial = structure_->description().initial;
     setup.history = structure_->description().history && view.common.interface == "surface";
   }
-  if (view.fluid) fluid_ = &set_up(*view.fluid, setup);
+  if (view.fluid) {
+    fluid_ = &participants_->connect("fluid", setup);
+    add_columns("fluid", fluid_->description());
+  }
 
   if (!view.coupled()) return;
   const CouplingCase coupling = coupling_case(view);
@@ -87,12 +89,43 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
                                      scheme_of(coupling, *structure_));
 }
 
+/// The structure, or several bodies as one.
+void Session::set_up_structures(const Setup& setup) {
+  std::vector<Body> bodies;
+  for (const SideView& side : case_.structures) {
+    RemoteParticipant& one = participants_->connect(side.side, setup);
+    take_surface(side, one);
+    bodies_.push_back(&one);
+    bodies.push_back({side.side, &one});
+  }
+  structure_ = bodies_.front();
+  if (case_.structures.front().is_body) {
+    std::set<std::string> probes;
+    for (const ProbeKeys& probe : case_.common.probes) probes.insert(probe.name);
+    assembly_ = std::make_unique<Assembly>(std::move(bodies), std::move(probes),
+                                           case_.number("fluid.spacing").value_or(0));
+    structure_ = assembly_.get();
+  }
+  add_columns("structure", structure_->description());
+  if (assembly_) add_forces();
+}
+
+/// The force on each of several bodies, "left.force.y".
+void Session::add_forces() {
+  const int dimension = structure_->mesh().dimension;
+  for (std::size_t body = 0; body < bodies_.size(); ++body)
+    for (int k = 0; k < dimension; ++k) {
+      sources_.push_back({.fluid = false, .name = {}, .body = body, .component = k});
+      columns_.push_back(
+          {fmt::format("{}.force.{}", case_.structures[body].side, "xyz"[k]), dimension == 2 ? "N/m" : "N"});
+    }
+}
+
 void Session::launch(const SideView& side) {
   Launch launch;
   launch.program = side.program;
   const ForeignKeys& own = case_.common.program_of(side.side);
-  const auto& by_hand = options_.by_hand;
-  const bool started_here = std::find(by_hand.begin(), by_hand.end(), side.side) == by_hand.end();
+  const bool started_here = !starts_by_hand(options_.by_hand, side);
   launch.folder = own.folder;
   launch.own_command_line = own.own_command_line;
   if (own.own_command_line) {
@@ -101,6 +134,7 @@ void Session::launch(const SideView& side) {
     // Relative where it is started where strake was called.
     const bool elsewhere = !started_here || !own.folder.empty();
     launch.arguments = {"--case", (elsewhere ? std::filesystem::absolute(case_.path) : case_.path).string()};
+    if (side.is_body) launch.arguments.insert(launch.arguments.end(), {"--body", side.side});
     for (const std::string& set : case_.sets) launch.arguments.insert(launch.arguments.end(), {"--set", set});
   }
   if (!own.folder.empty()) launch.program = std::filesystem::absolute(launch.program);
@@ -121,26 +155,27 @@ void Session::launch(const SideView& side) {
 
 std::vector<RemoteParticipant*> Session::remotes() const {
   std::vector<RemoteParticipant*> asked;
-  for (RemoteParticipant* participant : {fluid_, structure_})
-    if (participant != nullptr) asked.push_back(participant);
+  if (fluid_ != nullptr) asked.push_back(fluid_);
+  asked.insert(asked.end(), bodies_.begin(), bodies_.end());
   return asked;
 }
 
-RemoteParticipant& Session::set_up(const SideView& side, const Setup& setup) {
-  RemoteParticipant& participant = participants_->connect(side.side, setup);
-  add_columns(side.side, participant.description());
-  return participant;
+void Session::set_state(CouplingState state) {
+  if (assembly_ && !state.structure.empty() && state.structure.back().motion)
+    assembly_->set_committed(*state.structure.back().motion);
+  scheme_->set_state(std::move(state));
 }
 
-/// Faces of a structure that sends its points alone, from structure.surface.
-void Session::take_surface() {
-  const std::filesystem::path& file = case_.common.structure_program.surface;
+/// Faces of a structure that sends its points alone, from its key `surface`.
+void Session::take_surface(const SideView& side, RemoteParticipant& structure) const {
+  const std::filesystem::path& file = case_.common.program_of(side.side).surface;
   if (file.empty()) return;
-  if (structure_->mesh().faces.cols() > 0)
-    throw Error(ExitCode::case_file, "structure.surface = " + file.string(),
-                fmt::format("the structure sends {} faces itself", structure_->mesh().faces.cols()),
-                "leave structure.surface out");
-  structure_->give_faces(faces_from_file(file, structure_->mesh()));
+  if (structure.mesh().faces.cols() > 0)
+    throw Error(ExitCode::case_file,
+                (side.is_body ? "structures." + side.side : side.side) + ".surface = " + file.string(),
+                fmt::format("the structure sends {} faces itself", structure.mesh().faces.cols()),
+                "leave that key out");
+  structure.give_faces(faces_from_file(file, structure.mesh()));
 }
 
 void Session::add_columns(const std::string& side, const Description& description) {
@@ -154,8 +189,17 @@ void Session::add_columns(const std::string& side, const Description& descriptio
 
 std::vector<double> Session::values(const WindowReport& report) const {
   std::vector<double> values;
+  std::vector<Eigen::Vector3d> force;  // on each of several bodies [N]
+  for (std::size_t k = 0; assembly_ && k < bodies_.size(); ++k)
+    force.emplace_back(
+        report.force.middleCols(assembly_->mesh().parts[k].first_point, bodies_[k]->mesh().position.cols())
+            .rowwise()
+            .sum());
   for (const Source& source : sources_)
-    values.push_back(at_or(source.fluid ? report.fluid : report.structure, source.name, std::nan("")));
+    if (source.component >= 0)
+      values.push_back(force[source.body][source.component]);
+    else
+      values.push_back(at_or(source.fluid ? report.fluid : report.structure, source.name, std::nan("")));
   return values;
 }
 
@@ -208,10 +252,13 @@ std::vector<std::string> Session::coupling_lines() const {
 std::vector<std::pair<std::string, std::vector<std::string>>> Session::understood() const {
   std::vector<std::pair<std::string, std::vector<std::string>>> blocks;
   if (fluid_ != nullptr) blocks.emplace_back("fluid", fluid_->description().lines);
-  if (structure_ != nullptr) blocks.emplace_back("structure", structure_->description().lines);
-  if (const auto& file = case_.common.structure_program.surface; structure_ != nullptr && !file.empty())
-    blocks.back().second.push_back(
-        fmt::format("{} faces from {}", structure_->mesh().faces.cols(), file.filename().string()));
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const std::string& name = case_.structures[k].side;
+    blocks.emplace_back(name, bodies_[k]->description().lines);
+    if (const auto& file = case_.common.program_of(name).surface; !file.empty())
+      blocks.back().second.push_back(
+          fmt::format("{} faces from {}", bodies_[k]->mesh().faces.cols(), file.filename().string()));
+  }
   blocks.emplace_back("coupling", coupling_lines());
   return blocks;
 }
@@ -236,7 +283,8 @@ std::vector<std::string> Session::resolution() const {
 std::string Session::cannot_resume() const {
   std::vector<std::string> names;
   if (fluid_ != nullptr && fluid_->description().cannot_resume) names.emplace_back("fluid");
-  if (structure_ != nullptr && structure_->description().cannot_resume) names.emplace_back("structure");
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    if (bodies_[k]->description().cannot_resume) names.push_back(case_.structures[k].side);
   if (names.empty()) return {};
   return fmt::format("{} cannot save {} state", fmt::join(names, " and "),
                      names.size() > 1 ? "their" : "its");
@@ -246,8 +294,7 @@ std::vector<std::string> Session::warnings() const {
   std::vector<std::string> warnings;
   if (const std::string who = cannot_resume(); !who.empty())
     warnings.push_back(who + ": a run writes no checkpoints, and --resume cannot go on with it");
-  bool moved = case_.structure && case_.structure->solver != "rigid" && case_.structure->solver != "replay";
-  moved = moved || case_.moves_freely();
+  const bool moved = case_.any_deforms() || case_.moves_freely();
   const bool live = case_.fluid && case_.fluid->solver != "replay";
   if (scheme_ && moved && live && case_.common.interface == "surface" && !case_.coupling.iterates()) {
     const auto ratio = added_mass_ratio(case_);

@@ -2,6 +2,7 @@
 
 #include "coupler/case/case_scheme.hpp"
 #include "coupler/case/case_view.hpp"
+#include "coupler/coupling/assembly.hpp"
 #include "coupler/coupling/scheme.hpp"
 #include "coupler/coupling/window_loop.hpp"
 #include "coupler/processes/remote.hpp"
@@ -46,8 +47,10 @@ class Session {
   /// True if displacement and force cross the interface.
   bool is_mechanical() const { return scheme_ && scheme_->is_mechanical(); }
   RemoteParticipant* fluid() { return fluid_; }
-  RemoteParticipant* structure() { return structure_; }
+  Participant* structure() { return structure_; }  // of several bodies all in one
   std::vector<RemoteParticipant*> remotes() const;
+  /// After all participants have resumed.
+  void set_state(CouplingState);
   Participants& participants() { return *participants_; }
 
   /// What the participants report per window; of two columns with one name the second carries its side's
@@ -67,8 +70,9 @@ class Session {
   int dimension() const;
 
  private:
-  RemoteParticipant& set_up(const SideView&, const Setup&);
-  void take_surface();
+  void set_up_structures(const Setup&);
+  void take_surface(const SideView&, RemoteParticipant&) const;
+  void add_forces();
   void add_columns(const std::string& side, const Description&);
   void launch(const SideView&);
   std::vector<std::string> coupling_lines() const;
@@ -77,11 +81,15 @@ class Session {
   Options options_;
   std::unique_ptr<Participants> participants_;
   RemoteParticipant* fluid_ = nullptr;
-  RemoteParticipant* structure_ = nullptr;
+  std::vector<RemoteParticipant*> bodies_;  // the structure, or several bodies
+  std::unique_ptr<Assembly> assembly_;      // of several
+  Participant* structure_ = nullptr;
   std::unique_ptr<Scheme> scheme_;
   struct Source {
     bool fluid = false;
     std::string name;  // as the participant calls it
+    std::size_t body = 0;
+    int component = -1;  // of that body's force; -1: what a participant reports
   };
   std::vector<Column> columns_;
   std::vector<Source> sources_;  // of the columns

@@ -56,7 +56,7 @@ double norm_of(const CaseView& view, const std::string& key) {
 double flow_step(const CaseView& view) {
   const double l0 = view.number("fluid.spacing").value_or(0), g = norm_of(view, "fluid.gravity"),
                cfl = view.number("fluid.scheme.cfl").value_or(0.2);
-  const double speed = (view.structure ? jet : 2) * view.common.chosen.speed;
+  const double speed = (!view.structures.empty() ? jet : 2) * view.common.chosen.speed;
   double step = speed > 0 ? cfl * l0 / speed : infinite;
   if (g > 0) step = std::min(step, 0.05 * std::sqrt(l0 / g));
   return step;
@@ -64,8 +64,8 @@ double flow_step(const CaseView& view) {
 
 /// Iterations of a window, about: one where the load does not decide the motion.
 double iterations_of(const CaseView& view) {
-  if (!view.coupled() || !view.coupling.iterates() || view.structure->solver == "replay") return 1;
-  if (view.structure->solver != "rigid") return elastic_iterations;
+  if (!view.coupled() || !view.coupling.iterates()) return 1;
+  if (view.any_deforms()) return elastic_iterations;
   return view.moves_freely() ? free_iterations : 1;
 }
 
@@ -106,8 +106,7 @@ std::optional<Pace> pace_of(const CaseView& view) {
   pace.windows = std::ceil(view.common.end_time / pace.window - 1e-9);
   pace.steps = pace.windows * std::ceil(pace.window / pace.step - 1e-9);
   pace.iterations = iterations_of(view);
-  for (const auto& side : {view.fluid, view.structure}) {
-    if (!side) continue;
+  for (const SideView* side : view.sides()) {
     for (const std::string& text : lines_with(size_words, *side)) {
       pace.bytes += memory_behind_colon(text);
       pace.particles += count_of(text, "water particles") + count_of(text, "wall particles");
@@ -129,8 +128,7 @@ std::vector<std::string> pace_lines(const CaseView& view) {
       by_hand ? fmt::format("window {:.6g} s, as given; the default would be {:.6g} s: {}", pace->window,
                             chosen.window, chosen.why)
               : fmt::format("window {:.6g} s: {}", pace->window, chosen.why)};
-  const bool elastic =
-      view.structure && view.structure->solver != "rigid" && view.structure->solver != "replay";
+  const bool elastic = view.any_deforms();
   if (pace->particles > 0)
     lines.push_back(fmt::format(
         "about {} steps of {} particles{}: some {} on one core, within a factor of three{}; {} of memory",
@@ -155,7 +153,7 @@ bool is_far_off(double ratio) {
 void look_at_steps(const CaseView& view, const Pace& pace, std::vector<std::string>& lines) {
   if (const double ratio = pace.window / pace.chosen_window; is_far_off(ratio)) {
     const std::string cost = ratio < 1 ? fmt::format("{:.0f} times as many windows", 1 / ratio)
-                             : view.structure
+                             : !view.structures.empty()
                                  ? "the load is a mean over it, and the body's answer within it is lost"
                                  : "the history has few rows";
     lines.push_back(fmt::format("coupling.surface.window = {:.3g} is {} what Strake would take, {:.3g} s: {}",

@@ -30,7 +30,7 @@ std::optional<double> water_level(const CaseView& view) {
 }
 
 std::optional<std::string> layers_line(const CaseView& view) {
-  if (!view.structure || view.structure->solver != "particle") return std::nullopt;
+  if (view.structures.empty() || view.structures.front().solver != "particle") return std::nullopt;
   const auto thickness = view.number("structure.plate.thickness");
   const bool volume = view.common.interface == "volume";
   const auto spacing = view.number(volume ? "fluid.spacing" : "structure.particle.spacing");

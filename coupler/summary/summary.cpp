@@ -183,7 +183,7 @@ Json Summary::json() const {
   for (const RaisedAlarm& alarm : alarms()) json["alarms"].push_back(json_of(alarm));
 
   json["resolution"] = resolution;
-  json["failure"] = failure_json(structure_);
+  json["failure"] = failure_json(structure_, bodies);
 
   json["compare"] = Json::array();
   for (const Verdict& verdict : verdicts) json["compare"].push_back(json_of(verdict));

@@ -31,6 +31,7 @@ class Summary {
   std::vector<Verdict> verdicts;
   std::vector<std::string> resolution;  // what the spacings resolve, in words
   bool mechanical = true;  // displacement and force cross the interface, so that works can be compared
+  std::vector<std::string> bodies;  // names of several; empty: one structure
 
   double end_time() const { return time_; }
   long windows() const { return windows_; }

@@ -25,7 +25,9 @@ Box bounds(const Shape& points) {
 
 void read_shape(CaseTable& t, Parameters& p) {
   t.points("tank_polygon", p.tank_polygon,
-           {.unit = "m", .help = "2-D, in place of tank: corners of the inner faces, counter-clockwise"});
+           {.unit = "m",
+            .help = "2-D, in place of tank: corners of the inner faces, counter-clockwise; where "
+                    "open_top is true the first and the last are the rim"});
   t.box("tank", p.tank,
         {.unit = "m",
          .required = p.tank_polygon.empty(),

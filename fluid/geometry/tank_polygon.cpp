@@ -54,6 +54,15 @@ std::string polygon_fault(const Parameters& p, double reach) {
   double area = 0;
   for (std::size_t k = 0; k < n; ++k) area += 0.5 * cross(corners[k], corners[(k + 1) % n]);
   if (!(area > 0)) return "corners in counter-clockwise order";
+  // An upright open side below the water is a wall that was forgotten, not a rim.
+  const Vector2 rim = corners.front() - corners.back();
+  const double lower = std::min(corners.front().y(), corners.back().y());
+  if (p.open_top && std::abs(rim.y()) > std::abs(rim.x()) && lower < p.water.max.y() - 1e-6 * p.spacing)
+    return fmt::format(
+        "the first and the last corner at the rim: no wall stands between {} and {}, and the water reaches "
+        "up "
+        "to {:.6g} m (or open_top = false)",
+        name(n - 1), name(0), p.water.max.y());
   for (std::size_t k = 0; k < n; ++k) {
     if (p.open_top && k + 1 == n) continue;  // no wall
     const Vector2 before = corners[k] - corners[(k + n - 1) % n], after = corners[(k + 1) % n] - corners[k];

@@ -112,10 +112,10 @@ void CaseFile::refuse_unknown(const std::string& prefix) const {
   const auto place = [&](const Unknown& unknown) {
     return unknown.set ? "--set " + unknown.set->argument : document.place(unknown.at);
   };
-  std::string problem = search.found.front().path + " is not a key";
+  std::string problem = document.shown(search.found.front().path) + " is not a key";
   for (std::size_t i = 1; i < search.found.size(); ++i)
-    problem += fmt::format("\n{}: {} is not a key; {}", place(search.found[i]), search.found[i].path,
-                           advice(document, search.found[i].path));
+    problem += fmt::format("\n{}: {} is not a key; {}", place(search.found[i]),
+                           document.shown(search.found[i].path), advice(document, search.found[i].path));
   const Error unknown(ExitCode::case_file, place(search.found.front()), problem,
                       advice(document, search.found.front().path));
   if (!document.collects) throw unknown;

@@ -224,15 +224,16 @@ std::string CaseFile::Document::where(const std::string& path, const std::string
   if (text.empty() && found.node) text = to_toml(*found.node);
   if (found.node) {
     if (const Set* set = set_of(path))
-      return set->path == path ? "--set " + set->argument
-                               : fmt::format("--set {}: {} = {}", set->argument, path, shortened(text));
-    return fmt::format("{}: {} = {}", place(found.node->source().begin), path, shortened(text));
+      return set->path == path
+                 ? "--set " + set->argument
+                 : fmt::format("--set {}: {} = {}", set->argument, shown(path), shortened(text));
+    return fmt::format("{}: {} = {}", place(found.node->source().begin), shown(path), shortened(text));
   }
   if (const auto entry = index.find(path); entry != index.end()) {
     const KeyInfo& key = keys[entry->second];
-    if (!key.value.empty()) return fmt::format("{}: {} = {} ({})", name, path, key.value, key.origin);
+    if (!key.value.empty()) return fmt::format("{}: {} = {} ({})", name, shown(path), key.value, key.origin);
   }
-  return name + ": " + path;
+  return name + ": " + shown(path);
 }
 
 Error CaseFile::Document::wrong(const std::string& path, const std::string& expected, const std::string& fix,
@@ -240,7 +241,7 @@ Error CaseFile::Document::wrong(const std::string& path, const std::string& expe
   const toml::node* node = at(path);
   if (!node || set_of(path)) return {ExitCode::case_file, where(path), expected, fix};
   const toml::source_position& at = (part ? part : node)->source().begin;
-  return {ExitCode::case_file, fmt::format("{}: {} = {}", place(at), path, shortened(to_toml(*node))),
+  return {ExitCode::case_file, fmt::format("{}: {} = {}", place(at), shown(path), shortened(to_toml(*node))),
           "\n" + excerpt(at, expected), fix};
 }
 
@@ -255,7 +256,7 @@ Error CaseFile::Document::missing(const std::string& path, const std::string& ex
     if (index.contains(stranger) || meant_key(std::string(there.str()), {key}).empty()) continue;
     const Set* set = set_of(stranger);
     return {ExitCode::case_file, set ? "--set " + set->argument : place(there.source().begin),
-            stranger + " is not a key",
+            shown(stranger) + " is not a key",
             fmt::format("did you mean {}?", key) +
                 (explained ? fmt::format("  (strake explain {})", parent) : "")};
   }
@@ -263,12 +264,12 @@ Error CaseFile::Document::missing(const std::string& path, const std::string& ex
   if (const std::size_t bracket = parent.rfind('['); parent.ends_with(']'))
     fix += " to this [[" + parent.substr(0, bracket) + "]]";
   else if (!parent.empty())
-    fix += " to [" + parent + "]";
+    fix += " to [" + in_file(parent) + "]" + (in_file(parent) == parent ? "" : " of " + body);
   if (table && table->source().begin.line > 0 && !set_of(parent))
     return {ExitCode::case_file, place(table->source().begin),
-            path + " is missing\n" + excerpt(table->source().begin, expected), fix};
+            shown(path) + " is missing\n" + excerpt(table->source().begin, expected), fix};
   if (parent.empty()) fix += " above the first [table]";
-  return {ExitCode::case_file, name, path + " is missing\n" + expected, fix};
+  return {ExitCode::case_file, name, shown(path) + " is missing\n" + expected, fix};
 }
 
 }  // namespace strake

@@ -6,6 +6,7 @@
 #include <toml++/toml.h>
 
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -56,7 +57,10 @@ struct CaseFile::Document {
   toml::table root;
   std::vector<Set> sets;
   bool only_declares = false;
-  bool explained = true;  // `strake explain` lists its keys
+  std::vector<std::string> bodies;        // names of [[structures]], in order
+  std::string body;                       // of of_body: the one that stands as [structure]; empty: none
+  std::shared_ptr<const Document> whole;  // of of_body: the case with all bodies
+  bool explained = true;                  // `strake explain` lists its keys
   std::string preset = "improved";
   bool collects = false;       // in read_all: what is wrong goes to `refused`
   std::vector<Error> refused;  // so far
@@ -70,6 +74,12 @@ struct CaseFile::Document {
   void read_text();                    // bytes → lines, root
   void apply(const std::string& set);  // one --set string
   void read_preset();
+  void read_bodies();  // refuses what is wrong with the list itself
+  void find_body(std::vector<PathStep>&, const std::string& where) const;  // a name to its index
+  void choose_body(const std::string& name_of_body);
+  std::string shown(const std::string& path) const;         // a path as the user knows it
+  std::string in_file(const std::string& table) const;      // [structures.plate] of a body
+  std::string as_body(const std::string& toml_text) const;  // tables as the user's file has them
 
   Found find(const std::string& path) const;
   const toml::node* at(const std::string& path) const { return find(path).node; }

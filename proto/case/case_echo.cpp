@@ -78,7 +78,7 @@ std::string CaseFile::echo(const std::string& prefix) const {
   }
   std::string text;
   write(root, "", false, text);
-  return text;
+  return document_->as_body(text);
 }
 
 std::string CaseFile::as_given(const std::string& table, const std::string& solver) const {
@@ -88,7 +88,7 @@ std::string CaseFile::as_given(const std::string& table, const std::string& solv
   const toml::table whole{{table, copy}};
   std::ostringstream text;
   text << toml::toml_formatter(whole) << "\n";
-  return text.str();
+  return document_->as_body(text.str());
 }
 
 namespace {

@@ -136,7 +136,7 @@ void CaseFile::Document::apply(const std::string& argument) {
       equals = i;
   }
   const std::string path = trimmed(argument.substr(0, equals));
-  const std::vector<PathStep> steps = split_path(path);
+  std::vector<PathStep> steps = split_path(path);
   if (equals == std::string::npos || steps.empty() || steps.back().is_index)
     throw Error(ExitCode::command_line, where, "expected KEY=VALUE",
                 "for instance --set fluid.spacing=0.005");
@@ -147,6 +147,7 @@ void CaseFile::Document::apply(const std::string& argument) {
   const std::string value = trimmed(argument.substr(equals + 1));
   if (value.starts_with('[') || value.starts_with('{')) require_shallow("value = " + value, "--set " + path);
 
+  find_body(steps, where);
   toml::table* table = table_for(root, steps, where);
   toml::table parsed;
   try {
@@ -190,6 +191,7 @@ CaseFile CaseFile::parse(const std::string& text, const std::string& name,
   document->read_text();
   for (const std::string& set : sets) document->apply(set);
   document->read_preset();
+  document->read_bodies();
   return CaseFile(document);
 }
 

@@ -114,6 +114,12 @@ class CaseFile {
   std::vector<double> numbers_at(const std::string& path) const;
   bool has(const std::string& path) const;      // given in the file or by --set
   bool is_true(const std::string& path) const;  // given as true
+  /// The names of [[structures]], several bodies in one water; empty for one [structure].
+  const std::vector<std::string>& bodies() const;
+  /// The case as that body's own program reads it: its [[structures]] stands as [structure]. Hash and preset
+  /// are those of the whole case. Throws Error(command_line) if there is none of that name.
+  CaseFile of_body(const std::string& name) const;
+  const std::string& body() const;  // of `of_body`: the name; empty otherwise
   /// True for `declarations_only`: checks across keys have nothing to check.
   bool only_declares() const;
 

@@ -73,6 +73,7 @@ void add_file(Digest& digest, const std::filesystem::path& path, std::uintmax_t&
 }  // namespace
 
 std::array<std::uint8_t, 32> CaseFile::hash() const {
+  if (document_->whole) return CaseFile(std::const_pointer_cast<Document>(document_->whole)).hash();
   Digest digest;
   digest.part(document_->bytes);
   for (const Document::Set& set : document_->sets) digest.part(set.argument);

@@ -6,15 +6,23 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <string>
 
 namespace strake {
 namespace {
 
-ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
+ProbeKeys read_probe(CaseTable table, const CommonKeys& keys) {
+  const std::vector<ProbeKeys>& others = keys.probes;
   ProbeKeys probe;
   table.text("name", probe.name, {.required = true, .help = "name of the probe's columns and results"});
-  table.choice("of", probe.of, {"fluid", "structure"}, {.required = true, .help = "which side is measured"});
+  std::vector<std::string> sides = {"fluid", "structure"};
+  for (const BodyKeys& body : keys.bodies) {
+    if (sides.back() == "structure") sides.pop_back();
+    sides.push_back(body.name);
+  }
+  table.choice("of", probe.of, sides,
+               {.required = true, .help = "which side is measured; of several bodies the name of one"});
   table.vector(
       "at", probe.at,
       {.unit = "m", .required = true, .help = "place in the reference configuration; moves with the body"});
@@ -48,6 +56,7 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
   const auto among = [&](std::initializer_list<const char*> names) {
     return std::any_of(names.begin(), names.end(), [&](const char* name) { return probe.quantity == name; });
   };
+  if (!keys.body.empty() && probe.of == keys.body) probe.of = "structure";
   if ((probe.of == "fluid") != among({"pressure", "front", "level", "height", "gap", "air_pressure"}))
     throw table.error(
         "quantity",
@@ -59,8 +68,9 @@ ProbeKeys read_probe(CaseTable table, const std::vector<ProbeKeys>& others) {
 }
 
 /// Adds the probes of a plate where a case has none. They are the deflection at its middle, and the pressure
-/// at the middle of its lower face. Other bodies have their force in the history.
-void add_plate_probes(const CaseFile& file, CommonKeys& keys) {
+/// at the middle of its lower face. Other bodies have their force in the history. body: of several, its name.
+void add_plate_probes(const CaseFile& file, const std::string& solver, const std::string& body,
+                      CommonKeys& keys) {
   const std::vector<double> length = file.numbers_at("structure.plate.length"),
                             thickness = file.numbers_at("structure.plate.thickness"),
                             bottom = file.numbers_at("structure.plate.bottom"),
@@ -69,11 +79,11 @@ void add_plate_probes(const CaseFile& file, CommonKeys& keys) {
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < std::min<std::size_t>(3, bottom.size()); ++k)
     at[static_cast<Eigen::Index>(k)] = bottom[k];
-  const std::string& solver = keys.structure_solver;
+  const std::string before = body.empty() ? "" : body + "_", of = body == keys.body ? "structure" : body;
   const bool elastic = solver == "fem" || solver == "particle" || solver == "ccx";
   if (elastic)
-    keys.probes.push_back({.name = "middle",
-                           .of = "structure",
+    keys.probes.push_back({.name = before + "middle",
+                           .of = of,
                            .at = at + Eigen::Vector3d(0, 0.5 * thickness.front(), 0),
                            .quantity = "deflection"});
   // A sensor needs a wet face of known points inside the tank.
@@ -87,7 +97,59 @@ void add_plate_probes(const CaseFile& file, CommonKeys& keys) {
     inside = tank[k] <= x && x <= tank[n + k];
   }
   if (wet && inside)
-    keys.probes.push_back({.name = "p_middle", .of = "fluid", .at = at, .quantity = "pressure"});
+    keys.probes.push_back({.name = before + "p_middle", .of = "fluid", .at = at, .quantity = "pressure"});
+}
+
+std::string read_structure_solver(CaseFile& file) {
+  std::string solver = "fem";
+  file.root()
+      .table("structure", "the structure: its shape, its material, its solver")
+      .choice("solver", solver, {"fem", "particle", "ccx", "rigid", "replay", "precice", "none"},
+              {.or_path = true, .help = "which program solves the structure"});
+  return solver;
+}
+
+/// The window that suits every body, and why.
+WindowChoice choose_for_all(const CaseFile& file, const CommonKeys& keys) {
+  if (keys.bodies.empty()) return choose_window(file, keys);
+  std::optional<WindowChoice> shortest;
+  double speed = 0;
+  for (const BodyKeys& body : keys.bodies) {
+    CommonKeys own = keys;
+    own.structure_solver = body.solver;
+    WindowChoice choice = choose_window(file.of_body(body.name), own);
+    choice.why = body.name + ": " + choice.why;
+    speed = std::max(speed, choice.speed);
+    const bool level = choice.level || (shortest && shortest->level);
+    if (!shortest || choice.window < shortest->window) shortest = choice;
+    shortest->level = level;
+  }
+  shortest->speed = speed;
+  return *shortest;
+}
+
+/// Names and solvers of [[structures]]. What else they have is read by their own programs.
+void read_bodies(CaseFile& file, CommonKeys& keys) {
+  CaseTable root = file.root();
+  for (CaseTable& table : root.tables(
+           "structures", "several bodies in one water: each has a name and the keys of [structure]")) {
+    std::string name;
+    table.text("name", name,
+               {.required = true,
+                .help = "the body's name in probes, columns, files and --set structures.NAME.KEY"});
+    if (!file.only_declares()) table.accept_all();
+  }
+  for (const std::string& name : file.bodies()) {
+    BodyKeys body{.name = name, .solver = "fem", .program = {}};
+    CaseFile one = file.of_body(name);
+    body.solver = read_structure_solver(one);
+    if (body.solver == "none")
+      throw one.root()
+          .table("structure")
+          .error("solver", "a solver: a body that is listed takes part", "leave its [[structures]] out");
+    body.program = read_foreign(one, "structure", body.solver);
+    keys.bodies.push_back(std::move(body));
+  }
 }
 
 }  // namespace
@@ -105,17 +167,21 @@ CommonKeys read_common(CaseFile& file) {
   fluid.choice("solver", keys.fluid_solver, {"mps", "replay", "precice", "none"},
                {.or_path = true, .help = "which program solves the fluid"});
   keys.fluid_program = read_foreign(file, "fluid", keys.fluid_solver);
-  CaseTable structure = root.table("structure", "the structure: its shape, its material, its solver");
-  structure.choice("solver", keys.structure_solver,
-                   {"fem", "particle", "ccx", "rigid", "replay", "precice", "none"},
-                   {.or_path = true, .help = "which program solves the structure"});
-  keys.structure_program = read_foreign(file, "structure", keys.structure_solver);
+  keys.body = file.body();
+  read_bodies(file, keys);
+  if (keys.bodies.empty() || !keys.body.empty()) {
+    keys.structure_solver = read_structure_solver(file);
+    keys.structure_program = read_foreign(file, "structure", keys.structure_solver);
+  } else {
+    keys.structure_solver = keys.bodies.front().solver;
+    keys.structure_program = keys.bodies.front().program;
+  }
 
   CaseTable coupling = root.table("coupling", "how the two are coupled");
   coupling.choice(
       "interface", keys.interface, {"surface", "volume"},
       {.help = "surface: wet surface, partitioned; volume: all solid particles, the unified loop"});
-  keys.chosen = choose_window(file, keys);
+  keys.chosen = choose_for_all(file, keys);
   double surface_window = keys.chosen.window, volume_window = 2e-6;
   CaseTable surface = coupling.table("surface", "used where interface = \"surface\"");
   surface.number("window", surface_window,
@@ -137,12 +203,15 @@ CommonKeys read_common(CaseFile& file) {
   CaseTable output = root.table("output", "what is written");
   output.number("every", keys.output_every, positive("s", "time between field frames"));
   for (const CaseTable& probe : output.tables("probe", "one place, one quantity, over time"))
-    keys.probes.push_back(read_probe(probe, keys.probes));
+    keys.probes.push_back(read_probe(probe, keys));
   bool default_probes = true;
   output.flag("default_probes", default_probes,
               {.help = "a plate without any output.probe has two: middle, its deflection, and p_middle, the "
                        "pressure at the middle of its lower face"});
-  if (default_probes && !output.has("probe")) add_plate_probes(file, keys);
+  if (!default_probes || output.has("probe")) return keys;
+  if (keys.bodies.empty()) add_plate_probes(file, keys.structure_solver, {}, keys);
+  for (const BodyKeys& body : keys.bodies)
+    add_plate_probes(file.of_body(body.name), body.solver, body.name, keys);
   return keys;
 }
 

@@ -15,13 +15,20 @@ class CaseFile;
 /// [[output.probe]]: one place, one quantity.
 struct ProbeKeys {
   std::string name;  // "mid"; vector quantities make "mid.x", "mid.y"(, "mid.z")
-  std::string of;    // "fluid" | "structure"
+  std::string of;    // "fluid" | "structure", also of the body whose case it is; another body's name
   Eigen::Vector3d at =
       Eigen::Vector3d::Zero();  // [m] reference configuration; moves with the body it touches
   /// Structure: "deflection" | "displacement" | "velocity" | "von_mises" | "stress"; fluid: "pressure" |
   /// "front" | "level" | "height" | "gap" | "air_pressure", which stay where they are in space.
   std::string quantity;
   double diameter = 0;  // [m] pressure sensor; 0: 2 l0
+};
+
+/// One of several bodies, [[structures]].
+struct BodyKeys {
+  std::string name;
+  std::string solver = "fem";
+  ForeignKeys program;
 };
 
 /// The keys that more than one program reads, so that they are declared once.
@@ -34,8 +41,14 @@ struct CommonKeys {
   std::string interface = "surface";  // "surface" | "volume"
   std::string fluid_solver = "mps", structure_solver = "fem";
   ForeignKeys fluid_program, structure_program;  // where the solver is a program of the user's
+  std::vector<BodyKeys> bodies;  // empty: one [structure]. Of one body's case, structure_solver is its own;
+                                 // of the whole case it is that of the first
+  std::string body;              // whose case it is; empty: the whole case
   const ForeignKeys& program_of(const std::string& side) const {
-    return side == "fluid" ? fluid_program : structure_program;
+    if (side == "fluid") return fluid_program;
+    for (const BodyKeys& one : bodies)
+      if (one.name == side) return one.program;
+    return structure_program;
   }
   double window = 1e-5;  // [s] of the chosen interface (coupling.surface.window or coupling.volume.window)
   WindowChoice chosen;   // what coupling.surface.window is where the case gives none

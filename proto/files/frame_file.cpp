@@ -94,4 +94,50 @@ const Frame::Array* find(const std::vector<Frame::Array>& arrays, const std::str
   return nullptr;
 }
 
+namespace {
+
+/// The named array of all frames side by side; empty where one lacks it or has other components.
+Eigen::MatrixXd beside(const std::vector<Frame>& frames, const Frame::Array& first,
+                       std::vector<Frame::Array> Frame::*arrays) {
+  Eigen::MatrixXd all(first.value.rows(), 0);
+  for (const Frame& frame : frames) {
+    const Frame::Array* own = find(frame.*arrays, first.name);
+    if (own == nullptr || own->value.rows() != first.value.rows()) return {};
+    all.conservativeResize(Eigen::NoChange, all.cols() + own->value.cols());
+    all.rightCols(own->value.cols()) = own->value;
+  }
+  return all;
+}
+
+}  // namespace
+
+Frame joined(const std::vector<Frame>& frames) {
+  if (frames.size() == 1) return frames.front();
+  Frame all;
+  if (frames.empty()) return all;
+  all.time = frames.front().time;
+  const Eigen::Index corners = frames.front().cells.rows();
+  const bool cells = std::all_of(frames.begin(), frames.end(), [&](const Frame& frame) {
+    return frame.cells.cols() > 0 && frame.cells.rows() == corners;
+  });
+  if (cells) all.cells.resize(corners, 0);
+  for (const Frame& frame : frames) {
+    const Eigen::Index before = all.position.cols();
+    if (cells) {
+      all.cells.conservativeResize(corners, all.cells.cols() + frame.cells.cols());
+      all.cells.rightCols(frame.cells.cols()) = frame.cells.array() + static_cast<int>(before);
+    }
+    all.position.conservativeResize(3, before + frame.position.cols());
+    all.position.rightCols(frame.position.cols()) = frame.position;
+  }
+  const auto join = [&](std::vector<Frame::Array> Frame::*arrays) {
+    for (const Frame::Array& first : frames.front().*arrays)
+      if (Eigen::MatrixXd value = beside(frames, first, arrays); value.size() > 0)
+        (all.*arrays).push_back({first.name, first.unit, std::move(value)});
+  };
+  join(&Frame::point_data);
+  if (cells) join(&Frame::cell_data);
+  return all;
+}
+
 }  // namespace strake

@@ -157,6 +157,7 @@ struct Parameters {
   double end_time = 0, window = 0, output_every = 0;  // [s]
   std::vector<ProbeKeys> probes;
   std::filesystem::path run_folder;  // of the run; empty: nothing stays
+  std::string body_name;             // of several in one water, its name; empty: one structure
   int threads = 2;
 };
 

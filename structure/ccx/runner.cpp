@@ -80,8 +80,9 @@ std::string installed_version() {
   return text.substr(from, text.find_first_of(" \n", from) - from);
 }
 
-Runner::Runner(fs::path run_folder, double answer_within)
-    : run_folder_(std::move(run_folder)), answer_within_(answer_within) {}
+Runner::Runner(fs::path run_folder, const std::string& body, double answer_within)
+    : own_folder_(run_folder.empty() ? fs::path() : run_folder / (body.empty() ? "ccx" : "ccx_" + body)),
+      answer_within_(answer_within) {}
 
 Runner::~Runner() {
   std::error_code ignored;
@@ -90,7 +91,7 @@ Runner::~Runner() {
 
 void Runner::prepare() {
   if (!folder_.empty()) return;
-  if (run_folder_.empty()) {
+  if (own_folder_.empty()) {
     std::string pattern = (fs::temp_directory_path() / "strake-ccx-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr)
       throw Error(ExitCode::cannot_write, pattern,
@@ -99,7 +100,7 @@ void Runner::prepare() {
     return;
   }
   std::error_code error;
-  folder_ = run_folder_ / "ccx";
+  folder_ = own_folder_;
   fs::remove_all(folder_, error);  // of a run that was cut off
   fs::create_directories(folder_, error);
   if (error) throw Error(ExitCode::cannot_write, folder_.string(), error.message());

@@ -15,8 +15,8 @@ std::string installed_version();
 /// failure it is kept for inspection.
 class Runner {
  public:
-  /// `run_folder`: its folder is run_folder/ccx; without one a temporary one.
-  Runner(std::filesystem::path run_folder, double answer_within);
+  /// `run_folder`: its folder is run_folder/ccx, of several bodies ccx_BODY; without one a temporary one.
+  Runner(std::filesystem::path run_folder, const std::string& body, double answer_within);
   ~Runner();
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
@@ -37,7 +37,8 @@ class Runner {
   void prepare();
   void write(const std::string& name, const std::string& bytes);
 
-  std::filesystem::path run_folder_, folder_;
+  std::filesystem::path own_folder_;  // below that of the run; empty: none
+  std::filesystem::path folder_;
   double answer_within_;  // [s]
   bool keep_ = false;
 };

@@ -16,7 +16,7 @@ CalculixSolver::CalculixSolver(const Parameters& p, deck::Model model)
     : parameters_(p),
       model_(std::move(model)),
       thickness_(deck::plane_thickness(model_)),
-      runner_(p.run_folder, p.ccx.answer_within),
+      runner_(p.run_folder, p.body_name, p.ccx.answer_within),
       version_(installed_version()),
       interface_(surface(p)) {
   deck::require_plain_materials(model_);

@@ -43,10 +43,21 @@ void declare(CaseFile& file, const Program& program) {
   if (program.sizes) refuse_oversized(file, program.sizes());
 }
 
+/// The case as this program sees it: of several bodies, its own.
+CaseFile load(const ParticipantOptions& options, const Program& program) {
+  const CaseFile file = CaseFile::load(options.case_file, options.sets);
+  if (!options.body.empty()) return file.of_body(options.body);
+  if (program.prefix == "structure" && !file.bodies().empty())
+    throw Error(ExitCode::command_line, "--body",
+                fmt::format("is missing: the case has the bodies {}", fmt::join(file.bodies(), ", ")),
+                "--body " + file.bodies().front());
+  return file;
+}
+
 /// The case, read by everything that this program declares.
 CaseFile load_declared(const ParticipantOptions& options, const Program& program) {
   require(!options.case_file.empty(), "--case");
-  CaseFile file = CaseFile::load(options.case_file, options.sets);
+  CaseFile file = load(options, program);
   declare(file, program);
   return file;
 }
@@ -78,7 +89,7 @@ int serve_case(const ParticipantOptions& options, const Program& program) {
   for (const auto& [value, name] :
        {std::pair{options.endpoint, "--connect"}, {options.name, "--name"}, {options.case_file, "--case"}})
     require(!value.empty(), name);
-  CaseFile file = CaseFile::load(options.case_file, options.sets);
+  CaseFile file = load(options, program);
   const char* token = std::getenv("STRAKE_TOKEN");
   const ServeOptions serving{options.endpoint, options.name,    token ? token : "",
                              program.solver,   program.version, file.hash()};
@@ -137,13 +148,15 @@ void add_participant_options(CLI::App& app, ParticipantOptions& options, Partici
   app.description("A participant of a Strake run. `strake run CASE` starts it; its modes stand alone.");
   app.add_option("--connect", options.endpoint, "endpoint of the coupler; the token is in STRAKE_TOKEN")
       ->type_name("ENDPOINT");
-  app.add_option("--name", options.name, "part in the run: fluid or structure")->type_name("fluid|structure");
+  app.add_option("--name", options.name, "part in the run: fluid, structure, or the name of a body")
+      ->type_name("NAME");
   app.add_option("--case,CASE", options.case_file, "case file")->type_name("CASE");
   app.add_option("--set", options.sets, "KEY=VALUE, replaces a key of the case file")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
+  app.add_option("--body", options.body, "which body of [[structures]] this is")->type_name("NAME");
   app.add_option("--case-hash", flags.hash, "hash of the case as the coupler read it")->type_name("HEX");
   auto* modes = app.add_option_group("modes", "instead of taking part in a run");
   modes->add_flag("--check", flags.check,

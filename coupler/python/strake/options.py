@@ -14,6 +14,7 @@ class Options:
 
     endpoint, name, case_hash, token, key_file   texts of --connect, --name, --case-hash, STRAKE_TOKEN, STRAKE_KEY
     case                                         the case file as a dict, with every --set
+    side, body                                   "fluid" or "structure"; of several bodies the name of this one, else ""
     stem                                         name of the program without its ending: its table is [<name>.<stem>]
     """
 
@@ -30,6 +31,8 @@ class Options:
         self.endpoint = given.get("--connect") or environment.get("STRAKE_CONNECT", "")
         self.name = given.get("--name") or environment.get("STRAKE_NAME", "")
         self.case_hash = given.get("--case-hash") or environment.get("STRAKE_CASE_HASH", "")
+        self.body = given.get("--body", "")
+        self.side = "fluid" if self.name == "fluid" else "structure"
         self.token, self.key_file = environment.get("STRAKE_TOKEN", ""), environment.get("STRAKE_KEY", "")
         for what, value in (("--connect", self.endpoint), ("--name", self.name), ("--case-hash", self.case_hash)):
             if not value:
@@ -47,11 +50,17 @@ class Options:
             raise Error(f"cannot be read: {e}", "", self.case_file, 3) from None
         for text in self.sets:
             set_key(case, text)
+        if self.body:  # its [[structures]] stands as [structure], as for Strake's own programs
+            own = [table for table in case.get("structures", []) if table.get("name") == self.body]
+            if not own:
+                raise Error(f"has no body {self.body}", "--body names one of [[structures]]", self.case_file, 3)
+            case["structure"] = own[0]
         return case
 
     def own_keys(self, case):
-        """The table [<name>.<stem>] of a case, which Strake does not read. A key that is not there is an Error."""
-        return Keys(case.get(self.name, {}).get(self.stem, {}), f"{self.name}.{self.stem}", self.case_file)
+        """The table [<side>.<stem>] of a case, which Strake does not read. A key that is not there is an Error."""
+        table = f"structures.{self.body}" if self.body else self.side
+        return Keys(case.get(self.side, {}).get(self.stem, {}), f"{table}.{self.stem}", self.case_file)
 
 
 class Keys(dict):
@@ -80,7 +89,13 @@ def set_key(case, text):
         pass
     *tables, key = path.split(".")
     for table in tables:
+        if isinstance(case, list):  # [[structures]], by name
+            case = next((body for body in case if body.get("name") == table), {})
+            continue
         below = case.get(table)
+        if isinstance(below, list):
+            case = below
+            continue
         if not isinstance(below, dict):
             below = case[table] = {}
         case = below

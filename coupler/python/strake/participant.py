@@ -49,14 +49,14 @@ class Participant:
     dt_limit = np.inf
 
     def __init__(self, options):
-        self.options, self.side, self.name = options, options.name, options.stem
+        self.options, self.side, self.name = options, options.side, options.stem
         self.columns, self.lines, self.monitor, self.samples, self.sent = {}, [], {}, [], []
         self.committed, self.wants_history = None, False
 
     # ---- what a solver writes
 
     def build(self, key):
-        """Sets mesh and state. key: the table [structure.<program>] of the case, with every --set."""
+        """Sets mesh and state. key: the table [structure.<program>] of the case, of several bodies its own, with every --set."""
         raise NotImplementedError(f"{type(self).__name__} has no build(self, key)")
 
     def advance(self, t, dt, load):
@@ -110,7 +110,7 @@ class Participant:
         sys.stdout.reconfigure(line_buffering=True)  # a log is read while it is written
         try:
             solver = cls(Options(arguments))
-            solver.connection = Connection(solver.options.endpoint, solver.side, solver.options.case_hash, solver.options.token,
+            solver.connection = Connection(solver.options.endpoint, solver.options.name, solver.options.case_hash, solver.options.token,
                                            solver.name, str(cls.version), solver.options.key_file)
         except Error as e:
             sys.exit(report(e))
@@ -119,7 +119,7 @@ class Participant:
     @classmethod
     def alone(cls, key, side="structure", dimension=2):
         """A solver without a coupler, for a test: built from the keys given, checked, and ready for `advance`."""
-        solver = cls(types.SimpleNamespace(name=side, stem=cls.__name__.lower()))
+        solver = cls(types.SimpleNamespace(name=side, side=side, stem=cls.__name__.lower()))
         solver.case, solver.dimension, solver.partner, solver.partner_initial = {}, dimension, (np.zeros((0, 3)), None), {}
         solver.make(key)
         return solver
@@ -249,7 +249,7 @@ class Participant:
                     raise wrong_message(f"the coupler sent {name} at {len(values)} points, the mesh has {self.mesh.n}")
 
     def checkpoint_file(self, folder):
-        return pathlib.Path(folder) / f"{self.side}.npz"
+        return pathlib.Path(folder) / f"{self.options.name}.npz"
 
     def arrays_of_state(self):
         state = {} if self.state is None else self.state if isinstance(self.state, dict) else {"state": self.state}

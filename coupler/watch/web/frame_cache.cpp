@@ -80,13 +80,22 @@ void FrameCache::update() {
 
 const FrameCache::Series& FrameCache::series(const std::string& side) const {
   static const Series none;
-  const auto found = series_.find(side);
+  const auto found = series_.find(names_of(side).front());
   return found == series_.end() ? none : found->second;
+}
+
+std::vector<std::string> FrameCache::names_of(const std::string& side) const {
+  if (side == "fluid" || series_.contains(side)) return {side};
+  std::vector<std::string> bodies;
+  for (const auto& [name, series] : series_)
+    if (name != "fluid") bodies.push_back(name);
+  return bodies.empty() ? std::vector{side} : bodies;
 }
 
 std::shared_ptr<const Frame> FrameCache::read(const std::string& side, int number) {
   const Key key = {side, number};
-  const fs::path path = path_of(key);
+  const std::vector<std::string> names = names_of(side);
+  const fs::path path = path_of({names.front(), number});
   const std::int64_t when = written_at(path);
   if (when == 0)
     throw Error(ExitCode::case_file, path.string(), "there is no such frame",
@@ -98,7 +107,9 @@ std::shared_ptr<const Frame> FrameCache::read(const std::string& side, int numbe
     return kept_.front().frame;
   }
   if (found != kept_.end()) kept_.erase(found);
-  auto frame = std::make_shared<const Frame>(read_frame(path));
+  std::vector<Frame> parts;
+  for (const std::string& name : names) parts.push_back(read_frame(path_of({name, number})));
+  auto frame = std::make_shared<const Frame>(joined(parts));
   kept_.push_front({.key = key, .written = when, .bytes = bytes_of(*frame), .frame = frame});
   std::size_t bytes = 0;
   for (auto kept = kept_.begin(); kept != kept_.end();) {

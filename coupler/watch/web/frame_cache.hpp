@@ -30,7 +30,7 @@ class FrameCache {
   };
   /// Lists what is new. Cheap while nothing is.
   void update();
-  /// side: "fluid" | "structure".
+  /// side: "fluid" | "structure"; of several bodies the latter is all of them, in one frame.
   const Series& series(const std::string& side) const;
   /// Throws Error(case_file) where there is no such frame, or it is damaged.
   std::shared_ptr<const Frame> read(const std::string& side, int number);
@@ -44,6 +44,7 @@ class FrameCache {
     std::shared_ptr<const Frame> frame;
   };
   std::filesystem::path path_of(const Key&) const;
+  std::vector<std::string> names_of(const std::string& side) const;  // of the series that make it up
   std::filesystem::path folder_;
   std::int64_t updated_ = -1;  // [ns] when the folder was last changed, as of the last look
   std::map<std::string, Series> series_;

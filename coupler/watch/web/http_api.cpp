@@ -47,14 +47,24 @@ std::int64_t integer(const HttpApi::Query& query, const std::string& key, std::i
 }
 
 std::string one_of(const HttpApi::Query& query, const std::string& key,
-                   std::initializer_list<const char*> known) {
+                   const std::vector<std::string>& known) {
   const std::string value = at_or(query, key);
   std::string list;
-  for (const char* name : known) {
+  for (const std::string& name : known) {
     if (value == name) return value;
-    list += (list.empty() ? "" : " or ") + std::string(name);
+    list += (list.empty() ? "" : " or ") + name;
   }
   throw wrong(key, value, list);
+}
+
+/// Logs of a run: the coupler's, and one of each participant.
+std::vector<std::string> log_names(const WatchedRun& run) {
+  std::vector<std::string> names = {"coupler"};
+  if (const Json& sides = member(run.record(), "participants"); sides.is_object())
+    for (const auto& [side, participant] : sides.items())
+      if (side.find_first_of("/.") == std::string::npos) names.push_back(side);
+  if (names.size() == 1) names.insert(names.end(), {"fluid", "structure"});
+  return names;
 }
 
 /// Red, green, blue from 0 to 255, from the least value to the largest.
@@ -157,7 +167,7 @@ HttpApi::Answer HttpApi::news() {
   for (const auto& [name, table] :
        {std::pair("history", &run_.history()), std::pair("iterations", &run_.iterations())})
     json["tables"][name] = {{"rows", table->rows()}, {"generation", table->generation()}};
-  for (const char* name : {"coupler", "fluid", "structure"}) {
+  for (const std::string& name : log_names(run_)) {
     std::error_code error;
     const auto size = std::filesystem::file_size(run_.folder() / fmt::format("{}.log", name), error);
     if (!error) json["logs"][name] = size;
@@ -241,7 +251,12 @@ HttpApi::Answer HttpApi::point(const Query& query) {
 }
 
 HttpApi::Answer HttpApi::log(const Query& query) {
-  const std::string name = one_of(query, "name", {"coupler", "fluid", "structure"});
+  std::vector<std::string> names;
+  {
+    const std::lock_guard alone(run_mutex_);
+    names = log_names(run_);
+  }
+  const std::string name = one_of(query, "name", names);
   const std::int64_t wanted = integer(query, "from", -1);
   std::ifstream file(run_.folder() / (name + ".log"), std::ios::binary | std::ios::ate);
   const std::int64_t size = file ? static_cast<std::int64_t>(file.tellg()) : 0;

@@ -71,6 +71,10 @@ TEST(TankKeys, a_polygon_stands_in_place_of_the_box) {
   expect_error("tank_polygon = [[1.0, 0.6], [1.0, 0.0], [0.0, 0.0], [-0.2, 0.6]]\n" +
                    std::string("water = [[-0.2, 0.0], [1.0, 0.4]]\n"),
                "counter-clockwise");
+  // The same corners from another one on: the open side would be a wall of the water.
+  expect_error("tank_polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.6], [-0.2, 0.6]]\n" +
+                   std::string("water = [[-0.2, 0.0], [1.0, 0.4]]\n"),
+               "no wall stands between (-0.2, 0.6) and (0, 0)");
   expect_error("dimension = 3\n" + polygon + "water = [[-0.2, 0.0], [1.0, 0.4]]\n", "three dimensions");
 }
 

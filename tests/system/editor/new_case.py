@@ -12,7 +12,7 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 from processes import *  # noqa: F403: the test's own vocabulary
 
 MESH = ROOT / "cases" / "wedge_elastic.msh"
-KINDS = {"plate": "", "wedge": "", "box": "", "cylinder": "", "sphere": "", "mesh": f"--mesh {MESH}", "dam": ""}
+KINDS = {"plate": "", "wedge": "", "box": "", "bodies": "", "cylinder": "", "sphere": "", "mesh": f"--mesh {MESH}", "dam": ""}
 
 
 def units(place):
@@ -26,7 +26,7 @@ def units(place):
             walk(key.get("items", key), f"{where}{name}.")
     schema = json.loads(strake("explain", "--schema", cwd=place).stdout)
     walk(schema, "")
-    for side in ("fluid", "structure"):
+    for side in ("fluid", "structure", "structures"):
         walk(schema["definitions"][f"{side}_keys"], f"{side}.")
     return found
 
