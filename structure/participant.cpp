@@ -110,7 +110,6 @@ std::string properties_line(const std::string& kind, const Properties& p) {
 StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const Parameters& p,
                                            const CommonKeys& common, const Setup& setup)
     : solver_(std::move(solver)),
-      name_(common.body.empty() ? "structure" : common.body),
       analysis_(p.analysis),
       support_velocity_(support_velocity(p)),
       contact_pressure_(0.5 * p.fluid_density * solver_->velocity().colwise().squaredNorm().maxCoeff()),
@@ -141,7 +140,8 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   if (analysis_ == Analysis::modal)
     for (std::size_t i = 0; i < n_frequencies; ++i) description_.columns.push_back({frequency_name(i), "Hz"});
 
-  if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, name_, dimension_);
+  files_.name = common.body.empty() ? "structure" : common.body;
+  if (!setup.run_folder.empty()) files_.frames.emplace(setup.run_folder, files_.name, dimension_);
   solver_->save();
   committed_ = state_;
 }
@@ -270,10 +270,10 @@ void StructureParticipant::commit(bool write_output) {
 
 /// Writes the body at the end of the last window; at t = 0 before the first one.
 void StructureParticipant::write_frame() {
-  if (!frames_) return;
+  if (!files_.frames) return;
   Frame frame = solver_->frame();
   frame.time = state_.time;
-  frames_->write(frame);
+  files_.frames->write(frame);
 }
 
 void StructureParticipant::checkpoint(const std::filesystem::path& folder) {
@@ -287,11 +287,11 @@ void StructureParticipant::checkpoint(const std::filesystem::path& folder) {
   archive.integer["participant.steps"] = {committed_steps_};
   for (std::size_t i = 0; i < committed_.probes.size(); ++i)
     committed_.probes[i].save(fmt::format("probe{}", i), archive);
-  write_archive(folder / (name_ + ".h5"), archive);
+  write_archive(folder / (files_.name + ".h5"), archive);
 }
 
 void StructureParticipant::resume(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / (name_ + ".h5");
+  const std::filesystem::path file = folder / (files_.name + ".h5");
   const Archive archive = read_archive(file);
   if (!archive.real.contains("participant"))
     throw Error(ExitCode::case_file, file.string(), "is not a checkpoint of a structure");
@@ -311,7 +311,7 @@ void StructureParticipant::resume(const std::filesystem::path& folder) {
   const bool counted = steps != archive.integer.end() && !steps->second.empty();
   steps_ = committed_steps_ = counted ? static_cast<long>(steps->second.front()) : solver_->steps();
   has_first_frame_ = true;
-  if (frames_) frames_->truncate(state_.time);
+  if (files_.frames) files_.frames->truncate(state_.time);
 }
 
 }  // namespace strake::structure

@@ -52,7 +52,6 @@ class StructureParticipant final : public Participant {
   std::vector<Field> motion() const;
 
   std::unique_ptr<Solver> solver_;
-  std::string name_;  // of its files: "structure", or the body's
   Interpolation interpolation_ = Interpolation::linear;
   Analysis analysis_;
   Eigen::Vector3d support_velocity_;  // [m/s]
@@ -63,7 +62,11 @@ class StructureParticipant final : public Participant {
   std::vector<Column> probe_columns_;
   Description description_;
   Eigen::VectorXd loaded_share_;  // n: share of each point that the water loads; empty: all of it
-  std::optional<FrameSeries> frames_;
+  struct Files {
+    std::string name;  // "structure", or the body's
+    std::optional<FrameSeries> frames;
+  };
+  Files files_;
   bool has_first_frame_ = false;  // that at t = 0
   double first_energy_;           // [J] at t = 0
   double seconds_ = 0;            // wall, in the solver

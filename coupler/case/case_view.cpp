@@ -317,6 +317,12 @@ void resolve(const CaseFile& file, CaseView& view) {
   }
 }
 
+/// The bodies of a case, or its one structure; none where its solver is "none".
+std::vector<BodyKeys> structures_of(const CommonKeys& common) {
+  if (!common.bodies.empty() || common.structure_solver == "none") return common.bodies;
+  return {{.name = "structure", .solver = common.structure_solver, .program = common.structure_program}};
+}
+
 }  // namespace
 
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
@@ -365,19 +371,14 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   for (const auto& [side, solver] :
        {std::pair{"fluid", common.fluid_solver}, std::pair{"structure", common.structure_solver}})
     if (solver == "none") collect([&] { check_absent_side(file, side); });
-  if (common.structure_solver != "none" && common.bodies.empty())
+  for (const BodyKeys& one : structures_of(common)) {
+    const CaseFile own = common.bodies.empty() ? file : file.of_body(one.name);
+    collect([&] { view.structures.push_back(look_at(one.name, one.solver, own, sets, stop, by_hand)); });
     collect([&] {
-      view.structures.push_back(look_at("structure", common.structure_solver, file, sets, stop, by_hand));
+      check_precice_names(common.bodies.empty() ? one.name : "structures." + one.name, one.program);
     });
-  for (const BodyKeys& body : common.bodies)
-    collect([&] {
-      view.structures.push_back(
-          look_at(body.name, body.solver, file.of_body(body.name), sets, stop, by_hand));
-    });
-  for (const char* side : {"fluid", "structure"})
-    collect([&] { check_precice_names(side, common.program_of(side)); });
-  for (const BodyKeys& body : common.bodies)
-    collect([&] { check_precice_names("structures." + body.name, body.program); });
+  }
+  collect([&] { check_precice_names("fluid", common.fluid_program); });
   if (!refused.empty()) throw all_of(refused);
   resolve(file, view);
   return view;

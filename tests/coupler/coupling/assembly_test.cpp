@@ -18,10 +18,11 @@ class Square : public models::Model<double> {
   std::vector<Sample> told;
   double shorter = 0;  // [s]; 0: it takes every window
 
-  explicit Square(double x, bool sends_velocity, double speed = 0) : sends_velocity_(sends_velocity) {
+  explicit Square(double x, bool sends_velocity, double speed = 0, double y = 0)
+      : sends_velocity_(sends_velocity) {
     InterfaceMesh mesh = {"square", 2, Points::Zero(3, 4), Eigen::MatrixXi(2, 4), {}};
     mesh.position.row(0) << x, x + 1, x + 1, x;
-    mesh.position.row(1) << 0, 0, 1, 1;
+    mesh.position.row(1) << y, y, y + 1, y + 1;
     mesh.faces << 0, 1, 2, 3, 1, 2, 3, 0;
     description_.initial = {models::y_field("displacement", "m", VectorXd::Zero(4)),
                             models::y_field("velocity", "m/s", VectorXd::Constant(4, speed))};
@@ -152,11 +153,21 @@ TEST(Assembly, RefusesBodiesThatOverlapOrAreTooClose) {
 }
 
 TEST(Assembly, StopsBeforeBodiesMeetInARun) {
-  Square left{0, true}, right{2, true};
-  Assembly both({{"left", &left}, {"right", &right}}, {}, 0.5);
+  Square lower{0, true}, upper{0, true, 0, 2};
+  Assembly both({{"lower", &lower}, {"upper", &upper}}, {}, 0.5);
   VectorXd y = VectorXd::Zero(8);
+  y[4] = -0.25;
   both.advance(Window{0, 0.5}, load(y, 0.5));
   EXPECT_NO_THROW(both.commit(false));
+  y[4] = -0.5;
+  both.advance(Window{0.5, 0.5}, load(y, 1));
+  try {
+    both.commit(false);
+    ADD_FAILURE() << "0.25 m apart";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::solver_fault);
+    EXPECT_NE(error.problem().find("0.25 m apart at t = 1 s"), std::string::npos) << error.problem();
+  }
 }
 
 TEST(BodyGaps, FindABodyInsideAnother) {

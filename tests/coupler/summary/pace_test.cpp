@@ -17,7 +17,8 @@ CaseView wedge() {
                .lines = {"size   about 10 000 water particles, 500 wall particles, 90 000 places in the "
                          "tank: 60 MB"},
                .echo = {}};
-  view.structure = SideView{.side = "structure", .solver = "rigid", .program = {}, .lines = {}, .echo = {}};
+  view.structures.push_back(
+      SideView{.side = "structure", .solver = "rigid", .program = {}, .lines = {}, .echo = {}});
   view.common.end_time = 0.01;
   view.common.window = 1e-4;
   view.common.chosen = {.window = 1e-4, .level = false, .speed = 5, .why = "of a reason"};

@@ -27,7 +27,8 @@ struct Wedge {
 CaseView case_with(double spacing, double end_time) {
   CaseView view;
   view.fluid = SideView{.side = "fluid", .solver = "mps", .program = {}, .lines = {}, .echo = {}};
-  view.structure = SideView{.side = "structure", .solver = "rigid", .program = {}, .lines = {}, .echo = {}};
+  view.structures.push_back(
+      SideView{.side = "structure", .solver = "rigid", .program = {}, .lines = {}, .echo = {}});
   view.common.end_time = end_time;
   view.value = {{"fluid.spacing", std::to_string(spacing)}, {"fluid.water", "[[-1, -0.75, 0], [1, 0, 0]]"}};
   return view;
@@ -84,7 +85,7 @@ TEST(Resolution, FindsSensorsWiderThanThePeakThatPassesThem) {
 
 TEST(Resolution, WantsFourParticleLayersAcrossAPlate) {
   CaseView view = case_with(0.01, 0.012);
-  view.structure->solver = "particle";
+  view.structures.front().solver = "particle";
   view.value["structure.plate.thickness"] = "0.02";
   view.value["structure.particle.spacing"] = "0.005";
   EXPECT_FALSE(says(resolution_lines(view, {}, {}), "layers"));

@@ -37,11 +37,17 @@ TEST(Bodies, HaveNamesInMessagesAndInTheEcho) {
   CaseFile file = CaseFile::parse(two).of_body("left");
   double length = 0;
   CaseTable plate = file.root().table("structure").table("plate");
-  plate.number("length", length, {.unit = "m", .min = 1});
+  plate.number("length", length, {.unit = "m"});
   EXPECT_NE(std::string(plate.error("length", "a longer plate").where()).find("structures.left.plate.length"),
             std::string::npos);
   const std::string text = file.echo("structure");
   EXPECT_NE(text.find("[structures.plate]"), std::string::npos) << text;
+  try {
+    plate.number("length", length, {.unit = "m", .min = 1});
+    ADD_FAILURE() << "0.4 is below 1";
+  } catch (const Error& error) {
+    EXPECT_NE(error.where().find("case.toml:8:10: structures.left.plate.length = 0.4"), std::string::npos);
+  }
 }
 
 TEST(Bodies, AreReadByEveryProgramAlike) {
