@@ -1,0 +1,28 @@
+#include "coupler/participant/case/declared_case.hpp"
+
+#include "proto/error.hpp"
+
+namespace strake {
+
+void require_option(bool condition, const std::string& option) {
+  if (!condition)
+    throw Error(ExitCode::command_line, option, "is missing",
+                "strake starts this program itself: strake run CASE; --help lists the modes");
+}
+
+void declare_case(CaseFile& file, const Program& program) {
+  file.read_all([&] {
+    program.declare(file);
+    file.refuse_unknown(program.prefix);
+  });
+  if (program.sizes) refuse_oversized(file, program.sizes());
+}
+
+CaseFile load_declared(const ParticipantOptions& options, const Program& program) {
+  require_option(!options.case_file.empty(), "--case");
+  CaseFile file = CaseFile::load(options.case_file, options.sets);
+  declare_case(file, program);
+  return file;
+}
+
+}  // namespace strake
