@@ -73,7 +73,6 @@ PreciceLibrary PreciceLibrary::load(const std::filesystem::path& wanted) {
   take("precicec_advance", library.advance);
   take("precicec_finalize", library.finalize);
   take("precicec_isCouplingOngoing", library.is_ongoing);
-  take("precicec_isTimeWindowComplete", library.is_window_complete);
   take("precicec_getMaxTimeStepSize", library.longest_step);
   take("precicec_requiresInitialData", library.needs_initial_data);
   take("precicec_requiresWritingCheckpoint", library.needs_checkpoint);

@@ -14,7 +14,6 @@ struct PreciceLibrary {
   void (*advance)(double dt) = nullptr;  // [s]
   void (*finalize)() = nullptr;
   int (*is_ongoing)() = nullptr;
-  int (*is_window_complete)() = nullptr;
   double (*longest_step)() = nullptr;  // [s] what is left of the window
   int (*needs_initial_data)() = nullptr;
   int (*needs_checkpoint)() = nullptr;  // the state must be kept

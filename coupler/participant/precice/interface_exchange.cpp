@@ -30,6 +30,10 @@ std::vector<int> corners_of(const Eigen::MatrixXi& faces, const std::vector<int>
 InterfaceExchange::InterfaceExchange(const PreciceLibrary& library, const OwnPart& part,
                                      const InterfaceMesh& mesh)
     : library_(library), part_(part), ids_(static_cast<std::size_t>(mesh.position.cols())) {
+  if (ids_.empty())
+    throw Error(ExitCode::case_file, fmt::format("mesh \"{}\"", part.mesh),
+                "would have no points: no water meets the body",
+                "is the body inside the tank? Has it faces? strake-structure-… CASE --interface prints them");
   const Eigen::MatrixXd position = mesh.position.topRows(part.dimension);
   const char* name = part.mesh.c_str();
   library.set_vertices(name, static_cast<int>(ids_.size()), position.data(), ids_.data());

@@ -12,6 +12,7 @@ namespace strake {
 class InterfaceExchange {
  public:
   /// Sets the points, and the faces where the library asks for them. To be called before `initialize`.
+  /// Error(case_file) for a mesh without points.
   InterfaceExchange(const PreciceLibrary&, const OwnPart&, const InterfaceMesh&);
 
   /// The partner's fields at a time of the window, `from_now` from now [s], with Strake's names and three

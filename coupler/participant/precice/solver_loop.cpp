@@ -36,19 +36,36 @@ std::string SolverLoop::place(const Window& window) const {
   return fmt::format("{}, window {} (t = {:.6g} s)", side_, times_.windows() + 1, window.t);
 }
 
-/// One sample at the window's end; where the solver takes a history, also at its start and, if the partner
-/// sends samples, inside it.
+/// The mean of a load over the window: of its values at the ends of equal parts, where the partner sends
+/// samples. They are means themselves if the partner is a fluid of Strake.
+std::vector<Field> SolverLoop::mean_load(const Window& window) const {
+  std::vector<Field> mean = exchange_.read(window.dt);
+  for (int k = 1; k < parts_with_samples; ++k) {
+    const std::vector<Field> other = exchange_.read(k * window.dt / parts_with_samples);
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i].value.edit() += other[i].value;
+  }
+  for (Field& field : mean) field.value.edit() /= parts_with_samples;
+  return mean;
+}
+
+/// A motion at the window's end. A load as its mean, or as a history if the solver takes one: at the window's
+/// start and end, and between them if the partner sends samples.
 Input SolverLoop::input_of(const Window& window) const {
   Input input;
   input.wants_history = part_.writes_samples;
   if (part_.reads.empty()) return input;
+  const bool history = solver_.description().history, is_load = side_ == "structure";
+  const double end = window.t + window.dt;
+  if (is_load && part_.reads_samples && !history) {
+    input.samples.push_back({end, mean_load(window)});
+    return input;
+  }
   const int parts = part_.reads_samples ? parts_with_samples : 1;
-  if (solver_.description().history)
-    for (int k = 0; k < parts; ++k) {
-      const double from_now = k * window.dt / parts;
-      input.samples.push_back({window.t + from_now, exchange_.read(from_now)});
-    }
-  input.samples.push_back({window.t + window.dt, exchange_.read(window.dt)});
+  for (int k = 0; history && k < parts; ++k) {
+    const double from_now = k * window.dt / parts;
+    input.samples.push_back({window.t + from_now, exchange_.read(from_now)});
+  }
+  input.samples.push_back({end, exchange_.read(window.dt)});
   return input;
 }
 

@@ -6,6 +6,7 @@
 #include "proto/participant.hpp"
 
 #include <string>
+#include <vector>
 
 namespace strake {
 
@@ -25,6 +26,7 @@ class SolverLoop {
 
  private:
   Input input_of(const Window&) const;
+  std::vector<Field> mean_load(const Window&) const;
   void write_window(const Window&, const Advanced&) const;
   void check_length(const Window&, double limit, const std::string& why, const std::string& fix) const;
   std::string place(const Window&) const;
