@@ -95,6 +95,12 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
                  const std::vector<std::string>& sets, const StopRequest* stop,
                  const std::vector<std::string>& by_hand) {
   SideView side{.side = name, .solver = solver, .program = {}, .lines = {}, .echo = {}};
+  if (solver == "precice")
+    throw file.root()
+        .table(name)
+        .table("precice", "")
+        .error("command", "a program and its arguments: only a preCICE run does without",
+               "command = [\"ccx_preCICE\", \"-i\", \"flap\"]");
   const bool users = solver.find('/') != std::string::npos;
   const bool elsewhere = std::find(by_hand.begin(), by_hand.end(), name) != by_hand.end();
   std::error_code ignored;

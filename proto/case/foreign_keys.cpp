@@ -83,14 +83,16 @@ ForeignKeys read_precice(const CaseFile& file, CaseTable table, bool is_structur
   refuse_other_keys(table, {"command", "folder", "config", "read", "write", "surface"});
   check_names(table, "read", read);
   check_names(table, "write", write);
-  if (command.empty() || command.front().empty())
-    throw table.error("command", "a program and its arguments",
-                      "command = [\"ccx_preCICE\", \"-i\", \"flap\"]");
-  solver = program_of(command.front(), file.folder()).string();
   keys.own_command_line = keys.adapted = true;
-  keys.arguments.assign(command.begin() + 1, command.end());
   keys.precice_names = read;
   keys.precice_names.insert(keys.precice_names.end(), write.begin(), write.end());
+  const bool named = !command.empty() && !command.front().empty();
+  if (!named && keys.surface.empty())
+    throw table.error("command", "a program and its arguments",
+                      "command = [\"ccx_preCICE\", \"-i\", \"flap\"]");
+  if (!named) return keys;
+  solver = program_of(command.front(), file.folder()).string();
+  keys.arguments.assign(command.begin() + 1, command.end());
   return keys;
 }
 

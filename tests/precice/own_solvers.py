@@ -139,7 +139,7 @@ def other_library(place):
     points = int(lines[1].split()[1])
     expect(lines[:5] == ["create Water floor.xml 0 1", f"Water-Mesh: {points} vertices", f"Water-Mesh: {points} edges from {points - 1}", "write Force 0", "initialize"],
            f"another library: the calls before the run {lines[:5]}")
-    forces = [line.split()[2] for line in lines[4:] if line.startswith("write")]
+    forces = [line.split()[2] for line in lines[5:] if line.startswith("write")]
     window = lambda k: ["read Displacement at 0.0005", "read Velocity at 0.0005", f"write Force {forces[k]}", "advance 0.0005"]
     expected = [call for k in (0, 2, 4) for call in ["checkpoint", *window(k), "rewind", *window(k)]] + ["finalize"]
     expect(lines[5:] == expected and len(set(forces)) == 3, f"another library: three windows of two equal iterations, forces {forces[::2]}: {'' if lines[5:] == expected else lines[5:]}")
@@ -152,6 +152,12 @@ def other_library(place):
     expect(lines.count("advance 0.00025") == 12 and "advance 0.0005" not in lines, "another library: with substeps a step for each of the fluid's")
     lines = calls(run(place, *words_of("floor", "structure", *library)).stdout)
     expect(lines[3:7] == ["write Displacement 0", "initialize", "checkpoint", "read Force at 0.0005"], f"another library, structure: {lines[:7]}")
+    (place / "names.xml").write_text(text.replace('"Force"', '"Forces0"'))
+    words = words_of("floor", "fluid", *library)
+    words[words.index("floor.xml")] = "names.xml"
+    refused(place, words, 3, 'writes data "Forces0", which stands for Forces0', 'fluid.precice_names = ["Forces0=force"]')
+    named = calls(run(place, *words, "--set", 'fluid.precice_names=["Forces0=force"]').stdout)
+    expect([line.split()[2] for line in named if line.startswith("write Forces0")] == ["0", *forces], "another library: the case says what a name means")
     began = time.monotonic()
     refused(place, words_of("floor", "fluid", *library), 4, "beyond the walls of the tank", env=dict(ENV, RECORDER_VALUE="10"))
     expect(time.monotonic() - began < 5, f"another library: a fault ends the process after {time.monotonic() - began:.1f} s, although its finalize waits")
@@ -162,12 +168,12 @@ def surface_file(place):
     text = run(place, *words_of("floor", "structure")[:2], "--interface").stdout
     expect(text.startswith("$MeshFormat") and '"velocity"' in text, "--interface prints a mesh of Gmsh's with a velocity")
     (place / "floor.msh").write_text(text)
-    more = lambda side: () if side == "structure" else ("--set", "structure.solver=precice", "--set", 'structure.precice.command=["none"]',
-                                                        "--set", "structure.precice.surface=floor.msh")
+    more = lambda side: () if side == "structure" else ("--set", "structure.solver=precice", "--set", "structure.precice.surface=floor.msh")
     run(place, BIN / "strake", "run", "floor.toml", "--force", "--tag", "surface", *precice_sets("floor", more))
     folders = [place / "runs" / f"floor-{tag}" for tag in ("own", "surface")]
     left, right = map(record, folders)
     expect(all(left[name].tobytes() == right[name].tobytes() for name in right), "a body from a surface file: the same bytes")
+    refused(place, [BIN / "strake", "check", "floor.toml", *more("fluid")], 3, "structure.precice.command", "only a preCICE run does without")
 
 
 def results(place):
