@@ -234,7 +234,8 @@ def failing(place):
     result = subprocess.run([BIN / "strake", "run", "floor.toml", "--force", "--tag", "failing", *precice_sets("floor", more)],
                             cwd=place, env=ENV, capture_output=True, text=True, timeout=60)
     log = (place / "runs" / "floor-failing" / "fluid.log").read_text()
-    expect(result.returncode == 4 and result.stderr.startswith("fluid"), f"a solver that gives up: exit {result.returncode}: {result.stderr.splitlines()[:1]}")
+    expect(result.returncode == 4 and result.stderr.startswith("fluid, window 1") and "the pressure equation did not converge" in result.stderr
+           and "fix: reduce fluid.scheme.time_step" in result.stderr, f"a solver that gives up: exit {result.returncode}: {result.stderr.splitlines()[:1]}")
     expect("pressure" in log, f"its log has the error: {log.splitlines()[-2:]}")
 
 

@@ -77,12 +77,12 @@ class PreciceRun {
     try {
       couple(file);
     } catch (const Error& e) {
-      leave(to_text(e), e.code());
+      leave(e);
     } catch (const std::bad_alloc&) {
-      leave(program_.program + ": is out of memory\n", ExitCode::solver_fault);
+      leave({ExitCode::solver_fault, program_.prefix, "is out of memory", "a coarser spacing needs less"});
     } catch (const std::exception& e) {
-      leave(fmt::format("{}: unexpected: {}\n  fix: please report it\n", program_.program, e.what()),
-            ExitCode::our_bug);
+      leave(
+          {ExitCode::our_bug, program_.prefix, fmt::format("unexpected: {}", e.what()), "please report it"});
     }
     return static_cast<int>(ExitCode::done);
   }
@@ -121,14 +121,18 @@ class PreciceRun {
                                               : "; results in " + options_.deck.folder.string());
   }
 
-  /// Ends the process before the run's end. Strake's library is told; that of preCICE may wait for the
+  /// Ends the process before the run's end. Strake's library is told why; that of preCICE may wait for the
   /// partner in its last call, and its destructor with it, so it is left as it is.
-  [[noreturn]] void leave(const std::string& text, ExitCode code) {
-    std::fputs(text.c_str(), stderr);
-    if (library_.is_strakes) library_.finalize();
+  [[noreturn]] void leave(const Error& error) {
+    std::fputs(to_text(error).c_str(), stderr);
+    if (library_.is_strakes) {
+      const std::string fix = error.fix().empty() ? "" : "\n  fix: " + error.fix();
+      setenv("STRAKE_PRECICE_REASON", (error.where() + ": " + error.problem() + fix).c_str(), 1);
+      library_.finalize();
+    }
     spdlog::shutdown();
     std::fflush(nullptr);
-    std::_Exit(static_cast<int>(code));
+    std::_Exit(static_cast<int>(error.code()));
   }
 
   const ParticipantOptions& options_;
