@@ -9,8 +9,10 @@
 namespace strake {
 namespace {
 
-/// Parts of a window at whose ends the partner's fields are read, where it sends samples and the solver takes
-/// a history. With 8 a partner of up to 8 equal steps loses nothing; more cost one reading each.
+/// Parts of a window at whose ends a structure reads the partner's samples. Measured with
+/// tests/precice/own/entry.toml, five steps of the fluid in a window, against samples that Strake's coupler
+/// hands on. With 4, 6, 8, 10, 16 parts the deflection differs by 0.8, 0.4, 0.4, 0.03, 0.07 % (history), and
+/// 0.5, 0.7, 1.2, 1.2, 1.6 % (mean).
 constexpr int parts_with_samples = 8;
 constexpr double round_off = 1e-9;  // of a window
 
