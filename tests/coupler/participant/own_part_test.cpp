@@ -122,6 +122,18 @@ TEST(GmshText, ASurfaceReadsBackToTheSameNumbers) {
   EXPECT_EQ(find(setup.partner_initial, "displacement")->value.norm(), 0) << "the file has none";
 }
 
+TEST(GmshText, BrokenVectorsOnNodesAreRefusedWithTheirLine) {
+  const std::string whole =
+      gmsh_text(triangle_strip(), {{"velocity", "m/s", false, Eigen::MatrixXd::Ones(3, 4)}});
+  EXPECT_EQ(read_gmsh_text(whole, "a.msh").node_data.at("velocity").size(), 4u);
+  const std::size_t last = whole.rfind("4 1 1 1");
+  ASSERT_NE(last, std::string::npos);
+  const auto read = [](const std::string& text) { read_gmsh_text(text, "a.msh"); };
+  expect_refused_with([&] { read(std::string(whole).replace(last, 7, "4 1 one")); }, "a.msh:28",
+                      "NODE X Y Z");
+  expect_refused_with([&] { read(whole.substr(0, last)); }, "the file ends here", "a value on a node");
+}
+
 TEST(SetupWithBody, ACaseWithoutABodyIsRefused) {
   const TemporaryFolder folder;
   expect_refused_with(
