@@ -109,6 +109,12 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
                 .echo = {},
                 .is_body = !file.body().empty()};
   const std::string table = name == "fluid" ? "fluid" : "structure";
+  if (solver == "precice")
+    throw file.root()
+        .table(table)
+        .table("precice", "")
+        .error("command", "a program and its arguments: only a preCICE run does without",
+               "command = [\"ccx_preCICE\", \"-i\", \"flap\"]");
   const bool users = side.is_users(), elsewhere = starts_by_hand(by_hand, side);
   std::error_code ignored;
   if (users && !elsewhere && !std::filesystem::is_regular_file(solver, ignored)) {

@@ -37,7 +37,7 @@ foreach(header ${headers})
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strake/${folder} COMPONENT participant)
 endforeach()
 
-set(parts proto proto_files coupling_pb proto_wire coupling_link participant_main)
+set(parts proto proto_files coupling_pb proto_wire coupling_link precice_config participant_main)
 foreach(part ${parts})
   set_target_properties(strake_${part} PROPERTIES EXPORT_NAME ${part} POSITION_INDEPENDENT_CODE ON)
 endforeach()

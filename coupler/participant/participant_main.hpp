@@ -21,18 +21,27 @@ class CaseFile;
 struct DeckRequest {
   std::string format;            // "ccx" | "ansys"
   std::filesystem::path run;     // --run: the run whose recorded loads it takes
-  std::filesystem::path folder;  // --into: where the files go
+  std::filesystem::path folder;  // --into: where the files go; of --precice its frames and history
   std::string origin;            // --origin: which run and which program, for the heading
 };
 
+/// --precice CONFIG: the solver takes part in a preCICE run.
+struct PreciceRequest {
+  std::string config;             // precice-config.xml
+  std::string participant;        // --participant: its name there
+  std::filesystem::path library;  // --precice-library; empty: libprecice.so.3 where the loader finds it
+};
+
 /// The command line of a participant: --connect ENDPOINT --name N --case FILE [--set K=V]… [--case-hash HEX].
-/// Other modes: --check, --properties, --picture, --echo, --export FORMAT, --keys, --version.
+/// Other modes: --precice CONFIG, --interface, --check, --properties, --picture, --echo, --export FORMAT,
+/// --keys, --version.
 struct ParticipantOptions {
-  enum class Mode { serve, check, properties, picture, echo, export_deck, keys, version };
+  enum class Mode { serve, precice, interface, check, properties, picture, echo, export_deck, keys, version };
   Mode mode = Mode::serve;
   std::string endpoint, name, case_file;
   std::string body;  // of several in the case; empty: it has one [structure], or this is the fluid
   DeckRequest deck;
+  PreciceRequest precice;
   std::vector<std::string> sets;
   std::optional<std::array<std::uint8_t, 32>>
       case_hash;  // as the coupler gave it; our programs compute their own

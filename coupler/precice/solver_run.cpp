@@ -263,6 +263,16 @@ void SolverRun::send_window(std::vector<Field> fields) {
   await_window();
 }
 
+/// Why the solver leaves, where it said so in STRAKE_PRECICE_REASON: C has no exception that could carry it.
+Error SolverRun::reason_to_leave(const std::string& otherwise) const {
+  const char* given = std::getenv("STRAKE_PRECICE_REASON");
+  const std::string text = given ? given : "", mark = "\n  fix: ";
+  if (text.empty()) return {ExitCode::solver_fault, place_, otherwise, "its log may say more"};
+  const std::size_t fix = text.find(mark);
+  return {ExitCode::solver_fault, place_, text.substr(0, fix),
+          fix == std::string::npos ? "its log may say more" : text.substr(fix + mark.size())};
+}
+
 /// Tells the coupler why there will be no answer to its question. Before `initialize` that question may not
 /// have been received yet.
 void SolverRun::leave_with(const Error& error) {
@@ -281,7 +291,7 @@ void SolverRun::finish(const std::string& why) {
     else if (noted_)
       leave_with(Error(noted_->code(), place_ + ", " + noted_->where(), noted_->problem(), noted_->fix()));
     else
-      leave_with(Error(ExitCode::solver_fault, place_, why, "its log may say more"));
+      leave_with(reason_to_leave(why));
   } catch (const std::exception&) {  // the connection cannot carry it: the end of the process tells
   }
   ongoing_ = false;

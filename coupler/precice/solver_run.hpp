@@ -81,6 +81,7 @@ class SolverRun {
   void begin_window(const wire::Advance&);
   void settle(wire::Before);
   void send_window(std::vector<Field> fields);
+  Error reason_to_leave(const std::string& otherwise) const;
   void leave_with(const Error&);
 
   PreciceConfig config_;

@@ -18,10 +18,4 @@ namespace strake {
 /// Returns dimension×m indices of points. Throws Error(case_file) that names the file and what is wrong.
 Eigen::MatrixXi faces_from_file(const std::filesystem::path& file, const InterfaceMesh& mesh);
 
-/// The same direction for all faces of a connected piece, in place. faces: dimension×m (2: segments, 3:
-/// triangles). A closed piece gets normals that point out of it. Returns false, and leaves `faces` in part
-/// turned, if more than two faces meet at an edge (in two dimensions at a point), or a piece has one side
-/// only.
-bool orient(Eigen::MatrixXi& faces, const Points& position);
-
 }  // namespace strake

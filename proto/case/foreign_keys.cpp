@@ -30,6 +30,14 @@ void read_surface(CaseTable& table, fs::path& surface, const std::string& where)
                "faces; Gmsh (.msh, text) or Abaqus (.inp), with the program's own points as nodes"});
 }
 
+void read_names(CaseTable& table, ForeignKeys& keys) {
+  table.texts("precice_names", keys.precice_names,
+              {.help = "where solver is a path: for a program with a preCICE adapter, a list of "
+                       "\"Name=quantity\": what its names of data are at Strake's coupler; for Strake's own "
+                       "solver in a preCICE run (--precice): what they are at that solver"});
+  check_names(table, "precice_names", keys.precice_names);
+}
+
 /// The program that a shell would start for a word: a path, from the case file's folder, or the first of that
 /// name on PATH; below the case file's folder if there is none.
 fs::path program_of(const std::string& word, const fs::path& case_folder) {
@@ -75,14 +83,16 @@ ForeignKeys read_precice(const CaseFile& file, CaseTable table, bool is_structur
   refuse_other_keys(table, {"command", "folder", "config", "read", "write", "surface"});
   check_names(table, "read", read);
   check_names(table, "write", write);
-  if (command.empty() || command.front().empty())
-    throw table.error("command", "a program and its arguments",
-                      "command = [\"ccx_preCICE\", \"-i\", \"flap\"]");
-  solver = program_of(command.front(), file.folder()).string();
   keys.own_command_line = keys.adapted = true;
-  keys.arguments.assign(command.begin() + 1, command.end());
   keys.precice_names = read;
   keys.precice_names.insert(keys.precice_names.end(), write.begin(), write.end());
+  const bool named = !command.empty() && !command.front().empty();
+  if (!named && keys.surface.empty())
+    throw table.error("command", "a program and its arguments",
+                      "command = [\"ccx_preCICE\", \"-i\", \"flap\"]");
+  if (!named) return keys;
+  solver = program_of(command.front(), file.folder()).string();
+  keys.arguments.assign(command.begin() + 1, command.end());
   return keys;
 }
 
@@ -98,8 +108,9 @@ ForeignKeys read_foreign(CaseFile& file, const std::string& side, std::string& s
         side == "structure", solver);
   if (!users && !file.only_declares()) {
     if (solver == "none") return keys;
-    for (const char* name : {"arguments", "folder", "precice_names", "surface", "precice"})
-      if (table.has(name) && !(adapted && std::string_view(name) == "precice"))
+    if (!adapted && table.has("precice_names")) read_names(table, keys);
+    for (const char* name : {"arguments", "folder", "surface", adapted ? "precice_names" : "precice"})
+      if (table.has(name))
         throw table.error(name,
                           "no such key beside solver = \"" + std::string(adapted ? "precice" : solver) + "\"",
                           adapted ? "it is for solver = \"./PROGRAM\"; here " + side + ".precice has its own"
@@ -114,10 +125,7 @@ ForeignKeys read_foreign(CaseFile& file, const std::string& side, std::string& s
   table.folder("folder", keys.folder,
                {.help = "where solver is a path: the folder in which the program is started; not given: the "
                         "one where strake was called"});
-  table.texts("precice_names", keys.precice_names,
-              {.help = "where solver is a path: for a program with a preCICE adapter, a list of "
-                       "\"Name=quantity\": what its names of data are at Strake's coupler"});
-  check_names(table, "precice_names", keys.precice_names);
+  read_names(table, keys);
   if (side == "structure") read_surface(table, keys.surface, "where solver is a path");
   return keys;
 }

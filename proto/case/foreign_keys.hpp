@@ -15,7 +15,8 @@ struct ForeignKeys {
   std::vector<std::string> arguments;
   std::filesystem::path folder;  // absolute, where the program is started; empty: where strake was called
   /// For a solver with a preCICE adapter: what its names of data mean, "Force=force". It gets them in the
-  /// variable STRAKE_PRECICE_NAMES. Empty: that of the user's environment.
+  /// variable STRAKE_PRECICE_NAMES. Empty: that of the user's environment. Strake's own solvers use them in a
+  /// preCICE run.
   std::vector<std::string> precice_names;
   bool adapted = false;                  // solver = "precice": from the table `precice`
   std::filesystem::path precice_config;  // absolute; empty: names are not looked up
@@ -25,8 +26,8 @@ struct ForeignKeys {
 };
 
 /// Declares and reads those keys of the table `side` ("fluid" | "structure"). With one of Strake's solvers it
-/// refuses them: Error(case_file). With solver = "precice" the keys come from the side's table `precice`, and
-/// `solver` becomes the path of the program.
+/// refuses them but for precice_names: Error(case_file). With solver = "precice" the keys come from the
+/// side's table `precice`, and `solver` becomes the path of the program.
 ForeignKeys read_foreign(CaseFile&, const std::string& side, std::string& solver);
 
 }  // namespace strake

@@ -4,9 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cstdlib>
 #include <fstream>
 #include <locale>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace strake {
 namespace {
@@ -14,12 +19,7 @@ namespace {
 /// Lines of a file with their numbers, and errors that name them.
 class Lines {
  public:
-  explicit Lines(const std::filesystem::path& path) : path_(path) {
-    require_file(path, largest_mesh, path.string());
-    in_.open(path);
-    if (!in_)
-      throw Error(ExitCode::case_file, path.string(), "cannot be read", "give the path of a mesh file");
-  }
+  Lines(std::istream& in, std::string name) : in_(in), name_(std::move(name)) {}
   bool next(std::string& line) {
     if (!std::getline(in_, line)) return false;
     ++number_;
@@ -36,13 +36,13 @@ class Lines {
   }
   Error error(const std::string& problem,
               const std::string& fix = "write the mesh anew, e.g. gmsh -2 -format msh41 FILE.geo") const {
-    return {ExitCode::case_file, fmt::format("{}:{}", path_.string(), number_), problem, fix};
+    return {ExitCode::case_file, fmt::format("{}:{}", name_, number_), problem, fix};
   }
   std::size_t number() const { return number_; }
 
  private:
-  std::filesystem::path path_;
-  std::ifstream in_;
+  std::istream& in_;
+  std::string name_;
   std::size_t number_ = 0;
 };
 
@@ -196,10 +196,36 @@ void read_elements_4(Lines& lines, const Names& names, const std::map<std::pair<
   }
 }
 
-}  // namespace
+/// The lines of a section that holds one text or number each: their number, then they.
+std::vector<std::string> read_tags(Lines& lines, const std::string& what) {
+  std::vector<std::string> tags;
+  for (long left = count(lines, "the number of " + what); left > 0; --left) {
+    std::string line;
+    if (!lines.next(line)) throw lines.error("the file ends here, expected " + what);
+    tags.push_back(line);
+  }
+  return tags;
+}
 
-MeshText read_gmsh(const std::filesystem::path& path) {
-  Lines lines(path);
+/// A vector on nodes; other numbers of components are passed over.
+void read_node_data(Lines& lines, MeshText& mesh) {
+  const std::vector<std::string> texts = read_tags(lines, "text tags");
+  read_tags(lines, "real tags");
+  const std::vector<std::string> numbers = read_tags(lines, "whole tags");
+  if (texts.empty() || numbers.size() < 3 || numbers[1] != "3") return;
+  std::string name = texts.front();
+  std::erase(name, '"');
+  auto& data = mesh.node_data[name];
+  for (long left = std::atol(numbers[2].c_str()); left > 0; --left) {
+    long node = 0;
+    std::array<double, 3> value{};
+    auto entry = lines.words("a value on a node");
+    take(lines, entry, "NODE X Y Z", node, value[0], value[1], value[2]);
+    data[node] = value;
+  }
+}
+
+MeshText read_gmsh(Lines& lines) {
   MeshText mesh;
   Names names;
   std::map<std::pair<int, int>, int> physical;
@@ -233,11 +259,29 @@ MeshText read_gmsh(const std::filesystem::path& path) {
       format == 2 ? read_nodes_2(lines, mesh) : read_nodes_4(lines, mesh);
     else if (section == "Elements")
       format == 2 ? read_elements_2(lines, names, mesh) : read_elements_4(lines, names, physical, mesh);
+    else if (section == "NodeData")
+      read_node_data(lines, mesh);
   }
   if (format == 0) throw lines.error("no Gmsh file: it has no $MeshFormat");
   if (mesh.node.empty() || mesh.element.empty())
     throw lines.error("the file ends without $Nodes and $Elements");
   return mesh;
+}
+
+}  // namespace
+
+MeshText read_gmsh(const std::filesystem::path& path) {
+  require_file(path, largest_mesh, path.string());
+  std::ifstream in(path);
+  if (!in) throw Error(ExitCode::case_file, path.string(), "cannot be read", "give the path of a mesh file");
+  Lines lines(in, path.string());
+  return read_gmsh(lines);
+}
+
+MeshText read_gmsh_text(const std::string& text, const std::string& name) {
+  std::istringstream in(text);
+  Lines lines(in, name);
+  return read_gmsh(lines);
 }
 
 }  // namespace strake

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/interface.hpp"
+
 #include <array>
 #include <filesystem>
 #include <map>
@@ -20,11 +22,20 @@ struct MeshText {
   std::map<long, std::array<double, 3>> node;  // [m]
   std::vector<Element> element;
   std::map<std::string, std::vector<long>> node_set;  // Abaqus
+  /// Vectors on nodes, by name; Gmsh.
+  std::map<std::string, std::map<long, std::array<double, 3>>> node_data;
 };
 
 /// All throw Error(case_file) that names file and line. The first goes by the ending: .msh or .inp.
 MeshText read_mesh_text(const std::filesystem::path&);
 MeshText read_gmsh(const std::filesystem::path&);
 MeshText read_abaqus(const std::filesystem::path&);
+/// The text of a Gmsh file; `name` stands for it in errors.
+MeshText read_gmsh_text(const std::string& text, const std::string& name);
+
+/// A surface as the text of a Gmsh file (format 2.2): its points, its segments or triangles, and vectors on
+/// its points. Every number reads back to the same float64.
+/// mesh: n points [m], m faces; fields: 3×n each; others are left out.
+std::string gmsh_text(const InterfaceMesh& mesh, const std::vector<Field>& fields);
 
 }  // namespace strake

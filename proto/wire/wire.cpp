@@ -232,11 +232,42 @@ Fault read(const pb::Fault& from) {
   return {from.where(), from.problem(), from.fix(), code};
 }
 
-/// "Advance" for the field `advance` of the oneof.
-template <class Header, class Case>
-std::string field_name(const Header& header, Case number) {
-  const auto* field = header.GetDescriptor()->FindFieldByNumber(static_cast<int>(number));
-  return field ? std::string(field->message_type()->name()) : std::string(header.GetDescriptor()->name());
+/// "Advance" for the field `advance` of the oneof, for errors.
+const char* content_of(const pb::Request& header) {
+  switch (header.what_case()) {
+    case pb::Request::kSetup:
+      return "Setup";
+    case pb::Request::kAdvance:
+      return "Advance";
+    case pb::Request::kCheckpoint:
+      return "Checkpoint";
+    case pb::Request::kStop:
+      return "Stop";
+    case pb::Request::kRefused:
+      return "Refused";
+    case pb::Request::WHAT_NOT_SET:
+      break;
+  }
+  return "Request";
+}
+const char* content_of(const pb::Reply& header) {
+  switch (header.what_case()) {
+    case pb::Reply::kHello:
+      return "Hello";
+    case pb::Reply::kReady:
+      return "Ready";
+    case pb::Reply::kAdvanced:
+      return "Advanced";
+    case pb::Reply::kDone:
+      return "Done";
+    case pb::Reply::kFault:
+      return "Fault";
+    case pb::Reply::kWorking:
+      return "Working";
+    case pb::Reply::WHAT_NOT_SET:
+      break;
+  }
+  return "Reply";
 }
 
 template <class Header, class Message>
@@ -267,8 +298,7 @@ Parts encode(Reply reply, const std::string& who) {
 Request decode_request(const Parts& parts, const std::string& who) {
   Scratch scratch;
   const auto& header = parse_header<pb::Request>(scratch, parts, {who, "Request"});
-  const std::string name = field_name(header, header.what_case());
-  const Rules rules{who, name.c_str()};
+  const Rules rules{who, content_of(header)};
   Reader reader(rules, parts);
   Request to;
   to.sequence = header.sequence();
@@ -302,8 +332,7 @@ Request decode_request(const Parts& parts, const std::string& who) {
 Reply decode_reply(const Parts& parts, const std::string& who) {
   Scratch scratch;
   const auto& header = parse_header<pb::Reply>(scratch, parts, {who, "Reply"});
-  const std::string name = field_name(header, header.what_case());
-  const Rules rules{who, name.c_str()};
+  const Rules rules{who, content_of(header)};
   Reader reader(rules, parts);
   Reply to;
   to.sequence = header.sequence();

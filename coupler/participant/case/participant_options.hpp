@@ -12,7 +12,8 @@ namespace strake {
 
 /// What a participant's command line has beside ParticipantOptions while it is parsed.
 struct ParticipantFlags {
-  bool check = false, properties = false, picture = false, echo = false, keys = false, version = false;
+  bool check = false, properties = false, picture = false, echo = false, keys = false, version = false,
+       interface = false;
   std::string hash;  // hexadecimal
 };
 

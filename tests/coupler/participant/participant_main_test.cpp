@@ -91,6 +91,10 @@ TEST_F(ParticipantMain, AWrongCommandLineExitsWithTwo) {
            {"--check", "--echo"},
            {"--check"},
            {"--connect", "ipc:///x", "--name", "structure"},
+           {"--participant", "Solid", "--check"},
+           {"--precice-library", "libprecice.so.3"},
+           {"--precice", "a.xml", "--check"},
+           {"--precice", "a.xml", "--connect", "ipc:///x"},
            {"--connect", "ipc:///x", "--name", "a", "--case", "b", "--case-hash", "12"}})
     EXPECT_EQ(run(words), 2) << err_;
 }

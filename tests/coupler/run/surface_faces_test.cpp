@@ -1,5 +1,6 @@
 #include "coupler/run/surface_faces.hpp"
 
+#include "proto/geometry/face_direction.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
