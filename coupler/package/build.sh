@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Builds the Debian packages: coupler/package/build.sh [FOLDER], by default into build-packages. Installs what is missing.
+# The build is one of its own, without the instruction set of this machine (STRAKE_NATIVE=OFF). README.md says what each holds.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+out=$(realpath -m "${1:-build-packages}")
+export STRAKE_BUILD="$PWD/build-packages"
+export STRAKE_CMAKE_OPTIONS="-DSTRAKE_NATIVE=OFF -DSTRAKE_TESTS=OFF -DCMAKE_INSTALL_PREFIX=/usr -DCMAKE_SKIP_INSTALL_RPATH=ON
+  -DSTRAKE_PYTHON_PLACE=lib/python3/dist-packages"
+. cases/setup.sh
+# shellcheck disable=SC2086
+strake_install $strake_packages_build $strake_packages_manual $strake_packages_package
+strake_make programs
+/usr/bin/python3 tests/manual/build.py "$PWD" "$strake_build"
+mkdir -p "$out"
+rm -f "$out"/*.deb
+umask 022
+cpack --config "$strake_build/CPackConfig.cmake" -B "$out" >"$strake_build/cpack.log" 2>&1 ||
+  { cat "$strake_build/cpack.log" >&2; exit 70; }
+rm -rf "$out/_CPack_Packages"
+echo "strake: packages in $out"
+for package in "$out"/*.deb; do
+  printf '  %6.1f MB  %s\n' "$(du -b "$package" | awk '{print $1 / 1e6}')" "$(basename "$package")"
+done
