@@ -8,6 +8,11 @@
 include(CMakePackageConfigHelpers)
 get_property(programs GLOBAL PROPERTY STRAKE_PROGRAMS)
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+set(STRAKE_WIDE_FOLDER "" CACHE PATH "programs compiled for x86-64-v3, which are taken where the processor can execute them")
+if(STRAKE_WIDE_FOLDER)
+  install(DIRECTORY ${STRAKE_WIDE_FOLDER}/ DESTINATION lib/strake/x86-64-v3 COMPONENT programs USE_SOURCE_PERMISSIONS
+    FILES_MATCHING PATTERN "strake-*")
+endif()
 # Man pages and completion come from the programs' own declarations, so they are written by `strake` when it is installed.
 set(pages ${PROJECT_BINARY_DIR}/pages)
 install(CODE "execute_process(COMMAND \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/strake\" explain --man \"${pages}/man1\"
@@ -38,7 +43,7 @@ install(FILES ${cases}/python_spring/python_spring.toml DESTINATION ${data}/case
 install(PROGRAMS ${cases}/python_spring/spring.py DESTINATION ${data}/cases/python_spring COMPONENT python)
 
 install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/   # where tests/run.sh --manual has made it
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strake/html COMPONENT manual OPTIONAL)
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strake/html COMPONENT manual OPTIONAL PATTERN "sitemap.xml*" EXCLUDE)
 
 # A participant's own headers: Eigen and the standard library, nothing else.
 set(headers coupler/participant/participant_main.hpp coupler/participant/serve.hpp proto/box.hpp proto/case/case_file.hpp proto/case/key_info.hpp proto/case/case_keys.hpp proto/error.hpp
