@@ -28,5 +28,5 @@ cpack --config "$strake_build/CPackConfig.cmake" -B "$out" >"$strake_build/cpack
 rm -rf "$out/_CPack_Packages"
 echo "strake: packages in $out"
 for package in "$out"/*.deb; do
-  printf '  %6.1f MB  %s\n' "$(du -b "$package" | awk '{print $1 / 1e6}')" "$(basename "$package")"
+  printf '  %6d kB  %s\n' "$(($(stat -c %s "$package") / 1000))" "$(basename "$package")"
 done
