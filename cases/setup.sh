@@ -13,6 +13,8 @@ strake_packages_test="$strake_packages_python libgtest-dev libbenchmark-dev pyth
 strake_packages_browser="chromium fonts-dejavu-core"   # and node with npm, where they are missing
 strake_packages_paraview="paraview python3-paraview xvfb libgl1-mesa-dri"   # and a display without a screen to draw on
 strake_packages_manual="mkdocs doxygen"   # pages and API reference as one HTML manual
+strake_packages_package="git dpkg-dev"   # to make Debian packages
+strake_packages_chroot="lintian mmdebstrap"   # to check them, and a bare Debian to install them in
 strake_packages_thread="libomp-dev"   # OpenMP that tells the thread sanitizer when a loop begins and ends
 
 # Installs the packages that are missing; says which; asks for nothing. Exit 2 with the exact line where it may not.

@@ -1,4 +1,5 @@
 // strake: the commands, their options, and the one place where errors are printed.
+#include "coupler/case/find_case.hpp"
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/new_case/new_options.hpp"
@@ -23,9 +24,12 @@ using strake::console_failure;
 using strake::Error;
 using strake::error_of;
 using strake::ExitCode;
+using strake::find_case;
 using strake::put;
 using strake::StopRequest;
 using Action = std::function<ExitCode()>;
+
+constexpr const char* case_help = "case file, or the name of one of Strake's cases";
 
 void add_sets(CLI::App& command, std::vector<std::string>& sets) {
   command.add_option("--set", sets, "change one key of the case: --set structure.solver=rigid")
@@ -145,20 +149,30 @@ int end_of_output(int code, int failure) {
 void add_run(CLI::App& app, strake::RunOptions& options, const StopRequest& stop, Action& action) {
   CLI::App* command =
       add_run_options(app.add_subcommand("run", "run a case into runs/<case>[-tag]"), options);
-  command->add_option("CASE", options.case_file, "case file")->required();
-  command->callback([&] { action = [&] { return strake::run(options, stop); }; });
+  command->add_option("CASE", options.case_file, case_help)->required();
+  command->callback([&] {
+    action = [&] {
+      options.case_file = find_case(options.case_file);
+      return strake::run(options, stop);
+    };
+  });
 }
 
 void add_check(CLI::App& app, strake::CheckOptions& options, const StopRequest& stop, Action& action) {
   CLI::App* command =
       app.add_subcommand("check", "all that run would refuse, plus derived numbers; starts no time step");
-  command->add_option("CASE", options.case_file, "case file")->required();
+  command->add_option("CASE", options.case_file, case_help)->required();
   add_sets(*command, options.sets);
   command->add_option("--picture", options.picture,
                       "write shape, cells, particles, supports and wet surface of the structure as an .svg");
   command->add_flag("--all", options.all, "also print every value and where it came from");
   command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
-  command->callback([&] { action = [&] { return strake::check(options, stop); }; });
+  command->callback([&] {
+    action = [&] {
+      options.case_file = find_case(options.case_file);
+      return strake::check(options, stop);
+    };
+  });
 }
 
 void add_explain(CLI::App& app, strake::ExplainOptions& options, Action& action) {
@@ -279,7 +293,7 @@ void add_watch(CLI::App& app, strake::WatchOptions& options, const StopRequest& 
 void add_study(CLI::App& app, strake::StudyOptions& options, const StopRequest& stop, Action& action) {
   CLI::App* command =
       app.add_subcommand("study", "a case at many settings: runs what is not done, one table at the end");
-  command->add_option("STUDY", options.file, "study file")->required();
+  command->add_option("STUDY", options.file, "study file, or the name of a study of Strake's")->required();
   command->add_option("--runs", options.runs, "the study is DIR/<study>, default runs")->type_name("DIR");
   command->add_option("--jobs", options.jobs, "runs at once, default one for each core")
       ->check(CLI::Range(1, 1024))
@@ -288,7 +302,12 @@ void add_study(CLI::App& app, strake::StudyOptions& options, const StopRequest& 
   command->add_flag("--list", options.list, "print the command of each run, start none");
   command->add_flag("--strict", options.strict, "exit 1 when a check fails");
   command->add_flag("--quiet", options.quiet, "print only the checks");
-  command->callback([&] { action = [&] { return strake::study_command(options, stop); }; });
+  command->callback([&] {
+    action = [&] {
+      options.file = find_case(options.file);
+      return strake::study_command(options, stop);
+    };
+  });
 }
 
 void add_keys(CLI::App& app, strake::KeysOptions& options, Action& action) {
@@ -308,11 +327,16 @@ void add_replay(CLI::App& app, strake::ReplayOptions& options, const StopRequest
   CLI::App* command = add_run_options(
       app.add_subcommand("replay", "recorded loads onto another structure, or the reverse"), options.run);
   command->add_option("RUN", options.recorded, "run folder with the record")->required();
-  command->add_option("--onto", options.run.case_file, "case file")->required()->type_name("CASE");
+  command->add_option("--onto", options.run.case_file, case_help)->required()->type_name("CASE");
   command->add_option("--side", options.side, "the side that plays the record")
       ->check(CLI::IsMember({"fluid", "structure"}))
       ->type_name("fluid|structure");
-  command->callback([&] { action = [&] { return strake::replay(options, stop); }; });
+  command->callback([&] {
+    action = [&] {
+      options.run.case_file = find_case(options.run.case_file);
+      return strake::replay(options, stop);
+    };
+  });
 }
 
 /// What the user gave each command.

@@ -8,6 +8,8 @@
 #   like a race. LLVM's takes its place there and does, by its tool archer.
 # --paraview: what runs write, opened in ParaView (installs it, 1 GB); pictures in build/paraview. A run of all does not do it.
 # --manual: all pages and the API reference as one HTML manual in build/manual, with strict links; builds no program.
+# --packages: the Debian packages (coupler/package), built, checked by lintian, installed in a bare Debian, used, removed. A run of
+#   all does not do it: it needs root, and 1.5 GB for the bare Debian. Options after it go to tests/packages/install.py (--keep).
 # The fuzz targets need clang, and are run by hand, as long as one likes:
 #   cmake -S . -B build-fuzz -G Ninja -DSTRAKE_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ && cmake --build build-fuzz
 #   mkdir -p build-fuzz/wire && build-fuzz/bin/wire_fuzz -malloc_limit_mb=64 build-fuzz/wire tests/fuzz/corpus/wire   (and case)
@@ -21,6 +23,12 @@ if [ "${1:-}" = "--manual" ]; then
   # shellcheck disable=SC2086
   strake_install $strake_packages_manual
   exec /usr/bin/python3 tests/manual/build.py "$PWD" "$strake_build"
+elif [ "${1:-}" = "--packages" ]; then
+  shift
+  # shellcheck disable=SC2086
+  strake_install $strake_packages_chroot
+  coupler/package/build.sh
+  exec /usr/bin/python3 -B tests/packages/install.py "$PWD" "$PWD/build-packages" "$@"
 elif [ "${1:-}" = "--paraview" ]; then
   # shellcheck disable=SC2086
   strake_install $strake_packages_build $strake_packages_test $strake_packages_paraview
@@ -64,5 +72,5 @@ fi
 strake_install $strake_packages_build $strake_packages_test
 strake_make "${targets[@]}"
 export OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 OMPI_MCA_ess_singleton_isolated=1
-echo "strake: not run here: the page of strake watch in a browser (tests/run.sh --browser), results in ParaView (tests/run.sh --paraview)"
+echo "strake: not run here: the page of strake watch in a browser (tests/run.sh --browser), results in ParaView (tests/run.sh --paraview), the Debian packages (tests/run.sh --packages)"
 ctest --test-dir "$strake_build" --output-on-failure --no-tests=error --parallel 2 "${chosen[@]}" "$@"

@@ -9,7 +9,7 @@ namespace strake {
 ExitCode manual() {
   const std::filesystem::path programs = find_program("strake").parent_path(),
                               beside = programs.parent_path();
-  for (const char* folder : {"manual", "share/doc/strake"})
+  for (const char* folder : {"manual", "share/doc/strake/html"})
     if (const auto page = beside / folder / "index.html"; std::filesystem::exists(page)) {
       put(stdout, page.string() + "\n");
       return ExitCode::done;
@@ -22,7 +22,7 @@ ExitCode manual() {
     }
   throw Error(ExitCode::command_line, "strake manual",
               fmt::format("no manual beside {}, and no source tree above it", programs.string()),
-              "tests/run.sh --manual in the source tree builds it, cmake --install installs it");
+              "tests/run.sh --manual in the source tree builds it; the package strake-doc holds it");
 }
 
 }  // namespace strake

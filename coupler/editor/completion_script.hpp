@@ -36,6 +36,21 @@ _strake_files() {
   done < <(compgen -f -- "$1")
 }
 
+# Names of Strake's own cases, or of its studies, which lie beside the installed programs.
+_strake_names() {
+  local folder file name kind
+  [[ $1 == */* ]] && return
+  folder=$(type -P strake)
+  folder=${folder%/bin/strake}/share/strake/cases
+  for file in "$folder"/*.toml "$folder"/*/*.toml; do
+    name=${file##*/}
+    name=${name%.toml}
+    kind=:case
+    [[ $name == study_* ]] && kind=:study
+    [[ -e $file && $kind == "$2" && $name == "$1"* ]] && COMPREPLY+=("$name")
+  done
+}
+
 # Folders, those of runs first: they hold a run.json. Without a word the runs under runs/.
 _strake_runs() {
   local name
@@ -64,8 +79,10 @@ _strake_assignment() {
 
 _strake_value() {
   case $1 in
-    :case) _strake_files "$2" ;;
-    :study) _strake_files "$2" ;;
+    :case | :study)
+      _strake_files "$2"
+      _strake_names "$2" "$1"
+      ;;
     :file) _strake_files "$2" any ;;
     :folder) compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -d -- "$2") ;;
     :run) _strake_runs "$2" ;;

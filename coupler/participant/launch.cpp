@@ -1,6 +1,7 @@
 #include "coupler/participant/launch.hpp"
 
 #include "coupler/participant/stop_request.hpp"
+#include "coupler/participant/wide_program.hpp"
 #include "proto/descriptor.hpp"
 #include "proto/error.hpp"
 
@@ -237,7 +238,10 @@ std::filesystem::path find_program(const std::string& name, const std::filesyste
                                : "a path is relative to the case file");
   }
   const fs::path beside = folder_of_this_program() / name;
-  if (runnable(beside)) return beside;
+  if (runnable(beside)) {
+    const fs::path wide = wide_program(beside);
+    return wide.empty() ? beside : wide;
+  }
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');)

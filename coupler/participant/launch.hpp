@@ -18,8 +18,8 @@ std::string random_token();
 std::string bytes_of(const std::string& hexadecimal);
 
 /// Finds a program. `name` with a '/': a program of the user's, relative to `case_folder`. Else it is
-/// searched beside the running executable, then on PATH. Error(case_file) if there is none, with the searched
-/// places.
+/// searched beside the running executable, then on PATH. Of a program beside it the one for wider vectors is
+/// taken where there is one (wide_program.hpp). Error(case_file) if there is none, with the searched places.
 std::filesystem::path find_program(const std::string& name, const std::filesystem::path& case_folder = {});
 
 struct Launch {

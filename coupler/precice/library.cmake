@@ -22,14 +22,15 @@ target_link_options(strake_precice PRIVATE -Wl,--version-script=${precice}/expor
   -Wl,--no-undefined)
 strake_reuse_headers(strake_precice strake_installed_headers)
 
-# What an installation gets: everything in lib/strake/precice, component "precice". The files for CMake and pkg-config find the
+# What an installation gets: everything in lib/strake/precice; the library is component "precice", what a solver is built with
+# component "participant". The files for CMake and pkg-config find the
 # library from their own place, so the folder may be moved. The build tree has the same folder.
 set(STRAKE_PRECICE_PLACE lib/strake/precice)   # where programs in bin/ look for it
 set(STRAKE_PRECICE_BUILT ${PROJECT_BINARY_DIR}/lib/strake/precice)
 foreach(file libprecice.pc preciceConfig.cmake preciceConfigVersion.cmake)
   configure_file(${precice}/package/${file}.in ${STRAKE_PRECICE_BUILT}/${file} @ONLY)
-  install(FILES ${STRAKE_PRECICE_BUILT}/${file} DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT precice)
+  install(FILES ${STRAKE_PRECICE_BUILT}/${file} DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT participant)
 endforeach()
 file(COPY ${precice}/include DESTINATION ${STRAKE_PRECICE_BUILT} PATTERN README.md EXCLUDE)
-install(DIRECTORY ${precice}/include DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT precice PATTERN README.md EXCLUDE)
-install(TARGETS strake_precice LIBRARY DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT precice)
+install(DIRECTORY ${precice}/include DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT participant PATTERN README.md EXCLUDE)
+install(TARGETS strake_precice LIBRARY DESTINATION ${STRAKE_PRECICE_PLACE} COMPONENT precice NAMELINK_COMPONENT participant)

@@ -274,7 +274,8 @@ std::vector<std::string> Session::mapping_lines() const {
 }
 
 std::vector<std::string> Session::resolution() const {
-  if (structure_ == nullptr) return resolution_lines(case_, {}, {});
+  // Its widths are those of one body.
+  if (structure_ == nullptr || assembly_) return resolution_lines(case_, {}, {});
   const Field* velocity = find(structure_->description().initial, "velocity");
   return resolution_lines(case_, structure_->mesh(),
                           velocity == nullptr ? Points() : Points(velocity->value));

@@ -38,9 +38,10 @@ def symbols(library):
 def install(place):
     """Everything lies in lib/strake/precice; nothing lies where it could be taken for preCICE's own."""
     prefix = place / "prefix"
-    command("cmake", "--install", BIN.parent, "--prefix", prefix, "--component", "precice", cwd=place)
     home = prefix / "lib" / "strake" / "precice"
-    strays = [path for path in prefix.rglob("*") if path.is_file() and home not in path.parents]
+    for component in ("precice", "participant"):
+        command("cmake", "--install", BIN.parent, "--prefix", prefix, "--component", component, cwd=place)
+    strays = [path for path in prefix.rglob("*precice*") if home not in (path, *path.parents) and not path.name.startswith("libstrake_")]
     expect(not strays, f"all is installed in one folder of its own: {strays}")
     for file in ("libprecice.so", "libprecice.so.3", "libprecice.pc", "preciceConfig.cmake", "include/precice/precice.hpp"):
         expect((home / file).exists(), f"it holds {file}")

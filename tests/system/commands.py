@@ -45,7 +45,7 @@ def manual_is_found(place):
         return subprocess.run([programs / "strake", "manual"], capture_output=True, text=True, timeout=60)
     nowhere = manual()
     expect(nowhere.returncode == 2 and "fix:" in nowhere.stderr, f"manual without pages: exit {nowhere.returncode}\n{nowhere.stderr}")
-    for name in ("README.md", "tests/run.sh", "fluid/THEORY.md", "build/share/doc/strake/index.html", "build/manual/index.html"):
+    for name in ("README.md", "tests/run.sh", "fluid/THEORY.md", "build/share/doc/strake/html/index.html", "build/manual/index.html"):
         (place / name).parent.mkdir(parents=True, exist_ok=True)
         (place / name).touch()
         if name.startswith("build/") or name == "fluid/THEORY.md":

@@ -28,7 +28,7 @@ def column(run, name):
 
 
 def build_outside(place, prefix):
-    for component in ("programs", "participant"):
+    for component in ("programs", "cases", "python", "participant"):
         command("cmake", "--install", BUILD, "--prefix", prefix, "--component", component, cwd=place)
     pages = prefix / "share" / "man" / "man1"
     expect({"strake.1", "strake-run.1", "strake-fluid.1"} <= {page.name for page in pages.glob("*.1")}, f"man pages are installed in {pages}")
@@ -57,6 +57,28 @@ def python_package(place, prefix):
     words = result.stdout.split()
     expect(len(words) == 3 and re.fullmatch(r"\d+\.\d+\.\d+", words[0]) and words[1] == f"{prefix}/bin/strake" and str(prefix) in words[2],
            f"the installed package: {result.stdout.strip() or result.stderr}")
+
+
+def cases_by_name(place, prefix):
+    """The installed programs find Strake's cases by their names, from any folder; a file of one's own comes first."""
+    words, elsewhere = [prefix / "bin" / "strake"], place / "elsewhere"
+    elsewhere.mkdir()
+    told = command(*words, "run", "cantilever", "--strict", cwd=elsewhere).stdout
+    record = json.loads((elsewhere / "runs" / "cantilever" / "run.json").read_text())
+    expect("pass" in told and record["case"] == f"{prefix}/share/strake/cases/cantilever.toml", f"cantilever is {record['case']}")
+    listed = command(*words, "study", "study_plate", "--list", cwd=elsewhere).stdout
+    expect("/share/strake/cases/plate_entry.toml" in listed, "study_plate is found, and its case")
+    checked = command(*words, "check", "python_spring", cwd=elsewhere).stdout
+    expect("python_spring/python_spring.toml: nothing to refuse" in checked, "a case with a program beside it is found")
+    expect(os.access(prefix / "share/strake/cases/python_spring/spring.py", os.X_OK), "that program can be executed")
+    shutil.copy(prefix / "share/strake/cases/cantilever.toml", elsewhere / "still_tank.toml")
+    expect("\nstill_tank.toml: nothing" in command(*words, "check", "still_tank", cwd=elsewhere).stdout, "a file in the current folder comes first")
+    for name, advice in (("plate_entri", "did you mean plate_entry?"), ("qqqqqq", "one of box_entry, ")):
+        refused = subprocess.run([*words, "run", name], cwd=elsewhere, env=ENV, capture_output=True, text=True)
+        expect(refused.returncode == 3 and f"no file {name}.toml here, and no case of that name in {prefix}/share" in refused.stderr
+               and advice in refused.stderr, f"{name}: exit {refused.returncode}, {advice}")
+    installed = {path.stem for path in (prefix / "share/strake/cases").rglob("*.toml")}
+    expect(installed == {path.stem for path in (ROOT / "cases").rglob("*.toml")}, f"all {len(installed)} cases are installed")
 
 
 def run_both(place, prefix, solver):
@@ -235,6 +257,7 @@ with folder() as place:
     prefix = place / "prefix"
     solver = build_outside(place, prefix)
     python_package(place, prefix)
+    cases_by_name(place, prefix)
     words, whole = run_both(place, prefix, solver)
     run_without_options(place, words, whole)
     run_that_cannot_resume(place, words)

@@ -1,5 +1,6 @@
 #include "coupler/participant/launch.hpp"
 
+#include "coupler/participant/wide_program.hpp"
 #include "proto/error.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
@@ -131,6 +132,22 @@ TEST_F(Launching, CaptureEndsAProgramThatTakesTooLong) {
     EXPECT_EQ(e.problem(), "has not ended within 0.1 s");
   }
   end_orphans();
+}
+
+TEST_F(Launching, TheProgramForWiderVectorsIsTakenWhereThereIsOne) {
+  const fs::path narrow = folder_ / "bin" / "solver", wide = folder_ / "lib/strake/x86-64-v3" / "solver";
+  EXPECT_TRUE(wide_program(narrow).empty());
+  fs::create_directories(wide.parent_path());
+  put(wide, "#!/bin/sh\n");
+  EXPECT_TRUE(wide_program(narrow).empty()) << "it cannot be executed";
+  fs::permissions(wide, fs::perms::owner_all);
+  const fs::path taken = wide_program(narrow);
+  EXPECT_TRUE(taken == wide || taken.empty()) << "by the processor";
+  setenv("STRAKE_VECTORS", "narrow", 1);
+  EXPECT_TRUE(wide_program(narrow).empty());
+  setenv("STRAKE_VECTORS", "wide", 1);
+  EXPECT_EQ(wide_program(narrow), taken);
+  unsetenv("STRAKE_VECTORS");
 }
 
 TEST_F(Launching, ProgramsAreFoundBesideTheRunningOneThenOnThePathThenByTheCase) {

@@ -1,0 +1,79 @@
+#include "coupler/case/find_case.hpp"
+
+#include "coupler/participant/launch.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace strake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_file(const fs::path& path) {
+  std::error_code none;
+  return fs::is_regular_file(path, none);
+}
+
+/// NAME.toml or NAME/NAME.toml in a folder; empty if neither is there.
+fs::path case_in(const fs::path& folder, const std::string& name) {
+  for (const fs::path& file : {folder / (name + ".toml"), folder / name / (name + ".toml")})
+    if (is_file(file)) return file;
+  return {};
+}
+
+Error no_such_case(const std::string& name, const fs::path& folder) {
+  const std::vector<std::string> known = folder.empty() ? std::vector<std::string>{} : case_names(folder);
+  const std::string near = did_you_mean(name, known);
+  std::string fix = "name the case file, with its path";
+  if (!near.empty())
+    fix = fmt::format("did you mean {}?", near);
+  else if (!known.empty())
+    fix = fmt::format("name a case file, or one of {}", fmt::join(known, ", "));
+  return {ExitCode::case_file, name,
+          fmt::format("no file {}.toml here{}", name,
+                      folder.empty() ? "" : fmt::format(", and no case of that name in {}", folder.string())),
+          fix};
+}
+
+}  // namespace
+
+fs::path cases_folder() {
+  const fs::path prefix = find_program("strake").parent_path().parent_path();
+  std::error_code none;
+  if (const fs::path installed = prefix / "share/strake/cases"; fs::is_directory(installed, none))
+    return installed;
+  for (fs::path tree = prefix; tree != tree.root_path(); tree = tree.parent_path())
+    if (is_file(tree / "fluid/THEORY.md") && fs::is_directory(tree / "cases", none)) return tree / "cases";
+  return {};
+}
+
+std::vector<std::string> case_names(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() == ".toml" || is_file(entry.path() / (name + ".toml")))
+      names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+fs::path find_case(const fs::path& named) {
+  const std::string name = named.string();
+  std::error_code none;
+  const bool alone = !name.empty() && !named.has_extension() && !named.has_parent_path() && name != "..";
+  if (!alone || (fs::exists(named, none) && !fs::is_directory(named, none))) return named;
+  if (is_file(name + ".toml")) return name + ".toml";
+  const fs::path folder = cases_folder();
+  if (!folder.empty())
+    if (const fs::path found = case_in(folder, name); !found.empty()) return found;
+  if (fs::exists(named, none)) return named;  // a folder: the reader of the case says so
+  throw no_such_case(name, folder);
+}
+
+}  // namespace strake
