@@ -127,6 +127,31 @@ MassProperties mass_of(const Solid& solid) {
   return body;
 }
 
+// A tetrahedron (0, a, b, c) has the volume V = a·(b×c)/6, the first moment V s/4 with s = a + b + c, and the
+// second moment V/20 (s sᵀ + a aᵀ + b bᵀ + c cᵀ).
+MassProperties mass_of(const ClosedSurface& surface, double density) {
+  const Eigen::Vector3d origin = surface.point.col(0);  // near the body, so that round-off stays small
+  double volume = 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (Eigen::Index t = 0; t < surface.triangle.cols(); ++t) {
+    Eigen::Matrix3d corner;
+    for (Eigen::Index k = 0; k < 3; ++k) corner.col(k) = surface.point.col(surface.triangle(k, t)) - origin;
+    const double V = corner.determinant() / 6;
+    const Eigen::Vector3d sum = corner.rowwise().sum();
+    volume += V;
+    first += 0.25 * V * sum;
+    second += 0.05 * V * (sum * sum.transpose() + corner * corner.transpose());
+  }
+  MassProperties body;
+  body.mass = density * volume;
+  const Eigen::Vector3d centre = first / volume;
+  body.centre = origin + centre;
+  second = density * (second - volume * centre * centre.transpose());
+  body.inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+  return body;
+}
+
 Eigen::Matrix3d inertia_about(const MassProperties& body, const Eigen::Vector3d& arm) {
   return body.inertia + body.mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
 }
@@ -141,8 +166,9 @@ MassProperties with_point_mass(const MassProperties& body, double mass, const Ei
 }
 
 MassProperties mass_of(const Parameters& p) {
-  MassProperties body =
-      p.shape.kind == ShapeKind::solid ? mass_of(p.solid) : mass_of(p.shape, p.plate, p.material.density);
+  MassProperties body = p.shape.kind == ShapeKind::solid     ? mass_of(p.solid)
+                        : p.shape.kind == ShapeKind::surface ? mass_of(p.closed_surface, p.material.density)
+                                                             : mass_of(p.shape, p.plate, p.material.density);
   const BodyMass& given = p.body;
   if (given.mass > 0) {
     body.inertia *= given.mass / body.mass;

@@ -18,6 +18,8 @@ struct MassProperties {
 MassProperties mass_of(const Shape&, const Plate&, double density);
 /// Of a body of parts, each with the density of its material.
 MassProperties mass_of(const Solid&);
+/// Of the homogeneous body inside a closed surface, density in [kg/m³], by the divergence theorem.
+MassProperties mass_of(const ClosedSurface&, double density);
 /// The tensor about a point that lies `arm` [m] from the centre of gravity (Huygens-Steiner).
 Eigen::Matrix3d inertia_about(const MassProperties&, const Eigen::Vector3d& arm);
 /// With a point mass [kg] at a place added.

@@ -2,6 +2,7 @@
 
 #include "proto/case/case_keys.hpp"
 #include "proto/motion.hpp"
+#include "structure/body/closed_surface.hpp"
 #include "structure/body/shape.hpp"
 #include "structure/body/solid.hpp"
 #include "structure/material/material.hpp"
@@ -135,8 +136,9 @@ struct Parameters {
   Plate plate;
   std::vector<std::string> loaded_faces;  // by name, that the water loads; empty: all
   bool loaded_by_old_key = false;         // structure.wet named them
-  Solid solid;        // of elastic bodies whatever their shape, and of a rigid one made of boxes
-  Material material;  // of parts that have none of their own
+  Solid solid;                   // of elastic bodies whatever their shape, and of a rigid one made of boxes
+  ClosedSurface closed_surface;  // of a rigid body from an STL file, ShapeKind::surface
+  Material material;             // of parts that have none of their own
   BodyMass body;
   FreeMotion free;
   InitialVelocity initial;

@@ -9,11 +9,12 @@
 
 namespace strake::structure {
 
-enum class ShapeKind { plate, solid, polygon, wedge, cylinder, sphere };
+enum class ShapeKind { plate, solid, surface, polygon, wedge, cylinder, sphere };
 
 /// The body's outer form. In the xy-plane a closed polygon walked counter-clockwise, or a circle; in three
 /// dimensions the prism over it along z, or a sphere. A plate is kept in Parameters::plate too, and elastic
-/// bodies with all their parts in Parameters::solid.
+/// bodies with all their parts in Parameters::solid. A closed surface of triangles is in
+/// Parameters::closed_surface.
 struct Shape {
   ShapeKind kind = ShapeKind::plate;
   std::vector<Eigen::Vector2d> corner;  // [m] polygon, wedge; a solid of the plane: its outer boundary

@@ -26,6 +26,7 @@ Outer outer_of(const Parameters& p) {
   const Shape& shape = p.shape;
   constexpr double pi = std::numbers::pi;
   if (shape.kind == ShapeKind::solid) return outer_of_facets(p.solid);
+  if (shape.kind == ShapeKind::surface) return {.surface = outer_area(p.closed_surface)};
   Outer outer;
   if (shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::cylinder) {
     outer = {.round = 2 * pi * shape.radius, .section = pi * shape.radius * shape.radius};
@@ -74,9 +75,11 @@ SizeEstimate surface_size(const Parameters& p, double cells) {
   const double spacing = p.surface_spacing, round = outer.round / spacing;
   SizeEstimate points{.what = "points of the surface", .count = round, .bytes_each = bytes};
   // The ends of a prism are cut into triangles; this compares each point of the rim with all others.
-  const bool prism =
-      p.dimension == 3 && p.shape.kind != ShapeKind::solid && p.shape.kind != ShapeKind::sphere;
+  const bool of_triangles = p.shape.kind == ShapeKind::surface;
+  const bool prism = p.dimension == 3 && p.shape.kind != ShapeKind::solid &&
+                     p.shape.kind != ShapeKind::sphere && !of_triangles;
   if (p.dimension == 3) points.count = 1.2 * outer.surface / (spacing * spacing);
+  if (of_triangles) points.count = refined_count(p.closed_surface, spacing);
   points.seconds_each = seconds + compare * (cells + (prism ? round * round / points.count : 0));
   points.keys = {{"structure.surface_spacing", spacing, p.dimension == 2 ? -1.0 : -2.0}};
   add(points.keys, lengths(p));

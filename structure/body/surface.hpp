@@ -15,7 +15,7 @@ InterfaceMesh outline(const std::vector<Eigen::Vector2d>& polygon, double spacin
 InterfaceMesh outline(const Plate&, double spacing);
 
 /// The cross-section in the xy-plane; of a circle a polygon with corners about `spacing` apart (0: a
-/// hundred). A sphere has none.
+/// hundred). A sphere and a closed surface have none.
 std::vector<Eigen::Vector2d> polygon_of(const Shape&, const Plate&, double spacing);
 
 /// The interface of surface coupling with `surface_spacing`, named "structure". In two dimensions it is the

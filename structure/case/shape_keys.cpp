@@ -3,6 +3,7 @@
 #include "proto/files/motion_file.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/body/surface.hpp"
+#include "structure/case/offset_keys.hpp"
 #include "structure/case/plate_keys.hpp"
 
 #include <fmt/format.h>
@@ -212,7 +213,7 @@ void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
 
 void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
   std::vector<std::string> given;
-  for (const std::string name : {"box", "mesh", "outline", "wedge", "cylinder", "sphere"})
+  for (const std::string name : {"box", "mesh", "outline", "offsets", "wedge", "cylinder", "sphere"})
     if (t.has(name)) given.push_back(name);
   const bool all = file.only_declares();
   if (!all && !given.empty() && t.has("plate")) given.insert(given.begin(), "plate");
@@ -222,13 +223,19 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
 
   if (all || given.empty()) read_plate(t.table("plate", "rectangle in the xy-plane"), p.plate);
   read_outline(t, p.shape);
+  if (std::vector<Eigen::Vector2d> section = read_offsets(file, t); !section.empty()) {
+    p.shape.kind = ShapeKind::polygon;
+    p.shape.corner = std::move(section);
+  }
   if (all || t.has("wedge")) read_wedge(t.table("wedge", "rigid wedge, apex down"), p.shape);
   if (all || t.has("cylinder"))
     read_round(t.table("cylinder", "rigid cylinder, its axis along z"), ShapeKind::cylinder, p.shape);
   if (all || t.has("sphere"))
     read_round(t.table("sphere", "rigid sphere, three dimensions"), ShapeKind::sphere, p.shape);
-  t.number("depth", p.shape.depth,
-           positive("m", "three dimensions: how far a plate, outline, wedge or cylinder reaches along z"));
+  t.number(
+      "depth", p.shape.depth,
+      positive("m",
+               "three dimensions: how far a plate, outline, section, wedge or cylinder reaches along z"));
   if (all) return;
 
   if (given.empty() && p.plate.hollow != 0) read_hollow_plate(t, p);
@@ -250,7 +257,7 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
   if (solid && !sphere && (!body || tilted) && p.shape.depth == 0)
     throw t.error("depth", "a length along z: fluid.dimension is 3", "depth = 1.0");
   if (!solid) p.shape.depth = p.shape.middle = 0;
-  if (!body) check_outline(t, p, given.empty() ? "plate" : given[0]);
+  if (!body && !t.has("offsets")) check_outline(t, p, given.empty() ? "plate" : given[0]);
 }
 
 void read_initial_velocity(const CaseFile& file, CaseTable structure, Parameters& p) {

@@ -1,5 +1,8 @@
 #include "structure/case/solid_keys.hpp"
 
+#include "proto/mesh_files/stl.hpp"
+#include "structure/case/offset_keys.hpp"
+#include "structure/case/surface_keys.hpp"
 #include "structure/mesh_files/mesh_file.hpp"
 
 #include <Eigen/Geometry>
@@ -221,7 +224,8 @@ struct Placing {
   Eigen::Vector3d axis = {0, 0, 1}, move = {0, 0, 0};
 };
 
-Placing read_placing(CaseTable t, const Parameters& p, bool all) {
+/// `section`: the body is one of structure.offsets.
+Placing read_placing(CaseTable t, const Parameters& p, bool section, bool all) {
   Placing placing;
   t.number("scale", placing.scale, positive("1", "factor on all lengths, first: 0.001 for a mesh in mm"));
   t.number(
@@ -236,12 +240,12 @@ Placing read_placing(CaseTable t, const Parameters& p, bool all) {
   if (placing.axis.norm() == 0) throw t.error("axis", "a direction", "axis = [0, 0, 1]");
   if (all) return placing;
   const bool turned = placing.angle != 0;
-  const bool plate = p.shape.kind != ShapeKind::solid || p.plate.angle != 0;
+  const bool plate = !section && (p.shape.kind != ShapeKind::solid || p.plate.angle != 0);
   if (plate && (turned || placing.scale != 1 || !placing.move.isZero()))
     throw t.error(turned               ? "angle"
                   : placing.scale != 1 ? "scale"
                                        : "move",
-                  "nothing: it belongs to a body of structure.mesh or structure.box",
+                  "nothing: it belongs to a body of structure.mesh, structure.box or structure.offsets",
                   "a plate at an angle: structure.plate.angle");
   return placing;
 }
@@ -267,9 +271,13 @@ Placing tilt_of(const Plate& plate) {
   return placing;
 }
 
-void place(Solid& solid, const Placing& placing) {
+Eigen::Matrix3d turn_of(const Placing& placing) {
   const double turn = placing.angle * std::numbers::pi / 180;
-  const Eigen::Matrix3d R = Eigen::AngleAxisd(turn, placing.axis.normalized()).toRotationMatrix();
+  return Eigen::AngleAxisd(turn, placing.axis.normalized()).toRotationMatrix();
+}
+
+void place(Solid& solid, const Placing& placing) {
+  const Eigen::Matrix3d R = turn_of(placing);
   solid.node = ((placing.scale * R) * solid.node).colwise() + placing.move;
   if (solid.dimension == 2) solid.node.row(2).setZero();
   solid.turn = R;
@@ -281,10 +289,11 @@ void place(Solid& solid, const Placing& placing) {
 
 }  // namespace
 
-void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
-  const bool all = file.only_declares();
+namespace {
+
+/// [[structure.box]] with all copies, and the initial velocity of each.
+std::vector<SolidBox> read_boxes(CaseTable t, const Parameters& p, std::vector<Eigen::Vector3d>& velocity) {
   std::vector<SolidBox> boxes;
-  std::vector<Eigen::Vector3d>& velocity = p.initial.of_part;
   for (CaseTable& table : t.tables("box", "one part of a body that is a union of axis-aligned boxes")) {
     Eigen::Vector3d initial = Eigen::Vector3d::Zero();
     const SolidBox box = read_box(table, p, boxes, initial);
@@ -294,17 +303,34 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
     }
   }
   check_grid(t, p.dimension, boxes);
+  return boxes;
+}
+
+}  // namespace
+
+void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
+  const bool all = file.only_declares();
+  std::vector<Eigen::Vector3d>& velocity = p.initial.of_part;
+  const std::vector<SolidBox> boxes = read_boxes(t, p, velocity);
   std::filesystem::path mesh;
   if (all || t.has("mesh"))
-    t.file(
-        "mesh", mesh,
-        {.help =
-             "cells of the body: Gmsh (.msh, text) or Abaqus (.inp); triangles, tetrahedra and prisms are "
-             "cut into "
-             "quadrilaterals and hexahedra; physical names of cells are parts, those of their sides faces"});
-  const Placing placing =
-      read_placing(t.table("placed", "where a body of structure.mesh or structure.box goes"), p, all);
+    t.file("mesh", mesh,
+           {.help =
+                "cells of the body: Gmsh (.msh, text) or Abaqus (.inp); triangles, tetrahedra and prisms are "
+                "cut into "
+                "quadrilaterals and hexahedra; physical names of cells are parts, those of their sides "
+                "faces; or "
+                "the closed surface of a rigid body in space: STL (.stl, text or binary), lengths in m or "
+                "placed.scale = 0.001"});
+  const Placing placing = read_placing(
+      t.table("placed", "where a body of structure.mesh, structure.box or structure.offsets goes"), p,
+      t.has("offsets"), all);
+  if (!all && t.has("offsets")) place_section(t, p, placing.scale * turn_of(placing), placing.move);
   const bool body = p.shape.kind == ShapeKind::solid;
+  if (!all && is_stl(mesh)) {
+    read_surface_body(t, p, mesh, placing.scale * turn_of(placing), placing.move);
+    return;
+  }
   if (!all && !body)
     for (const char* key : {"part", "support"})
       if (t.has(key))

@@ -180,6 +180,8 @@ std::vector<std::string> Rigid::lines() const {
   else
     lines.back() += fmt::format("   inertia about x, y, z {:.6g}, {:.6g}, {:.6g} kg m^2", m.inertia(0, 0),
                                 m.inertia(1, 1), m.inertia(2, 2));
+  const auto& file = parameters_.closed_surface.lines;
+  lines.insert(lines.end(), file.begin(), file.end());
   if (body_.is_free())
     lines.push_back(fmt::format("added-mass ratio {:.3g} (flat plate of the body's width at the surface)",
                                 plate_added_mass(parameters_) / m.mass));
