@@ -57,11 +57,13 @@ const std::string& own_mark() {
   return mark;
 }
 
-/// Whether that process was started by this one, or by a program that this one started.
+/// Whether this process, or a program of its own, started that one. During `exec` its environment is empty.
 bool is_descendant(pid_t pid) {
-  std::ifstream environment(fmt::format("/proc/{}/environ", pid));
-  for (std::string setting; std::getline(environment, setting, '\0');)
-    if (setting == own_mark()) return true;
+  for (int look = 0; look < 20; ++look, std::this_thread::sleep_for(milliseconds(1))) {
+    std::ifstream file(fmt::format("/proc/{}/environ", pid));
+    const std::string settings{std::istreambuf_iterator<char>(file), {}}, nul(1, '\0');
+    if (!settings.empty()) return (nul + settings).find(nul + own_mark() + nul) != std::string::npos;
+  }
   return false;
 }
 
