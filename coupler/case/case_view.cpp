@@ -218,6 +218,11 @@ std::string program_name(const std::string& side, const std::string& solver) {
   return "strake-structure-" + solver;
 }
 
+std::filesystem::path program_of(const AttachmentKeys& attachment, const CaseView& view) {
+  return find_program(attachment.is_users() ? attachment.solver : "strake-attachment-" + attachment.solver,
+                      view.folder);
+}
+
 std::vector<double> numbers_in(const std::string& value) {
   std::vector<double> numbers;
   for (const char* at = value.c_str(); *at != '\0';) {
@@ -329,6 +334,17 @@ std::vector<BodyKeys> structures_of(const CommonKeys& common) {
   return {{.name = "structure", .solver = common.structure_solver, .program = common.structure_program}};
 }
 
+/// Refuses an attachment whose program is not there.
+void check_program(const CaseFile& file, const AttachmentKeys& one, const CaseView& view,
+                   const std::vector<std::string>& by_hand) {
+  if (!one.is_program() || std::find(by_hand.begin(), by_hand.end(), one.name) != by_hand.end()) return;
+  std::error_code ignored;
+  if (one.is_users() && !std::filesystem::is_regular_file(view.folder / one.solver, ignored))
+    throw Error(ExitCode::case_file, file.path().string() + ": attachments." + one.name + ".solver",
+                "there is no file " + (view.folder / one.solver).string(), "the path of a program");
+  program_of(one, view);
+}
+
 }  // namespace
 
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
@@ -337,6 +353,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   std::optional<CommonKeys> read;
   CouplingKeys coupling;
   std::vector<CompareBlock> blocks;
+  std::vector<AttachmentKeys> attachments;
   std::vector<Error> refused;
   const auto collect = [&refused](const auto& look) {
     try {
@@ -351,6 +368,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
       read = read_common(file);
       coupling = read_coupling(file);
       blocks = read_compare_blocks(file);
+      attachments = read_attachments(file, *read);
       file.root().table("fluid").accept_all();  // its program judges it
       file.root().table("structure").accept_all();
       file.refuse_unknown();
@@ -369,6 +387,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
                 .blocks = blocks,
                 .fluid = std::nullopt,
                 .structures = {},
+                .attachments = attachments,
                 .sets = sets,
                 .resolved = {},
                 .value = {}};
@@ -385,6 +404,8 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
     });
   }
   collect([&] { check_precice_names("fluid", common.fluid_program); });
+  for (const AttachmentKeys& one : view.attachments)
+    collect([&] { check_program(file, one, view, by_hand); });
   if (!refused.empty()) throw all_of(refused);
   resolve(file, view);
   return view;

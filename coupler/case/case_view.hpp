@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/attachments/case/attachment_keys.hpp"
 #include "coupler/case/coupling_keys.hpp"
 #include "coupler/compare/compare_block.hpp"
 #include "proto/case/case_keys.hpp"
@@ -44,6 +45,7 @@ struct CaseView {
   std::vector<CompareBlock> blocks;
   std::optional<SideView> fluid;     // none: solver = "none"
   std::vector<SideView> structures;  // one, the bodies of [[structures]], or none: solver = "none"
+  std::vector<AttachmentKeys> attachments;
   std::vector<std::string> sets;
   std::string resolved;                      // case.toml of the run folder: every key, defaults marked
   std::map<std::string, std::string> value;  // key → resolved value as text
@@ -75,6 +77,8 @@ std::string ask(const std::filesystem::path& program, std::vector<std::string> a
 std::optional<std::string> ask_solver(const CaseView&, const SideView& structure, const std::string& solver,
                                       const std::string& mode, const StopRequest* stop);
 
+/// The program of an attachment that is computed by one.
+std::filesystem::path program_of(const AttachmentKeys&, const CaseView&);
 /// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.
 std::string program_name(const std::string& side, const std::string& solver);
 

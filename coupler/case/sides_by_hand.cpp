@@ -17,9 +17,12 @@ void check_by_hand(const std::vector<std::string>& by_hand, const CaseView& view
   const std::vector<const SideView*> sides = view.sides();
   for (const std::string& name : by_hand) {
     const auto is_meant = [&](const SideView* side) { return starts_by_hand({name}, *side); };
-    if (std::any_of(sides.begin(), sides.end(), is_meant)) continue;
+    const auto is_program = [&](const AttachmentKeys& one) { return one.name == name && one.is_program(); };
+    if (std::any_of(sides.begin(), sides.end(), is_meant) ||
+        std::any_of(view.attachments.begin(), view.attachments.end(), is_program))
+      continue;
     throw Error(ExitCode::command_line, "--attach", "the case has no " + name,
-                "--attach names sides that have a solver");
+                "--attach names sides and attachments that a program computes");
   }
 }
 

@@ -30,7 +30,7 @@ void keep_earlier(std::vector<T>& history, std::vector<T>& samples) {
 }
 
 /// In one line: the console shows it with the window.
-std::string asks_for_shorter(const char* who, const Window& window, const std::string& why) {
+std::string asks_for_shorter(const std::string& who, const Window& window, const std::string& why) {
   return fmt::format("{} asks for a shorter window than {:.3g} s{}{}", who, window.dt,
                      why.empty() ? "" : ": ", why);
 }
@@ -38,9 +38,10 @@ std::string asks_for_shorter(const char* who, const Window& window, const std::s
 }  // namespace
 
 Scheme::Scheme(Participant& fluid, Participant& structure, FieldTransfer transfer,
-               SchemeParameters parameters, double start_time)
+               SchemeParameters parameters, double start_time, std::vector<Attachment> attachments)
     : fluid_(fluid),
       structure_(structure),
+      attachments_(std::move(attachments)),
       transfer_(std::move(transfer)),
       parameters_(std::move(parameters)),
       of_structure_(fields_of_structure(structure)),
@@ -64,17 +65,22 @@ Scheme::Scheme(Participant& fluid, Participant& structure, FieldTransfer transfe
     throw Error(ExitCode::case_file, "coupling.interface = \"volume\"",
                 "the structure gives no velocity, which the fluid needs for the solid's particles",
                 "structure.solver = \"particle\"");
+  if (!attachments_.none() && (!of_structure_.motion || !find(of_fluid_, "force") || parameters_.volume))
+    throw Error(ExitCode::case_file, "attachments",
+                "need a structure that sends its displacement, and a fluid that sends force on its surface");
   parameters_.parallel = parameters_.parallel && !parameters_.volume;
   state_.sends_velocity = find(structure_.description().initial, "velocity") != nullptr;
   of_structure_.time = start_time;
   state_.structure = {of_structure_};
   Sample load = {start_time, {}};
   for (const Field& field : of_fluid_) load.fields.push_back(transfer_.onto_structure(field));
-  const bool announced = !fluid_.description().initial.empty();
+  Sample of_water = load;
+  add_attached(load.fields, attachments_.load());
+  const bool announced = !fluid_.description().initial.empty() || !attachments_.none();
   if (structure_.description().history && announced) state_.history = {load};
   if (structure_.description().partner_initial && announced) initial_load_ = load;
   if (fluid_takes_history()) state_.structure_history = {of_structure_};
-  if (needs_last_load()) state_.fluid = {std::move(load)};
+  if (needs_last_load()) state_.fluid = {std::move(of_water)};
 }
 
 void Scheme::set_state(CouplingState state) {
@@ -153,11 +159,11 @@ WindowReport Scheme::advance(const Window& window) {
     row.relaxation = accelerator_->last_step().relaxation;
     row.columns = accelerator_->last_step().columns;
     row.dropped = accelerator_->last_step().dropped;
-    rewind_both();
+    rewind_all();
   }
   if (!report.converged && most > 1) {
     if (convergence.then == Unconverged::halve) {
-      rewind_both();
+      rewind_all();
       return retry(window, 0.5 * window.dt,
                    fmt::format("a window of {:.3g} s does not converge in {} iterations", window.dt, most),
                    "raise coupling.surface.converged.max_iterations");
@@ -235,9 +241,10 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
   return row;
 }
 
-void Scheme::rewind_both() {
+void Scheme::rewind_all() {
   fluid_.rewind();
   structure_.rewind();
+  attachments_.rewind();
 }
 
 WindowReport Scheme::retry(const Window& window, double limit, std::string why, std::string fix) const {
@@ -269,7 +276,8 @@ void Scheme::close(WindowReport& report, Iterate& now) {
   report.iterations = report.log.back().iteration;
   report.residual = report.log.back().residual;
   report.threshold = report.log.back().threshold;
-  report.dt_limit = std::min(now.from_fluid.dt_limit, now.from_structure.dt_limit);
+  report.dt_limit = std::min({now.from_fluid.dt_limit, now.from_structure.dt_limit, attachments_.dt_limit()});
+  report.attachments = attachments_.monitor();
   report.fluid = std::move(now.from_fluid.monitor);
   report.structure = std::move(now.from_structure.monitor);
   const Field *force = find(now.load, "force"), *wet = find(now.wet, "force");
@@ -295,6 +303,7 @@ void Scheme::close(WindowReport& report, Iterate& now) {
   report.from_structure = sent.fields();
   for (const Field& field : now.load)
     if (!mechanical || field.quantity != "force") report.from_fluid.push_back(field);
+  if (!attachments_.none()) report.from_fluid.push_back({attached_quantity, "N", true, now.attached});
   pending_.structure = std::move(now.answer);
   if (needs_last_load()) pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
   pending_.history = std::move(now.history);
@@ -307,6 +316,7 @@ void Scheme::commit(bool write_output) {
   assert(open_);
   fluid_.commit(write_output);
   structure_.commit(write_output);
+  attachments_.commit(write_output);
   ++state_.windows;
   state_.velocity_scale = pending_.velocity_scale;
   state_.sends_velocity = pending_.sends_velocity;

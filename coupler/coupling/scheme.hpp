@@ -1,6 +1,7 @@
 #pragma once
 
 #include "coupler/acceleration/accelerator.hpp"
+#include "coupler/coupling/attachments.hpp"
 #include "coupler/coupling/convergence.hpp"
 #include "coupler/coupling/exchange.hpp"
 #include "coupler/coupling/predictor.hpp"
@@ -48,7 +49,9 @@ class Scheme {
   /// The exchanged fields follow from the Description::initial of both (fields_of_structure,
   /// fields_of_fluid). A structure that sends velocity with each window has it there as well. Throws
   /// Error(case_file) when the mapping does not fit the meshes, or the mapping back is missing.
-  Scheme(Participant& fluid, Participant& structure, FieldTransfer, SchemeParameters, double start_time = 0);
+  /// attachments: to the structure's points.
+  Scheme(Participant& fluid, Participant& structure, FieldTransfer, SchemeParameters, double start_time = 0,
+         std::vector<Attachment> attachments = {});
 
   WindowReport advance(const Window&);
   void commit(bool write_output);
@@ -66,11 +69,11 @@ class Scheme {
   struct Iterate;
   /// A solver that wants a shorter window: both are taken back then.
   struct Shorter {
-    const char* who;
+    std::string who;
     double limit;  // [s]
     std::string why, fix;
-    Shorter(const char* who, const Advanced& answer)
-        : who(who), limit(answer.dt_limit), why(answer.why), fix(answer.fix) {}
+    Shorter(std::string name, const Advanced& answer)
+        : who(std::move(name)), limit(answer.dt_limit), why(answer.why), fix(answer.fix) {}
   };
   std::optional<Shorter> evaluate(const Window&, int iteration, Iterate&);
   std::optional<Shorter> evaluate_serial(const Window&, int iteration, Iterate&);
@@ -94,12 +97,15 @@ class Scheme {
   std::vector<AcceleratorBlock> blocks(const Iterate&) const;
   Eigen::VectorXd stack(const StructureSample&, const std::vector<Field>& load) const;
   void next_guess(const Window&, Iterate&);
-  void rewind_both();
+  void start_attachments(const Window&, Iterate&);
+  std::optional<Shorter> finish_attachments(const Window&, int iteration, Iterate&);
+  void rewind_all();
   WindowReport retry(const Window&, double limit, std::string why, std::string fix) const;
   [[noreturn]] void stop_unconverged(const WindowReport&) const;
   void close(WindowReport&, Iterate&);
   Participant& fluid_;
   Participant& structure_;
+  Attachments attachments_;
   FieldTransfer transfer_;
   SchemeParameters parameters_;
   StructureSample of_structure_;        // announced

@@ -42,10 +42,16 @@ std::optional<Scheme::Shorter> Scheme::evaluate(const Window& window, int iterat
 }
 
 std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int iteration, Iterate& now) {
-  now.from_fluid = fluid_.advance(window, for_fluid(window, now));
-  if (now.from_fluid.retry_smaller_dt) {
+  fluid_.start_with(window, for_fluid(window, now));
+  start_attachments(window, now);
+  now.from_fluid = fluid_.finish();
+  std::optional<Shorter> shorter = finish_attachments(window, iteration, now);
+  if (now.from_fluid.retry_smaller_dt && (!shorter || now.from_fluid.dt_limit < shorter->limit))
+    shorter.emplace("the fluid", now.from_fluid);
+  if (shorter) {
     fluid_.rewind();
-    return Shorter("the fluid", now.from_fluid);
+    attachments_.rewind();
+    return shorter;
   }
   receive_fluid(window, iteration, now);
 
@@ -53,7 +59,7 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
   sum_load(now);  // while the structure computes
   now.from_structure = structure_.finish();
   if (now.from_structure.retry_smaller_dt) {
-    rewind_both();
+    rewind_all();
     return Shorter("the structure", now.from_structure);
   }
   receive_structure(window, iteration, now);
@@ -62,21 +68,44 @@ std::optional<Scheme::Shorter> Scheme::evaluate_serial(const Window& window, int
 
 std::optional<Scheme::Shorter> Scheme::evaluate_parallel(const Window& window, int iteration, Iterate& now) {
   fluid_.start_with(window, for_fluid(window, now));
+  start_attachments(window, now);
+  std::optional<Shorter> shorter = finish_attachments(window, iteration, now);
   structure_.start_with(window, for_structure(window, now));
   now.from_fluid = fluid_.finish();
   now.from_structure = structure_.finish();
-  std::optional<Shorter> shorter;
-  if (now.from_fluid.retry_smaller_dt) shorter.emplace("the fluid", now.from_fluid);
-  if (now.from_structure.retry_smaller_dt && (!shorter || now.from_structure.dt_limit < shorter->limit))
-    shorter.emplace("the structure", now.from_structure);
+  const auto ask = [&](const char* who, const Advanced& answer) {
+    if (answer.retry_smaller_dt && (!shorter || answer.dt_limit < shorter->limit))
+      shorter.emplace(who, answer);
+  };
+  ask("the fluid", now.from_fluid);
+  ask("the structure", now.from_structure);
   if (shorter) {
-    rewind_both();
+    rewind_all();
     return shorter;
   }
   receive_fluid(window, iteration, now);
   sum_load(now);
   receive_structure(window, iteration, now);
   return std::nullopt;
+}
+
+/// Like the fluid they compute from the guess of the motion.
+void Scheme::start_attachments(const Window& window, Iterate& now) {
+  now.attached_before = std::exchange(now.attached, {});
+  if (!attachments_.none()) attachments_.start(window, *guess_of(now).motion);
+}
+
+std::optional<Scheme::Shorter> Scheme::finish_attachments(const Window& window, int iteration, Iterate& now) {
+  const auto shorter = attachments_.finish({"", window, state_.windows + 1, iteration});
+  now.attached = attachments_.load();
+  if (shorter) return Shorter(shorter->who, shorter->answer);
+  return std::nullopt;
+}
+
+void add_attached(std::vector<Field>& load, const Values& attached) {
+  if (attached.cols() == 0) return;
+  for (Field& field : load)
+    if (field.quantity == "force") field.value.edit() += attached;
 }
 
 void Scheme::sum_load(Iterate& now) {

@@ -112,18 +112,23 @@ Input Scheme::for_structure(const Window& window, const Iterate& now) const {
   if (!structure_.description().history || given.empty()) {
     if (initial_load_ && state_.windows == 0) input.samples.push_back(*initial_load_);
     input.samples.push_back({window.t + window.dt, load});
+    add_attached(input.samples.back().fields, now.attached);
     return input;
   }
   input.samples = state_.history;
   for (const Sample& sample : given) {
     input.samples.push_back(sample);
-    if (parameters_.parallel) shift(input.samples.back().fields, load, now.load_before);
+    if (!parameters_.parallel) continue;
+    std::vector<Field> all = load, before = now.load_before;
+    add_attached(all, now.attached);
+    add_attached(before, now.attached_before);
+    shift(input.samples.back().fields, all, before);
   }
   return input;
 }
 
-// What the fluid sends over the window. Where it is alone with its end values, and these are no means, they
-// make a history with those before.
+// What the fluid sends over the window, with the force of attachments. Where it is alone with its end values,
+// and these are no means, they make a history with those before.
 Samples Scheme::receive_history(const Window& window, int iteration, Iterate& now) const {
   const Place place = {"fluid", window, state_.windows + 1, iteration};
   const double end = window.t + window.dt;
@@ -137,6 +142,7 @@ Samples Scheme::receive_history(const Window& window, int iteration, Iterate& no
       history.back().fields.push_back(transfer_.onto_structure(field));
   }
   if (history.empty() && !any_conservative(of_fluid_)) history = {{end, now.load}};
+  for (Sample& sample : history) add_attached(sample.fields, now.attached);
   return history;
 }
 

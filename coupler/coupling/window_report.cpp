@@ -22,7 +22,7 @@ Eigen::Vector3d WindowReport::total_force() const {
 
 std::map<std::string, double> WindowReport::monitor() const {
   std::map<std::string, double> merged;
-  for (const auto* side : {&fluid, &structure})
+  for (const auto* side : {&fluid, &structure, &attachments})
     for (const auto& [name, value] : *side) {
       const auto begins = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
       if (!begins("seconds.") && !begins("count.") && !begins("check.") && !begins("memory.") &&

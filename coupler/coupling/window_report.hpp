@@ -46,7 +46,8 @@ struct WindowReport {
   Values displacement = Points(), velocity = Points(), force = Points();
   std::vector<Field> from_structure, from_fluid;   // all else that is exchanged, on the structure's mesh
   std::map<std::string, double> fluid, structure;  // Advanced::monitor of each
-  /// Both monitors in one, without the reserved prefixes (seconds., count., check., memory., alarm.).
+  std::map<std::string, double> attachments;       // of all of them, each name behind the attachment's
+  /// All monitors in one, without the reserved prefixes (seconds., count., check., memory., alarm.).
   std::map<std::string, double> monitor() const;
   std::vector<IterationReport> log;
   Eigen::Vector3d total_force() const;  // [N] Σ force, as the last iteration has it; 0 without one

@@ -73,6 +73,7 @@ void Checkpoints::write(Session& session, const WindowLoop& loop, const Summary&
   if (error) cannot_write(target, error);
 
   for (RemoteParticipant* participant : session.remotes()) participant->checkpoint(target);
+  session.attachments().checkpoint(target);
   Archive archive;
   if (session.scheme() != nullptr) session.scheme()->state().save(archive);
   loop.state().save(archive);
@@ -170,6 +171,7 @@ RunPlan Checkpoints::resume(const fs::path& source, Session& session, Summary& s
     participant->resume(source);
     participant->count_windows_from(static_cast<std::uint64_t>(plan.start.windows));
   }
+  session.attachments().resume(source, static_cast<std::uint64_t>(plan.start.windows));
   if (session.scheme() != nullptr) {
     CouplingState state;
     state.load(archive);

@@ -67,6 +67,8 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
       .on_wait = options.on_wait});
   for (const SideView& structure : view.structures) launch(structure);
   if (view.fluid) launch(*view.fluid);
+  attachments_ = std::make_unique<SessionAttachments>(
+      view, [this](const AttachmentKeys& keys) { launch_attachment(keys); });
 
   Setup setup{.run_folder = options.run_folder,
               .interface = view.coupled() ? view.common.interface : "none",
@@ -82,11 +84,16 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
     fluid_ = &participants_->connect("fluid", setup);
     add_columns("fluid", fluid_->description());
   }
+  if (structure_ != nullptr) attachments_->connect(*participants_, setup, *structure_);
+  for (const Column& column : attachments_->columns()) {
+    sources_.push_back({.reporter = Reporter::attachments, .name = column.name});
+    columns_.push_back(column);
+  }
 
   if (!view.coupled()) return;
   const CouplingCase coupling = coupling_case(view);
   scheme_ = std::make_unique<Scheme>(*fluid_, *structure_, transfer_of(coupling, *structure_, *fluid_),
-                                     scheme_of(coupling, *structure_));
+                                     scheme_of(coupling, *structure_), 0, attachments_->all());
 }
 
 /// The structure, or several bodies as one.
@@ -115,7 +122,7 @@ void Session::add_forces() {
   const int dimension = structure_->mesh().dimension;
   for (std::size_t body = 0; body < bodies_.size(); ++body)
     for (int k = 0; k < dimension; ++k) {
-      sources_.push_back({.fluid = false, .name = {}, .body = body, .component = k});
+      sources_.push_back({.name = {}, .body = body, .component = k});
       columns_.push_back(
           {fmt::format("{}.force.{}", case_.structures[body].side, "xyz"[k]), dimension == 2 ? "N/m" : "N"});
     }
@@ -138,19 +145,35 @@ void Session::launch(const SideView& side) {
     for (const std::string& set : case_.sets) launch.arguments.insert(launch.arguments.end(), {"--set", set});
   }
   if (!own.folder.empty()) launch.program = std::filesystem::absolute(launch.program);
-  launch.log = options_.log_folder / (side.side + ".log");
+  if (const std::string path = library_path(); own.own_command_line && !path.empty())
+    launch.environment["LD_LIBRARY_PATH"] = path;
+  if (!own.precice_names.empty())
+    launch.environment["STRAKE_PRECICE_NAMES"] = fmt::format("{}", fmt::join(own.precice_names, ";"));
+  start(side.side, std::move(launch), started_here);
+}
+
+/// Its command line is that of a solver.
+void Session::launch_attachment(const AttachmentKeys& keys) {
+  const auto& by_hand = options_.by_hand;
+  const bool started_here = std::find(by_hand.begin(), by_hand.end(), keys.name) == by_hand.end();
+  Launch launch;
+  launch.program = started_here ? program_of(keys, case_) : std::filesystem::path(keys.solver);
+  launch.arguments = {"--case", (started_here ? case_.path : std::filesystem::absolute(case_.path)).string()};
+  for (const std::string& set : case_.sets) launch.arguments.insert(launch.arguments.end(), {"--set", set});
+  start(keys.name, std::move(launch), started_here);
+}
+
+/// Starts a program with a log of its own, or invites the user to.
+void Session::start(const std::string& name, Launch launch, bool started_here) {
+  launch.log = options_.log_folder / (name + ".log");
   if (options_.resumed_at) {
     note_resume(launch.log, *options_.resumed_at);
     launch.keep_log = true;
   }
   launch.threads = case_.common.threads;
-  if (const std::string path = library_path(); own.own_command_line && !path.empty())
-    launch.environment["LD_LIBRARY_PATH"] = path;
-  if (!own.precice_names.empty())
-    launch.environment["STRAKE_PRECICE_NAMES"] = fmt::format("{}", fmt::join(own.precice_names, ";"));
-  if (started_here) return participants_->launch(side.side, std::move(launch));
-  participants_->attach(side.side);
-  if (options_.invite) options_.invite(side.side, participants_->command(side.side, launch));
+  if (started_here) return participants_->launch(name, std::move(launch));
+  participants_->attach(name);
+  if (options_.invite) options_.invite(name, participants_->command(name, launch));
 }
 
 std::vector<RemoteParticipant*> Session::remotes() const {
@@ -180,7 +203,8 @@ void Session::take_surface(const SideView& side, RemoteParticipant& structure) c
 
 void Session::add_columns(const std::string& side, const Description& description) {
   for (Column column : description.columns) {
-    sources_.push_back({.fluid = side == "fluid", .name = column.name});
+    sources_.push_back(
+        {.reporter = side == "fluid" ? Reporter::fluid : Reporter::structure, .name = column.name});
     const auto same = [&](const Column& other) { return other.name == column.name; };
     while (std::any_of(columns_.begin(), columns_.end(), same)) column.name = side + "." + column.name;
     columns_.push_back(column);
@@ -199,7 +223,10 @@ std::vector<double> Session::values(const WindowReport& report) const {
     if (source.component >= 0)
       values.push_back(force[source.body][source.component]);
     else
-      values.push_back(at_or(source.fluid ? report.fluid : report.structure, source.name, std::nan("")));
+      values.push_back(at_or(source.reporter == Reporter::fluid       ? report.fluid
+                             : source.reporter == Reporter::structure ? report.structure
+                                                                      : report.attachments,
+                             source.name, std::nan("")));
   return values;
 }
 
@@ -259,6 +286,7 @@ std::vector<std::pair<std::string, std::vector<std::string>>> Session::understoo
       blocks.back().second.push_back(
           fmt::format("{} faces from {}", bodies_[k]->mesh().faces.cols(), file.filename().string()));
   }
+  for (const auto& block : attachments_->understood()) blocks.push_back(block);
   blocks.emplace_back("coupling", coupling_lines());
   return blocks;
 }
@@ -286,6 +314,7 @@ std::string Session::cannot_resume() const {
   if (fluid_ != nullptr && fluid_->description().cannot_resume) names.emplace_back("fluid");
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     if (bodies_[k]->description().cannot_resume) names.push_back(case_.structures[k].side);
+  for (const std::string& name : attachments_->cannot_resume()) names.push_back(name);
   if (names.empty()) return {};
   return fmt::format("{} cannot save {} state", fmt::join(names, " and "),
                      names.size() > 1 ? "their" : "its");

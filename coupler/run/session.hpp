@@ -6,6 +6,7 @@
 #include "coupler/coupling/scheme.hpp"
 #include "coupler/coupling/window_loop.hpp"
 #include "coupler/processes/remote.hpp"
+#include "coupler/run/session_attachments.hpp"
 
 #include <filesystem>
 #include <functional>
@@ -47,8 +48,9 @@ class Session {
   /// True if displacement and force cross the interface.
   bool is_mechanical() const { return scheme_ && scheme_->is_mechanical(); }
   RemoteParticipant* fluid() { return fluid_; }
-  Participant* structure() { return structure_; }  // of several bodies all in one
-  std::vector<RemoteParticipant*> remotes() const;
+  Participant* structure() { return structure_; }   // of several bodies all in one
+  std::vector<RemoteParticipant*> remotes() const;  // without attachments
+  const SessionAttachments& attachments() const { return *attachments_; }
   /// After all participants have resumed.
   void set_state(CouplingState);
   Participants& participants() { return *participants_; }
@@ -75,6 +77,8 @@ class Session {
   void add_forces();
   void add_columns(const std::string& side, const Description&);
   void launch(const SideView&);
+  void launch_attachment(const AttachmentKeys&);
+  void start(const std::string& name, Launch, bool started_here);
   std::vector<std::string> coupling_lines() const;
 
   const CaseView& case_;
@@ -84,9 +88,11 @@ class Session {
   std::vector<RemoteParticipant*> bodies_;  // the structure, or several bodies
   std::unique_ptr<Assembly> assembly_;      // of several
   Participant* structure_ = nullptr;
+  std::unique_ptr<SessionAttachments> attachments_;
   std::unique_ptr<Scheme> scheme_;
+  enum class Reporter { fluid, structure, attachments };
   struct Source {
-    bool fluid = false;
+    Reporter reporter = Reporter::structure;
     std::string name;  // as the participant calls it
     std::size_t body = 0;
     int component = -1;  // of that body's force; -1: what a participant reports

@@ -85,11 +85,13 @@ std::string CaseFile::Document::in_file(const std::string& table) const {
   return body.empty() ? table : moved(table, "structure", "structures");
 }
 
-/// structures.left.solver is structures[0].solver.
-void CaseFile::Document::find_body(std::vector<PathStep>& steps, const std::string& where) const {
-  if (steps.size() < 2 || steps[0].key != "structures" || steps[1].is_index) return;
+/// structures.left.solver is structures[0].solver; likewise attachments.mooring.at.
+void CaseFile::Document::find_named(std::vector<PathStep>& steps, const std::string& where) const {
+  const bool is_body = !steps.empty() && steps[0].key == "structures";
+  if (steps.size() < 2 || steps[1].is_index || (!is_body && steps[0].key != "attachments")) return;
+  const std::string list = steps[0].key;
   std::vector<std::string> names;
-  const toml::array* array = root["structures"].as_array();
+  const toml::array* array = root[list].as_array();
   for (std::size_t i = 0; array != nullptr && i < array->size(); ++i) {
     const toml::table* element = array->get(i)->as_table();
     names.push_back(element == nullptr ? "" : (*element)["name"].value_or(std::string()));
@@ -97,10 +99,12 @@ void CaseFile::Document::find_body(std::vector<PathStep>& steps, const std::stri
     steps[1] = {.key = {}, .is_index = true, .index = static_cast<long>(i)};
     return;
   }
+  const std::string instead = is_body ? "structure." + steps[1].key : "write it into the case file";
   throw Error(ExitCode::case_file, where,
-              names.empty() ? "the case has no [[structures]]"
-                            : fmt::format("the case has the bodies {}", fmt::join(names, ", ")),
-              names.empty() ? "structure." + steps[1].key : "structures." + names.front() + ".…");
+              names.empty() ? fmt::format("the case has no [[{}]]", list)
+                            : fmt::format("the case has the {} {}", is_body ? "bodies" : list,
+                                          fmt::join(names, ", ")),
+              names.empty() ? instead : list + "." + names.front() + ".…");
 }
 
 /// [structure.plate] of a body as it stands in a file: [structures.plate], below [[structures]] with its

@@ -75,7 +75,7 @@ struct CaseFile::Document {
   void apply(const std::string& set);  // one --set string
   void read_preset();
   void read_bodies();  // refuses what is wrong with the list itself
-  void find_body(std::vector<PathStep>&, const std::string& where) const;  // a name to its index
+  void find_named(std::vector<PathStep>&, const std::string& where) const;  // a name to its index
   void choose_body(const std::string& name_of_body);
   std::string shown(const std::string& path) const;         // a path as the user knows it
   std::string in_file(const std::string& table) const;      // [structures.plate] of a body

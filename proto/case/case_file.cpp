@@ -147,7 +147,7 @@ void CaseFile::Document::apply(const std::string& argument) {
   const std::string value = trimmed(argument.substr(equals + 1));
   if (value.starts_with('[') || value.starts_with('{')) require_shallow("value = " + value, "--set " + path);
 
-  find_body(steps, where);
+  find_named(steps, where);
   toml::table* table = table_for(root, steps, where);
   toml::table parsed;
   try {
