@@ -6,7 +6,7 @@ strake_build=${STRAKE_BUILD:-$strake_root/build}
 
 strake_packages_build="g++ cmake ninja-build ccache pkg-config libeigen3-dev libsuitesparse-dev libopenblas-dev
   libdeal.ii-dev libprotobuf-dev protobuf-compiler libzmq3-dev cppzmq-dev libhdf5-dev libtomlplusplus-dev libcli11-dev
-  libfmt-dev libspdlog-dev nlohmann-json3-dev libsodium-dev libexpat1-dev libspectra-dev libnanoflann-dev libcairo2-dev libcpp-httplib-dev"
+  libfmt-dev libspdlog-dev nlohmann-json3-dev libsodium-dev libexpat1-dev libzip-dev libspectra-dev libnanoflann-dev libcairo2-dev libcpp-httplib-dev"
 strake_packages_python="python3 python3-zmq python3-protobuf python3-numpy"   # for participants in Python
 strake_packages_test="$strake_packages_python libgtest-dev libbenchmark-dev python3-h5py python3-jsonschema mandoc
   calculix-ccx"   # another finite-element program, the umpire; its tests are skipped without it

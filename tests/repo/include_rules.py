@@ -21,6 +21,7 @@ LIBRARIES = {
     "cairo": ("coupler/plot/",),
     "httplib": ("coupler/watch/",),
     "expat": ("coupler/precice/config/",),
+    "zip.h": ("coupler/attachments/fmu/",),
 }
 # Headers that the numerical method never reaches: files, messages, other processes.
 NOT_IN_A_CORE = ("coupler/", CASE_FILE, "proto/files/result_file", "proto/files/history", "proto/wire/", "proto/coupling")
