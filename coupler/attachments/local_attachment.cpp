@@ -22,7 +22,7 @@ LocalAttachment::LocalAttachment(std::string name, InterfaceMesh points, const M
   for (std::size_t k = 0; k < n; ++k) description_.columns.push_back({column(k, "tension"), unit});
 }
 
-/// "tension" of one line, "tension.2" of the second of several.
+/// "tension" of one line, "tension.1" and so on of several.
 std::string LocalAttachment::column(std::size_t line, const std::string& what) const {
   return tension_.size() == 1 ? what : fmt::format("{}.{}", what, line + 1);
 }

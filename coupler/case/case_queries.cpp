@@ -1,5 +1,6 @@
 #include "coupler/case/case_queries.hpp"
 
+#include "coupler/attachments/case/attachment_keys.hpp"
 #include "coupler/case/coupling_keys.hpp"
 #include "coupler/compare/compare_block.hpp"
 #include "proto/case/case_file.hpp"
@@ -33,9 +34,10 @@ std::vector<std::string> given_among(const std::vector<std::string>& keys,
 
 std::vector<KeyInfo> coupler_declarations() {
   CaseFile file = CaseFile::declarations_only();
-  read_common(file);
+  const CommonKeys common = read_common(file);
   read_coupling(file);
   read_compare_blocks(file);
+  read_attachments(file, common);
   return file.declared();
 }
 

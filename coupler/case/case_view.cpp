@@ -335,14 +335,16 @@ std::vector<BodyKeys> structures_of(const CommonKeys& common) {
 }
 
 /// Refuses an attachment whose program is not there.
-void check_program(const CaseFile& file, const AttachmentKeys& one, const CaseView& view,
-                   const std::vector<std::string>& by_hand) {
-  if (!one.is_program() || std::find(by_hand.begin(), by_hand.end(), one.name) != by_hand.end()) return;
-  std::error_code ignored;
-  if (one.is_users() && !std::filesystem::is_regular_file(view.folder / one.solver, ignored))
-    throw Error(ExitCode::case_file, file.path().string() + ": attachments." + one.name + ".solver",
-                "there is no file " + (view.folder / one.solver).string(), "the path of a program");
-  program_of(one, view);
+void check_attached_programs(const CaseFile& file, const CaseView& view,
+                             const std::vector<std::string>& by_hand) {
+  for (const AttachmentKeys& one : view.attachments) {
+    if (!one.is_program() || std::find(by_hand.begin(), by_hand.end(), one.name) != by_hand.end()) continue;
+    std::error_code ignored;
+    if (one.is_users() && !std::filesystem::is_regular_file(one.solver, ignored))
+      throw Error(ExitCode::case_file, file.path().string() + ": attachments." + one.name + ".solver",
+                  "there is no file " + one.solver, "the path of a program");
+    program_of(one, view);
+  }
 }
 
 }  // namespace
@@ -391,11 +393,10 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
                 .sets = sets,
                 .resolved = {},
                 .value = {}};
-  if (common.fluid_solver != "none")
-    collect([&] { view.fluid = look_at("fluid", common.fluid_solver, file, sets, stop, by_hand); });
-  for (const auto& [side, solver] :
-       {std::pair{"fluid", common.fluid_solver}, std::pair{"structure", common.structure_solver}})
-    if (solver == "none") collect([&] { check_absent_side(file, side); });
+  const std::string& fluid = common.fluid_solver;
+  if (fluid != "none") collect([&] { view.fluid = look_at("fluid", fluid, file, sets, stop, by_hand); });
+  if (fluid == "none") collect([&] { check_absent_side(file, "fluid"); });
+  if (common.structure_solver == "none") collect([&] { check_absent_side(file, "structure"); });
   for (const BodyKeys& one : structures_of(common)) {
     const CaseFile own = common.bodies.empty() ? file : file.of_body(one.name);
     collect([&] { view.structures.push_back(look_at(one.name, one.solver, own, sets, stop, by_hand)); });
@@ -404,8 +405,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
     });
   }
   collect([&] { check_precice_names("fluid", common.fluid_program); });
-  for (const AttachmentKeys& one : view.attachments)
-    collect([&] { check_program(file, one, view, by_hand); });
+  collect([&] { check_attached_programs(file, view, by_hand); });
   if (!refused.empty()) throw all_of(refused);
   resolve(file, view);
   return view;

@@ -74,7 +74,8 @@ class Reference {
     const bool array = table.ends_with("[]");
     const std::string name = array ? "`[[" + table.substr(0, table.size() - 2) + "]]`" : "`[" + table + "]`";
     fmt::print("### {}\n\n", table.empty() ? "Top of the file" : name);
-    if (const auto help = help_.find(table); help != help_.end() && !help->second.empty())
+    const std::string declared = array ? table.substr(0, table.size() - 2) : table;
+    if (const auto help = help_.find(declared); help != help_.end() && !help->second.empty())
       fmt::print("{}\n\n", sentence(help->second));
     fmt::print(
         "| key | type, unit | range | default | paper | meaning |\n| --- | --- | --- | --- | --- | --- |\n");

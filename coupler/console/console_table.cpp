@@ -40,7 +40,8 @@ std::string digits(double value) {
 
 double monitor_of(const RunRow& row, const std::string& name) {
   const WindowReport& report = row.window->report;
-  return at_or(report.fluid, name, at_or(report.structure, name, std::nan("")));
+  return at_or(report.fluid, name,
+               at_or(report.structure, name, at_or(report.attachments, name, std::nan(""))));
 }
 
 /// Small SI values read better with a prefix: metres as millimetres, pascals as kilopascals.

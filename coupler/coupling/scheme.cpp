@@ -303,7 +303,7 @@ void Scheme::close(WindowReport& report, Iterate& now) {
   report.from_structure = sent.fields();
   for (const Field& field : now.load)
     if (!mechanical || field.quantity != "force") report.from_fluid.push_back(field);
-  if (!attachments_.none()) report.from_fluid.push_back({attached_quantity, "N", true, now.attached});
+  if (!attachments_.none()) report.from_attachments = {{"force", "N", true, now.attached}};
   pending_.structure = std::move(now.answer);
   if (needs_last_load()) pending_.fluid = {report.window.t + report.window.dt, std::move(now.load)};
   pending_.history = std::move(now.history);

@@ -19,9 +19,6 @@ struct Scheme::Iterate {
   Advanced from_fluid, from_structure;
 };
 
-/// The record's name for the force of all attachments on the structure's points.
-constexpr const char* attached_quantity = "attachment_force";
-
 /// Adds the force of attachments, 3×n or 3×0, to the force among the fields.
 void add_attached(std::vector<Field>&, const Values& attached);
 

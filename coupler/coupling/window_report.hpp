@@ -45,6 +45,7 @@ struct WindowReport {
   /// are exchanged.
   Values displacement = Points(), velocity = Points(), force = Points();
   std::vector<Field> from_structure, from_fluid;   // all else that is exchanged, on the structure's mesh
+  std::vector<Field> from_attachments;             // the sum of their forces; none without any
   std::map<std::string, double> fluid, structure;  // Advanced::monitor of each
   std::map<std::string, double> attachments;       // of all of them, each name behind the attachment's
   /// All monitors in one, without the reserved prefixes (seconds., count., check., memory., alarm.).

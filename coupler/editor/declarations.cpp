@@ -40,8 +40,8 @@ Declarations collect_declarations() {
   // Root keys, then [fluid], [structure], [coupling], [output], …; inside a table as declared.
   const auto rank = [](const KeyInfo& key) {
     const std::string top = key.path.substr(0, key.path.find_first_of(".["));
-    const std::vector<std::string> order = {"fluid",  "structure", "structures", "coupling",
-                                            "output", "compare",   "run"};
+    const std::vector<std::string> order = {"fluid",    "structure", "structures", "attachments",
+                                            "coupling", "output",    "compare",    "run"};
     if (key.path.find('.') == std::string::npos && key.type != "table") return std::ptrdiff_t{-1};
     return std::find(order.begin(), order.end(), top) - order.begin();
   };

@@ -225,6 +225,21 @@ Json bodies_json(const Branch& list, const Branch& structure, const Json& own, J
   return json;
 }
 
+/// [[attachments]]: one that a program of the user's computes may have a table of that program's.
+Json attachments_json(const Branch& list, Json& definitions) {
+  definitions["attachments_keys"] = table_json(list, true);
+  const Json ours = {{"$ref", "#/definitions/attachments_keys"}};
+  Json one = {{"type", "object"}, {"anyOf", {ours, true}}};
+  one["if"] = {{"type", "object"},
+               {"properties", {{"solver", {{"type", "string"}, {"pattern", "/"}}}}},
+               {"required", {"solver"}}};
+  one["then"] = requirements(list);
+  one["else"] = ours;
+  Json json = array_of(one, 0, 0);
+  if (list.info) json["description"] = description(*list.info);
+  return json;
+}
+
 /// `of` of a probe may also be the name of a body.
 void accept_bodies(Json& properties) {
   Json& of = properties["output"]["properties"]["probe"]["items"]["properties"]["of"];
@@ -241,7 +256,9 @@ std::string case_schema(const std::vector<KeyInfo>& keys) {
   Json required = requirements(root).value("required", Json::array());
   for (const auto& [name, branch] : root.below) {
     const bool side = name == "fluid" || name == "structure";
-    properties[name] = side ? side_json(name, *branch, definitions) : branch_json(*branch);
+    properties[name] = side                    ? side_json(name, *branch, definitions)
+                       : name == "attachments" ? attachments_json(*branch, definitions)
+                                               : branch_json(*branch);
     if (name == "structures")
       for (const auto& [other, structure] : root.below)
         if (other == "structure")

@@ -255,7 +255,8 @@ std::filesystem::path InterfaceRecorder::file(std::size_t block) const {
 
 void InterfaceRecorder::append(const Window& window, const Values& displacement, const Values& velocity,
                                const Values& force, const std::vector<Field>& from_structure,
-                               const std::vector<Field>& from_fluid) {
+                               const std::vector<Field>& from_fluid,
+                               const std::vector<Field>& from_attachments) {
   record_.windows.push_back(window);
   if (displacement.size() > 0) {
     record_.displacement.push_back(displacement);
@@ -271,6 +272,7 @@ void InterfaceRecorder::append(const Window& window, const Values& displacement,
   };
   add("structure.", from_structure);
   add("fluid.", from_fluid);
+  add("attachments.", from_attachments);
   if (record_.windows.size() < per_file_) return;
   write_block(block_++);
   keep(0);

@@ -17,7 +17,7 @@ struct InterfaceRecord {
   std::vector<Points> displacement, velocity;     // at the end of each window
   std::vector<Points> force;                      // 3×n [N] mean over each window
   /// Every other exchanged field, or all if there is no motion and force. The key is side and quantity:
-  /// "structure.area", "fluid.pressure".
+  /// "structure.area", "fluid.pressure", "attachments.force".
   struct Other {
     std::string unit;
     std::vector<Eigen::MatrixXd> value;  // components×n, one per window, as displacement or force
@@ -51,7 +51,8 @@ class InterfaceRecorder {
                     int windows_per_file = 100);
   /// displacement, force: empty, in all windows, where these do not cross the interface.
   void append(const Window&, const Values& displacement, const Values& velocity, const Values& force,
-              const std::vector<Field>& from_structure = {}, const std::vector<Field>& from_fluid = {});
+              const std::vector<Field>& from_structure = {}, const std::vector<Field>& from_fluid = {},
+              const std::vector<Field>& from_attachments = {});
   void flush();
   /// Drops entries after `time` (resume) and continues from there. Throws Error(case_file) when the record
   /// does not reach `time`.

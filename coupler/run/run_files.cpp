@@ -149,7 +149,7 @@ void RunFiles::append(const CommittedWindow& window, const std::vector<double>& 
   }
   if (interface_)
     interface_->append(report.window, report.displacement, report.velocity, report.force,
-                       report.from_structure, report.from_fluid);
+                       report.from_structure, report.from_fluid, report.from_attachments);
   append_timing(window, wall);
 }
 

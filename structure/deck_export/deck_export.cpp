@@ -24,6 +24,15 @@ void require_same_points(const Points& recorded, const Points& wanted, const std
       "a run with surface coupling; no --set that changes the shape");
 }
 
+/// The load on the structure: of the water, and of what is attached to it.
+std::vector<Points> with_attachments(const InterfaceRecord& record) {
+  std::vector<Points> load = record.force;
+  const auto attached = record.other.find("attachments.force");
+  if (attached != record.other.end())
+    for (std::size_t w = 0; w < load.size(); ++w) load[w] += attached->second.value.at(w);
+  return load;
+}
+
 std::optional<deck::LoadHistory> load_of(const std::filesystem::path& run, const deck::Model& model) {
   std::error_code none;
   if (!std::filesystem::exists(run / "interface", none)) {
@@ -33,7 +42,7 @@ std::optional<deck::LoadHistory> load_of(const std::filesystem::path& run, const
   }
   const InterfaceRecord record = read_interface_record(run);
   require_same_points(record.mesh.position, model.interface_position, run);
-  return deck::nodal_history(model, record.windows, record.force);
+  return deck::nodal_history(model, record.windows, with_attachments(record));
 }
 
 }  // namespace

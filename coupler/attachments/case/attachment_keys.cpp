@@ -51,6 +51,9 @@ void read_body(CaseTable& table, AttachmentKeys& keys, const CommonKeys& common)
                       "body = \"" + bodies.front() + "\"");
 }
 
+/// What is read: the table of the chosen solver, that of another, or none, to list its keys.
+enum class Reading { chosen, other, listing };
+
 /// Refuses a list that has not one entry for each point.
 template <class T>
 void check_count(const CaseTable& table, const std::string& key, const std::vector<T>& list,
@@ -59,13 +62,14 @@ void check_count(const CaseTable& table, const std::string& key, const std::vect
     throw table.error(key, fmt::format("one for each of the {} points of `at`, not {}", points, list.size()));
 }
 
-void read_spring(CaseTable table, const AttachmentKeys& keys, bool chosen, SpringParameters& p) {
+void read_spring(CaseTable table, const AttachmentKeys& keys, Reading reading, SpringParameters& p) {
+  const bool chosen = reading == Reading::chosen, needed = reading != Reading::other;
   table.points("anchor", p.anchor,
                {.unit = "m", .at_least = 1, .required = chosen, .help = "fixed end of each, a list as `at`"});
   table.number("stiffness", p.stiffness,
                {.unit = "N/m",
                 .min = 0,
-                .required = chosen,
+                .required = needed,
                 .conditional = true,
                 .help = "force per length that it is longer" + per_depth});
   table.number("damping", p.damping,
@@ -74,6 +78,8 @@ void read_spring(CaseTable table, const AttachmentKeys& keys, bool chosen, Sprin
   table.number("length", length,
                {.unit = "m",
                 .min = 0,
+                .required = reading == Reading::listing,  // listed without a default
+                .conditional = true,
                 .help = "without a force; not given: the distance at the start; 0: a force of -stiffness "
                         "times the displacement from the anchor, in every direction"});
   table.flag("slack", p.slack,
@@ -88,14 +94,15 @@ void read_spring(CaseTable table, const AttachmentKeys& keys, bool chosen, Sprin
                         "length = 0 for a spring that is centred at its anchor");
 }
 
-void read_catenary(CaseTable table, const AttachmentKeys& keys, bool chosen, CatenaryParameters& p) {
+void read_catenary(CaseTable table, const AttachmentKeys& keys, Reading reading, CatenaryParameters& p) {
+  const bool chosen = reading == Reading::chosen, needed = reading != Reading::other;
   table.points("anchor", p.anchor,
                {.unit = "m", .at_least = 1, .required = chosen, .help = "fixed end of each, a list as `at`"});
   NumberKey length = positive("m", "of the line without a force"),
             weight = positive("N/m", "of the line in water, per metre of it" + per_depth),
             stiffness = positive("N", "E A: force per relative stretch" + per_depth);
   for (NumberKey* key : {&length, &weight, &stiffness}) {
-    key->required = chosen;
+    key->required = needed;
     key->conditional = true;
   }
   table.number("length", p.length, length);
@@ -106,7 +113,8 @@ void read_catenary(CaseTable table, const AttachmentKeys& keys, bool chosen, Cat
   if (chosen) check_count(table, "anchor", p.anchor, keys.at.size());
 }
 
-void read_fmu(CaseTable table, bool chosen, FmuKeys& keys) {
+void read_fmu(CaseTable table, Reading reading, FmuKeys& keys) {
+  const bool chosen = reading == Reading::chosen;
   table.file("file", keys.file,
              {.required = chosen,
               .help = "co-simulation unit of FMI 3.0 (.fmu), or the folder it was unpacked into"});
@@ -136,12 +144,14 @@ AttachmentKeys read_one(CaseTable table, const CommonKeys& common, const std::ve
   keys.solver = "spring";
   table.choice("solver", keys.solver, {"spring", "catenary", "fmu"},
                {.required = true, .or_path = true, .help = "what computes the force on these points"});
-  const auto chosen = [&](const char* name) { return !only_declares && keys.solver == name; };
+  const auto reading = [&](const char* name) {
+    return only_declares ? Reading::listing : keys.solver == name ? Reading::chosen : Reading::other;
+  };
   read_spring(table.table("spring", "where solver = \"spring\": a spring with a damper from each point"),
-              keys, chosen("spring"), keys.spring);
+              keys, reading("spring"), keys.spring);
   read_catenary(table.table("catenary", "where solver = \"catenary\": a mooring line from each point"), keys,
-                chosen("catenary"), keys.catenary);
-  read_fmu(table.table("fmu", "where solver = \"fmu\": a co-simulation unit of FMI 3.0"), chosen("fmu"),
+                reading("catenary"), keys.catenary);
+  read_fmu(table.table("fmu", "where solver = \"fmu\": a co-simulation unit of FMI 3.0"), reading("fmu"),
            keys.fmu);
   if (keys.is_users())
     for (const std::string& key : table.keys())

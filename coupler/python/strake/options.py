@@ -14,7 +14,7 @@ class Options:
 
     endpoint, name, case_hash, token, key_file   texts of --connect, --name, --case-hash, STRAKE_TOKEN, STRAKE_KEY
     case                                         the case file as a dict, with every --set
-    side, body                                   "fluid" or "structure"; of several bodies the name of this one, else ""
+    side, body                                   "fluid", "structure" or "attachment"; of several bodies the name of this one, else ""
     stem                                         name of the program without its ending: its table is [<name>.<stem>]
     """
 
@@ -32,12 +32,14 @@ class Options:
         self.name = given.get("--name") or environment.get("STRAKE_NAME", "")
         self.case_hash = given.get("--case-hash") or environment.get("STRAKE_CASE_HASH", "")
         self.body = given.get("--body", "")
-        self.side = "fluid" if self.name == "fluid" else "structure"
         self.token, self.key_file = environment.get("STRAKE_TOKEN", ""), environment.get("STRAKE_KEY", "")
         for what, value in (("--connect", self.endpoint), ("--name", self.name), ("--case-hash", self.case_hash)):
             if not value:
                 raise Error(f"{what} is missing", USAGE, exit_code=2)
         self.case_file, self.sets = given.get("--case", ""), sets
+        self.side = "fluid" if self.name == "fluid" else "structure"
+        if not self.body and self.name not in ("fluid", "structure") and self.attached_in(self.read_case()) is not None:
+            self.side = "attachment"
 
     def read_case(self):
         """The case file with every --set; an empty dict where no file is named. Error where it cannot be read."""
@@ -57,8 +59,14 @@ class Options:
             case["structure"] = own[0]
         return case
 
+    def attached_in(self, case):
+        """The one of [[attachments]] that this program computes, or None."""
+        return next((one for one in case.get("attachments", []) if one.get("name") == self.name), None)
+
     def own_keys(self, case):
         """The table [<side>.<stem>] of a case, which Strake does not read. A key that is not there is an Error."""
+        if self.side == "attachment":
+            return Keys(self.attached_in(case).get(self.stem, {}), f"attachments.{self.name}.{self.stem}", self.case_file)
         table = f"structures.{self.body}" if self.body else self.side
         return Keys(case.get(self.side, {}).get(self.stem, {}), f"{table}.{self.stem}", self.case_file)
 

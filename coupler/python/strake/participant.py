@@ -36,8 +36,9 @@ class Participant:
       lines       texts for the head of the run's console
       dt_limit    longest window that the solver accepts [s]
     What it may read:
-      side        "structure" or "fluid"; dimension: 2 or 3; case: the case file as a dict; run_folder
-      partner     position n × 3 [m] and faces of the partner's mesh; no points for the side that is set up first
+      side        "structure", "fluid" or "attachment"; dimension: 2 or 3; case: the case file as a dict; run_folder
+      partner     position n × 3 [m] and faces of the partner's mesh; no points for the side that is set up first. Of an
+                  attachment: the points of the structure that it is attached to, which are its `points` too
       partner_initial   what the partner sends, at t = 0: dict of arrays
     """
 
@@ -56,13 +57,14 @@ class Participant:
     # ---- what a solver writes
 
     def build(self, key):
-        """Sets mesh and state. key: the table [structure.<program>] of the case, of several bodies its own, with every --set."""
+        """Sets mesh and state. key: the table [structure.<program>] of the case, of bodies and attachments its own, with every --set."""
         raise NotImplementedError(f"{type(self).__name__} has no build(self, key)")
 
     def advance(self, t, dt, load):
         """Computes the window [t, t + dt] from `state`, which it changes to that of the window's end.
 
-        load      dict: quantity -> points × components; force: mean over the window [N, 2-D: N/m]; motion: at its end
+        load      dict: quantity -> points × components; force: mean over the window [N, 2-D: N/m]; motion, which a fluid
+                  and an attachment receive: at its end
         returns   what `sends` names, points × components or one row for all points; a dict where it names several
         """
         raise NotImplementedError(f"{type(self).__name__} has no advance(self, t, dt, load)")
@@ -165,6 +167,8 @@ class Participant:
 
     def make(self, key):
         """Builds the solver and checks what it set; returns what it sends at t = 0."""
+        if self.side == "attachment":
+            self.points = self.partner[0]
         self.build(key)
         self.lines = self.lines or [f"{self.name} {self.version}   {len(self.points) if self.points is not None else 0} points"]
         self.mesh = Mesh(self.name, self.dimension, self.points, self.faces, self.mass)

@@ -17,7 +17,7 @@ class Quantity(NamedTuple):
 KNOWN = {q.name: q for q in (
     Quantity("displacement", "m", 3), Quantity("velocity", "m/s", 3), Quantity("force", "N", 3, True),
     Quantity("traction", "Pa", 3), Quantity("pressure", "Pa", 1))}
-SENT_BY = {"structure": "displacement", "fluid": "force"}  # where a participant names nothing else
+SENT_BY = {"structure": "displacement", "fluid": "force", "attachment": "force"}  # where a participant names nothing else
 
 
 def quantity(name):
