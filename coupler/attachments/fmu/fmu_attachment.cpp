@@ -20,9 +20,6 @@ using Eigen::MatrixXd;
 
 constexpr std::size_t most_columns = 32, longest_name = 150;  // [bytes]
 constexpr double same_step = 1e-6;                            // relative difference of equal steps
-const std::string explicit_coupling =
-    "explicit coupling: coupling.surface.converged.max_iterations = 1 and coupling.surface.predictor = "
-    "\"constant\"";
 
 /// Displacement and velocity of k points, 3×k each. A velocity that is not sent is zero.
 std::pair<MatrixXd, MatrixXd> motion_in(const std::vector<Field>& fields, Eigen::Index k,
@@ -110,7 +107,7 @@ void FmuAttachment::describe() {
                               visible(model_.model, ""), counted(static_cast<std::size_t>(k), "point"),
                               counted(connections_.inputs.size(), "input"),
                               counted(connections_.outputs.size(), "output")));
-  if (!can_rewind()) lines.push_back("cannot take back its state: " + explicit_coupling);
+  if (!can_rewind()) lines.push_back(std::string("cannot take back its state: ") + explicit_coupling);
   if (description_.cannot_resume) lines.push_back("cannot save its state: the run cannot be resumed");
   if (model_.fixed_internal_step > 0)
     lines.push_back(fmt::format("steps of {:.6g} s inside: windows of twice as much, or a multiple of that",

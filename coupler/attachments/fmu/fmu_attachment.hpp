@@ -12,6 +12,11 @@
 
 namespace strake {
 
+/// What a user does about an FMU that cannot take its state back.
+inline constexpr const char* explicit_coupling =
+    "explicit coupling: coupling.surface.converged.max_iterations = 1 and coupling.surface.predictor = "
+    "\"constant\"";
+
 /// An attachment that an FMU computes: it gets the motion of a few points and gives the force on them.
 ///
 /// A window from t_n to t_(n+1) = t_n + Δt is two steps with the inputs' mean over it,
