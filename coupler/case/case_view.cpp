@@ -400,9 +400,8 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   for (const BodyKeys& one : structures_of(common)) {
     const CaseFile own = common.bodies.empty() ? file : file.of_body(one.name);
     collect([&] { view.structures.push_back(look_at(one.name, one.solver, own, sets, stop, by_hand)); });
-    collect([&] {
-      check_precice_names(common.bodies.empty() ? one.name : "structures." + one.name, one.program);
-    });
+    const std::string table = common.bodies.empty() ? one.name : "structures." + one.name;
+    collect([&] { check_precice_names(table, one.program); });
   }
   collect([&] { check_precice_names("fluid", common.fluid_program); });
   collect([&] { check_attached_programs(file, view, by_hand); });
