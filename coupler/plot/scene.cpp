@@ -1,6 +1,7 @@
 #include "coupler/plot/scene.hpp"
 
 #include "coupler/case/case_view.hpp"
+#include "coupler/plot/attached_lines.hpp"
 #include "proto/error.hpp"
 #include "proto/files/frame_file.hpp"
 #include "proto/files/json_file.hpp"
@@ -306,6 +307,10 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
     const bool has = find(frame.point_data, options.field) != nullptr && options.field != "velocity";
     take_structure(frame, enlarged(frame, keys, options.scale, body), has ? options.field : "von_mises", cut,
                    scene, shown);
+    for (const Points& line : attached_lines(keys, frame, body)) {
+      scene.lines.emplace_back();
+      for (Index k = 0; k < line.cols(); ++k) scene.lines.back().push_back({line(0, k), line(1, k)});
+    }
     if (body == bodies.front().first) known += (known.empty() ? "" : "; of the structure: ") + names(frame);
   }
   if (scene.water_field.name != options.field && scene.solid_field.name != options.field &&

@@ -60,7 +60,8 @@ struct Scene {
   double solid_spacing = 0;  // [m] of the structure's, where it consists of particles
   std::vector<Mark> water, wall, solid;
   std::vector<Patch> cells;
-  std::vector<Patch> air;  // between a face and the water, where a run computes it
+  std::vector<std::vector<Place>> lines;  // springs and mooring lines
+  std::vector<Patch> air;                 // between a face and the water, where a run computes it
   Quantity water_field, solid_field;
   std::string cut;   // of three dimensions: which section this is; empty in two
   double scale = 1;  // of the deformation
