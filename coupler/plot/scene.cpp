@@ -242,6 +242,26 @@ std::optional<Points> deformation(const std::map<std::string, std::string>& keys
   return Points(u->value.colwise() - frame.time * vector(keys, table_of(body) + ".velocity"));
 }
 
+std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame& frame,
+                                  const std::vector<MeshPart>& parts) {
+  if (parts.empty()) return deformation(keys, frame);
+  const Frame::Array* u = find(frame.point_data, "displacement");
+  if (u == nullptr || u->value.rows() != 3) return std::nullopt;
+  Points all(3, frame.position.cols());
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const Index first = parts[k].first_point,
+                count = (k + 1 < parts.size() ? parts[k + 1].first_point : all.cols()) - first;
+    Frame own;
+    own.time = frame.time;
+    own.position = frame.position.middleCols(first, count);
+    own.point_data = {{u->name, u->unit, u->value.middleCols(first, count)}};
+    const auto bend = deformation(keys, own, parts[k].name);
+    if (!bend) return std::nullopt;
+    all.middleCols(first, count) = *bend;
+  }
+  return all;
+}
+
 Range shown_range(std::vector<double> values) {
   if (values.empty()) return {};
   const auto at = [&](double share) {
