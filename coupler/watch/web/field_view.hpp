@@ -24,7 +24,7 @@ struct FieldRequest {
   std::string field;  // "pressure", "speed", "von_mises" …; empty: the positions alone
   int dimension = 2;
   std::map<std::string, std::string> keys;  // of case.toml
-  std::vector<MeshPart> parts;              // of several bodies in the frame; empty: one structure
+  std::vector<MeshPart> parts = {};         // of several bodies in the frame; empty: one structure
 };
 ArrayMessage field_message(const Frame&, const FieldRequest&);
 
