@@ -69,11 +69,15 @@ struct Line {
   }
 };
 
+Line line_of(const CatenaryParameters& p, double z) {
+  return {p.length, std::max(p.weight, least_weight * p.axial_stiffness / p.length), p.axial_stiffness,
+          p.bottom && z >= 0};
+}
+
 }  // namespace
 
 CatenaryForce catenary(const CatenaryParameters& p, double x, double z) {
-  const Line line{p.length, std::max(p.weight, least_weight * p.axial_stiffness / p.length),
-                  p.axial_stiffness, p.bottom && z >= 0};
+  const Line line = line_of(p, z);
   const auto answer = [&](double H) {
     const double V = line.vertical(H, z);
     return CatenaryForce{H, V, line.rests(V) ? line.length - V / line.weight : 0};
@@ -83,6 +87,26 @@ CatenaryForce catenary(const CatenaryParameters& p, double x, double z) {
   double high = line.weight * line.length;
   while (too_far(high) < 0) high *= 2;
   return answer(root_of(too_far, 0, high));
+}
+
+// The part of the line up to the unstretched length s from the anchor is a line of length s itself, with the
+// force (H, V − w (L − s)) at its upper end.
+Eigen::Matrix2Xd catenary_shape(const CatenaryParameters& p, double x, double z, int n) {
+  const CatenaryForce force = catenary(p, x, z);
+  const Line line = line_of(p, z);
+  Eigen::Matrix2Xd shape(2, n);
+  for (int k = 0; k < n; ++k) {
+    const double s = p.length * k / (n - 1), V = force.vertical - line.weight * (p.length - s);
+    if (s <= force.resting) {
+      shape.col(k) = Eigen::Vector2d(s * (1 + force.horizontal / p.axial_stiffness), 0);
+      continue;
+    }
+    Line part = line;
+    part.length = s;
+    shape.col(k) = Eigen::Vector2d(part.distance(force.horizontal, V), part.height(force.horizontal, V));
+  }
+  shape.col(n - 1) = Eigen::Vector2d(x, z);
+  return shape;
 }
 
 LineForce CatenaryLaw::at(std::size_t line, const Eigen::Vector3d& position,

@@ -35,6 +35,9 @@ struct CatenaryForce {
 /// equations 2-35 to 2-38.
 CatenaryForce catenary(const CatenaryParameters&, double x, double z);
 
+/// Places along the line from its anchor to its upper end: distance and height [m], 2×n with n >= 2.
+Eigen::Matrix2Xd catenary_shape(const CatenaryParameters&, double x, double z, int n);
+
 /// The quasi-static force of such lines: weight and stretch, without inertia and drag of the line.
 class CatenaryLaw final : public LineLaw {
  public:

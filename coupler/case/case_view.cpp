@@ -38,9 +38,11 @@ std::string text_of(const toml::node& node) {
 
 void flatten(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& value) {
   for (const auto& [key, node] : table) {
-    if (prefix.empty() && key.str() == "structures" && node.is_array_of_tables()) {  // by their names
-      for (const toml::node& body : *node.as_array())
-        flatten(*body.as_table(), "structures." + (*body.as_table())["name"].value_or(std::string()), value);
+    const bool named = prefix.empty() && (key.str() == "structures" || key.str() == "attachments");
+    if (named && node.is_array_of_tables()) {
+      for (const toml::node& one : *node.as_array())
+        flatten(*one.as_table(),
+                std::string(key.str()) + "." + (*one.as_table())["name"].value_or(std::string()), value);
       continue;
     }
     const std::string path = prefix.empty() ? std::string(key.str()) : prefix + "." + std::string(key.str());
@@ -400,9 +402,8 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   for (const BodyKeys& one : structures_of(common)) {
     const CaseFile own = common.bodies.empty() ? file : file.of_body(one.name);
     collect([&] { view.structures.push_back(look_at(one.name, one.solver, own, sets, stop, by_hand)); });
-    collect([&] {
-      check_precice_names(common.bodies.empty() ? one.name : "structures." + one.name, one.program);
-    });
+    const std::string table = common.bodies.empty() ? one.name : "structures." + one.name;
+    collect([&] { check_precice_names(table, one.program); });
   }
   collect([&] { check_precice_names("fluid", common.fluid_program); });
   collect([&] { check_attached_programs(file, view, by_hand); });

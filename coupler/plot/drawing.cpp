@@ -89,6 +89,16 @@ void draw_cells(Canvas& canvas, const PlotArea& f, const std::vector<Patch>& cel
   }
 }
 
+/// Springs and mooring lines: dark, with a light border, so that they are seen in water of any colour.
+void draw_lines(Canvas& canvas, const PlotArea& f, const std::vector<std::vector<Place>>& lines) {
+  for (const std::vector<Place>& line : lines) {
+    std::vector<Place> path;
+    for (const Place& p : line) path.push_back(f(p));
+    canvas.path(path, {.colour = pale, .width = 4});
+    canvas.path(path, {.colour = dark, .width = 1.8});
+  }
+}
+
 void draw_axes(Canvas& canvas, const PlotArea& f) {
   canvas.path(
       {{f.x, f.y}, {f.x + f.width, f.y}, {f.x + f.width, f.y + f.height}, {f.x, f.y + f.height}, {f.x, f.y}},
@@ -211,6 +221,7 @@ std::string draw(const Scene& scene, const DrawingOptions& options, Canvas::Kind
   draw_marks(canvas, f, scene.solid, scene.solid_spacing, solid, true);
   many ? canvas.end_image() : canvas.unclip();
   canvas.clip(f.x, f.y, f.width, f.height);
+  draw_lines(canvas, f, scene.lines);
   draw_cells(canvas, f, scene.cells, solid, true);
   canvas.unclip();
   draw_axes(canvas, f);

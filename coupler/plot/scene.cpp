@@ -1,6 +1,7 @@
 #include "coupler/plot/scene.hpp"
 
 #include "coupler/case/case_view.hpp"
+#include "coupler/plot/attached_lines.hpp"
 #include "proto/error.hpp"
 #include "proto/files/frame_file.hpp"
 #include "proto/files/json_file.hpp"
@@ -241,6 +242,26 @@ std::optional<Points> deformation(const std::map<std::string, std::string>& keys
   return Points(u->value.colwise() - frame.time * vector(keys, table_of(body) + ".velocity"));
 }
 
+std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame& frame,
+                                  const std::vector<MeshPart>& parts) {
+  if (parts.empty()) return deformation(keys, frame);
+  const Frame::Array* u = find(frame.point_data, "displacement");
+  if (u == nullptr || u->value.rows() != 3) return std::nullopt;
+  Points all(3, frame.position.cols());
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const Index first = parts[k].first_point,
+                count = (k + 1 < parts.size() ? parts[k + 1].first_point : all.cols()) - first;
+    Frame own;
+    own.time = frame.time;
+    own.position = frame.position.middleCols(first, count);
+    own.point_data = {{u->name, u->unit, u->value.middleCols(first, count)}};
+    const auto bend = deformation(keys, own, parts[k].name);
+    if (!bend) return std::nullopt;
+    all.middleCols(first, count) = *bend;
+  }
+  return all;
+}
+
 Range shown_range(std::vector<double> values) {
   if (values.empty()) return {};
   const auto at = [&](double share) {
@@ -306,6 +327,10 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
     const bool has = find(frame.point_data, options.field) != nullptr && options.field != "velocity";
     take_structure(frame, enlarged(frame, keys, options.scale, body), has ? options.field : "von_mises", cut,
                    scene, shown);
+    for (const Points& line : attached_lines(keys, frame, body)) {
+      scene.lines.emplace_back();
+      for (Index k = 0; k < line.cols(); ++k) scene.lines.back().push_back({line(0, k), line(1, k)});
+    }
     if (body == bodies.front().first) known += (known.empty() ? "" : "; of the structure: ") + names(frame);
   }
   if (scene.water_field.name != options.field && scene.solid_field.name != options.field &&

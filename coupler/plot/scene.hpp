@@ -60,7 +60,8 @@ struct Scene {
   double solid_spacing = 0;  // [m] of the structure's, where it consists of particles
   std::vector<Mark> water, wall, solid;
   std::vector<Patch> cells;
-  std::vector<Patch> air;  // between a face and the water, where a run computes it
+  std::vector<std::vector<Place>> lines;  // springs and mooring lines
+  std::vector<Patch> air;                 // between a face and the water, where a run computes it
   Quantity water_field, solid_field;
   std::string cut;   // of three dimensions: which section this is; empty in two
   double scale = 1;  // of the deformation
@@ -92,10 +93,12 @@ Scene read_scene(const RunFrames&, const SceneOptions&);
 std::optional<Eigen::VectorXd> scalar(const Frame&, const std::string& name, Quantity& quantity);
 /// Displacement of each point less the rigid motion of the whole [m], 3 x n; nothing without displacements.
 /// The rigid motion is that of driven supports, V t; of a body that is free or follows a table the one that
-/// fits its points best. body: of several, its name; nothing for
-/// all of them in one frame.
+/// fits its points best. body: of several, its name.
 std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame&,
                                   const std::string& body = {});
+/// Of several bodies in one frame: each less its own rigid motion. parts: where each begins.
+std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame&,
+                                  const std::vector<MeshPart>& parts);
 /// The shown range of values: from zero where the least is but a small part of the largest.
 Range shown_range(std::vector<double> values);
 

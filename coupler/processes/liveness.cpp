@@ -13,7 +13,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds fault_arrives{100};  // a dead process's Fault may still be on its way
-constexpr milliseconds heartbeat_gap{800};  // silence before the link counts as cut
+constexpr milliseconds heartbeat_gap{500};  // silence before the link counts as cut
 constexpr milliseconds to_come_back{500};   // for a new connection after one that the other end closed
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace strake {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds silence_to_tell{1000};  // until a line says that a participant is silent
+constexpr std::chrono::milliseconds silence_to_tell{700};  // until a line says that a participant is silent
 
 std::string in_seconds(Clock::duration);  // "1.25 s"
 

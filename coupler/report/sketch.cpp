@@ -98,13 +98,23 @@ void draw_sides(PageCanvas& canvas, const Recorded& run, const View& view, const
   }
 }
 
-/// The plate's corners; those of a plate at an angle are turned about the middle of its lower face.
-std::vector<Place> corners_of_plate(const Recorded& run, const Range& x, const Range& y) {
-  const auto number = [&](const char* key) { return std::strtod(run.setting(key).c_str(), nullptr); };
-  const double angle = number("structure.plate.angle") * std::numbers::pi / 180;
-  const auto bottom = places("[" + run.setting("structure.plate.bottom") + "]");
-  if (angle == 0 || bottom.empty()) return corners({{x.lo, y.lo}, {x.hi, y.hi}});
-  const double half = 0.5 * number("structure.plate.length"), thickness = number("structure.plate.thickness");
+/// The tables of all bodies: structure, or structures[0], structures[1], ….
+std::vector<std::string> tables_of(const Recorded& run) {
+  std::vector<std::string> tables;
+  for (int i = 0; !run.setting(fmt::format("structures[{}].name", i)).empty(); ++i)
+    tables.push_back(fmt::format("structures[{}]", i));
+  return tables.empty() ? std::vector<std::string>{"structure"} : tables;
+}
+
+/// Corners of a plate at the start, turned by its angle about the middle of its lower face. Empty: no plate.
+std::vector<Place> corners_of_plate(const Recorded& run, const std::string& plate) {
+  const auto number = [&](const char* key) {
+    return std::strtod(run.setting(plate + "." + key).c_str(), nullptr);
+  };
+  const auto bottom = places("[" + run.setting(plate + ".bottom") + "]");
+  const double half = 0.5 * number("length"), thickness = number("thickness");
+  const double angle = number("angle") * std::numbers::pi / 180;
+  if (half <= 0 || thickness <= 0 || bottom.empty()) return {};
   std::vector<Place> at = corners({{-half, 0}, {half, thickness}});
   for (Place& corner : at)
     corner = {bottom[0].x + corner.x * std::cos(angle) - corner.y * std::sin(angle),
@@ -112,16 +122,16 @@ std::vector<Place> corners_of_plate(const Recorded& run, const Range& x, const R
   return at;
 }
 
-/// What holds the body, in words.
-std::string draw_supports(PageCanvas& canvas, const Recorded& run, const View& view, const Range& x,
-                          const Range& y) {
+/// What holds a body, in words.
+std::string draw_supports(PageCanvas& canvas, const Recorded& run, const View& view,
+                          const std::string& body) {
   std::string said;
-  if (!run.setting("structure.plate.length").empty() && !x.empty()) {
-    draw_sides(canvas, run, view, "structure.plate.supports", corners_of_plate(run, x, y), said);
+  if (const auto plate = corners_of_plate(run, body + ".plate"); !plate.empty()) {
+    draw_sides(canvas, run, view, body + ".plate.supports", plate, said);
     return said;
   }
   for (int i = 0;; ++i) {
-    const std::string box = fmt::format("structure.box[{}]", i);
+    const std::string box = fmt::format("{}.box[{}]", body, i);
     const auto low = places("[" + run.setting(box + ".min") + "]"),
                high = places("[" + run.setting(box + ".max") + "]");
     if (low.empty() || high.empty()) return said;
@@ -129,14 +139,15 @@ std::string draw_supports(PageCanvas& canvas, const Recorded& run, const View& v
   }
 }
 
-/// The way the supports, or the whole body at the start, go.
-void draw_arrow(PageCanvas& canvas, const Recorded& run, const View& view, const Range& x, const Range& y) {
-  const auto v = places("[" + run.setting("structure.velocity") + "]");
-  if (v.empty() || x.empty()) return;
+/// The way the supports, or a whole body at the start, go. top: the middle of its upper side.
+void draw_arrow(PageCanvas& canvas, const Recorded& run, const View& view, const std::string& body,
+                const Place& top) {
+  const auto v = places("[" + run.setting(body + ".velocity") + "]");
+  if (v.empty()) return;
   const double speed = std::hypot(v[0].x, v[0].y);
   if (speed == 0) return;
   const double length = 40, ux = v[0].x / speed, uy = -v[0].y / speed;
-  const Place head = view({0.5 * (x.lo + x.hi), y.hi});
+  const Place head = view(top);
   const Place tip = {head.x, std::max(head.y - 8, length + 4)},
               tail = {tip.x - length * ux, tip.y - length * uy};
   const Place left = {tip.x - 9 * ux + 5 * uy, tip.y - 9 * uy - 5 * ux},
@@ -154,6 +165,27 @@ struct Extent {
     }
   }
 };
+
+/// Supports and ways of all bodies; what they are, in words for the caption.
+std::string draw_bodies(PageCanvas& canvas, const Recorded& run, const View& view, const Extent& all) {
+  if (all.x.empty()) return {};
+  const std::vector<std::string> tables = tables_of(run);
+  std::string said;
+  if (tables.size() == 1)
+    said =
+        fmt::format(". Body {} × {}", quantity(all.x.hi - all.x.lo, "m"), quantity(all.y.hi - all.y.lo, "m"));
+  for (const std::string& table : tables) {
+    const auto plate = corners_of_plate(run, table + ".plate");
+    Extent own;
+    own.add(plate);
+    if (plate.empty() && tables.size() == 1) own = all;
+    const std::string supports = draw_supports(canvas, run, view, table);
+    if (!own.x.empty()) draw_arrow(canvas, run, view, table, {0.5 * (own.x.lo + own.x.hi), own.y.hi});
+    if (tables.size() > 1) said += (said.empty() ? ". Bodies: " : "; ") + run.setting(table + ".name");
+    if (!supports.empty()) said += tables.size() > 1 ? " (" + supports + ")" : ", supports: " + supports;
+  }
+  return said;
+}
 
 /// The middle of a drawing that is as large as it may be.
 View view_of(const Extent& all) {
@@ -213,16 +245,15 @@ std::string sketch(const Recorded& run, const picture::Scene* start) {
   if (!water.empty()) tell_depth(canvas, view, water);
   for (auto& loop : bodies) loop = view(loop);
   canvas.shape(bodies, "body", true);
-  const std::string said = draw_supports(canvas, run, view, body.x, body.y);
-  draw_arrow(canvas, run, view, body.x, body.y);
+  const std::string said = draw_bodies(canvas, run, view, body);
+  for (const auto& line : start != nullptr ? start->lines : std::vector<std::vector<Place>>{})
+    canvas.path(view(line), {.name = "line"});
   draw_probes(canvas, run, view);
 
   std::string caption = "The case at its start, to scale";
   if (start != nullptr && !start->cut.empty()) caption += "; " + start->cut;
-  if (!body.x.empty())
-    caption += fmt::format(". Body {} × {}", quantity(body.x.hi - body.x.lo, "m"),
-                           quantity(body.y.hi - body.y.lo, "m"));
-  if (!said.empty()) caption += ", supports: " + said;
+  caption += said;
+  if (start != nullptr && !start->lines.empty()) caption += ". Lines: springs and mooring lines";
   caption += ". Dots: probes.";
   return fmt::format(
       "<figure class=\"wide\">\n<div class=\"scroll\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n",

@@ -12,8 +12,8 @@ namespace strake::zmq_parts {
 namespace {
 
 // The I/O threads answer heartbeats, so silence means dead or frozen, never busy.
-constexpr int heartbeat_every = 200;         // [ms]
-constexpr int heartbeat_limit = 800;         // [ms]
+constexpr int heartbeat_every = 150;         // [ms]
+constexpr int heartbeat_limit = 500;         // [ms]
 constexpr std::size_t worth_sharing = 4096;  // [bytes] a smaller part is copied faster than shared
 
 /// ZeroMQ gives the bytes back in its own thread once they have left.

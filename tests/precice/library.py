@@ -58,6 +58,10 @@ def build(place, home):
     command("cmake", "--build", source / "made", "-j2", cwd=place)
     flags = command("pkg-config", "--cflags", "--libs", "libprecice", cwd=place, env=env).split()
     command("g++", "-std=c++11", source / "dummy.cpp", "-o", source / "made" / "dummy_11", *flags, cwd=place)
+    # Two that know the names of 3.0 and of 3.2 alone, from a header of the test's own.
+    for names in (300, 302):
+        command("g++", "-std=c++17", f"-DSTRAKE_NAMES_OF={names}", "-I", ROOT / "tests" / "precice" / "abi", source / "dummy.cpp",
+                "-o", source / "made" / f"dummy_{names}", home / "libprecice.so.3", cwd=place)
     return source, env
 
 
@@ -174,7 +178,7 @@ def spring(runs):
 def dummies(runs):
     """Two windows of two iterations: the order of preCICE's calls, and the same numbers in every language."""
     order = ["saves", "goes back", "goes on"] * 2 + ["4 steps, last value 8"]
-    for solver in ("dummy", "dummy_11", "dummy_c", "dummy_fortran"):
+    for solver in ("dummy", "dummy_11", "dummy_300", "dummy_302", "dummy_c", "dummy_fortran"):
         if not (runs.folder / "made" / solver).exists():
             print(f"      without {solver}: no compiler")
             continue

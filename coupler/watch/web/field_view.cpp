@@ -155,7 +155,8 @@ ArrayMessage field_message(const Frame& frame, const FieldRequest& request) {
     message.add("value", shown);
   }
   if (fluid) return message;
-  if (const auto bend = picture::deformation(request.keys, frame)) message.add("bend", flat(*bend, index));
+  if (const auto bend = picture::deformation(request.keys, frame, request.parts))
+    message.add("bend", flat(*bend, index));
   if (!cells) return message;
   const Surface surface = surface_of(frame.cells, request.dimension);
   message.add("triangle", surface.triangle);

@@ -14,7 +14,7 @@ namespace strake::watch {
 ///   value     f32 n    of the field; NaN where there is none. Absent without such a field.
 ///   index     u32 n    of the point in its frame
 ///   kind      u8 n     0 water, 1 wall (fluid alone)
-///   bend      f32 3·n  [m] displacement beyond that of the driven supports (structure alone)
+///   bend      f32 3·n  [m] displacement without the rigid motion of each body (structure alone)
 ///   triangle  u32 3·m, edge u32 2·k: the cells' surface, as places in `position`; absent where points are
 ///   all
 /// Its head: time [s], field {name, unit, shown [lo, hi], all [lo, hi]}, fields [{name, unit}], low and high
@@ -24,6 +24,7 @@ struct FieldRequest {
   std::string field;  // "pressure", "speed", "von_mises" …; empty: the positions alone
   int dimension = 2;
   std::map<std::string, std::string> keys;  // of case.toml
+  std::vector<MeshPart> parts = {};         // of several bodies in the frame; empty: one structure
 };
 ArrayMessage field_message(const Frame&, const FieldRequest&);
 

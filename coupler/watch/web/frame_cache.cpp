@@ -104,13 +104,20 @@ std::shared_ptr<const Frame> FrameCache::read(const std::string& side, int numbe
       std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.key == key; });
   if (found != kept_.end() && found->written == when) {
     kept_.splice(kept_.begin(), kept_, found);
+    parts_ = kept_.front().parts;
     return kept_.front().frame;
   }
   if (found != kept_.end()) kept_.erase(found);
-  std::vector<Frame> parts;
-  for (const std::string& name : names) parts.push_back(read_frame(path_of({name, number})));
-  auto frame = std::make_shared<const Frame>(joined(parts));
-  kept_.push_front({.key = key, .written = when, .bytes = bytes_of(*frame), .frame = frame});
+  std::vector<Frame> frames;
+  parts_.clear();
+  Eigen::Index first = 0;
+  for (const std::string& name : names) {
+    frames.push_back(read_frame(path_of({name, number})));
+    if (names.size() > 1 || name != side) parts_.push_back({.name = name, .first_point = first});
+    first += frames.back().position.cols();
+  }
+  auto frame = std::make_shared<const Frame>(joined(frames));
+  kept_.push_front({.key = key, .written = when, .bytes = bytes_of(*frame), .frame = frame, .parts = parts_});
   std::size_t bytes = 0;
   for (auto kept = kept_.begin(); kept != kept_.end();) {
     bytes += kept->bytes;

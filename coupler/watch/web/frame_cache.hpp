@@ -34,6 +34,8 @@ class FrameCache {
   const Series& series(const std::string& side) const;
   /// Throws Error(case_file) where there is no such frame, or it is damaged.
   std::shared_ptr<const Frame> read(const std::string& side, int number);
+  /// Where each of several bodies begins in the frame that was read last; empty for one structure.
+  const std::vector<MeshPart>& parts() const { return parts_; }
 
  private:
   using Key = std::pair<std::string, int>;
@@ -42,6 +44,7 @@ class FrameCache {
     std::int64_t written = 0;  // [ns]
     std::size_t bytes = 0;
     std::shared_ptr<const Frame> frame;
+    std::vector<MeshPart> parts;
   };
   std::filesystem::path path_of(const Key&) const;
   std::vector<std::string> names_of(const std::string& side) const;  // of the series that make it up
@@ -50,6 +53,7 @@ class FrameCache {
   std::map<std::string, Series> series_;
   std::map<std::string, std::int64_t> damaged_;  // file name → [ns] when it was written
   std::list<Kept> kept_;                         // the latest first
+  std::vector<MeshPart> parts_;
 };
 
 }  // namespace strake::watch

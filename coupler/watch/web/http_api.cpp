@@ -233,6 +233,7 @@ HttpApi::Answer HttpApi::frame(const Query& query) {
   {
     const std::lock_guard alone(frames_mutex_);
     frame = frames_.read(request.side, number);
+    request.parts = frames_.parts();
   }
   return {200, "application/octet-stream", field_message(*frame, request).bytes()};
 }

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <unistd.h>
 
 namespace strake {
@@ -70,6 +71,16 @@ TEST(Catenary, LimitsAreASlackLineAVerticalOneAndAStraightOne) {
   const CatenaryForce straight = catenary(light, 60, 90);
   EXPECT_NEAR(std::hypot(straight.horizontal, straight.vertical), 1e8 * (std::hypot(60, 90) - 100) / 100, 50);
   EXPECT_NEAR(straight.vertical / straight.horizontal, 1.5, 1e-6);
+}
+
+TEST(Catenary, ShapeGoesFromTheAnchorToTheUpperEndWithTheLinesLength) {
+  for (const auto& [bottom, x, z] : {std::tuple{true, 80.0, 30.0}, std::tuple{false, 60.0, -20.0}}) {
+    const Eigen::Matrix2Xd shape = catenary_shape(chain(1e12, bottom), x, z, 400);
+    EXPECT_NEAR(shape.col(0).norm(), 0, 1e-8);
+    EXPECT_NEAR((shape.col(399) - Eigen::Vector2d(x, z)).norm(), 0, 1e-12);
+    EXPECT_NEAR((shape.rightCols(399) - shape.leftCols(399)).colwise().norm().sum(), 100, 2e-3);
+    EXPECT_LT((shape.rightCols(399) - shape.leftCols(399)).colwise().norm().maxCoeff(), 0.26) << "no jump";
+  }
 }
 
 TEST(Catenary, PullsTowardsTheAnchorAndAlongGravity) {

@@ -38,7 +38,13 @@ int run(const std::string& name, const std::string& config, const std::string& h
     coupling.readData(mesh, other, ids, dt, values);
     if (++steps == 5) fail(how, coupling);
     if (how == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(10));
+#if defined(STRAKE_NAMES_OF) && STRAKE_NAMES_OF >= 302
+    coupling.startProfilingSection("adding");
     for (double& value : values) value += 1;
+    coupling.stopLastProfilingSection();
+#else
+    for (double& value : values) value += 1;
+#endif
     coupling.writeData(mesh, own, ids, values);
     coupling.advance(dt);
     std::puts(coupling.requiresReadingCheckpoint() ? "goes back" : "goes on");
