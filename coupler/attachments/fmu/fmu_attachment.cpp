@@ -170,21 +170,24 @@ void FmuAttachment::start(const Window& window, const Input& input) {
       motion_in(input.samples.back().fields, points_.position.cols(), parameters_.name);
   last_ = {window.t + window.dt, std::move(displacement), std::move(velocity), committed_.force};
   const double half = 0.5 * window.dt;
-  check_step(half);
-  ahead_ = true;
   try {
+    check_step(half);
+    ahead_ = true;
     instance_.set(set_, mean_inputs(committed_, last_));
     instance_.step(window.t, half);
     last_.force = force_in(instance_.get(read_));
     instance_.step(window.t + half, half);
     outputs_ = instance_.get(read_);
   } catch (const FmuDiscarded& discarded) {
-    if (!can_rewind())
-      throw Error(ExitCode::solver_fault, fmt::format("{}, t = {:.9g} s", parameters_.name, window.t),
-                  discarded.why + "\nand it cannot take back its state to try a shorter window",
-                  "a shorter coupling.surface.window");
     discarded_ = discarded;
+  } catch (const Error&) {  // the coupler may end this process as soon as it hears of it
+    package_.remove();
+    throw;
   }
+  if (discarded_ && !can_rewind())
+    throw Error(ExitCode::solver_fault, fmt::format("{}, t = {:.9g} s", parameters_.name, window.t),
+                discarded_->why + "\nand it cannot take back its state to try a shorter window",
+                "a shorter coupling.surface.window");
   seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 

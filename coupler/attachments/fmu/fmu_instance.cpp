@@ -76,10 +76,8 @@ FmuInstance::FmuInstance(const ModelDescription& model, const FmuPackage& packag
 
 FmuInstance::~FmuInstance() {
   if (health_ == Health::lost) return;  // the library stays loaded: nothing of it may be called
-  if (health_ == Health::usable) {
-    if (kept_ != nullptr) f_.fmi3FreeFMUState(instance_, &kept_);
-    if (in_step_mode_) f_.fmi3Terminate(instance_);
-  }
+  if (kept_ != nullptr) f_.fmi3FreeFMUState(instance_, &kept_);
+  if (health_ == Health::usable && in_step_mode_) f_.fmi3Terminate(instance_);
   f_.fmi3FreeInstance(instance_);
   dlclose(library_);
 }

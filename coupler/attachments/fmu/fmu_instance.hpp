@@ -60,7 +60,7 @@ class FmuInstance {
   void deserialize(const std::vector<fmi3Byte>&);
 
  private:
-  enum class Health { usable, failed, lost };  // all may be called; fmi3FreeInstance alone; nothing
+  enum class Health { usable, failed, lost };  // all may be called; what frees memory alone; nothing
   enum class OnDiscard { fail, retry };
   void load(const ModelDescription&, const FmuPackage&);
   void check(fmi3Status, const char* function, OnDiscard = OnDiscard::fail);

@@ -8,7 +8,6 @@
 #include <zip.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
@@ -16,6 +15,7 @@
 #include <memory>
 #include <sys/stat.h>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace strake {
@@ -143,14 +143,14 @@ FmuPackage::FmuPackage(const fs::path& file, std::uint64_t largest) : file_(file
   try {
     Unpacking(file, folder_, largest).run();
   } catch (...) {
-    fs::remove_all(folder_, ignored);  // no destructor runs
+    remove();  // no destructor runs
     throw;
   }
 }
 
-FmuPackage::~FmuPackage() {
+void FmuPackage::remove() {
   std::error_code ignored;
-  if (temporary_) fs::remove_all(folder_, ignored);
+  if (std::exchange(temporary_, false)) fs::remove_all(folder_, ignored);
 }
 
 fs::path FmuPackage::library(const std::string& model_identifier) const {

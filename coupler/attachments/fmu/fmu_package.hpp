@@ -13,7 +13,7 @@ class FmuPackage {
   /// Error(case_file) for what is no zip archive, is damaged, or has entries that lead out of the folder, are
   /// links, or hold more than `largest` bytes together.
   explicit FmuPackage(const std::filesystem::path& file, std::uint64_t largest = std::uint64_t{1} << 30);
-  ~FmuPackage();
+  ~FmuPackage() { remove(); }
   FmuPackage(const FmuPackage&) = delete;
   FmuPackage& operator=(const FmuPackage&) = delete;
 
@@ -23,6 +23,8 @@ class FmuPackage {
   std::filesystem::path library(const std::string& model_identifier) const;
   /// Absolute, with '/' at its end, as FMI 3.0 wants it; empty: the FMU has none.
   std::string resources() const;
+  /// Removes the temporary folder before the end. A library that was loaded from it stays loaded.
+  void remove();
 
  private:
   std::filesystem::path file_, folder_;
