@@ -16,7 +16,8 @@ namespace strake {
 const std::vector<std::string>& solver_programs() {
   static const std::vector<std::string> programs = {"strake-fluid",           "strake-fluid-replay",
                                                     "strake-structure-fem",   "strake-structure-particle",
-                                                    "strake-structure-rigid", "strake-structure-replay"};
+                                                    "strake-structure-rigid", "strake-structure-replay",
+                                                    "strake-attachment-fmu"};
   return programs;
 }
 

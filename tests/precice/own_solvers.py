@@ -87,6 +87,10 @@ def with_samples(place):
         left, right = (record(place / "runs" / f"entry-{tag}") for tag in ("own", "precice"))
         name = "000001.h5/real/displacement"
         ends = (left["000001.h5/real/time"] + left["000001.h5/real/dt"]).ravel()
+        # To just behind the first peak: where the water leaves the plate, one particle more or less decides.
+        kept = ends < 1.225e-3
+        left[name], right[name], ends = (array.reshape(-1, kept.size)[:, kept] for array in (left[name], right[name], ends))
+        ends = ends.ravel()
         deflection = numpy.abs(left[name].reshape(-1, 3, ends.size)[:, 1] + 6.26 * ends).max()
         error = numpy.abs(left[name] - right[name]).max()
         expect(error < 0.02 * deflection, f"samples, {interpolation}: {100 * error / deflection:.2f} % of the deflection of {1e3 * deflection:.3f} mm, expected 2")

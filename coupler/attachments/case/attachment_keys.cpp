@@ -117,7 +117,7 @@ void read_fmu(CaseTable table, Reading reading, FmuKeys& keys) {
   const bool chosen = reading == Reading::chosen;
   table.file("file", keys.file,
              {.required = chosen,
-              .help = "co-simulation unit of FMI 3.0 (.fmu), or the folder it was unpacked into"});
+              .help = "co-simulation unit of FMI 3.0 (.fmu)"});
   table.texts("inputs", keys.inputs,
               {.help = "what it receives, a list of \"variable = displacement.y\" or \"velocity.x\", of the "
                        "second point \"displacement.y.2\""});
