@@ -14,7 +14,7 @@ namespace strake {
 /// 3×n, one column per point. In two dimensions z = 0, and values are per metre of depth.
 using Points = Eigen::Matrix3Xd;
 
-/// Where one of several bodies begins in a mesh that holds them one after the other.
+/// Where one of several bodies, or of several meshes, begins in a mesh that holds them one after the other.
 struct MeshPart {
   std::string name;
   Eigen::Index first_point = 0, first_face = 0;
@@ -31,6 +31,8 @@ struct InterfaceMesh {
                           // x_a, that is, a closed body is walked counter-clockwise
   Eigen::VectorXd mass;   // n [kg], optional: inertia the fluid's pressure equation may use
   std::vector<MeshPart> parts = {};  // of several bodies, in order; none: one body
+  /// Of several meshes that one solver has joined, in order (coupler/mapping/mesh_part.hpp); none: one mesh.
+  std::vector<MeshPart> meshes = {};
 };
 
 /// One quantity on the points of a mesh.

@@ -27,6 +27,10 @@ struct Description {
   /// structure, force [N] of a fluid. Beside a displacement stands the velocity [m/s] at t = 0, which need
   /// not be sent later.
   std::vector<Field> initial;
+  /// The mesh on which it sends a field, and on which it takes one, by quantity: of a participant that has
+  /// joined several (InterfaceMesh::meshes). A field that it sends is zero on its other meshes. What it does
+  /// not name it does not take.
+  std::map<std::string, std::string> sent_on, taken_on;
   bool history =
       false;  // it takes the partner's fields over the window, as several samples, where there are such
   /// Of a structure, which is set up before its partner: the samples of its first window begin with the

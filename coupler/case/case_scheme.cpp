@@ -1,5 +1,8 @@
 #include "coupler/case/case_scheme.hpp"
 
+#include "coupler/case/mesh_transfer.hpp"
+#include "proto/error.hpp"
+
 #include <algorithm>
 
 namespace strake {
@@ -18,6 +21,23 @@ Mapping mapping_of(const CouplingCase& view, const InterfaceMesh& structure, con
   MappingParameters mapping = view.coupling.mapping;
   if (view.spacing) mapping.limit = farthest_wet_point * *view.spacing;
   return make_mapping(mapping, structure, fluid);
+}
+
+/// The limit on distances holds for what is mapped from the surface that the fluid wets. Other meshes may be
+/// coarse, and without faces, as centres of faces are: then the nearest of their points is taken.
+FieldTransfer transfer_of_several(const CouplingCase& view, const Participant& structure,
+                                  const Participant& fluid) {
+  if (view.common.interface == "volume")
+    throw Error(ExitCode::case_file, "coupling.interface = \"volume\"",
+                "both solvers have the same points, and one of them joins several meshes",
+                "coupling.interface = \"surface\"");
+  const std::string wetted = mesh_for_fluid(structure).name;
+  return transfer_between_meshes(structure, fluid, [&](const InterfaceMesh& from, const InterfaceMesh& to) {
+    MappingParameters mapping = view.coupling.mapping;
+    if (view.spacing && from.name == wetted) mapping.limit = farthest_wet_point * *view.spacing;
+    if (from.name != wetted && takes_nearest(mapping, from)) mapping.kind = "nearest-neighbour";
+    return make_mapping(mapping, from, to);
+  });
 }
 
 }  // namespace
@@ -62,6 +82,8 @@ SchemeParameters scheme_of(const CouplingCase& view, const Participant& structur
 }
 
 FieldTransfer transfer_of(const CouplingCase& view, const Participant& structure, const Participant& fluid) {
+  if (has_several_meshes(structure) || has_several_meshes(fluid))
+    return transfer_of_several(view, structure, fluid);
   std::optional<Mapping> back;
   if (FieldTransfer::needs_way_back(fields_of_structure(structure), fields_of_fluid(fluid)))
     back = mapping_of(view, fluid.mesh(), structure.mesh());

@@ -61,6 +61,10 @@ void Assembly::join_meshes() {
   mesh_.dimension = bodies_.front().solver->mesh().dimension;
   for (const Body& body : bodies_) {
     const InterfaceMesh& own = body.solver->mesh();
+    if (!own.meshes.empty())
+      throw Error(ExitCode::case_file, body.name,
+                  fmt::format("has {} meshes, and one of several bodies has one mesh", own.meshes.size()),
+                  "give all its data on one mesh, or compute it as [structure], the only body");
     if (own.dimension != mesh_.dimension)
       throw Error(
           ExitCode::case_file, body.name,

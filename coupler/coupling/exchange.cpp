@@ -140,20 +140,63 @@ StructureSample received_fields(std::vector<Field>&& answer, const StructureSamp
 FieldTransfer::FieldTransfer(Mapping to_fluid, std::optional<Mapping> to_structure)
     : to_fluid_(std::move(to_fluid)), to_structure_(std::move(to_structure)) {}
 
+FieldTransfer::FieldTransfer(Mapping to_fluid, std::optional<Mapping> to_structure,
+                             std::vector<Crossing> crossings, std::optional<Mapping> to_loaded)
+    : to_fluid_(std::move(to_fluid)),
+      to_structure_(std::move(to_structure)),
+      crossings_(std::move(crossings)),
+      to_loaded_(std::move(to_loaded)) {}
+
+bool FieldTransfer::needs_way_back(Sender sender, const Field& field) {
+  return field.conservative == (sender == Sender::structure);
+}
+
 bool FieldTransfer::needs_way_back(const StructureSample& of_structure, const std::vector<Field>& of_fluid) {
-  const auto conservative = [](const Field& field) { return field.conservative; };
-  return std::any_of(of_structure.others.begin(), of_structure.others.end(), conservative) ||
-         !std::all_of(of_fluid.begin(), of_fluid.end(), conservative);
+  const auto back = [](Sender sender) {
+    return [sender](const Field& field) { return needs_way_back(sender, field); };
+  };
+  return std::any_of(of_structure.others.begin(), of_structure.others.end(), back(Sender::structure)) ||
+         std::any_of(of_fluid.begin(), of_fluid.end(), back(Sender::fluid));
+}
+
+const Crossing* FieldTransfer::find(Sender sender, const std::string& quantity) const {
+  for (const Crossing& one : crossings_)
+    if (one.sender == sender && one.quantity == quantity) return &one;
+  return nullptr;
+}
+
+const Mapping& FieldTransfer::way_of(Sender sender, const Field& field) const {
+  if (const Crossing* own = find(sender, field.quantity)) return own->mapping;
+  const bool back = needs_way_back(sender, field);
+  assert(!back || to_structure_);
+  return back ? *to_structure_ : to_fluid_;
 }
 
 Field FieldTransfer::onto_fluid(const Field& field) const {
-  assert(!field.conservative || to_structure_);
-  return field.conservative ? to_structure_->conservative(field) : to_fluid_.consistent(field);
+  const Mapping& way = way_of(Sender::structure, field);
+  return field.conservative ? way.conservative(field) : way.consistent(field);
 }
 
 Field FieldTransfer::onto_structure(const Field& field) const {
-  assert(field.conservative || to_structure_);
-  return field.conservative ? to_fluid_.force(field) : to_structure_->per_area(field);
+  const Mapping& way = way_of(Sender::fluid, field);
+  return field.conservative ? way.force(field) : way.per_area(field);
+}
+
+Field FieldTransfer::onto_moving(const Field& force) const {
+  return to_loaded_ ? to_loaded_->conservative(force) : force;
+}
+
+Field FieldTransfer::where_fluid_loads(const Field& displacement) const {
+  const Crossing* force = find(Sender::fluid, "force");
+  return (force ? force->mapping : to_fluid_)
+      .consistent(to_loaded_ ? to_loaded_->consistent(displacement) : displacement);
+}
+
+double FieldTransfer::rms_factor(Sender sender, const std::string& quantity) const {
+  const Crossing* own = find(sender, quantity);
+  if (!own || own->structure_points == 0) return 1;
+  return std::sqrt(static_cast<double>(to_fluid_.weights().cols()) /
+                   static_cast<double>(own->structure_points));
 }
 
 }  // namespace strake

@@ -213,16 +213,18 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
   row.force = now.force;
   if (parameters_.volume) return row;
   const std::vector<Column> quantity = measured();
-  const auto add = [&](double residual, double scale, const Limits& limits) {
+  const auto add = [&](Sender sender, double residual, double scale, const Limits& limits) {
     const std::size_t k = row.fields.size();
-    row.fields.push_back(judge(quantity[k], residual, scale, limits, first ? first->fields[k].residual : -1));
+    const double factor = transfer_.rms_factor(sender, quantity[k].name);
+    row.fields.push_back(judge(quantity[k], factor * residual, factor * scale, limits,
+                               first ? first->fields[k].residual : -1));
   };
   const StructureSample &guess = guess_of(now), &last = state_.structure.back();
   const auto add_structure = [&](const Values& answer, const Values& given, const Values& committed,
                                  double residual_of_velocity) {
     const double change = rms(answer - given);
     const double scale = by_value ? rms(answer) : &guess == &last ? change : rms(answer - committed);
-    add(std::max(change, residual_of_velocity), scale,
+    add(Sender::structure, std::max(change, residual_of_velocity), scale,
         {c.relative, row.fields.empty() ? c.absolute : 0, c.residual_relative});
   };
   if (const auto& motion = now.answer.motion)
@@ -235,7 +237,7 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
   if (const Limits load = limits_of_load(); load.any())
     for (std::size_t k = 0; k < of_fluid_.size(); ++k) {
       const Field& before = parameters_.parallel ? now.load_guess[k] : now.load_before[k];
-      add(rms(now.load[k].value - before.value), rms(now.load[k].value), load);
+      add(Sender::fluid, rms(now.load[k].value - before.value), rms(now.load[k].value), load);
     }
   refuse_non_finite(row.fields, {"coupling", window, state_.windows + 1, iteration});
   return row;
@@ -285,13 +287,14 @@ void Scheme::close(WindowReport& report, Iterate& now) {
     const Values& displacement = motion->displacement;
     const Field increment = {"displacement", "m", false,
                              displacement - state_.structure.back().motion->displacement};
-    report.work.fluid = dot(wet->value, transfer_.onto_fluid(increment).value);
-    report.work.structure = dot(force->value, increment.value);
+    const Values acting = transfer_.onto_moving(*force).value;
+    report.work.fluid = dot(wet->value, transfer_.where_fluid_loads(increment).value);
+    report.work.structure = dot(acting, increment.value);
     if (!parameters_.volume)
-      report.work.unconverged = dot(force->value, displacement - guess_of(now).motion->displacement);
+      report.work.unconverged = dot(acting, displacement - guess_of(now).motion->displacement);
     // In a parallel scheme the structure moved under another load than the fluid's.
     if (const Field* given = find(now.load_guess, "force"))
-      report.work.unconverged += dot(MatrixXd(given->value - force->value), increment.value);
+      report.work.unconverged += dot(MatrixXd(transfer_.onto_moving(*given).value - acting), increment.value);
     report.displacement = displacement;
     if (pending_.sends_velocity) report.velocity = motion->velocity;
     report.force = force->value;

@@ -16,6 +16,10 @@ struct Configuration {
 /// Where a setting comes from: "line 30".
 std::string place_of(const XmlElement&);
 
+/// The mesh that a participant writes or reads data on; its first one where the list does not name the data.
+std::string mesh_of(const std::vector<PreciceConfig::MeshData>& list, const std::string& data,
+                    const ImportedSide&);
+
 /// The parts of an imported run, in the order in which they are read. Each throws Error(case_file) with
 /// file:line:column for what Strake does not have, and may add to `notes`.
 void import_sides(const Configuration&, ImportedRun&);

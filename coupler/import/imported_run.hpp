@@ -17,9 +17,9 @@ struct Stated {
 /// One participant of a preCICE configuration as a side of a case.
 struct ImportedSide {
   Stated<std::string> participant;
-  std::string mesh;                // the one that it provides
-  std::vector<std::string> sends;  // names of data
-  std::vector<std::string> names;  // "Force=force", for both participants the same
+  std::vector<std::string> meshes;  // those that it provides
+  std::vector<std::string> sends;   // names of data
+  std::vector<std::string> names;   // "Force=force", for both participants the same
 };
 
 /// coupling.surface.mapping. The radial part is meant with kind = "radial-basis" alone.

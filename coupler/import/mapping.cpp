@@ -1,7 +1,9 @@
 #include "coupler/import/import_parts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
@@ -93,15 +95,34 @@ class Mappings {
 void check_meshes(const XmlElement& element, const ImportedRun& run) {
   for (const char* end : {"from", "to"})
     if (!element.attributes.count(end))
-      element.refuse(
-          fmt::format("has no {}: Strake maps between meshes, not to points given later", end),
-          fmt::format("<{} from=\"{}\" to=\"{}\" … />", element.name, run.fluid.mesh, run.structure.mesh));
-  const std::pair ends{element.text("from"), element.text("to")};
-  if (ends != std::pair{run.fluid.mesh, run.structure.mesh} &&
-      ends != std::pair{run.structure.mesh, run.fluid.mesh})
-    element.refuse(fmt::format("goes from {} to {}", ends.first, ends.second),
-                   fmt::format("between {} and {}, the meshes of both participants", run.fluid.mesh,
-                               run.structure.mesh));
+      element.refuse(fmt::format("has no {}: Strake maps between meshes, not to points given later", end),
+                     fmt::format("<{} from=\"{}\" to=\"{}\" … />", element.name, run.fluid.meshes.front(),
+                                 run.structure.meshes.front()));
+  const auto provides = [](const ImportedSide& side, const std::string& mesh) {
+    return std::find(side.meshes.begin(), side.meshes.end(), mesh) != side.meshes.end();
+  };
+  const std::string begin = element.text("from"), end = element.text("to");
+  if (!(provides(run.fluid, begin) && provides(run.structure, end)) &&
+      !(provides(run.structure, begin) && provides(run.fluid, end)))
+    element.refuse(fmt::format("goes from {} to {}", begin, end),
+                   fmt::format("between {} and {}, the meshes of both participants",
+                               fmt::join(run.fluid.meshes, ", "), fmt::join(run.structure.meshes, ", ")));
+}
+
+/// All that is sent needs a mapping from the mesh where it is written to that where it is read.
+void check_sent(const Configuration& from, const Mappings& mappings, const ImportedSide& sender,
+                const ImportedSide& receiver) {
+  const auto* writer = from.config.find_participant(sender.participant.value);
+  const auto* reader = from.config.find_participant(receiver.participant.value);
+  for (const std::string& data : sender.sends) {
+    const std::string begin = mesh_of(writer->writes, data, sender),
+                      end = mesh_of(reader->reads, data, receiver);
+    if (!mappings.between(begin, end))
+      from.tree.element.refuse(
+          fmt::format("has no mapping from {} to {}, for {}", begin, end, data),
+          fmt::format("<mapping:nearest-neighbor direction=\"…\" from=\"{}\" to=\"{}\" constraint=\"…\" />",
+                      begin, end));
+  }
 }
 
 }  // namespace
@@ -119,13 +140,8 @@ void import_mapping(const Configuration& from, ImportedRun& run) {
                       run.mapping.kind.from),
           "the same mapping with the same numbers both ways");
   }
-  for (const auto& [sender, receiver] :
-       {std::pair{&run.fluid, &run.structure}, std::pair{&run.structure, &run.fluid}})
-    if (!mappings.between(sender->mesh, receiver->mesh))
-      from.tree.element.refuse(
-          fmt::format("has no mapping from {} to {}", sender->mesh, receiver->mesh),
-          fmt::format("<mapping:nearest-neighbor direction=\"…\" from=\"{}\" to=\"{}\" constraint=\"…\" />",
-                      sender->mesh, receiver->mesh));
+  check_sent(from, mappings, run.fluid, run.structure);
+  check_sent(from, mappings, run.structure, run.fluid);
 }
 
 }  // namespace strake

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 namespace strake {
 namespace {
@@ -29,17 +30,46 @@ void check_name(const XmlElement& element, const std::string& name) {
                    "a name without quotation marks, \\, ; and =");
 }
 
-/// The mesh that a participant provides: exactly one.
-std::string own_mesh(const XmlTree& participant) {
-  const std::string name = participant.element.text("name");
+/// The meshes that a participant provides: at least one, in one space, and none of them its partner's.
+std::vector<std::string> own_meshes(const Configuration& from, const XmlTree& participant) {
+  const std::string owner = participant.element.text("name");
   const auto provided = participant.all("provide-mesh");
   if (provided.empty())
-    participant.element.refuse(fmt::format("{} provides no mesh", name), "<provide-mesh name=\"…\" />");
-  if (provided.size() > 1)
-    provided[1]->element.refuse(
-        fmt::format("is a second mesh of {}, and Strake couples one mesh of each participant", name),
-        "all data on one mesh");
-  return provided.front()->element.text("name");
+    participant.element.refuse(fmt::format("{} provides no mesh", owner), "<provide-mesh name=\"…\" />");
+  std::vector<std::string> names;
+  for (const XmlTree* mesh : provided) {
+    const std::string name = mesh->element.text("name");
+    if (std::find(names.begin(), names.end(), name) != names.end())
+      mesh->element.refuse(fmt::format("is the mesh {} of {} once more", name, owner), "once");
+    for (const auto& other : from.config.participants)
+      if (other.name != owner &&
+          std::find(other.provided.begin(), other.provided.end(), name) != other.provided.end())
+        mesh->element.refuse(fmt::format("{} is provided by {} as well", name, other.name),
+                             "one participant that provides it; the other one receives it");
+    const int dimension = from.config.find_mesh(name)->dimension;
+    if (!names.empty() && dimension != from.config.find_mesh(names.front())->dimension)
+      mesh->element.refuse(
+          fmt::format("{} has {} dimensions, and {} of {} has not", name, dimension, names.front(), owner),
+          "all meshes of a participant in one space");
+    names.push_back(name);
+  }
+  return names;
+}
+
+/// A participant has each data on one of its meshes.
+void check_data(const XmlTree& participant) {
+  for (const char* kind : {"write-data", "read-data"}) {
+    std::map<std::string, std::string> mesh_of;
+    for (const XmlTree* one : participant.all(kind)) {
+      const std::string data = one->element.text("name"), mesh = one->element.text("mesh");
+      const auto [known, is_new] = mesh_of.emplace(data, mesh);
+      if (!is_new && known->second != mesh)
+        one->element.refuse(fmt::format("has {} on {} after {}, and in Strake a participant has each data on "
+                                        "one mesh",
+                                        data, mesh, known->second),
+                            "data of another name for the other mesh");
+    }
+  }
 }
 
 const XmlTree& participant_of(const XmlTree& tree, const std::string& name) {
@@ -77,8 +107,10 @@ ImportedSide side_of(const Configuration& from, const std::string& which) {
   const XmlElement& both = from.scheme().first("participants")->element;
   const std::string name = both.text(which);
   check_name(both, name);
+  const XmlTree& participant = participant_of(from.tree, name);
+  check_data(participant);
   return {.participant = {name, place_of(both)},
-          .mesh = own_mesh(participant_of(from.tree, name)),
+          .meshes = own_meshes(from, participant),
           .sends = {},
           .names = {}};
 }
@@ -100,7 +132,9 @@ void import_exchanges(const Configuration& from, ImportedSide& side, const Impor
     const std::string data = element.text("data");
     check_name(element, data);
     side.sends.push_back(data);
-    names.push_back(rule_of(*from.config.find_data(data), from.config.conservative(side.mesh)));
+    const std::string mesh =
+        mesh_of(from.config.find_participant(side.participant.value)->writes, data, side);
+    names.push_back(rule_of(*from.config.find_data(data), from.config.conservative({mesh, data})));
   }
   if (side.sends.empty())
     from.scheme().element.refuse(fmt::format("sends nothing from {} to {}, and Strake couples both ways",
@@ -110,6 +144,13 @@ void import_exchanges(const Configuration& from, ImportedSide& side, const Impor
 }
 
 }  // namespace
+
+std::string mesh_of(const std::vector<PreciceConfig::MeshData>& list, const std::string& data,
+                    const ImportedSide& side) {
+  for (const auto& entry : list)
+    if (entry.data == data) return entry.mesh;
+  return side.meshes.front();
+}
 
 void import_sides(const Configuration& from, ImportedRun& run) {
   check_participants(from.tree);

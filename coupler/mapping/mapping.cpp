@@ -204,6 +204,23 @@ void Mapping::set_force(Matrix&& weights, bool scaled) {
   quality_.without_load = force_weights_.empty_rows();
 }
 
+Mapping Mapping::embedded(const SparseOperator::Place& of_fluid,
+                          const SparseOperator::Place& of_structure) const {
+  Mapping whole = *this;
+  whole.weights_ = weights_.embedded(of_fluid, of_structure);
+  whole.transpose_ = transpose_.embedded(of_structure, of_fluid);
+  if (force_weights_) whole.force_weights_ = force_weights_.embedded(of_structure, of_fluid);
+  const auto placed = [](const Eigen::VectorXd& area, const SparseOperator::Place& place) {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(place.size);
+    all.segment(place.first, area.size()) = area;
+    return all;
+  };
+  if (area_of_structure_.size() > 0) whole.area_of_structure_ = placed(area_of_structure_, of_structure);
+  if (area_of_fluid_.size() > 0) whole.area_of_fluid_ = placed(area_of_fluid_, of_fluid);
+  if (quality_.farthest >= 0) whole.quality_.farthest = quality_.farthest + of_fluid.first;
+  return whole;
+}
+
 Mapping nearest_neighbour(const InterfaceMesh& structure, const InterfaceMesh& fluid, double limit) {
   check_meshes(structure, fluid);
   const PointTree tree(structure.position);

@@ -70,6 +70,9 @@ class Mapping {
   void set_force(Matrix&& weights, bool scaled);
   /// Area that belongs to each point [m², m in 2-D].
   void set_areas(Eigen::VectorXd of_structure, Eigen::VectorXd of_fluid);
+  /// The same between parts of larger meshes: W is a block, all else is empty. The quality stays the block's,
+  /// but for the number of the farthest point.
+  Mapping embedded(const SparseOperator::Place& of_fluid, const SparseOperator::Place& of_structure) const;
 
  private:
   SparseOperator weights_, transpose_, force_weights_;  // the last one may be none

@@ -123,6 +123,23 @@ Index SparseOperator::empty_rows() const {
   return empty;
 }
 
+SparseOperator SparseOperator::embedded(const Place& rows, const Place& columns) const {
+  const Matrix& block = *matrix_;
+  assert(rows.first + block.rows() <= rows.size && columns.first + block.cols() <= columns.size);
+  Matrix whole(rows.size, columns.size);
+  whole.resizeNonZeros(block.nonZeros());
+  const auto last = static_cast<int>(block.nonZeros());
+  for (Index i = 0; i <= rows.size; ++i) {
+    const Index own = i - rows.first;
+    whole.outerIndexPtr()[i] = own <= 0 ? 0 : own < block.rows() ? block.outerIndexPtr()[own] : last;
+  }
+  for (Index k = 0; k < block.nonZeros(); ++k) {
+    whole.innerIndexPtr()[k] = block.innerIndexPtr()[k] + static_cast<int>(columns.first);
+    whole.valuePtr()[k] = block.valuePtr()[k];
+  }
+  return SparseOperator(std::move(whole));
+}
+
 Values SparseOperator::operator*(const Values& value) const {
   assert(value.cols() == matrix_->cols());
   if (is_identity_) return value;

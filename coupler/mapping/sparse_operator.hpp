@@ -20,6 +20,11 @@ class SparseOperator {
   const Matrix& matrix() const { return *matrix_; }
   SparseOperator transposed() const;
   Eigen::Index empty_rows() const;
+  /// The block of a larger matrix: it begins at row and column `first`, and the whole has `size` of them.
+  struct Place {
+    Eigen::Index first = 0, size = 0;
+  };
+  SparseOperator embedded(const Place& rows, const Place& columns) const;
 
   /// mapped_i = Σ_j W_ij value_j: components×columns of the matrix → components×rows of it. Does not depend
   /// on the number of threads. The identity gives the same numbers, shared: there alone a −0 stays one, which

@@ -27,7 +27,7 @@ ExchangedData::Entry ExchangedData::entry(const PreciceConfig& config, const Pre
   const int dimension = config.find_mesh(id.mesh)->dimension;
   Entry entry{.mesh = id.mesh,
               .data = id.data,
-              .quantity = names.of(id.data, config.conservative(id.mesh)),
+              .quantity = names.of(id.data, config.conservative(id)),
               .components = data.vector ? dimension : 1,
               .value = {},
               .waveform = Waveform(data.waveform_degree)};
@@ -46,15 +46,60 @@ ExchangedData::ExchangedData(const PreciceConfig& config, const PreciceConfig::P
                              const QuantityNames& names) {
   for (const auto& id : participant.writes) written_.push_back(entry(config, id, names));
   for (const auto& id : participant.reads) read_.push_back(entry(config, id, names));
+  for (const std::string& mesh : participant.provided)
+    for (const auto* list : {&written_, &read_})
+      if (std::any_of(list->begin(), list->end(), [&](const Entry& one) { return one.mesh == mesh; }) &&
+          (places_.empty() || places_.back().mesh != mesh))
+        places_.push_back({mesh});
+  check_quantities(config, written_, "writes");
+  check_quantities(config, read_, "reads");
 }
 
-void ExchangedData::resize(int n_points) {
-  for (Entry& entry : written_) {
-    const Eigen::MatrixXd before = std::move(entry.value);
-    entry.value = Eigen::MatrixXd::Zero(entry.components, n_points);
-    if (before.cols() > 0 && before.cols() <= n_points) entry.value.leftCols(before.cols()) = before;
+/// The coupler knows fields by their quantities: each stands on one mesh.
+void ExchangedData::check_quantities(const PreciceConfig& config, const std::vector<Entry>& entries,
+                                     const char* verb) const {
+  if (places_.size() < 2) return;
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    for (std::size_t k = i + 1; k < entries.size(); ++k)
+      if (entries[i].quantity.name == entries[k].quantity.name)
+        throw Error(ExitCode::case_file, config.file.string(),
+                    fmt::format("a participant {} {} and {}: both are {}", verb, entries[i].text(),
+                                entries[k].text(), entries[i].quantity.name),
+                    "each quantity on one mesh; STRAKE_PRECICE_NAMES gives data names of their own");
+}
+
+std::vector<std::string> ExchangedData::meshes() const {
+  std::vector<std::string> names;
+  for (const Place& place : places_) names.push_back(place.mesh);
+  return names;
+}
+
+std::map<std::string, std::string> ExchangedData::mesh_of(const std::vector<Entry>& entries) {
+  std::map<std::string, std::string> meshes;
+  for (const Entry& entry : entries) meshes[entry.quantity.name] = entry.mesh;
+  return meshes;
+}
+
+const ExchangedData::Place& ExchangedData::place_of(const Entry& entry) const {
+  return *std::find_if(places_.begin(), places_.end(),
+                       [&](const Place& place) { return place.mesh == entry.mesh; });
+}
+
+void ExchangedData::resize(const std::string& mesh, int n_points) {
+  int first = 0;
+  for (Place& place : places_) {
+    place.first = first;
+    if (place.mesh == mesh && place.points != n_points) {
+      place.points = n_points;
+      for (Entry& entry : written_) {
+        if (entry.mesh != mesh) continue;
+        const Eigen::MatrixXd before = std::move(entry.value);
+        entry.value = Eigen::MatrixXd::Zero(entry.components, n_points);
+        if (before.cols() > 0 && before.cols() <= n_points) entry.value.leftCols(before.cols()) = before;
+      }
+    }
+    first += place.points;
   }
-  n_points_ = n_points;
 }
 
 const ExchangedData::Entry* ExchangedData::find(const std::vector<Entry>& entries, const std::string& mesh,
@@ -102,9 +147,10 @@ void ExchangedData::write(const std::string& mesh, const std::string& data, std:
                             ids[static_cast<std::size_t>(first - values.begin()) / k]),
                 "");
   }
-  const bool all = are_all(ids, n_points_);
-  if (all) entry.value.resize(entry.components, n_points_);
-  if (entry.value.size() == 0) entry.value = Eigen::MatrixXd::Zero(entry.components, n_points_);
+  const int n_points = place_of(entry).points;
+  const bool all = are_all(ids, n_points);
+  if (all) entry.value.resize(entry.components, n_points);
+  if (entry.value.size() == 0) entry.value = Eigen::MatrixXd::Zero(entry.components, n_points);
   if (all) {
     std::copy(values.begin(), values.end(), entry.value.data());
     return;
@@ -123,7 +169,7 @@ void ExchangedData::read(const std::string& mesh, const std::string& data, std::
   if (entry->waveform.empty()) throw Error(ExitCode::solver_fault, entry->text(), "has no values yet", "");
   const Values now = entry->waveform.at(time);
   const auto k = static_cast<std::size_t>(entry->components);
-  if (are_all(ids, n_points_)) {
+  if (are_all(ids, place_of(*entry).points)) {
     std::copy_n(now.data(), values.size(), values.data());
     return;
   }
@@ -133,12 +179,13 @@ void ExchangedData::read(const std::string& mesh, const std::string& data, std::
 std::vector<Field> ExchangedData::take_fields() {
   std::vector<Field> fields;
   for (Entry& entry : written_) {
+    const Place& place = place_of(entry);
     Eigen::MatrixXd value = std::exchange(entry.value, {});
-    if (value.size() == 0) value = Eigen::MatrixXd::Zero(entry.components, n_points_);
-    if (entry.components < entry.quantity.components) {
-      const Eigen::MatrixXd narrow = std::move(value);
-      value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points_);
-      value.topRows(entry.components) = narrow;
+    if (value.size() == 0) value = Eigen::MatrixXd::Zero(entry.components, place.points);
+    if (entry.components < entry.quantity.components || place.points < all_points()) {
+      const Eigen::MatrixXd own = std::move(value);
+      value = Eigen::MatrixXd::Zero(entry.quantity.components, all_points());
+      value.block(0, place.first, entry.components, place.points) = own;
     }
     fields.push_back(
         {entry.quantity.name, entry.quantity.unit, entry.quantity.conservative, std::move(value)});
@@ -146,25 +193,41 @@ std::vector<Field> ExchangedData::take_fields() {
   return fields;
 }
 
-/// In two dimensions the third component of the partner's vectors is zero and is left out.
-Values ExchangedData::from_partner(const Entry& entry, const Field& field) const {
-  if (field.value.rows() != entry.quantity.components || field.value.cols() != n_points_)
+void ExchangedData::check_components(const Entry& entry, const Field& field, int points) const {
+  if (field.value.rows() != entry.quantity.components || field.value.cols() != points)
     throw Error(ExitCode::case_file, entry.text(),
                 fmt::format("is the partner's {}, which has {} components at {} points; expected {} at {}",
                             field.quantity, field.value.rows(), field.value.cols(), entry.quantity.components,
-                            n_points_),
+                            points),
                 "both participants must mean the same by it");
-  return entry.components == field.value.rows() ? field.value : Values(field.value.topRows(entry.components));
+}
+
+/// In two dimensions the third component of the partner's vectors is zero and is left out.
+Values ExchangedData::in_solver(const Entry& entry, const Values& value) const {
+  return entry.components == value.rows() ? value : Values(value.topRows(entry.components));
+}
+
+Values ExchangedData::from_partner(const Entry& entry, const Field& field) const {
+  check_components(entry, field, all_points());
+  const Place& place = place_of(entry);
+  if (place.points == all_points()) return in_solver(entry, field.value);
+  return in_solver(entry, Eigen::MatrixXd(field.value.middleCols(place.first, place.points)));
 }
 
 void ExchangedData::begin(const InterfaceMesh& partner, const std::vector<Field>& fields,
-                          const InterfaceMesh& mesh) {
-  const Points &theirs = partner.position, &ours = mesh.position;
-  const double same = 1e-9 * (1 + ours.cwiseAbs().maxCoeff());  // [m]
-  if (theirs.cols() != ours.cols() || (theirs - ours).cwiseAbs().maxCoeff() > same) return;
-  for (Entry& entry : read_)
-    if (const Field* field = strake::find(fields, entry.quantity.name))
-      entry.waveform.begin(0, from_partner(entry, *field));
+                          const std::vector<InterfaceMesh>& own) {
+  const Points& theirs = partner.position;
+  for (const InterfaceMesh& mesh : own) {
+    const Points& ours = mesh.position;
+    const double same = 1e-9 * (1 + ours.cwiseAbs().maxCoeff());  // [m]
+    if (theirs.cols() != ours.cols() || (theirs - ours).cwiseAbs().maxCoeff() > same) continue;
+    for (Entry& entry : read_) {
+      const Field* field = entry.mesh == mesh.name ? strake::find(fields, entry.quantity.name) : nullptr;
+      if (!field) continue;
+      check_components(entry, *field, static_cast<int>(ours.cols()));
+      entry.waveform.begin(0, in_solver(entry, field->value));
+    }
+  }
 }
 
 void ExchangedData::receive(const Window& window, const Input& input) {

@@ -7,21 +7,27 @@
 
 #include <Eigen/Core>
 
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace strake {
 
-/// The data that a participant writes and reads on its mesh, under the names of its configuration file.
+/// The data that a participant writes and reads on its meshes, under the names of its configuration file.
 /// Errors are Error(solver_fault).
+///
+/// The coupler sees the meshes as one (solver_mesh.hpp, `joined`): a field that is sent has the values of its
+/// own mesh there and zeros elsewhere, and of one that is received the part on its mesh is taken.
 class ExchangedData {
  public:
+  /// Error(case_file) where two data are one quantity for the coupler.
   ExchangedData(const PreciceConfig&, const PreciceConfig::Participant&, const QuantityNames&);
 
-  /// Room for n points; those that are new have the value zero.
-  void resize(int n_points);
-  int points() const { return n_points_; }
+  /// The meshes that have data, in the order of the configuration.
+  std::vector<std::string> meshes() const;
+  /// Room for n points on a mesh; those that are new have the value zero.
+  void resize(const std::string& mesh, int n_points);
   /// values: as many numbers for each point as the data have components there.
   void write(const std::string& mesh, const std::string& data, std::span<const int> ids,
              std::span<const double> values);
@@ -32,9 +38,14 @@ class ExchangedData {
   /// three components where Strake knows the quantity.
   std::vector<Field> take_fields();
 
+  /// The mesh of each quantity that is written, and of each that is read.
+  std::map<std::string, std::string> written_on() const { return mesh_of(written_); }
+  std::map<std::string, std::string> read_on() const { return mesh_of(read_); }
+
   /// The partner's fields where the run begins, on its own mesh. They are taken where that mesh has the
-  /// points of `mesh`; else, and where one is missing, a field begins at zero.
-  void begin(const InterfaceMesh& partner, const std::vector<Field>& fields, const InterfaceMesh& mesh);
+  /// points of the data's mesh; else, and where one is missing, a field begins at zero.
+  void begin(const InterfaceMesh& partner, const std::vector<Field>& fields,
+             const std::vector<InterfaceMesh>& own);
   /// The partner's fields over a window. Error if one that is read is missing or has other components.
   void receive(const Window&, const Input&);
   void commit();
@@ -51,14 +62,25 @@ class ExchangedData {
     Waveform waveform;      // of what is read
     std::string text() const { return "data \"" + data + "\" of mesh \"" + mesh + "\""; }
   };
+  /// Where a mesh stands among all that are joined.
+  struct Place {
+    std::string mesh;
+    int first = 0, points = 0;
+  };
   Entry entry(const PreciceConfig&, const PreciceConfig::MeshData&, const QuantityNames&) const;
+  void check_quantities(const PreciceConfig&, const std::vector<Entry>&, const char* verb) const;
+  static std::map<std::string, std::string> mesh_of(const std::vector<Entry>&);
+  const Place& place_of(const Entry&) const;
+  int all_points() const { return places_.back().first + places_.back().points; }
   const Entry* find(const std::vector<Entry>&, const std::string& mesh, const std::string& data) const;
   void check_sizes(const Entry&, std::size_t ids, std::size_t values) const;
   std::string listed(const std::vector<Entry>&) const;
+  void check_components(const Entry&, const Field&, int points) const;
+  Values in_solver(const Entry&, const Values&) const;
   Values from_partner(const Entry&, const Field&) const;
 
   std::vector<Entry> written_, read_;
-  int n_points_ = 0;
+  std::vector<Place> places_;
 };
 
 }  // namespace strake

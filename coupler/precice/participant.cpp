@@ -105,8 +105,7 @@ int Participant::getDataDimensions(string_view mesh, string_view data) const {
 
 bool Participant::requiresMeshConnectivityFor(string_view mesh) const {
   return guarded_call("requiresMeshConnectivityFor()", &impl_->run, [&] {
-    return strake::used_mesh(impl_->run, text_of(mesh)).name == impl_->run.mesh_name() &&
-           impl_->run.uses_faces();
+    return impl_->run.uses_faces(strake::used_mesh(impl_->run, text_of(mesh)).name);
   });
 }
 

@@ -90,4 +90,25 @@ InterfaceMesh SolverMesh::interface_mesh() const {
   return mesh;
 }
 
+InterfaceMesh joined(const std::vector<InterfaceMesh>& all, const std::string& name) {
+  if (all.size() == 1) return all.front();
+  InterfaceMesh mesh;
+  mesh.name = name;
+  mesh.dimension = all.front().dimension;
+  Eigen::Index points = 0, faces = 0;
+  for (const InterfaceMesh& one : all) {
+    mesh.meshes.push_back({one.name, points, faces});
+    points += one.position.cols();
+    faces += one.faces.cols();
+  }
+  mesh.position.resize(3, points);
+  mesh.faces.resize(mesh.dimension, faces);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto& [own_name, point, face] = mesh.meshes[k];
+    mesh.position.middleCols(point, all[k].position.cols()) = all[k].position;
+    mesh.faces.middleCols(face, all[k].faces.cols()) = all[k].faces.array() + static_cast<int>(point);
+  }
+  return mesh;
+}
+
 }  // namespace strake

@@ -51,4 +51,8 @@ class SolverMesh {
   std::set<std::vector<int>> known_;  // sorted
 };
 
+/// Several meshes as the coupler takes them: one after the other in one, whose `meshes` names them. One alone
+/// stays as it is. name: of the joined mesh.
+InterfaceMesh joined(const std::vector<InterfaceMesh>&, const std::string& name);
+
 }  // namespace strake

@@ -4,6 +4,7 @@
 #include "coupler/precice/environment.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -38,10 +39,32 @@ bool is_exchanged(const PreciceConfig& config, const std::string& participant,
   return false;
 }
 
-/// The only mesh that it provides.
-const PreciceConfig::Mesh& own_mesh(const PreciceConfig& config,
-                                    const PreciceConfig::Participant& participant) {
-  return *config.find_mesh(participant.provided.front());
+std::vector<SolverMesh> meshes_of(const PreciceConfig& config,
+                                  const PreciceConfig::Participant& participant) {
+  std::vector<SolverMesh> meshes;
+  for (const std::string& name : participant.provided)
+    meshes.emplace_back(name, config.find_mesh(name)->dimension);
+  return meshes;
+}
+
+/// The meshes of a participant: at least one, in one space.
+void check_meshes(const PreciceConfig& config, const PreciceConfig::Participant& participant) {
+  if (participant.provided.empty())
+    throw Error(ExitCode::case_file, config.file.string(),
+                fmt::format("participant \"{}\" provides 0 meshes", participant.name),
+                "<provide-mesh name=\"…\" />");
+  const PreciceConfig::Mesh& first = *config.find_mesh(participant.provided.front());
+  for (const std::string& name : participant.provided) {
+    if (std::count(participant.provided.begin(), participant.provided.end(), name) > 1)
+      throw Error(ExitCode::case_file, config.file.string(),
+                  fmt::format("participant \"{}\" provides \"{}\" twice", participant.name, name),
+                  "one <provide-mesh> for each of its meshes");
+    if (const PreciceConfig::Mesh& other = *config.find_mesh(name); other.dimension != first.dimension)
+      throw Error(ExitCode::case_file, config.file.string(),
+                  fmt::format("participant \"{}\" provides \"{}\" in {} dimensions and \"{}\" in {}",
+                              participant.name, first.name, first.dimension, name, other.dimension),
+                  "all meshes of a participant lie in one space");
+  }
 }
 
 }  // namespace
@@ -63,21 +86,18 @@ const PreciceConfig::Participant& checked_participant(const PreciceConfig& confi
                 near.empty() ? "a name that <participant name=\"…\"> gives"
                              : fmt::format("did you mean \"{}\"?", near));
   }
-  if (found->provided.size() != 1)
-    throw Error(ExitCode::case_file, config.file.string(),
-                fmt::format("participant \"{}\" provides {} meshes", name, found->provided.size()),
-                "Strake exchanges one mesh for each participant: one <provide-mesh>");
+  check_meshes(config, *found);
   if (found->writes.empty())
     throw Error(ExitCode::case_file, config.file.string(),
                 fmt::format("participant \"{}\" writes no data", name),
                 "<write-data name=\"…\" mesh=\"…\" />");
   for (const auto* list : {&found->writes, &found->reads})
     for (const auto& entry : *list)
-      if (entry.mesh != found->provided.front())
+      if (std::find(found->provided.begin(), found->provided.end(), entry.mesh) == found->provided.end())
         throw Error(ExitCode::case_file, config.file.string(),
                     fmt::format("participant \"{}\" uses data \"{}\" on mesh \"{}\", which it receives", name,
                                 entry.data, entry.mesh),
-                    "Strake gives data on the participant's own mesh alone");
+                    "Strake gives data on the participant's own meshes alone");
   return *found;
 }
 
@@ -85,7 +105,7 @@ SolverRun::SolverRun(const std::string& participant, const std::string& config, 
     : config_(PreciceConfig::read(config)),
       me_(&checked_participant(config_, participant, rank, size)),
       implicit_(is_implicit(config_, participant)),
-      mesh_(own_mesh(config_, *me_).name, own_mesh(config_, *me_).dimension),
+      meshes_(meshes_of(config_, *me_)),
       data_(config_, *me_, names_of_environment()) {
   initial_data.required = is_exchanged(config_, participant, &PreciceConfig::Exchange::from,
                                        &PreciceConfig::Exchange::initialize);
@@ -104,26 +124,32 @@ SolverRun::~SolverRun() {
 }
 
 SolverMesh& SolverRun::mesh(const std::string& name) {
-  if (name == mesh_.name()) return mesh_;
+  for (SolverMesh& one : meshes_)
+    if (one.name() == name) return one;
+  const std::string own = fmt::format("\"{}\"", fmt::join(me_->provided, "\", \""));
   const auto& received = me_->received;
   if (std::find(received.begin(), received.end(), name) != received.end())
     throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", name), "is the partner's",
-                fmt::format("this participant's own mesh is \"{}\"", mesh_.name()));
+                meshes_.size() == 1 ? "this participant's own mesh is " + own
+                                    : "this participant's own meshes are " + own);
   throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", name), "is none of this participant",
-              fmt::format("it provides \"{}\"", mesh_.name()));
+              "it provides " + own);
 }
 
-bool SolverRun::uses_faces() const {
+bool SolverRun::uses_faces(const std::string& mesh) const {
+  const auto& own = me_->provided;
+  if (std::find(own.begin(), own.end(), mesh) == own.end()) return false;
   if (is_structure_) return true;
   for (const auto& participant : config_.participants)
     for (const auto& mapping : participant.mappings)
       for (const char* kind : {"nearest-projection", "linear-cell-interpolation"})
-        if (mapping.kind == kind && (mapping.from == mesh_.name() || mapping.to == mesh_.name())) return true;
+        if (mapping.kind == kind && (mapping.from == mesh || mapping.to == mesh)) return true;
   return false;
 }
 
 void SolverRun::fit_data() {
-  if (!initialized_ && data_.points() != mesh_.size()) data_.resize(mesh_.size());
+  if (initialized_) return;
+  for (const std::string& name : data_.meshes()) data_.resize(name, mesh(name).size());
 }
 
 void SolverRun::check_time(double relative) const {
@@ -134,21 +160,47 @@ void SolverRun::check_time(double relative) const {
       "a time from 0 to getMaxTimeStepSize()");
 }
 
-void SolverRun::prepare(const Setup& setup) {
+void SolverRun::prepare(const Setup& setup, const std::vector<InterfaceMesh>& own) {
   if (setup.interface == "volume")
     throw Error(ExitCode::case_file, place_, "cannot take part where coupling.interface = \"volume\"",
                 "coupling.interface = \"surface\"");
   sends_history_ = setup.history;
-  data_.begin(setup.partner_mesh, setup.partner_initial, mesh_.interface_mesh());
+  data_.begin(setup.partner_mesh, setup.partner_initial, own);
+}
+
+/// The meshes that have data; each must have vertices.
+std::vector<InterfaceMesh> SolverRun::coupled_meshes() const {
+  std::vector<InterfaceMesh> coupled;
+  for (const std::string& name : data_.meshes()) {
+    if (mesh(name).size() == 0)
+      throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", name), "has no vertices",
+                  "setMeshVertices() before initialize()");
+    coupled.push_back(mesh(name).interface_mesh());
+  }
+  return coupled;
+}
+
+Description SolverRun::description_of(const InterfaceMesh& joined) {
+  Description description;
+  description.initial = data_.take_fields();
+  description.history = takes_history_;
+  description.partner_initial = is_structure_;
+  description.cannot_resume = true;
+  std::string meshes;
+  for (const std::string& name : data_.meshes())
+    meshes += fmt::format("   mesh \"{}\", {} points", name, mesh(name).size());
+  description.lines = {fmt::format("preCICE participant \"{}\"{}", me_->name, meshes)};
+  if (joined.meshes.empty()) return description;
+  description.sent_on = data_.written_on();
+  description.taken_on = data_.read_on();
+  return description;
 }
 
 void SolverRun::initialize() {
   if (initial_data.missed())
     throw Error(ExitCode::solver_fault, "initial data", "the solver has not asked whether they are required",
                 "call requiresInitialData() and then writeData() before initialize()");
-  if (mesh_.size() == 0)
-    throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", mesh_.name()), "has no vertices",
-                "setMeshVertices() before initialize()");
+  const std::vector<InterfaceMesh> own = coupled_meshes();
   fit_data();
   wire::Request request = conversation_->next();
   if (const auto* refused = std::get_if<wire::Refused>(&request.what)) {
@@ -160,15 +212,10 @@ void SolverRun::initialize() {
   if (!setup)
     throw Error(ExitCode::participant_lost, place_,
                 fmt::format("the coupler sent {} before Setup", wire::name_of(request)));
-  prepare(*setup);
-  Description description;
-  description.initial = data_.take_fields();
-  description.history = takes_history_;
-  description.partner_initial = is_structure_;
-  description.cannot_resume = true;
-  description.lines = {fmt::format("preCICE participant \"{}\"   mesh \"{}\", {} points", me_->name,
-                                   mesh_.name(), mesh_.size())};
-  conversation_->answer({0, wire::Ready{mesh_.interface_mesh(), description}});
+  prepare(*setup, own);
+  wire::Ready ready{joined(own, me_->name), {}};
+  ready.description = description_of(ready.mesh);
+  conversation_->answer({0, std::move(ready)});
   initialized_ = true;
   await_window();
 }

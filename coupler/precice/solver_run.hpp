@@ -34,18 +34,18 @@ class SolverRun {
 
   const PreciceConfig& config() const { return config_; }
   const PreciceConfig::Participant& participant() const { return *me_; }
-  /// The mesh that the solver provides. Error if that is another one.
+  /// A mesh that the solver provides. Error if that is another one.
   SolverMesh& mesh(const std::string& name);
   const SolverMesh& mesh(const std::string& name) const { return const_cast<SolverRun*>(this)->mesh(name); }
-  const std::string& mesh_name() const { return mesh_.name(); }
-  /// True if the faces of its mesh are used. The coupler projects onto those of a structure, and Strake's
-  /// water needs them. Those of a fluid are used if a mapping of the configuration file projects.
-  bool uses_faces() const;
+  /// True if the mesh is the solver's own and its faces are used. The coupler projects onto those of a
+  /// structure, and Strake's water needs them. Those of a fluid are used if a mapping of the configuration
+  /// file projects.
+  bool uses_faces(const std::string& mesh) const;
   ExchangedData& data() { return data_; }
   const ExchangedData& data() const { return data_; }
   Sections& sections() { return sections_; }
 
-  /// Room for what is written, at as many points as the mesh has now.
+  /// Room for what is written, at as many points as the meshes have now.
   void fit_data();
   /// A time to read at, from now [s]: from 0 to what is left of the window.
   void check_time(double relative) const;
@@ -75,7 +75,9 @@ class SolverRun {
   Duty initial_data, write_checkpoint, read_checkpoint;
 
  private:
-  void prepare(const Setup&);
+  std::vector<InterfaceMesh> coupled_meshes() const;
+  void prepare(const Setup&, const std::vector<InterfaceMesh>&);
+  Description description_of(const InterfaceMesh&);
   void check_step(double dt) const;
   void await_window();
   void begin_window(const wire::Advance&);
@@ -87,7 +89,7 @@ class SolverRun {
   PreciceConfig config_;
   const PreciceConfig::Participant* me_;
   bool is_structure_ = false, implicit_ = true, takes_history_ = false, sends_history_ = false;
-  SolverMesh mesh_;
+  std::vector<SolverMesh> meshes_;
   ExchangedData data_;
   Sections sections_;
   std::string place_;  // who this is, for errors

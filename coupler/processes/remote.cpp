@@ -212,9 +212,23 @@ const Description& RemoteParticipant::description() const {
   return member_->description;
 }
 
-void RemoteParticipant::give_faces(Eigen::MatrixXi faces) {
-  assert(member_->mesh.faces.cols() == 0);
-  member_->mesh.faces = std::move(faces);
+void RemoteParticipant::give_faces(const Eigen::MatrixXi& faces, const std::string& of_mesh) {
+  InterfaceMesh& mesh = member_->mesh;
+  Eigen::Index point = 0, face = 0;
+  bool after = false;  // the meshes behind the one that gets faces
+  for (MeshPart& part : mesh.meshes) {
+    if (after) part.first_face += faces.cols();
+    if (part.name != of_mesh) continue;
+    point = part.first_point;
+    face = part.first_face;
+    after = true;
+  }
+  const Eigen::MatrixXi before = std::move(mesh.faces);
+  const Eigen::Index rest = before.cols() - face;
+  mesh.faces.resize(faces.rows(), before.cols() + faces.cols());
+  mesh.faces.middleCols(face, faces.cols()) = faces.array() + static_cast<int>(point);
+  if (face > 0) mesh.faces.leftCols(face) = before.leftCols(face);
+  if (rest > 0) mesh.faces.rightCols(rest) = before.rightCols(rest);
 }
 
 void RemoteParticipant::count_windows_from(std::uint64_t committed) {

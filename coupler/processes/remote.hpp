@@ -111,8 +111,8 @@ class RemoteParticipant final : public Participant {
   void checkpoint(const std::filesystem::path&) override;
   void resume(const std::filesystem::path&) override;
 
-  /// Gives faces to a participant that sent its points alone.
-  void give_faces(Eigen::MatrixXi);
+  /// Gives faces to a participant that sent its points alone; of several meshes to that of the name.
+  void give_faces(const Eigen::MatrixXi&, const std::string& of_mesh = {});
   /// Windows committed before this run (resume), so that messages name the right window.
   void count_windows_from(std::uint64_t committed);
 

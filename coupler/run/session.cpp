@@ -1,5 +1,6 @@
 #include "coupler/run/session.hpp"
 
+#include "coupler/case/mesh_transfer.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
@@ -76,8 +77,8 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
               .partner_initial = {}};
   if (!view.structures.empty()) {
     set_up_structures(setup);
-    setup.partner_mesh = structure_->mesh();
-    setup.partner_initial = structure_->description().initial;
+    setup.partner_mesh = mesh_for_fluid(*structure_);
+    setup.partner_initial = initial_for_fluid(*structure_);
     setup.history = structure_->description().history && view.common.interface == "surface";
   }
   if (view.fluid) {
@@ -193,12 +194,13 @@ void Session::set_state(CouplingState state) {
 void Session::take_surface(const SideView& side, RemoteParticipant& structure) const {
   const std::filesystem::path& file = case_.common.program_of(side.side).surface;
   if (file.empty()) return;
-  if (structure.mesh().faces.cols() > 0)
+  const InterfaceMesh wetted = mesh_for_fluid(structure);
+  if (wetted.faces.cols() > 0)
     throw Error(ExitCode::case_file,
                 (side.is_body ? "structures." + side.side : side.side) + ".surface = " + file.string(),
-                fmt::format("the structure sends {} faces itself", structure.mesh().faces.cols()),
+                fmt::format("the structure sends {} faces itself", wetted.faces.cols()),
                 "leave that key out");
-  structure.give_faces(faces_from_file(file, structure.mesh()));
+  structure.give_faces(faces_from_file(file, wetted), wetted.name);
 }
 
 void Session::add_columns(const std::string& side, const Description& description) {
@@ -293,6 +295,8 @@ std::vector<std::pair<std::string, std::vector<std::string>>> Session::understoo
 
 std::vector<std::string> Session::mapping_lines() const {
   if (!scheme_ || case_.common.interface != "surface") return {};
+  if (!scheme_->transfer().crossings().empty())
+    return lines_of_crossings(scheme_->transfer(), case_.coupling.mapping, *structure_, *fluid_);
   std::vector<std::string> lines = quality_lines(scheme_->mapping().quality(), fluid_->mesh().position);
   const auto& back = scheme_->transfer().to_structure();
   if (!back) return lines;
@@ -304,8 +308,9 @@ std::vector<std::string> Session::mapping_lines() const {
 std::vector<std::string> Session::resolution() const {
   // Its widths are those of one body.
   if (structure_ == nullptr || assembly_) return resolution_lines(case_, {}, {});
-  const Field* velocity = find(structure_->description().initial, "velocity");
-  return resolution_lines(case_, structure_->mesh(),
+  const std::vector<Field> initial = initial_for_fluid(*structure_);
+  const Field* velocity = find(initial, "velocity");
+  return resolution_lines(case_, mesh_for_fluid(*structure_),
                           velocity == nullptr ? Points() : Points(velocity->value));
 }
 
@@ -334,7 +339,7 @@ std::vector<std::string> Session::warnings() const {
                     ratio ? fmt::format(" (here {:.2f} of the structure's)", *ratio) : ""));
   }
   if (scheme_) {
-    const MappingQuality& quality = scheme_->mapping().quality();
+    const MappingQuality& quality = quality_of_load(scheme_->transfer());
     if (quality.without_load > 0 && case_.common.interface == "surface")
       warnings.push_back(
           fmt::format("{} of {} structure points feel no load: the fluid's interface points are coarser; "

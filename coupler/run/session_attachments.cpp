@@ -88,6 +88,11 @@ SessionAttachments::SessionAttachments(const CaseView& view,
 void SessionAttachments::connect(Participants& participants, Setup setup, const Participant& structure) {
   if (view_.attachments.empty()) return;
   const InterfaceMesh& mesh = structure.mesh();
+  if (!mesh.meshes.empty())
+    throw Error(ExitCode::case_file, "attachments",
+                fmt::format("the structure has {} meshes, and attachments need one for motion and force",
+                            mesh.meshes.size()),
+                "give all data of the structure on one mesh, or leave out [[attachments]]");
   const auto motion = fields_of_structure(structure).motion;
   if (!motion)
     throw Error(ExitCode::case_file, "attachments", "the structure sends no displacement",

@@ -147,16 +147,27 @@ void write(const Hello& from, pb::Reply& reply, Writer&) {
   to.set_version(from.version);
   to.set_case_hash(from.case_hash);
 }
+template <class Repeated>
+void write(const std::map<std::string, std::string>& mesh_of, Repeated& to) {
+  for (const auto& [quantity, mesh] : mesh_of) {
+    pb::FieldMesh& one = *to.Add();
+    one.set_quantity(quantity);
+    one.set_mesh(mesh);
+  }
+}
 void write(const Ready& from, pb::Reply& reply, Writer& writer) {
   pb::Ready& to = *reply.mutable_ready();
   const Description& d = from.description;
   writer.rules().limit(d.dt_limit);
+  writer.rules().places(from.mesh, d);
   writer.mesh(from.mesh, *to.mutable_mesh());
   writer.fields(d.initial, *to.mutable_initial());
   to.set_dt_limit(d.dt_limit);
   to.set_history(d.history);
   to.set_partner_initial(d.partner_initial);
   to.set_cannot_resume(d.cannot_resume);
+  write(d.sent_on, *to.mutable_sent_on());
+  write(d.taken_on, *to.mutable_taken_on());
   writer.rules().columns(d.columns);
   for (const Column& c : d.columns) {
     to.add_columns()->set_name(c.name);
@@ -191,6 +202,16 @@ void write(const Working& from, pb::Reply& reply, Writer& writer) {
   reply.mutable_working()->set_what(from.what);
 }
 
+template <class Repeated>
+std::map<std::string, std::string> read_places(const Repeated& from, const Rules& rules) {
+  std::map<std::string, std::string> mesh_of;
+  for (const pb::FieldMesh& one : from) {
+    rules.label(one.quantity(), "quantity");
+    if (!mesh_of.emplace(one.quantity(), one.mesh()).second)
+      rules.broken(fmt::format("gives two meshes for {}, expected one", one.quantity()));
+  }
+  return mesh_of;
+}
 Ready read(const pb::Ready& from, Reader& reader) {
   reader.rules().limit(from.dt_limit());
   Ready to;
@@ -200,6 +221,9 @@ Ready read(const pb::Ready& from, Reader& reader) {
   to.description.history = from.history();
   to.description.partner_initial = from.partner_initial();
   to.description.cannot_resume = from.cannot_resume();
+  to.description.sent_on = read_places(from.sent_on(), reader.rules());
+  to.description.taken_on = read_places(from.taken_on(), reader.rules());
+  reader.rules().places(to.mesh, to.description);
   for (const pb::Column& c : from.columns()) to.description.columns.push_back({c.name(), c.unit()});
   reader.rules().columns(to.description.columns);
   to.description.lines.assign(from.lines().begin(), from.lines().end());

@@ -82,12 +82,51 @@ struct Rules {
     const Eigen::Index n = m.position.cols();
     if (m.mass.size() != 0 && m.mass.size() != n)
       broken(fmt::format("has {} masses for {} points", m.mass.size(), n));
+    meshes(m);
     if (m.faces.cols() == 0) return;
     if (m.faces.rows() != m.dimension)
       broken(fmt::format("has faces of {} points, expected {}", m.faces.rows(), m.dimension));
     if (m.faces.minCoeff() < 0 || m.faces.maxCoeff() >= n)
       broken(fmt::format("has a face with point {}, expected 0 to {}",
                          m.faces.minCoeff() < 0 ? m.faces.minCoeff() : m.faces.maxCoeff(), n - 1));
+  }
+  /// Several meshes in one: names that differ, each with points, one after the other, faces on its own
+  /// points.
+  void meshes(const InterfaceMesh& m) const {
+    std::set<std::string> names;
+    for (std::size_t k = 0; k < m.meshes.size(); ++k) {
+      const MeshPart& part = m.meshes[k];
+      label(part.name, "mesh name");
+      if (part.name.empty() || !names.insert(part.name).second)
+        broken(fmt::format("names the mesh \"{}\" twice or without a name", part.name));
+      const bool last = k + 1 == m.meshes.size();
+      const Eigen::Index end = last ? m.position.cols() : m.meshes[k + 1].first_point,
+                         end_face = last ? m.faces.cols() : m.meshes[k + 1].first_face;
+      const bool in_order = (k > 0 || (part.first_point == 0 && part.first_face == 0)) &&
+                            part.first_point >= 0 && part.first_point < end && end <= m.position.cols() &&
+                            part.first_face >= 0 && part.first_face <= end_face && end_face <= m.faces.cols();
+      if (!in_order)
+        broken(fmt::format("gives no place for the mesh {}, expected one after the other", part.name));
+      const auto own = m.faces.middleCols(part.first_face, end_face - part.first_face);
+      if (own.size() > 0 && (own.minCoeff() < part.first_point || own.maxCoeff() >= end))
+        broken(fmt::format("has a face of the mesh {} on a point of another mesh", part.name));
+    }
+  }
+  /// Each field that is sent has one of the meshes, where there are several.
+  void places(const InterfaceMesh& mesh, const Description& d) const {
+    const auto known = [&](const std::string& name) {
+      for (const MeshPart& part : mesh.meshes)
+        if (part.name == name) return true;
+      return false;
+    };
+    for (const auto* mesh_of : {&d.sent_on, &d.taken_on})
+      for (const auto& [quantity, name] : *mesh_of)
+        if (!known(name)) broken(fmt::format("has {} on the mesh \"{}\", which it lacks", quantity, name));
+    if (mesh.meshes.empty()) return;
+    for (const Field& field : d.initial)
+      if (!d.sent_on.contains(field.quantity))
+        broken(fmt::format("joins {} meshes and does not say on which one {} is sent", mesh.meshes.size(),
+                           field.quantity));
   }
 };
 
@@ -107,6 +146,12 @@ class Writer {
     to.set_n_points(static_cast<std::uint64_t>(from.position.cols()));
     to.set_n_faces(static_cast<std::uint64_t>(from.faces.cols()));
     to.set_has_mass(from.mass.size() != 0);
+    for (const MeshPart& part : from.meshes) {
+      pb::MeshPart& one = *to.add_meshes();
+      one.set_name(part.name);
+      one.set_first_point(static_cast<std::uint64_t>(part.first_point));
+      one.set_first_face(static_cast<std::uint64_t>(part.first_face));
+    }
     array(from.position);
     if (from.faces.cols() != 0) array(from.faces);
     if (from.mass.size() != 0) array(from.mass);
@@ -162,6 +207,9 @@ class Reader {
     array(to.position, 3, from.n_points(), "mesh position");
     if (from.n_faces() != 0) array(to.faces, from.dimension(), from.n_faces(), "mesh faces");
     if (from.has_mass()) array(to.mass, 1, from.n_points(), "mesh mass");
+    for (const pb::MeshPart& part : from.meshes())
+      to.meshes.push_back({part.name(), static_cast<Eigen::Index>(part.first_point()),
+                           static_cast<Eigen::Index>(part.first_face())});
     rules_.mesh(to);
     return to;
   }

@@ -112,6 +112,12 @@ std::vector<std::string> seeds() {
   description.columns = {{"mid.y", "m"}};
   description.lines = {"headline"};
   reply(wire::Ready{mesh, description});
+  wire::Ready joined{mesh, description};
+  joined.mesh.faces.resize(0, 0);
+  joined.mesh.meshes = {{"nodes", 0, 0}, {"faces", 1, 0}};
+  joined.description.sent_on = {{"force", "faces"}};
+  joined.description.taken_on = {{"displacement", "nodes"}};
+  reply(joined);
   Advanced advanced;
   advanced.output = {force, area};
   advanced.dt_limit = 1e-3;

@@ -104,6 +104,106 @@ def tube(runs, case="tube"):
         expect(abs(a - area) < 5e-6 and abs(p - pressure) < 1e-3, f"elastic tube: t = {t:.2f}: a {a:.6f} m^2, p {p:.4f} Pa, expected {area:.6f}, {pressure:.4f}")
 
 
+def changed(runs, source, target, *pairs):
+    """A file beside another one, with texts replaced."""
+    text = (runs.folder / source).read_text()
+    for old, new in pairs:
+        if old not in text:
+            raise SystemExit(f"{source} does not hold {old}")
+        text = text.replace(old, new)
+    (runs.folder / target).write_text(text)
+
+
+def second_mesh(participant, other, data):
+    """The pressure of the tube on a second mesh of one participant: what changes in the configuration."""
+    own, new, way = f"{participant}-Nodes", f"{participant}-Pressures", ("read", "write")[participant == "Fluid"]
+    ends = (own, other) if way == "write" else (other, own)
+    moved = tuple(new if end == own else end for end in ends)
+    return ((f'  <participant name="Fluid">', f'  <mesh name="{new}" dimensions="3">\n    <use-data name="{data}" />\n  </mesh>\n  <participant name="Fluid">'),
+            (f'<provide-mesh name="{own}" />', f'<provide-mesh name="{own}" />\n    <provide-mesh name="{new}" />'),
+            (f'<{way}-data name="{data}" mesh="{own}" />', f'<{way}-data name="{data}" mesh="{new}" />'),
+            (f'from="{ends[0]}" to="{ends[1]}"', f'from="{moved[0]}" to="{moved[1]}"'))
+
+
+def two_meshes_of_the_tube(runs):
+    """The pressure on a mesh of its own with the same points, backwards: the same numbers as with one mesh.
+
+    Where the wall has the second mesh, sums of the accelerator have other round-off; windows are converged to 1e-11.
+    """
+    settled = "coupling.surface.converged.relative=1e-11"
+    runs.run("tube", settled)
+    one = runs.log("tube", "fluid"), (runs.folder / "runs" / "tube" / "iterations.csv").read_bytes()
+    of_fluid, of_wall = second_mesh("Fluid", "Wall-Nodes", "Pressure"), second_mesh("Wall", "Fluid-Nodes", "Pressure")
+    both = [*of_fluid, *of_wall[:3], tuple(text.replace("Fluid-Nodes", "Fluid-Pressures") for text in of_wall[3])]
+    for case, pairs, fluid, wall in (("tube_f", of_fluid, "Fluid-Pressures", ""), ("tube_w", of_wall, "", "Wall-Pressures"),
+                                     ("tube_b", both, "Fluid-Pressures", "Wall-Pressures")):
+        changed(runs, "tube.xml", f"{case}.xml", *pairs)
+        text = (runs.folder / "tube.toml").read_text()
+        for mesh in (fluid, wall):
+            text = text.replace('["tube.xml"]', f'["{case}.xml"' + (f', "{mesh}"]' if mesh else "]"), 1)
+        (runs.folder / f"{case}.toml").write_text(text)
+        runs.run(case, settled)
+        left, right = ([float(word) for line in log.splitlines() for word in line.split() if re.match(r"-?\d", word)]
+                       for log in (one[0], runs.log(case, "fluid")))
+        apart = max(abs(a - b) / max(1, abs(a)) for a, b in zip(left, right))
+        same = (runs.folder / "runs" / case / "iterations.csv").read_bytes() == one[1]
+        expect(len(left) == len(right) == 300 and apart <= 1e-8 and (same or wall),
+               f"{case}: apart from one mesh by {apart:.1e}; iterations and residuals {'are' if same else 'are not'} the same to the byte")
+
+
+def panel(runs):
+    """Displacement on nodes, force on the middles of faces: sums and works of both sides are one."""
+    changed(runs, "panel.xml", "panel_two.xml",
+            ('  <participant name="Water">', '  <mesh name="Panel-Faces" dimensions="2"><use-data name="Force" /></mesh>\n  <participant name="Water">'),
+            ('to="Panel-Nodes" constraint="conservative"', 'to="Panel-Faces" constraint="conservative"'),
+            ('    <receive-mesh name="Panel-Nodes" from="Panel" />', '    <receive-mesh name="Panel-Nodes" from="Panel" />\n    <receive-mesh name="Panel-Faces" from="Panel" />'),
+            ('    <provide-mesh name="Panel-Nodes" />', '    <provide-mesh name="Panel-Nodes" /><provide-mesh name="Panel-Faces" />'),
+            ('<read-data name="Force" mesh="Panel-Nodes" />', '<read-data name="Force" mesh="Panel-Faces" />'))
+    ends = {}
+    for config, words in (("panel.xml", ""), ("panel_two.xml", ', "middles"')):
+        runs.run("panel", f'fluid.arguments=["Water", "{config}"]', f'structure.arguments=["Panel", "{config}"{words}]')
+        water, solid = ([[float(word) for word in line.split()] for line in runs.log("panel", side).splitlines() if len(line.split()) == 2]
+                        for side in ("fluid", "structure"))
+        lost = max(abs(a[0] - b[0]) for a, b in zip(water, solid))
+        gap = runs.summary("panel")["checks"]["work_gap"]
+        expect(len(water) == len(solid) == 10 and lost <= 1e-14 and gap <= 1e-10 and water[-1][0] > 0.2,
+               f"{config}: force {water[-1][0]:.6f} N/m, of which {lost:.1e} is lost on the way; work gap {gap:.1e}")
+        expect(all(abs(a[1] - b[1]) < 1e-8 for a, b in zip(water, solid)), f"{config}: the end of the panel has one displacement")
+        ends[config] = water[-1]
+        check = subprocess.run([BIN / "strake", "check", "panel.toml", "--set", f'fluid.arguments=["Water", "{config}"]', "--set",
+                                f'structure.arguments=["Panel", "{config}"{words}]'], cwd=runs.folder, env=runs.env, capture_output=True, text=True, timeout=60)
+        loaded = "Panel-Faces" if words else "Panel-Nodes"
+        expect(check.returncode == 0 and "displacement: Panel-Nodes of the structure, Water-Nodes of the fluid" in check.stdout
+               and f"force: {loaded} of the structure, Water-Faces of the fluid" in check.stdout
+               and "0 of 21 fluid points are not covered" in check.stdout, f"{config}: check names both pairs of meshes")
+        command(BIN / "strake", "report", "runs/panel", cwd=runs.folder, env=runs.env)
+    expect(abs(ends["panel.xml"][0] / ends["panel_two.xml"][0] - 1) < 0.01, f"both panels carry the same: {ends}")
+    imported = subprocess.run([BIN / "strake", "import", "panel.xml", "-o", "panel_imported.toml"], cwd=runs.folder, env=runs.env, capture_output=True, text=True, timeout=60)
+    text = (runs.folder / "panel_imported.toml").read_text() if imported.returncode == 0 else imported.stderr
+    for participant in ("Water", "Panel"):
+        text = text.replace(f'"./{participant}"', '"made/panel"').replace("arguments = []", f'arguments = ["{participant}", "panel.xml"]', 1)
+    (runs.folder / "panel_imported.toml").write_text(text)
+    runs.run("panel_imported")
+    water = float(runs.log("panel_imported", "fluid").splitlines()[-1].split()[0])
+    expect(abs(water - ends["panel.xml"][0]) < 1e-8, f"imported: {water:.9f} N/m, by hand {ends['panel.xml'][0]:.9f} N/m")
+
+
+def wrong_meshes(runs):
+    """What is wrong for one of two meshes, in calls and in the configuration."""
+    runs.run("panel", "fluid.solver=made/meshes", 'fluid.arguments=["panel.xml"]')
+    log = runs.log("panel", "fluid")
+    refused = re.search(r"(\d+) refused, 0 not", log)
+    expect(refused and int(refused[1]) >= 30, f"two meshes: {refused and refused[0]} {[line for line in log.splitlines() if line.startswith('FAIL')]}")
+    for pairs, said in (([('<provide-mesh name="Water-Faces" />', '<provide-mesh name="Water-Faces" /><provide-mesh name="Water-Nodes" />')], 'provides "Water-Nodes" twice'),
+                        ([('<mesh name="Water-Faces" dimensions="2">', '<mesh name="Water-Faces" dimensions="3">')], 'provides "Water-Nodes" in 2 dimensions and "Water-Faces" in 3'),
+                        ([('<write-data name="Force" mesh="Water-Faces" />', '<write-data name="Force" mesh="Water-Faces" /><write-data name="Force" mesh="Water-Nodes" />')],
+                         'writes data "Force" of mesh "Water-Faces" and data "Force" of mesh "Water-Nodes": both are force'),
+                        ([('<write-data name="Force" mesh="Water-Faces" />', '<write-data name="Force" mesh="Panel-Nodes" />')], "on the participant's own meshes alone")):
+        changed(runs, "panel.xml", "panel_wrong.xml", *pairs)
+        result = runs.run("panel", 'fluid.arguments=["Water", "panel_wrong.xml"]', code=5)
+        expect(said in runs.log("panel", "fluid") + result.stderr, f"configuration: {said}")
+
+
 def imported(runs):
     """The tube's configuration as a case file: nothing is written by hand but the two programs and their arguments."""
     case = runs.folder / "imported.toml"
@@ -165,14 +265,31 @@ def oscillator(runs):
 
 
 def spring(runs):
-    """(m + rho H W) y'' + k y = -rho g H W from rest. Mean and period as cases/python_spring has them, within 2 %."""
-    runs.run("spring")
-    y = [float(line) for line in runs.log("spring", "structure").splitlines()]
-    middle = sum(y) / len(y)
-    rising = [i + (middle - a) / (b - a) for i, (a, b) in enumerate(zip(y, y[1:])) if a < middle <= b]
-    period = (rising[1] - rising[0]) * 2.5e-4 if len(rising) == 2 else 0
-    expect(len(y) == 175 and abs(middle / -9.81e-5 - 1) < 0.02 and abs(period / 0.021766 - 1) < 0.02,
-           f"floor under water: mean {middle:.4g} m, expected -9.81e-5; period {1e3 * period:.3f} ms, expected 21.766")
+    """(m + rho H W) y'' + k y = -rho g H W from rest. Mean and period as cases/python_spring has them, within 2 %.
+
+    Once more with the force on a mesh of its own, in the middles of the edges.
+    """
+    changed(runs, "spring.xml", "spring_two.xml", ("  <participant", '  <mesh name="Floor-Edges" dimensions="2"><use-data name="Force" /></mesh>\n  <participant'),
+            ('<provide-mesh name="Floor-Mesh" />', '<provide-mesh name="Floor-Mesh" /><provide-mesh name="Floor-Edges" />'),
+            ('<read-data name="Force" mesh="Floor-Mesh" />', '<read-data name="Force" mesh="Floor-Edges" />'))
+    two = ('structure.precice.command=["made/spring", "spring_two.xml", "Floor-Edges"]', 'structure.precice.config="spring_two.xml"')
+    bare = (two[0].replace('"]', '", "bare"]'), two[1], 'structure.precice.surface="floor.msh"')
+    outline = [(i / 20 - 0.5, -0.05) for i in range(21)] + [(0.5 - i / 20, 0.0) for i in range(21)]
+    nodes = "".join(f"{i} {x:.17g} {y} 0\n" for i, (x, y) in enumerate(outline, 1))
+    lines = "".join(f"{i} 1 2 0 0 {i} {i % 42 + 1}\n" for i in range(1, 43))
+    (runs.folder / "floor.msh").write_text(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n42\n{nodes}$EndNodes\n$Elements\n42\n{lines}$EndElements\n")
+    for settings in ((), two, bare):
+        runs.run("spring", *settings)
+        y = [float(line) for line in runs.log("spring", "structure").splitlines()]
+        middle = sum(y) / len(y)
+        rising = [i + (middle - a) / (b - a) for i, (a, b) in enumerate(zip(y, y[1:])) if a < middle <= b]
+        period = (rising[1] - rising[0]) * 2.5e-4 if len(rising) == 2 else 0
+        gap = runs.summary("spring")["checks"]["work_gap"]
+        expect(len(y) == 175 and abs(middle / -9.81e-5 - 1) < 0.02 and abs(period / 0.021766 - 1) < 0.02 and gap < 1e-9,
+               f"floor under water, {1 + bool(settings)} mesh(es), {len(settings)} settings: mean {middle:.4g} m, expected -9.81e-5; period {1e3 * period:.3f} ms, "
+               f"expected 21.766; work gap {gap:.1e}")
+    for shown in ("report", "picture"):
+        command(BIN / "strake", shown, "runs/spring", cwd=runs.folder, env=runs.env)
 
 
 def dummies(runs):
@@ -270,6 +387,6 @@ with folder() as place:
     symbols(home / "libprecice.so.3")
     source, env = build(place, home)
     runs = Runs(source, env)
-    for check in (dummies, tube, imported, led, oscillator, spring, misuses, faults, killed, frozen, alone):
+    for check in (dummies, tube, two_meshes_of_the_tube, panel, wrong_meshes, imported, led, oscillator, spring, misuses, faults, killed, frozen, alone):
         check(runs)
 finish()

@@ -108,6 +108,15 @@ MESSAGES = {  # name: what it is for, header, frames
                                  pb.Request(sequence=2, advance=pb.Advance(t=0, dt=1e-5, iteration=1, wants_history=True, samples=[
                                      pb.Sample(time=0, fields=[P]), pb.Sample(time=1e-5, fields=[P])])),
                                  [np.array([9, 19], "<f8"), np.array([12, 22], "<f8")]),
+    "24-ready-meshes": ("A fluid that has joined two meshes, one point each: it takes the displacement on the first, and sends\n"
+                        "the force on the second. On the first the force is zero.",
+                        pb.Reply(sequence=1, ready=pb.Ready(
+                            mesh=pb.Mesh(name="fluid", dimension=2, n_points=2, meshes=[
+                                pb.MeshPart(name="nodes"), pb.MeshPart(name="faces", first_point=1)]),
+                            dt_limit=INF, initial=[field("force", "N", 2, conservative=True)],
+                            sent_on=[pb.FieldMesh(quantity="force", mesh="faces")],
+                            taken_on=[pb.FieldMesh(quantity="displacement", mesh="nodes")])),
+                        [WET, np.array([[0, 0, 0], [0, 2.5, 0]], "<f8")]),
     "18-refused": ("Hello was not accepted.",
                    pb.Request(refused=pb.Refused(where="coupler", problem='"structure" does not know the token of this run',
                                                  fix="STRAKE_TOKEN must hold the token that the coupler printed")), []),

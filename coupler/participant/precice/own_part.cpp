@@ -31,7 +31,7 @@ OwnPart::Data data_of(const PreciceConfig& config, const PreciceConfig::MeshData
                        part.participant, id.data, id.mesh),
            fmt::format("Strake's solvers exchange data on their own mesh alone: mesh=\"{}\"", part.mesh));
   const PreciceConfig::Data& data = *config.find_data(id.data);
-  const Quantity quantity = names.of(id.data, config.conservative(id.mesh));
+  const Quantity quantity = names.of(id.data, config.conservative(id));
   if (quantity.components != 0 && (quantity.components > 1) != data.vector)
     refuse(
         config,

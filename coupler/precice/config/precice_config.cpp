@@ -148,11 +148,21 @@ const PreciceConfig::Participant* PreciceConfig::find_participant(const std::str
   return find_named(participants, name);
 }
 
-bool PreciceConfig::conservative(const std::string& mesh) const {
+bool PreciceConfig::conservative(const MeshData& sent) const {
+  const auto is_read_on = [&](const std::string& mesh) {
+    for (const Participant& participant : participants)
+      for (const MeshData& read : participant.reads)
+        if (read.mesh == mesh && read.data == sent.data) return true;
+    return false;
+  };
+  const Mapping* first = nullptr;
   for (const Participant& participant : participants)
-    for (const Mapping& mapping : participant.mappings)
-      if (mapping.from == mesh) return mapping.constraint == "conservative";
-  return false;
+    for (const Mapping& mapping : participant.mappings) {
+      if (mapping.from != sent.mesh) continue;
+      if (is_read_on(mapping.to)) return mapping.constraint == "conservative";
+      if (!first) first = &mapping;
+    }
+  return first && first->constraint == "conservative";
 }
 
 }  // namespace strake

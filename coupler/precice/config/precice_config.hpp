@@ -59,8 +59,9 @@ struct PreciceConfig {
   const Mesh* find_mesh(const std::string& name) const;
   const Participant* find_participant(const std::string& name) const;
 
-  /// True if data of that mesh keep their sum when they are mapped.
-  bool conservative(const std::string& mesh) const;
+  /// True if data that are sent from that mesh keep their sum when they are mapped. Where mappings from it
+  /// differ, that to a mesh on which the data are read counts.
+  bool conservative(const MeshData& sent) const;
 };
 
 }  // namespace strake

@@ -33,7 +33,8 @@ class Configuration:
     read, write pairs of mesh and data
     initial     names of data that it writes before the first window
     histories   whether data that it reads comes with samples inside a window
-    conservative   names of meshes whose fields are mapped so that sums are kept
+    mappings   of all participants: mesh that it leads from, mesh that it leads to, whether sums are kept
+    readings   of all participants: pairs of mesh and data that are read
     projects    names of meshes from or onto which a mapping projects, and so looks at faces
     is_implicit   whether windows may be computed again; so it is where the file holds no scheme of this participant
     """
@@ -48,7 +49,8 @@ class Configuration:
     write: list = field(default_factory=list)
     initial: set = field(default_factory=set)
     histories: bool = False
-    conservative: set = field(default_factory=set)
+    mappings: list = field(default_factory=list)
+    readings: set = field(default_factory=set)
     projects: set = field(default_factory=set)
     is_implicit: bool = True
 
@@ -67,6 +69,17 @@ class Configuration:
             return self.data[name]
         names = [data for owner, data in listed if owner == mesh]
         raise Error(f'{function}(): {self.participant} {verb} no data "{name}" on "{mesh}"; {nearest(name, names)}')
+
+    def coupled(self):
+        """The meshes of its own that have data, in the file's order."""
+        used = {mesh for mesh, _ in self.read + self.write}
+        return [name for name in self.provided if name in used]
+
+    def is_conservative(self, mesh, data):
+        """Whether data sent from a mesh keep their sum. Where mappings from it differ, that to a mesh on which they are read counts."""
+        kept = {to: keeps for start, to, keeps in reversed(self.mappings) if start == mesh}  # of two the first
+        return next((keeps for to, keeps in kept.items() if (to, data) in self.readings),
+                    next((keeps for start, _, keeps in self.mappings if start == mesh), False))
 
     def used_mesh(self, name, function):
         """A mesh of its own or one that it receives; Error where it is neither."""
@@ -146,8 +159,10 @@ def read_exchanges(root, found):
 
 def read_constraints(root, found):
     for mapping in root.iter():
-        if mapping.tag.startswith("mapping:") and mapping.get("constraint") == "conservative":
-            found.conservative.add(mapping.get("from"))
+        if mapping.tag.startswith("mapping:"):
+            found.mappings.append((mapping.get("from"), mapping.get("to"), mapping.get("constraint") == "conservative"))
+        if mapping.tag == "read-data":
+            found.readings.add((mapping.get("mesh"), mapping.get("name")))
         if mapping.tag in ("mapping:nearest-projection", "mapping:linear-cell-interpolation"):
             found.projects |= {mapping.get("from"), mapping.get("to")}
 

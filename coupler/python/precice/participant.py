@@ -29,9 +29,11 @@ class Participant:
         self._config = read_configuration(configuration_file_name, self._name)
         self._names = read_names()
         self._meshes = {name: Vertices(name, self._config.meshes[name].dimensions) for name in self._config.provided}
+        self._writes, self._reads = ([(mesh, data) for mesh, data in listed if mesh in self._meshes]
+                                     for listed in (self._config.write, self._config.read))
         self._stage = BEFORE
         self._asked_initial = False
-        self._written, self._read = {}, {}
+        self._written, self._read = {}, {}  # by mesh and data
         self._session = self._carry_out(Session, self._name, self._config.is_implicit)
 
     # ---- steering
@@ -42,15 +44,14 @@ class Participant:
         if missing:
             raise Error(f'initialize(): "{missing[0]}" has a value at the begin (exchange initialize="true"); '
                         "ask requires_initial_data() first, and write it")
-        mesh = self._own_mesh()
-        self._writes = [data for owner, data in self._config.write if owner == mesh.name]
-        initial = [(self._quantity(mesh, data), self._buffer(mesh, data)) for data in self._writes]
-        self._carry_out(self._session.begin, mesh, initial, self._config.histories)
+        meshes = self._coupled_meshes()
+        written, taken = (self._quantities(listed, verb, len(meshes))
+                          for listed, verb in ((self._writes, "writes"), (self._reads, "reads")))
+        self._carry_out(self._session.begin, meshes, written, self._buffers(), taken, self._config.histories)
         self._stage = DURING
-        for owner, data in self._config.read:
-            if owner == mesh.name:
-                self._read[data] = Waveform(self._session.first_value(self._quantity(mesh, data)), self._config.data[data].degree)
-        self._after_step(mesh)
+        for (mesh, data), (quantity, _) in zip(self._reads, taken):
+            self._read[mesh, data] = Waveform(self._session.first_value(quantity, mesh), self._config.data[data].degree)
+        self._after_step()
 
     def advance(self, computed_timestep_length):
         self._expect(DURING, "advance")
@@ -65,11 +66,10 @@ class Participant:
             raise Error("advance(): requires_writing_checkpoint() was not asked; the window may be computed again, and the solver must save its state")
         if "read" in session.duties:
             raise Error("advance(): requires_reading_checkpoint() was not asked; the window is computed again, and the solver must return to its state")
-        mesh = self._own_mesh()
-        if self._carry_out(session.step, dt, [self._buffer(mesh, data) for data in self._writes]) and session.complete:
+        if self._carry_out(session.step, dt, self._buffers()) and session.complete:
             for waveform in self._read.values():
                 waveform.accept()
-        self._after_step(mesh)
+        self._after_step()
 
     def finalize(self):
         if self._stage == AFTER:
@@ -173,14 +173,14 @@ class Participant:
         width = mesh.dimensions if data.is_vector else 1
         if array.size != len(ids) * width or (array.ndim == 2 and array.shape[1] != width):
             raise Error(f'write_data(): "{data_name}" has values of the shape {array.shape}, expected {len(ids)} × {width}')
-        self._buffer(mesh, data_name)[ids] = array.reshape(len(ids), width)
+        self._buffer(mesh_name, data_name)[ids] = array.reshape(len(ids), width)
 
     def read_data(self, mesh_name, data_name, vertex_ids, relative_read_time):
         self._expect(DURING, "read_data")
         data = self._config.data_of(mesh_name, data_name, "read_data", self._config.read, "reads")
         mesh, session = self._meshes[mesh_name], self._session
         ids = mesh.known(vertex_ids, "read_data").ravel()
-        waveform = self._read[data_name]
+        waveform = self._read[mesh_name, data_name]
         if not session.ongoing:
             check_time("read_data", relative_read_time, 0, session.dt)
             found = waveform.begin
@@ -247,38 +247,57 @@ class Participant:
         self._config.mesh(name, function)
         return self._meshes[name]
 
-    def _own_mesh(self):
-        """The one mesh that is coupled."""
-        used = [mesh for mesh in self._meshes.values() if len(mesh)] or list(self._meshes.values())
-        if len(used) != 1:
-            raise Error(f"initialize(): {self._name} provides {len(used)} meshes ({', '.join(m.name for m in used) or 'none'}); "
-                        "Strake couples one mesh of each solver")
-        if not len(used[0]):
-            raise Error(f'initialize(): the mesh "{used[0].name}" has no vertices')
-        return used[0]
+    def _coupled_meshes(self):
+        """The meshes that have data: at least one, in one space, all with vertices."""
+        names = self._config.coupled() or self._config.provided[:1]
+        if not names:
+            raise Error(f"initialize(): {self._name} provides no mesh")
+        meshes = [self._meshes[name] for name in names]
+        for mesh in meshes:
+            if not len(mesh):
+                raise Error(f'initialize(): the mesh "{mesh.name}" has no vertices; set_mesh_vertices() sets them')
+            if mesh.dimensions != meshes[0].dimensions:
+                raise Error(f'initialize(): the mesh "{mesh.name}" has {mesh.dimensions} dimensions, "{meshes[0].name}" has '
+                            f"{meshes[0].dimensions}; all meshes of a participant lie in one space")
+        return meshes
+
+    def _quantities(self, listed, verb, n_meshes):
+        """Pairs of quantity and name of its mesh. With several meshes each quantity stands on one of them."""
+        pairs = [(self._quantity(mesh, data), mesh) for mesh, data in listed]
+        seen = {}
+        for (quantity, mesh), (_, data) in zip(pairs, listed):
+            if quantity.name in seen and n_meshes > 1:
+                raise Error(f'initialize(): {self._name} {verb} "{data}" on "{mesh}" and {seen[quantity.name]}: both are {quantity.name}; '
+                            "STRAKE_PRECICE_NAMES gives data names of their own")
+            seen[quantity.name] = f'"{data}" on "{mesh}"'
+        return pairs
 
     def _quantity(self, mesh, data):
-        return quantity_of(self._config.data[data], mesh.dimensions, mesh.name in self._config.conservative, self._names)
+        return quantity_of(self._config.data[data], self._config.meshes[mesh].dimensions,
+                           self._config.is_conservative(mesh, data), self._names)
+
+    def _buffers(self):
+        return [self._buffer(mesh, data) for mesh, data in self._writes]
 
     def _buffer(self, mesh, data):
         """What was written last, vertices × components of the data; 0 where nothing was."""
-        width = mesh.dimensions if self._config.data[data].is_vector else 1
-        have = self._written.get(data)
-        if have is None or len(have) < len(mesh):
-            new = np.zeros((len(mesh), width))
+        n, width = len(self._meshes[mesh]), self._config.meshes[mesh].dimensions if self._config.data[data].is_vector else 1
+        have = self._written.get((mesh, data))
+        if have is None or len(have) < n:
+            new = np.zeros((n, width))
             if have is not None:
                 new[:len(have)] = have
-            self._written[data] = have = new
+            self._written[mesh, data] = have = new
         return have
 
-    def _after_step(self, mesh):
+    def _after_step(self):
         """What was written is 0 again, as in preCICE; at the begin of a window the partner's samples are taken."""
         session, self._written = self._session, {}
         if not session.ongoing or session.now != session.t:
             return
-        for data, waveform in self._read.items():
+        for (mesh, data), waveform in self._read.items():
             name = self._quantity(mesh, data).name
-            samples = [(time, fields[name]) for time, fields in session.samples if name in fields]
+            samples = [(time, self._carry_out(session.on_mesh, fields[name], mesh)) for time, fields in session.samples if name in fields]
             if not samples:
                 sent = sorted({name for _, fields in session.samples for name in fields})
                 raise Error(f'initialize(): the partner sends {", ".join(sent) or "nothing"}, and "{data}" is read as {name}; '

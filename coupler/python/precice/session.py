@@ -14,6 +14,7 @@ from strake.messages import pb
 from strake.participant import error_of
 
 from .errors import Error
+from .vertices import joined
 from .waveform import SAME
 
 TO_RECEIVE = 1.0  # [s] for the first question of the coupler, to answer it with a fault
@@ -48,15 +49,18 @@ class Session:
     def left(self):
         return max(0.0, self.t + self.dt - self.now)
 
-    def begin(self, mesh, initial, histories):
-        """Answers Setup with mesh and values at t = 0, and waits for the first window.
+    def begin(self, meshes, written, initial, taken, histories):
+        """Answers Setup with the meshes and values at t = 0, and waits for the first window.
 
-        initial: pairs of quantity and values. histories: whether the partner's samples inside a window are wanted.
+        written, taken: pairs of quantity and name of its mesh. initial: the values of what is written.
+        histories: whether the partner's samples inside a window are wanted.
         """
-        self.mesh = Mesh(mesh.name, mesh.dimensions, mesh.points, mesh.faces)
-        self.quantities = [quantity for quantity, _ in initial]
-        for function, count in mesh.unused.items():
-            print(f"{self.solver}: {count} connections by {function}() are not used: a face has {mesh.dimensions} points", file=sys.stderr)
+        points, faces, self.places = joined(meshes)
+        self.mesh = Mesh(meshes[0].name if len(meshes) == 1 else self.solver, meshes[0].dimensions, points, faces)
+        self.written, self.taken = written, taken
+        for mesh in meshes:
+            for function, count in mesh.unused.items():
+                print(f"{self.solver}: {count} connections by {function}() are not used: a face has {mesh.dimensions} points", file=sys.stderr)
         request, frames = self.connection.ask()
         if request.WhichOneof("what") != "setup":
             raise wrong_message("the coupler did not begin with Setup")
@@ -70,12 +74,12 @@ class Session:
         self.now += dt
         self.required, self.duties = set(), set()
         if self.left > SAME * self.dt:
-            self.sent.append((self.now, self.arrays(zip(self.quantities, values))))
+            self.sent.append((self.now, self.arrays(values)))
             self.connection.working((self.now - self.t) / self.dt, "time steps inside the window")
             return False
         self.now = self.t + self.dt
-        self.sent.append((self.now, self.arrays(zip(self.quantities, values))))
-        headers = [field_header(quantity, self.mesh.n) for quantity in self.quantities]
+        self.sent.append((self.now, self.arrays(values)))
+        headers = self.headers()
         advanced = pb.Advanced(fields=headers, dt_limit=np.inf, monitor=self.monitor)
         arrays = list(self.sent[-1][1])
         for time_, sampled in self.sent if self.asked_history else ():
@@ -90,10 +94,24 @@ class Session:
         self.duties.discard(duty)
         return duty in self.required
 
-    def arrays(self, pairs):
-        """Values of each quantity with the components that it has: z = 0 in two dimensions."""
-        return [spread(np.pad(values, ((0, 0), (0, max(0, q.components - values.shape[1])))), self.mesh.n, q.components, q.name)
-                for q, values in pairs]
+    def arrays(self, values):
+        """Values of what is written, on all points and with all components: 0 on other meshes, z = 0 in two dimensions."""
+        made = []
+        for (q, mesh), own in zip(self.written, values):
+            first, n, _ = self.places[mesh]
+            wide = np.pad(own, ((first, self.mesh.n - first - n), (0, max(0, q.components - own.shape[1]))))
+            made.append(spread(wide, self.mesh.n, q.components, q.name))
+        return made
+
+    def headers(self):
+        return [field_header(quantity, self.mesh.n) for quantity, _ in self.written]
+
+    def on_mesh(self, values, mesh):
+        """The rows of one mesh out of an array for all points."""
+        first, n, _ = self.places[mesh]
+        if len(values) != self.mesh.n:
+            raise wrong_message(f"the coupler sent a field for {len(values)} points, expected {self.mesh.n}")
+        return values[first:first + n]
 
     def start_section(self, name):
         self.sections.append((name, time.monotonic()))
@@ -131,20 +149,31 @@ class Session:
         if setup.interface == "volume":
             raise StrakeError('cannot take part where coupling.interface = "volume"', 'coupling.interface = "surface"', self.place, 3)
         self.asks_always = setup.history
-        ready = pb.Ready(mesh=self.mesh.header(), dt_limit=np.inf, history=histories,
-                         initial=[field_header(quantity, self.mesh.n) for quantity in self.quantities],
-                         lines=[f'preCICE participant "{self.solver}"   mesh "{self.mesh.name}", {self.mesh.n} points'])
+        meshes = "".join(f'   mesh "{name}", {n} points' for name, (_, n, _) in self.places.items())
+        ready = pb.Ready(mesh=self.mesh.header(), dt_limit=np.inf, history=histories, initial=self.headers(),
+                         lines=[f'preCICE participant "{self.solver}"{meshes}'])
+        self.name_meshes(ready)
         for wish in ("cannot_resume", "partner_initial"):  # messages of an older version have no such fields
             if wish in pb.Ready.DESCRIPTOR.fields_by_name:
                 setattr(ready, wish, True)
         self.connection.reply(pb.Reply(ready=ready), [*self.mesh.frames(), *initial])
 
-    def first_value(self, quantity):
-        """What the partner sends at t = 0, n × components; 0 where its points are others, or it does not tell."""
-        found = self.partner_initial.get(quantity.name)
-        if found is not None and found.shape == (self.mesh.n, quantity.components) and np.allclose(self.partner_points, self.mesh.points, 1e-9, 1e-9):
+    def name_meshes(self, ready):
+        """Tells where each of several meshes stands in the joined one, and which fields live on it."""
+        if len(self.places) == 1:
+            return
+        for name, (point, _, face) in self.places.items():
+            ready.mesh.meshes.add(name=name, first_point=point, first_face=face)
+        for listed, places in ((self.written, ready.sent_on), (self.taken, ready.taken_on)):
+            for quantity, mesh in listed:
+                places.add(quantity=quantity.name, mesh=mesh)
+
+    def first_value(self, quantity, mesh):
+        """What the partner sends at t = 0, points × components; 0 where its points are others, or it does not tell."""
+        found, points = self.partner_initial.get(quantity.name), self.on_mesh(self.mesh.points, mesh)
+        if found is not None and found.shape == (len(points), quantity.components) and np.allclose(self.partner_points, points, 1e-9, 1e-9):
             return found
-        return np.zeros((self.mesh.n, quantity.components))
+        return np.zeros((len(points), quantity.components))
 
     def answer_checkpoint(self, ask):
         if ask.resume:

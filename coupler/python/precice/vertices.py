@@ -64,6 +64,16 @@ class Vertices:
         return array.astype(np.int64)
 
 
+def joined(meshes):
+    """Points and faces of all meshes, one after the other, and of each its first point, number of points and first face by name."""
+    points, faces, places = [], [], {}
+    for mesh in meshes:
+        places[mesh.name] = (len(points), len(mesh), len(faces))
+        faces += [[i + len(points) for i in face] for face in mesh.faces]
+        points += mesh.points
+    return points, faces, places
+
+
 def numbers(values, what):
     """Values as float64; Error where one is no number or not finite."""
     try:

@@ -212,7 +212,7 @@ TEST_F(PreciceImport, RefusesWhatStrakeDoesNotHave) {
   for (const Change& c : std::vector<Change>{
            {"<provide-mesh name=\"Hull-Mesh\" />",
             "<provide-mesh name=\"Hull-Mesh\" /><provide-mesh name=\"Water-Mesh\" />",
-            "9:38: <provide-mesh>: is a second mesh of Hull"},
+            "15:5: <provide-mesh>: Water-Mesh is provided by Hull as well"},
            {"<m2n", "<participant name=\"Air\" /><m2n", "22:3: <participant>: Air is a third participant"},
            {"</precice", "<coupling-scheme:serial-explicit /></precice",
             "41:1: <coupling-scheme:serial-explicit>: is a second scheme"},
@@ -250,6 +250,48 @@ TEST_F(PreciceImport, RefusesWhatStrakeDoesNotHave) {
            {"first=\"Water\"", "first=\"Hull\"", "24:5: <participants>: couples a participant with itself"},
        })
     expect_refused(c[0], c[1], c[2]);
+}
+
+/// `whole`, where Water reads on Water-Mesh and writes on Water-Faces.
+std::string with_two_meshes() {
+  std::string text =
+      changed("  <participant name=\"Hull\">",
+              "  <mesh name=\"Water-Faces\" dimensions=\"3\"><use-data name=\"Force\" /></mesh>\n"
+              "  <participant name=\"Hull\">");
+  text =
+      changed("    <provide-mesh name=\"Water-Mesh\" />\n",
+              "    <provide-mesh name=\"Water-Mesh\" />\n    <provide-mesh name=\"Water-Faces\" />\n", text);
+  text = changed("\"Force\" mesh=\"Water-Mesh\" />", "\"Force\" mesh=\"Water-Faces\" />", text);
+  return changed("from=\"Water-Mesh\" to=\"Hull-Mesh\"", "from=\"Water-Faces\" to=\"Hull-Mesh\"", text);
+}
+
+TEST_F(PreciceImport, TakesAParticipantWithTwoMeshes) {
+  const ImportedRun run = read(with_two_meshes());
+  EXPECT_EQ(run.fluid.meshes, (std::vector<std::string>{"Water-Mesh", "Water-Faces"}));
+  EXPECT_EQ(run.fluid.names, (std::vector<std::string>{"Force=force", "Displacement=displacement"}));
+  expect_line(case_of(with_two_meshes()), "kind = \"nearest-projection\" ");
+}
+
+TEST_F(PreciceImport, RefusesTwoMeshesThatDoNotFitTogether) {
+  const auto expect = [&](const std::string& from, const std::string& to, const std::string& begin) {
+    const std::string said = refused(changed(from, to, with_two_meshes()));
+    EXPECT_TRUE(said.starts_with(begin)) << said;
+  };
+  expect("Water-Faces\" dimensions=\"3\"", "Water-Faces\" dimensions=\"2\"",
+         "17:5: <provide-mesh>: Water-Faces has 2 dimensions, and Water-Mesh of Water has not");
+  expect("    <write-data name=\"Force\" mesh=\"Water-Faces\" />",
+         "    <write-data name=\"Force\" mesh=\"Water-Faces\" /><write-data name=\"Force\" "
+         "mesh=\"Water-Mesh\" />",
+         "19:51: <write-data>: has Force on Water-Mesh after Water-Faces");
+  expect("from=\"Water-Faces\" to=\"Hull-Mesh\"", "from=\"Water-Mesh\" to=\"Hull-Mesh\"",
+         "2:1: <precice-configuration>: has no mapping from Water-Faces to Hull-Mesh, for Force");
+  expect(
+      "from=\"Water-Faces\" to=\"Hull-Mesh\"", "from=\"Water-Faces\" to=\"Water-Mesh\"",
+      "21:5: <mapping:nearest-projection>: goes from Water-Faces to Water-Mesh\n  fix: between Water-Mesh, "
+      "Water-Faces and Hull-Mesh");
+  expect("<provide-mesh name=\"Water-Faces\" />",
+         "<provide-mesh name=\"Water-Faces\" /><provide-mesh name=\"Water-Mesh\" />",
+         "17:40: <provide-mesh>: is the mesh Water-Mesh of Water once more");
 }
 
 TEST_F(PreciceImport, RefusesSchemesAndAccelerationsByName) {

@@ -68,8 +68,15 @@ TEST_F(PreciceConfigFile, KeepsNamesDimensionsAndExchanges) {
   EXPECT_EQ(one->provided, std::vector<std::string>{"A"});
   EXPECT_EQ(one->writes.front().data, "Force");
   EXPECT_EQ(one->mappings.front().kind, "nearest-projection");
-  EXPECT_TRUE(config.conservative("A"));
-  EXPECT_FALSE(config.conservative("B"));
+  EXPECT_TRUE(config.conservative({"A", "Load"}));
+  EXPECT_FALSE(config.conservative({"B", "Load"}));
+  // Of two mappings from one mesh that to the mesh on which the data are read.
+  std::string two = whole;
+  two.replace(two.find("    <mapping"), 0,
+              "    <mapping:rbf direction=\"write\" from=\"A\" to=\"C\" constraint=\"consistent\" />\n");
+  two.replace(two.find("<receive-mesh"), 0, "<read-data name=\"Force\" mesh=\"B\" />");
+  EXPECT_TRUE(read(two).conservative({"A", "Force"}));
+  EXPECT_FALSE(read(two).conservative({"A", "Heat"}));
   EXPECT_EQ(config.find_participant("Two")->received, std::vector<std::string>{"A"});
   const auto& scheme = config.schemes.front();
   EXPECT_FALSE(scheme.implicit);

@@ -39,6 +39,9 @@ CONFIG = """<?xml version="1.0"?>
   </coupling-scheme:serial-implicit>
 </precice-configuration>
 """
+TWO_MESHES = CONFIG.replace('  <participant name="Fluid">', '  <mesh name="Solid-Tip" dimensions="2"> <use-data name="Displacement"/> </mesh>\n  <participant name="Fluid">').replace(
+    '<provide-mesh name="Solid-Mesh"/>', '<provide-mesh name="Solid-Mesh"/> <provide-mesh name="Solid-Tip"/>').replace(
+    '<write-data name="Displacement" mesh="Solid-Mesh"/>', '<write-data name="Displacement" mesh="Solid-Tip"/>')
 MESH, READ, WRITE = "Solid-Mesh", "Force", "Displacement"
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 LOAD = np.array([[0, 1.0, 0]] * 4)
@@ -218,6 +221,56 @@ class Calls(unittest.TestCase):
         self.assertEqual(reply.ready.mesh.n_faces, 4)
         self.assertEqual(np.frombuffer(arrays[1], "<i4").reshape(4, 2).tolist(), [[0, 1], [1, 2], [2, 3], [3, 0]])
 
+    def with_two_meshes(self, points=((2, 0), (3, 0), (2.5, 1)), config=None, load=None):
+        """The displacement is written on a mesh of its own of three points; a load at all seven points."""
+        solver = self.solver(config or TWO_MESHES)
+        ids, own = solver.set_mesh_vertices(MESH, SQUARE), solver.set_mesh_vertices("Solid-Tip", points)
+        solver.set_mesh_edges("Solid-Tip", [(0, 1), (1, 2)] if len(points) else [])
+        self.answers = []
+
+        def ask():
+            with contextlib.suppress(TimeoutError):
+                self.coupler.hello()
+                self.answers.append(self.coupler.setup())
+                self.answers.append(self.coupler.advance(0, 1.0, np.arange(21.0).reshape(7, 3) if load is None else load, "NOTHING"))
+                self.answers.append(self.coupler.stop())
+
+        self.thread = threading.Thread(target=ask, daemon=True)
+        self.thread.start()
+        return solver, ids, own
+
+    def test_two_meshes_are_one_for_the_coupler(self):
+        solver, ids, own = self.with_two_meshes()
+        solver.initialize()
+        self.assertEqual((list(own), solver.get_mesh_vertex_size("Solid-Tip")), ([0, 1, 2], 3))
+        self.assertEqual(solver.read_data(MESH, READ, ids, 1.0).tolist(), [[0, 1], [3, 4], [6, 7], [9, 10]])
+        solver.requires_writing_checkpoint()
+        solver.write_data("Solid-Tip", WRITE, own, [(1, 2), (3, 4), (5, 6)])
+        self.refused(lambda: solver.write_data(MESH, WRITE, ids, SQUARE), "write_data()", 'writes no data "Displacement" on "Solid-Mesh"')
+        self.refused(lambda: solver.read_data("Solid-Tip", READ, own, 1.0), "read_data()", 'reads no data "Force" on "Solid-Tip"')
+        self.refused(lambda: solver.write_data("Solid-Tip", WRITE, ids, SQUARE), "write_data()", 'no vertex 3 in "Solid-Tip"; it has 3')
+        solver.advance(1.0)
+        solver.finalize()
+        self.thread.join(10)
+        ready, arrays = self.answers[0][0].ready, self.answers[0][1]
+        self.assertEqual((ready.mesh.n_points, [(m.name, m.first_point, m.first_face) for m in ready.mesh.meshes]), (7, [(MESH, 0, 0), ("Solid-Tip", 4, 0)]))
+        self.assertEqual([(f.quantity, f.mesh) for f in (*ready.sent_on, *ready.taken_on)], [("displacement", "Solid-Tip"), ("force", MESH)])
+        self.assertEqual(np.frombuffer(arrays[1], "<i4").tolist(), [4, 5, 5, 6])
+        sent = np.frombuffer(self.answers[1][1][0]).reshape(7, 3)
+        self.assertEqual(sent.tolist(), [[0, 0, 0]] * 4 + [[1, 2, 0], [3, 4, 0], [5, 6, 0]])
+
+    def test_a_mesh_of_two_that_is_wrong_is_named(self):
+        solver, _, _ = self.with_two_meshes(points=())
+        self.refused(solver.initialize, "initialize()", 'mesh "Solid-Tip" has no vertices')
+        solver, _, _ = self.with_two_meshes(config=TWO_MESHES.replace("<write-data", '<write-data name="Displacement" mesh="Solid-Mesh"/> <write-data'))
+        self.refused(solver.initialize, "initialize()", 'Solid writes "Displacement" on "Solid-Tip" and "Displacement" on "Solid-Mesh": both are displacement')
+        solver, _, _ = self.with_two_meshes(load=LOAD)
+        self.refused(solver.initialize, "a field for 4 points, expected 7")
+        solver = self.solver(TWO_MESHES.replace('"Solid-Tip" dimensions="2"', '"Solid-Tip" dimensions="3"'))
+        solver.set_mesh_vertices(MESH, SQUARE)
+        solver.set_mesh_vertices("Solid-Tip", [(0, 0, 0)])
+        self.refused(solver.initialize, 'mesh "Solid-Tip" has 3 dimensions, "Solid-Mesh" has 2')
+
     def test_calls_in_a_wrong_order_are_refused_by_name(self):
         solver = self.solver()
         for name in ("is_coupling_ongoing", "is_time_window_complete", "get_max_time_step_size", "requires_writing_checkpoint",
@@ -343,6 +396,16 @@ class Parts(unittest.TestCase):
         wave.take(0.0, 1.0, [(t, np.array([[t**3 - 2 * t]])) for t in times[1:]])
         for t in (0.05, 0.2, 0.5, 0.77, 1.0):
             self.assertAlmostEqual(wave.at(t)[0, 0], t**3 - 2 * t, 12)
+
+    def test_the_mapping_to_the_mesh_that_reads_counts(self):
+        text = CONFIG.replace('<mapping:', '<mapping:rbf from="Solid-Mesh" to="Fluid-Mesh" constraint="conservative"/> '
+                              '<mapping:rbf from="Fluid-Mesh" to="Other" constraint="consistent"/> <mapping:')
+        with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
+            file.write(text)
+            file.flush()
+            found = read_configuration(file.name, "Solid")
+        self.assertEqual([found.is_conservative(mesh, data) for mesh, data in (("Fluid-Mesh", "Force"), ("Fluid-Mesh", "Gap"), (MESH, WRITE), ("none", "Gap"))],
+                         [True, False, True, False])
 
     def test_degree_zero_holds_the_next_sample(self):
         wave = Waveform(np.array([[9.0]]), 0)

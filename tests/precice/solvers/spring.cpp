@@ -3,8 +3,11 @@
 #include <precice/precice.hpp>
 
 #include <cstdio>
+#include <string>
 #include <vector>
 
+/// spring CONFIG [MESH [bare]]: prints the floor's height after each window. MESH: the force comes to a mesh
+/// of its own, the middles of the edges. bare: the edges are not told.
 int main(int argc, char** argv) {
   constexpr double m = 200, k = 1e8, width = 1, thickness = 0.05;  // kg and N/m per metre of depth; m
   constexpr int n = 21;  // points on its upper face, and on its lower one
@@ -17,14 +20,23 @@ int main(int argc, char** argv) {
   std::vector<int> ids(2 * n), edges;
   coupling.setMeshVertices("Floor-Mesh", positions, ids);
   for (std::size_t i = 0; i < ids.size(); ++i) edges.insert(edges.end(), {ids[i], ids[(i + 1) % ids.size()]});
-  if (coupling.requiresMeshConnectivityFor("Floor-Mesh")) coupling.setMeshEdges("Floor-Mesh", edges);
+  if (argc < 4 && coupling.requiresMeshConnectivityFor("Floor-Mesh"))
+    coupling.setMeshEdges("Floor-Mesh", edges);
+  const std::string of_force = argc > 2 ? argv[2] : "Floor-Mesh";
+  std::vector<int> force_ids = ids;
+  if (argc > 2) {
+    std::vector<double> middles(positions.size());
+    for (std::size_t i = 0; i < middles.size(); ++i)
+      middles[i] = (positions[i] + positions[(i + 2) % positions.size()]) / 2;
+    coupling.setMeshVertices(of_force, middles, force_ids);
+  }
   coupling.initialize();
   double y = 0, v = 0, saved_y = 0, saved_v = 0;
   std::vector<double> force(positions.size()), displacement(positions.size(), 0.0);
   while (coupling.isCouplingOngoing()) {
     if (coupling.requiresWritingCheckpoint()) saved_y = y, saved_v = v;
     const double dt = coupling.getMaxTimeStepSize();
-    coupling.readData("Floor-Mesh", "Force", ids, dt, force);
+    coupling.readData(of_force, "Force", force_ids, dt, force);
     double sum = 0;
     for (std::size_t i = 1; i < force.size(); i += 2) sum += force[i];
     const double a = k * dt * dt / (4 * m), end = ((1 - a) * v + dt * (sum - k * y) / m) / (1 + a);

@@ -29,4 +29,10 @@ inline Values positions() {
   return x;
 }
 
+inline Values positions_backwards() {
+  Values x = positions();
+  for (int i = 0; i < nodes; ++i) x[static_cast<std::size_t>(3 * i)] = (nodes - 1 - i) * dx;
+  return x;
+}
+
 }  // namespace tube

@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 namespace {
 
@@ -96,13 +97,21 @@ class Step {
 
 }  // namespace
 
-/// tube_fluid CONFIG: prints time, area and pressure in the middle after each window.
+/// tube_fluid CONFIG [MESH]: prints time, area and pressure in the middle after each window. MESH: the
+/// pressure has a mesh of its own, whose points go backwards.
 int main(int argc, char** argv) {
   precice::Participant coupling("Fluid", argc > 1 ? argv[1] : "tube.xml", 0, 1);
-  std::vector<int> ids(nodes);
+  const bool two = argc > 2;
+  const std::string of_pressure = two ? argv[2] : "Fluid-Nodes";
+  std::vector<int> ids(nodes), pressure_ids(nodes);
   coupling.setMeshVertices("Fluid-Nodes", tube::positions(), ids);
+  if (two) coupling.setMeshVertices(of_pressure, tube::positions_backwards(), pressure_ids);
+  const auto write = [&](const Values& p) {
+    coupling.writeData(of_pressure, "Pressure", two ? pressure_ids : ids,
+                       two ? Values(p.rbegin(), p.rend()) : p);
+  };
   Flow now;
-  if (coupling.requiresInitialData()) coupling.writeData("Fluid-Nodes", "Pressure", ids, now.p);
+  if (coupling.requiresInitialData()) write(now.p);
   coupling.initialize();
   Flow before = now, saved = now;
   Step step;
@@ -114,7 +123,7 @@ int main(int argc, char** argv) {
     now = before;
     coupling.readData("Fluid-Nodes", "CrossSection", ids, dt, now.a);
     step(before, now, t + dt, dt);
-    coupling.writeData("Fluid-Nodes", "Pressure", ids, now.p);
+    write(now.p);
     coupling.advance(dt);
     if (coupling.requiresReadingCheckpoint()) {
       before = saved, t = saved_t;

@@ -205,10 +205,20 @@ TEST(GoldenMessages, WhatASideAsksFor) {
   EXPECT_FALSE(request<Advance>("06-advance", 2).input.wants_history);
 }
 
-TEST(GoldenMessages, AreTwentyThreeFiles) {
+TEST(GoldenMessages, SeveralMeshes) {
+  const Ready fluid = reply<Ready>("24-ready-meshes", 1);
+  ASSERT_EQ(fluid.mesh.meshes.size(), 2u);
+  EXPECT_EQ(fluid.mesh.meshes[0].name, "nodes");
+  EXPECT_EQ(fluid.mesh.meshes[1].first_point, 1);
+  EXPECT_EQ(fluid.description.sent_on.at("force"), "faces");
+  EXPECT_EQ(fluid.description.taken_on.at("displacement"), "nodes");
+  EXPECT_TRUE(reply<Ready>("05-ready-fluid", 1).mesh.meshes.empty());
+}
+
+TEST(GoldenMessages, AreTwentyFourFiles) {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) names.insert(entry.path().stem());
-  EXPECT_EQ(names.size(), 23u) << "a new one wants a line in the tests above";
+  EXPECT_EQ(names.size(), 24u) << "a new one wants a line in the tests above";
 }
 
 }  // namespace

@@ -352,6 +352,51 @@ TEST(Wire, AMeshThatDoesNotHangTogetherIsRefused) {
   EXPECT_THROW(encode(Reply{1, Ready{mesh, {}}}, "fluid"), Error);
 }
 
+/// A fluid with the first two points as one mesh and the others as a second.
+Ready two_meshes() {
+  Ready ready{square(), {}};
+  ready.mesh.faces = (Eigen::MatrixXi(2, 2) << 0, 2, 1, 3).finished();
+  ready.mesh.meshes = {{"nodes", 0, 0}, {"faces", 2, 1}};
+  ready.description.initial = {field("force", "N", 3, 4)};
+  ready.description.sent_on = {{"force", "faces"}};
+  ready.description.taken_on = {{"displacement", "nodes"}};
+  return ready;
+}
+
+TEST(Wire, SeveralMeshesOfASolverComeBack) {
+  const Ready got = reply_round_trip(two_meshes());
+  ASSERT_EQ(got.mesh.meshes.size(), 2u);
+  EXPECT_EQ(got.mesh.meshes[1].name, "faces");
+  EXPECT_EQ(got.mesh.meshes[1].first_point, 2);
+  EXPECT_EQ(got.mesh.meshes[1].first_face, 1);
+  EXPECT_EQ(got.description.sent_on, two_meshes().description.sent_on);
+  EXPECT_EQ(got.description.taken_on, two_meshes().description.taken_on);
+}
+
+TEST(Wire, MeshesThatAreNoPartsOfTheMeshAreRefused) {
+  const Parts ready = through_the_air(encode(Reply{1, two_meshes()}, "fluid"));
+  const auto changed = [&](const std::function<void(pb::Ready&)>& change) {
+    return with_header<pb::Reply>(ready, [&](pb::Reply& r) { change(*r.mutable_ready()); });
+  };
+  const auto second = [&](const std::function<void(pb::MeshPart&)>& change) {
+    return changed([&](pb::Ready& r) { change(*r.mutable_mesh()->mutable_meshes(1)); });
+  };
+  expect_broken(second([](pb::MeshPart& m) { m.set_first_point(4); }), "no place for the mesh faces");
+  expect_broken(second([](pb::MeshPart& m) { m.set_first_point(0); }), "no place for the mesh nodes");
+  expect_broken(second([](pb::MeshPart& m) { m.set_first_point(~0ull); }), "no place for the mesh nodes");
+  expect_broken(second([](pb::MeshPart& m) { m.set_first_face(3); }), "no place for the mesh nodes");
+  expect_broken(second([](pb::MeshPart& m) { m.set_first_face(2); }), "on a point of another mesh");
+  expect_broken(second([](pb::MeshPart& m) { m.set_name("nodes"); }), "\"nodes\" twice");
+  expect_broken(second([](pb::MeshPart& m) { m.set_name("a\nb"); }), "mesh name that holds the character");
+  expect_broken(changed([](pb::Ready& r) { r.mutable_sent_on(0)->set_mesh("edges"); }),
+                "has force on the mesh \"edges\", which it lacks");
+  expect_broken(changed([](pb::Ready& r) { r.mutable_taken_on(0)->set_mesh(""); }), "which it lacks");
+  expect_broken(changed([](pb::Ready& r) { r.clear_sent_on(); }),
+                "joins 2 meshes and does not say on which one force is sent");
+  expect_broken(changed([](pb::Ready& r) { *r.add_sent_on() = r.sent_on(0); }), "gives two meshes for force");
+  expect_broken(changed([](pb::Ready& r) { r.mutable_mesh()->clear_meshes(); }), "which it lacks");
+}
+
 // A stranger's words stand in the log and on the terminal.
 TEST(Wire, ANameIsShortAndPrintable) {
   for (const std::string& name : {std::string(201, 'x'), std::string("fluid\x1b[2J"), std::string("a\nb")}) {
