@@ -1,7 +1,6 @@
 #include "coupler/coupling/assembly.hpp"
 
 #include "coupler/coupling/body_gaps.hpp"
-#include "coupler/coupling/exchange.hpp"
 #include "proto/lookup.hpp"
 
 #include <fmt/format.h>
@@ -102,6 +101,7 @@ void Assembly::join_descriptions() {
       throw Error(ExitCode::case_file, body.name, "sends other fields than its displacement",
                   "several bodies exchange displacement and force with the water; a case of one body may "
                   "exchange other fields");
+    announced_.push_back(sent);
     const Index first = mesh_.parts[k].first_point, count = points_of(k);
     committed_.displacement.edit().middleCols(first, count) = sent.motion->displacement;
     committed_.velocity.edit().middleCols(first, count) = sent.motion->velocity;
@@ -191,10 +191,9 @@ Advanced Assembly::finish() {
 /// A body that sends no velocity has the one of constant acceleration, v = 2 (u − u_0)/dt − v_0.
 bool Assembly::take_motion(std::size_t body, Advanced& answer) {
   const Index first = mesh_.parts[body].first_point, count = points_of(body);
-  const StructureSample announced = fields_of_structure(*bodies_[body].solver);
   const Place place{bodies_[body].name.c_str(), window_, 0, 0};
   StructureSample sent =
-      received_fields(std::move(answer.output), announced, bodies_[body].solver->mesh(), place);
+      received_fields(std::move(answer.output), announced_[body], bodies_[body].solver->mesh(), place);
   const MatrixXd before = committed_.displacement.middleCols(first, count);
   const bool sends = sent.motion->velocity.size() > 0;
   if (!sends)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/coupling/exchange.hpp"
 #include "proto/error.hpp"
 #include "proto/participant.hpp"
 
@@ -49,6 +50,7 @@ class Assembly final : public Participant {
   void refuse_contact(ExitCode, const std::string& when, const Points& displacement) const;
 
   std::vector<Body> bodies_;
+  std::vector<StructureSample> announced_;  // of each body
   std::set<std::string> probes_;
   double nearest_;  // [m]
   InterfaceMesh mesh_;
