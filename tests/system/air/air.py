@@ -72,16 +72,15 @@ def the_layer_takes_the_peak(place):
 
 
 def it_is_exact(place, whole):
-    two = run(place, "two", "--set", "run.threads=2")
-    expect((two / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(), "two threads: the same to the byte")
-    process = start("run", "case.toml", "--tag", "cut", cwd=place)
+    """One run shows both: on two threads, interrupted and resumed."""
+    process = start("run", "case.toml", "--tag", "cut", "--set", "run.threads=2", cwd=place)
     cut = place / "runs" / "case-cut"
     expect(wait_until(lambda: rows(cut) >= 150, 60), "resume: the run is under way")
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=60)
-    again = strake("run", "case.toml", "--tag", "cut", "--resume", cwd=place, timeout=120)
+    again = strake("run", "case.toml", "--tag", "cut", "--resume", "--set", "run.threads=2", cwd=place, timeout=120)
     expect(again.returncode == 0, f"resume: exit {again.returncode}\n{again.stderr}")
-    expect((cut / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(), "resume: the same to the byte")
+    expect((cut / "history.csv").read_bytes() == (whole / "history.csv").read_bytes(), "two threads and a resume: the same to the byte")
 
 
 def an_elastic_plate_feels_it(place):
@@ -135,8 +134,9 @@ def a_plate_in_space_has_it(place):
     expect(max(air["force.y"]) / 0.04 < 0.75 * 1000 * 1500 * V, "the air lowers the peak of a flat impact in space")
     checks = json.loads((square / "summary.json").read_text())["checks"]
     expect(abs(checks["air_mass"]) <= 1e-12 and abs(checks["momentum_gap"]) < 0.1, f"square: {checks}")
-    two = run(place, "square2", "--set", "run.threads=2")
-    expect((two / "history.csv").read_bytes() == (square / "history.csv").read_bytes(), "two threads: the same to the byte")
+    two = run(place, "square2", "--set", "run.threads=2", "--set", "end_time=0.0012")
+    begin = (two / "history.csv").read_bytes()
+    expect(len(begin) > 1000 and (square / "history.csv").read_bytes().startswith(begin), "two threads: the same to the byte")
     result = strake("check", "case.toml", "--set", "fluid.air.layer=false", cwd=place)
     expect(result.returncode == 3 and 'output.probe "gap"' in result.stderr and "fix:" in result.stderr,
            f"a probe of air that is not computed: exit {result.returncode}\n{result.stderr}")
