@@ -94,7 +94,7 @@ void ExchangedData::resize(const std::string& mesh, int n_points) {
       for (Entry& entry : written_) {
         if (entry.mesh != mesh) continue;
         const Eigen::MatrixXd before = std::move(entry.value);
-        entry.value = Eigen::MatrixXd::Zero(entry.components, n_points);
+        entry.value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points);
         if (before.cols() > 0 && before.cols() <= n_points) entry.value.leftCols(before.cols()) = before;
       }
     }
@@ -149,10 +149,15 @@ void ExchangedData::write(const std::string& mesh, const std::string& data, std:
   }
   const int n_points = place_of(entry).points;
   const bool all = are_all(ids, n_points);
-  if (all) entry.value.resize(entry.components, n_points);
-  if (entry.value.size() == 0) entry.value = Eigen::MatrixXd::Zero(entry.components, n_points);
-  if (all) {
+  const bool whole = entry.components == entry.quantity.components;
+  if (all && whole) entry.value.resize(entry.components, n_points);
+  if (entry.value.size() == 0) entry.value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points);
+  if (all && whole) {
     std::copy(values.begin(), values.end(), entry.value.data());
+    return;
+  }
+  if (all && k == 2 && entry.value.rows() == 3) {
+    entry.value.topRows<2>() = Eigen::Map<const Eigen::Matrix2Xd>(values.data(), 2, n_points);
     return;
   }
   for (std::size_t i = 0; i < ids.size(); ++i) std::copy_n(&values[i * k], k, entry.value.col(ids[i]).data());
@@ -169,11 +174,18 @@ void ExchangedData::read(const std::string& mesh, const std::string& data, std::
   if (entry->waveform.empty()) throw Error(ExitCode::solver_fault, entry->text(), "has no values yet", "");
   const Values now = entry->waveform.at(time);
   const auto k = static_cast<std::size_t>(entry->components);
-  if (are_all(ids, place_of(*entry).points)) {
+  if (now.rows() == entry->components && are_all(ids, place_of(*entry).points)) {
     std::copy_n(now.data(), values.size(), values.data());
     return;
   }
-  for (std::size_t i = 0; i < ids.size(); ++i) std::copy_n(now.col(ids[i]).data(), k, &values[i * k]);
+  if (k == 2 && now.rows() == 3 && are_all(ids, place_of(*entry).points)) {  // by far the most frequent
+    Eigen::Map<Eigen::Matrix2Xd>(values.data(), 2, now.cols()) = now.topRows<2>();
+    return;
+  }
+  // In two dimensions the third component of the partner's vectors is zero and is left out.
+  const auto rows = static_cast<std::size_t>(now.rows());
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    std::copy_n(now.data() + static_cast<std::size_t>(ids[i]) * rows, k, &values[i * k]);
 }
 
 std::vector<Field> ExchangedData::take_fields() {
@@ -181,11 +193,11 @@ std::vector<Field> ExchangedData::take_fields() {
   for (Entry& entry : written_) {
     const Place& place = place_of(entry);
     Eigen::MatrixXd value = std::exchange(entry.value, {});
-    if (value.size() == 0) value = Eigen::MatrixXd::Zero(entry.components, place.points);
-    if (entry.components < entry.quantity.components || place.points < all_points()) {
+    if (value.size() == 0) value = Eigen::MatrixXd::Zero(entry.quantity.components, place.points);
+    if (place.points < all_points()) {
       const Eigen::MatrixXd own = std::move(value);
       value = Eigen::MatrixXd::Zero(entry.quantity.components, all_points());
-      value.block(0, place.first, entry.components, place.points) = own;
+      value.middleCols(place.first, place.points) = own;
     }
     fields.push_back(
         {entry.quantity.name, entry.quantity.unit, entry.quantity.conservative, std::move(value)});
@@ -202,16 +214,11 @@ void ExchangedData::check_components(const Entry& entry, const Field& field, int
                 "both participants must mean the same by it");
 }
 
-/// In two dimensions the third component of the partner's vectors is zero and is left out.
-Values ExchangedData::in_solver(const Entry& entry, const Values& value) const {
-  return entry.components == value.rows() ? value : Values(value.topRows(entry.components));
-}
-
 Values ExchangedData::from_partner(const Entry& entry, const Field& field) const {
   check_components(entry, field, all_points());
   const Place& place = place_of(entry);
-  if (place.points == all_points()) return in_solver(entry, field.value);
-  return in_solver(entry, Eigen::MatrixXd(field.value.middleCols(place.first, place.points)));
+  if (place.points == all_points()) return field.value;
+  return Eigen::MatrixXd(field.value.middleCols(place.first, place.points));
 }
 
 void ExchangedData::begin(const InterfaceMesh& partner, const std::vector<Field>& fields,
@@ -225,7 +232,7 @@ void ExchangedData::begin(const InterfaceMesh& partner, const std::vector<Field>
       const Field* field = entry.mesh == mesh.name ? strake::find(fields, entry.quantity.name) : nullptr;
       if (!field) continue;
       check_components(entry, *field, static_cast<int>(ours.cols()));
-      entry.waveform.begin(0, in_solver(entry, field->value));
+      entry.waveform.begin(0, field->value);
     }
   }
 }

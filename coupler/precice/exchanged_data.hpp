@@ -58,7 +58,7 @@ class ExchangedData {
     std::string mesh, data;
     Quantity quantity;
     int components;         // in the solver
-    Eigen::MatrixXd value;  // components×n, of what is written; empty: nothing yet
+    Eigen::MatrixXd value;  // quantity.components×n, of what is written; empty: nothing yet
     Waveform waveform;      // of what is read
     std::string text() const { return "data \"" + data + "\" of mesh \"" + mesh + "\""; }
   };
@@ -76,7 +76,6 @@ class ExchangedData {
   void check_sizes(const Entry&, std::size_t ids, std::size_t values) const;
   std::string listed(const std::vector<Entry>&) const;
   void check_components(const Entry&, const Field&, int points) const;
-  Values in_solver(const Entry&, const Values&) const;
   Values from_partner(const Entry&, const Field&) const;
 
   std::vector<Entry> written_, read_;

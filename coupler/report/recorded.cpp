@@ -104,9 +104,10 @@ void read_record(const Json& record, Recorded& run) {
   if (error.is_object()) run.origin.error = string_of(error, "where") + ": " + string_of(error, "problem");
   for (const Json& word : member(record, "command"))
     if (word.is_string()) run.origin.command.push_back(word.get<std::string>());
-  for (const auto& [side, participant] : member(record, "participants").items())
-    if (const std::string solver = string_of(participant, "solver"); !solver.empty())
-      run.solver[side] = solver;
+  for (const char* list : {"participants", "attachments"})
+    for (const auto& [side, participant] : member(record, list).items())
+      if (const std::string solver = string_of(participant, "solver"); !solver.empty())
+        run.solver[side] = solver;
   for (const auto& [probe, time] : member(record, "contact").items())
     if (time.is_number()) run.contact[probe] = time.get<double>();
   if (const auto text = read_text(string_of(record, "case"))) run.notes = notes_of(*text);

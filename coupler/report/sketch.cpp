@@ -254,7 +254,7 @@ std::string sketch(const Recorded& run, const picture::Scene* start) {
   if (start != nullptr && !start->cut.empty()) caption += "; " + start->cut;
   caption += said;
   if (start != nullptr && !start->lines.empty()) caption += ". Lines: springs and mooring lines";
-  caption += ". Dots: probes.";
+  caption += run.setting("output.probe[0].name").empty() ? "." : ". Dots: probes.";
   return fmt::format(
       "<figure class=\"wide\">\n<div class=\"scroll\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n",
       canvas.svg("sketch", caption), escape(caption));
