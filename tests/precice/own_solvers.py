@@ -119,6 +119,8 @@ def wrong_inputs(place):
     refused(place, [fluid[0], "floor.toml", "--precice", "pressure.xml", "--participant", "Water"], 3,
             'writes data "Pressure", which stands for pressure', "a fluid of Strake writes force")
     refused(place, fluid + ["--set", "coupling.interface=volume", "--set", "structure.solver=particle"], 3, "coupling.interface = \"volume\"")
+    (place / "attached.toml").write_text((place / "floor.toml").read_text() + '\n[[attachments]]\nname = "spring"\nat = [[0, 0]]\nsolver = "spring"\n')
+    refused(place, ["attached.toml" if word == "floor.toml" else word for word in fluid], 3, "has [[attachments]]", "participants of that run")
     bare = {key: value for key, value in ENV.items() if key != "LD_LIBRARY_PATH" and not key.startswith("STRAKE_")}
     refused(place, fluid, 2, "preCICE's library cannot be loaded", "libprecice.so.3", "LD_LIBRARY_PATH, which is not set",
             f"for a run of Strake its own library: {LIBRARY}", env=bare)
