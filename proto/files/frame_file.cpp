@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 namespace strake {
@@ -96,15 +98,19 @@ const Frame::Array* find(const std::vector<Frame::Array>& arrays, const std::str
 
 namespace {
 
-/// The named array of all frames side by side; empty where one lacks it or has other components.
+/// The named array of all frames side by side; NaN where one lacks it. `columns` tells how many each has.
+/// Empty where two have other components.
 Eigen::MatrixXd beside(const std::vector<Frame>& frames, const Frame::Array& first,
-                       std::vector<Frame::Array> Frame::*arrays) {
-  Eigen::MatrixXd all(first.value.rows(), 0);
-  for (const Frame& frame : frames) {
-    const Frame::Array* own = find(frame.*arrays, first.name);
-    if (own == nullptr || own->value.rows() != first.value.rows()) return {};
-    all.conservativeResize(Eigen::NoChange, all.cols() + own->value.cols());
-    all.rightCols(own->value.cols()) = own->value;
+                       std::vector<Frame::Array> Frame::*arrays, const std::vector<Eigen::Index>& columns) {
+  const Eigen::Index sum = std::accumulate(columns.begin(), columns.end(), Eigen::Index{0});
+  Eigen::MatrixXd all =
+      Eigen::MatrixXd::Constant(first.value.rows(), sum, std::numeric_limits<double>::quiet_NaN());
+  Eigen::Index before = 0;
+  for (std::size_t f = 0; f < frames.size(); before += columns[f++]) {
+    const Frame::Array* own = find(frames[f].*arrays, first.name);
+    if (own == nullptr) continue;
+    if (own->value.rows() != first.value.rows() || own->value.cols() != columns[f]) return {};
+    all.middleCols(before, columns[f]) = own->value;
   }
   return all;
 }
@@ -130,13 +136,21 @@ Frame joined(const std::vector<Frame>& frames) {
     all.position.conservativeResize(3, before + frame.position.cols());
     all.position.rightCols(frame.position.cols()) = frame.position;
   }
-  const auto join = [&](std::vector<Frame::Array> Frame::*arrays) {
-    for (const Frame::Array& first : frames.front().*arrays)
-      if (Eigen::MatrixXd value = beside(frames, first, arrays); value.size() > 0)
-        (all.*arrays).push_back({first.name, first.unit, std::move(value)});
+  const auto join = [&](std::vector<Frame::Array> Frame::*arrays, const std::vector<Eigen::Index>& columns) {
+    for (const Frame& frame : frames)
+      for (const Frame::Array& array : frame.*arrays) {
+        if (find(all.*arrays, array.name) != nullptr) continue;
+        if (Eigen::MatrixXd value = beside(frames, array, arrays, columns); value.size() > 0)
+          (all.*arrays).push_back({array.name, array.unit, std::move(value)});
+      }
   };
-  join(&Frame::point_data);
-  if (cells) join(&Frame::cell_data);
+  std::vector<Eigen::Index> points, cells_of;
+  for (const Frame& frame : frames) {
+    points.push_back(frame.position.cols());
+    cells_of.push_back(frame.cells.cols());
+  }
+  join(&Frame::point_data, points);
+  if (cells) join(&Frame::cell_data, cells_of);
   return all;
 }
 

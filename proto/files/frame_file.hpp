@@ -24,8 +24,8 @@ const FrameFile* nearest(const std::vector<FrameFile>&, double time);
 /// Throws Error(case_file) with the path when the file is not a frame of ours.
 Frame read_frame(const std::filesystem::path&);
 
-/// The frames of several bodies as one, with the arrays that all have. Bodies of cells beside bodies of
-/// particles: all are points.
+/// The frames of several bodies as one. Values that a body does not have are NaN. Bodies of cells beside bodies
+/// of particles: all are points.
 Frame joined(const std::vector<Frame>&);
 
 /// The array of that name, or nullptr.

@@ -1,10 +1,11 @@
 // The page of `strake watch --web` in a browser: a run from its start to its end, every control, values, keyboard, contrast.
 import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { endAll, launch, makeRun, open, output, startRun, startWatch, temporaryFolder, until, wait } from './setting.mjs';
+import { bin, endAll, launch, makeRun, open, output, startRun, startWatch, temporaryFolder, until, wait } from './setting.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -86,7 +87,7 @@ describe('a run that goes on', () => {
     assert.equal(await run.ended, 0);
     await until('its end', async () => await text(page, 'state') === 'finished', 20_000);
     assert.match(await text(page, 'clocks'), /^window 240, t = 2\.4 ms of 2\.4 ms \(100\.0 %\)/);
-    await until('the last frame', async () => /^frame 24 of 24, t = 2\.4 ms$/.test(await text(page, 'when')), 20_000);
+    await until('the last frame', async () => /^frame 25 of 25, t = 2\.4 ms$/.test(await text(page, 'when')), 20_000);
     assert.match(await text(page, 'no-processes'), /has ended/);
     assert.match(await page.title(), /^finished: flat-plate entry$/);
   });
@@ -138,28 +139,28 @@ describe('a run that goes on', () => {
     const box = await over.boundingBox();
     assert.ok(box);
     await page.mouse.click(box.x + 0.5 * box.width, box.y + 30);
-    await until('a frame of the middle', async () => /^frame 1[123] of 24/.test(await text(page, 'when')), 10_000);
+    await until('a frame of the middle', async () => /^frame 1[234] of 25/.test(await text(page, 'when')), 10_000);
   });
 
   test('goes through the frames', async () => {
     await page.locator('#first').click();
-    await until('the first', async () => await text(page, 'when') === 'frame 1 of 24, t = 100 µs', 10_000);
+    await until('the first', async () => await text(page, 'when') === 'frame 1 of 25, t = 0 s', 10_000);
     const first = await picture(page);
     await page.locator('#next').click();
-    await until('the second', async () => (await text(page, 'when')).startsWith('frame 2 of 24'), 10_000);
+    await until('the second', async () => (await text(page, 'when')).startsWith('frame 2 of 25'), 10_000);
     await page.locator('#back').click();
-    await until('the first again', async () => (await text(page, 'when')).startsWith('frame 1 of 24'), 10_000);
+    await until('the first again', async () => (await text(page, 'when')).startsWith('frame 1 of 25'), 10_000);
     await page.locator('#scrub').fill('19');
-    await until('the twentieth', async () => (await text(page, 'when')).startsWith('frame 20 of 24'), 10_000);
+    await until('the twentieth', async () => (await text(page, 'when')).startsWith('frame 20 of 25'), 10_000);
     await until('its picture', async () => await picture(page) !== first, 10_000);
     assert.equal(await page.locator('#live').getAttribute('aria-pressed'), 'false');
     await page.locator('#play').click();
     assert.equal(await text(page, 'play'), 'Stop');
     await until('the end of playing', async () => await text(page, 'play') === 'Play', 20_000);
-    assert.match(await text(page, 'when'), /^frame 24 of 24/);
+    assert.match(await text(page, 'when'), /^frame 25 of 25/);
     await page.locator('#first').click();
     await page.locator('#live').click();
-    await until('the last', async () => (await text(page, 'when')).startsWith('frame 24 of 24'), 10_000);
+    await until('the last', async () => (await text(page, 'when')).startsWith('frame 25 of 25'), 10_000);
     assert.equal(await page.locator('#live').getAttribute('aria-pressed'), 'true');
   });
 
@@ -290,7 +291,7 @@ describe('a run that goes on', () => {
     await page.locator('#keys-open').click();
     await page.locator('#keys-close').click();
     await page.evaluate(() => { /** @type {HTMLElement} */ (document.activeElement).blur(); });
-    for (const [key, said] of [['Home', /^frame 1 of/], ['.', /^frame 2 of/], [',', /^frame 1 of/], ['l', /^frame 24 of/]]) {
+    for (const [key, said] of [['Home', /^frame 1 of/], ['.', /^frame 2 of/], [',', /^frame 1 of/], ['l', /^frame 25 of/]]) {
       await page.keyboard.press(String(key));
       await until(`what ${String(key)} does`, async () => /** @type {RegExp} */ (said).test(await text(page, 'when')), 10_000);
     }
@@ -326,7 +327,7 @@ describe('a run that goes on', () => {
     for (const [what, colorScheme, width, height] of /** @type {const} */ ([['desk-light', 'light', 1440, 1000], ['desk-dark', 'dark', 1440, 1000],
       ['phone-light', 'light', 390, 844], ['phone-dark', 'dark', 390, 844]])) {
       const other = await open(browser, watch.address, { colorScheme, viewport: { width, height } });
-      await until('a picture', async () => (await text(other.page, 'when')).startsWith('frame 24'), 30_000);
+      await until('a picture', async () => (await text(other.page, 'when')).startsWith('frame 25'), 30_000);
       await until('the curves', async () => await other.page.locator('#charts figure').count() > 3, 30_000);
       await wait(500);
       await accessible(other.page, what);
@@ -348,7 +349,7 @@ describe('a run that goes on', () => {
     await opened.close();
     opened = await open(browser, watch.address);
     page = opened.page;
-    await until('the run again', async () => (await text(page, 'when')).startsWith('frame 24 of 24'), 20_000);
+    await until('the run again', async () => (await text(page, 'when')).startsWith('frame 25 of 25'), 20_000);
   });
 });
 
@@ -381,6 +382,40 @@ describe('a run in space', () => {
     await page.locator('#picked').waitFor({ state: 'visible' });
     assert.match(await text(page, 'picked-values'), /position[−\d.]+ m?m, [−\d.]+ m?m, [−\d.]+ m?m/);
     await accessible(page, 'space');
+    assert.deepEqual(complaints, []);
+    await close();
+    await watch.end();
+  });
+});
+
+describe('a run with two bodies', () => {
+  test('is shown with their names', async () => {
+    const made = join(runs, 'two.toml');
+    spawnSync(join(bin, 'strake'), ['new', 'bodies', '-o', made], { encoding: 'utf8' });
+    const run = startRun(runs, [made, '--set', 'end_time=0.0022', '--set', 'structures.right.solver=rigid']);
+    assert.equal(await run.ended, 0);
+    const watch = await startWatch(join(runs, 'two'));
+    const { page, complaints, close } = await open(browser, watch.address);
+    await until('a picture', async () => (await text(page, 'when')).startsWith('frame'), 20_000);
+    await until('the curves', async () => await page.locator('#charts figure').count() > 3, 20_000);
+    await wait(300);
+    await page.screenshot({ path: join(output, 'two.png'), fullPage: true });
+    const charts = await page.locator('#charts').innerText();
+    for (const name of ['left_mid', 'right_mid']) assert.ok(charts.includes(name), name);
+    const box = await page.locator('#canvas').boundingBox();
+    assert.ok(box);
+    const places = await page.evaluate(() => {
+      // @ts-expect-error -- put there by main.ts
+      const { stage, sides } = window.strake.fields;
+      return sides.bodies.map((/** @type {{low: number[], high: number[]}} */ b) =>
+        stage.camera.project(0.5 * (b.low[0] + b.high[0]), b.high[1], 0));
+    });
+    assert.equal(places.length, 2);
+    for (const [k, name] of ['left', 'right'].entries()) {
+      await page.mouse.click(box.x + places[k][0], box.y + places[k][1]);
+      await until(`the values of ${name}`, async () => (await text(page, 'picked-h')).startsWith(`${name}, point`), 20_000);
+      await page.locator('#picked-close').click();  // the card covers a part of the picture
+    }
     assert.deepEqual(complaints, []);
     await close();
     await watch.end();

@@ -7,7 +7,7 @@ import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 export const root = fileURLToPath(new URL('../..', import.meta.url));
-const bin = process.env['STRAKE_BIN'] ?? join(root, 'build/bin');
+export const bin = process.env['STRAKE_BIN'] ?? join(root, 'build/bin');
 export const output = process.env['STRAKE_BROWSER_OUTPUT'] ?? join(root, 'build/browser');
 mkdirSync(output, { recursive: true });
 

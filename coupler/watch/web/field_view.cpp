@@ -4,6 +4,7 @@
 #include "proto/error.hpp"
 #include "proto/files/frame_file.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -89,6 +90,25 @@ void add_bounds(const std::vector<float>& position, ArrayMessage& message) {
   message.head["high"] = high;
 }
 
+/// Name, first point and box of each of several bodies. Points that are nowhere do not count.
+Json bodies_json(const Frame& frame, const std::vector<MeshPart>& parts) {
+  Json bodies = Json::array();
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    const Index first = parts[b].first_point;
+    const Index end = b + 1 < parts.size() ? parts[b + 1].first_point : frame.position.cols();
+    Eigen::AlignedBox3d box;
+    for (Index i = first; i < end; ++i)
+      if (frame.position.col(i).allFinite()) box.extend(Eigen::Vector3d(frame.position.col(i)));
+    Json body = {{"name", parts[b].name}, {"first", first}};
+    if (!box.isEmpty()) {
+      body["low"] = std::vector<double>(box.min().begin(), box.min().end());
+      body["high"] = std::vector<double>(box.max().begin(), box.max().end());
+    }
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
 }  // namespace
 
 Surface surface_of(const Eigen::MatrixXi& cells, int dimension) {
@@ -155,6 +175,7 @@ ArrayMessage field_message(const Frame& frame, const FieldRequest& request) {
     message.add("value", shown);
   }
   if (fluid) return message;
+  message.head["bodies"] = bodies_json(frame, request.parts);
   if (const auto bend = picture::deformation(request.keys, frame, request.parts))
     message.add("bend", flat(*bend, index));
   if (!cells) return message;
@@ -171,10 +192,9 @@ Json point_values(const Frame& frame, Index index) {
                 fmt::format("points are numbered from 0 to {}", frame.position.cols() - 1));
   Json values = {{"time", frame.time}, {"values", Json::array()}};
   const auto add = [&](const std::string& name, const std::string& unit, const auto& column) {
-    values["values"].push_back(
-        {{"name", name},
-         {"unit", unit},
-         {"value", std::vector<double>(column.data(), column.data() + column.size())}});
+    Json numbers = Json::array();
+    for (const double v : column) numbers.push_back(finite(v));
+    values["values"].push_back({{"name", name}, {"unit", unit}, {"value", std::move(numbers)}});
   };
   add("position", "m", Eigen::VectorXd(frame.position.col(index)));
   for (const Frame::Array& array : frame.point_data)

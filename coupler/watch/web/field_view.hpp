@@ -18,7 +18,8 @@ namespace strake::watch {
 ///   triangle  u32 3·m, edge u32 2·k: the cells' surface, as places in `position`; absent where points are
 ///   all
 /// Its head: time [s], field {name, unit, shown [lo, hi], all [lo, hi]}, fields [{name, unit}], low and high
-/// corner of what is drawn [m].
+/// corner of what is drawn [m]. The structure's has also bodies [{name, first, low, high}]: name, place of the
+/// first point in the frame, and box [m] of each of several bodies; empty for one structure.
 struct FieldRequest {
   std::string side;   // "fluid" | "structure"
   std::string field;  // "pressure", "speed", "von_mises" …; empty: the positions alone

@@ -130,6 +130,21 @@ TEST(FieldMessage, TellsABendFromTheMotionOfTheSupports) {
   EXPECT_EQ(read.array<std::uint32_t>("edge").size(), 8U);
 }
 
+TEST(FieldMessage, NamesTheBodiesWhereThereAreSeveral) {
+  const FieldRequest one = {.side = "structure", .field = "von_mises", .dimension = 2, .keys = {}};
+  EXPECT_EQ(Read(field_message(plate(0.05), one).bytes()).head["bodies"], Json::array());
+  FieldRequest two = one;
+  two.parts = {{.name = "left", .first_point = 0}, {.name = "right", .first_point = 2}};
+  const Frame frame = plate(0.05);
+  const Json bodies = Read(field_message(frame, two).bytes()).head["bodies"];
+  ASSERT_EQ(bodies.size(), 2U);
+  EXPECT_EQ(bodies[0]["name"], "left");
+  EXPECT_EQ(bodies[1]["name"], "right");
+  EXPECT_EQ(bodies[1]["first"], 2);
+  EXPECT_EQ(bodies[0]["low"][0], frame.position.leftCols(2).row(0).minCoeff());
+  EXPECT_EQ(bodies[1]["high"][1], frame.position.rightCols(2).row(1).maxCoeff());
+}
+
 TEST(SurfaceOf, LeavesOutWhatLiesBetweenTwoCells) {
   Eigen::MatrixXi cells(8, 2);
   cells.col(0) << 0, 1, 2, 3, 4, 5, 6, 7;

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <limits>
 
@@ -58,6 +59,23 @@ TEST(FrameFile, ParticlesHaveNoCellsAndDamagedFramesAreLeftOut) {
   EXPECT_TRUE(list_frames(folder.path(), "structure").empty());
   EXPECT_EQ(nearest({}, 1), nullptr);
   EXPECT_THROW(read_frame(folder / "frames/fluid-000001.h5"), Error);
+}
+
+TEST(FrameFile, SeveralBodiesAreOneFrameAndLackedValuesAreNaN) {
+  Frame rigid = triangle(0);
+  rigid.point_data.pop_back();  // it has no stress
+  for (const bool rigid_first : {false, true}) {
+    const Frame all = rigid_first ? joined({rigid, triangle(0)}) : joined({triangle(0), rigid});
+    EXPECT_EQ(all.position.cols(), 6);
+    EXPECT_EQ(all.cells.cols(), 2);
+    const Frame::Array* stress = find(all.point_data, "von_mises");
+    ASSERT_NE(stress, nullptr);
+    EXPECT_EQ(stress->value(0, rigid_first ? 3 : 0), 7);
+    EXPECT_TRUE(std::isnan(stress->value(0, rigid_first ? 0 : 3)));
+    const Frame::Array* velocity = find(all.point_data, "velocity");
+    ASSERT_NE(velocity, nullptr);
+    EXPECT_TRUE(velocity->value.allFinite());
+  }
 }
 
 }  // namespace

@@ -82,8 +82,11 @@ export async function arrays<Head>(path: string): Promise<Arrays<Head>> {
 
 export interface FieldFacts { name: string; unit: string; shown: [number, number] | null; all: [number, number] | null }
 
+/** One of several bodies: its name, its first point in the frame, and its box [m]. */
+export interface BodyFacts { name: string; first: number; low?: number[]; high?: number[] }
+
 export interface FrameHead {
-  side: Side; time: number; fields: { name: string; unit: string }[];
+  side: Side; time: number; fields: { name: string; unit: string }[]; bodies?: BodyFacts[];
   field?: FieldFacts; low?: number[]; high?: number[];
 }
 export type FrameArrays = Arrays<FrameHead>;

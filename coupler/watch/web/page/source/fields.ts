@@ -158,7 +158,7 @@ export class Fields {
     const marks: [number, number, number][] = [], picked = this.picking.place();
     if (picked !== null) marks.push([...picked, 9]);
     if (this.byKeyboard && document.activeElement === stage.canvas) marks.push([0.5 * camera.width, 0.5 * camera.height, 4]);
-    drawOverlay(stage, ratio, sides.of('structure') !== null, marks);
+    drawOverlay(stage, ratio, sides.of('structure') !== null, marks, sides.bodies);
   }
 
   /** Pictures in a second while everything is drawn again and again for so long; for measurements. */

@@ -1,13 +1,13 @@
 import type { Table, TableColumn } from './table';
 
-/** Curves that share a chart: of one thing ("mid.x", "mid.y") and one unit. */
+/** Curves that share a chart: of one thing ("mid.x", "mid.y" or "left.force.x", "left.force.y") and one unit. */
 export interface Group { key: string; title: string; unit: string; logarithmic: boolean; columns: number[] }
 
 const alone = ['residual', 'iterations', 'work_gap', 'cfl', 'pressure_iterations'];
 
 function stem(column: TableColumn): string {
   if (alone.includes(column.name)) return column.name;
-  const dot = column.name.indexOf('.');
+  const dot = column.name.lastIndexOf('.');
   return dot < 0 ? column.name : column.name.slice(0, dot);
 }
 

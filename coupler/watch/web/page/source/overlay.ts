@@ -1,9 +1,25 @@
+import type { BodyFacts } from './api';
 import { colour } from './dom';
 import type { Stage } from './stage';
 import { digits, quantity, roundTicks, tickText } from './units';
 
-/** Axes, a ring around each mark of the screen ([x, y, radius] px) and what is said of the deformation. */
-export function drawOverlay(stage: Stage, ratio: number, deformed: boolean, marks: [number, number, number][]): void {
+/** The name of each body, above the middle of its box. */
+function drawNames(c: CanvasRenderingContext2D, { camera, margin }: Stage, bodies: BodyFacts[]): void {
+  c.textAlign = 'center';
+  c.lineWidth = 3;
+  c.strokeStyle = colour('--paper');
+  c.fillStyle = colour('--ink');
+  for (const { name, low, high } of bodies) {
+    if (low === undefined || high === undefined) continue;
+    const middle = low.map((v, k) => 0.5 * (v + high[k]!));
+    const [x, y] = camera.project(middle[0]!, high[1]!, middle[2]!);
+    c.strokeText(name, margin.left + x, margin.above + y - 8);
+    c.fillText(name, margin.left + x, margin.above + y - 8);
+  }
+}
+
+/** Axes, a ring around each mark of the screen ([x, y, radius] px), names of bodies and what is said of the deformation. */
+export function drawOverlay(stage: Stage, ratio: number, deformed: boolean, marks: [number, number, number][], bodies: BodyFacts[]): void {
   const { width, height, margin, overlay, camera } = stage;
   overlay.width = Math.round(width * ratio);
   overlay.height = Math.round(height * ratio);
@@ -24,6 +40,7 @@ export function drawOverlay(stage: Stage, ratio: number, deformed: boolean, mark
   c.beginPath();
   c.rect(margin.left, margin.above, camera.width, camera.height);
   c.clip();
+  drawNames(c, stage, bodies);
   for (const [x, y, radius] of marks)
     for (const [w, name] of [[5, '--paper'], [2, '--ink']] as const) {
       c.lineWidth = w;

@@ -90,7 +90,7 @@ export class Picking {
       const k = places?.indexOf(picked.index) ?? -1;
       if (bend !== null && k >= 0) for (let j = 0; j < 3; ++j) picked.at[j]! += (this.stage.scale - 1) * bend[3 * k + j]!;
     }
-    say(el('picked-h'), picked.side === 'fluid' ? `Particle ${picked.id ?? picked.index}` : `Structure, point ${picked.index}`);
+    say(el('picked-h'), picked.side === 'fluid' ? `Particle ${picked.id ?? picked.index}` : this.sides.nameOf(picked.index));
     const n = this.stage.flat ? 2 : 3;
     el('picked-values').replaceChildren(...point.values.filter((v) => v.name !== 'id').map((v) => {
       const name = make('th', words(v.name));

@@ -1,4 +1,4 @@
-import type { FieldFacts, FrameArrays, Side } from './api';
+import type { BodyFacts, FieldFacts, FrameArrays, Side } from './api';
 import { el, show } from './dom';
 import { words } from './legend';
 import type { Cloud, Renderer } from './renderer';
@@ -16,6 +16,15 @@ export class Sides {
   of(side: Side): Shown | null { return this.shown[side]; }
   facts(side: Side): FieldFacts | undefined { return this.shown[side]?.arrays.head.field; }
   get points(): number { return (this.shown.fluid?.cloud.count ?? 0) + (this.shown.structure?.cloud.count ?? 0); }
+
+  /** The bodies of the structure's frame, where there are several. */
+  get bodies(): BodyFacts[] { return this.shown.structure?.arrays.head.bodies ?? []; }
+
+  /** What a point of the structure is called: its number in its body. */
+  nameOf(index: number): string {
+    const body = this.bodies.filter((b) => b.first <= index).at(-1);
+    return body === undefined ? `Structure, point ${index}` : `${body.name}, point ${index - body.first}`;
+  }
 
   /** The field that the reader has chosen. */
   field(side: Side): string {
