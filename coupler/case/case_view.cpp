@@ -1,5 +1,6 @@
 #include "coupler/case/case_view.hpp"
 
+#include "coupler/case/attached_programs.hpp"
 #include "coupler/case/precice_names.hpp"
 #include "coupler/case/sides_by_hand.hpp"
 #include "coupler/compare/compare_block.hpp"
@@ -220,11 +221,6 @@ std::string program_name(const std::string& side, const std::string& solver) {
   return "strake-structure-" + solver;
 }
 
-std::filesystem::path program_of(const AttachmentKeys& attachment, const CaseView& view) {
-  return find_program(attachment.is_users() ? attachment.solver : "strake-attachment-" + attachment.solver,
-                      view.folder);
-}
-
 std::vector<double> numbers_in(const std::string& value) {
   std::vector<double> numbers;
   for (const char* at = value.c_str(); *at != '\0';) {
@@ -336,19 +332,6 @@ std::vector<BodyKeys> structures_of(const CommonKeys& common) {
   return {{.name = "structure", .solver = common.structure_solver, .program = common.structure_program}};
 }
 
-/// Refuses an attachment whose program is not there.
-void check_attached_programs(const CaseFile& file, const CaseView& view,
-                             const std::vector<std::string>& by_hand) {
-  for (const AttachmentKeys& one : view.attachments) {
-    if (!one.is_program() || std::find(by_hand.begin(), by_hand.end(), one.name) != by_hand.end()) continue;
-    std::error_code ignored;
-    if (one.is_users() && !std::filesystem::is_regular_file(one.solver, ignored))
-      throw Error(ExitCode::case_file, file.path().string() + ": attachments." + one.name + ".solver",
-                  "there is no file " + one.solver, "the path of a program");
-    program_of(one, view);
-  }
-}
-
 }  // namespace
 
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
@@ -406,7 +389,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
     collect([&] { check_precice_names(table, one.program); });
   }
   collect([&] { check_precice_names("fluid", common.fluid_program); });
-  collect([&] { check_attached_programs(file, view, by_hand); });
+  collect([&] { check_attached_programs(view, by_hand); });
   if (!refused.empty()) throw all_of(refused);
   resolve(file, view);
   return view;

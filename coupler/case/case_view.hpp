@@ -77,8 +77,6 @@ std::string ask(const std::filesystem::path& program, std::vector<std::string> a
 std::optional<std::string> ask_solver(const CaseView&, const SideView& structure, const std::string& solver,
                                       const std::string& mode, const StopRequest* stop);
 
-/// The program of an attachment that is computed by one.
-std::filesystem::path program_of(const AttachmentKeys&, const CaseView&);
 /// "mps" → "strake-fluid", "fem" → "strake-structure-fem"; a path stays as it is.
 std::string program_name(const std::string& side, const std::string& solver);
 

@@ -1,3 +1,4 @@
+#include "coupler/case/attached_programs.hpp"
 #include "coupler/case/case_view.hpp"
 #include "coupler/case/sides_by_hand.hpp"
 #include "coupler/commands/commands.hpp"
@@ -127,14 +128,8 @@ class Run {
     record_.set("threads", case_.common.threads);
     for (const SideView* side : case_.sides())
       programs_[side->side] = {{"solver", side->solver}, {"program", side->program.string()}};
-    Json lines = Json::object();  // attachments that the coupler computes itself
-    for (const AttachmentKeys& one : case_.attachments)
-      if (one.is_program())
-        programs_[one.name] = {{"solver", one.solver},
-                               {"program", one.is_users() ? one.solver : program_of(one, case_).string()}};
-      else
-        lines[one.name] = {{"solver", one.solver}};
-    if (!lines.empty()) record_.set("attachments", lines);
+    if (const Json lines = record_attachments(case_, programs_); !lines.empty())
+      record_.set("attachments", lines);
     record_.set("participants", programs_);
     record_.write();  // the first file: by it the folder is known as a run's
     messages_.log = open_run_log(folder_.path / "coupler.log");

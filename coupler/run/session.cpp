@@ -1,5 +1,6 @@
 #include "coupler/run/session.hpp"
 
+#include "coupler/case/attached_programs.hpp"
 #include "coupler/case/mesh_transfer.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
