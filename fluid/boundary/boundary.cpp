@@ -167,6 +167,16 @@ Vector<dim> Boundary<dim>::at_point(const Points& on_mesh, int point) const {
 }
 
 template <int dim>
+void Boundary<dim>::set_water(std::int64_t water) {
+  const std::int64_t shift = water - water_;
+  tank_.set_first(water);
+  water_ += shift;
+  bodies_ += shift;
+  for (std::int32_t& master : master_)
+    if (master >= 0) master = static_cast<std::int32_t>(master + shift);
+}
+
+template <int dim>
 Vector<dim> Boundary<dim>::face_area(std::int64_t row) const {
   if (row < bodies_) return tank_.area_of(row);
   const int k = point_of(row);

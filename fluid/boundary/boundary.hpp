@@ -60,7 +60,9 @@ class Boundary {
   /// What is given on the points of `mesh`, at one of those places.
   Vector<dim> at_point(const Points& on_mesh, int point) const;
   bool volume() const { return volume_; }
-  std::int64_t water() const { return water_; }                      // particles [0, water) are water
+  std::int64_t water() const { return water_; }  // particles [0, water) are water
+  /// Renumbers all layer particles, which follow that many water particles.
+  void set_water(std::int64_t water);
   std::int64_t first_of_bodies() const { return bodies_; }           // [water, first_of_bodies) are the tank
   const Eigen::VectorXd& solid_density() const { return density_; }  // of the last particles, [bodies, end)
 

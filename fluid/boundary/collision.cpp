@@ -101,7 +101,7 @@ double mass_share(const State<dim>& state, const Boundary<dim>& boundary, std::i
 /// one pass per wall.
 template <int dim>
 void put_back_from_walls(State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
-                         double mass, CollisionAccount<dim>& account) {
+                         double mass, std::span<const std::uint8_t> owned, CollisionAccount<dim>& account) {
   // A particle that passes a wall had layers among its neighbours before. It moves by less than a spacing in
   // a step.
   const auto beside = [&](std::int64_t i) {
@@ -118,12 +118,14 @@ void put_back_from_walls(State<dim>& state, const Boundary<dim>& boundary, const
     for (int turn = 0; turn < dim; ++turn) {
       const auto foot = boundary.tank().behind(state.position.col(i));
       if (!foot) break;
-      account.behind_walls += turn == 0 ? 1 : 0;
+      const bool counts = owned.empty() || owned[static_cast<std::size_t>(i)] != 0;
+      account.behind_walls += counts && turn == 0 ? 1 : 0;
       state.position.col(i) = foot->position;
       const Vector<dim> past = state.velocity.col(i) - boundary.tank().velocity_at(foot->position);
       const double into = past.dot(foot->normal);
       if (into >= 0) continue;
       state.velocity.col(i) -= into * foot->normal;
+      if (!counts) continue;
       account.on_walls += mass * into * foot->normal;
       account.on_water -= mass * into * foot->normal;
     }
@@ -132,7 +134,7 @@ void put_back_from_walls(State<dim>& state, const Boundary<dim>& boundary, const
 
 template <int dim>
 void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, double mass,
-              CollisionAccount<dim>& account) {
+              std::span<const std::uint8_t> owned, CollisionAccount<dim>& account) {
   const BodySurface<dim>& body = boundary.body_surface();
   if (body.empty()) return;
   const std::int64_t water = boundary.water();
@@ -142,13 +144,15 @@ void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, 
   if (!any) return;
   for (std::int64_t i = 0; i < water; ++i) {
     if (!body.inside(state.position.col(i))) continue;
-    ++account.inside;
+    const bool counts = owned.empty() || owned[static_cast<std::size_t>(i)] != 0;
+    account.inside += counts ? 1 : 0;
     const auto foot = body.nearest(state.position.col(i));
     const Vector<dim> n = body.normal(foot.point);
     state.position.col(i) = foot.position + put_back_height * spacing * n;
     const double into = (state.velocity.col(i) - body.velocity(foot.point)).dot(n);
     if (into >= 0) continue;
     state.velocity.col(i) -= into * n;
+    if (!counts) continue;
     account.on_points.col(foot.point) += mass * into * n;
     account.on_water -= mass * into * n;
   }
@@ -159,7 +163,8 @@ void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, 
 template <int dim>
 CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>& boundary,
                                          const Neighbours& near, const Scheme& scheme, double dt,
-                                         double spacing, double particle_mass) {
+                                         double spacing, double particle_mass,
+                                         std::span<const std::uint8_t> owned) {
   CollisionAccount<dim> account;
   account.on_points = Vectors<dim>::Zero(dim, boundary.points());
   const std::int64_t water = boundary.water();
@@ -204,19 +209,21 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
       if (other_is_water) {
         state.velocity.col(pair.j) -= change;
         state.position.col(pair.j) -= change * dt;
-      } else {
+      } else if (owned.empty() || owned[static_cast<std::size_t>(pair.i)]) {
         give<dim>(account, boundary, pair.j, -particle_mass * change);
       }
     }
   }
-  put_back<dim>(state, boundary, spacing, particle_mass, account);
-  put_back_from_walls<dim>(state, boundary, near, particle_mass, account);
+  put_back<dim>(state, boundary, spacing, particle_mass, owned, account);
+  put_back_from_walls<dim>(state, boundary, near, particle_mass, owned, account);
   return account;
 }
 
 template CollisionAccount<2> separate_particles<2>(State<2>&, const Boundary<2>&, const Neighbours&,
-                                                   const Scheme&, double, double, double);
+                                                   const Scheme&, double, double, double,
+                                                   std::span<const std::uint8_t>);
 template CollisionAccount<3> separate_particles<3>(State<3>&, const Boundary<3>&, const Neighbours&,
-                                                   const Scheme&, double, double, double);
+                                                   const Scheme&, double, double, double,
+                                                   std::span<const std::uint8_t>);
 
 }  // namespace strake::fluid

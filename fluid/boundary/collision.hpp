@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <span>
 
 namespace strake::fluid {
 
@@ -35,9 +36,11 @@ struct CollisionAccount {
 /// creates energy. With the least-squares gradient two particles inside the water collide only below 0.7 l0.
 ///
 /// Afterwards a water particle inside a body is put 0.05 l0 outside its face, and one behind a wall of the
-/// tank on the face. Both lose their velocity into the face.
+/// tank on the face. Both lose their velocity into the face. owned: 1 for particles whose part the account
+/// takes; empty: all.
 template <int dim>
 CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&, const Neighbours& near,
-                                         const Scheme&, double dt, double spacing, double particle_mass);
+                                         const Scheme&, double dt, double spacing, double particle_mass,
+                                         std::span<const std::uint8_t> owned = {});
 
 }  // namespace strake::fluid

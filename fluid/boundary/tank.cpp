@@ -148,6 +148,15 @@ void Tank<dim>::find_masters() {
 }
 
 template <int dim>
+void Tank<dim>::set_first(std::int64_t water) {
+  const std::int64_t shift = water - first_;
+  first_ += shift;
+  last_ += shift;
+  for (std::int32_t& master : master_)
+    if (master >= 0) master = static_cast<std::int32_t>(master + shift);
+}
+
+template <int dim>
 Vector<dim> Tank<dim>::normal_of(std::int64_t i) const {
   if (!has(i)) return Vector<dim>::Zero();
   return motion_.turns() ? turned(now_, part(i).normal) : part(i).normal;

@@ -24,6 +24,8 @@ class Tank {
   const TankShape<dim>& shape() const { return shape_; }
   std::int64_t first() const { return first_; }
   std::int64_t last() const { return last_; }
+  /// Renumbers the layers, which follow that many water particles.
+  void set_first(std::int64_t water);
   /// Whether any wall absorbs sound.
   bool absorbs() const { return absorbs_; }
   bool moves() const { return motion_.moves(); }

@@ -50,6 +50,21 @@ WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& s
 }
 
 template <int dim>
+void WallContact<dim>::set_water(std::int64_t water) {
+  const auto renumber = [&](auto& column, auto value) {
+    const auto layers = std::ssize(column) - first_;
+    std::rotate(column.begin(), column.begin() + first_, column.end());
+    column.resize(static_cast<std::size_t>(layers));
+    column.insert(column.begin(), static_cast<std::size_t>(water), value);
+  };
+  renumber(corner_, std::uint8_t{0});
+  renumber(wet_, std::uint8_t{0});
+  joins_.assign(corner_.size(), -1);
+  joined_.clear();
+  first_ = water;
+}
+
+template <int dim>
 void WallContact<dim>::place_bodies(const Boundary<dim>& boundary, const State<dim>& state) {
   if (boundary.body_surface().empty()) return;
   for (std::int64_t j = boundary.first_of_bodies(); j < state.position.cols(); ++j) {
@@ -94,7 +109,7 @@ void WallContact<dim>::list_joined(const Boundary<dim>& boundary, const State<di
 
 template <int dim>
 void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                              std::span<const std::uint8_t> aired) {
+                              std::span<const std::uint8_t> aired, const RankExchange<dim>& ranks) {
   if (boundary.tank().moves())
     for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j)
       if (!corner(j)) axis_.col(j - first_) = boundary.normal_of(j);
@@ -120,6 +135,8 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
     state.surface[k] = is_wet ? 0 : 1;
     wet_[k] = is_wet ? 1 : 0;
   }
+  ranks.update_layers(state.surface, boundary.water());
+  ranks.update_layers(wet_, boundary.water());
   for (std::int64_t j = boundary.water(); j < n; ++j)
     if (const std::int32_t m = boundary.master_of(j); m >= 0)
       wet_[static_cast<std::size_t>(j)] = wet_[static_cast<std::size_t>(m)];

@@ -3,6 +3,7 @@
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/particles/neighbours.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/ranks/subdomain.hpp"
 
 #include <Eigen/Core>
 
@@ -31,7 +32,10 @@ class WallContact {
   /// aired: 1 for wet points of bodies with air between them and the water, whose faces stay dry; empty:
   /// none.
   void update(const Boundary<dim>&, State<dim>&, const Neighbours& near,
-              std::span<const std::uint8_t> aired = {});
+              std::span<const std::uint8_t> aired = {}, const RankExchange<dim>& ranks = {});
+
+  /// Renumbers the layer particles, which follow that many water particles.
+  void set_water(std::int64_t water);
 
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
   /// Returns P r, the component of r along the face's normal. At an edge of the tank it is all of r across

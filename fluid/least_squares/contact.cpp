@@ -67,10 +67,14 @@ void LeastSquaresScheme<dim>::fade_lag(State<dim>& state, std::int64_t i, double
 template <int dim>
 void LeastSquaresScheme<dim>::meet_faces(const Boundary<dim>& boundary, State<dim>& state,
                                          const Neighbours& far) {
-  if (walls_.joined().empty()) return;
-  meeting_.clear();
+  if (!ranks_.any(!walls_.joined().empty())) return;
+  wall_.meeting.clear();
+  wall_.passing.setZero(state.position.cols() - boundary.water());
+  for (const auto& face : walls_.joined())
+    wall_.passing[face.row - boundary.water()] = passing_time(boundary, state, far, face);
+  ranks_.update_layers(wall_.passing, 0);
   for (const auto& face : walls_.joined()) {
-    const double time = passing_time(boundary, state, far, face);
+    const double time = wall_.passing[face.row - boundary.water()];
     const auto columns = far.row(face.row);
     const std::int64_t first = far.start()[static_cast<std::size_t>(face.row)];
     for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
@@ -81,20 +85,22 @@ void LeastSquaresScheme<dim>::meet_faces(const Boundary<dim>& boundary, State<di
       const double approach =
           -walls_.normal(face.row).dot(relative_wall_velocity(boundary, state, i, face.row));
       state.face_lag[i] = lacking;
-      meeting_.push_back({i, w, time > 0 ? w * approach : 0.0, time});
+      wall_.meeting.push_back({i, w, time > 0 ? w * approach : 0.0, time});
     }
   }
-  std::stable_sort(meeting_.begin(), meeting_.end(),
+  std::stable_sort(wall_.meeting.begin(), wall_.meeting.end(),
                    [](const Meeting& a, const Meeting& b) { return a.particle < b.particle; });
-  for (std::size_t k = 0; k < meeting_.size();) {
-    Meeting all = meeting_[k];
-    for (++k; k < meeting_.size() && meeting_[k].particle == all.particle; ++k) {
-      all.weight += meeting_[k].weight;
-      all.approach += meeting_[k].approach;
-      all.time = std::min(all.time, meeting_[k].time);
+  for (std::size_t k = 0; k < wall_.meeting.size();) {
+    Meeting all = wall_.meeting[k];
+    for (++k; k < wall_.meeting.size() && wall_.meeting[k].particle == all.particle; ++k) {
+      all.weight += wall_.meeting[k].weight;
+      all.approach += wall_.meeting[k].approach;
+      all.time = std::min(all.time, wall_.meeting[k].time);
     }
     if (all.weight > 0) set_lag(boundary, state, far, all);
   }
+  ranks_.update(state.face_lag);
+  ranks_.update(state.face_lag_rate);
 }
 
 /// Sets lag' of one particle, and its rate |lag'|/T. T is the least over the new faces, at most the time in

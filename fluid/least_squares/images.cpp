@@ -48,7 +48,7 @@ void LeastSquaresScheme<dim>::find_images(const Boundary<dim>& boundary, const S
     find_image_faces(boundary, state, far, i);
     any = any || images_.count[static_cast<std::size_t>(i)] > 0;
   }
-  images_.any = any;
+  images_.any = ranks_.any(any);
 }
 
 /// Finds the faces of particle i: of each direction that one whose middle is nearest, measured along the
@@ -107,6 +107,21 @@ void LeastSquaresScheme<dim>::find_image_velocities(const Boundary<dim>& boundar
       face.normal_velocity =
           always + reached * (relative_wall_velocity(boundary, state, i, face.layer).dot(n) - always);
     }
+  update_image_velocities();
+}
+
+/// Gives the ghosts' faces the velocities of their owners. The rest of a face is the same on all ranks.
+template <int dim>
+void LeastSquaresScheme<dim>::update_image_velocities() {
+  if (!ranks_.several()) return;
+  Vectors<dim> velocity(dim, std::ssize(images_.faces));
+  for (std::size_t i = 0; i < images_.faces.size(); ++i)
+    for (std::size_t f = 0; f < dim; ++f)
+      velocity(static_cast<int>(f), static_cast<Eigen::Index>(i)) = images_.faces[i][f].normal_velocity;
+  ranks_.update(velocity);
+  for (std::size_t i = 0; i < images_.faces.size(); ++i)
+    for (std::size_t f = 0; f < dim; ++f)
+      images_.faces[i][f].normal_velocity = velocity(static_cast<int>(f), static_cast<Eigen::Index>(i));
 }
 
 /// Calls visit(pair) for each pair of row i that is mirrored in a face (F72):
@@ -188,6 +203,7 @@ void LeastSquaresScheme<dim>::add_images(const Neighbours& far, std::int64_t i) 
                                                      const Neighbours&);                                \
   template void LeastSquaresScheme<dim>::find_image_faces(const Boundary<dim>&, const State<dim>&,      \
                                                           const Neighbours&, std::int64_t);             \
+  template void LeastSquaresScheme<dim>::update_image_velocities();                                     \
   template void LeastSquaresScheme<dim>::find_image_velocities(const Boundary<dim>&, const State<dim>&, \
                                                                const Vector<dim>&, double);             \
   template void LeastSquaresScheme<dim>::pair_images(const Boundary<dim>&, const State<dim>&,           \

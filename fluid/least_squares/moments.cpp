@@ -101,47 +101,15 @@ inline void inverse_where_seen(const Tensor<dim>& m, Tensor<dim>& inverse) {
 }  // namespace
 
 template <int dim>
-LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<dim>& boundary,
-                                            const State<dim>& state)
-    : p_(p),
-      gradient_(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
-      laplacian_(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
-      lattice_(laplacian_, p.spacing),
-      walls_(boundary, state, p.spacing),
-      sound_(p.sound_depth, p.spacing),
-      oblique_(has_oblique_faces(boundary)) {
-  images_.factor = image_factor();
-  const std::int64_t water = boundary.water();
-  full_ = boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
-          static_cast<double>(water) * std::pow(p.spacing, dim) >
-              (1 - least_squares_constants().gap) * boundary.tank().shape().volume();
-  const auto count = static_cast<std::size_t>(water);
-  moments_.b_inverse.resize(count);
-  moments_.a_inverse.resize(count);
-  velocity_.motion = velocity_.memory.template of<Motion>(count);
-  std::fill(velocity_.motion.begin(), velocity_.motion.end(), Motion{});
-  moments_.water_stop.resize(count);
-  for (SingleVectors* v : {&moments_.m_projected, &surface_.normal, &moments_.concentration, &wall_.force})
-    v->setZero(dim, water);
-  for (Eigen::VectorXf* v :
-       {&moments_.stiffness, &equation_.carried, &equation_.incompressible, &equation_.own, &moments_.volume,
-        &surface_.kappa, &surface_.slope_weight, &surface_.share, &film_.share})
-    v->setZero(water);
-  for (Eigen::VectorXd* v : {&equation_.source, &moments_.diagonal}) v->setZero(water);
-  pressure_gradient_.setZero(dim, water);
-  wall_.mean_velocity.setZero(dim, state.position.cols() - water);
-  wall_.cover.setZero(state.position.cols() - water);
-}
-
-template <int dim>
 void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
                                       const Neighbours& near, double time) {
-  walls_.update(boundary, state, near, air_->aired);
+  walls_.update(boundary, state, near, air_->aired, ranks_);
   now_.configuration = time;
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     if (state.face_lag[i] != 0) fade_lag(state, i, time);
   cover_layers(boundary, state, near);
   const std::int64_t water = boundary.water();
+  ranks_.update_layers(wall_.cover, 0);
   const bool seams = boundary.tank().periodic().any(), shares = shares_entries(far);
   find_images(boundary, state, far);
   moments_.own_entries = !shares || images_.any;
@@ -384,8 +352,6 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                        \
-  template LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters&, const Boundary<dim>&,        \
-                                                       const State<dim>&);                             \
   template void LeastSquaresScheme<dim>::measure(const Boundary<dim>&, State<dim>&, const Neighbours&, \
                                                  const Neighbours&, double);
 STRAKE_INSTANTIATE(2)

@@ -150,7 +150,7 @@ double LeastSquaresScheme<dim>::fastest(const Boundary<dim>& boundary, const Sta
     if (moves) past -= boundary.tank().velocity_at(state.position.col(i));
     square = std::max(square, past.squaredNorm());
   }
-  return std::sqrt(square);
+  return std::sqrt(ranks_.max(square));
 }
 
 // Returns g·H, the square of the speed of the water's waves [m²/s²]. H is the water's extent at the start.

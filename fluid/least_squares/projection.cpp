@@ -58,7 +58,7 @@ void LeastSquaresScheme<dim>::end_projection(const Boundary<dim>& boundary, Stat
 /// Notes −∇p/ρ of the step for the next one, where (F74) may need it.
 template <int dim>
 void LeastSquaresScheme<dim>::note_acceleration(const Boundary<dim>& boundary, State<dim>& state) const {
-  if (!oblique_) return;
+  if (!oblique_) return;  // the gradient of ghosts is that of their owners
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     if (boundary.is_removed(state, i))

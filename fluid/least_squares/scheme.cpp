@@ -27,6 +27,52 @@ double largest_displacement(const StepData<dim>& step) {
 }  // namespace
 
 template <int dim>
+LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<dim>& boundary,
+                                            const State<dim>& state)
+    : p_(p),
+      gradient_(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
+      laplacian_(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
+      lattice_(laplacian_, p.spacing),
+      walls_(boundary, state, p.spacing),
+      sound_(p.sound_depth, p.spacing),
+      oblique_(has_oblique_faces(boundary)) {
+  images_.factor = image_factor();
+  const std::int64_t water = boundary.water();
+  full_ = boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
+          static_cast<double>(water) * std::pow(p.spacing, dim) >
+              (1 - least_squares_constants().gap) * boundary.tank().shape().volume();
+  resize(water);
+  wall_.mean_velocity.setZero(dim, state.position.cols() - water);
+  wall_.cover.setZero(state.position.cols() - water);
+}
+
+/// Makes room for that many water particles.
+template <int dim>
+void LeastSquaresScheme<dim>::resize(std::int64_t water) {
+  const auto count = static_cast<std::size_t>(water);
+  moments_.b_inverse.resize(count);
+  moments_.a_inverse.resize(count);
+  velocity_.motion = velocity_.memory.template of<Motion>(count);
+  std::fill(velocity_.motion.begin(), velocity_.motion.end(), Motion{});
+  moments_.water_stop.resize(count);
+  for (SingleVectors* v : {&moments_.m_projected, &surface_.normal, &moments_.concentration, &wall_.force})
+    v->setZero(dim, water);
+  for (Eigen::VectorXf* v :
+       {&moments_.stiffness, &equation_.carried, &equation_.incompressible, &equation_.own, &moments_.volume,
+        &surface_.kappa, &surface_.slope_weight, &surface_.share, &film_.share})
+    v->setZero(water);
+  for (Eigen::VectorXd* v : {&equation_.source, &moments_.diagonal}) v->setZero(water);
+  pressure_gradient_.setZero(dim, water);
+}
+
+template <int dim>
+void LeastSquaresScheme<dim>::set_water(const StepData<dim>& step) {
+  ranks_ = step.ranks;
+  walls_.set_water(step.boundary.water());
+  resize(step.boundary.water());
+}
+
+template <int dim>
 bool LeastSquaresScheme<dim>::may_substep(const StepData<dim>& step, double dt) const {
   return p_.sound_speed * dt <= p_.spacing && !step.boundary.tank().moves();
 }
@@ -48,6 +94,7 @@ void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
   const StageClock clock(step.seconds, "density");
   air_ = &step.air;
   measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
+  ranks_.update(step.state.surface);
   follow_air(step.state, step.near_gradient(), step.boundary.water(), step.newly_connected);
 }
 
@@ -67,14 +114,19 @@ void LeastSquaresScheme<dim>::assemble(StepData<dim>& step, PressureSystem& syst
 template <int dim>
 void LeastSquaresScheme<dim>::limit_pressure(StepData<dim>& step, bool tension) {
   if (!tension) limit_tension(step.boundary, step.state, *step.far);
+  ranks_.update(step.state.pressure);
   limit_film(step.state, step.near_gradient());
+  ranks_.update(step.state.pressure);
   limit_at_surface(step.boundary, step.state, step.near_gradient());
+  ranks_.update(step.state.pressure);
 }
 
 template <int dim>
 void LeastSquaresScheme<dim>::find_gradient(StepData<dim>& step) {
   end_projection(step.boundary, step.state, *step.far);
   pressure_gradient(step.boundary, step.state, step.near_gradient(), step.dt);
+  ranks_.update(pressure_gradient_);
+  ranks_.update(wall_.force);
 }
 
 template <int dim>
@@ -98,14 +150,18 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
     state.velocity.col(i) -= factor * pressure_gradient_.col(i);
   }
   stop_films(boundary, state, step.near_gradient());
+  ranks_.update(state.velocity);
   measure_residual(boundary, state, *step.far, step.near_gradient(), step.dt);
   note_acceleration(boundary, state);
 #pragma omp parallel for schedule(static) reduction(max : largest, fastest)
   for (std::int64_t i = 0; i < water; ++i) {
     if (boundary.is_removed(state, i)) continue;
+    if (!step.ranks.owns(i)) continue;
     fastest = std::max(fastest, state.velocity.col(i).squaredNorm());
     if (!state.surface[static_cast<std::size_t>(i)]) largest = std::max(largest, std::abs(divergence(i)));
   }
+  fastest = step.ranks.max(fastest);
+  largest = step.ranks.max(largest);
   if (!step.substepping.ends(std::sqrt(fastest), largest_displacement(step), p_.spacing)) return largest;
   const double time = step.substepping.age();
 #pragma omp parallel for schedule(static)
@@ -118,6 +174,8 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
 template <int dim>
 void LeastSquaresScheme<dim>::shift(StepData<dim>& step) {
   shift(step.boundary, step.state, step.near_gradient(), step.substepping.age());
+  ranks_.update(step.state.position);
+  ranks_.update(step.state.velocity);
 }
 
 template class LeastSquaresScheme<2>;

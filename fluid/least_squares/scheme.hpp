@@ -53,6 +53,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     return {moments_.a_inverse, velocity_.memory};
   }
   void begin(StepData<dim>&) override;
+  void set_water(const StepData<dim>&) override;
   void measure(StepData<dim>&) override;
   void predict(StepData<dim>&) override;
   void assemble(StepData<dim>&, PressureSystem&) override;
@@ -124,12 +125,19 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Eigen::VectorXf share;               // σ
     std::vector<std::uint8_t> in_reach;  // scratch of `limit_tension`: surface within the far rows
   };
+  /// What one particle's equation gets from one face newly met, or from all of them.
+  struct Meeting {
+    std::int64_t particle;
+    double weight, approach, time;  // Σ w |P r|, the same times u_n, least T [s]
+  };
   /// Faces of walls and bodies.
   struct WallData {
     Eigen::VectorXd cover;            // of each layer particle: part of its face that water covers, 0 … 1
     Vectors<dim> mean_velocity;       // of the water over each face, less U [m/s]
     SingleVectors force;              // R_i of (F52) per weight of a layer particle [N]
     SingleVectors deferred_velocity;  // past the faces, left to the next steps [m/s]
+    std::vector<Meeting> meeting;     // scratch of `meet_faces`
+    Eigen::VectorXd passing;          // scratch: T of each layer particle newly wet [s]
   };
   using Images = FaceImages<dim>;
   /// The configuration at the start, where it is packed; else empty. Columns are those of State::id.
@@ -201,6 +209,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
                          const Visit&) const;
   void add_images(const Neighbours& far, std::int64_t i);
   void find_image_velocities(const Boundary<dim>&, const State<dim>&, const Vector<dim>& steady, double dt);
+  void update_image_velocities();
   double image_factor() const;
   /// Returns τ of (F72), the share of the free surface in particle i beside a face with the normal n.
   float open_share(std::int64_t i, const typename Images::Face& face, const Vector<dim>& n) const {
@@ -212,6 +221,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   template <class Visit>
   void for_each_image(std::int64_t i, const Visit&) const;
   double surface_share(double m) const;
+  void resize(std::int64_t water);
   /// Whether particle i starts deeper than two rows in packed water.
   bool starts_under_level(const State<dim>&, std::int64_t i) const;
   double fit_surface(std::int64_t i, const ParticleSums&);
@@ -260,11 +270,6 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
                     std::int64_t layer_particle) const;
   /// Whether particle i lies over the face of a layer particle: not past the face's end.
   bool is_over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t layer_particle) const;
-  /// What one particle's equation gets from one face newly met, or from all of them.
-  struct Meeting {
-    std::int64_t particle;
-    double weight, approach, time;  // Σ w |P r|, the same times u_n, least T [s]
-  };
   /// w |P r| of particle i and layer particle j [m], of that pair of far.
   double face_weight(const Boundary<dim>& boundary, const State<dim>& state, const Neighbours& far,
                      std::int64_t i, std::int64_t j, std::int64_t pair) const {
@@ -388,8 +393,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   PackedStart start_;
   static inline const SurfaceAir no_air;
   const SurfaceAir* air_ = &no_air;  // that of the step
-  std::vector<Meeting> meeting_;     // scratch of `meet_faces`
-  Vectors<dim> pressure_gradient_;   // of the last call [Pa/m]
+  RankExchange<dim> ranks_;
+  Vectors<dim> pressure_gradient_;  // of the last call [Pa/m]
 };
 
 }  // namespace strake::fluid

@@ -149,6 +149,7 @@ void LeastSquaresScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const 
     find_velocity_gradient<true>(boundary, state, near);
   else
     find_velocity_gradient<false>(boundary, state, near);
+  ranks_.update(velocity_.motion);
 }
 
 template <int dim>
@@ -164,6 +165,7 @@ void LeastSquaresScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& 
       advance_gradient(velocity_.motion[static_cast<std::size_t>(i)], since);
       if (p_.scheme.filter > 0) state.velocity.col(i) += dt * velocity_.filtered.col(i);
     }
+    ranks_.update(state.velocity);
     return;
   }
   if (!substepping.is_single()) equation_.pressure_at_start = state.pressure.head(boundary.water());
@@ -173,6 +175,7 @@ void LeastSquaresScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& 
     find_filter<true>(boundary, state, near, dt, substepping);
   else
     find_filter<false>(boundary, state, near, dt, substepping);
+  ranks_.update(state.velocity);
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                       \

@@ -35,6 +35,8 @@ class FluidScheme {
   /// Notes what the scheme needs of the configuration at the start. It is called once, before the state of an
   /// earlier run is adopted.
   virtual void begin(StepData<dim>&) {}
+  /// Takes on another number of water particles, before `measure`. Nothing of an earlier step is kept.
+  virtual void set_water(const StepData<dim>&) {}
   /// Whether steps of dt may share one configuration (acoustic_substepping.hpp).
   virtual bool may_substep(const StepData<dim>&, double) const { return false; }
   /// Memory that the scheme does not need before `measure`; the viscous stage uses it.

@@ -71,11 +71,12 @@ void StepData<dim>::accelerate() {
   std::int64_t accelerated = 0;
 #pragma omp parallel for schedule(static) reduction(+ : accelerated)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.is_removed(state, i)) continue;
+    if (boundary.is_removed(state, i) || !ranks.owns(i)) continue;
     state.velocity.col(i) += dt * (viscous->col(i) + gravity);
     ++accelerated;
   }
-  state.impulse_of_gravity += static_cast<double>(accelerated) * mass * dt * gravity;
+  ranks.update(state.velocity);
+  state.impulse_of_gravity += static_cast<double>(ranks.sum(accelerated)) * mass * dt * gravity;
 }
 
 template <int dim>
@@ -95,10 +96,12 @@ void StepData<dim>::check_finite() const {
   bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite)
   for (std::int64_t i = 0; i < water; ++i)
-    finite = finite && (state.position.col(i).array() - state.position.col(i).array() == 0).all() &&
-             (state.velocity.col(i).array() - state.velocity.col(i).array() == 0).all();
-  if (finite) return;
+    if (ranks.owns(i))
+      finite = finite && (state.position.col(i).array() - state.position.col(i).array() == 0).all() &&
+               (state.velocity.col(i).array() - state.velocity.col(i).array() == 0).all();
+  if (ranks.max(finite ? 0 : 1) == 0) return;  // the ranks agree
   for (std::int64_t i = 0; i < water; ++i) {
+    if (!ranks.owns(i)) continue;
     if (state.position.col(i).allFinite() && state.velocity.col(i).allFinite()) continue;
     throw Error(
         ExitCode::solver_fault, where(),
@@ -107,6 +110,8 @@ void StepData<dim>::check_finite() const {
                     state.velocity(0, i), state.velocity(1, i)),
         "reduce fluid.scheme.time_step or fluid.scheme.cfl");
   }
+  throw Error(ExitCode::solver_fault, where(), "a particle of another rank is no longer finite",
+              "reduce fluid.scheme.time_step or fluid.scheme.cfl");
 }
 
 template struct StepData<2>;

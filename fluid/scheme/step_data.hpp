@@ -5,11 +5,13 @@
 #include "fluid/particles/kernel.hpp"
 #include "fluid/particles/neighbours.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/ranks/subdomain.hpp"
 #include "fluid/scheme/acoustic_substepping.hpp"
 #include "fluid/scheme/interface_motion.hpp"
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,8 @@ struct StepData {
   NeighbourSearch<dim> search;
   std::map<std::string, double> seconds;  // wall clock of each stage
 
+  std::unique_ptr<Subdomain<dim>> subdomain;  // of this rank; null: there is one rank
+  RankExchange<dim> ranks;
   double dt = 0;  // Δt [s]
   AcousticSubstepping substepping;
   const InterfaceMotion* motion = nullptr;

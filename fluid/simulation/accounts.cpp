@@ -9,9 +9,10 @@
 namespace strake::fluid {
 
 template <int dim>
-void Simulation<dim>::Work::take_load(const Load<dim>& load) {
+void Simulation<dim>::Work::take_load(Load<dim> load) {
   State<dim>& state = step.state;
   const Boundary<dim>& boundary = step.boundary;
+  step.ranks.update_layers(load.on_layers, boundary.water());
   const LayerForces<dim>& forces = load.on_layers;
   on_points = gather_on_points<dim>(forces, boundary);
   if (air) air->add_load(step, on_points);
@@ -37,15 +38,25 @@ void Simulation<dim>::Work::remove_lost() {
 #pragma omp parallel for schedule(static) reduction(|| : left)
   for (std::int64_t i = 0; i < water; ++i)
     left = left || (boundary.left_domain(state.position.col(i)) && !boundary.is_removed(state, i));
-  if (!left) return;
-  for (std::int64_t i = 0; i < water; ++i) {
-    if (boundary.is_removed(state, i) || !boundary.left_domain(state.position.col(i))) continue;
-    state.impulse_on_walls += step.mass * state.velocity.col(i);  // its momentum leaves the water
-    state.position.col(i) = boundary.place_of_removed(state.lost++);
-    state.velocity.col(i).setZero();
-    state.pressure[i] = 0;
-    step.search.invalidate();
+  if (step.subdomain) {
+    if (step.subdomain->communicator().any(left)) remove_lost_together();
+    return;
   }
+  if (!left) return;
+  for (std::int64_t i = 0; i < water; ++i)
+    if (!boundary.is_removed(state, i) && boundary.left_domain(state.position.col(i)))
+      remove(i, state.lost++);
+}
+
+/// Puts particle i away from the water. Its momentum leaves the water.
+template <int dim>
+void Simulation<dim>::Work::remove(std::int64_t i, std::int64_t number) {
+  State<dim>& state = step.state;
+  state.impulse_on_walls += step.mass * state.velocity.col(i);
+  state.position.col(i) = step.boundary.place_of_removed(number);
+  state.velocity.col(i).setZero();
+  state.pressure[i] = 0;
+  step.search.invalidate();
 }
 
 /// Updates the accounts of the step. The impulses of collisions are added to the interface force when the
@@ -54,6 +65,7 @@ template <int dim>
 void Simulation<dim>::Work::finish() {
   State<dim>& state = step.state;
   const Boundary<dim>& boundary = step.boundary;
+  if (step.subdomain) sum_collisions();
   state.impulse_of_collisions += collisions.on_water;
   state.impulse_on_walls += collisions.on_walls;
   for (Eigen::Index k = 0; k < collisions.on_points.cols(); ++k) {
@@ -66,12 +78,16 @@ void Simulation<dim>::Work::finish() {
   double fastest = 0;
 #pragma omp parallel for schedule(static) reduction(+ : inner) reduction(max : fastest)
   for (std::int64_t i = 0; i < water; ++i) {
+    if (!step.ranks.owns(i)) continue;
     fastest = std::max(fastest, state.velocity.col(i).squaredNorm());
     inner += state.surface[static_cast<std::size_t>(i)] ? 0 : 1;
   }
+  inner = step.ranks.sum(inner);
+  fastest = step.ranks.max(fastest);
+  const std::int64_t whole_water = step.subdomain ? step.subdomain->water_of_whole() : water;
   state.inner_fraction_min =
       std::min(state.inner_fraction_min,
-               static_cast<double>(inner) / static_cast<double>(std::max<std::int64_t>(1, water)));
+               static_cast<double>(inner) / static_cast<double>(std::max<std::int64_t>(1, whole_water)));
   state.penetrations = std::max(state.penetrations, collisions.inside);
   state.behind_walls += collisions.behind_walls;
   report.cfl = std::sqrt(fastest) * step.dt / step.p.spacing;
@@ -79,9 +95,10 @@ void Simulation<dim>::Work::finish() {
   ++state.step;
 }
 
-#define STRAKE_INSTANTIATE(dim)                                     \
-  template void Simulation<dim>::Work::take_load(const Load<dim>&); \
-  template void Simulation<dim>::Work::remove_lost();               \
+#define STRAKE_INSTANTIATE(dim)                                            \
+  template void Simulation<dim>::Work::take_load(Load<dim>);               \
+  template void Simulation<dim>::Work::remove_lost();                      \
+  template void Simulation<dim>::Work::remove(std::int64_t, std::int64_t); \
   template void Simulation<dim>::Work::finish();
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

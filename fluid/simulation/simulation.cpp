@@ -31,6 +31,13 @@ Simulation<dim>::Simulation(const Parameters& p, const InterfaceMesh& partner, c
     : work_(std::make_unique<Work>(p, partner, initial_velocity)) {}
 
 template <int dim>
+Simulation<dim>::Simulation(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity,
+                            Communicator& communicator, const Partition& partition)
+    : Simulation(p, partner, initial_velocity) {
+  if (communicator.size() > 1) work_->begin_on_ranks(communicator, partition);
+}
+
+template <int dim>
 Simulation<dim>::~Simulation() = default;
 
 template <int dim>
@@ -44,6 +51,7 @@ StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion, doubl
   w.correct();                                   // load; u = u* − Δt/ρ ∇p; x += Δt u
   w.shift();                                     // towards even spacing; collision guard
   w.finish();                                    // accounts
+  if (w.step.subdomain && rest <= 0) w.note_whole();
   return w.report;
 }
 
@@ -72,6 +80,8 @@ double Simulation<dim>::stable_dt() const {
     square = std::max(square, w.step.state.velocity.col(i).squaredNorm());
     energy = std::max(energy, w.step.state.sps_k[i]);
   }
+  square = w.step.ranks.max(square);
+  energy = w.step.ranks.max(energy);
   const double fastest = std::sqrt(square);
   double dt = std::numeric_limits<double>::infinity();
   if (fastest > 0) dt = std::min(dt, w.step.p.scheme.cfl * l0 / fastest);
@@ -84,14 +94,19 @@ double Simulation<dim>::stable_dt() const {
 
 template <int dim>
 const State<dim>& Simulation<dim>::state() const {
-  return work_->step.state;
+  return work_->step.subdomain ? work_->whole : work_->step.state;
 }
 
 template <int dim>
 void Simulation<dim>::set_state(const State<dim>& state) {
+  if (work_->step.subdomain) {
+    work_->whole = state;
+    work_->step.boundary.set_water(work_->step.subdomain->water_of_whole());
+  }
   work_->step.state = state;
   work_->step.boundary.adopt(work_->step.state);
   work_->step.search.invalidate();
+  if (work_->step.subdomain) work_->divide();
   work_->step.substepping.forget();
 }
 

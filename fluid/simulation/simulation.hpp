@@ -3,6 +3,7 @@
 #include "fluid/diagnostics/guard.hpp"
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/ranks/communicator.hpp"
 #include "fluid/scheme/interface_motion.hpp"
 #include "proto/interface.hpp"
 
@@ -37,6 +38,10 @@ class Simulation {
   /// partner: the structure's mesh (surface: closed outline with faces; volume: solid points with mass;
   /// empty: none). Throws Error(case_file) when the body does not fit the tank or overlaps the water.
   Simulation(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
+  /// The same on one of several ranks. All of them call the same functions with the same arguments. Throws
+  /// Error(case_file) for what is computed on one rank alone.
+  Simulation(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, Communicator&,
+             const Partition&);
   ~Simulation();
 
   /// Advances by one step. rest: of the window after this step [s]. Steps of one window may share a frozen
@@ -47,6 +52,7 @@ class Simulation {
   const Points& interface_force() const;
   const InterfaceMesh& interface() const;
   double stable_dt() const;  // [s] at the present state
+  /// Returns the state of the whole fluid. On several ranks it is that of the end of the last window.
   const State<dim>& state() const;
   void set_state(const State<dim>&);      // neighbours are searched anew
   bool is_removed(std::int64_t i) const;  // particle i has left the tank

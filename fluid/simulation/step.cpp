@@ -86,7 +86,9 @@ template <int dim>
 void Simulation<dim>::Work::measure() {
   {
     const StageClock clock(step.seconds, "neighbours");
+    if (step.subdomain) join();
     sort_along_cells();
+    if (step.subdomain) divide();
     step.search_neighbours();
   }
   if (air) air->give_over(step);
@@ -138,19 +140,30 @@ void Simulation<dim>::Work::advance_air() {
   if (air) air->advance(step);
 }
 
+/// Whether the water may have parts without free surface and without compressibility.
+template <int dim>
+bool Simulation<dim>::Work::may_be_sealed() const {
+  return !(std::isfinite(step.p.sound_speed) && std::isinf(step.p.sound_depth));
+}
+
+template <int dim>
+typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_alone() {
+  const bool sealed = may_be_sealed() && close_sealed_blocks(system) > 0;
+  guess.resize(system.size());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < system.size(); ++k)
+    guess[k] = step.state.pressure[system.particle[static_cast<std::size_t>(k)]];
+  return {poisson.solve(system, step.state.position, guess, step.p.scheme), sealed};
+}
+
 template <int dim>
 void Simulation<dim>::Work::solve_pressure() {
   const StageClock clock(step.seconds, "pressure");
   const Scheme& keys = step.p.scheme;
   State<dim>& state = step.state;
   scheme->assemble(step, system);
-  const bool all_compressible = std::isfinite(step.p.sound_speed) && std::isinf(step.p.sound_depth);
-  const bool sealed = !all_compressible && close_sealed_blocks(system) > 0;
-  guess.resize(system.size());
-#pragma omp parallel for schedule(static)
-  for (std::int64_t k = 0; k < system.size(); ++k)
-    guess[k] = state.pressure[system.particle[static_cast<std::size_t>(k)]];
-  const PressureSolution& solution = poisson.solve(system, state.position, guess, keys);
+  const Solved solved = step.subdomain ? solve_together() : solve_alone();
+  const PressureSolution& solution = solved.solution;
   report.pressure_iterations = solution.iterations;
   if (!(solution.residual <= 10 * keys.pressure_tolerance) || !solution.pressure.allFinite())
     throw Error(
@@ -165,7 +178,7 @@ void Simulation<dim>::Work::solve_pressure() {
   for (std::int64_t k = 0; k < system.size(); ++k)
     state.pressure[system.particle[static_cast<std::size_t>(k)]] = solution.pressure[k];
   // In a closed tank the pressure has no fixed zero, and tension has no meaning.
-  scheme->limit_pressure(step, keys.negative_pressure || !step.p.open_top || sealed);
+  scheme->limit_pressure(step, keys.negative_pressure || !step.p.open_top || solved.sealed);
 }
 
 template <int dim>
@@ -189,8 +202,9 @@ void Simulation<dim>::Work::shift() {
   collisions = {};
   if (!step.substepping.is_over()) return;
   scheme->shift(step);
-  collisions = separate_particles<dim>(step.state, step.boundary, step.near_density(), step.p.scheme,
-                                       step.substepping.age(), step.p.spacing, step.mass);
+  collisions = separate_particles<dim>(
+      step.state, step.boundary, step.near_density(), step.p.scheme, step.substepping.age(), step.p.spacing,
+      step.mass, step.subdomain ? step.subdomain->owned() : std::span<const std::uint8_t>());
   remove_lost();
   step.boundary.tank().wrap(step.state);
 }

@@ -32,8 +32,25 @@ struct Simulation<dim>::Work {
 
   void sort_along_cells();
   void find_stresses();
-  void take_load(const Load<dim>&);
+  void take_load(Load<dim>);
   void remove_lost();
+  void remove(std::int64_t i, std::int64_t number);
+
+  // On several ranks (ranks.cpp).
+  void begin_on_ranks(Communicator&, const Partition&);
+  void divide();      // the whole state among the ranks
+  void join();        // the parts to the whole state, on all ranks
+  void note_whole();  // the same in `whole`; the parts stay
+  void remove_lost_together();
+  void sum_collisions();
+
+  struct Solved {
+    const PressureSolution& solution;
+    bool sealed;  // it has blocks without a fixed pressure
+  };
+  Solved solve_alone();
+  Solved solve_together();
+  bool may_be_sealed() const;
 
   StepData<dim> step;
   std::unique_ptr<FluidScheme<dim>> scheme;
@@ -41,6 +58,11 @@ struct Simulation<dim>::Work {
   ViscousStage<dim> viscous;
   PressureSystem system;
   PoissonSolver<dim> poisson;
+
+  State<dim> whole;                 // at the end of the last window; on several ranks alone
+  Vectors<dim> whole_position;      // of all particles in this configuration; likewise
+  PressureSystem whole_system;      // scratch of `solve_together`
+  PressureSolution whole_solution;  // the part of this rank
 
   StepReport report;
   Vectors<dim> on_points;                   // on the boundary's points [N]

@@ -1,0 +1,235 @@
+#include "fluid/simulation/step.hpp"
+#include "proto/error.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+// One fluid on several ranks. Before each configuration the parts are joined, sorted as on one rank, and
+// divided again. Between, each rank computes its own particles and its ghosts. The pressure equation is
+// solved as a whole by the first rank.
+
+namespace strake::fluid {
+
+namespace {
+
+/// Row of the pressure equation in a message; its entries follow.
+struct RowHead {
+  std::int32_t place, count;  // in the whole, number of entries
+  double diagonal, right, guess;
+};
+struct RowEntry {
+  std::int32_t column;
+  float value;
+};
+/// What the first rank tells of a solution; the pressures follow.
+struct SolutionHead {
+  double residual;
+  std::int32_t iterations, sealed;
+};
+
+template <class T>
+void append(Bytes& bytes, const T& value) {
+  const auto* const from = reinterpret_cast<const std::byte*>(&value);
+  bytes.insert(bytes.end(), from, from + sizeof(T));
+}
+template <class T>
+T take(const std::byte*& at) {
+  T value;
+  std::memcpy(&value, at, sizeof(T));
+  at += sizeof(T);
+  return value;
+}
+
+/// Packs the rows of the own water.
+template <int dim>
+Bytes packed_rows(const PressureSystem& system, const Subdomain<dim>& own, const Eigen::VectorXd& pressure) {
+  Bytes bytes;
+  const auto places = own.places();
+  for (std::int64_t k = 0; k < system.size(); ++k) {
+    if (!own.owns(k)) continue;
+    const auto row = static_cast<std::size_t>(k);
+    append(bytes, RowHead{places[row], static_cast<std::int32_t>(system.stop[row] - system.start[row]),
+                          system.diagonal[k], system.right[k], pressure[k]});
+    for (std::int64_t e = system.start[row]; e < system.stop[row]; ++e) {
+      const auto entry = static_cast<std::size_t>(e);
+      append(bytes, RowEntry{places[static_cast<std::size_t>(system.column[entry])], system.value[entry]});
+    }
+  }
+  return bytes;
+}
+
+/// Joins the rows of all ranks to one system.
+void unpack_rows(const std::vector<Bytes>& all, std::int64_t rows, PressureSystem& system,
+                 Eigen::VectorXd& guess) {
+  const auto each_row = [&](auto&& visit) {
+    for (const Bytes& bytes : all)
+      for (const std::byte* at = bytes.data(); at < bytes.data() + bytes.size();) {
+        const auto head = take<RowHead>(at);
+        visit(head, at);
+        at += static_cast<std::size_t>(head.count) * sizeof(RowEntry);
+      }
+  };
+  auto& own = system.own;
+  own.start.assign(static_cast<std::size_t>(rows) + 1, 0);
+  each_row([&](const RowHead& head, const std::byte*) {
+    own.start[static_cast<std::size_t>(head.place) + 1] = head.count;
+  });
+  std::partial_sum(own.start.begin(), own.start.end(), own.start.begin());
+  own.column.resize(static_cast<std::size_t>(own.start.back()));
+  own.value.resize(own.column.size());
+  for (Eigen::VectorXd* v : {&system.diagonal, &system.right, &guess}) v->resize(rows);
+  each_row([&](const RowHead& head, const std::byte* at) {
+    system.diagonal[head.place] = head.diagonal;
+    system.right[head.place] = head.right;
+    guess[head.place] = head.guess;
+    auto e = static_cast<std::size_t>(own.start[static_cast<std::size_t>(head.place)]);
+    for (std::int32_t n = 0; n < head.count; ++n, ++e) {
+      const auto entry = take<RowEntry>(at);
+      own.column[e] = entry.column;
+      own.value[e] = entry.value;
+    }
+  });
+  own.stop.assign(own.start.begin() + 1, own.start.end());
+  system.particle.resize(static_cast<std::size_t>(rows));
+  std::iota(system.particle.begin(), system.particle.end(), 0);
+  system.start = own.start;
+  system.stop = own.stop;
+  system.column = own.column;
+  system.value = own.value;
+}
+
+}  // namespace
+
+template <int dim>
+void Simulation<dim>::Work::begin_on_ranks(Communicator& communicator, const Partition& partition) {
+  const auto refuse = [](const char* what) {
+    throw Error(ExitCode::case_file, "fluid.ranks", std::string(what) + " is computed on one rank alone",
+                "set fluid.ranks = 1");
+  };
+  if (step.p.scheme.gradient != Gradient::least_squares) refuse("a scheme other than least-squares");
+  if (step.boundary.volume()) refuse("volume coupling");
+  if (air) refuse("air under the body");
+  if (step.p.scheme.turbulence == Turbulence::k) refuse("the k model of turbulence");
+  const Tank<dim>& tank = step.boundary.tank();
+  step.subdomain = std::make_unique<Subdomain<dim>>(communicator, partition, step.search.reach(),
+                                                    tank.periodic(), tank.shape().low());
+  step.ranks = RankExchange<dim>(step.subdomain.get());
+  whole = step.state;
+  divide();
+}
+
+template <int dim>
+void Simulation<dim>::Work::divide() {
+  whole_position = step.state.position;
+  const std::int64_t water = step.subdomain->divide(step.state, step.boundary.water());
+  step.boundary.set_water(water);
+  scheme->set_water(step);
+  step.search.invalidate();
+}
+
+template <int dim>
+void Simulation<dim>::Work::join() {
+  step.boundary.set_water(step.subdomain->join(step.state));
+}
+
+template <int dim>
+void Simulation<dim>::Work::note_whole() {
+  whole = step.state;
+  step.subdomain->join(whole);
+}
+
+/// Removes what has left the tank, numbered in the order of the whole. Momentum is accounted for on all
+/// ranks.
+template <int dim>
+void Simulation<dim>::Work::remove_lost_together() {
+  struct Lost {
+    std::int32_t place;
+    double velocity[3];
+  };
+  State<dim>& state = step.state;
+  const Boundary<dim>& boundary = step.boundary;
+  const auto places = step.subdomain->places();
+  Bytes own;
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (!step.ranks.owns(i) || boundary.is_removed(state, i) || !boundary.left_domain(state.position.col(i)))
+      continue;
+    Lost lost{places[static_cast<std::size_t>(i)], {}};
+    for (int d = 0; d < dim; ++d) lost.velocity[d] = state.velocity(d, i);
+    append(own, lost);
+  }
+  std::vector<Lost> all;
+  for (const Bytes& bytes : step.subdomain->communicator().gather(own))
+    for (const std::byte* at = bytes.data(); at < bytes.data() + bytes.size();) all.push_back(take<Lost>(at));
+  std::ranges::sort(all, {}, &Lost::place);
+  for (const Lost& lost : all) {
+    const std::int64_t number = state.lost++;
+    const auto found = std::lower_bound(places.begin(), places.begin() + boundary.water(), lost.place);
+    if (found != places.begin() + boundary.water() && *found == lost.place)
+      remove(found - places.begin(), number);
+    else
+      for (int d = 0; d < dim; ++d) state.impulse_on_walls[d] += step.mass * lost.velocity[d];
+  }
+}
+
+/// Adds up the accounts of the collisions of all ranks, each of its own particles.
+template <int dim>
+void Simulation<dim>::Work::sum_collisions() {
+  Communicator& communicator = step.subdomain->communicator();
+  Vectors<dim> all(dim, collisions.on_points.cols() + 2);
+  all << collisions.on_points, collisions.on_water, collisions.on_walls;
+  Vectors<dim> total = Vectors<dim>::Zero(dim, all.cols()), part = total;
+  const auto size = sizeof(double) * static_cast<std::size_t>(all.size());
+  for (const Bytes& bytes :
+       communicator.gather(std::as_bytes(std::span(all.data(), static_cast<std::size_t>(all.size()))))) {
+    std::memcpy(part.data(), bytes.data(), std::min(size, bytes.size()));
+    total += part;
+  }
+  collisions.on_points = total.leftCols(collisions.on_points.cols());
+  collisions.on_water = total.col(total.cols() - 2);
+  collisions.on_walls = total.col(total.cols() - 1);
+  for (std::int64_t* count : {&collisions.pairs, &collisions.inside, &collisions.behind_walls})
+    *count = communicator.sum(*count);
+}
+
+template <int dim>
+typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together() {
+  const Subdomain<dim>& own = *step.subdomain;
+  Communicator& communicator = own.communicator();
+  const std::vector<Bytes> rows = communicator.gather(packed_rows<dim>(system, own, step.state.pressure));
+  Bytes answer;
+  if (communicator.rank() == 0) {
+    unpack_rows(rows, own.water_of_whole(), whole_system, guess);
+    const bool sealed = may_be_sealed() && close_sealed_blocks(whole_system) > 0;
+    const PressureSolution& solution = poisson.solve(whole_system, whole_position, guess, step.p.scheme);
+    append(answer, SolutionHead{solution.residual, solution.iterations, sealed ? 1 : 0});
+    const auto bytes = std::as_bytes(
+        std::span(solution.pressure.data(), static_cast<std::size_t>(solution.pressure.size())));
+    answer.insert(answer.end(), bytes.begin(), bytes.end());
+  }
+  const Bytes told = communicator.gather(answer).front();
+  const std::byte* at = told.data();
+  const auto head = take<SolutionHead>(at);
+  whole_solution.residual = head.residual;
+  whole_solution.iterations = head.iterations;
+  whole_solution.pressure.resize(system.size());
+  for (std::int64_t k = 0; k < system.size(); ++k)
+    std::memcpy(&whole_solution.pressure[k],
+                at + sizeof(double) * static_cast<std::size_t>(own.places()[static_cast<std::size_t>(k)]),
+                sizeof(double));
+  return {whole_solution, head.sealed != 0};
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                         \
+  template void Simulation<dim>::Work::begin_on_ranks(Communicator&, const Partition&); \
+  template void Simulation<dim>::Work::divide();                                        \
+  template void Simulation<dim>::Work::join();                                          \
+  template void Simulation<dim>::Work::note_whole();                                    \
+  template void Simulation<dim>::Work::remove_lost_together();                          \
+  template void Simulation<dim>::Work::sum_collisions();                                \
+  template typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together();
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
+
+}  // namespace strake::fluid
