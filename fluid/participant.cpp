@@ -63,6 +63,10 @@ std::vector<std::string> level_face_lines(const Parameters& p, double window, co
                   width, p.dimension == 2 ? "m" : "m^2", advised * p.spacing / p.sound_speed)};
 }
 
+bool reads_water(const ProbeKeys& probe) {
+  return !is_sensor(probe) && !is_of_air(probe);
+}
+
 template <int dim>
 Points in_space(const Vectors<dim>& value) {
   Points points = Points::Zero(3, value.cols());
@@ -74,10 +78,10 @@ Points in_space(const Vectors<dim>& value) {
 
 template <int dim>
 FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const CommonKeys& common,
-                                        const Setup& setup)
+                                        const Setup& setup, const Ranks& ranks)
     : parameters_(parameters),
       body_length_(extent(setup.partner_mesh)),
-      simulation_(parameters, setup.partner_mesh, initial_velocity(setup)),
+      simulation_(parameters, setup.partner_mesh, initial_velocity(setup), ranks),
       start_speeds_{.entry = parameters.submerged ? 0 : largest_speed(setup, parameters.motion),
                     .water = parameters.initial_velocity.is_zero() ? 0 : simulation_.fastest().value},
       has_body_(simulation_.interface().position.cols() > 0),
@@ -91,6 +95,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
     measurements_.probes.push_back(
         is_sensor(probe) && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   check_sensors();
+  if (std::ranges::any_of(parameters_.probes, reads_water)) simulation_.follow_every_step();
   description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_length_);
   for (std::string& line :
        level_face_lines(parameters_, common.window, setup.partner_mesh, start_speeds_.entry))
@@ -192,7 +197,6 @@ template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   std::vector<ProbeRecord>& records = measurements_.probes;
   std::vector<std::int64_t> particles;
-  const auto reads_water = [](const ProbeKeys& probe) { return !is_sensor(probe) && !is_of_air(probe); };
   if (std::any_of(parameters_.probes.begin(), parameters_.probes.end(), reads_water)) particles = water();
   const double threshold = 0.5 * parameters_.density * start_speeds_.entry * start_speeds_.entry;
   bool contact = false;

@@ -35,7 +35,7 @@ inline bool is_of_air(const ProbeKeys& probe) {
 template <int dim>
 class FluidParticipant final : public Participant {
  public:
-  FluidParticipant(const Parameters&, const CommonKeys&, const Setup&);
+  FluidParticipant(const Parameters&, const CommonKeys&, const Setup&, const Ranks& = {});
 
   const InterfaceMesh& mesh() const override { return simulation_.interface(); }
   const Description& description() const override { return description_; }

@@ -342,6 +342,14 @@ Parameters read(CaseFile& file, const CommonKeys& common) {
     if (probe.diameter == 0) probe.diameter = 2 * p.spacing;
   read_scheme(fluid.table("scheme", "the particle method; preset = paper | improved sets the defaults"),
               common, p.sound_speed, common.chosen.level, p.scheme);
+  fluid.integer(
+      "ranks", p.ranks,
+      {.min = 1,
+       .max = 4096,
+       .help = "processes that compute the water together, each with run.threads threads; the results "
+               "are those of one, to the last bit"});
+  fluid.text("launcher", p.launcher,
+             {.help = "line that starts the ranks; {ranks} is their number, as in srun -n {ranks}"});
   read_air(fluid.table("air", "the air that a flat body traps"), p.air);
   if (!file.only_declares()) check_together(file, common, p);
   return p;

@@ -113,6 +113,8 @@ struct Parameters {
   AirKeys air;
   std::vector<ProbeKeys> probes;  // those of the fluid
   int threads = 2;
+  int ranks = 1;  // processes that compute the water together
+  std::string launcher = "mpirun -n {ranks}";
 };
 
 }  // namespace strake::fluid

@@ -59,4 +59,10 @@ class Communicator {
 using Partition = std::function<std::vector<int>(std::span<const double> centres,
                                                  std::span<const double> weights, int parts)>;
 
+/// The ranks of a run, and how the water is divided among them. By default there is one rank.
+struct Ranks {
+  Communicator* communicator = nullptr;
+  Partition partition = {};
+};
+
 }  // namespace strake::fluid

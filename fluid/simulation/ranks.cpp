@@ -102,7 +102,7 @@ void unpack_rows(const std::vector<Bytes>& all, std::int64_t rows, PressureSyste
 }  // namespace
 
 template <int dim>
-void Simulation<dim>::Work::begin_on_ranks(Communicator& communicator, const Partition& partition) {
+void Simulation<dim>::Work::begin_on_ranks(const Ranks& ranks) {
   const auto refuse = [](const char* what) {
     throw Error(ExitCode::case_file, "fluid.ranks", std::string(what) + " is computed on one rank alone",
                 "set fluid.ranks = 1");
@@ -112,7 +112,7 @@ void Simulation<dim>::Work::begin_on_ranks(Communicator& communicator, const Par
   if (air) refuse("air under the body");
   if (step.p.scheme.turbulence == Turbulence::k) refuse("the k model of turbulence");
   const Tank<dim>& tank = step.boundary.tank();
-  step.subdomain = std::make_unique<Subdomain<dim>>(communicator, partition, step.search.reach(),
+  step.subdomain = std::make_unique<Subdomain<dim>>(*ranks.communicator, ranks.partition, step.search.reach(),
                                                     tank.periodic(), tank.shape().low());
   step.ranks = RankExchange<dim>(step.subdomain.get());
   whole = step.state;
@@ -220,13 +220,35 @@ typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together() {
   return {whole_solution, head.sealed != 0};
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                         \
-  template void Simulation<dim>::Work::begin_on_ranks(Communicator&, const Partition&); \
-  template void Simulation<dim>::Work::divide();                                        \
-  template void Simulation<dim>::Work::join();                                          \
-  template void Simulation<dim>::Work::note_whole();                                    \
-  template void Simulation<dim>::Work::remove_lost_together();                          \
-  template void Simulation<dim>::Work::sum_collisions();                                \
+template <int dim>
+Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme& own, std::int64_t place) const {
+  struct Found {
+    double value, at[3];
+    std::int64_t place;
+  };
+  const auto whole_place =
+      place < 0 ? std::int64_t{-1} : std::int64_t{step.subdomain->places()[static_cast<std::size_t>(place)]};
+  Extreme largest = own;
+  std::int64_t first = -1;
+  double value = -1;
+  for (const Found& found :
+       step.subdomain->communicator().all(Found{own.value, {own.at[0], own.at[1], own.at[2]}, whole_place})) {
+    if (found.place < 0 || !(found.value > value || (found.value == value && found.place < first))) continue;
+    value = largest.value = found.value;
+    largest.at = Eigen::Vector3d(found.at);
+    first = found.place;
+  }
+  return largest;
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                 \
+  template void Simulation<dim>::Work::begin_on_ranks(const Ranks&);                            \
+  template Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme&, std::int64_t) const; \
+  template void Simulation<dim>::Work::divide();                                                \
+  template void Simulation<dim>::Work::join();                                                  \
+  template void Simulation<dim>::Work::note_whole();                                            \
+  template void Simulation<dim>::Work::remove_lost_together();                                  \
+  template void Simulation<dim>::Work::sum_collisions();                                        \
   template typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together();
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

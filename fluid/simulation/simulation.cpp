@@ -27,14 +27,10 @@ double acoustic_step(const Parameters& p) {
 }
 
 template <int dim>
-Simulation<dim>::Simulation(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity)
-    : work_(std::make_unique<Work>(p, partner, initial_velocity)) {}
-
-template <int dim>
 Simulation<dim>::Simulation(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity,
-                            Communicator& communicator, const Partition& partition)
-    : Simulation(p, partner, initial_velocity) {
-  if (communicator.size() > 1) work_->begin_on_ranks(communicator, partition);
+                            const Ranks& ranks)
+    : work_(std::make_unique<Work>(p, partner, initial_velocity)) {
+  if (ranks.communicator != nullptr && ranks.communicator->size() > 1) work_->begin_on_ranks(ranks);
 }
 
 template <int dim>
@@ -51,7 +47,7 @@ StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion, doubl
   w.correct();                                   // load; u = u* − Δt/ρ ∇p; x += Δt u
   w.shift();                                     // towards even spacing; collision guard
   w.finish();                                    // accounts
-  if (w.step.subdomain && rest <= 0) w.note_whole();
+  if (w.step.subdomain && (rest <= 0 || w.follows)) w.note_whole();
   return w.report;
 }
 
@@ -111,8 +107,15 @@ void Simulation<dim>::set_state(const State<dim>& state) {
 }
 
 template <int dim>
+void Simulation<dim>::follow_every_step() {
+  work_->follows = true;
+}
+
+template <int dim>
 bool Simulation<dim>::is_removed(std::int64_t i) const {
-  return work_->step.boundary.is_removed(work_->step.state, i);
+  const Work& w = *work_;
+  if (!w.step.subdomain) return w.step.boundary.is_removed(w.step.state, i);
+  return i < w.step.subdomain->water_of_whole() && w.step.boundary.tank().is_removed(w.whole.position.col(i));
 }
 
 template <int dim>
@@ -256,13 +259,13 @@ Extreme Simulation<dim>::fastest() const {
   std::int64_t place = -1;
   for (std::int64_t i = 0; i < w.step.boundary.water(); ++i) {
     const double of_particle = w.step.state.velocity.col(i).squaredNorm();
-    if (!(of_particle > square)) continue;
+    if (!(of_particle > square) || !w.step.ranks.owns(i)) continue;
     square = of_particle;
     place = i;
   }
   Extreme fastest{.value = std::sqrt(square)};
   if (place >= 0) fastest.at.template head<dim>() = w.step.state.position.col(place);
-  return fastest;
+  return w.step.subdomain ? w.largest_of_ranks(fastest, place) : fastest;
 }
 
 template class Simulation<2>;

@@ -37,11 +37,10 @@ class Simulation {
  public:
   /// partner: the structure's mesh (surface: closed outline with faces; volume: solid points with mass;
   /// empty: none). Throws Error(case_file) when the body does not fit the tank or overlaps the water.
-  Simulation(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
-  /// The same on one of several ranks. All of them call the same functions with the same arguments. Throws
-  /// Error(case_file) for what is computed on one rank alone.
-  Simulation(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, Communicator&,
-             const Partition&);
+  /// On several ranks all of them call the same functions with the same arguments. Throws Error(case_file)
+  /// for what is computed on one rank alone.
+  Simulation(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity,
+             const Ranks& = {});
   ~Simulation();
 
   /// Advances by one step. rest: of the window after this step [s]. Steps of one window may share a frozen
@@ -54,7 +53,9 @@ class Simulation {
   double stable_dt() const;  // [s] at the present state
   /// Returns the state of the whole fluid. On several ranks it is that of the end of the last window.
   const State<dim>& state() const;
-  void set_state(const State<dim>&);      // neighbours are searched anew
+  void set_state(const State<dim>&);  // neighbours are searched anew
+  /// On several ranks: `state` is that of the last step, not of the last window.
+  void follow_every_step();
   bool is_removed(std::int64_t i) const;  // particle i has left the tank
   /// Returns wall seconds per stage since construction: neighbours, predictor, density, pressure, corrector,
   /// load, shift.

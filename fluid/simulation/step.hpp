@@ -37,12 +37,14 @@ struct Simulation<dim>::Work {
   void remove(std::int64_t i, std::int64_t number);
 
   // On several ranks (ranks.cpp).
-  void begin_on_ranks(Communicator&, const Partition&);
+  void begin_on_ranks(const Ranks&);
   void divide();      // the whole state among the ranks
   void join();        // the parts to the whole state, on all ranks
   void note_whole();  // the same in `whole`; the parts stay
   void remove_lost_together();
   void sum_collisions();
+  /// The largest of the ranks' extremes; of equal ones the first in the whole.
+  Extreme largest_of_ranks(const Extreme&, std::int64_t place) const;
 
   struct Solved {
     const PressureSolution& solution;
@@ -59,6 +61,7 @@ struct Simulation<dim>::Work {
   PressureSystem system;
   PoissonSolver<dim> poisson;
 
+  bool follows = false;             // `whole` is noted after each step
   State<dim> whole;                 // at the end of the last window; on several ranks alone
   Vectors<dim> whole_position;      // of all particles in this configuration; likewise
   PressureSystem whole_system;      // scratch of `solve_together`

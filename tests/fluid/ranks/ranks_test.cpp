@@ -42,7 +42,7 @@ struct Flow {
   State<dim> on_ranks(int count) const {
     std::vector<State<dim>> ends(static_cast<std::size_t>(count));
     ThreadRanks(count).run([&](Communicator& communicator) {
-      Simulation<dim> simulation(p, body, velocity(), communicator, cut_in_halves);
+      Simulation<dim> simulation(p, body, velocity(), Ranks{&communicator, cut_in_halves});
       ends[static_cast<std::size_t>(communicator.rank())] = end(simulation);
     });
     for (const State<dim>& state : ends) EXPECT_EQ(differences(state, ends.front()), "");

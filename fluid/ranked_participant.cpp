@@ -1,0 +1,120 @@
+#include "fluid/ranked_participant.hpp"
+
+#include "proto/error.hpp"
+#include "proto/wire/wire.hpp"
+
+#include <cstring>
+#include <utility>
+
+namespace strake::fluid {
+
+namespace {
+
+/// What is announced: one byte, then the data of the call as a message to a participant.
+enum class Call : std::uint8_t { build, start, finish, rewind, commit, resume, end };
+
+void append(Bytes& bytes, std::span<const std::byte> more) {
+  const std::size_t size = more.size();
+  const auto* const length = reinterpret_cast<const std::byte*>(&size);
+  bytes.insert(bytes.end(), length, length + sizeof size);
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
+Bytes announcement(Call call) {
+  return {static_cast<std::byte>(call)};
+}
+Bytes announcement(Call call, wire::Request request) {
+  Bytes bytes = announcement(call);
+  for (const wire::Part& part : wire::encode(std::move(request), "the first rank")) append(bytes, part.bytes);
+  return bytes;
+}
+
+/// The message of an announcement.
+wire::Request message_of(const Bytes& bytes) {
+  const auto owner = std::make_shared<Bytes>(bytes);
+  wire::Parts parts;
+  for (std::size_t at = 1; at < owner->size();) {
+    std::size_t size = 0;
+    std::memcpy(&size, owner->data() + at, sizeof size);
+    at += sizeof size;
+    parts.push_back({std::span<const std::byte>(*owner).subspan(at, size), owner});
+    at += size;
+  }
+  return wire::decode_request(parts, "the first rank");
+}
+
+}  // namespace
+
+RankedParticipant::RankedParticipant(MpiCommunicator& ranks, const Setup& setup, const RankFactory& build)
+    : ranks_(ranks) {
+  Setup others = setup;
+  others.run_folder.clear();  // the first rank alone writes
+  ranks_.announce(announcement(Call::build, {0, std::move(others)}));
+  own_ = build(setup);
+}
+
+RankedParticipant::~RankedParticipant() {
+  ranks_.announce(announcement(Call::end));
+}
+
+void RankedParticipant::start(const Window& window, const Input& input) {
+  wire::Advance advance;
+  advance.window = window;
+  advance.input = input;
+  ranks_.announce(announcement(Call::start, {0, std::move(advance)}));
+  own_->start(window, input);
+}
+
+Advanced RankedParticipant::finish() {
+  ranks_.announce(announcement(Call::finish));
+  return own_->finish();
+}
+
+void RankedParticipant::rewind() {
+  ranks_.announce(announcement(Call::rewind));
+  own_->rewind();
+}
+
+void RankedParticipant::commit(bool write_output) {
+  ranks_.announce(announcement(Call::commit));
+  own_->commit(write_output);
+}
+
+void RankedParticipant::resume(const std::filesystem::path& folder) {
+  wire::Checkpoint from;
+  from.folder = folder.string();
+  from.resume = true;
+  ranks_.announce(announcement(Call::resume, {0, std::move(from)}));
+  own_->resume(folder);
+}
+
+void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
+  std::unique_ptr<Participant> own;
+  while (true) {
+    const Bytes bytes = ranks.await_announcement();
+    const auto call = static_cast<Call>(bytes.front());
+    if (call == Call::end) return;
+    try {
+      if (call == Call::build) {
+        own = build(std::get<Setup>(message_of(bytes).what));
+      } else if (own == nullptr) {
+        continue;  // it could not be built, which the first rank says
+      } else if (call == Call::start) {
+        const auto advance = std::get<wire::Advance>(message_of(bytes).what);
+        own->start(advance.window, advance.input);
+      } else if (call == Call::finish) {
+        own->finish();
+      } else if (call == Call::rewind) {
+        own->rewind();
+      } else if (call == Call::commit) {
+        own->commit(false);
+      } else if (call == Call::resume) {
+        own->resume(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
+      }
+    } catch (const Error&) {
+      // The ranks agree on their errors. The first one tells the coupler.
+    }
+  }
+}
+
+}  // namespace strake::fluid

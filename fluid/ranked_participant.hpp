@@ -1,0 +1,41 @@
+#pragma once
+
+#include "fluid/ranks/mpi_communicator.hpp"
+#include "proto/participant.hpp"
+
+#include <functional>
+#include <memory>
+
+namespace strake::fluid {
+
+/// Builds the participant of one rank.
+using RankFactory = std::function<std::unique_ptr<Participant>(const Setup&)>;
+
+/// The fluid of several ranks as one participant. It answers the coupler on the first rank, and announces to
+/// the others what they have to do (`work_for_first_rank`).
+class RankedParticipant final : public Participant {
+ public:
+  RankedParticipant(MpiCommunicator&, const Setup&, const RankFactory&);
+  ~RankedParticipant() override;
+  RankedParticipant(const RankedParticipant&) = delete;
+  RankedParticipant& operator=(const RankedParticipant&) = delete;
+
+  const InterfaceMesh& mesh() const override { return own_->mesh(); }
+  const Description& description() const override { return own_->description(); }
+  void start(const Window&, const Input&) override;
+  Advanced finish() override;
+  void rewind() override;
+  void commit(bool write_output) override;
+  void checkpoint(const std::filesystem::path& folder) override { own_->checkpoint(folder); }
+  void resume(const std::filesystem::path& folder) override;
+  void flush() override { own_->flush(); }
+
+ private:
+  MpiCommunicator& ranks_;
+  std::unique_ptr<Participant> own_;
+};
+
+/// What a rank other than the first does: all that the first one announces, until it has ended.
+void work_for_first_rank(MpiCommunicator&, const RankFactory&);
+
+}  // namespace strake::fluid

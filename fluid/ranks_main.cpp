@@ -1,0 +1,59 @@
+#include "coupler/participant/participant_main.hpp"
+#include "fluid/case/read_parameters.hpp"
+#include "fluid/participant.hpp"
+#include "fluid/program.hpp"
+#include "fluid/ranked_participant.hpp"
+#include "fluid/ranks/zoltan_partition.hpp"
+#include "proto/case/case_file.hpp"
+#include "proto/error.hpp"
+
+#include <cstdio>
+
+namespace strake::fluid {
+namespace {
+
+/// A rank other than the first: it reads the same case, then does what is announced.
+void work(MpiCommunicator& ranks, int argc, char** argv, FluidProgram& fluid) {
+  const ParticipantOptions options = parse_participant_options(argc, argv);
+  CaseFile file = CaseFile::load(options.case_file, options.sets);
+  file.read_all([&] { fluid.declare(file); });
+  work_for_first_rank(ranks, [&](const Setup& setup) {
+    return fluid.build(setup, {&ranks, zoltan_partition});
+  });
+}
+
+int run(MpiCommunicator& ranks, int argc, char** argv) {
+  FluidProgram fluid;
+  if (ranks.rank() > 0) {
+    work(ranks, argc, argv, fluid);
+    return 0;
+  }
+  Program program = fluid.program();
+  program.build = [&](CaseFile&, const ParticipantOptions&,
+                      const Setup& setup) -> std::unique_ptr<Participant> {
+    return std::make_unique<RankedParticipant>(ranks, setup, [&](const Setup& own) {
+      return fluid.build(own, {&ranks, zoltan_partition});
+    });
+  };
+  return participant_main(argc, argv, program);
+}
+
+}  // namespace
+}  // namespace strake::fluid
+
+// strake-fluid-ranks is one rank of a fluid on several. strake-fluid starts it by mpirun.
+int main(int argc, char** argv) {
+  int provided = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  strake::fluid::MpiCommunicator ranks(MPI_COMM_WORLD);
+  int code = 0;
+  try {
+    code = strake::fluid::run(ranks, argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rank %d: %s\n", ranks.rank(), error.what());
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(strake::ExitCode::our_bug));
+  }
+  if (code != 0) MPI_Abort(MPI_COMM_WORLD, code);
+  MPI_Finalize();
+  return 0;
+}
