@@ -3,6 +3,7 @@
 #include "fluid/participant.hpp"
 #include "fluid/program.hpp"
 #include "fluid/ranked_participant.hpp"
+#include "fluid/ranks/rank_watch.hpp"
 #include "fluid/ranks/zoltan_partition.hpp"
 #include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
@@ -48,6 +49,7 @@ int main(int argc, char** argv) {
   strake::fluid::MpiCommunicator ranks(MPI_COMM_WORLD);
   int code = 0;
   try {
+    const strake::fluid::RankWatch watch(ranks);
     code = strake::fluid::run(ranks, argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rank %d: %s\n", ranks.rank(), error.what());

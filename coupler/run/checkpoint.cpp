@@ -54,7 +54,7 @@ bool may_change(const std::string& key) {
   for (const char* prefix :
        {"title", "end_time", "output.every", "run.", "compare", "coupling.frozen_after",
         "coupling.answer_within", "coupling.start_within", "coupling.attach_within", "coupling.endpoint",
-        "coupling.keys", "coupling.unencrypted", "coupling.placement"})
+        "coupling.keys", "coupling.unencrypted", "coupling.placement", "fluid.ranks", "fluid.launcher"})
     if (key.starts_with(prefix)) return true;
   return false;
 }

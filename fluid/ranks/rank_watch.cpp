@@ -1,0 +1,66 @@
+#include "fluid/ranks/rank_watch.hpp"
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <unistd.h>
+
+namespace strake::fluid {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds patience{3};
+constexpr std::chrono::milliseconds between_looks{250};
+
+struct Place {
+  std::array<char, 64> machine{};
+  pid_t process = 0;
+};
+
+void watch(const std::stop_token& stop, int rank, pid_t process) {
+  Clock::time_point moving = Clock::now();
+  while (!stop.stop_requested()) {
+    std::this_thread::sleep_for(between_looks);
+    if (!is_stopped(process)) {
+      moving = Clock::now();
+      continue;
+    }
+    if (Clock::now() - moving < patience) continue;
+    std::fprintf(stderr, "rank %d of the fluid is stopped (process %d): the run ends\n", rank,
+                 static_cast<int>(process));
+    kill(process, SIGKILL);  // the launcher names it, and ends the others
+    return;
+  }
+}
+
+}  // namespace
+
+bool is_stopped(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(file, text);
+  // The name of the program stands in brackets, and may have brackets itself.
+  const auto end = text.rfind(')');
+  return end != std::string::npos && end + 2 < text.size() && text[end + 2] == 'T';
+}
+
+RankWatch::RankWatch(Communicator& ranks) {
+  Place own;
+  gethostname(own.machine.data(), own.machine.size() - 1);
+  own.process = getpid();
+  const std::vector<Place> all = ranks.all(own);
+  for (int step = 1; step < ranks.size(); ++step) {
+    const int next = (ranks.rank() + step) % ranks.size();
+    const Place& place = all[static_cast<std::size_t>(next)];
+    if (place.machine != own.machine) continue;
+    thread_ = std::jthread(
+        [next, process = place.process](const std::stop_token& stop) { watch(stop, next, process); });
+    return;
+  }
+}
+
+}  // namespace strake::fluid
