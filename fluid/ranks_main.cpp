@@ -8,6 +8,8 @@
 #include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdio>
 
 namespace strake::fluid {
@@ -23,8 +25,21 @@ void work(MpiCommunicator& ranks, int argc, char** argv, FluidProgram& fluid) {
   });
 }
 
+/// Refuses a launcher that starts another number of ranks than the case asks for.
+void check_number(const MpiCommunicator& ranks, int argc, char** argv, FluidProgram& fluid) {
+  const ParticipantOptions options = parse_participant_options(argc, argv);
+  if (options.mode != ParticipantOptions::Mode::serve) return;
+  CaseFile file = CaseFile::load(options.case_file, options.sets);
+  file.read_all([&] { fluid.declare(file); });
+  if (ranks.size() == fluid.ranks()) return;
+  throw Error(ExitCode::case_file, "fluid.launcher",
+              fmt::format("has started {} ranks, fluid.ranks is {}", ranks.size(), fluid.ranks()),
+              "give the launcher {ranks}, as in mpirun -n {ranks}");
+}
+
 int run(MpiCommunicator& ranks, int argc, char** argv) {
   FluidProgram fluid;
+  check_number(ranks, argc, argv, fluid);
   if (ranks.rank() > 0) {
     work(ranks, argc, argv, fluid);
     return 0;
@@ -51,8 +66,11 @@ int main(int argc, char** argv) {
   try {
     const strake::fluid::RankWatch watch(ranks);
     code = strake::fluid::run(ranks, argc, argv);
+  } catch (const strake::Error& error) {
+    std::fputs(strake::to_text(error).c_str(), stderr);
+    code = static_cast<int>(error.code());
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "rank %d: %s\n", ranks.rank(), error.what());
+    std::fprintf(stderr, "rank %d of the fluid: %s\n", ranks.rank(), error.what());
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(strake::ExitCode::our_bug));
   }
   if (code != 0) MPI_Abort(MPI_COMM_WORLD, code);

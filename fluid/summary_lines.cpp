@@ -129,6 +129,9 @@ std::vector<std::string> describe(const Parameters& p, const CommonKeys& common,
   if (speed > 0 && length > 0 && p.gravity.norm() > 0)
     headline += fmt::format("   Fr {:.1f}", speed / std::sqrt(p.gravity.norm() * length));
 
+  if (p.ranks > 1)
+    headline += fmt::format("   {} ranks of {} threads, {} particles each", p.ranks, p.threads,
+                            grouped(water / p.ranks));
   const Scheme& s = p.scheme;
   if (own > 0) headline += fmt::format("   starts with up to {:.3g} m/s", own);
   const double fastest = std::max(speed, own), step = first_step(p, common.window, fastest);

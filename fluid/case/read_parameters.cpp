@@ -1,6 +1,7 @@
 #include "fluid/case/read_parameters.hpp"
 
 #include "fluid/boundary/fill.hpp"
+#include "fluid/case/rank_keys.hpp"
 #include "fluid/case/tank_keys.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
 #include "proto/case/case_file.hpp"
@@ -304,6 +305,7 @@ void check_together(CaseFile& file, const CommonKeys& common, const Parameters& 
                        "gradient = \"least-squares\", or leave fluid.absorbing out");
   if (std::isfinite(p.sound_depth)) check_sound_depth(fluid, scheme, p);
   if (p.air.layer) check_air(fluid, common, p);
+  check_ranks(fluid, p);
   if (p.scheme.gradient == Gradient::least_squares) {
     CaseTable source = scheme.table("source");
     if (p.scheme.density_at == DensityAt::star)
@@ -342,14 +344,7 @@ Parameters read(CaseFile& file, const CommonKeys& common) {
     if (probe.diameter == 0) probe.diameter = 2 * p.spacing;
   read_scheme(fluid.table("scheme", "the particle method; preset = paper | improved sets the defaults"),
               common, p.sound_speed, common.chosen.level, p.scheme);
-  fluid.integer(
-      "ranks", p.ranks,
-      {.min = 1,
-       .max = 4096,
-       .help = "processes that compute the water together, each with run.threads threads; the results "
-               "are those of one, to the last bit"});
-  fluid.text("launcher", p.launcher,
-             {.help = "line that starts the ranks; {ranks} is their number, as in srun -n {ranks}"});
+  read_ranks(fluid, p);
   read_air(fluid.table("air", "the air that a flat body traps"), p.air);
   if (!file.only_declares()) check_together(file, common, p);
   return p;

@@ -1,0 +1,52 @@
+#include "fluid/case/rank_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace strake::fluid {
+
+namespace {
+
+/// Particles of water for each rank, below which its ghosts are several times as many.
+constexpr double fewest_particles = 1000;
+
+/// The first thing of a case that one rank alone computes; empty: nothing.
+std::string only_on_one_rank(const Parameters& p) {
+  if (p.scheme.gradient != Gradient::least_squares) return "a scheme other than least-squares";
+  if (p.interface == "volume") return "volume coupling";
+  if (p.air.layer) return "the air under a body";
+  if (p.scheme.turbulence == Turbulence::k) return "the k model of turbulence";
+  return {};
+}
+
+}  // namespace
+
+void read_ranks(CaseTable fluid, Parameters& p) {
+  fluid.integer(
+      "ranks", p.ranks,
+      {.min = 1,
+       .max = 4096,
+       .help = "processes that compute the water together, each with run.threads threads; the results "
+               "are those of one rank to the last bit; not faster than threads so far"});
+  fluid.text("launcher", p.launcher,
+             {.help = "line that starts the ranks; {ranks} is their number, as in srun -n {ranks}"});
+}
+
+void check_ranks(const CaseTable& fluid, const Parameters& p) {
+  if (p.ranks == 1) return;
+  if (const std::string what = only_on_one_rank(p); !what.empty())
+    throw fluid.error("ranks", "1: " + what + " is computed on one rank alone", "ranks = 1, and run.threads");
+  const double volume = (p.water.max - p.water.min).head(p.dimension).prod();
+  const double particles = volume / std::pow(p.spacing, p.dimension);
+  if (particles < fewest_particles * p.ranks)
+    throw fluid.error("ranks",
+                      fmt::format("at least {:g} water particles for each rank, these are about {:.0f}",
+                                  fewest_particles, particles / p.ranks),
+                      fmt::format("ranks = {}, and run.threads",
+                                  std::max(1, static_cast<int>(particles / fewest_particles))));
+  if (p.launcher.find_first_not_of(' ') == std::string::npos)
+    throw fluid.error("launcher", "the line that starts the ranks", "mpirun -n {ranks}");
+}
+
+}  // namespace strake::fluid
