@@ -53,8 +53,8 @@ RankedParticipant::RankedParticipant(MpiCommunicator& ranks, const Setup& setup,
   own_ = build(setup);
 }
 
-RankedParticipant::~RankedParticipant() {
-  ranks_.announce(announcement(Call::end));
+void announce_end(MpiCommunicator& ranks) {
+  ranks.announce(announcement(Call::end));
 }
 
 void RankedParticipant::start(const Window& window, const Input& input) {

@@ -16,7 +16,6 @@ using RankFactory = std::function<std::unique_ptr<Participant>(const Setup&)>;
 class RankedParticipant final : public Participant {
  public:
   RankedParticipant(MpiCommunicator&, const Setup&, const RankFactory&);
-  ~RankedParticipant() override;
   RankedParticipant(const RankedParticipant&) = delete;
   RankedParticipant& operator=(const RankedParticipant&) = delete;
 
@@ -35,7 +34,9 @@ class RankedParticipant final : public Participant {
   std::unique_ptr<Participant> own_;
 };
 
-/// What a rank other than the first does: all that the first one announces, until it has ended.
+/// What a rank other than the first does: all that the first one announces, until it announces the end.
 void work_for_first_rank(MpiCommunicator&, const RankFactory&);
+/// Lets the other ranks end. The first rank calls it last.
+void announce_end(MpiCommunicator&);
 
 }  // namespace strake::fluid

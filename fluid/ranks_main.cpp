@@ -51,7 +51,9 @@ int run(MpiCommunicator& ranks, int argc, char** argv) {
       return fluid.build(own, {&ranks, zoltan_partition});
     });
   };
-  return participant_main(argc, argv, program);
+  const int code = participant_main(argc, argv, program);
+  announce_end(ranks);
+  return code;
 }
 
 }  // namespace
@@ -67,13 +69,12 @@ int main(int argc, char** argv) {
     const strake::fluid::RankWatch watch(ranks);
     code = strake::fluid::run(ranks, argc, argv);
   } catch (const strake::Error& error) {
-    std::fputs(strake::to_text(error).c_str(), stderr);
+    if (ranks.rank() == 0) std::fputs(strake::to_text(error).c_str(), stderr);  // all ranks read the same
     code = static_cast<int>(error.code());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rank %d of the fluid: %s\n", ranks.rank(), error.what());
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(strake::ExitCode::our_bug));
   }
-  if (code != 0) MPI_Abort(MPI_COMM_WORLD, code);
   MPI_Finalize();
-  return 0;
+  return code;
 }

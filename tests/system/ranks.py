@@ -1,0 +1,98 @@
+"""The water on several ranks: the bytes of one rank, resumed runs, ranks that die or stop, refusals.
+ranks.py ROOT BIN"""
+import os
+import shutil
+import signal
+
+from processes import BIN, ROOT, alive, expect, finish, folder, pathlib, rows, start, strake, time, wait_until
+
+CASE = ROOT / "cases/plate_entry.toml"
+ENTRY = ["--set", "fluid.spacing=0.0125", "--set", "run.threads=1", "--quiet"]
+
+
+def run(cwd, ranks, tag, *more):
+    return strake("run", CASE, "--tag", tag, "--set", f"fluid.ranks={ranks}", *ENTRY, *more, cwd=cwd)
+
+
+def history(cwd, tag):
+    return (pathlib.Path(cwd) / f"runs/plate_entry-{tag}/history.csv").read_bytes()
+
+
+def ranks_of(process):
+    """Rank → pid of the ranks that a run has started."""
+    found = {}
+    for entry in pathlib.Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            words = (entry / "environ").read_bytes().split(b"\0")
+            name = (entry / "cmdline").read_bytes().split(b"\0")[0]
+        except OSError:
+            continue
+        if name.endswith(b"strake-fluid-ranks") and f"STRAKE_COUPLER={process.pid}".encode() in words:
+            for word in words:
+                if word.startswith(b"OMPI_COMM_WORLD_RANK="):
+                    found[int(word.split(b"=")[1])] = int(entry.name)
+    return found
+
+
+def same_bytes():
+    with folder() as cwd:
+        end = ["--set", "end_time=0.0021"]
+        expect(run(cwd, 1, "one", *end).returncode == 0, "plate_entry on one rank")
+        process = start("run", CASE, "--tag", "half", "--set", "fluid.ranks=2", *ENTRY, *end, cwd=cwd)
+        half = pathlib.Path(cwd) / "runs/plate_entry-half"
+        wait_until(lambda: rows(half) > 150, 120)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=30)
+        expect(process.returncode == 130, "Ctrl-C on two ranks: exit 130\n" + said)
+        for ranks in (1, 3):
+            shutil.copytree(f"{cwd}/runs/plate_entry-half", f"{cwd}/runs/plate_entry-on{ranks}")
+            done = run(cwd, ranks, f"on{ranks}", *end, "--resume")
+            expect(done.returncode == 0 and history(cwd, f"on{ranks}") == history(cwd, "one"),
+                   f"resumed on {ranks}: the same history.csv" + done.stderr)
+
+
+def lost_rank(kill, rank, limit):
+    with folder() as cwd:
+        process = start("run", CASE, "--set", "fluid.ranks=2", *ENTRY, cwd=cwd)
+        table = pathlib.Path(cwd) / "runs/plate_entry/history.csv"
+        wait_until(lambda: table.exists() and table.read_text().count("\n") > 3, 60)
+        pids = ranks_of(process)
+        expect(sorted(pids) == [0, 1], f"two ranks: {pids}")
+        began = time.monotonic()
+        os.kill(pids[rank], kill)
+        _, said = process.communicate(timeout=60)
+        seconds = time.monotonic() - began
+        expect(process.returncode == 5, f"exit 5, was {process.returncode}")
+        expect(f"rank {rank} " in said, f"the message names rank {rank}:\n{said}")
+        print(f"      {signal.Signals(kill).name} of rank {rank}: {seconds:.1f} s")
+        expect(seconds < limit, "within the limit")
+        expect(wait_until(lambda: not any(alive(pid) for pid in pids.values()), 5), "no rank is left")
+
+
+def refusals():
+    with folder() as cwd:
+        for keys, words in ((["fluid.ranks=9"], "at least 1000 water particles"),
+                            (["fluid.ranks=2", "fluid.air.layer=true"], "air under a body"),
+                            (["fluid.ranks=2", "preset=\"paper\""], "least-squares"),
+                            (["fluid.ranks=2", "fluid.launcher=\" \""], "line that starts the ranks"),
+                            (["fluid.ranks=0"], "whole number")):
+            sets = [word for key in keys for word in ("--set", key)]
+            done = strake("check", CASE, "--set", "fluid.spacing=0.0125", *sets, cwd=cwd)
+            expect(done.returncode in (2, 3) and words in done.stderr, f"{keys} is refused: {words}\n{done.stderr}")
+        done = run(cwd, 2, "none", "--set", "fluid.launcher=/nowhere/mpirun")
+        expect(done.returncode == 5 and "cannot be started" in done.stderr, "no launcher\n" + done.stderr)
+        done = run(cwd, 2, "few", "--set", "fluid.launcher=mpirun -n 1")
+        log = (pathlib.Path(cwd) / "runs/plate_entry-few/fluid.log").read_text()
+        expect(done.returncode == 5 and "has started 1 ranks, fluid.ranks is 2" in log, "a launcher of fewer ranks\n" + log)
+
+
+if not (BIN / "strake-fluid-ranks").exists():
+    print("no strake-fluid-ranks: MPI or Zoltan was not there")
+    finish()
+same_bytes()
+lost_rank(signal.SIGKILL, 1, 5)
+lost_rank(signal.SIGSTOP, 0, 10)
+refusals()
+finish()
