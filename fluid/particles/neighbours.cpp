@@ -1,5 +1,6 @@
 #include "fluid/particles/neighbours.hpp"
 
+#include "fluid/particles/running_sum.hpp"
 #include "fluid/particles/simd_neighbours.hpp"
 #include "proto/error.hpp"
 
@@ -55,9 +56,12 @@ std::uint32_t asked_for(std::uint32_t kept, std::int32_t i, const std::int32_t* 
   return kept;
 }
 
-/// Replaces each number by the sum from the start.
+/// Replaces the length of each row by where it ends. start[0] is 0.
 void sum_up(std::vector<std::int64_t>& start) {
-  for (size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  running_sum(
+      static_cast<std::int64_t>(start.size()) - 1,
+      [&](std::int64_t i) { return start[static_cast<size_t>(i) + 1]; },
+      [&](std::int64_t i, std::int64_t, std::int64_t to) { start[static_cast<size_t>(i) + 1] = to; });
 }
 
 }  // namespace
@@ -250,8 +254,9 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   for (auto& part : parts_) part.fresh = false;
   if (built_at_.cols() != n || built_filler_.size() != tag.size()) invalidate();
   unsigned changed = 0;
-  if (valid_)
-    for (size_t i = 0; i < tag.size(); ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
+  const size_t compared = valid_ ? tag.size() : 0;
+#pragma omp parallel for schedule(static) reduction(| : changed)
+  for (size_t i = 0; i < compared; ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
   if (changed) valid_ = false;
   // The candidates stay valid while no particle has moved by more than half the skin. Two particles within
   // the radius were then within radius + skin when the candidates were found.
