@@ -255,7 +255,7 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   if (built_at_.cols() != n || built_filler_.size() != tag.size()) invalidate();
   unsigned changed = 0;
   const size_t compared = valid_ ? tag.size() : 0;
-#pragma omp parallel for schedule(static) reduction(| : changed)
+#pragma omp parallel for schedule(static) reduction(| : changed) if (compared > 4096)
   for (size_t i = 0; i < compared; ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
   if (changed) valid_ = false;
   // The candidates stay valid while no particle has moved by more than half the skin. Two particles within
