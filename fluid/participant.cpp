@@ -346,11 +346,12 @@ Frame FluidParticipant<dim>::frame() const {
 template <int dim>
 void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
   flush();  // a resume continues from these files
-  Archive archive;
+  Archive small;
+  save(committed_.measurements, small);
+  small.integer["participant.steps"] = {committed_.progress.steps};
+  small.real["participant.time"] = Eigen::MatrixXd::Constant(1, 1, committed_.progress.time);
+  ArchiveSource archive = source_of(small);
   save(committed_.state, archive);
-  save(committed_.measurements, archive);
-  archive.integer["participant.steps"] = {committed_.progress.steps};
-  archive.real["participant.time"] = Eigen::MatrixXd::Constant(1, 1, committed_.progress.time);
   write_archive(folder / "fluid.h5", archive);
 }
 
