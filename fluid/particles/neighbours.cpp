@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -28,6 +29,9 @@ constexpr double thinnest = 0.1;
 /// Number of rows in a block that one thread computes. Threads keep the same rows from loop to loop: rows
 /// that another processor has written last cost more than even shares save.
 constexpr std::int64_t block = 64;
+
+/// Particles that one thread goes through faster than two where each takes a few operations.
+constexpr size_t few = 4096;
 
 /// Mask of the candidates' bits that mark near partners.
 constexpr std::uint32_t near_bits = 0xffff;
@@ -146,14 +150,18 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
 template <int dim>
 void NeighbourSearch<dim>::mark_asked(std::span<const std::uint8_t> tag) {
   meets_asked_.assign(tag.size(), 0);
+  const auto mark = [&](size_t i) {  // two threads may mark the same
+    std::atomic_ref(meets_asked_[i]).store(1, std::memory_order_relaxed);
+  };
+#pragma omp parallel for schedule(static) if (tag.size() > few)
   for (size_t i = 0; i < tag.size(); ++i) {
     if (!(tag[i] & asked)) continue;
-    meets_asked_[i] = 1;
+    mark(i);
     const auto list = candidates_.list(static_cast<std::int64_t>(i));
     size_t word = candidates_.first_bits(static_cast<std::int64_t>(i));
     for (size_t b = 0; b < list.size(); b += simd::wide, ++word)
       for (std::uint32_t near = candidates_.bits[word] & near_bits; near; near &= near - 1)
-        meets_asked_[static_cast<size_t>(list[b + static_cast<size_t>(std::countr_zero(near))])] = 1;
+        mark(static_cast<size_t>(list[b + static_cast<size_t>(std::countr_zero(near))]));
   }
 }
 
@@ -255,7 +263,7 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   if (built_at_.cols() != n || built_filler_.size() != tag.size()) invalidate();
   unsigned changed = 0;
   const size_t compared = valid_ ? tag.size() : 0;
-#pragma omp parallel for schedule(static) reduction(| : changed) if (compared > 4096)
+#pragma omp parallel for schedule(static) reduction(| : changed) if (compared > few)
   for (size_t i = 0; i < compared; ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
   if (changed) valid_ = false;
   // The candidates stay valid while no particle has moved by more than half the skin. Two particles within
