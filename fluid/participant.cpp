@@ -186,9 +186,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   watch_window(window, extremes);
   measures_water_ = frame_due(window);
   if (!measures_water_) return;
-  const Voids voids = count_voids<dim>(state, water(), parameters_.spacing, parameters_.open_top);
-  measurements_.voids = std::max(measurements_.voids, voids.all);
-  measurements_.internal_voids = std::max(measurements_.internal_voids, voids.internal_voids);
+  measurements_.add(count_voids<dim>(state, water(), parameters_.spacing, parameters_.open_top));
 }
 
 /// Adds the step to the probes and finds the contact. Contact is the first step in which any sensor exceeds
@@ -286,6 +284,8 @@ void FluidParticipant<dim>::rewind() {
 
 template <int dim>
 void FluidParticipant<dim>::commit(bool write_output) {
+  if (measurements_.lacks_voids() && !committed_.measurements.lacks_voids())
+    fmt::print(stderr, "t = {:.6g} s: {}\n", progress_.time, no_voids_line);
   committed_.state = simulation_.state();
   committed_.measurements = measurements_;
   committed_.progress = progress_;
@@ -350,11 +350,12 @@ Frame FluidParticipant<dim>::frame() const {
 template <int dim>
 void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
   flush();  // a resume continues from these files
-  Archive archive;
+  Archive small;
+  save(committed_.measurements, small);
+  small.integer["participant.steps"] = {committed_.progress.steps};
+  small.real["participant.time"] = Eigen::MatrixXd::Constant(1, 1, committed_.progress.time);
+  ArchiveSource archive = source_of(small);
   save(committed_.state, archive);
-  save(committed_.measurements, archive);
-  archive.integer["participant.steps"] = {committed_.progress.steps};
-  archive.real["participant.time"] = Eigen::MatrixXd::Constant(1, 1, committed_.progress.time);
   write_archive(folder / "fluid.h5", archive);
 }
 

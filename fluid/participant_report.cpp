@@ -160,8 +160,8 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.steps_committed"] = static_cast<double>(state.step);
   for (const char* prefix : {"count.", "check."}) {
     monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);
-    monitor[prefix + std::string("voids")] = static_cast<double>(measurements_.voids);
-    monitor[prefix + std::string("openings")] = static_cast<double>(measurements_.internal_voids);
+    monitor[prefix + std::string("voids")] = measurements_.of_record(measurements_.voids);
+    monitor[prefix + std::string("openings")] = measurements_.of_record(measurements_.internal_voids);
     monitor[prefix + std::string("penetrations")] = static_cast<double>(state.penetrations);
   }
   monitor["count.behind_walls"] = static_cast<double>(state.behind_walls);
@@ -248,8 +248,7 @@ void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monito
   if (least > 0) guard_.momentum(record, state.time, monitor.at("check.momentum_gap") * scale / least);
   if (measures_water_) {
     guard_.volume(record, state.time, monitor.at("check.volume_drift"));
-    guard_.hollow(record, state.time,
-                  static_cast<double>(measurements_.internal_voids) / monitor.at("count.fluid"));
+    guard_.hollow(record, state.time, monitor.at("check.openings") / monitor.at("count.fluid"));
   }
   guard_.report(record, monitor);
 }

@@ -2,6 +2,9 @@
 
 #include "fluid/particles/archive_member.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace strake::fluid {
 namespace {
 
@@ -10,6 +13,16 @@ std::string probe_name(std::size_t i) {
 }
 
 }  // namespace
+
+void Measurements::add(const std::optional<Voids>& of_frame) {
+  if (lacks_voids()) return;
+  voids = of_frame ? std::max(voids, of_frame->all) : -1;
+  internal_voids = of_frame ? std::max(internal_voids, of_frame->internal_voids) : -1;
+}
+
+double Measurements::of_record(std::int64_t count) const {
+  return lacks_voids() ? std::nan("") : static_cast<double>(count);
+}
 
 void save(const Measurements& measurements, Archive& archive) {
   for_each_member(

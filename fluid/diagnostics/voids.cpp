@@ -10,11 +10,15 @@ namespace {
 
 /// Reach from a surface particle within which there is outer air. The middle of the nearest cell of air is at
 /// most 2.5 l0 away along an axis, because cells next to a particle are covered. A void is 5 l0 deeper.
-constexpr std::int64_t reach = 7;   // [l0], and cells
-constexpr double most_cells = 2e9;  // bytes
+constexpr std::int64_t reach = 7;  // [l0], and cells
 
-enum Cell : std::uint8_t { empty, covered, air };
+/// Blocks in the box around all particles: 2 GB of their numbers, 5e11 cells in the plane, 2.6e11 in space.
+constexpr double most_blocks = 5e8;
 
+enum Cell : std::uint8_t { empty, covered, air, seen };
+
+/// Cells of l0 around the particles, in blocks. A block with a covered cell has a byte per cell. Any other
+/// block is empty or air as a whole. So the memory follows the water and not the box around it.
 template <int dim>
 class Grid {
  public:
@@ -30,54 +34,85 @@ class Grid {
     }
   }
 
-  /// Marks the cells at particles as covered. Returns false if there are too many cells.
+  /// Marks the cells at particles as covered. Returns false if there are too many blocks.
   bool cover() {
     double count = 1;
-    for (int d = 0; d < dim; ++d) {
-      const double across = std::floor((high_[d] - low_[d]) / spacing_) + (d == 1 ? 4 : 1);  // room above
-      count *= across;
-      if (!(count < most_cells)) return false;
-      size_[static_cast<std::size_t>(d)] = static_cast<std::int64_t>(across);
+    for (std::size_t d = 0; d < dim; ++d) {
+      const auto axis = static_cast<Eigen::Index>(d);
+      const double across =
+          std::floor((high_[axis] - low_[axis]) / spacing_) + (d == 1 ? 4 : 1);  // room above
+      count *= std::ceil(across / side);
+      if (!(count <= most_blocks)) return false;
+      size_[d] = static_cast<std::int64_t>(across);
+      blocks_[d] = (size_[d] + side - 1) / side;
     }
-    stride_ = {1, size_[0], size_[0] * size_[1]};
-    cell_.assign(static_cast<std::size_t>(count), empty);
+    block_.assign(static_cast<std::size_t>(count), whole(empty));
     for (const std::int64_t i : particles_) {
-      const auto at = cell_of(i);
-      around(at, 1, [&](std::size_t k) { cell_[k] = covered; });
+      const Place at = cell_of(i);
+      for_each_in(from(at, 1), to(at, 1), [&](const Place& p) { cell_at_own_byte(p) = covered; });
     }
     return true;
   }
 
   /// Marks as air all cells that are connected with the cells above all particles.
   void fill_from_above() {
-    for (std::int64_t z = 0; z < size_[2]; ++z)
-      for (std::int64_t x = 0; x < size_[0]; ++x) fill(index({x, size_[1] - 1, z}), air);
+    for_each_in({0, size_[1] - 1, 0}, {size_[0], size_[1], size_[2]}, [&](const Place& p) { fill(p, air); });
   }
-  /// Marks the largest of all connected spaces as air.
+  /// Marks the largest of all connected spaces as air; of several as large, the one with the first cell.
   void fill_largest() {
-    constexpr std::uint8_t seen = air + 1;
-    std::size_t most = 0, seed = cell_.size();
-    for (std::size_t k = 0; k < cell_.size(); ++k) {
-      const std::size_t count = fill(k, seen);
-      if (count <= most) continue;
-      most = count;
-      seed = k;
-    }
-    for (std::uint8_t& cell : cell_)
-      if (cell == seen) cell = empty;
-    if (seed < cell_.size()) fill(seed, air);
+    Space largest;
+    for_each_block([&](const Place& low, const Place& high) {
+      const auto take = [&](const Place& p) {
+        const Space space = fill(p, seen);
+        if (space.cells > largest.cells ||
+            (space.cells == largest.cells && number(space.first) < number(largest.first)))
+          largest = space;
+      };
+      if (block_[block_of(low)] < 0)
+        take(low);
+      else
+        for_each_in(low, high, take);
+    });
+    std::replace(cell_.begin(), cell_.end(), std::uint8_t{seen}, std::uint8_t{empty});
+    std::replace(block_.begin(), block_.end(), whole(seen), whole(empty));
+    if (largest.cells > 0) fill(largest.first, air);
   }
 
   bool near_air(std::int64_t particle) const {
-    bool found = false;
-    around(cell_of(particle), reach, [&](std::size_t k) { found = found || cell_[k] == air; });
-    return found;
+    const Place at = cell_of(particle), low = from(at, reach), high = to(at, reach);
+    for (std::int64_t z = low[2]; z < high[2]; ++z)
+      for (std::int64_t y = low[1]; y < high[1]; ++y)
+        for (std::int64_t x = low[0]; x < high[0];) {  // a block's part of the row at once
+          const std::int64_t end = std::min(high[0], (x / side + 1) * side);
+          const std::int32_t block = block_[block_of({x, y, z})];
+          if (block == whole(air)) return true;
+          if (block >= 0) {
+            const std::uint8_t* const row = cell_.data() + byte_of(block, {x, y, z});
+            if (std::find(row, row + (end - x), air) != row + (end - x)) return true;
+          }
+          x = end;
+        }
+    return false;
   }
 
  private:
   using Place = std::array<std::int64_t, 3>;
-  std::size_t index(const Place& p) const {
-    return static_cast<std::size_t>(p[0] * stride_[0] + p[1] * stride_[1] + p[2] * stride_[2]);
+  /// A connected space: the number of its cells, and that of them with the lowest number.
+  struct Space {
+    std::int64_t cells = 0;
+    Place first{};
+  };
+  static constexpr std::int64_t side = dim == 2 ? 32 : 8;  // of a block [cells]
+  static constexpr std::int64_t bytes = dim == 2 ? side * side : side * side * side;
+  static constexpr std::int32_t whole(Cell value) { return -1 - value; }  // of blocks without bytes
+
+  std::int64_t number(const Place& p) const { return (p[2] * size_[1] + p[1]) * size_[0] + p[0]; }
+  std::size_t block_of(const Place& p) const {
+    return static_cast<std::size_t>((p[2] / side * blocks_[1] + p[1] / side) * blocks_[0] + p[0] / side);
+  }
+  std::size_t byte_of(std::int32_t block, const Place& p) const {
+    return static_cast<std::size_t>(block * bytes + ((p[2] % side) * side + p[1] % side) * side +
+                                    p[0] % side);
   }
   Place cell_of(std::int64_t i) const {
     Place place{};
@@ -86,57 +121,103 @@ class Grid {
           static_cast<std::int64_t>((state_.position(d, i) - low_[d]) / spacing_);
     return place;
   }
-  template <class Visit>
-  void around(const Place& at, std::int64_t width, Visit&& visit) const {
-    const auto from = [&](std::size_t d) { return std::max<std::int64_t>(at[d] - width, 0); };
-    const auto to = [&](std::size_t d) { return std::min(at[d] + width, size_[d] - 1); };
-    for (std::int64_t z = from(2); z <= to(2); ++z)
-      for (std::int64_t y = from(1); y <= to(1); ++y)
-        for (std::int64_t x = from(0); x <= to(0); ++x) visit(index({x, y, z}));
+  Place from(Place at, std::int64_t width) const {
+    for (std::size_t d = 0; d < dim; ++d) at[d] = std::max<std::int64_t>(at[d] - width, 0);
+    return at;
   }
-  /// Gives that value to all empty cells connected with k. Returns their number.
-  std::size_t fill(std::size_t k, std::uint8_t value) {
-    if (cell_[k] != empty) return 0;
-    std::size_t count = 0;
-    open_.assign(1, k);
-    cell_[k] = value;
-    while (!open_.empty()) {
-      const std::size_t here = open_.back();
-      open_.pop_back();
-      ++count;
-      const auto number = static_cast<std::int64_t>(here);
-      for (std::size_t d = 0; d < dim; ++d) {
-        const std::int64_t place = number / stride_[d] % size_[d];
-        for (const std::int64_t step : {-1, 1}) {
-          if (place + step < 0 || place + step >= size_[d]) continue;
-          const auto next = static_cast<std::size_t>(number + step * stride_[d]);
-          if (cell_[next] != empty) continue;
-          cell_[next] = value;
-          open_.push_back(next);
-        }
-      }
+  Place to(Place at, std::int64_t width) const {  // one beyond
+    for (std::size_t d = 0; d < 3; ++d) at[d] = std::min(at[d] + (d < dim ? width : 0) + 1, size_[d]);
+    return at;
+  }
+  template <class Visit>
+  static void for_each_in(const Place& low, const Place& high, Visit&& visit) {
+    for (std::int64_t z = low[2]; z < high[2]; ++z)
+      for (std::int64_t y = low[1]; y < high[1]; ++y)
+        for (std::int64_t x = low[0]; x < high[0]; ++x) visit(Place{x, y, z});
+  }
+  /// Calls visit(low, high) with the first cell of each block and the place one beyond its last.
+  template <class Visit>
+  void for_each_block(Visit&& visit) const {
+    for_each_in({}, blocks_, [&](const Place& block) {
+      const Place low{block[0] * side, block[1] * side, block[2] * side};
+      visit(low, to(low, side - 1));
+    });
+  }
+  /// The byte of a cell. Gives its block bytes where it has none; those outside the grid are covered.
+  std::uint8_t& cell_at_own_byte(const Place& p) {
+    std::int32_t& block = block_[block_of(p)];
+    if (block < 0) {
+      block = static_cast<std::int32_t>(cell_.size() / static_cast<std::size_t>(bytes));
+      cell_.resize(cell_.size() + static_cast<std::size_t>(bytes), covered);
+      const Place low = first_in_block(p);
+      for_each_in(low, to(low, side - 1), [&](const Place& q) { cell_[byte_of(block, q)] = empty; });
     }
-    return count;
+    return cell_[byte_of(block, p)];
+  }
+  Place first_in_block(Place p) const {
+    for (std::int64_t& along : p) along -= along % side;
+    return p;
+  }
+  /// Gives that value to an empty cell, or to its block where that is empty as a whole, and notes it.
+  void take(const Place& p, Cell value, Space& space) {
+    std::int32_t& block = block_[block_of(p)];
+    Place at = p;
+    std::int64_t cells = 1;
+    if (block == whole(empty)) {
+      block = whole(value);
+      at = first_in_block(p);
+      const Place end = to(at, side - 1);
+      cells = (end[0] - at[0]) * (end[1] - at[1]) * (end[2] - at[2]);
+    } else if (block >= 0 && cell_[byte_of(block, p)] == empty) {
+      cell_[byte_of(block, p)] = value;
+    } else {
+      return;
+    }
+    if (space.cells == 0 || number(at) < number(space.first)) space.first = at;
+    space.cells += cells;
+    open_.push_back(at);
+  }
+  /// Gives that value to all empty cells connected with one. Blocks that are empty as a whole are one step.
+  Space fill(const Place& start, Cell value) {
+    Space space;
+    take(start, value, space);
+    while (!open_.empty()) {
+      const Place low = open_.back();
+      open_.pop_back();
+      const bool is_whole = block_[block_of(low)] < 0;
+      const Place high = to(low, is_whole ? side - 1 : 0);
+      for (std::size_t d = 0; d < dim; ++d)
+        for (const std::int64_t beside : {low[d] - 1, high[d]}) {
+          if (beside < 0 || beside >= size_[d]) continue;
+          Place first = low, last = high;  // of the face there
+          first[d] = beside;
+          last[d] = beside + 1;
+          if (block_[block_of(first)] < 0) last = {first[0] + 1, first[1] + 1, first[2] + 1};
+          for_each_in(first, last, [&](const Place& p) { take(p, value, space); });
+        }
+    }
+    return space;
   }
 
   const State<dim>& state_;
   double spacing_;
   std::vector<std::int64_t> particles_;
   Vector<dim> low_, high_;
-  std::array<std::int64_t, 3> size_{1, 1, 1}, stride_{1, 1, 1};
-  std::vector<std::uint8_t> cell_;
-  std::vector<std::size_t> open_;
+  Place size_{1, 1, 1}, blocks_{1, 1, 1};  // of the grid [cells], [blocks]
+  std::vector<std::int32_t> block_;        // the number of a block with bytes; else whole(value)
+  std::vector<std::uint8_t> cell_;         // block by block
+  std::vector<Place> open_;
 };
 
 }  // namespace
 
 template <int dim>
-Voids count_voids(const State<dim>& state, std::span<const std::int64_t> water, double spacing,
-                  bool open_top) {
+std::optional<Voids> count_voids(const State<dim>& state, std::span<const std::int64_t> water, double spacing,
+                                 bool open_top) {
   Voids voids;
   if (water.empty()) return voids;
   Grid<dim> grid(state, water, spacing);
-  if (!grid.cover()) return voids;
+  if (!grid.cover()) return std::nullopt;
   if (open_top)
     grid.fill_from_above();
   else
@@ -171,8 +252,9 @@ void follow_air(State<dim>& state, const Neighbours& near, std::int64_t water,
   std::copy(scratch.begin(), scratch.end(), state.air_connected.begin());
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                                    \
-  template Voids count_voids<dim>(const State<dim>&, std::span<const std::int64_t>, double, bool); \
+#define STRAKE_INSTANTIATE(dim)                                                                            \
+  template std::optional<Voids> count_voids<dim>(const State<dim>&, std::span<const std::int64_t>, double, \
+                                                 bool);                                                    \
   template void follow_air<dim>(State<dim>&, const Neighbours&, std::int64_t, std::vector<std::uint8_t>&);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "proto/archive_source.hpp"
 #include "proto/error.hpp"
 #include "proto/interface.hpp"
 
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 // Members are written to an archive by their kind: reals as a matrix, whole numbers and enumerators as int64.
@@ -30,6 +33,20 @@ void put(Archive& archive, const std::string& name, const std::vector<T>& values
   auto& stored = archive.integer[name];
   stored.clear();
   for (const T value : values) stored.push_back(static_cast<std::int64_t>(value));
+}
+
+/// Notes a member to be written later by those functions. It must outlive `source`.
+template <class T>
+void put(ArchiveSource& source, const std::string& name, const T& value) {
+  const auto taken = [&value] {
+    Archive one;
+    put(one, {}, value);
+    return one;
+  };
+  if constexpr (std::is_same_v<T, double> || std::is_base_of_v<Eigen::EigenBase<T>, T>)
+    source.real[name] = [taken] { return std::move(taken().real.begin()->second); };
+  else
+    source.integer[name] = [taken] { return std::move(taken().integer.begin()->second); };
 }
 
 [[noreturn]] inline void refuse(const std::string& problem) {

@@ -1,13 +1,17 @@
 #include "fluid/particles/cell_list.hpp"
 
+#include "fluid/particles/running_sum.hpp"
 #include "fluid/particles/simd_neighbours.hpp"
+#include "proto/error.hpp"
+#include "proto/number_text.hpp"
 
+#include <fmt/format.h>
 #include <omp.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace strake::fluid {
 namespace {
@@ -17,6 +21,10 @@ using std::size_t;
 /// Error of a distance in the screen, as a share of the radius. Lists are screened in single precision around
 /// the middle of a cell. Pairs that pass the screen but are too far apart are left out of the exact rows.
 constexpr double screening = 1e-5;
+
+/// Distance from the middle of a cell [reach] above which single precision is too coarse for the screen:
+/// 32 · 2⁻²⁴ = 2e-6, and a distance has up to two such errors.
+constexpr double farthest = 32;
 
 /// A coordinate far from all particles, for unused lanes of the screen.
 constexpr float nowhere = 1e18F;
@@ -125,105 +133,27 @@ bool fill_screen(const Vectors<dim>& position, std::span<const std::uint8_t> tag
 
 }  // namespace
 
-template <int dim>
-void CellList<dim>::lay_grid(const Vectors<dim>& position, double reach, const Periodic<dim>& periodic) {
-  const auto n = position.cols();
-  const double most = 4 * std::pow(static_cast<double>(n), 1.0 / dim) + 64;
-  std::array<double, 3> middle{};
-  for (int d = 0; d < dim; ++d) {
-    const auto k = static_cast<size_t>(d);
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    const double* x = position.data() + d;
-#pragma omp parallel for schedule(static) reduction(min : low) reduction(max : high)
-    for (Eigen::Index i = 0; i < n; ++i) {
-      low = std::min(low, x[dim * i]);
-      high = std::max(high, x[dim * i]);
-    }
-    // The grid is around the median of a sample, so that a few far particles do not set its extent.
-    constexpr Eigen::Index samples = 1001;
-    std::vector<double> sample;
-    for (Eigen::Index i = 0; i < n; i += std::max<Eigen::Index>(1, n / samples)) sample.push_back(x[dim * i]);
-    const auto median = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
-    std::nth_element(sample.begin(), median, sample.end());
-    middle[k] = sample.empty() ? 0 : *median;
-    seam_[k] = periodic.along(d);
-    if (seam_[k]) {
-      origin_[k] = low;
-      count_[k] = static_cast<std::int32_t>(std::min(most, periodic.length()[d] / reach));
-      size_[k] = periodic.length()[d] / count_[k];
-    } else {
-      origin_[k] = sample.empty() ? 0 : std::max(low, middle[k] - 0.5 * most * reach);
-      const double extent = sample.empty() ? 0 : std::min(high - origin_[k], most * reach);
-      count_[k] = static_cast<std::int32_t>(extent / reach) + 1;
-      size_[k] = reach;
-    }
-  }
-  // The number of cells is limited to a few per particle: the longest extent around the median is halved.
-  const auto cells = [&] { return std::int64_t{count_[0]} * count_[1] * count_[2]; };
-  while (cells() > 16 * n + 65536) {
-    size_t longest = 3;
-    for (size_t k = 0; k < dim; ++k)
-      if (!seam_[k] && (longest == 3 || count_[k] > count_[longest])) longest = k;
-    if (longest == 3) break;  // periodic in all directions: the extents are those of the case
-    count_[longest] = (count_[longest] + 1) / 2;
-    origin_[longest] = std::clamp(middle[longest] - 0.5 * count_[longest] * size_[longest], origin_[longest],
-                                  origin_[longest] + count_[longest] * size_[longest]);
-  }
+std::int64_t place_bits(Candidates& out) {
+  const std::vector<std::int64_t>& start = out.list_start;
+  out.bits_start.resize(out.cell.size());
+  return running_sum(
+      static_cast<std::int64_t>(out.cell.size()),
+      [&](std::int64_t i) {
+        const auto c = static_cast<size_t>(out.cell[static_cast<size_t>(i)]);
+        return (start[c + 1] - start[c] + simd::wide - 1) / simd::wide;
+      },
+      [&](std::int64_t i, std::int64_t from, std::int64_t) {
+        out.bits_start[static_cast<size_t>(i)] = from;
+      });
 }
 
-template <int dim>
-CellList<dim>::Place CellList<dim>::place(const double* x) const {
-  Place p{};
-  for (size_t d = 0; d < dim; ++d) {
-    double at = (x[d] - origin_[d]) / size_[d];
-    if (seam_[d]) {
-      if (at < 0) at += count_[d];
-      if (at >= count_[d]) at -= count_[d];
-    }
-    p[d] = static_cast<std::int32_t>(std::clamp(at, 0.0, static_cast<double>(count_[d] - 1)));
-  }
-  return p;
-}
-
-template <int dim>
-CellList<dim>::Place CellList<dim>::place_of(std::int32_t cell) const {
-  return {cell % count_[0], cell / count_[0] % count_[1], cell / (count_[0] * count_[1])};
-}
-
-template <int dim>
-Vector<dim> CellList<dim>::centre(const Place& p) const {
-  Vector<dim> x;
-  for (int d = 0; d < dim; ++d) {
-    const auto k = static_cast<size_t>(d);
-    x[d] = origin_[k] + (p[k] + 0.5) * size_[k];
-  }
-  return x;
-}
-
-/// Calls body(cell) for a cell and all that touch it, each once.
-template <int dim>
-template <class Body>
-void CellList<dim>::around(const Place& p, Body&& body) const {
-  std::array<std::array<std::int32_t, 3>, 3> along{};
-  std::array<int, 3> found{1, 1, 1};
-  for (size_t d = 0; d < dim; ++d) {
-    found[d] = 0;
-    for (int step = -1; step <= 1; ++step) {
-      std::int32_t k = p[d] + step;
-      if (seam_[d]) {
-        if ((step == 1 && count_[d] <= 2) || (step == -1 && count_[d] == 1)) continue;  // the same cell again
-        k = (k + count_[d]) % count_[d];
-      } else if (k < 0 || k >= count_[d]) {
-        continue;
-      }
-      along[d][static_cast<size_t>(found[d]++)] = k;
-    }
-  }
-  for (int z = 0; z < found[2]; ++z)
-    for (int y = 0; y < found[1]; ++y)
-      for (int x = 0; x < found[0]; ++x)
-        body(number({along[0][static_cast<size_t>(x)], along[1][static_cast<size_t>(y)],
-                     along[2][static_cast<size_t>(z)]}));
+void check_count(std::int64_t particles) {
+  constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+  if (particles <= most) return;
+  throw Error(ExitCode::case_file, "fluid.spacing",
+              fmt::format("water, walls and bodies have {} particles, the fluid numbers at most {}",
+                          grouped(particles), grouped(most)),
+              "make fluid.spacing larger, or the tank smaller");
 }
 
 /// Finds each particle's cell and the length of each cell's list. Then next_ is where a cell's list begins,
@@ -231,98 +161,153 @@ void CellList<dim>::around(const Place& p, Body&& body) const {
 template <int dim>
 void CellList<dim>::count_members(const Vectors<dim>& position, Candidates& out) {
   const auto n = static_cast<std::int64_t>(position.cols());
-  const std::int64_t cells = std::int64_t{count_[0]} * count_[1] * count_[2];
+  const std::int64_t cells = grid_.cells();
   std::vector<std::int32_t>& cell = out.cell;
   std::vector<std::int64_t>& start = out.list_start;
   cell.resize(static_cast<size_t>(n));
   members_.assign(static_cast<size_t>(cells), 0);
   next_.assign(static_cast<size_t>(cells), -1);
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < n; ++i)
-    cell[static_cast<size_t>(i)] = number(place(position.data() + dim * i));
-  for (const std::int32_t c : cell) ++members_[static_cast<size_t>(c)];
-  occupied_.clear();
-  for (std::int64_t c = 0; c < cells; ++c)
-    if (members_[static_cast<size_t>(c)]) occupied_.push_back(static_cast<std::int32_t>(c));
-  const auto occupied = static_cast<std::int64_t>(occupied_.size());
+#pragma omp parallel
+  {
+    const std::int64_t team = omp_get_num_threads(), me = omp_get_thread_num();
+    const std::int64_t first = n * me / team, last = n * (me + 1) / team;
+    for (std::int64_t i = first; i < last; ++i)
+      cell[static_cast<size_t>(i)] = grid_.cell_at(position.data() + dim * i);
+    for_each_run(cell, first, last, [&](Run run) {
+      std::int32_t& members = members_[static_cast<size_t>(cell[static_cast<size_t>(run.first)])];
+#pragma omp atomic
+      members += run.last - run.first;
+    });
+  }
+  const auto has_members = [&](std::int64_t c) {
+    return std::int64_t{members_[static_cast<size_t>(c)] ? 1 : 0};
+  };
+  occupied_.resize(static_cast<size_t>(std::min(n, cells)));
+  const std::int64_t occupied =
+      running_sum(cells, has_members, [&](std::int64_t c, std::int64_t from, std::int64_t to) {
+        if (to > from) occupied_[static_cast<size_t>(from)] = static_cast<std::int32_t>(c);
+      });
+  occupied_.resize(static_cast<size_t>(occupied));
   start.resize(occupied_.size() + 1);
   start[0] = 0;
 #pragma omp parallel for schedule(static)
   for (std::int64_t o = 0; o < occupied; ++o) {
     std::int64_t length = 0;
-    around(place_of(occupied_[static_cast<size_t>(o)]),
-           [&](std::int32_t b) { length += members_[static_cast<size_t>(b)]; });
+    grid_.around(grid_.place_of(occupied_[static_cast<size_t>(o)]),
+                 [&](std::int32_t b) { length += members_[static_cast<size_t>(b)]; });
     start[static_cast<size_t>(o) + 1] = length;
   }
-  for (size_t o = 0; o < occupied_.size(); ++o) {
-    start[o + 1] += start[o];
-    next_[static_cast<size_t>(occupied_[o])] = start[o];
-    members_[static_cast<size_t>(occupied_[o])] = static_cast<std::int32_t>(o);
+  running_sum(
+      occupied, [&](std::int64_t o) { return start[static_cast<size_t>(o) + 1]; },
+      [&](std::int64_t o, std::int64_t from, std::int64_t to) {
+        start[static_cast<size_t>(o) + 1] = to;
+        next_[static_cast<size_t>(occupied_[static_cast<size_t>(o)])] = from;
+        members_[static_cast<size_t>(occupied_[static_cast<size_t>(o)])] = static_cast<std::int32_t>(o);
+      });
+}
+
+/// Calls visit(run) for the runs that the particles first ≤ i < last consist of, in their order. Particles
+/// that follow one another are mostly in one cell.
+template <int dim>
+template <class Visit>
+void CellList<dim>::for_each_run(std::span<const std::int32_t> cell, std::int64_t first, std::int64_t last,
+                                 Visit&& visit) {
+  for (std::int64_t i = first, end = i; i < last; i = end) {
+    const std::int32_t c = cell[static_cast<size_t>(i)];
+    for (++end; end < last && cell[static_cast<size_t>(end)] == c;) ++end;
+    visit(Run{static_cast<std::int32_t>(i), static_cast<std::int32_t>(end)});
   }
 }
 
-/// Fills the lists of the cells. Each thread owns a range of cells, and appends to their lists.
+/// Appends a run to the lists of those cells around it that are in first ≤ b < last.
 template <int dim>
-void CellList<dim>::fill_lists(const Vectors<dim>& position, Candidates& out) {
-  count_members(position, out);
-  const auto n = static_cast<std::int64_t>(position.cols());
-  const std::int64_t cells = std::int64_t{count_[0]} * count_[1] * count_[2];
-  const auto occupied = static_cast<std::int64_t>(occupied_.size());
-  std::vector<std::int32_t>& cell = out.cell;
+void CellList<dim>::append(Run run, std::int64_t first, std::int64_t last, Candidates& out) {
+  grid_.around(grid_.place_of(out.cell[static_cast<size_t>(run.first)]), [&](std::int32_t b) {
+    if (b < first || b >= last || next_[static_cast<size_t>(b)] < 0) return;
+    std::int32_t* const to = out.lists.data() + next_[static_cast<size_t>(b)];
+    for (std::int32_t k = 0; k < run.last - run.first; ++k) to[k] = run.first + k;
+    next_[static_cast<size_t>(b)] += run.last - run.first;
+  });
+}
+
+/// Hands a run to the owners of the lists it belongs to. Owner p has the cells from bound[p] on.
+template <int dim>
+void CellList<dim>::hand_out(Run run, std::span<const std::int64_t> bound, const Candidates& out,
+                             std::vector<std::vector<Run>>& share) const {
+  std::array<std::ptrdiff_t, 27> owners{};
+  auto end = owners.begin();
+  grid_.around(grid_.place_of(out.cell[static_cast<size_t>(run.first)]), [&](std::int32_t b) {
+    if (next_[static_cast<size_t>(b)] < 0) return;
+    const auto owner = std::upper_bound(bound.begin() + 1, bound.end() - 1, b) - bound.begin() - 1;
+    if (std::find(owners.begin(), end, owner) == end) *end++ = owner;
+  });
+  for (auto owner = owners.begin(); owner < end; ++owner) share[static_cast<size_t>(*owner)].push_back(run);
+}
+
+/// Fills the lists of the cells. Each thread owns a range of cells with as many list entries as any other.
+/// First each hands its part of the particles to the owners of the lists they belong to: the work of all
+/// threads together does not grow with their number. Then it appends what it was handed, in the order of the
+/// particles.
+template <int dim>
+void CellList<dim>::fill_lists(Candidates& out) {
+  const auto n = static_cast<std::int64_t>(out.cell.size());
   const std::vector<std::int64_t>& start = out.list_start;
   make_room(out.lists, static_cast<size_t>(start.back()));
+  std::vector<std::int64_t> bound;                   // first cell of each owner, and the end
+  std::vector<std::vector<std::vector<Run>>> share;  // by who handed out, and to whom
 #pragma omp parallel
   {
-    // Each thread gets as many list entries.
-    const auto share = [&](std::int64_t part) {
-      const std::int64_t entry = start.back() * part / omp_get_num_threads();
-      const auto o = std::lower_bound(start.begin(), start.end(), entry) - start.begin();
-      return o < occupied ? std::int64_t{occupied_[static_cast<size_t>(o)]} : cells;
-    };
-    const std::int64_t first = share(omp_get_thread_num()), last = share(omp_get_thread_num() + 1);
-    std::array<std::int64_t*, 27> ends{};
-    size_t n_lists = 0;
-    std::int32_t of = -1;
-    for (std::int64_t i = 0; i < n; ++i) {
-      const std::int32_t c = cell[static_cast<size_t>(i)];
-      if (c != of) {  // mostly the one before
-        of = c;
-        n_lists = 0;
-        around(place_of(c), [&](std::int32_t b) {
-          if (b >= first && b < last && next_[static_cast<size_t>(b)] >= 0)
-            ends[n_lists++] = &next_[static_cast<size_t>(b)];
-        });
+    const std::int64_t team = omp_get_num_threads(), me = omp_get_thread_num();
+    const auto own = static_cast<size_t>(me);
+#pragma omp single
+    {
+      for (std::int64_t part = 0; part < team; ++part) {
+        const auto o = std::lower_bound(start.begin(), start.end() - 1, start.back() * part / team);
+        bound.push_back(o == start.end() - 1 ? grid_.cells()
+                                             : occupied_[static_cast<size_t>(o - start.begin())]);
       }
-      for (size_t l = 0; l < n_lists; ++l)
-        out.lists[static_cast<size_t>((*ends[l])++)] = static_cast<std::int32_t>(i);
+      bound.push_back(grid_.cells());
+      share.resize(static_cast<size_t>(team));
+    }
+    if (team == 1) {
+      for_each_run(out.cell, 0, n, [&](Run run) { append(run, 0, grid_.cells(), out); });
+    } else {
+      std::vector<std::vector<Run>> mine(static_cast<size_t>(team));
+      for_each_run(out.cell, n * me / team, n * (me + 1) / team,
+                   [&](Run run) { hand_out(run, bound, out, mine); });
+      share[own] = std::move(mine);
+#pragma omp barrier
+      for (const auto& from : share)
+        for (const Run run : from[own]) append(run, bound[own], bound[own + 1], out);
     }
   }
-  out.bits_start.resize(static_cast<size_t>(n));
-  std::int64_t words = 0;
+#pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
-    std::int32_t& c = cell[static_cast<size_t>(i)];
+    std::int32_t& c = out.cell[static_cast<size_t>(i)];
     c = members_[static_cast<size_t>(c)];
-    out.bits_start[static_cast<size_t>(i)] = static_cast<std::uint32_t>(words);
-    words +=
-        (start[static_cast<size_t>(c) + 1] - start[static_cast<size_t>(c)] + simd::wide - 1) / simd::wide;
   }
-  make_room(out.bits, static_cast<size_t>(words));
+  make_room(out.bits, static_cast<size_t>(place_bits(out)));
 }
 
 template <int dim>
 void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double radius,
                          double skin, const Periodic<dim>& periodic, Candidates& out) {
   const double reach = (radius + skin) * (1 + screening);
-  lay_grid(position, reach, periodic);
-  fill_lists(position, out);
+  check_count(position.cols());
+  grid_.lay(position, reach, periodic);
+  count_members(position, out);
+  fill_lists(out);
   const double low = skin + screening * radius, inside = std::max(0.0, radius - skin - screening * radius);
   Limits limits{static_cast<float>(reach * reach), static_cast<float>(low * low),
                 static_cast<float>(inside * inside)};
-  for (size_t d = 0; d < dim; ++d) {
-    if (!seam_[d] || count_[d] >= 3) continue;
+  std::array<double, dim> inside_grid;  // of distances from the middle of a cell [m]
+  for (int d = 0; d < dim; ++d) {
+    const auto k = static_cast<size_t>(d);
+    inside_grid[k] = std::min(2 * grid_.size(d), farthest * reach);
+    if (!grid_.narrow(d)) continue;
     limits.narrow = true;
-    limits.period[d] = static_cast<float>(periodic.length()[static_cast<int>(d)]);
-    limits.inverse[d] = 1 / limits.period[d];
+    limits.period[k] = static_cast<float>(periodic.length()[d]);
+    limits.inverse[k] = 1 / limits.period[k];
   }
   const auto occupied = static_cast<std::int64_t>(occupied_.size());
 #pragma omp parallel
@@ -333,14 +318,14 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
       const std::int32_t* list = out.lists.data() + out.list_start[static_cast<size_t>(o)];
       const auto length = static_cast<size_t>(out.list_start[static_cast<size_t>(o) + 1] -
                                               out.list_start[static_cast<size_t>(o)]);
-      const Vector<dim> middle = centre(place_of(occupied_[static_cast<size_t>(o)]));
+      const Vector<dim> middle = grid_.centre(grid_.place_of(occupied_[static_cast<size_t>(o)]));
       const bool fillers =
           fill_screen<dim>(position, tag, periodic, {list, length}, middle, out.cell, o, screen);
       for (const std::int32_t m : screen.member) {
         const auto k = static_cast<size_t>(m);
         const std::int32_t i = list[k];
         bool far = false;
-        for (size_t d = 0; d < dim; ++d) far = far || std::abs(screen.all[d][k]) > 2 * size_[d];
+        for (size_t d = 0; d < dim; ++d) far = far || std::abs(screen.all[d][k]) > inside_grid[d];
         const bool filler = fillers && (tag[static_cast<size_t>(i)] & 1);
         std::uint32_t* const bits = out.bits.data() + out.first_bits(i);
         if (far)

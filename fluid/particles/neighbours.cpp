@@ -1,5 +1,6 @@
 #include "fluid/particles/neighbours.hpp"
 
+#include "fluid/particles/running_sum.hpp"
 #include "fluid/particles/simd_neighbours.hpp"
 #include "proto/error.hpp"
 
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -27,6 +29,9 @@ constexpr double thinnest = 0.1;
 /// Number of rows in a block that one thread computes. Threads keep the same rows from loop to loop: rows
 /// that another processor has written last cost more than even shares save.
 constexpr std::int64_t block = 64;
+
+/// Particles that one thread goes through faster than two where each takes a few operations.
+constexpr size_t few = 4096;
 
 /// Mask of the candidates' bits that mark near partners.
 constexpr std::uint32_t near_bits = 0xffff;
@@ -55,9 +60,12 @@ std::uint32_t asked_for(std::uint32_t kept, std::int32_t i, const std::int32_t* 
   return kept;
 }
 
-/// Replaces each number by the sum from the start.
+/// Replaces the length of each row by where it ends. start[0] is 0.
 void sum_up(std::vector<std::int64_t>& start) {
-  for (size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  running_sum(
+      static_cast<std::int64_t>(start.size()) - 1,
+      [&](std::int64_t i) { return start[static_cast<size_t>(i) + 1]; },
+      [&](std::int64_t i, std::int64_t, std::int64_t to) { start[static_cast<size_t>(i) + 1] = to; });
 }
 
 }  // namespace
@@ -142,14 +150,18 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
 template <int dim>
 void NeighbourSearch<dim>::mark_asked(std::span<const std::uint8_t> tag) {
   meets_asked_.assign(tag.size(), 0);
+  const auto mark = [&](size_t i) {  // two threads may mark the same
+    std::atomic_ref(meets_asked_[i]).store(1, std::memory_order_relaxed);
+  };
+#pragma omp parallel for schedule(static) if (tag.size() > few)
   for (size_t i = 0; i < tag.size(); ++i) {
     if (!(tag[i] & asked)) continue;
-    meets_asked_[i] = 1;
+    mark(i);
     const auto list = candidates_.list(static_cast<std::int64_t>(i));
     size_t word = candidates_.first_bits(static_cast<std::int64_t>(i));
     for (size_t b = 0; b < list.size(); b += simd::wide, ++word)
       for (std::uint32_t near = candidates_.bits[word] & near_bits; near; near &= near - 1)
-        meets_asked_[static_cast<size_t>(list[b + static_cast<size_t>(std::countr_zero(near))])] = 1;
+        mark(static_cast<size_t>(list[b + static_cast<size_t>(std::countr_zero(near))]));
   }
 }
 
@@ -250,8 +262,9 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   for (auto& part : parts_) part.fresh = false;
   if (built_at_.cols() != n || built_filler_.size() != tag.size()) invalidate();
   unsigned changed = 0;
-  if (valid_)
-    for (size_t i = 0; i < tag.size(); ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
+  const size_t compared = valid_ ? tag.size() : 0;
+#pragma omp parallel for schedule(static) reduction(| : changed) if (compared > few)
+  for (size_t i = 0; i < compared; ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
   if (changed) valid_ = false;
   // The candidates stay valid while no particle has moved by more than half the skin. Two particles within
   // the radius were then within radius + skin when the candidates were found.

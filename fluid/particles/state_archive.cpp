@@ -8,7 +8,7 @@
 namespace strake::fluid {
 
 template <int dim>
-void save(const State<dim>& state, Archive& archive) {
+void save(const State<dim>& state, ArchiveSource& archive) {
   const auto write = [&](const char* name, const auto& member) { put(archive, name, member); };
   for_each_column(write, state);
   for_each_value(write, state);
@@ -60,8 +60,8 @@ Archive with_names(Archive archive) {
   return archive;
 }
 
-template void save<2>(const State<2>&, Archive&);
-template void save<3>(const State<3>&, Archive&);
+template void save<2>(const State<2>&, ArchiveSource&);
+template void save<3>(const State<3>&, ArchiveSource&);
 template State<2> load<2>(const Archive&);
 template State<3> load<3>(const Archive&);
 

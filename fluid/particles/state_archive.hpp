@@ -1,13 +1,14 @@
 #pragma once
 
 #include "fluid/particles/state.hpp"
+#include "proto/archive_source.hpp"
 #include "proto/interface.hpp"
 
 namespace strake::fluid {
 
-/// Writes each member of the state under its own name.
+/// Notes each member of the state under its own name; the state must outlive what is noted.
 template <int dim>
-void save(const State<dim>&, Archive&);
+void save(const State<dim>&, ArchiveSource&);
 /// Reads it back, to the last bit. Throws Error(case_file) naming what is missing or of another size.
 template <int dim>
 State<dim> load(const Archive&);

@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 
 #include <cassert>
+#include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <string_view>
 
 namespace strake::hdf5 {
 namespace {
@@ -51,6 +53,22 @@ herr_t collect_name(hid_t, const char* name, const H5L_info_t*, void* names) {
   return 0;
 }
 
+/// Gives HDF5 the memory of a file. `image` follows it, and keeps it when HDF5 closes the file.
+void* resize_image(void* bytes, std::size_t size, H5FD_file_image_op_t, void* image) {
+  void* const moved = std::realloc(bytes, size);
+  if (moved != nullptr) static_cast<Image*>(image)->bytes = moved;
+  return moved;
+}
+herr_t keep_image(void*, H5FD_file_image_op_t, void*) {
+  return 0;
+}
+void* same_image(void* image) {
+  return image;
+}
+herr_t release_nothing(void*) {
+  return 0;
+}
+
 std::recursive_mutex& session_mutex() {
   static std::recursive_mutex mutex;
   return mutex;
@@ -71,12 +89,24 @@ Session::~Session() {
   H5Eset_auto2(H5E_DEFAULT, function_, data_);
 }
 
-Writer::Writer() {
+Image::~Image() {
+  std::free(bytes);
+}
+
+Writer::Writer() : image_(std::make_unique<Image>()) {
   const Handle access(made(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
   constexpr std::size_t growth = 1 << 18;  // bytes
   done(H5Pset_fapl_core(access.get(), growth, false));
-  // The file keeps the library's default (oldest) format. With a newer one, H5Fget_file_image (1.10.8) clears
-  // the superblock's "open" flag without renewing the checksum, and the result cannot be opened.
+  H5FD_file_image_callbacks_t memory{};
+  memory.image_realloc = resize_image;
+  memory.image_free = keep_image;
+  memory.udata_copy = same_image;
+  memory.udata_free = release_nothing;
+  memory.udata = image_.get();
+  done(H5Pset_file_image_callbacks(access.get(), &memory));
+  // The file keeps the library's default (oldest) format, for readers of any age. It was also needed once:
+  // with a newer format H5Fget_file_image (1.10.8) clears the superblock's "open" flag without renewing the
+  // checksum, and the result cannot be opened. `save` asks it for the size alone.
   const Handle creation = without_times([] { return H5Pcreate(H5P_FILE_CREATE); });
   file_ =
       Handle(made(H5Fcreate("composed in memory", H5F_ACC_TRUNC, creation.get(), access.get())), H5Fclose);
@@ -120,10 +150,10 @@ void Writer::attribute(const std::string& object, const std::string& name, const
 
 void Writer::save(const std::filesystem::path& path, bool lasting) {
   done(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
-  const ssize_t size = H5Fget_file_image(file_.get(), nullptr, 0);
+  const ssize_t size = H5Fget_file_image(file_.get(), nullptr, 0);  // the memory has some room behind
   if (size < 0) done(-1);
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  if (H5Fget_file_image(file_.get(), bytes.data(), bytes.size()) != size) done(-1);
+  done(H5Fclose(file_.release()));  // it clears the flag "open for writing" in the bytes
+  const std::string_view bytes(static_cast<const char*>(image_->bytes), static_cast<std::size_t>(size));
   if (lasting)
     write_lasting(path, bytes);
   else

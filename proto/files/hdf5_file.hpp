@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -37,6 +38,7 @@ class Handle {
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   hid_t get() const { return id_; }
+  hid_t release() { return std::exchange(id_, -1); }  // for whom closes it himself
 
  private:
   hid_t id_ = -1;
@@ -59,8 +61,18 @@ class Session {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// Memory in which HDF5 composes a file.
+struct Image {
+  void* bytes = nullptr;
+  Image() = default;
+  ~Image();
+  Image(const Image&) = delete;
+  Image& operator=(const Image&) = delete;
+};
+
 /// Composes a file in memory, which we then write in one go. So HDF5 never meets a full disk, and no
-/// half-written file is ever seen. Object times are off, so equal content is equal bytes.
+/// half-written file is ever seen. The memory is ours: it is written as it is, without a copy. Object times
+/// are off, so equal content is equal bytes.
 class Writer {
  public:
   Writer();
@@ -70,13 +82,14 @@ class Writer {
   void dataset(const std::string& path, const std::vector<std::int64_t>& data, Eigen::Index columns = 1);
   void attribute(const std::string& object, const std::string& name, double value);
   void attribute(const std::string& object, const std::string& name, const std::string& value);
-  /// Writes the file whole; throws Error(cannot_write).
+  /// Closes the file and writes it whole, as the last call; throws Error(cannot_write).
   void save(const std::filesystem::path&, bool lasting = false);  // lasting: on the disk when it returns
 
  private:
   void put(const std::string& path, hid_t file_type, hid_t memory_type, const void* data, Eigen::Index rows,
            Eigen::Index columns);
   Session session_;
+  std::unique_ptr<Image> image_;  // outlives file_
   Handle file_;
 };
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
 #include <utility>
 
 namespace strake {
@@ -14,11 +15,10 @@ namespace {
 
 const std::string archive_format = "strake archive 1";
 
-/// Vectors have three components in a frame: ParaView draws no arrows for two.
-Eigen::MatrixXd padded(const Eigen::MatrixXd& value) {
-  if (value.rows() != 2) return value;
-  Eigen::MatrixXd three = Eigen::MatrixXd::Zero(3, value.cols());
-  three.topRows(2) = value;
+/// Adds a third component of zeros to two.
+Eigen::MatrixXd padded(const Eigen::MatrixXd& two) {
+  Eigen::MatrixXd three = Eigen::MatrixXd::Zero(3, two.cols());
+  three.topRows(2) = two;
   return three;
 }
 
@@ -28,14 +28,26 @@ void put_arrays(hdf5::Writer& file, const std::string& group, const std::vector<
   for (const Frame::Array& array : arrays) {
     assert(array.value.cols() == n);
     static_cast<void>(n);
-    const Eigen::MatrixXd value =
-        padded(array.value);  // components×n, columns one after the other: n×components
     const std::string path = group + "/" + hdf5::link_name(array.name);
-    file.dataset(path, value.data(), value.cols(), value.rows());
+    // components×n, columns one after the other: n×components
+    const auto put = [&](const Eigen::MatrixXd& value) {
+      file.dataset(path, value.data(), value.cols(), value.rows());
+      listed.emplace_back(array.name, static_cast<int>(value.rows()));
+    };
+    array.value.rows() == 2 ? put(padded(array.value)) : put(array.value);  // ParaView draws no arrows of two
     file.attribute(path, "unit", array.unit);
-    listed.emplace_back(array.name, static_cast<int>(value.rows()));
   }
   std::sort(listed.begin(), listed.end());  // as a folder of frames lists them again on resume
+}
+
+/// The nodes of a frame's cells one after the other; without cells, each point.
+std::vector<std::int64_t> cells_of(const Frame& frame, long long count) {
+  std::vector<std::int64_t> cells(static_cast<std::size_t>(count));
+  if (frame.cells.size() == 0)
+    std::iota(cells.begin(), cells.end(), 0);
+  else
+    std::copy_n(frame.cells.data(), cells.size(), cells.begin());
+  return cells;
 }
 
 std::string xml_text(const std::string& text) {
@@ -77,20 +89,32 @@ std::string attributes(const std::vector<std::pair<std::string, int>>& arrays, c
 
 }  // namespace
 
-void write_archive(const std::filesystem::path& path, const Archive& archive, const ArchiveUnits& unit,
+void write_archive(const std::filesystem::path& path, const ArchiveSource& archive, const ArchiveUnits& unit,
                    bool lasting) {
   hdf5::Writer file;
   file.attribute("/", "format", archive_format);
   file.group("/real");
-  for (const auto& [name, value] : archive.real) {
-    const hdf5::RowMajor rows = value;
+  for (const auto& [name, make] : archive.real) {
+    const hdf5::RowMajor rows = make();
     const std::string place = "/real/" + hdf5::link_name(name);
     file.dataset(place, rows.data(), rows.rows(), rows.cols());
     if (const auto own = unit.find(name); own != unit.end()) file.attribute(place, "unit", own->second);
   }
   file.group("/integer");
-  for (const auto& [name, value] : archive.integer) file.dataset("/integer/" + hdf5::link_name(name), value);
+  for (const auto& [name, make] : archive.integer) file.dataset("/integer/" + hdf5::link_name(name), make());
   file.save(path, lasting);
+}
+
+void write_archive(const std::filesystem::path& path, const Archive& archive, const ArchiveUnits& unit,
+                   bool lasting) {
+  write_archive(path, source_of(archive), unit, lasting);
+}
+
+ArchiveSource source_of(const Archive& archive) {
+  ArchiveSource source;
+  for (const auto& [name, value] : archive.real) source.real[name] = [&value] { return value; };
+  for (const auto& [name, value] : archive.integer) source.integer[name] = [&value] { return value; };
+  return source;
 }
 
 Archive read_archive(const std::filesystem::path& path) {
@@ -127,16 +151,12 @@ void FrameSeries::write(const Frame& frame) {
   entry.n_cells = vertices ? entry.n_points : frame.cells.cols();
   entry.nodes_per_cell = vertices ? 1 : static_cast<int>(frame.cells.rows());
 
-  std::vector<std::int64_t> cells(static_cast<std::size_t>(entry.n_cells * entry.nodes_per_cell));
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    cells[i] = vertices ? static_cast<std::int64_t>(i) : frame.cells.data()[i];
-
   hdf5::Writer file;
   file.attribute("/", "format", hdf5::frame_format);
   file.attribute("/", "time", frame.time);
   file.dataset("/position", frame.position.data(), frame.position.cols(), 3);
   file.attribute("/position", "unit", std::string("m"));
-  file.dataset("/cells", cells, entry.nodes_per_cell);
+  file.dataset("/cells", cells_of(frame, entry.n_cells * entry.nodes_per_cell), entry.nodes_per_cell);
   put_arrays(file, "/point", frame.point_data, frame.position.cols(), entry.point_data);
   put_arrays(file, "/cell", frame.cell_data, entry.n_cells, entry.cell_data);
   file.save(run_folder_ / entry.file);

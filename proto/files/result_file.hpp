@@ -1,5 +1,6 @@
 #pragma once
 
+#include "proto/archive_source.hpp"
 #include "proto/interface.hpp"
 
 #include <filesystem>
@@ -17,6 +18,12 @@ namespace strake {
 using ArchiveUnits = std::map<std::string, std::string>;
 void write_archive(const std::filesystem::path&, const Archive&, const ArchiveUnits& unit = {},
                    bool lasting = false);
+/// Writes the same file from values that are made one after the other. Beside its sources it takes the memory
+/// of the file, and of one value twice.
+void write_archive(const std::filesystem::path&, const ArchiveSource&, const ArchiveUnits& unit = {},
+                   bool lasting = false);
+/// The values of an archive, which must outlive it.
+ArchiveSource source_of(const Archive&);
 /// Throws Error(case_file) with the path and what was expected when the file is missing or not ours.
 Archive read_archive(const std::filesystem::path&);
 ArchiveUnits read_archive_units(const std::filesystem::path&);

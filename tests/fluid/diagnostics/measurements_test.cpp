@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace strake::fluid {
 namespace {
 
@@ -27,6 +29,22 @@ TEST(Measurements, AreReadBackFromAnArchive) {
   EXPECT_THROW(load_measurements(archive, 3), Error);
   archive.integer.erase("openings");
   EXPECT_THROW(load_measurements(archive, 2), Error);
+}
+
+TEST(Measurements, VoidsThatWereNotComputedAreNoNumberFromThenOn) {
+  Measurements measurements;
+  measurements.add(Voids{.all = 5, .internal_voids = 2});
+  measurements.add(Voids{.all = 3, .internal_voids = 3});
+  EXPECT_EQ(measurements.of_record(measurements.voids), 5);
+  EXPECT_EQ(measurements.of_record(measurements.internal_voids), 3);
+  measurements.add(std::nullopt);
+  measurements.add(Voids{.all = 9, .internal_voids = 9});
+  Archive archive;
+  save(measurements, archive);
+  const Measurements read = load_measurements(archive, 0);
+  EXPECT_TRUE(read.lacks_voids());
+  EXPECT_TRUE(std::isnan(read.of_record(read.voids)));
+  EXPECT_TRUE(std::isnan(read.of_record(read.internal_voids)));
 }
 
 }  // namespace

@@ -295,5 +295,26 @@ TEST(Neighbours, rows_do_not_depend_on_the_number_of_threads) {
   EXPECT_TRUE(same(a, b));
 }
 
+TEST(Neighbours, asked_pairs_do_not_depend_on_the_number_of_threads) {
+  auto position = block<2>(90, 0.01, 0.3);
+  std::vector<std::uint8_t> tag(static_cast<std::size_t>(position.cols()), plain);
+  for (std::size_t i = 0; i < tag.size(); i += 7) tag[i] = i % 2 ? asked : filler;
+  const auto apart = [&](std::int32_t i, std::int32_t j) {
+    return (position(1, i) > 0) == (position(1, j) > 0);
+  };
+  NeighbourSearch<2> one(0.031, 0.002), several(0.031, 0.002), all(0.031, 0.002);
+  for (unsigned step = 0; step < 3; ++step) {
+    omp_set_num_threads(1);
+    const auto& a = one.update(position, tag, apart);
+    omp_set_num_threads(3);
+    const auto& b = several.update(position, tag, apart);
+    EXPECT_TRUE(same(a, b)) << step;
+    EXPECT_LT(a.column().size(), all.update(position, tag).column().size());  // some were refused
+    jiggle<2>(position, 3e-4, step);
+    tag[8000] ^= filler;  // the candidates are found anew
+  }
+  omp_set_num_threads(1);
+}
+
 }  // namespace
 }  // namespace strake::fluid

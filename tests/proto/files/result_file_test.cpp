@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <fstream>
 #include <limits>
 #include <sys/resource.h>
 
@@ -61,6 +62,70 @@ TEST(Archive, EqualContentIsEqualBytesAndNothingIsLeftAside) {
   write_archive(folder / "a.h5", archive);
   EXPECT_EQ(content(folder / "a.h5"), first);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.h5.part"));
+}
+
+TEST(Archive, ValuesMadeOneByOneGiveTheSameBytes) {
+  const TemporaryFolder folder;
+  const Archive archive = some_archive();
+  write_archive(folder / "a.h5", archive);
+  ArchiveSource source;
+  for (const auto& [name, value] : archive.real) source.real[name] = [&value] { return value; };
+  for (const auto& [name, value] : archive.integer) source.integer[name] = [&value] { return value; };
+  write_archive(folder / "b.h5", source);
+  EXPECT_EQ(content(folder / "b.h5"), content(folder / "a.h5"));
+}
+
+/// A line of /proc/self/status [bytes].
+double status(const std::string& name) {
+  std::ifstream file("/proc/self/status");
+  std::string word;
+  double value = 0;
+  while (file >> word)
+    if (word == name + ":" && file >> value) return 1024 * value;
+  return 0;
+}
+
+/// Memory that a call takes at its peak, beside what there was before [bytes]; nothing where the system does
+/// not tell.
+template <class Call>
+std::optional<double> peak_of(Call&& call) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  call();
+  return std::nullopt;  // they keep what is freed
+#else
+  std::ofstream clear("/proc/self/clear_refs");
+  if (!(clear << "5" << std::flush)) return std::nullopt;  // sets the peak to what is in use
+  const double before = status("VmRSS");
+  call();
+  return status("VmHWM") - before;
+#endif
+}
+
+TEST(Archive, IsWrittenWithTheMemoryOfItsFileAndOfOneValueTwice) {
+  const TemporaryFolder folder;
+  constexpr Eigen::Index n = 1 << 20;  // 8 MiB a value
+  constexpr int values = 8;
+  ArchiveSource source;
+  for (int k = 0; k < values; ++k)
+    source.real["value " + std::to_string(k)] = [k] { return Eigen::MatrixXd::Constant(1, n, k + 0.5); };
+  const auto peak = peak_of([&] { write_archive(folder / "a.h5", source); });
+  if (!peak) GTEST_SKIP() << "the peak of memory is not known here";
+  const auto size = static_cast<double>(std::filesystem::file_size(folder / "a.h5"));
+  EXPECT_LT(*peak, 1.4 * size);
+  EXPECT_GT(*peak, 0.9 * size);
+}
+
+TEST(FrameSeries, WritesAFrameWithTheMemoryOfItsFile) {
+  const TemporaryFolder folder;
+  Frame frame;
+  constexpr Eigen::Index n = 1 << 20;
+  frame.position = Points::Constant(3, n, 0.5);
+  for (const char* name : {"a", "b", "c", "d"})
+    frame.point_data.push_back({name, "1", Eigen::MatrixXd::Constant(1, n, 0.25)});
+  FrameSeries series(folder.path(), "fluid", 3);
+  const auto peak = peak_of([&] { series.write(frame); });
+  if (!peak) GTEST_SKIP() << "the peak of memory is not known here";
+  EXPECT_LT(*peak, 1.4 * static_cast<double>(std::filesystem::file_size(folder / "frames/fluid-000000.h5")));
 }
 
 TEST(Archive, CutAtAnyLengthIsAnErrorThatNamesTheFile) {
