@@ -30,6 +30,10 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"gap", &LeastSquaresConstants::gap},
     {"face_reach", &LeastSquaresConstants::face_reach},
     {"stopped", &LeastSquaresConstants::stopped},
+    {"steepest", &LeastSquaresConstants::steepest},
+    {"stopped_height", &LeastSquaresConstants::stopped_height},
+    {"least_stopping", &LeastSquaresConstants::least_stopping},
+    {"body_counts", &LeastSquaresConstants::body_counts},
     {"alike", &LeastSquaresConstants::alike},
     {"one_plane", &LeastSquaresConstants::one_plane},
     {"no_tension_to", &LeastSquaresConstants::no_tension_to},
@@ -39,10 +43,11 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"film_counts", &LeastSquaresConstants::film_counts},
     {"memory_rate", &LeastSquaresConstants::memory_rate},
     {"filter_bound", &LeastSquaresConstants::filter_bound},
+    {"filter_floor", &LeastSquaresConstants::filter_floor},
     {"longest_shift", &LeastSquaresConstants::longest_shift},
     {"soft_stiffness", &LeastSquaresConstants::soft_stiffness},
 };
-static_assert(sizeof(LeastSquaresConstants) == 27 * sizeof(double), "a number is missing in the list above");
+static_assert(sizeof(LeastSquaresConstants) == 32 * sizeof(double), "a number is missing in the list above");
 
 const bool changed = [] {
   const char* asked = std::getenv("STRAKE_CONSTANT");
