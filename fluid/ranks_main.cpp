@@ -1,55 +1,54 @@
 #include "coupler/participant/participant_main.hpp"
-#include "fluid/case/read_parameters.hpp"
-#include "fluid/participant.hpp"
+#include "fluid/case/load_case.hpp"
 #include "fluid/program.hpp"
 #include "fluid/ranked_participant.hpp"
 #include "fluid/ranks/rank_watch.hpp"
 #include "fluid/ranks/zoltan_partition.hpp"
-#include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <optional>
 
 namespace strake::fluid {
 namespace {
 
-/// A rank other than the first: it reads the same case, then does what is announced.
-void work(MpiCommunicator& ranks, int argc, char** argv, FluidProgram& fluid) {
+/// Reads the case. Refuses a launcher that starts another number of ranks than the case asks for.
+void take_case(const MpiCommunicator& ranks, int argc, char** argv, FluidProgram& fluid) {
   const ParticipantOptions options = parse_participant_options(argc, argv);
-  CaseFile file = CaseFile::load(options.case_file, options.sets);
-  file.read_all([&] { fluid.declare(file); });
-  work_for_first_rank(ranks, [&](const Setup& setup) {
-    return fluid.build(setup, {&ranks, zoltan_partition});
-  });
-}
-
-/// Refuses a launcher that starts another number of ranks than the case asks for.
-void check_number(const MpiCommunicator& ranks, int argc, char** argv, FluidProgram& fluid) {
-  const ParticipantOptions options = parse_participant_options(argc, argv);
-  if (options.mode != ParticipantOptions::Mode::serve) return;
-  CaseFile file = CaseFile::load(options.case_file, options.sets);
-  file.read_all([&] { fluid.declare(file); });
+  load_case(options.case_file, options.sets, [&](CaseFile& file) { fluid.declare(file); });
   if (ranks.size() == fluid.ranks()) return;
-  throw Error(ExitCode::case_file, "fluid.launcher",
+  throw Error(ExitCode::participant_lost, "fluid.launcher",
               fmt::format("has started {} ranks, fluid.ranks is {}", ranks.size(), fluid.ranks()),
               "give the launcher {ranks}, as in mpirun -n {ranks}");
 }
 
 int run(MpiCommunicator& ranks, int argc, char** argv) {
   FluidProgram fluid;
-  check_number(ranks, argc, argv, fluid);
+  std::optional<Error> refused;
+  try {
+    take_case(ranks, argc, argv, fluid);
+  } catch (const Error& error) {
+    refused = error;
+  }
+  // One rank may see another file than the others. All end together, and the first of them says why.
+  const std::vector<int> codes = ranks.all(refused ? static_cast<int>(refused->code()) : 0);
+  const auto first = std::ranges::find_if(codes, [](int code) { return code != 0; });
+  if (first != codes.end()) {
+    if (first - codes.begin() == ranks.rank()) std::fputs(to_text(*refused).c_str(), stderr);
+    return *first;
+  }
+  const auto build = [&](const Setup& setup) { return fluid.build(setup, {&ranks, zoltan_partition}); };
   if (ranks.rank() > 0) {
-    work(ranks, argc, argv, fluid);
+    work_for_first_rank(ranks, build);
     return 0;
   }
   Program program = fluid.program();
   program.build = [&](CaseFile&, const ParticipantOptions&,
                       const Setup& setup) -> std::unique_ptr<Participant> {
-    return std::make_unique<RankedParticipant>(ranks, setup, [&](const Setup& own) {
-      return fluid.build(own, {&ranks, zoltan_partition});
-    });
+    return std::make_unique<RankedParticipant>(ranks, setup, build);
   };
   const int code = participant_main(argc, argv, program);
   announce_end(ranks);
@@ -68,9 +67,6 @@ int main(int argc, char** argv) {
   try {
     const strake::fluid::RankWatch watch(ranks);
     code = strake::fluid::run(ranks, argc, argv);
-  } catch (const strake::Error& error) {
-    if (ranks.rank() == 0) std::fputs(strake::to_text(error).c_str(), stderr);  // all ranks read the same
-    code = static_cast<int>(error.code());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rank %d of the fluid: %s\n", ranks.rank(), error.what());
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(strake::ExitCode::our_bug));

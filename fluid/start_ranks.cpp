@@ -2,8 +2,8 @@
 
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/participant_main.hpp"
+#include "fluid/case/load_case.hpp"
 #include "fluid/program.hpp"
-#include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -51,8 +51,7 @@ int start_ranks(int argc, char** argv, FluidProgram& fluid) {
   try {
     const ParticipantOptions options = parse_participant_options(argc, argv);
     if (options.mode != ParticipantOptions::Mode::serve || options.endpoint.empty()) return 0;
-    CaseFile file = CaseFile::load(options.case_file, options.sets);
-    file.read_all([&] { fluid.declare(file); });
+    load_case(options.case_file, options.sets, [&](CaseFile& file) { fluid.declare(file); });
     if (fluid.ranks() <= 1) return 0;
     words = words_of(fluid.launcher(), fluid.ranks());
     words.push_back(find_program("strake-fluid-ranks").string());

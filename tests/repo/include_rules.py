@@ -22,6 +22,7 @@ LIBRARIES = {
     "httplib": ("coupler/watch/",),
     "expat": ("coupler/precice/config/",),
     "zip.h": ("coupler/attachments/fmu/",),
+    "zoltan": ("fluid/ranks/",),
 }
 # Headers that the numerical method never reaches: files, messages, other processes.
 NOT_IN_A_CORE = ("coupler/", CASE_FILE, "proto/files/result_file", "proto/files/history", "proto/wire/", "proto/coupling")
