@@ -356,5 +356,25 @@ TEST(SolidShell, FindsTheThinDirectionOfEachCellAndRefusesBlocks) {
   }
 }
 
+TEST(SolidShell, TheLinesSayWhatWasChosenAndNameItWherePlatesAreThin) {
+  const auto says = [](const Parameters& p, const std::string& part) {
+    for (const std::string& line : FemSolver<3>(p).lines())
+      if (line.find(part) != std::string::npos) return true;
+    return false;
+  };
+  Parameters p = clamped_plate(1, 0.005, 0.3, 10);
+  const std::string advice = "structure.fem.strain = \"solid_shell\" is made for such plates";
+  EXPECT_TRUE(says(p, "solid shells: 100 cells, thin along their shortest edges, up to 20 times longer"));
+  EXPECT_FALSE(says(p, advice));
+  p.fem.strain = StrainField::automatic;
+  EXPECT_TRUE(says(p, advice)) << "one cell through the thickness";
+  p.fem.refinement = 1;
+  EXPECT_TRUE(says(p, advice)) << "two cells";
+  p.fem.refinement = 2;
+  EXPECT_FALSE(says(p, advice)) << "four cells";
+  p.fem = {.degree = 2, .refinement = 0, .cell_size = 0.2};
+  EXPECT_TRUE(says(p, advice)) << "Q2 too";
+}
+
 }  // namespace
 }  // namespace strake::structure::fem
