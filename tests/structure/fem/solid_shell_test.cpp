@@ -128,6 +128,25 @@ TEST(SolidShell, PassesThePatchTestsOfMembraneAndBending) {
     }
 }
 
+// On warped cells whose thickness varies a uniform strain is met to second order in their size.
+TEST(SolidShell, AUniformStrainOfAWarpedShellConvergesWithTheSizeOfItsCells) {
+  Eigen::Matrix3d H;
+  H << 1e-3, 2e-4, -3e-4, 5e-4, -2e-3, 1e-4, 2e-4, -1e-4, 3e-3;
+  const Material m = elastic(1e6, 0.3);
+  const Eigen::Matrix3d E = 0.5 * (H + H.transpose());
+  const double density = 0.5 * m.lame_lambda() * E.trace() * E.trace() + m.lame_mu() * E.squaredNorm();
+  std::array<double, 2> error{};
+  for (const std::size_t k : {0U, 1U}) {
+    const int n = k == 0 ? 4 : 8;
+    const Body body(shell(n, n, m, warped(0.05)));
+    const Eigen::VectorXd u = on_nodes(body.mesh(), [&](const Vector3d& X) -> Vector3d { return H * X; });
+    error[k] = std::abs(body.assembly.strain_energy(u) / (density * body.mesh().weight.sum()) - 1);
+    note("warped " + std::to_string(n), error[k]);
+  }
+  EXPECT_LT(error[1], 1e-3);
+  EXPECT_GT(error[0], 3 * error[1]);
+}
+
 // Six rigid motions and no other motion without energy, of one warped cell.
 TEST(SolidShell, HasSixRigidMotionsAndNoSpuriousOnes) {
   for (const double t : {0.3, 0.001})
