@@ -38,13 +38,15 @@ struct CaseLoad {
   double ramp = 0;                                  // [s] value · ½(1 − cos(πt/ramp)); 0: at once
 };
 
-/// Strains of a finite element: of its displacement alone, or with others beside them that cure locking.
-enum class StrainField { automatic, compatible, enhanced };
+/// Strains of a finite element: of its displacement alone, with others beside them that cure locking, or
+/// those of a plate that is one cell thick.
+enum class StrainField { automatic, compatible, enhanced, solid_shell };
 /// Factors (CHOLMOD, UMFPACK), or conjugate gradients with algebraic multigrid (Trilinos ML).
 enum class LinearMethod { automatic, direct, cg_amg };
 struct FemKeys {
   int degree = 2;
-  int refinement = 3;  // cells through the thickness = 2^refinement; along the length graded to the clamps
+  int refinement = 3;    // cells through the thickness = 2^refinement; along the length graded to the clamps
+  double cell_size = 0;  // [m] along parts made of boxes; 0: by the thickness
   double rho_infinity = 1;   // spectral radius of generalised-alpha; 1: Newmark, trapezoidal
   double tolerance = 1e-10;  // Newton, relative
   StrainField strain = StrainField::automatic;

@@ -233,7 +233,12 @@ std::vector<int> facets_named(const Solid& solid, const std::string& name) {
   for (Index f = 0; f < solid.facet.cols(); ++f)
     if (belongs(solid.facet_cell[static_cast<std::size_t>(f)]) && reach(f) >= most - slack)
       facets.push_back(static_cast<int>(f));
-  return facets;
+  if (!facets.empty() || !solid.made_of_boxes() || solid.along_axes()) return facets;
+  // No side of turned boxes lies across an axis of space: those across their own axes are meant.
+  Solid level = solid;
+  level.node = solid.turn.transpose() * solid.node;
+  level.turn.setIdentity();
+  return facets_named(level, name);
 }
 
 SolidFault fault_of(const Solid& solid) {

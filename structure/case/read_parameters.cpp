@@ -3,6 +3,7 @@
 #include "proto/case/case_file.hpp"
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
+#include "structure/case/fem_keys.hpp"
 #include "structure/case/shape_keys.hpp"
 #include "structure/case/solid_keys.hpp"
 #include "structure/failure/softening.hpp"
@@ -46,29 +47,6 @@ void read_load(CaseTable t, CaseLoad& load) {
   t.vector("at", load.at,
            {.unit = "m", .help = "where a point force acts: the nearest point of the outline"});
   t.number("ramp", load.ramp, {.unit = "s", .min = 0, .help = "rises as (1 - cos(pi t/ramp))/2; 0: at once"});
-}
-
-void read_fem(CaseTable t, FemKeys& fem) {
-  t.integer("degree", fem.degree, {.min = 1, .max = 2, .help = "of the elements: Q1 or Q2"});
-  t.integer("refinement", fem.refinement,
-            {.min = 0, .max = 6, .help = "2^refinement cells through the thickness"});
-  t.number("rho_infinity", fem.rho_infinity,
-           {.min = 0, .max = 1, .help = "spectral radius of generalised-alpha; 1: Newmark, no damping"});
-  t.number("tolerance", fem.tolerance, positive("1", "of Newton's method, relative"));
-  t.choice(
-      "strain", fem.strain,
-      {{"auto", StrainField::automatic},
-       {"compatible", StrainField::compatible},
-       {"enhanced", StrainField::enhanced}},
-      {.help = "compatible: of the displacement alone; enhanced: with strains beside it that keep cells "
-               "from locking in bending (Q1) and at constant volume; auto: enhanced for Q1, and for Q2 "
-               "from Poisson's ratio 0.49 on, but compatible for neo_hookean and with a failure criterion"});
-  t.choice(
-      "linear_solver", fem.linear_solver,
-      {{"auto", LinearMethod::automatic}, {"direct", LinearMethod::direct}, {"cg-amg", LinearMethod::cg_amg}},
-      {.help = "direct: Cholesky factors in three dimensions (CHOLMOD), LU factors else (UMFPACK); cg-amg: "
-               "conjugate gradients with algebraic multigrid (Trilinos ML); auto: direct, but in three "
-               "dimensions from 250000 unknowns on cg-amg first, and direct where it fails"});
 }
 
 void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
@@ -171,7 +149,7 @@ void check_cell_failure(CaseTable t, const Parameters& p) {
     throw t.error("criterion",
                   "none: structure.damping.stiffness is that of the intact body, and would hold a crack shut",
                   "structure.damping.mass in its place");
-  if (p.fem.strain == StrainField::enhanced)
+  if (p.fem.strain == StrainField::enhanced || p.fem.strain == StrainField::solid_shell)
     throw t.error("criterion", "none: a cell that softens has the strains of its displacement alone",
                   "structure.fem.strain = \"compatible\" or \"auto\"");
   check_softening(t, p.failure);
@@ -335,6 +313,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
                               : "supports = { left = \"clamped\" } in a structure.box");
   if (p.load.kind == LoadKind::traction) check_face(structure.table("load"), p);
   if (p.kind == "particle") check_lattice(file, structure, common, p);
+  if (p.kind == "fem" || p.kind == "ccx") check_fem(structure.table("fem"), p);
   if (p.kind == "ccx") check_ccx(structure, p);
   check_failure(structure.table("failure"), p);
   check_probes(file, common, p);

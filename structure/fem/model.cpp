@@ -3,6 +3,7 @@
 #include "structure/fem/element/assembly.hpp"
 #include "structure/fem/fem.hpp"
 #include "structure/fem/mesh/point_interpolation.hpp"
+#include "structure/fem/mesh/refinement.hpp"
 
 #include <algorithm>
 
@@ -34,7 +35,7 @@ template <int dim>
 deck::Model model_of(const Parameters& p, const std::vector<ProbeKeys>& probes) {
   require_plain_motion(p);
   const Solid solid = elastic_solid(p);
-  const Discretisation<dim> discretisation(solid, p.fem.degree, p.fem.refinement);
+  const Discretisation<dim> discretisation(solid, p.fem.degree, p.fem.refinement, size_along(p.fem, solid));
   const Mesh<dim>& mesh = discretisation.mesh();
   if (p.analysis == Analysis::statics) require_constrained(mesh);
 

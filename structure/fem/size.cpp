@@ -25,10 +25,11 @@ void set_costs(SizeEstimate& unknowns, int dim, LinearMethod method) {
 
 SizeEstimates sizes(const Parameters& p) {
   const Solid solid = elastic_solid(p);
-  const double cells = refined_count(solid, p.fem.refinement);
+  const double cells = refined_count(solid, p.fem.refinement, size_along(p.fem, solid));
   SizeEstimate elements{.what = "cells", .count = cells};
+  const double layers = p.fem.strain == StrainField::solid_shell ? 2 : 1;  // of nodes to one of cells
   SizeEstimate unknowns{.what = "unknowns",
-                        .count = p.dimension * cells * std::pow(p.fem.degree, p.dimension)};
+                        .count = p.dimension * layers * cells * std::pow(p.fem.degree, p.dimension)};
   set_costs(unknowns, p.dimension, p.fem.linear_solver);
   if (p.shape.kind == ShapeKind::plate)
     elements.keys = {{"structure.plate.length", p.plate.length, 1},
@@ -37,7 +38,9 @@ SizeEstimates sizes(const Parameters& p) {
     elements.keys = {{"structure.box", 0, 1}};
   else
     elements.keys = {{"structure.mesh", 0, 1}};
-  elements.remedy = solid.made_of_boxes() ? "a smaller structure.fem.refinement" : "a coarser mesh";
+  elements.remedy = !solid.made_of_boxes() ? "a coarser mesh"
+                    : p.fem.cell_size > 0  ? "a larger structure.fem.cell_size"
+                                           : "a smaller structure.fem.refinement";
   unknowns.keys = elements.keys;
   unknowns.remedy = elements.remedy;
   return {elements, unknowns, surface_size(p, cells)};

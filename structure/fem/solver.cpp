@@ -3,6 +3,7 @@
 #include "proto/error.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/fem/fem.hpp"
+#include "structure/fem/mesh/refinement.hpp"
 #include "structure/fem/modal.hpp"
 #include "structure/material/material.hpp"
 
@@ -33,7 +34,7 @@ FemSolver<dim>::FemSolver(const Parameters& p)
       scheme_(p.fem.rho_infinity),
       solid_(elastic_solid(p)),
       linear_(all_linear(solid_.parts)),
-      discretisation_(solid_, p.fem.degree, p.fem.refinement),
+      discretisation_(solid_, p.fem.degree, p.fem.refinement, size_along(p.fem, solid_)),
       assembly_(discretisation_.mesh(), solid_.parts, strain_field(p)),
       recovery_(discretisation_.mesh()),
       method_(chosen(p.fem.linear_solver, dim, discretisation_.mesh().n_unknowns())),

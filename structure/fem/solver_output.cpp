@@ -1,5 +1,6 @@
 #include "proto/error.hpp"
 #include "structure/body/beam.hpp"
+#include "structure/fem/element/solid_shell.hpp"
 #include "structure/fem/solver.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +16,32 @@ namespace {
 /// The laws of the parts, and the configuration that a body with large motions refers to.
 std::string law_and_frame(const Solid& solid) {
   return material_law(solid.parts) + (all_linear(solid.parts) ? "" : ", total Lagrangian");
+}
+
+/// What solid shells there are.
+std::string shell_line(const Mesh<3>& mesh, int shells) {
+  const int others = mesh.n_cells() - shells;
+  return fmt::format("solid shells: {} cells, thin along their shortest edges, up to {:.3g} times longer",
+                     shells, slenderness(mesh)) +
+         (others > 0 ? fmt::format("; {} cells in joints have enhanced strains", others) : "");
+}
+std::string shell_line(const Mesh<2>&, int) {
+  return "";
+}
+
+/// Names the solid shell where thin cells stand alone or two through the thickness; empty: they do not.
+std::string advice(const Mesh<3>& mesh, bool shells) {
+  constexpr double thin = 10;  // length over thickness
+  if (shells) return "";
+  const double slender = slenderness(mesh);
+  if (slender < thin || has_core(mesh)) return "";
+  return fmt::format(
+      "cells are {:.3g} times longer than thick, one or two through the thickness: "
+      "structure.fem.strain = \"solid_shell\" is made for such plates",
+      slender);
+}
+std::string advice(const Mesh<2>&, bool) {
+  return "";
 }
 
 }  // namespace
@@ -134,6 +161,7 @@ Frame FemSolver<dim>::frame() const {
 /// What keeps cells from locking, or why nothing does; empty where they do not lock.
 template <int dim>
 std::string FemSolver<dim>::strain_line() const {
+  if (assembly_.shells() > 0) return shell_line(mesh(), assembly_.shells());
   bool rubber = false, locks = mesh().degree == 1;
   for (const Part& part : solid_.parts) {
     rubber = rubber || part.material.model == MaterialModel::neo_hookean;
@@ -179,6 +207,8 @@ std::vector<std::string> FemSolver<dim>::lines() const {
   if (std::string line = frame_line(support_motion_.supports(), dim); !line.empty())
     lines.push_back(std::move(line));
   if (std::string line = strain_line(); !line.empty()) lines.push_back(std::move(line));
+  if (std::string line = advice(mesh(), assembly_.shells() > 0); !line.empty())
+    lines.push_back(std::move(line));
   lines.push_back(linear_systems_line());
   if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
     lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));

@@ -45,6 +45,8 @@ RUNS = {
     "rolling tank": ("rolling_tank", ["end_time=0.2"]),
     "cantilever": ("cantilever", []),
     "flag": ("flag_gravity", []),
+    "clamped panel": ("clamped_panel", []),
+    "stiffened panel": ("stiffened_panel", ["structure.analysis=modal"]),
     "sphere 3-D": ("sphere_entry_3d", ["end_time=2e-3"]),
     "dam break 3-D": ("dam_break_3d", ["end_time=0.05"]),
 }

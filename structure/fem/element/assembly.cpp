@@ -1,5 +1,7 @@
 #include "structure/fem/element/assembly.hpp"
 
+#include "structure/fem/element/solid_shell.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <utility>
@@ -14,9 +16,11 @@ Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts, S
     eroded_.back().model = MaterialModel::linear;
     const bool locks = mesh.degree == 1 || part.material.poisson >= incompressible;
     enhanced_.push_back(
-        strain == StrainField::enhanced ||
+        strain == StrainField::enhanced || strain == StrainField::solid_shell ||
         (strain == StrainField::automatic && locks && part.material.model != MaterialModel::neo_hookean));
   }
+  if constexpr (dim == 3)
+    if (strain == StrainField::solid_shell) thin_ = thin_axes(mesh);
   // Nodes that share a cell, ascending.
   const int per_cell = static_cast<int>(mesh.cell.rows());
   std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(mesh.n_nodes()));

@@ -35,7 +35,8 @@ class Assembly {
 
   /// One material per part of the solid. Enhanced: cells add strains to those of their displacement
   /// (enhanced.hpp); automatic: Q1, and Q2 where the material keeps its volume, but no neo-Hookean ones:
-  /// where those double their volume, the minimum that the strains are is beside a saddle.
+  /// where those double their volume, the minimum that the strains are is beside a saddle. Solid shell: cells
+  /// that have a thin direction are of solid_shell.hpp, the others enhanced.
   Assembly(const Mesh<dim>&, const std::vector<Part>&, StrainField = StrainField::automatic);
 
   /// Internal nodal forces [N] between two configurations u0 and u1, for a step weighted α to its start:
@@ -66,6 +67,12 @@ class Assembly {
 
   bool is_enhanced(int cell) const {
     return enhanced_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])] != 0;
+  }
+  /// The axis of a cell that is a solid shell, −1 for all others.
+  int thin_axis(int cell) const { return thin_.empty() ? -1 : thin_[static_cast<std::size_t>(cell)]; }
+  /// How many cells are solid shells.
+  int shells() const {
+    return static_cast<int>(std::count_if(thin_.begin(), thin_.end(), [](int axis) { return axis >= 0; }));
   }
   bool any_enhanced() const { return std::find(enhanced_.begin(), enhanced_.end(), 1) != enhanced_.end(); }
 
@@ -102,6 +109,7 @@ class Assembly {
   std::vector<Part> part_;
   std::vector<Material> eroded_;  // of the parts: linear
   std::vector<char> enhanced_;    // of the parts
+  std::vector<int> thin_;         // of the cells, see thin_axis; empty: no solid shells
   Eigen::VectorXd integrity_;     // empty: intact
   Matrix pattern_;
   std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin

@@ -1,6 +1,7 @@
 #include "structure/fem/element/assembly.hpp"
 #include "structure/fem/element/energy_balance.hpp"
 #include "structure/fem/element/enhanced.hpp"
+#include "structure/fem/element/solid_shell.hpp"
 
 #include <Eigen/LU>
 
@@ -36,6 +37,8 @@ std::array<Tensor<dim>, static_cast<std::size_t>(n)> Assembly<dim>::strains(cons
   const CellView<dim, n> view{mesh_};
   const Material& m = of(cell);
   const auto values = view.gather(u, cell);
+  if constexpr (dim == 3 && n == SolidShell::n)
+    if (const int thin = thin_axis(cell); thin >= 0) return SolidShell(mesh_, cell, thin).strains(values, m);
   Strains<dim, n> E;
   for (int q = 0; q < n; ++q)
     E[static_cast<std::size_t>(q)] =

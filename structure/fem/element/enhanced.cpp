@@ -51,26 +51,42 @@ Eigen::MatrixXd condensed(const Eigen::MatrixXd& L, const Eigen::MatrixXd& H, co
 }
 
 template <int dim, int n>
-EnhancedStrain<dim, n>::EnhancedStrain(const Mesh<dim>& mesh, int cell)
-    : weight_(mesh.weight.data() + cell * n) {
+template <class Fill>
+void EnhancedStrain<dim, n>::fill(const Mesh<dim>& mesh, int cell, int count, const Fill& fill_one) {
   double volume = 0;
   for (int q = 0; q < n; ++q) volume += weight_[q];
   const Tensor<dim> inverse = Eigen::Map<const Tensor<dim>>(mesh.centre_inverse.col(cell).data());
   for (int q = 0; q < n; ++q) {
     const double scale = volume * mesh.reference_weight(q) / weight_[q];
     Modes& G = modes_[static_cast<std::size_t>(q)];
-    G.resize(components<dim>, modes);
-    if constexpr (n == (1 << dim))
-      fill_linear(G, inverse, mesh.point.col(q));
-    else
-      fill_quadratic(G, mesh.point.col(q));
+    G.resize(components<dim>, count);
+    fill_one(G, inverse, mesh.point.col(q));
     G *= scale;
   }
 }
 
 template <int dim, int n>
+EnhancedStrain<dim, n>::EnhancedStrain(const Mesh<dim>& mesh, int cell)
+    : weight_(mesh.weight.data() + cell * n) {
+  fill(mesh, cell, modes, [](Modes& G, const Tensor<dim>& inverse, const auto& xi) {
+    if constexpr (n == (1 << dim))
+      fill_linear(G, inverse, xi);
+    else
+      fill_quadratic(G, xi);
+  });
+}
+
+template <int dim, int n>
+EnhancedStrain<dim, n>::EnhancedStrain(const Mesh<dim>& mesh, int cell, int thin) requires(dim == 3 && n == 8)
+    : weight_(mesh.weight.data() + cell * n) {
+  constexpr int of_a_shell = 7;
+  fill(mesh, cell, of_a_shell,
+       [thin](Modes& G, const Tensor<dim>& inverse, const auto& xi) { fill_shell(G, inverse, xi, thin); });
+}
+
+template <int dim, int n>
 Eigen::MatrixXd EnhancedStrain<dim, n>::stiffness(const Material& m, const Strains& E) const {
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(modes, modes);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(count(), count());
   for (int q = 0; q < n; ++q) {
     H.noalias() += weight_[q] * at(q).transpose() * (moduli<dim>(m, E[static_cast<std::size_t>(q)]) * at(q));
   }
@@ -84,7 +100,7 @@ void EnhancedStrain<dim, n>::add_to(Strains& E, const Material& m) const {
     return;
   }
   // Newton's method for the minimum of the cell's energy, which must fall along each step.
-  Amplitudes alpha = Amplitudes::Zero(modes);
+  Amplitudes alpha = Amplitudes::Zero(count());
   double energy = energy_of(m, E);
   for (int i = 0; i < most_steps && std::isfinite(energy); ++i) {
     const Strains here = sum(E, alpha);
@@ -112,7 +128,7 @@ void EnhancedStrain<dim, n>::add_to(Strains& E, const Material& m) const {
 template <int dim, int n>
 typename EnhancedStrain<dim, n>::Amplitudes EnhancedStrain<dim, n>::force(const Material& m,
                                                                           const Strains& E) const {
-  Amplitudes r = Amplitudes::Zero(modes);
+  Amplitudes r = Amplitudes::Zero(count());
   for (int q = 0; q < n; ++q)
     r.noalias() += weight_[q] * at(q).transpose() *
                    stress_components<dim>(second_piola_kirchhoff<dim>(m, E[static_cast<std::size_t>(q)]));
@@ -141,21 +157,36 @@ typename EnhancedStrain<dim, n>::Strains EnhancedStrain<dim, n>::sum(const Strai
   return result;
 }
 
+/// J_0⁻ᵀ M J_0⁻¹ with `value` in ij and ji of M, half of it in each.
+template <int dim>
+Components<dim> mode(const Tensor<dim>& inverse, int i, int j, double value) {
+  Tensor<dim> M = Tensor<dim>::Zero();
+  M(i, j) += 0.5 * value;
+  M(j, i) += 0.5 * value;
+  return strain_components<dim>(inverse.transpose() * M * inverse);
+}
+
+template <int dim, int n>
+template <class Place>
+void EnhancedStrain<dim, n>::fill_shell(Modes& G, const Tensor<dim>& inverse, const Place& xi,
+                                        int thin) requires(dim == 3) {
+  const int a = (thin + 1) % 3, b = (thin + 2) % 3;
+  int k = 0;
+  for (const int i : {a, b}) G.col(k++) = mode<dim>(inverse, i, i, xi(i));
+  for (const int i : {a, b}) G.col(k++) = mode<dim>(inverse, a, b, xi(i));
+  for (const double along : {1.0, xi(a), xi(b)})
+    G.col(k++) = mode<dim>(inverse, thin, thin, xi(thin) * along);
+}
+
 template <int dim, int n>
 template <class Place>
 void EnhancedStrain<dim, n>::fill_linear(Modes& G, const Tensor<dim>& inverse, const Place& xi) {
   int k = 0;
-  const auto add = [&](int i, int j, double value) {
-    Tensor<dim> M = Tensor<dim>::Zero();
-    M(i, j) += 0.5 * value;
-    M(j, i) += 0.5 * value;
-    G.col(k++) = strain_components<dim>(inverse.transpose() * M * inverse);
-  };
-  for (int i = 0; i < dim; ++i) add(i, i, xi(i));
+  for (int i = 0; i < dim; ++i) G.col(k++) = mode<dim>(inverse, i, i, xi(i));
   for (int i = 0; i < dim; ++i)
     for (int j = i + 1; j < dim; ++j) {
-      add(i, j, xi(i));
-      add(i, j, xi(j));
+      G.col(k++) = mode<dim>(inverse, i, j, xi(i));
+      G.col(k++) = mode<dim>(inverse, i, j, xi(j));
     }
   if constexpr (dim == 3)
     for (int i = 0; i < dim; ++i)

@@ -91,7 +91,10 @@ class EnhancedStrain {
   using Strains = std::array<Tensor<dim>, static_cast<std::size_t>(n)>;
 
   EnhancedStrain(const Mesh<dim>&, int cell);
+  /// The seven of a solid shell that is thin along an axis (solid_shell.hpp).
+  EnhancedStrain(const Mesh<dim>&, int cell, int thin) requires(dim == 3 && n == 8);
 
+  int count() const { return static_cast<int>(modes_[0].cols()); }
   const Modes& at(int q) const { return modes_[static_cast<std::size_t>(q)]; }
 
   /// Σ w Gᵀ D G.
@@ -104,6 +107,10 @@ class EnhancedStrain {
   Amplitudes force(const Material&, const Strains&) const;
   double energy_of(const Material&, const Strains&) const;
   Strains sum(const Strains&, const Amplitudes&) const;
+  template <class Fill>
+  void fill(const Mesh<dim>&, int cell, int count, const Fill&);
+  template <class Place>
+  static void fill_shell(Modes&, const Tensor<dim>& inverse, const Place& xi, int thin) requires(dim == 3);
   template <class Place>
   static void fill_linear(Modes&, const Tensor<dim>& inverse, const Place& xi);
   template <class Place>

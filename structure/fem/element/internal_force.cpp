@@ -1,6 +1,7 @@
 #include "structure/fem/element/assembly.hpp"
 #include "structure/fem/element/energy_balance.hpp"
 #include "structure/fem/element/enhanced.hpp"
+#include "structure/fem/element/solid_shell.hpp"
 
 #include <array>
 
@@ -17,6 +18,12 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
       const Material& m = of(c);
       const bool large = is_large(m);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
+      if constexpr (dim == 3 && n == SolidShell::n)
+        if (const int thin = thin_axis(c); thin >= 0) {
+          const SolidShell::Values sum = SolidShell(mesh_, c, thin).force(values0, values1, alpha, m);
+          for (int a = 0; a < n; ++a) force.template segment<dim>(dim * mesh_.cell(a, c)) += sum.col(a);
+          continue;
+        }
       const double* weight = mesh_.weight.data() + c * n;
       Strains<dim, n> H, E, E0, E1, change, S;
       for (int q = 0; q < n; ++q) {

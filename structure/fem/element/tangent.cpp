@@ -1,6 +1,7 @@
 #include "structure/fem/element/assembly.hpp"
 #include "structure/fem/element/energy_balance.hpp"
 #include "structure/fem/element/enhanced.hpp"
+#include "structure/fem/element/solid_shell.hpp"
 
 #include <array>
 
@@ -27,6 +28,17 @@ void soften(Local& local, const EnhancedStrain<dim, n>& enhanced, const CellView
   local -= condensed(L_alpha, enhanced.stiffness(m, E), L1);
 }
 
+/// Adds the tangent of a solid shell; false where the cell is none.
+template <int dim, int n, class Local, class Values>
+bool add_shell(Local& local, const Mesh<dim>& mesh, int cell, int thin, const Values& u0, const Values& u1,
+               double alpha, const Material& m) {
+  if constexpr (dim == 3 && n == SolidShell::n) {
+    if (thin >= 0) SolidShell(mesh, cell, thin).add_tangent(local, u0, u1, alpha, m);
+    return thin >= 0;
+  }
+  return false;
+}
+
 }  // namespace
 
 // With g_a = ∇N_a and F_i the row i of F, the derivative of F_α S_α g_a by component j of node b is
@@ -43,6 +55,8 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
       const Material& m = of(c);
       const bool large = is_large(m);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
+      local.setZero();
+      if (add_shell<dim, n>(local, mesh_, c, thin_axis(c), values0, values1, alpha, m)) return local;
       Strains<dim, n> E, E0, E1, F_of_alpha, F_of_1;
       for (int q = 0; q < n; ++q) {
         const auto at = static_cast<std::size_t>(q), g = static_cast<std::size_t>(c) * n + at;
@@ -55,7 +69,6 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
         E1[at] = strain_of<dim>(H1, large);
         E[at] = alpha * E0[at] + (1 - alpha) * E1[at];
       }
-      local.setZero();
       if (is_enhanced(c)) {
         const EnhancedStrain<dim, n> enhanced(mesh_, c);
         enhanced.add_to(E, m);

@@ -62,10 +62,10 @@ struct Discretisation<dim>::Parts {
 };
 
 template <int dim>
-Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refinement)
+Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refinement, double along)
     : solid_(solid), parts_(std::make_unique<Parts>(degree)) {
   assert(solid.dimension == dim);
-  create(parts_->triangulation, refined(solid, refinement));
+  create(parts_->triangulation, refined(solid, refinement, along));
   parts_->dofs.distribute_dofs(parts_->element);
   parts_->lexicographic =
       dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(static_cast<unsigned int>(degree));

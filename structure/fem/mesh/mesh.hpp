@@ -61,8 +61,8 @@ std::string library();
 template <int dim>
 class Discretisation {
  public:
-  /// `refinement`: see refinement.hpp. Throws Error(case_file) where a support finds no node.
-  Discretisation(const Solid&, int degree, int refinement);
+  /// `refinement`, `along`: see refinement.hpp. Throws Error(case_file) where a support finds no node.
+  Discretisation(const Solid&, int degree, int refinement, double along = 0);
   ~Discretisation();
   const Mesh<dim>& mesh() const { return mesh_; }
   /// Shape values at the material point X [m]. A point outside is moved to the nearest place of the nearest

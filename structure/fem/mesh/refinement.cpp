@@ -106,7 +106,7 @@ struct Division {
 };
 
 /// Along one axis, for each interval between two planes.
-std::vector<Division> divisions(const Solid& solid, Index axis, int refinement) {
+std::vector<Division> divisions(const Solid& solid, Index axis, int refinement, double along_parts) {
   const Sizes& sizes = solid.dimension == 2 ? in_plane : in_space;
   const auto& plane = solid.plane[static_cast<std::size_t>(axis)];
   const Points extent = part_sizes(solid);
@@ -125,6 +125,7 @@ std::vector<Division> divisions(const Solid& solid, Index axis, int refinement) 
       least = std::min(least, thickness);
       along = std::max(along, extent(axis, part));
     }
+    if (division.height == 0) division.height = along_parts;
     division.length = plane[i + 1] - plane[i];
     const double near = 1e-9 * division.length;
     Grading& grading = division.grading;
@@ -161,10 +162,17 @@ std::vector<double> graded_cells(double length, const Grading& grading) {
   return sizes;
 }
 
-Solid refined(const Solid& solid, int refinement) {
+double size_along(const FemKeys& fem, const Solid& solid) {
+  // Clamped square plate: f1 0.2 % and f2 0.6 % above thin-plate theory; with 16 cells 1.0 and 2.6 %.
+  constexpr double cells = 32;
+  if (fem.cell_size > 0 || fem.strain != StrainField::solid_shell) return fem.cell_size;
+  return part_sizes(solid).maxCoeff() / cells;
+}
+
+Solid refined(const Solid& solid, int refinement, double along) {
   if (!solid.made_of_boxes()) return solid;
   if (!solid.along_axes()) {
-    Solid fine = refined(along_own_axes(solid), refinement);
+    Solid fine = refined(along_own_axes(solid), refinement, along);
     fine.node = solid.turn * fine.node;
     fine.turn = solid.turn;
     return fine;
@@ -176,7 +184,7 @@ Solid refined(const Solid& solid, int refinement) {
   std::array<std::vector<std::size_t>, 3> interval;
   for (Index axis = 0; axis < dim; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    const auto parts = divisions(solid, axis, refinement);
+    const auto parts = divisions(solid, axis, refinement, along);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       double x = solid.plane[a][i];
       for (const double size : parts[i].sizes()) {
@@ -211,12 +219,12 @@ Solid refined(const Solid& solid, int refinement) {
   return fine;
 }
 
-double refined_count(const Solid& solid, int refinement) {
+double refined_count(const Solid& solid, int refinement, double along) {
   if (!solid.made_of_boxes()) return static_cast<double>(solid.cell.cols());
-  if (!solid.along_axes()) return refined_count(along_own_axes(solid), refinement);
+  if (!solid.along_axes()) return refined_count(along_own_axes(solid), refinement, along);
   std::array<std::vector<Division>, 3> parts;
   for (Index axis = 0; axis < solid.dimension; ++axis)
-    parts[static_cast<std::size_t>(axis)] = divisions(solid, axis, refinement);
+    parts[static_cast<std::size_t>(axis)] = divisions(solid, axis, refinement, along);
   double count = 0;
   for (Index c = 0; c < solid.cell.cols(); ++c) {
     const Eigen::Vector3d X = middle_of_cell(solid, c);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "structure/body/parameters.hpp"
 #include "structure/body/solid.hpp"
 
 #include <vector>
@@ -20,11 +21,16 @@ std::vector<double> graded_cells(double length, const Grading&);
 /// How many those are, without making them: no integer, since there may be too many for one.
 double graded_count(double length, const Grading&);
 
+/// Size of the cells along the parts [m], 0: graded. structure.fem.cell_size; of solid shells, where that is
+/// not given, 1/32 of the longest part.
+double size_along(const FemKeys&, const Solid&);
+
 /// Divides a solid made of boxes into a conforming mesh of finite elements. Each part has 2^refinement cells
-/// through its thickness. Along its length and width the cells grow away from supports and from planes where
-/// parts meet, since the stress is singular in corners. A solid from a mesh file keeps the cells of the file.
-Solid refined(const Solid&, int refinement);
+/// through its thickness. Along its length and width the cells have the size `along`. With along = 0 they
+/// grow away from supports and from planes where parts meet, since the stress is singular in corners. A solid
+/// from a mesh file keeps the cells of the file.
+Solid refined(const Solid&, int refinement, double along = 0);
 /// How many cells that has, without making them.
-double refined_count(const Solid&, int refinement);
+double refined_count(const Solid&, int refinement, double along = 0);
 
 }  // namespace strake::structure::fem

@@ -143,5 +143,19 @@ TEST(Solid, ACavityOfThreeDimensionsIsDry) {
   EXPECT_GE(cell_at(solid, {0.05, 0.5, 0.5}, 1e-9), 0);
 }
 
+TEST(Solid, TurnedBoxesKeepTheNamesOfTheirSides) {
+  Solid solid = solid_of_boxes(
+      3, {soft_box("skin", {0, 0, 0}, {1, 0.1, 1}), soft_box("bar", {0.4, 0.1, 0}, {0.5, 0.4, 1})});
+  const auto bottom = facets_named(solid, "bottom"), skin = facets_named(solid, "skin.left"),
+             bar = facets_named(solid, "bar.top");
+  ASSERT_FALSE(bottom.empty() || skin.empty() || bar.empty());
+  solid.turn = Eigen::AngleAxisd(0.035, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  solid.node = solid.turn * solid.node;
+  EXPECT_EQ(facets_named(solid, "bottom"), bottom);
+  EXPECT_EQ(facets_named(solid, "skin.left"), skin);
+  EXPECT_EQ(facets_named(solid, "bar.top"), bar);
+  EXPECT_TRUE(facets_named(solid, "keel").empty());
+}
+
 }  // namespace
 }  // namespace strake::structure

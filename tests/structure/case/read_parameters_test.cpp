@@ -189,6 +189,32 @@ TEST(StructureKeys, FailureNeedsWhatItsCriterionIsMadeOf) {
   says({of + "criterion=bond_strain", of + "critical_strain=0.01", "structure.analysis=modal"}, "intact");
 }
 
+TEST(StructureKeys, ASolidShellIsOneCellThickUnlessTheCaseSaysOtherwise) {
+  const std::vector<std::string> space = {"fluid.dimension=3", "structure.depth=0.4",
+                                          "structure.fem.strain=solid_shell"};
+  const auto with = [&](const std::string& set) {
+    std::vector<std::string> all = space;
+    all.push_back(set);
+    return all;
+  };
+  const Parameters p = read_plate_case("fem", space);
+  EXPECT_EQ(p.fem.degree, 1);
+  EXPECT_EQ(p.fem.refinement, 0);
+  EXPECT_EQ(p.fem.cell_size, 0);
+  EXPECT_EQ(read_plate_case("fem").fem.degree, 2);
+  EXPECT_EQ(read_plate_case("fem", with("structure.fem.refinement=1")).fem.refinement, 1);
+  EXPECT_EQ(read_plate_case("fem", with("structure.fem.cell_size=0.02")).fem.cell_size, 0.02);
+  const auto says = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  says(complaint("fem", {"structure.fem.strain=solid_shell"}), "a solid_shell has three dimensions");
+  says(complaint("fem", with("structure.fem.degree=2")), "a solid_shell has eight nodes");
+  says(complaint("fem", with("structure.fem.cell_size=-1")), "cell_size");
+  std::vector<std::string> fails = with("structure.failure.criterion=max_principal");
+  fails.insert(fails.end(), {"structure.failure.strength=1e6", "structure.failure.fracture_energy=100"});
+  says(complaint("fem", fails), "strains of its displacement alone");
+}
+
 TEST(StructureKeys, AnotherSolversCoarseParticlesDoNotMatter) {
   EXPECT_EQ(complaint("fem", {"structure.particle.spacing=0.003"}), "");
 }

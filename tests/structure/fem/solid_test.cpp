@@ -70,9 +70,24 @@ TEST(FemSolid, ItsCellsAreCountedBeforeTheyAreMade) {
         Solid solid = solid_of_boxes(dimension, boxes);
         for (const Support support : {Support::free, Support::clamped}) {
           solid.supported = {{"left", support, facets_named(solid, "left")}};
-          EXPECT_EQ(refined_count(solid, refinement), refined(solid, refinement).cell.cols());
+          for (const double along : {0.0, 0.07})
+            EXPECT_EQ(refined_count(solid, refinement, along), refined(solid, refinement, along).cell.cols());
         }
       }
+}
+
+// One cell through floor and rib; along them even ones of at most the size asked for.
+TEST(FemSolid, CellsHaveTheSizeThatIsAskedFor) {
+  const std::vector<SolidBox> boxes = {soft_box("floor", {0, 0, 0}, {1, 0.01, 0.6}),
+                                       soft_box("rib", {0.495, 0.01, 0}, {0.505, 0.11, 0.6})};
+  // Along x 10 + 1 + 10 cells of the floor, one of the rib; along y 1 and 2; along z 12.
+  EXPECT_EQ(refined(solid_of_boxes(3, boxes), 0, 0.05).cell.cols(), (21 + 2) * 12);
+  Parameters p = of(3, boxes, 0);
+  EXPECT_EQ(size_along(p.fem, p.solid), 0) << "by the thickness";
+  p.fem.strain = StrainField::solid_shell;
+  EXPECT_EQ(size_along(p.fem, p.solid), 1.0 / 32) << "of the longest part";
+  p.fem.cell_size = 0.05;
+  EXPECT_EQ(size_along(p.fem, p.solid), 0.05);
 }
 
 TEST(FemSolid, ADenserPartWeighsMore) {
