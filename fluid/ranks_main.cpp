@@ -15,6 +15,15 @@
 namespace strake::fluid {
 namespace {
 
+/// Whether the command line is that of a participant of a run. The other modes need one rank.
+bool serves(int argc, char** argv) {
+  try {
+    return parse_participant_options(argc, argv).mode == ParticipantOptions::Mode::serve;
+  } catch (const Error&) {
+    return false;  // participant_main says what is wrong
+  }
+}
+
 /// Reads the case. Refuses a launcher that starts another number of ranks than the case asks for.
 void take_case(const MpiCommunicator& ranks, int argc, char** argv, FluidProgram& fluid) {
   const ParticipantOptions options = parse_participant_options(argc, argv);
@@ -27,6 +36,9 @@ void take_case(const MpiCommunicator& ranks, int argc, char** argv, FluidProgram
 
 int run(MpiCommunicator& ranks, int argc, char** argv) {
   FluidProgram fluid;
+  Program program = fluid.program();
+  program.program = "strake-fluid-ranks";
+  if (!serves(argc, argv)) return ranks.rank() == 0 ? participant_main(argc, argv, program) : 0;
   std::optional<Error> refused;
   try {
     take_case(ranks, argc, argv, fluid);
@@ -45,7 +57,6 @@ int run(MpiCommunicator& ranks, int argc, char** argv) {
     work_for_first_rank(ranks, build);
     return 0;
   }
-  Program program = fluid.program();
   program.build = [&](CaseFile&, const ParticipantOptions&,
                       const Setup& setup) -> std::unique_ptr<Participant> {
     return std::make_unique<RankedParticipant>(ranks, setup, build);
