@@ -10,7 +10,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
 from processes import BIN, ROOT, alive, expect, finish, folder, rows, start, strake, time, wait_until
 
 CASE = ROOT / "cases/plate_entry.toml"
-ENTRY = ["--set", "fluid.spacing=0.0125", "--set", "run.threads=1", "--quiet"]
+ENTRY = ["--set", "fluid.spacing=0.0125", "--set", "run.threads=1", "--set", "structure.velocity=[0, -20, 0]",
+         "--quiet"]
 
 
 def run(cwd, ranks, tag, *more):
@@ -41,11 +42,11 @@ def ranks_of(process):
 
 def same_bytes():
     with folder() as cwd:
-        end = ["--set", "end_time=0.0021"]
+        end = ["--set", "end_time=0.0008"]
         expect(run(cwd, 1, "one", *end).returncode == 0, "plate_entry on one rank")
         process = start("run", CASE, "--tag", "half", "--set", "fluid.ranks=2", *ENTRY, *end, cwd=cwd)
         half = pathlib.Path(cwd) / "runs/plate_entry-half"
-        wait_until(lambda: rows(half) > 150, 120)
+        wait_until(lambda: rows(half) > 50, 120)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=30)
         expect(process.returncode == 130, "Ctrl-C on two ranks: exit 130\n" + said)
