@@ -3,6 +3,7 @@
 #include "fluid/case/read_parameters.hpp"
 #include "fluid/participant.hpp"
 #include "fluid/size.hpp"
+#include "proto/error.hpp"
 #include "proto/version.hpp"
 
 namespace strake::fluid {
@@ -13,6 +14,9 @@ void FluidProgram::declare(CaseFile& file) {
 }
 
 std::unique_ptr<Participant> FluidProgram::build(const Setup& setup, const Ranks& ranks) const {
+  if (parameters_.ranks > 1 && ranks.communicator == nullptr)  // --precice
+    throw Error(ExitCode::case_file, "fluid.ranks", "a preCICE run has one rank of this program",
+                "set fluid.ranks = 1, and run.threads");
   if (parameters_.dimension == 3)
     return std::make_unique<FluidParticipant<3>>(parameters_, common_, setup, ranks);
   return std::make_unique<FluidParticipant<2>>(parameters_, common_, setup, ranks);
