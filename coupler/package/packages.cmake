@@ -34,7 +34,7 @@ set(CPACK_COMPONENT_MANUAL_GROUP pages)
 
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME strake)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "strake-doc, calculix-ccx, ffmpeg")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "strake-doc, openmpi-bin, calculix-ccx, ffmpeg")
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "fluid and structure solvers for hull slamming, coupled
 Strake computes water entry and slamming: a particle method (MPS-LES) for
 the water, finite elements, elastic particles, CalculiX or rigid bodies for
