@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <utility>
 
 namespace strake::fluid {
@@ -186,15 +185,7 @@ std::int64_t Subdomain<dim>::join(State<dim>& state) const {
       unpack(all[r], Subdomain::bytes_of_entry(mine), owned_by_[r], first_byte(whole));
   };
   for_each_column(one, part, state);
-  // All ranks move the layer particles themselves. Their places need no message, but must be those of the
-  // part.
   return water_of_whole_;
-}
-
-template <int dim>
-std::int64_t Subdomain<dim>::ghosts() const {
-  return std::accumulate(receive_.begin(), receive_.end(), std::int64_t{0},
-                         [](std::int64_t sum, const auto& list) { return sum + std::ssize(list); });
 }
 
 template <int dim>

@@ -45,14 +45,6 @@ class Subdomain {
   /// Number of each local particle in the whole state.
   std::span<const std::int32_t> places() const { return places_; }
   std::int64_t water_of_whole() const { return water_of_whole_; }
-  /// Whole numbers of the water that a rank owns, in order.
-  std::span<const std::int32_t> water_of(int rank) const {
-    return std::span(owned_by_[static_cast<std::size_t>(rank)])
-        .first(own_water_[static_cast<std::size_t>(rank)]);
-  }
-  /// Local numbers of the ghosts, and of the own water that others have as ghosts.
-  std::int64_t ghosts() const;
-
   /// Gives the ghosts the values of their owners. A column has one entry per particle, of the water at least.
   template <class Column>
   void update(Column& column) const {
