@@ -87,6 +87,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
       has_body_(simulation_.interface().position.cols() > 0),
       output_every_(common.output_every),
       end_time_(common.end_time),
+      first_rank_(ranks.communicator == nullptr || ranks.communicator->rank() == 0),
       initial_volume_(volume()),
       sends_history_(setup.history && has_body_) {
   // Sensors of a body that enters are measured from its contact, all others from the first step
@@ -95,7 +96,6 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
     measurements_.probes.push_back(
         is_sensor(probe) && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   check_sensors();
-  if (std::ranges::any_of(parameters_.probes, reads_water)) simulation_.follow_every_step();
   description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_length_);
   for (std::string& line :
        level_face_lines(parameters_, common.window, setup.partner_mesh, start_speeds_.entry))
@@ -106,7 +106,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   force_ = Points::Zero(3, mesh().position.cols());
   guard_ = Guard(guard_scales());
   guard_.faces(measurements_.guard, simulation_.face_pieces());
-  committed_.state = simulation_.state();
+  committed_.fluid = simulation_.snapshot();
   committed_.measurements = measurements_;
 }
 
@@ -186,7 +186,9 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   watch_window(window, extremes);
   measures_water_ = frame_due(window);
   if (!measures_water_) return;
-  measurements_.add(count_voids<dim>(state, water(), parameters_.spacing, parameters_.open_top));
+  const State<dim>& whole = simulation_.whole();
+  if (first_rank_)
+    measurements_.add(count_voids<dim>(whole, water_of(whole), parameters_.spacing, parameters_.open_top));
 }
 
 /// Adds the step to the probes and finds the contact. Contact is the first step in which any sensor exceeds
@@ -195,7 +197,8 @@ template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   std::vector<ProbeRecord>& records = measurements_.probes;
   std::vector<std::int64_t> particles;
-  if (std::any_of(parameters_.probes.begin(), parameters_.probes.end(), reads_water)) particles = water();
+  if (std::any_of(parameters_.probes.begin(), parameters_.probes.end(), reads_water))
+    particles = water_of(simulation_.whole());
   const double threshold = 0.5 * parameters_.density * start_speeds_.entry * start_speeds_.entry;
   bool contact = false;
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -218,7 +221,7 @@ double FluidParticipant<dim>::pressure_or_place(const ProbeKeys& probe,
     const auto air = simulation_.air_at(probe.at);
     return probe.quantity == "gap" ? air.gap : air.pressure;
   }
-  const Vectors<dim>& position = simulation_.state().position;
+  const Vectors<dim>& position = simulation_.whole().position;
   const Vector<dim> at = probe.at.template head<dim>();
   const double l0 = parameters_.spacing;
   if (probe.quantity == "front") return front<dim>(position, particles, at, l0);
@@ -239,22 +242,31 @@ bool FluidParticipant<dim>::frame_due(const Window& window) const {
 
 /// Returns the numbers of the water particles that have not left the tank, ascending.
 template <int dim>
-std::vector<std::int64_t> FluidParticipant<dim>::water() const {
+std::vector<std::int64_t> FluidParticipant<dim>::water_of(const State<dim>& state) const {
   std::vector<std::int64_t> numbers;
-  const auto& kind = simulation_.state().kind;
-  for (std::size_t i = 0; i < kind.size(); ++i) {
+  for (std::size_t i = 0; i < state.kind.size(); ++i) {
     const auto k = static_cast<std::int64_t>(i);
-    if (kind[i] == Kind::fluid && !simulation_.is_removed(k)) numbers.push_back(k);
+    if (state.kind[i] == Kind::fluid && !simulation_.is_removed(state, k)) numbers.push_back(k);
   }
+  return numbers;
+}
+
+/// Returns those of them in this rank's part that it owns.
+template <int dim>
+std::vector<std::int64_t> FluidParticipant<dim>::own_water() const {
+  std::vector<std::int64_t> numbers = water_of(simulation_.state());
+  std::erase_if(numbers, [&](std::int64_t i) { return !simulation_.ranks().owns(i); });
   return numbers;
 }
 
 template <int dim>
 double FluidParticipant<dim>::volume() const {
-  const std::vector<std::int64_t> numbers = water();
+  const State<dim>& whole = simulation_.whole();
+  if (!first_rank_) return 1;  // the first rank measures
+  const std::vector<std::int64_t> numbers = water_of(whole);
   Vectors<dim> particles(dim, static_cast<Eigen::Index>(numbers.size()));
   for (Eigen::Index k = 0; k < particles.cols(); ++k)
-    particles.col(k) = simulation_.state().position.col(numbers[static_cast<std::size_t>(k)]);
+    particles.col(k) = whole.position.col(numbers[static_cast<std::size_t>(k)]);
   return water_volume<dim>(particles, parameters_.spacing);
 }
 
@@ -278,7 +290,7 @@ Advanced FluidParticipant<dim>::finish() {
 
 template <int dim>
 void FluidParticipant<dim>::rewind() {
-  simulation_.set_state(committed_.state);
+  simulation_.restore(committed_.fluid);
   measurements_ = committed_.measurements;
 }
 
@@ -286,12 +298,19 @@ template <int dim>
 void FluidParticipant<dim>::commit(bool write_output) {
   if (measurements_.lacks_voids() && !committed_.measurements.lacks_voids())
     fmt::print(stderr, "t = {:.6g} s: {}\n", progress_.time, no_voids_line);
-  committed_.state = simulation_.state();
+  committed_.fluid = simulation_.snapshot();
   committed_.measurements = measurements_;
   committed_.progress = progress_;
-  if (!frames_) return;
-  frames_->check();
-  if (write_output) frames_->write(frame());
+  if (frames_) frames_->check();
+  if (write_output) write_frame();
+}
+
+/// Writes what the first rank has of the whole fluid.
+template <int dim>
+void FluidParticipant<dim>::write_frame() {
+  if (!frames_ && !simulation_.ranks().several()) return;
+  const Frame whole = frame();
+  if (frames_) frames_->write(whole);
 }
 
 template <int dim>
@@ -302,7 +321,7 @@ void FluidParticipant<dim>::flush() {
 /// Writes the water at t = 0, once: when the first window begins, not while `check` looks at a case.
 template <int dim>
 void FluidParticipant<dim>::write_first_frame() {
-  if (frames_ && !std::exchange(progress_.has_first_frame, true)) frames_->write(frame());
+  if (!std::exchange(progress_.has_first_frame, true)) write_frame();
 }
 
 /// Returns the frame of all particles with a pressure: water, first layers of walls and bodies, structure
@@ -310,11 +329,11 @@ void FluidParticipant<dim>::write_first_frame() {
 /// and its gap.
 template <int dim>
 Frame FluidParticipant<dim>::frame() const {
-  const State<dim>& state = simulation_.state();
+  const State<dim>& state = simulation_.whole();
   std::vector<Eigen::Index> shown;
   for (std::size_t i = 0; i < state.kind.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    if (has_pressure(state.kind[i]) && !simulation_.is_removed(k)) shown.push_back(k);
+    if (has_pressure(state.kind[i]) && !simulation_.is_removed(state, k)) shown.push_back(k);
   }
   const auto n = static_cast<Eigen::Index>(shown.size());
   const auto air = simulation_.air_on_faces();
@@ -355,7 +374,10 @@ void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
   small.integer["participant.steps"] = {committed_.progress.steps};
   small.real["participant.time"] = Eigen::MatrixXd::Constant(1, 1, committed_.progress.time);
   ArchiveSource archive = source_of(small);
-  save(committed_.state, archive);
+  const bool several = simulation_.ranks().several();
+  const State<dim> joined = several ? simulation_.whole_of(committed_.fluid) : State<dim>();
+  if (!first_rank_) return;
+  save(several ? joined : committed_.fluid.state, archive);
   write_archive(folder / "fluid.h5", archive);
 }
 
@@ -366,19 +388,20 @@ void FluidParticipant<dim>::resume(const std::filesystem::path& folder) {
   const Archive archive = with_names(read_archive(file));
   State<dim> state = load<dim>(archive);
   Measurements measurements = load_measurements(archive, parameters_.probes.size());
-  if (state.position.cols() != simulation_.state().position.cols())
-    throw Error(ExitCode::case_file, file.string(),
-                fmt::format("holds {} particles, the case makes {}", state.position.cols(),
-                            simulation_.state().position.cols()),
-                "resume with the case the run was started with");
+  if (state.position.cols() != simulation_.particles())
+    throw Error(
+        ExitCode::case_file, file.string(),
+        fmt::format("holds {} particles, the case makes {}", state.position.cols(), simulation_.particles()),
+        "resume with the case the run was started with");
   const auto steps = archive.integer.find("participant.steps");
   progress_.steps =
       steps != archive.integer.end() && !steps->second.empty() ? steps->second.front() : state.step;
   const auto time = archive.real.find("participant.time");  // version 0.1.0 did not write it
   progress_.time = time != archive.real.end() && time->second.size() == 1 ? time->second(0) : state.time;
   progress_.has_first_frame = true;
-  committed_ = {std::move(state), std::move(measurements), progress_};
-  rewind();
+  simulation_.set_state(state);
+  measurements_ = measurements;
+  committed_ = {simulation_.snapshot(), std::move(measurements), progress_};
   if (frames_) frames_->truncate(committed_.progress.time);
 }
 

@@ -57,7 +57,8 @@ class FluidParticipant final : public Participant {
   double pressure_or_place(const ProbeKeys&, std::span<const std::int64_t> water) const;
   bool frame_due(const Window&) const;
   double volume() const;
-  std::vector<std::int64_t> water() const;
+  std::vector<std::int64_t> water_of(const State<dim>&) const;
+  std::vector<std::int64_t> own_water() const;
   void report_sensors(std::map<std::string, double>& monitor) const;
   void report_accounts(std::map<std::string, double>& monitor) const;
   void report_water(std::map<std::string, double>& monitor) const;
@@ -65,6 +66,7 @@ class FluidParticipant final : public Participant {
   double momentum_scale() const;
   double momentum_gap() const;
   void write_first_frame();
+  void write_frame();
   GuardScales guard_scales() const;
   void watch_step(double t1, double dt, double speed, WindowExtremes&) const;
   void watch_window(const Window&, const WindowExtremes&);
@@ -82,6 +84,7 @@ class FluidParticipant final : public Participant {
   StartSpeeds start_speeds_;
   bool has_body_;
   double output_every_, end_time_;  // [s]
+  bool first_rank_;                 // it measures and writes what is of the whole fluid
   double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;
   std::optional<FrameWriter> frames_;
@@ -94,7 +97,7 @@ class FluidParticipant final : public Participant {
   Progress progress_;
   Guard guard_;
   struct Committed {
-    State<dim> state;
+    typename Simulation<dim>::Snapshot fluid;
     Measurements measurements;
     Progress progress;  // its time is that of the frame: sums of steps drift
   };

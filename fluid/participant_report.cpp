@@ -121,9 +121,10 @@ void FluidParticipant<dim>::report_sensors(std::map<std::string, double>& monito
 template <int dim>
 void FluidParticipant<dim>::report_water(std::map<std::string, double>& monitor) const {
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
-  const WaterAccount<dim> account =
-      account_of<dim>(simulation_.state(), water(), mass, parameters_.gravity.template head<dim>(),
-                      parameters_.tank.min.template head<dim>());
+  const WaterAccount<dim> account = together(
+      account_of<dim>(simulation_.state(), own_water(), mass, parameters_.gravity.template head<dim>(),
+                      parameters_.tank.min.template head<dim>()),
+      simulation_.ranks());
   monitor["water.kinetic_energy"] = account.kinetic;
   monitor["water.potential_energy"] = account.potential;
   monitor["water.largest_speed"] = account.largest_speed;
@@ -141,12 +142,14 @@ template <int dim>
 void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monitor) const {
   const State<dim>& state = simulation_.state();
   std::int64_t water = 0, wall = 0, body = 0, solid = 0;
-  for (const Kind kind : state.kind) {
-    water += kind == Kind::fluid ? 1 : 0;
+  for (std::size_t i = 0; i < state.kind.size(); ++i) {
+    const Kind kind = state.kind[i];
+    water += kind == Kind::fluid && simulation_.ranks().owns(static_cast<std::int64_t>(i)) ? 1 : 0;
     wall += kind == Kind::wall || kind == Kind::dummy_wall ? 1 : 0;
     body += kind == Kind::interface || kind == Kind::dummy_interface ? 1 : 0;
     solid += kind == Kind::solid ? 1 : 0;
   }
+  water = simulation_.ranks().sum(water);
   monitor["count.fluid"] = static_cast<double>(water);
   monitor["count.wall"] = static_cast<double>(wall);
   monitor["count.body"] = static_cast<double>(body);
@@ -178,7 +181,9 @@ double FluidParticipant<dim>::momentum_scale() const {
   if (scale > 0) return scale;
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
   const double own =
-      start_speeds_.water > 0 ? mass * static_cast<double>(water().size()) * start_speeds_.water : 0;
+      start_speeds_.water > 0
+          ? mass * static_cast<double>(simulation_.ranks().sum(std::ssize(own_water()))) * start_speeds_.water
+          : 0;
   return std::max(
       {state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), state.impulse_on_bodies.norm(), own});
 }
@@ -187,7 +192,8 @@ double FluidParticipant<dim>::momentum_scale() const {
 template <int dim>
 double FluidParticipant<dim>::momentum_gap() const {
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim), scale = momentum_scale();
-  return scale > 0 ? fluid::momentum_gap<dim>(simulation_.state(), mass).norm() / scale : 0.0;
+  return scale > 0 ? fluid::momentum_gap<dim>(simulation_.state(), mass, simulation_.ranks()).norm() / scale
+                   : 0.0;
 }
 
 template <int dim>

@@ -2,7 +2,7 @@
 
 #include "coupler/participant/participant_main.hpp"
 #include "fluid/parameters/parameters.hpp"
-#include "fluid/ranks/communicator.hpp"
+#include "fluid/ranks/ranks.hpp"
 #include "proto/case/case_keys.hpp"
 
 #include <memory>

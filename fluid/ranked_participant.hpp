@@ -25,7 +25,7 @@ class RankedParticipant final : public Participant {
   Advanced finish() override;
   void rewind() override;
   void commit(bool write_output) override;
-  void checkpoint(const std::filesystem::path& folder) override { own_->checkpoint(folder); }
+  void checkpoint(const std::filesystem::path& folder) override;
   void resume(const std::filesystem::path& folder) override;
   void flush() override { own_->flush(); }
 

@@ -2,6 +2,7 @@
 #include "fluid/case/load_case.hpp"
 #include "fluid/program.hpp"
 #include "fluid/ranked_participant.hpp"
+#include "fluid/ranks/boomer_amg.hpp"
 #include "fluid/ranks/rank_watch.hpp"
 #include "fluid/ranks/zoltan_partition.hpp"
 #include "proto/error.hpp"
@@ -52,7 +53,9 @@ int run(MpiCommunicator& ranks, int argc, char** argv) {
     if (first - codes.begin() == ranks.rank()) std::fputs(to_text(*refused).c_str(), stderr);
     return *first;
   }
-  const auto build = [&](const Setup& setup) { return fluid.build(setup, {&ranks, zoltan_partition}); };
+  const auto build = [&](const Setup& setup) {
+    return fluid.build(setup, {&ranks, zoltan_partition, [&] { return boomer_amg(ranks); }});
+  };
   if (ranks.rank() > 0) {
     work_for_first_rank(ranks, build);
     return 0;

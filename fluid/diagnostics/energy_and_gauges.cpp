@@ -54,6 +54,22 @@ WaterAccount<dim> account_of(const State<dim>& state, std::span<const std::int64
 }
 
 template <int dim>
+WaterAccount<dim> together(WaterAccount<dim> own, const RankExchange<dim>& ranks) {
+  if (!ranks.several()) return own;
+  const auto count = static_cast<double>(own.inner + own.surface);
+  const Vector<dim> sums =
+      ranks.sum(Vector<dim>(Vector<dim>::Unit(0) * own.kinetic + Vector<dim>::Unit(1) * own.potential));
+  own.kinetic = sums[0];
+  own.potential = sums[1];
+  own.largest_speed = ranks.max(own.largest_speed);
+  own.centre = ranks.sum(Vector<dim>(count * own.centre));
+  own.inner = ranks.sum(own.inner);
+  own.surface = ranks.sum(own.surface);
+  own.centre /= static_cast<double>(std::max<std::int64_t>(1, own.inner + own.surface));
+  return own;
+}
+
+template <int dim>
 double front(const Vectors<dim>& position, std::span<const std::int64_t> water, const Vector<dim>& at,
              double spacing) {
   std::vector<double> ahead;
@@ -94,12 +110,14 @@ double wetted_height(const Vectors<dim>& position, std::span<const std::int64_t>
   return share > 0 ? sum * std::pow(spacing, dim) / share : 0;
 }
 
+template WaterAccount<2> together(WaterAccount<2>, const RankExchange<2>&);
 template WaterAccount<2> account_of(const State<2>&, std::span<const std::int64_t>, double, const Vector<2>&,
                                     const Vector<2>&);
 template double front(const Vectors<2>&, std::span<const std::int64_t>, const Vector<2>&, double);
 template double level(const Vectors<2>&, std::span<const std::int64_t>, const Vector<2>&, double);
 template double wetted_height(const Vectors<2>&, std::span<const std::int64_t>, const Vector<2>&,
                               const Vector<2>&, const Vector<2>&, double);
+template WaterAccount<3> together(WaterAccount<3>, const RankExchange<3>&);
 template WaterAccount<3> account_of(const State<3>&, std::span<const std::int64_t>, double, const Vector<3>&,
                                     const Vector<3>&);
 template double front(const Vectors<3>&, std::span<const std::int64_t>, const Vector<3>&, double);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "fluid/particles/state.hpp"
+#include "fluid/ranks/subdomain.hpp"
 
 #include <cstdint>
 #include <span>
@@ -20,6 +21,10 @@ struct WaterAccount {
 template <int dim>
 WaterAccount<dim> account_of(const State<dim>&, std::span<const std::int64_t> water, double mass,
                              const Vector<dim>& gravity, const Vector<dim>& corner);
+
+/// Adds up the sums of all ranks.
+template <int dim>
+WaterAccount<dim> together(WaterAccount<dim> own, const RankExchange<dim>&);
 
 /// Returns the front of the water layer along a floor, x [m]. From `at`, on the floor, particles within 2 l0
 /// above it are followed towards +x until a gap of more than 2 l0. The front is the x of the last one plus

@@ -93,11 +93,12 @@ Vectors<dim> gather_on_points(const LayerForces<dim>& force, const Boundary<dim>
 }
 
 template <int dim>
-Vector<dim> momentum_gap(const State<dim>& state, double particle_mass) {
+Vector<dim> momentum_gap(const State<dim>& state, double particle_mass, const RankExchange<dim>& ranks) {
   Vector<dim> water = Vector<dim>::Zero();
   for (std::size_t i = 0; i < state.kind.size(); ++i)
-    if (state.kind[i] == Kind::fluid)
+    if (state.kind[i] == Kind::fluid && ranks.owns(static_cast<std::int64_t>(i)))
       water += particle_mass * state.velocity.col(static_cast<Eigen::Index>(i));
+  water = ranks.sum(water);
   return water - state.initial_momentum - state.impulse_of_gravity + state.impulse_on_bodies +
          state.impulse_on_walls;
 }
@@ -108,7 +109,7 @@ Vector<dim> momentum_gap(const State<dim>& state, double particle_mass) {
   template Eigen::Matrix2Xd carried_pressure<dim>(const State<dim>&, const Boundary<dim>&,                \
                                                   const Neighbours&, const LatticeConstants&);            \
   template Vectors<dim> gather_on_points<dim>(const LayerForces<dim>&, const Boundary<dim>&);             \
-  template Vector<dim> momentum_gap<dim>(const State<dim>&, double);
+  template Vector<dim> momentum_gap<dim>(const State<dim>&, double, const RankExchange<dim>&);
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -49,6 +49,6 @@ Vectors<dim> gather_on_points(const LayerForces<dim>&, const Boundary<dim>&);
 /// Computes the momentum that no impulse accounts for [N s]: water − initial − gravity + bodies + tank. It is
 /// round-off for the pairwise gradient, a measured number for the others.
 template <int dim>
-Vector<dim> momentum_gap(const State<dim>& state, double particle_mass);
+Vector<dim> momentum_gap(const State<dim>& state, double particle_mass, const RankExchange<dim>& = {});
 
 }  // namespace strake::fluid

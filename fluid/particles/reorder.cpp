@@ -52,12 +52,10 @@ void sort_by_key(std::vector<std::uint64_t>& key, std::vector<std::int32_t>& ord
 }  // namespace
 
 template <int dim>
-std::vector<std::int32_t> cell_order(const Eigen::Ref<const Vectors<dim>>& position, double size) {
+std::vector<std::uint64_t> cells_along_curve(const Eigen::Ref<const Vectors<dim>>& position,
+                                             const Vector<dim>& low, double size) {
   const auto n = position.cols();
-  Vector<dim> low = Vector<dim>::Zero();
-  if (n > 0) low = position.rowwise().minCoeff();
   std::vector<std::uint64_t> key(static_cast<size_t>(n));
-  std::vector<std::int32_t> order(static_cast<size_t>(n));
 #pragma omp parallel for schedule(static)
   for (Eigen::Index i = 0; i < n; ++i) {
     std::array<std::uint32_t, dim> place{};
@@ -66,8 +64,17 @@ std::vector<std::int32_t> cell_order(const Eigen::Ref<const Vectors<dim>>& posit
       place[static_cast<size_t>(d)] = at > 0 ? static_cast<std::uint32_t>(std::min(at, most_cells - 1)) : 0U;
     }
     key[static_cast<size_t>(i)] = interleaved<dim>(place);
-    order[static_cast<size_t>(i)] = static_cast<std::int32_t>(i);
   }
+  return key;
+}
+
+template <int dim>
+std::vector<std::int32_t> cell_order(const Eigen::Ref<const Vectors<dim>>& position, double size) {
+  Vector<dim> low = Vector<dim>::Zero();
+  if (position.cols() > 0) low = position.rowwise().minCoeff();
+  std::vector<std::uint64_t> key = cells_along_curve<dim>(position, low, size);
+  std::vector<std::int32_t> order(key.size());
+  std::iota(order.begin(), order.end(), 0);
   sort_by_key(key, order);
   return order;
 }
@@ -81,6 +88,10 @@ void reorder(State<dim>& state, std::span<const std::int32_t> order) {
   select_particles<dim>(state, places);
 }
 
+template std::vector<std::uint64_t> cells_along_curve<2>(const Eigen::Ref<const Vectors<2>>&,
+                                                         const Vector<2>&, double);
+template std::vector<std::uint64_t> cells_along_curve<3>(const Eigen::Ref<const Vectors<3>>&,
+                                                         const Vector<3>&, double);
 template std::vector<std::int32_t> cell_order<2>(const Eigen::Ref<const Vectors<2>>&, double);
 template std::vector<std::int32_t> cell_order<3>(const Eigen::Ref<const Vectors<3>>&, double);
 template void reorder<2>(State<2>&, std::span<const std::int32_t>);

@@ -24,6 +24,11 @@ inline bool reorder_due(std::int64_t step) {
 template <int dim>
 std::vector<std::int32_t> cell_order(const Eigen::Ref<const Vectors<dim>>& position, double size);
 
+/// Returns the number of the cell of each particle along that curve. low: corner of the first cell [m].
+template <int dim>
+std::vector<std::uint64_t> cells_along_curve(const Eigen::Ref<const Vectors<dim>>& position,
+                                             const Vector<dim>& low, double size);
+
 /// Sorts the first order.size() particles of every array of the state in that order. State::id identifies a
 /// particle. The others, walls and bodies, keep their places.
 template <int dim>

@@ -62,6 +62,7 @@ struct State {
   double air_energy_given = 0;          // the same: of the start, and the work done on the air
   Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
   Vectors<dim> interface_velocity;      // dim×m [m/s]
+  Eigen::VectorXd rank_boxes;           // 6 per rank, see Subdomain; empty: one rank
 
   Vector<dim> impulse_on_bodies = Vector<dim>::Zero();  // [N s] momentum account, since t = 0
   Vector<dim> impulse_on_walls = Vector<dim>::Zero();
@@ -106,6 +107,7 @@ struct State {
                       std::pair("air_energy_given", &State::air_energy_given),              //
                       std::pair("interface_displacement", &State::interface_displacement),  //
                       std::pair("interface_velocity", &State::interface_velocity),          //
+                      std::pair("rank_boxes", &State::rank_boxes),                          //
                       std::pair("impulse_on_bodies", &State::impulse_on_bodies),            //
                       std::pair("impulse_on_walls", &State::impulse_on_walls),              //
                       std::pair("impulse_of_gravity", &State::impulse_of_gravity),          //

@@ -16,9 +16,9 @@ void save(const State<dim>& state, ArchiveSource& archive) {
 
 namespace {
 
-/// Whether version 0.1.0 did not have that member. Where a checkpoint lacks it, it is zero.
+/// Whether version 0.1.0 did not have that member. Where a checkpoint lacks it, it is zero or empty.
 bool is_newer(std::string_view name) {
-  return name.starts_with("air_") || name == "pressure_acceleration" || name.starts_with("face_lag");
+  return name.starts_with("air_") || name == "rank_boxes" || name == "pressure_acceleration" || name.starts_with("face_lag");
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "fluid/pressure_solver/aggregates.hpp"
 
+#include "fluid/pressure_solver/ranked_unknowns.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -72,17 +74,16 @@ void Aggregates<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
   double cells = 1;
   for (std::size_t d = 0; d < dim; ++d) cells *= (high[d] - low[d]) / cell_size + 3;
   if (!(cells < most)) cut_to_median<dim>(system, position, cell_size, box);
+  ranked_ = nullptr;
+  piece_owner_.clear();
   std::array<double, dim> extent{};
-  std::int64_t all = 1;
   for (std::size_t d = 0; d < dim; ++d) {
     const double wide = (high[d] - low[d]) / cell_size;
     extent[d] = (wide > 0 && wide < most ? std::floor(wide) : 0) + 1;
     count_[d] = static_cast<std::int32_t>(extent[d]) + 2;
-    all *= count_[d];
   }
   for (auto& coordinate : at) coordinate.resize(static_cast<std::size_t>(n));
   cell_.resize(static_cast<std::size_t>(n));
-  cell_start_.assign(static_cast<std::size_t>(all) + 1, 0);
   constexpr double edge = 1e-3;
 #pragma omp parallel for schedule(static) if (n >= rows_for_threads)
   for (std::int64_t k = 0; k < n; ++k) {
@@ -94,7 +95,30 @@ void Aggregates<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
     }
     cell_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(cell_of(k));
   }
-  for (const std::int32_t c : cell_) ++cell_start_[static_cast<std::size_t>(c) + 1];
+  sort_by_cell(n, full);
+}
+
+template <int dim>
+void Aggregates<dim>::sort(const RankedUnknowns<dim>& unknowns, double full) {
+  ranked_ = &unknowns;
+  rank_ = unknowns.communicator->rank();
+  at = unknowns.at;
+  for (std::size_t d = 0; d < dim; ++d) count_[d] = unknowns.cells[d] + 2;
+  cell_.resize(static_cast<std::size_t>(unknowns.all));
+  for (std::int64_t k = 0; k < unknowns.all; ++k)
+    cell_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(cell_of(k));
+  sort_by_cell(unknowns.near, full);
+}
+
+/// Sorts the first `sorted` unknowns by their cells, those of one cell in their order.
+template <int dim>
+void Aggregates<dim>::sort_by_cell(std::int64_t sorted, double full) {
+  const std::int64_t n = sorted;
+  std::int64_t all = 1;
+  for (std::size_t d = 0; d < dim; ++d) all *= count_[d];
+  cell_start_.assign(static_cast<std::size_t>(all) + 1, 0);
+  for (std::int64_t k = 0; k < n; ++k)
+    ++cell_start_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(k)]) + 1];
   for (std::size_t c = 1; c < cell_start_.size(); ++c) cell_start_[c] += cell_start_[c - 1];
   order.resize(static_cast<std::size_t>(n));
   first_piece_.assign(cell_start_.begin(), cell_start_.end());  // as a cursor, for now
@@ -156,7 +180,7 @@ void Aggregates<dim>::split_cells(const PressureSystem& system) {
   piece_start.clear();
   piece_touches_.clear();
   shared_cell_.clear();
-  piece_of.resize(order.size());
+  piece_of.assign(cell_.size(), -1);
   for (std::int64_t c = 0; c < cells; ++c) {
     const auto here = static_cast<std::size_t>(c);
     const std::int64_t begin = cell_start_[here], end = cell_start_[here + 1];
@@ -181,6 +205,11 @@ void Aggregates<dim>::split_cells(const PressureSystem& system) {
   }
   first_piece_.back() = static_cast<std::int32_t>(piece_start.size());
   piece_start.push_back(static_cast<std::int32_t>(order.size()));
+  if (ranked_ == nullptr) return;
+  piece_owner_.clear();
+  for (std::int32_t p = 0; p < pieces(); ++p)
+    piece_owner_.push_back(ranked_->owner[static_cast<std::size_t>(
+        order[static_cast<std::size_t>(piece_start[static_cast<std::size_t>(p)])])]);
 }
 
 /// Sorts one cell's stretch of `order` into pieces, which are connected through rows inside the cell.
@@ -214,7 +243,7 @@ void Aggregates<dim>::link_pieces(const PressureSystem& system) {
       const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(s)]);
       for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
         const std::int32_t q = piece_of[static_cast<std::size_t>(system.column[static_cast<std::size_t>(e)])];
-        if (q == p) continue;
+        if (q == p || q < 0) continue;  // −1: of the second ring
         links_.emplace_back(p, q);
         links_.emplace_back(q, p);
       }
@@ -265,12 +294,27 @@ int Aggregates<dim>::join_members(std::vector<Member>& members) const {
   return parts;
 }
 
+/// Notes the owner of a vertex, that of its lowest piece. False: no own piece is there.
+template <int dim>
+bool Aggregates<dim>::begin_node(const std::vector<Member>& members, int part) {
+  int owner = -1;
+  bool own = false;
+  for (const Member& m : members) {
+    if (m.part != part) continue;
+    if (owner < 0) owner = piece_owner_[static_cast<std::size_t>(m.piece)];
+    own = own || owns(m.piece);
+  }
+  if (own) node_owner.push_back(owner);
+  return own;
+}
+
 template <int dim>
 void Aggregates<dim>::gather_vertices(CoarseLevel<dim>& level) {
   std::vector<Member> members;
   node.assign(static_cast<std::size_t>(pieces()) * corners, -1);
   meeting_start.assign(1, 0);
   meeting.clear();
+  node_owner.clear();
   level.place.clear();
   level.first.assign(1, 0);
   for (std::size_t d = 0; d < 3; ++d) level.size[d] = d < dim ? count_[d] - 1 : 1;
@@ -290,6 +334,7 @@ void Aggregates<dim>::gather_vertices(CoarseLevel<dim>& level) {
         for (std::size_t d = 0; d < dim; ++d) here[d] = xyz[d];
         const int parts = join_members(members);
         for (int part = 0; part < parts; ++part) {
+          if (ranked_ != nullptr && !begin_node(members, part)) continue;
           for (const Member& m : members) {
             if (m.part != part) continue;
             node[static_cast<std::size_t>(m.piece * corners + m.corner)] = level.unknowns();

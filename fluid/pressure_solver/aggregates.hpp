@@ -11,6 +11,9 @@
 
 namespace strake::fluid {
 
+template <int dim>
+struct RankedUnknowns;
+
 /// Returns the weights of the corners of a cell for a place in it. f: the place, from 0 to 1 along each axis.
 template <int dim>
 inline std::array<float, std::size_t{1} << dim> corner_weights(const std::array<float, dim>& f) {
@@ -40,6 +43,8 @@ class Aggregates {
   /// Sorts the unknowns into cells of `cell_size` [m]. A cell is sparse with less than half of `full`
   /// unknowns.
   void sort(const PressureSystem&, const Vectors<dim>& position, double cell_size, double full);
+  /// The same of one rank: own unknowns and the copies around them, into their buckets.
+  void sort(const RankedUnknowns<dim>&, double full);
   /// Whether the cell of an unknown is sparse, and whether that or an adjacent one is.
   bool is_sparse(std::int64_t unknown) const { return density(unknown) > 1; }
   bool is_near_sparse(std::int64_t unknown) const { return density(unknown) > 0; }
@@ -51,6 +56,12 @@ class Aggregates {
   void split(const PressureSystem&, CoarseLevel<dim>& level);
 
   std::int32_t pieces() const { return static_cast<std::int32_t>(piece_start.size()) - 1; }
+  /// Number of unknowns in pieces, with the copies.
+  std::int64_t sorted() const { return static_cast<std::int64_t>(order.size()); }
+  /// Whether this rank owns the piece.
+  bool owns(std::int32_t piece) const {
+    return piece_owner_.empty() || piece_owner_[static_cast<std::size_t>(piece)] == rank_;
+  }
   std::size_t bytes() const;
 
   /// Place of each unknown from the grid's corner, per axis [cells].
@@ -60,6 +71,8 @@ class Aggregates {
   std::vector<std::int32_t> node;                    // coarse unknown of each corner of each piece
   std::vector<std::int32_t> piece_of;                // of each unknown
   std::vector<std::int32_t> meeting_start, meeting;  // per coarse unknown: the piece corners that meet in it
+  /// On several ranks: the owner of each coarse unknown. There, only those of own pieces have a number.
+  std::vector<int> node_owner;
 
  private:
   using Link = std::pair<std::int32_t, std::int32_t>;
@@ -67,6 +80,7 @@ class Aggregates {
   std::uint8_t density(std::int64_t unknown) const {
     return density_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(unknown)])];
   }
+  void sort_by_cell(std::int64_t sorted, double full);
   void find_sparse(double full);
   void split_cells(const PressureSystem&);
   bool is_whole(std::int64_t begin, std::int64_t end) const;
@@ -81,6 +95,7 @@ class Aggregates {
   void gather_vertices(CoarseLevel<dim>& level);
   /// Numbers the connected sets of the pieces around one vertex; returns how many there are.
   int join_members(std::vector<Member>&) const;
+  bool begin_node(const std::vector<Member>&, int part);
   bool linked(std::int32_t p, std::int32_t q, int direction) const;
 
   std::array<std::int32_t, 3> count_{1, 1, 1};   // cells per axis, with an empty ring around
@@ -90,6 +105,9 @@ class Aggregates {
   std::vector<std::uint8_t> shared_cell_;        // of each piece: its cell has another one
   std::vector<std::uint8_t> density_;            // of each cell: 2 sparse, 1 beside such a one, 0 neither
   std::vector<Link> links_;                      // between pieces of which one shares its cell, sorted
+  const RankedUnknowns<dim>* ranked_ = nullptr;  // of the last sort; null: one rank
+  int rank_ = 0;
+  std::vector<int> piece_owner_;  // on several ranks
 };
 
 }  // namespace strake::fluid

@@ -53,7 +53,26 @@ struct ThreadShare {
   double *x, *r, *p, *q, *inverse;  // pressure, residual, direction, A p (before: z), 1/diagonal
   double *first, *second, *third;   // partial sums of each block
   std::int64_t first_block, last_block, begin, end;
+  const SolvingRanks* ranks;  // nullptr: one rank
+  double* joined;             // a sum of all ranks
 };
+
+/// Adds up the partial sums of all blocks, and of all ranks.
+double total(const ThreadShare& s, const std::vector<double>& partial) {
+  if (s.ranks == nullptr) return ordered_sum(partial);
+  if (s.team.first()) *s.joined = s.ranks->communicator.sum(ordered_sum(partial));
+  s.team.wait();
+  const double sum = *s.joined;
+  s.team.wait();
+  return sum;
+}
+
+/// Gives the copies of other ranks' unknowns their values in x.
+void update_copies(const ThreadShare& s, double* x) {
+  if (s.ranks == nullptr) return;
+  if (s.team.first()) s.ranks->halo.update(s.ranks->communicator, x);
+  s.team.wait();
+}
 
 /// Computes r = b − A p₀, z = D⁻¹ r, and the partial sums b·b, r·r, r·z.
 void first_residual(const ThreadShare& s) {
@@ -105,7 +124,7 @@ template <int dim>
 double next_direction(const ThreadShare& s, Multilevel<dim>* preconditioner, double relative,
                       const std::vector<double>& third, double rz_before) {
   if (preconditioner) precondition(s, *preconditioner, relative);
-  const double rz = ordered_sum(third);
+  const double rz = total(s, third);
   if (preconditioner)
     new_direction(s, preconditioner->solution(), rz / rz_before, rz_before == 0);
   else
@@ -152,14 +171,16 @@ double row_times(const PressureSystem& system, const double* x, std::int64_t k) 
 
 template <int dim>
 void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* preconditioner,
-                               double tolerance, int max_iterations, int threads,
-                               PressureSolution& solution) {
-  const std::int64_t n = system.size();
+                               double tolerance, int max_iterations, int threads, PressureSolution& solution,
+                               const SolvingRanks* ranks) {
+  const std::int64_t n = system.size(), unknowns = ranks ? ranks->unknowns : n;
   const Blocks blocks(n);
+  double joined = 0;
   for (auto* sums : {&first_, &second_, &third_}) sums->resize(static_cast<std::size_t>(blocks.count));
   solution.iterations = 0;
-  double* const inverse = memory_.of<double>(4 * static_cast<std::size_t>(n)).data();
-  double *const x = solution.pressure.data(), *const r = inverse + n, *const p = r + n, *const q = p + n;
+  double* const inverse = memory_.of<double>(static_cast<std::size_t>(3 * n + unknowns)).data();
+  double *const x = solution.pressure.data(), *const r = inverse + n, *const p = r + n,
+                *const q = p + unknowns;
   Barrier barrier(threads);
 
 #pragma omp parallel num_threads(threads) if (threads > 1)
@@ -180,11 +201,14 @@ void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* pr
                             .first_block = first_block,
                             .last_block = last_block,
                             .begin = blocks.begin(first_block),
-                            .end = std::min(n, blocks.begin(last_block))};
+                            .end = std::min(n, blocks.begin(last_block)),
+                            .ranks = ranks,
+                            .joined = &joined};
+    update_copies(share, x);
     first_residual(share);
     team.wait();
-    const double b_norm = std::sqrt(ordered_sum(first_));
-    double r_norm = std::sqrt(ordered_sum(second_));
+    const double b_norm = std::sqrt(total(share, first_));
+    double r_norm = std::sqrt(total(share, second_));
     double rz = 0;
     int iterations = 0;
     if (b_norm == 0) {
@@ -196,11 +220,12 @@ void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* pr
     while (r_norm > tolerance * b_norm && iterations < max_iterations) {
       rz = next_direction(share, preconditioner, relative, third_, iterations == 0 ? 0 : rz);
       team.wait();
+      update_copies(share, p);
       multiply(share);
       team.wait();
-      advance(share, rz / ordered_sum(first_), !preconditioner);
+      advance(share, rz / total(share, first_), !preconditioner);
       team.wait();
-      r_norm = std::sqrt(ordered_sum(second_));
+      r_norm = std::sqrt(total(share, second_));
       ++iterations;
     }
     if (team.first()) {
@@ -211,8 +236,8 @@ void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* pr
 }
 
 template void ConjugateGradients::solve<2>(const PressureSystem&, Multilevel<2>*, double, int, int,
-                                           PressureSolution&);
+                                           PressureSolution&, const SolvingRanks*);
 template void ConjugateGradients::solve<3>(const PressureSystem&, Multilevel<3>*, double, int, int,
-                                           PressureSolution&);
+                                           PressureSolution&, const SolvingRanks*);
 
 }  // namespace strake::fluid

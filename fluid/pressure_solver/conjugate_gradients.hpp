@@ -3,6 +3,7 @@
 #include "fluid/particles/shared_memory.hpp"
 #include "fluid/pressure_solver/multilevel.hpp"
 #include "fluid/pressure_solver/pressure_system.hpp"
+#include "fluid/ranks/halo.hpp"
 
 #include <Eigen/Core>
 
@@ -10,15 +11,24 @@
 
 namespace strake::fluid {
 
+/// The ranks that solve one equation together. Each has the rows of its own unknowns, and copies of others'
+/// behind them.
+struct SolvingRanks {
+  Communicator& communicator;
+  const Halo& halo;
+  std::int64_t unknowns;  // own ones and copies
+};
+
 /// Solves by conjugate gradients, in one parallel region per solve. Sums are computed over blocks of rows,
 /// each by one thread, and added in order: the result is the same for any number of threads.
 class ConjugateGradients {
  public:
   /// Iterates from solution.pressure to ‖b − A p‖₂ <= tolerance ‖b‖₂. preconditioner: built for this system;
-  /// nullptr: the diagonal. Ends as soon as the residual is no number.
+  /// nullptr: the diagonal. Ends as soon as the residual is no number. ranks: nullptr: there is one. On
+  /// several ranks the sums are the same for any number of threads, not for any number of ranks.
   template <int dim>
   void solve(const PressureSystem&, Multilevel<dim>* preconditioner, double tolerance, int max_iterations,
-             int threads, PressureSolution& solution);
+             int threads, PressureSolution& solution, const SolvingRanks* ranks = nullptr);
   std::size_t bytes() const { return memory_.bytes(); }
   SharedMemory& memory() { return memory_; }  // nothing is kept in it
 

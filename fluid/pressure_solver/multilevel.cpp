@@ -21,9 +21,29 @@ void Multilevel<dim>::build(const PressureSystem& system, const Vectors<dim>& po
                             double reach, int threads) {
   // Cells are 0.1 % wider than the reach: rounding must not let a row reach beyond the adjacent cells.
   pieces_.sort(system, position, 1.001 * radius, std::pow(reach, dim));
+  unknowns_ = nullptr;
+  grid_ranks_ = nullptr;
+  make_grid(system, threads);
+  grids_.build(threads);
+}
+
+template <int dim>
+void Multilevel<dim>::build(const PressureSystem& system, const RankedUnknowns<dim>& unknowns,
+                            GridRanks<dim>& grid_ranks, double full, int threads) {
+  pieces_.sort(unknowns, full);
+  unknowns_ = &unknowns;
+  grid_ranks_ = &grid_ranks;
+  make_grid(system, threads);
+  grid_ranks.build(grids_.finest());
+}
+
+/// Makes the first grid and its equation, once the unknowns are sorted into cells.
+template <int dim>
+void Multilevel<dim>::make_grid(const PressureSystem& system, int threads) {
   read_rows(system, threads);
   pieces_.split(system, grids_.finest());
-  const auto n = static_cast<std::size_t>(system.size());
+  if (grid_ranks_) grid_ranks_->number(*unknowns_, pieces_);
+  const auto n = static_cast<std::size_t>(pieces_.sorted());
   for (std::size_t d = 0; d < dim; ++d) {
     within_[d].resize(n);
     for (std::size_t s = 0; s < n; ++s) {
@@ -33,11 +53,24 @@ void Multilevel<dim>::build(const PressureSystem& system, const Vectors<dim>& po
   }
   read_exact_entries(system, threads);
   assemble_grid(threads);
-  grids_.build(threads);
   right_.resize(n);
   swept_.resize(n);
   solution_.resize(n);
-  corner_sum_.resize(static_cast<std::size_t>(pieces_.pieces()) * corners);
+  corner_sum_.assign(static_cast<std::size_t>(pieces_.pieces()) * corners, 0);
+}
+
+template <int dim>
+void Multilevel<dim>::solve_grid(const Team& team) {
+  if (grid_ranks_ == nullptr)
+    grids_.cycle(team);
+  else if (team.first())
+    grid_ranks_->solve(grids_.finest());
+}
+
+/// Gives the copies of other ranks' unknowns the values of x. It is followed by a wait.
+template <int dim>
+void Multilevel<dim>::update_copies(const Team& team) {
+  if (unknowns_ != nullptr && team.first()) unknowns_->halo.update(*unknowns_->communicator, swept_.data());
 }
 
 template <int dim>
@@ -58,9 +91,14 @@ void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
     return corner_weights<dim>(f);
   };
 
+  if (unknowns_ != nullptr) {
+    update_copies(team);
+    team.wait();
+  }
   for (std::int64_t k = begin; k < end; ++k) r[k] = b[k] - diagonal[k] * x[k] - row_times(system, x, k);
   team.wait();
   for (std::int64_t p = piece_begin; p < piece_end; ++p) {
+    if (!pieces_.owns(static_cast<std::int32_t>(p))) continue;
     std::array<float, corners> sum{};
     for (std::int32_t s = start[p]; s < start[p + 1]; ++s) {
       const auto w = weights_of(s);
@@ -78,10 +116,11 @@ void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
     grid.right[static_cast<std::size_t>(i)] = sum;
   }
   team.wait();
-  grids_.cycle(team);
+  solve_grid(team);
   team.wait();
   const float* coarse = grid.solution.data();
   for (std::int64_t p = piece_begin; p < piece_end; ++p) {
+    if (!pieces_.owns(static_cast<std::int32_t>(p))) continue;
     std::array<float, corners> corner;
     for (std::size_t a = 0; a < corners; ++a)
       corner[a] = coarse[pieces_.node[static_cast<std::size_t>(p) * corners + a]];
@@ -93,6 +132,10 @@ void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
     }
   }
   team.wait();
+  if (unknowns_ != nullptr) {
+    update_copies(team);
+    team.wait();
+  }
   for (std::int64_t k = begin; k < end; ++k)
     r[k] = x[k] + inverse[k] * (b[k] - diagonal[k] * x[k] - row_times(system, x, k));
 }

@@ -3,6 +3,7 @@
 #include "fluid/particles/state.hpp"
 #include "fluid/pressure_solver/aggregates.hpp"
 #include "fluid/pressure_solver/coarse_level.hpp"
+#include "fluid/pressure_solver/grid_ranks.hpp"
 #include "fluid/pressure_solver/pressure_system.hpp"
 #include "fluid/pressure_solver/thread_team.hpp"
 
@@ -22,6 +23,9 @@ class Multilevel {
  public:
   /// radius: reach of A [m]; reach: the same in spacings.
   void build(const PressureSystem&, const Vectors<dim>& position, double radius, double reach, int threads);
+  /// The same on several ranks, whose grids are one. system: the rows of the own unknowns; full: unknowns of
+  /// a full cell.
+  void build(const PressureSystem&, const RankedUnknowns<dim>&, GridRanks<dim>&, double full, int threads);
   /// Computes z ≈ A⁻¹ r. The caller writes r to right(), and D⁻¹ r to swept(); z is in solution(). Each
   /// thread of the team calls it after a wait, and its own share of z is ready when it returns.
   void apply(const PressureSystem&, const Team&);
@@ -38,6 +42,12 @@ class Multilevel {
   static constexpr int moments = dim * (dim + 1) / 2;
   using Element = std::array<double, static_cast<std::size_t>(corners) * corners>;
 
+  std::int64_t vertices() const {  // with those that have no row here
+    return grid_ranks_ ? grid_ranks_->numbers() : grids_.finest().unknowns();
+  }
+  void make_grid(const PressureSystem&, int threads);
+  void solve_grid(const Team&);
+  void update_copies(const Team&);
   void read_rows(const PressureSystem&, int threads);
   Element element(std::int32_t piece) const;
   bool is_exact(std::int64_t i, std::int64_t j) const;
@@ -58,6 +68,9 @@ class Multilevel {
   std::array<std::vector<float>, dim> within_;  // place in its cell, in the order of the pieces
   std::vector<float> right_, swept_, solution_;
   std::vector<float> corner_sum_;  // per corner of each piece
+  // On several ranks; null: one rank.
+  const RankedUnknowns<dim>* unknowns_ = nullptr;
+  GridRanks<dim>* grid_ranks_ = nullptr;
 };
 
 }  // namespace strake::fluid

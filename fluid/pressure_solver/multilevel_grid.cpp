@@ -35,7 +35,7 @@ void store(std::array<std::vector<float>, entries>& moment, std::size_t row,
 /// that the row touches.
 template <int dim>
 void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
-  const std::int64_t n = system.size();
+  const std::int64_t n = pieces_.sorted();  // on several ranks more than the rows of the system
   for (auto* v : {&diagonal_, &inverse_, &excess_}) v->resize(static_cast<std::size_t>(n));
   for (auto& m : moment_) m.resize(static_cast<std::size_t>(n));
   exact_row_.assign(static_cast<std::size_t>(n), -1);
@@ -139,7 +139,7 @@ void Multilevel<dim>::read_scattered_row(const PressureSystem& system, std::int6
 template <int dim>
 void Multilevel<dim>::read_exact_entries(const PressureSystem& system, int threads) {
   scattered_.clear();
-  for (std::size_t k = 0; k < exact_row_.size(); ++k) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(system.size()); ++k) {
     if (exact_row_[k] < 0) continue;
     exact_row_[k] = static_cast<std::int32_t>(scattered_.size());
     scattered_.push_back(static_cast<std::int32_t>(k));
@@ -163,7 +163,7 @@ void Multilevel<dim>::read_exact_entries(const PressureSystem& system, int threa
   {
     const Team team{omp_get_thread_num(), omp_get_num_threads(), nullptr};
     RowGatherer gatherer;
-    gatherer.resize(grids_.finest().unknowns());
+    gatherer.resize(vertices());
     const auto [begin, end] = team.share(static_cast<std::int64_t>(scattered_.size()));
     for (std::int64_t s = begin; s < end; ++s) {
       const std::int64_t i = scattered_.data()[s];
@@ -256,7 +256,8 @@ void Multilevel<dim>::assemble_grid(int threads) {
   const std::int32_t n = grid.unknowns(), count = pieces_.pieces();
   elements_.resize(static_cast<std::size_t>(count));
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (std::int32_t p = 0; p < count; ++p) elements_[static_cast<std::size_t>(p)] = element(p);
+  for (std::int32_t p = 0; p < count; ++p)
+    if (pieces_.owns(p)) elements_[static_cast<std::size_t>(p)] = element(p);
   grid.diagonal.resize(static_cast<std::size_t>(n));
   parts_.resize(static_cast<std::size_t>(threads));
   for (SparseRows& part : parts_) part.clear();
@@ -265,13 +266,14 @@ void Multilevel<dim>::assemble_grid(int threads) {
     const Team team{omp_get_thread_num(), omp_get_num_threads(), nullptr};
     SparseRows& rows = parts_[static_cast<std::size_t>(team.index)];
     RowGatherer gatherer;
-    gatherer.resize(n);
+    gatherer.resize(vertices());
     const auto [begin, end] = team.share(n);
     for (auto i = static_cast<std::int32_t>(begin); i < end; ++i) {
       for (std::int32_t m = pieces_.meeting_start[static_cast<std::size_t>(i)];
            m < pieces_.meeting_start[static_cast<std::size_t>(i) + 1]; ++m) {
         const std::int32_t meeting = pieces_.meeting[static_cast<std::size_t>(m)];
         const std::int32_t p = meeting / corners, a = meeting % corners;
+        if (!pieces_.owns(p)) continue;
         const Element& e = elements_[static_cast<std::size_t>(p)];
         for (std::int32_t b = 0; b < corners; ++b)
           gatherer.add(pieces_.node[static_cast<std::size_t>(p * corners + b)],
@@ -282,7 +284,12 @@ void Multilevel<dim>::assemble_grid(int threads) {
     }
   }
   join(parts_, grid.matrix);
-  grid.prepare();
+  if (grid_ranks_ == nullptr) {
+    grid.prepare();
+    return;
+  }
+  grid.right.resize(static_cast<std::size_t>(n));
+  grid.solution.resize(static_cast<std::size_t>(n));
 }
 
 template void Multilevel<2>::read_rows(const PressureSystem&, int);

@@ -58,6 +58,11 @@ PressureChoice choose_pressure_solver(const PressureSystem& system, const Scheme
   return choose(is_open(scheme) ? compressible_share(system) : 0, scheme);
 }
 
+PressureChoice choose_pressure_solver(const PressureSystem& system, const Scheme& scheme,
+                                      Communicator& ranks) {
+  return choose(is_open(scheme) ? -ranks.max(-compressible_share(system)) : 0, scheme);
+}
+
 template <int dim>
 PressureChoice expected_pressure_solver(const Parameters& p, double dt) {
   const LatticeConstants lattice = lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing);

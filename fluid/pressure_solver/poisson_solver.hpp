@@ -5,6 +5,7 @@
 #include "fluid/pressure_solver/conjugate_gradients.hpp"
 #include "fluid/pressure_solver/multilevel.hpp"
 #include "fluid/pressure_solver/pressure_system.hpp"
+#include "fluid/ranks/communicator.hpp"
 
 #include <Eigen/Core>
 
@@ -25,6 +26,8 @@ struct PressureChoice {
 ///   ln(2/ε) / ln((√κ+1)/(√κ−1)), κ = (2−s)/s, s the compressible share.
 /// With `automatic` the choice is a function of the matrix and the tolerance alone.
 PressureChoice choose_pressure_solver(const PressureSystem&, const Scheme&);
+/// The same on several ranks, which agree.
+PressureChoice choose_pressure_solver(const PressureSystem&, const Scheme&, Communicator&);
 /// Chooses the same before there is a matrix, from rows inside the water: s = 1/(1 + 2d (c Δt)²/λ).
 template <int dim>
 PressureChoice expected_pressure_solver(const Parameters&, double dt);

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <type_traits>
@@ -15,9 +17,52 @@ namespace strake::fluid {
 /// A message between two ranks.
 using Bytes = std::vector<std::byte>;
 
+/// Appends the bytes of a value, or takes them back.
+template <class T>
+void append(Bytes& bytes, const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const auto* const from = reinterpret_cast<const std::byte*>(&value);
+  bytes.insert(bytes.end(), from, from + sizeof(T));
+}
+template <class T>
+T take(const std::byte*& at) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  T value;
+  std::memcpy(&value, at, sizeof(T));
+  at += sizeof(T);
+  return value;
+}
+/// Returns the values of a message that holds nothing else.
+template <class T>
+std::vector<T> values_of(const Bytes& bytes) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
 /// The ranks that compute one fluid together: processes, or threads in tests. All of them call the same
 /// functions in the same order. Each call waits for the others.
 class Communicator {
+ public:
+  /// What one rank has sent, and how long it has waited.
+  struct Account {
+    double seconds_together = 0;  // in calls in which all ranks take part
+    double seconds_apart = 0;     // in messages between two
+    std::int64_t bytes = 0, messages = 0;
+  };
+
+ private:
+  template <class Do>
+  auto timed(double& seconds, std::size_t bytes, Do&& todo) {
+    const auto start = std::chrono::steady_clock::now();
+    auto result = todo();
+    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    account_.bytes += static_cast<std::int64_t>(bytes);
+    return result;
+  }
+  Account account_;
+
  public:
   Communicator() = default;
   Communicator(const Communicator&) = delete;
@@ -26,22 +71,52 @@ class Communicator {
 
   virtual int rank() const = 0;
   virtual int size() const = 0;
+  const Account& account() const { return account_; }
+
   /// Returns what each rank gave, in the order of ranks, on all of them.
-  virtual std::vector<Bytes> gather(std::span<const std::byte> own) = 0;
+  std::vector<Bytes> gather(std::span<const std::byte> own) {
+    return timed(account_.seconds_together, own.size(), [&] { return gather_all(own); });
+  }
+  /// The same on the first rank alone; the others get nothing.
+  std::vector<Bytes> gather_on_first(std::span<const std::byte> own) {
+    return timed(account_.seconds_together, own.size(), [&] { return gather_first(own); });
+  }
   /// Sends to[r] to each rank r, and receives from[r]. The sizes of `from` are those that will arrive. An
   /// empty message is not sent.
-  virtual void exchange(std::span<const Bytes> to, std::span<Bytes> from) = 0;
+  void exchange(std::span<const Bytes> to, std::span<Bytes> from) {
+    std::size_t sent = 0;
+    for (const Bytes& bytes : to) {
+      sent += bytes.size();
+      account_.messages += bytes.empty() ? 0 : 1;
+    }
+    timed(account_.seconds_apart, sent, [&] {
+      pass(to, from);
+      return 0;
+    });
+  }
+  /// The same where the receiver does not know the sizes.
+  std::vector<Bytes> exchange_any(std::span<const Bytes> to) {
+    std::vector<std::int64_t> lengths(to.size());
+    for (std::size_t r = 0; r < to.size(); ++r) lengths[r] = std::ssize(to[r]);
+    std::vector<Bytes> from(to.size());
+    const auto own = static_cast<std::size_t>(rank());
+    lengths = timed(account_.seconds_together, 8 * to.size(), [&] { return pass_lengths(lengths); });
+    for (std::size_t r = 0; r < to.size(); ++r)
+      if (r != own) from[r].resize(static_cast<std::size_t>(lengths[r]));
+    exchange(to, from);
+    from[own] = to[own];
+    return from;
+  }
 
   /// Returns the values of all ranks, in the order of ranks.
   template <class T>
   std::vector<T> all(const T& own) {
     static_assert(std::is_trivially_copyable_v<T>);
-    std::vector<T> values;
-    for (const Bytes& bytes : gather(std::as_bytes(std::span(&own, 1)))) {
-      if (bytes.size() != sizeof(T)) throw std::logic_error("ranks call different functions");
-      std::memcpy(&values.emplace_back(), bytes.data(), sizeof(T));
-    }
-    return values;
+    const Bytes bytes = timed(account_.seconds_together, sizeof(T),
+                              [&] { return gather_equal(std::as_bytes(std::span(&own, 1))); });
+    if (bytes.size() != sizeof(T) * static_cast<std::size_t>(size()))
+      throw std::logic_error("ranks call different functions");
+    return values_of<T>(bytes);
   }
   /// Returns the largest value of all ranks.
   double max(double own) { return std::ranges::max(all(own)); }
@@ -53,16 +128,21 @@ class Communicator {
     return total;
   }
   bool any(bool own) { return sum(std::int64_t{own ? 1 : 0}) > 0; }
+
+ protected:
+  virtual std::vector<Bytes> gather_all(std::span<const std::byte> own) = 0;
+  virtual std::vector<Bytes> gather_first(std::span<const std::byte> own) = 0;
+  /// Messages of equal length, one behind the other.
+  virtual Bytes gather_equal(std::span<const std::byte> own) = 0;
+  virtual void pass(std::span<const Bytes> to, std::span<Bytes> from) = 0;
+  /// Sends to[r] to each rank r, and returns what they send.
+  virtual std::vector<std::int64_t> pass_lengths(std::span<const std::int64_t> to) = 0;
 };
 
-/// Chooses the rank of each bucket. centres: 3×b [m]; weights: work of each; parts: number of ranks.
-using Partition = std::function<std::vector<int>(std::span<const double> centres,
-                                                 std::span<const double> weights, int parts)>;
-
-/// The ranks of a run, and how the water is divided among them. By default there is one rank.
-struct Ranks {
-  Communicator* communicator = nullptr;
-  Partition partition = {};
-};
+/// Divides space into one box per rank, by the work in it. centres: 3×b, of the own buckets of this rank;
+/// weights: work of each. Returns six numbers per rank, the lower and the upper corner of its box. The boxes
+/// fill all space and do not overlap. All ranks call it together and get the same boxes.
+using Partition = std::function<std::vector<double>(Communicator&, std::span<const double> centres,
+                                                    std::span<const double> weights)>;
 
 }  // namespace strake::fluid

@@ -28,25 +28,73 @@ MpiCommunicator::MpiCommunicator(MPI_Comm all) : all_(all) {
   MPI_Comm_size(all, &size_);
 }
 
-std::vector<Bytes> MpiCommunicator::gather(std::span<const std::byte> own) {
-  const auto ranks = static_cast<std::size_t>(size_);
-  std::vector<int> count(ranks), start(ranks, 0);
-  const int mine = count_of(own.size());
-  MPI_Allgather(&mine, 1, MPI_INT, count.data(), 1, MPI_INT, all_);
+namespace {
+
+/// Places of messages of these lengths, one behind the other; the last is their sum.
+std::vector<int> starts_of(const std::vector<int>& count) {
+  std::vector<int> start;
   std::size_t total = 0;
-  for (std::size_t r = 0; r < ranks; ++r) {
-    start[r] = count_of(total);
-    total += static_cast<std::size_t>(count[r]);
+  for (const int one : count) {
+    start.push_back(count_of(total));
+    total += static_cast<std::size_t>(one);
   }
-  Bytes bytes(static_cast<std::size_t>(count_of(total)));
-  MPI_Allgatherv(own.data(), mine, MPI_BYTE, bytes.data(), count.data(), start.data(), MPI_BYTE, all_);
-  std::vector<Bytes> all(ranks);
-  for (std::size_t r = 0; r < ranks; ++r)
-    all[r].assign(bytes.begin() + start[r], bytes.begin() + start[r] + count[r]);
+  start.push_back(count_of(total));
+  return start;
+}
+
+std::vector<Bytes> parts_of(const Bytes& bytes, const std::vector<int>& start) {
+  std::vector<Bytes> all(start.size() - 1);
+  for (std::size_t r = 0; r < all.size(); ++r)
+    all[r].assign(bytes.begin() + start[r], bytes.begin() + start[r + 1]);
   return all;
 }
 
-void MpiCommunicator::exchange(std::span<const Bytes> to, std::span<Bytes> from) {
+}  // namespace
+
+std::vector<Bytes> MpiCommunicator::gather_all(std::span<const std::byte> own) {
+  std::vector<int> count(static_cast<std::size_t>(size_));
+  const int mine = count_of(own.size());
+  MPI_Allgather(&mine, 1, MPI_INT, count.data(), 1, MPI_INT, all_);
+  const std::vector<int> start = starts_of(count);
+  Bytes bytes(static_cast<std::size_t>(start.back()));
+  MPI_Allgatherv(own.data(), mine, MPI_BYTE, bytes.data(), count.data(), start.data(), MPI_BYTE, all_);
+  return parts_of(bytes, start);
+}
+
+// The first rank receives from one rank after the other: together they may send more than 2 GiB.
+std::vector<Bytes> MpiCommunicator::gather_first(std::span<const std::byte> own) {
+  std::vector<std::int64_t> count(static_cast<std::size_t>(size_));
+  const auto mine = static_cast<std::int64_t>(own.size());
+  MPI_Gather(&mine, 1, MPI_INT64_T, count.data(), 1, MPI_INT64_T, 0, all_);
+  if (rank_ > 0) {
+    if (!own.empty()) MPI_Send(own.data(), count_of(own.size()), MPI_BYTE, 0, 1, all_);
+    return {};
+  }
+  std::vector<Bytes> all(count.size());
+  all[0].assign(own.begin(), own.end());
+  for (std::size_t r = 1; r < all.size(); ++r) {
+    all[r].resize(static_cast<std::size_t>(count[r]));
+    if (!all[r].empty())
+      MPI_Recv(all[r].data(), count_of(all[r].size()), MPI_BYTE, static_cast<int>(r), 1, all_,
+               MPI_STATUS_IGNORE);
+  }
+  return all;
+}
+
+Bytes MpiCommunicator::gather_equal(std::span<const std::byte> own) {
+  Bytes bytes(own.size() * static_cast<std::size_t>(size_));
+  const int each = count_of(own.size());
+  MPI_Allgather(own.data(), each, MPI_BYTE, bytes.data(), each, MPI_BYTE, all_);
+  return bytes;
+}
+
+std::vector<std::int64_t> MpiCommunicator::pass_lengths(std::span<const std::int64_t> to) {
+  std::vector<std::int64_t> from(to.size());
+  MPI_Alltoall(to.data(), 1, MPI_INT64_T, from.data(), 1, MPI_INT64_T, all_);
+  return from;
+}
+
+void MpiCommunicator::pass(std::span<const Bytes> to, std::span<Bytes> from) {
   std::vector<MPI_Request> requests;
   const auto others = [&](std::size_t r) { return static_cast<int>(r) != rank_; };
   for (std::size_t r = 0; r < from.size(); ++r)

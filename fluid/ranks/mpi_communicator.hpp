@@ -12,13 +12,19 @@ class MpiCommunicator final : public Communicator {
   explicit MpiCommunicator(MPI_Comm all);
   int rank() const override { return rank_; }
   int size() const override { return size_; }
-  std::vector<Bytes> gather(std::span<const std::byte> own) override;
-  void exchange(std::span<const Bytes> to, std::span<Bytes> from) override;
 
   /// Sends bytes of the first rank to all others.
   void announce(std::span<const std::byte>);
   /// Returns what the first rank announces.
   Bytes await_announcement();
+  MPI_Comm all_ranks() const { return all_; }
+
+ protected:
+  std::vector<Bytes> gather_all(std::span<const std::byte> own) override;
+  std::vector<Bytes> gather_first(std::span<const std::byte> own) override;
+  Bytes gather_equal(std::span<const std::byte> own) override;
+  void pass(std::span<const Bytes> to, std::span<Bytes> from) override;
+  std::vector<std::int64_t> pass_lengths(std::span<const std::int64_t> to) override;
 
  private:
   void await(MPI_Request) const;

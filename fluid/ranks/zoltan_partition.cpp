@@ -1,5 +1,7 @@
 #include "fluid/ranks/zoltan_partition.hpp"
 
+#include "fluid/ranks/mpi_communicator.hpp"
+
 #include <mpi.h>
 #include <zoltan_cpp.h>
 
@@ -49,20 +51,21 @@ void refuse_fault(int code) {
 
 }  // namespace
 
-std::vector<int> zoltan_partition(std::span<const double> centres, std::span<const double> weights,
-                                  int parts) {
-  std::vector<int> owner(weights.size(), 0);
+std::vector<double> zoltan_partition(Communicator& ranks, std::span<const double> centres,
+                                     std::span<const double> weights) {
+  auto* const processes = dynamic_cast<MpiCommunicator*>(&ranks);
+  if (processes == nullptr) throw std::logic_error("Zoltan divides among processes of MPI");
   float version = 0;
   refuse_fault(Zoltan_Initialize(0, nullptr, &version));
-  Zoltan zoltan(MPI_COMM_SELF);
+  Zoltan zoltan(processes->all_ranks());
   Buckets buckets{centres, weights};
   for (const auto& [key, value] : {std::pair<std::string, std::string>{"DEBUG_LEVEL", "0"},
                                    {"LB_METHOD", "RCB"},
-                                   {"NUM_GLOBAL_PARTS", std::to_string(parts)},
+                                   {"KEEP_CUTS", "1"},
                                    {"NUM_GID_ENTRIES", "1"},
                                    {"NUM_LID_ENTRIES", "1"},
                                    {"OBJ_WEIGHT_DIM", "1"},
-                                   {"RETURN_LISTS", "PARTS"}})
+                                   {"RETURN_LISTS", "NONE"}})
     refuse_fault(zoltan.Set_Param(key, value));
   zoltan.Set_Num_Obj_Fn(number_of, &buckets);
   zoltan.Set_Obj_List_Fn(list, &buckets);
@@ -75,10 +78,13 @@ std::vector<int> zoltan_partition(std::span<const double> centres, std::span<con
   refuse_fault(zoltan.LB_Partition(changes, id_entries, local_entries, imported, import_global, import_local,
                                    import_rank, import_part, exported, export_global, export_local,
                                    export_rank, export_part));
-  for (int k = 0; k < exported; ++k) owner[export_global[k]] = export_part[k];
-  Zoltan::LB_Free_Part(&import_global, &import_local, &import_rank, &import_part);
-  Zoltan::LB_Free_Part(&export_global, &export_local, &export_rank, &export_part);
-  return owner;
+  std::vector<double> boxes(6 * static_cast<std::size_t>(ranks.size()));
+  for (int part = 0; part < ranks.size(); ++part) {
+    double* const box = boxes.data() + 6 * part;
+    int axes = 0;
+    refuse_fault(zoltan.RCB_Box(part, axes, box[0], box[1], box[2], box[3], box[4], box[5]));
+  }
+  return boxes;
 }
 
 }  // namespace strake::fluid

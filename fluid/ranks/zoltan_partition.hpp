@@ -4,9 +4,9 @@
 
 namespace strake::fluid {
 
-/// Divides buckets by recursive coordinate bisection of Zoltan, into parts of equal work. All ranks get the
-/// same answer: each computes it by itself.
-std::vector<int> zoltan_partition(std::span<const double> centres, std::span<const double> weights,
-                                  int parts);
+/// Divides the buckets of all processes by recursive coordinate bisection of Zoltan, into boxes of equal
+/// work; a Partition.
+std::vector<double> zoltan_partition(Communicator& ranks, std::span<const double> centres,
+                                     std::span<const double> weights);
 
 }  // namespace strake::fluid

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <numeric>
 
-// One fluid on several ranks. Before each configuration the parts are joined, sorted as on one rank, and
-// divided again. Between, each rank computes its own particles and its ghosts. The pressure equation is
-// solved as a whole by the first rank.
+// One fluid on several ranks. Before each configuration water that has crossed a bound moves to another rank,
+// and the ghosts are renewed. Between, each rank computes its own particles and its ghosts. The ranks solve
+// the pressure equation together, or the first one solves it as a whole.
 
 namespace strake::fluid {
 
@@ -15,8 +15,9 @@ namespace {
 
 /// Row of the pressure equation in a message; its entries follow.
 struct RowHead {
-  std::int32_t place, count;  // in the whole, number of entries
+  std::int64_t place, count;  // in the whole, number of entries
   double diagonal, right, guess;
+  double position[3];
 };
 struct RowEntry {
   std::int32_t column;
@@ -28,40 +29,33 @@ struct SolutionHead {
   std::int32_t iterations, sealed;
 };
 
-template <class T>
-void append(Bytes& bytes, const T& value) {
-  const auto* const from = reinterpret_cast<const std::byte*>(&value);
-  bytes.insert(bytes.end(), from, from + sizeof(T));
-}
-template <class T>
-T take(const std::byte*& at) {
-  T value;
-  std::memcpy(&value, at, sizeof(T));
-  at += sizeof(T);
-  return value;
-}
-
 /// Packs the rows of the own water.
 template <int dim>
-Bytes packed_rows(const PressureSystem& system, const Subdomain<dim>& own, const Eigen::VectorXd& pressure) {
+Bytes packed_rows(const PressureSystem& system, const Subdomain<dim>& own, const State<dim>& state) {
   Bytes bytes;
   const auto places = own.places();
   for (std::int64_t k = 0; k < system.size(); ++k) {
     if (!own.owns(k)) continue;
     const auto row = static_cast<std::size_t>(k);
-    append(bytes, RowHead{places[row], static_cast<std::int32_t>(system.stop[row] - system.start[row]),
-                          system.diagonal[k], system.right[k], pressure[k]});
+    RowHead head{places[row],        system.stop[row] - system.start[row],
+                 system.diagonal[k], system.right[k],
+                 state.pressure[k],  {}};
+    for (int d = 0; d < dim; ++d) head.position[d] = state.position(d, k);
+    append(bytes, head);
     for (std::int64_t e = system.start[row]; e < system.stop[row]; ++e) {
       const auto entry = static_cast<std::size_t>(e);
-      append(bytes, RowEntry{places[static_cast<std::size_t>(system.column[entry])], system.value[entry]});
+      append(bytes,
+             RowEntry{static_cast<std::int32_t>(places[static_cast<std::size_t>(system.column[entry])]),
+                      system.value[entry]});
     }
   }
   return bytes;
 }
 
 /// Joins the rows of all ranks to one system.
+template <int dim>
 void unpack_rows(const std::vector<Bytes>& all, std::int64_t rows, PressureSystem& system,
-                 Eigen::VectorXd& guess) {
+                 Eigen::VectorXd& guess, Vectors<dim>& position) {
   const auto each_row = [&](auto&& visit) {
     for (const Bytes& bytes : all)
       for (const std::byte* at = bytes.data(); at < bytes.data() + bytes.size();) {
@@ -79,12 +73,14 @@ void unpack_rows(const std::vector<Bytes>& all, std::int64_t rows, PressureSyste
   own.column.resize(static_cast<std::size_t>(own.start.back()));
   own.value.resize(own.column.size());
   for (Eigen::VectorXd* v : {&system.diagonal, &system.right, &guess}) v->resize(rows);
+  position.resize(dim, rows);
   each_row([&](const RowHead& head, const std::byte* at) {
     system.diagonal[head.place] = head.diagonal;
     system.right[head.place] = head.right;
     guess[head.place] = head.guess;
+    for (int d = 0; d < dim; ++d) position(d, head.place) = head.position[d];
     auto e = static_cast<std::size_t>(own.start[static_cast<std::size_t>(head.place)]);
-    for (std::int32_t n = 0; n < head.count; ++n, ++e) {
+    for (std::int64_t n = 0; n < head.count; ++n, ++e) {
       const auto entry = take<RowEntry>(at);
       own.column[e] = entry.column;
       own.value[e] = entry.value;
@@ -115,28 +111,36 @@ void Simulation<dim>::Work::begin_on_ranks(const Ranks& ranks) {
   step.subdomain = std::make_unique<Subdomain<dim>>(*ranks.communicator, ranks.partition, step.search.reach(),
                                                     tank.periodic(), tank.shape().low());
   step.ranks = RankExchange<dim>(step.subdomain.get());
-  whole = step.state;
-  divide();
+  if (ranks.shared_grid)
+    shared_pressure =
+        std::make_unique<RankedPressure<dim>>(*step.subdomain, ranks.shared_grid(), step.p.spacing);
+  take_part();
 }
 
 template <int dim>
-void Simulation<dim>::Work::divide() {
-  whole_position = step.state.position;
-  const std::int64_t water = step.subdomain->divide(step.state, step.boundary.water());
-  step.boundary.set_water(water);
+void Simulation<dim>::Work::take_part() {
+  const std::int64_t before = step.subdomain->water_of_whole(),
+                     water = before > 0 ? before : step.boundary.water(),
+                     layers = step.state.position.cols() - water;
+  step.subdomain->take_part(step.state, water);
+  step.boundary.set_water(step.state.position.cols() - layers);
+  scheme->set_water(step);
+}
+
+/// Sends particles to the ranks that own them now, and renews the ghosts.
+template <int dim>
+void Simulation<dim>::Work::divide(bool balance) {
+  step.boundary.set_water(step.subdomain->divide(step.state, balance));
   scheme->set_water(step);
   step.search.invalidate();
 }
 
 template <int dim>
-void Simulation<dim>::Work::join() {
-  step.boundary.set_water(step.subdomain->join(step.state));
-}
-
-template <int dim>
-void Simulation<dim>::Work::note_whole() {
-  whole = step.state;
-  step.subdomain->join(whole);
+void Simulation<dim>::Work::begin_again() {
+  step.boundary.adopt(step.state);
+  step.search.invalidate();
+  step.substepping.forget();
+  whole_is_current = false;
 }
 
 /// Removes what has left the tank, numbered in the order of the whole. Momentum is accounted for on all
@@ -144,7 +148,7 @@ void Simulation<dim>::Work::note_whole() {
 template <int dim>
 void Simulation<dim>::Work::remove_lost_together() {
   struct Lost {
-    std::int32_t place;
+    std::int64_t place;
     double velocity[3];
   };
   State<dim>& state = step.state;
@@ -164,8 +168,8 @@ void Simulation<dim>::Work::remove_lost_together() {
   std::ranges::sort(all, {}, &Lost::place);
   for (const Lost& lost : all) {
     const std::int64_t number = state.lost++;
-    const auto found = std::lower_bound(places.begin(), places.begin() + boundary.water(), lost.place);
-    if (found != places.begin() + boundary.water() && *found == lost.place)
+    const auto found = std::ranges::lower_bound(places, lost.place);
+    if (found != places.end() && *found == lost.place)
       remove(found - places.begin(), number);
     else
       for (int d = 0; d < dim; ++d) state.impulse_on_walls[d] += step.mass * lost.velocity[d];
@@ -194,12 +198,20 @@ void Simulation<dim>::Work::sum_collisions() {
 
 template <int dim>
 typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together() {
+  if (!shared_pressure) return solve_on_first_rank();
+  const bool sealed = shared_pressure->solve(system, step.state.position, step.state.pressure,
+                                             may_be_sealed(), step.p.scheme, own_solution);
+  return {own_solution, sealed};
+}
+
+template <int dim>
+typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_on_first_rank() {
   const Subdomain<dim>& own = *step.subdomain;
   Communicator& communicator = own.communicator();
-  const std::vector<Bytes> rows = communicator.gather(packed_rows<dim>(system, own, step.state.pressure));
+  const std::vector<Bytes> rows = communicator.gather_on_first(packed_rows<dim>(system, own, step.state));
   Bytes answer;
   if (communicator.rank() == 0) {
-    unpack_rows(rows, own.water_of_whole(), whole_system, guess);
+    unpack_rows<dim>(rows, own.water_of_whole(), whole_system, guess, whole_position);
     const bool sealed = may_be_sealed() && close_sealed_blocks(whole_system) > 0;
     const PressureSolution& solution = poisson.solve(whole_system, whole_position, guess, step.p.scheme);
     append(answer, SolutionHead{solution.residual, solution.iterations, sealed ? 1 : 0});
@@ -210,14 +222,14 @@ typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together() {
   const Bytes told = communicator.gather(answer).front();
   const std::byte* at = told.data();
   const auto head = take<SolutionHead>(at);
-  whole_solution.residual = head.residual;
-  whole_solution.iterations = head.iterations;
-  whole_solution.pressure.resize(system.size());
+  own_solution.residual = head.residual;
+  own_solution.iterations = head.iterations;
+  own_solution.pressure.resize(system.size());
   for (std::int64_t k = 0; k < system.size(); ++k)
-    std::memcpy(&whole_solution.pressure[k],
+    std::memcpy(&own_solution.pressure[k],
                 at + sizeof(double) * static_cast<std::size_t>(own.places()[static_cast<std::size_t>(k)]),
                 sizeof(double));
-  return {whole_solution, head.sealed != 0};
+  return {own_solution, head.sealed != 0};
 }
 
 template <int dim>
@@ -226,8 +238,7 @@ Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme& own, std::int64_t
     double value, at[3];
     std::int64_t place;
   };
-  const auto whole_place =
-      place < 0 ? std::int64_t{-1} : std::int64_t{step.subdomain->places()[static_cast<std::size_t>(place)]};
+  const std::int64_t whole_place = place < 0 ? -1 : step.subdomain->places()[static_cast<std::size_t>(place)];
   Extreme largest = own;
   std::int64_t first = -1;
   double value = -1;
@@ -244,12 +255,13 @@ Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme& own, std::int64_t
 #define STRAKE_INSTANTIATE(dim)                                                                 \
   template void Simulation<dim>::Work::begin_on_ranks(const Ranks&);                            \
   template Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme&, std::int64_t) const; \
-  template void Simulation<dim>::Work::divide();                                                \
-  template void Simulation<dim>::Work::join();                                                  \
-  template void Simulation<dim>::Work::note_whole();                                            \
+  template void Simulation<dim>::Work::take_part();                                             \
+  template void Simulation<dim>::Work::divide(bool);                                            \
+  template void Simulation<dim>::Work::begin_again();                                           \
   template void Simulation<dim>::Work::remove_lost_together();                                  \
   template void Simulation<dim>::Work::sum_collisions();                                        \
-  template typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together();
+  template typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together();      \
+  template typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_on_first_rank();
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)
 #undef STRAKE_INSTANTIATE

@@ -47,7 +47,7 @@ StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion, doubl
   w.correct();                                   // load; u = u* − Δt/ρ ∇p; x += Δt u
   w.shift();                                     // towards even spacing; collision guard
   w.finish();                                    // accounts
-  if (w.step.subdomain && (rest <= 0 || w.follows)) w.note_whole();
+  w.whole_is_current = false;
   return w.report;
 }
 
@@ -90,32 +90,69 @@ double Simulation<dim>::stable_dt() const {
 
 template <int dim>
 const State<dim>& Simulation<dim>::state() const {
-  return work_->step.subdomain ? work_->whole : work_->step.state;
+  return work_->step.state;
 }
 
 template <int dim>
 void Simulation<dim>::set_state(const State<dim>& state) {
-  if (work_->step.subdomain) {
-    work_->whole = state;
-    work_->step.boundary.set_water(work_->step.subdomain->water_of_whole());
-  }
-  work_->step.state = state;
-  work_->step.boundary.adopt(work_->step.state);
-  work_->step.search.invalidate();
-  if (work_->step.subdomain) work_->divide();
-  work_->step.substepping.forget();
+  Work& w = *work_;
+  w.step.state = state;
+  if (w.step.subdomain)
+    w.take_part();
+  else
+    w.step.state.rank_boxes.resize(0);
+  w.begin_again();
 }
 
 template <int dim>
-void Simulation<dim>::follow_every_step() {
-  work_->follows = true;
-}
-
-template <int dim>
-bool Simulation<dim>::is_removed(std::int64_t i) const {
+auto Simulation<dim>::snapshot() const -> Snapshot {
   const Work& w = *work_;
-  if (!w.step.subdomain) return w.step.boundary.is_removed(w.step.state, i);
-  return i < w.step.subdomain->water_of_whole() && w.step.boundary.tank().is_removed(w.whole.position.col(i));
+  return {w.step.state,
+          w.step.subdomain ? w.step.subdomain->division() : typename Subdomain<dim>::Division()};
+}
+
+template <int dim>
+void Simulation<dim>::restore(const Snapshot& snapshot) {
+  Work& w = *work_;
+  w.step.state = snapshot.state;
+  if (w.step.subdomain) {
+    w.step.subdomain->adopt(snapshot.division);
+    w.step.boundary.set_water(static_cast<std::int64_t>(snapshot.division.place.size()));
+  }
+  w.begin_again();
+}
+
+template <int dim>
+const State<dim>& Simulation<dim>::whole() const {
+  Work& w = *work_;
+  if (!w.step.subdomain) return w.step.state;
+  if (!w.whole_is_current) w.whole = w.step.subdomain->join(w.step.state, w.step.subdomain->division());
+  w.whole_is_current = true;
+  return w.whole;
+}
+
+template <int dim>
+State<dim> Simulation<dim>::whole_of(const Snapshot& snapshot) const {
+  const Work& w = *work_;
+  return w.step.subdomain ? w.step.subdomain->join(snapshot.state, snapshot.division) : snapshot.state;
+}
+
+template <int dim>
+std::int64_t Simulation<dim>::particles() const {
+  const Work& w = *work_;
+  return w.step.subdomain ? w.step.subdomain->water_of_whole() + w.step.subdomain->layers()
+                          : w.step.state.position.cols();
+}
+
+template <int dim>
+bool Simulation<dim>::is_removed(const State<dim>& state, std::int64_t i) const {
+  return state.kind[static_cast<std::size_t>(i)] == Kind::fluid &&
+         work_->step.boundary.tank().is_removed(state.position.col(i));
+}
+
+template <int dim>
+const RankExchange<dim>& Simulation<dim>::ranks() const {
+  return work_->step.ranks;
 }
 
 template <int dim>

@@ -3,7 +3,8 @@
 #include "fluid/diagnostics/guard.hpp"
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/particles/state.hpp"
-#include "fluid/ranks/communicator.hpp"
+#include "fluid/ranks/ranks.hpp"
+#include "fluid/ranks/subdomain.hpp"
 #include "fluid/scheme/interface_motion.hpp"
 #include "proto/interface.hpp"
 
@@ -51,12 +52,23 @@ class Simulation {
   const Points& interface_force() const;
   const InterfaceMesh& interface() const;
   double stable_dt() const;  // [s] at the present state
-  /// Returns the state of the whole fluid. On several ranks it is that of the end of the last window.
+  /// Returns the state. On several ranks it is the part of this rank, with ghosts.
   const State<dim>& state() const;
-  void set_state(const State<dim>&);  // neighbours are searched anew
-  /// On several ranks: `state` is that of the last step, not of the last window.
-  void follow_every_step();
-  bool is_removed(std::int64_t i) const;  // particle i has left the tank
+  void set_state(const State<dim>&);  // of the whole fluid; neighbours are searched anew
+  /// All that the simulation needs to go on from here.
+  struct Snapshot {
+    State<dim> state;
+    typename Subdomain<dim>::Division division;  // empty: one rank
+  };
+  Snapshot snapshot() const;
+  void restore(const Snapshot&);
+  /// Returns the state of the whole fluid. On several ranks all of them call it together; the first one gets
+  /// it, the others get no particles.
+  const State<dim>& whole() const;
+  State<dim> whole_of(const Snapshot&) const;
+  std::int64_t particles() const;                            // of the whole fluid
+  bool is_removed(const State<dim>&, std::int64_t i) const;  // particle i has left the tank
+  const RankExchange<dim>& ranks() const;
   /// Returns wall seconds per stage since construction: neighbours, predictor, density, pressure, corrector,
   /// load, shift.
   const std::map<std::string, double>& seconds() const;

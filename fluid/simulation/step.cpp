@@ -86,9 +86,7 @@ template <int dim>
 void Simulation<dim>::Work::measure() {
   {
     const StageClock clock(step.seconds, "neighbours");
-    if (step.subdomain) join();
     sort_along_cells();
-    if (step.subdomain) divide();
     step.search_neighbours();
   }
   if (air) air->give_over(step);
@@ -97,9 +95,16 @@ void Simulation<dim>::Work::measure() {
 }
 
 /// Sorts the water along the cells every fifty steps, so that neighbours in space are neighbours in memory.
+/// On several ranks the water is divided anew in each configuration, and balanced where it is sorted.
 template <int dim>
 void Simulation<dim>::Work::sort_along_cells() {
-  if (!reorder_due(step.state.step)) return;
+  const bool due = reorder_due(step.state.step);
+  if (step.subdomain) {
+    if (due) step.subdomain->sort_along_cells(step.state, step.search.reach());
+    divide(due);
+    return;
+  }
+  if (!due) return;
   const auto water = step.state.position.leftCols(step.boundary.water());
   reorder(step.state, cell_order<dim>(water, step.search.reach()));
   step.search.invalidate();

@@ -3,6 +3,7 @@
 #include "fluid/air/air_under_body.hpp"
 #include "fluid/boundary/collision.hpp"
 #include "fluid/pressure_solver/poisson_solver.hpp"
+#include "fluid/pressure_solver/ranked_pressure.hpp"
 #include "fluid/scheme/fluid_scheme.hpp"
 #include "fluid/scheme/step_data.hpp"
 #include "fluid/simulation/simulation.hpp"
@@ -38,9 +39,9 @@ struct Simulation<dim>::Work {
 
   // On several ranks (ranks.cpp).
   void begin_on_ranks(const Ranks&);
-  void divide();      // the whole state among the ranks
-  void join();        // the parts to the whole state, on all ranks
-  void note_whole();  // the same in `whole`; the parts stay
+  void take_part();  // of the whole state
+  void divide(bool balance);
+  void begin_again();  // from another state
   void remove_lost_together();
   void sum_collisions();
   /// The largest of the ranks' extremes; of equal ones the first in the whole.
@@ -52,6 +53,7 @@ struct Simulation<dim>::Work {
   };
   Solved solve_alone();
   Solved solve_together();
+  Solved solve_on_first_rank();
   bool may_be_sealed() const;
 
   StepData<dim> step;
@@ -61,11 +63,13 @@ struct Simulation<dim>::Work {
   PressureSystem system;
   PoissonSolver<dim> poisson;
 
-  bool follows = false;             // `whole` is noted after each step
-  State<dim> whole;                 // at the end of the last window; on several ranks alone
-  Vectors<dim> whole_position;      // of all particles in this configuration; likewise
-  PressureSystem whole_system;      // scratch of `solve_together`
-  PressureSolution whole_solution;  // the part of this rank
+  // On several ranks alone.
+  State<dim> whole;  // on the first rank, where it is current
+  bool whole_is_current = false;
+  std::unique_ptr<RankedPressure<dim>> shared_pressure;  // null: the first rank solves the whole equation
+  Vectors<dim> whole_position;                           // scratch of `solve_on_first_rank`, like the next
+  PressureSystem whole_system;
+  PressureSolution own_solution;
 
   StepReport report;
   Vectors<dim> on_points;                   // on the boundary's points [N]

@@ -2,9 +2,12 @@
 
 #include "fluid/ranks/communicator.hpp"
 
+#include <algorithm>
+#include <array>
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -45,11 +48,28 @@ class ThreadRanks {
     Rank(ThreadRanks& all, int rank) : all_(all), rank_(rank) {}
     int rank() const override { return rank_; }
     int size() const override { return all_.size(); }
-    std::vector<Bytes> gather(std::span<const std::byte> own) override {
+
+   protected:
+    std::vector<Bytes> gather_all(std::span<const std::byte> own) override {
       const std::vector<Bytes> to(static_cast<std::size_t>(size()), Bytes(own.begin(), own.end()));
       return all_.pass(rank_, to);
     }
-    void exchange(std::span<const Bytes> to, std::span<Bytes> from) override {
+    std::vector<Bytes> gather_first(std::span<const std::byte> own) override {
+      return rank_ == 0 ? gather_all(own) : (gather_all(own), std::vector<Bytes>());
+    }
+    Bytes gather_equal(std::span<const std::byte> own) override {
+      Bytes joined;
+      for (const Bytes& bytes : gather_all(own)) joined.insert(joined.end(), bytes.begin(), bytes.end());
+      return joined;
+    }
+    std::vector<std::int64_t> pass_lengths(std::span<const std::int64_t> to) override {
+      std::vector<Bytes> bytes(to.size());
+      for (std::size_t r = 0; r < to.size(); ++r) append(bytes[r], to[r]);
+      std::vector<std::int64_t> from;
+      for (const Bytes& one : all_.pass(rank_, bytes)) from.push_back(values_of<std::int64_t>(one).front());
+      return from;
+    }
+    void pass(std::span<const Bytes> to, std::span<Bytes> from) override {
       const std::vector<Bytes> arrived = all_.pass(rank_, to);
       for (std::size_t r = 0; r < arrived.size(); ++r) {
         if (static_cast<int>(r) == rank_) continue;
@@ -101,43 +121,57 @@ class ThreadRanks {
   std::exception_ptr error_;
 };
 
-/// Cuts the longest direction of the buckets into parts of equal work, again and again.
-inline std::vector<int> cut_in_halves(std::span<const double> centres, std::span<const double> weights,
-                                      int parts) {
-  std::vector<int> owner(weights.size(), 0);
-  const std::function<void(std::vector<std::size_t>, int, int)> cut = [&](std::vector<std::size_t> list,
-                                                                          int first, int count) {
-    if (count == 1) {
-      for (const std::size_t b : list) owner[b] = first;
-      return;
-    }
-    std::size_t longest = 0;
-    double extent = -1;
-    for (std::size_t d = 0; d < 3; ++d) {
-      double low = 1e300, high = -1e300;
-      for (const std::size_t b : list) {
-        low = std::min(low, centres[3 * b + d]);
-        high = std::max(high, centres[3 * b + d]);
-      }
-      if (high - low > extent) {
-        extent = high - low;
-        longest = d;
-      }
-    }
-    std::ranges::stable_sort(list, {}, [&](std::size_t b) { return centres[3 * b + longest]; });
-    double work = 0, sum = 0;
-    for (const std::size_t b : list) work += weights[b];
-    const int half = count / 2;
-    std::size_t at = 0;
-    while (at < list.size() && sum + 0.5 * weights[list[at]] < work * half / count)
-      sum += weights[list[at++]];
-    cut({list.begin(), list.begin() + static_cast<std::ptrdiff_t>(at)}, first, half);
-    cut({list.begin() + static_cast<std::ptrdiff_t>(at), list.end()}, first + half, count - half);
+/// Cuts the longest direction of the buckets into parts of equal work, again and again; a Partition.
+inline std::vector<double> cut_in_halves(Communicator& ranks, std::span<const double> centres,
+                                         std::span<const double> weights) {
+  struct Object {
+    std::array<double, 3> at;
+    double weight;
   };
-  std::vector<std::size_t> every(weights.size());
-  for (std::size_t b = 0; b < every.size(); ++b) every[b] = b;
-  cut(every, 0, parts);
-  return owner;
+  Bytes own;
+  for (std::size_t b = 0; b < weights.size(); ++b)
+    append(own, Object{{centres[3 * b], centres[3 * b + 1], centres[3 * b + 2]}, weights[b]});
+  std::vector<Object> all;
+  for (const Bytes& bytes : ranks.gather(own))
+    for (const Object& object : values_of<Object>(bytes)) all.push_back(object);
+  std::vector<double> boxes(6 * static_cast<std::size_t>(ranks.size()));
+  using Box = std::array<double, 6>;
+  const std::function<void(std::vector<Object>, Box, int, int)> cut =
+      [&](std::vector<Object> list, const Box& box, int first, int count) {
+        if (count == 1) {
+          std::ranges::copy(box, boxes.begin() + 6 * first);
+          return;
+        }
+        std::size_t longest = 0;
+        double extent = -1, work = 0, sum = 0;
+        for (std::size_t d = 0; d < 3; ++d) {
+          double low = 1e300, high = -1e300;
+          for (const Object& object : list) {
+            low = std::min(low, object.at[d]);
+            high = std::max(high, object.at[d]);
+          }
+          if (high - low > extent) {
+            extent = high - low;
+            longest = d;
+          }
+        }
+        std::ranges::sort(list, {}, [&](const Object& object) { return object.at[longest]; });
+        for (const Object& object : list) work += object.weight;
+        const int half = count / 2;
+        std::size_t at = 0;
+        while (at + 1 < list.size() && sum + 0.5 * list[at].weight < work * half / count)
+          sum += list[at++].weight;
+        // Halves of one bucket, from two ranks, stay together.
+        while (at + 1 < list.size() && at > 0 && list[at].at[longest] == list[at - 1].at[longest]) ++at;
+        const double bound = at > 0 ? 0.5 * (list[at - 1].at[longest] + list[at].at[longest]) : 0;
+        Box lower = box, upper = box;
+        lower[3 + longest] = upper[longest] = bound;
+        cut({list.begin(), list.begin() + static_cast<std::ptrdiff_t>(at)}, lower, first, half);
+        cut({list.begin() + static_cast<std::ptrdiff_t>(at), list.end()}, upper, first + half, count - half);
+      };
+  constexpr double far = std::numeric_limits<double>::max();
+  cut(all, {-far, -far, -far, far, far, far}, 0, ranks.size());
+  return boxes;
 }
 
 }  // namespace strake::fluid

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "fluid/parameters/parameters.hpp"
+#include "fluid/pressure_solver/conjugate_gradients.hpp"
+#include "fluid/pressure_solver/grid_ranks.hpp"
+#include "fluid/pressure_solver/multilevel.hpp"
+#include "fluid/pressure_solver/ranked_unknowns.hpp"
+#include "fluid/ranks/shared_grid.hpp"
+
+#include <Eigen/Core>
+
+#include <memory>
+
+namespace strake::fluid {
+
+/// Solves the pressure equation on all ranks together, by conjugate gradients with the preconditioner of one
+/// rank. Each rank sweeps over its own particles; the first grid's equation is left to a SharedGrid. The
+/// solution is that of one rank within the tolerance, and the same for any number of threads.
+template <int dim>
+class RankedPressure {
+ public:
+  /// spacing: l0 [m].
+  RankedPressure(const Subdomain<dim>& own, std::unique_ptr<SharedGrid> grid, double spacing)
+      : subdomain_(own), grid_(std::move(grid)), spacing_(spacing) {}
+  /// Solves the equation of the local particles, whose own rows count. guess: of the pressure of each, copies
+  /// included. may_be_sealed: blocks without P = 0 and without compressibility are looked for, and closed.
+  /// solution: one pressure per row. Returns whether there are such blocks.
+  bool solve(const PressureSystem&, const Vectors<dim>& position, const Eigen::VectorXd& guess,
+             bool may_be_sealed, const Scheme&, PressureSolution& solution);
+
+ private:
+  const Subdomain<dim>& subdomain_;
+  GridRanks<dim> grid_;
+  double spacing_;
+  RankedUnknowns<dim> unknowns_;
+  PressureSystem system_;
+  Multilevel<dim> multilevel_;
+  ConjugateGradients cg_;
+  PressureSolution own_;
+};
+
+}  // namespace strake::fluid
