@@ -51,18 +51,20 @@ struct State {
   std::vector<std::uint8_t>
       air_connected;  // n, of surface water: beside air that came from outside (voids.hpp)
 
-  Eigen::VectorXd air_mass;             // [kg/m²] of each column of air under a body
-  Eigen::VectorXd air_momentum;         // [kg/(m s)] column by column
-  Eigen::VectorXd air_gap;              // [m]
-  Eigen::VectorXd air_pressure;         // [Pa] less that of the open air
-  Eigen::VectorXd air_surface;          // [m] level of the water below
-  double air_at_start = 0;              // [kg], in two dimensions [kg/m]
-  double air_out = 0;                   // [kg], in two dimensions [kg/m], that has left
-  double air_energy_due = 0;            // [J], in two dimensions [J/m]: of the start, and work, less what left
-  double air_energy_given = 0;          // the same: of the start, and the work done on the air
+  Eigen::VectorXd air_mass;      // [kg/m²] of each column of air under a body
+  Eigen::VectorXd air_momentum;  // [kg/(m s)] column by column
+  Eigen::VectorXd air_gap;       // [m]
+  Eigen::VectorXd air_pressure;  // [Pa] less that of the open air
+  Eigen::VectorXd air_surface;   // [m] level of the water below
+  double air_at_start = 0;       // [kg], in two dimensions [kg/m]
+  double air_out = 0;            // [kg], in two dimensions [kg/m], that has left
+  double air_energy_due = 0;     // [J], in two dimensions [J/m]: of the start, and work, less what left
+  double air_energy_given = 0;   // the same: of the start, and the work done on the air
   Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
   Vectors<dim> interface_velocity;      // dim×m [m/s]
-  Eigen::VectorXd rank_boxes;           // 6 per rank, see Subdomain; empty: one rank
+  Eigen::VectorXd rank_boxes;           // 6 per rank, see Partition; empty: one rank
+  std::vector<std::int64_t>
+      rank_buckets;  // of each particle, see Division; of the whole fluid of several ranks
 
   Vector<dim> impulse_on_bodies = Vector<dim>::Zero();  // [N s] momentum account, since t = 0
   Vector<dim> impulse_on_walls = Vector<dim>::Zero();
@@ -108,6 +110,7 @@ struct State {
                       std::pair("interface_displacement", &State::interface_displacement),  //
                       std::pair("interface_velocity", &State::interface_velocity),          //
                       std::pair("rank_boxes", &State::rank_boxes),                          //
+                      std::pair("rank_buckets", &State::rank_buckets),                      //
                       std::pair("impulse_on_bodies", &State::impulse_on_bodies),            //
                       std::pair("impulse_on_walls", &State::impulse_on_walls),              //
                       std::pair("impulse_of_gravity", &State::impulse_of_gravity),          //

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace strake::fluid {
 
@@ -95,7 +97,10 @@ void Aggregates<dim>::sort(const PressureSystem& system, const Vectors<dim>& pos
     }
     cell_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(cell_of(k));
   }
-  sort_by_cell(n, full);
+  order.resize(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), 0);
+  const std::vector<std::int32_t> every = std::move(order);
+  sort_by_cell(every, full);
 }
 
 template <int dim>
@@ -104,30 +109,29 @@ void Aggregates<dim>::sort(const RankedUnknowns<dim>& unknowns, double full) {
   rank_ = unknowns.communicator->rank();
   at = unknowns.at;
   for (std::size_t d = 0; d < dim; ++d) count_[d] = unknowns.cells[d] + 2;
-  cell_.resize(static_cast<std::size_t>(unknowns.all));
-  for (std::int64_t k = 0; k < unknowns.all; ++k)
-    cell_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(cell_of(k));
-  sort_by_cell(unknowns.near, full);
+  cell_.resize(at.front().size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < cell_.size(); ++k)
+    cell_[k] = static_cast<std::int32_t>(cell_of(static_cast<std::int64_t>(k)));
+  sort_by_cell(unknowns.in_cells, full);
 }
 
-/// Sorts the first `sorted` unknowns by their cells, those of one cell in their order.
+/// Sorts the listed unknowns by their cells, those of one cell in their order.
 template <int dim>
-void Aggregates<dim>::sort_by_cell(std::int64_t sorted, double full) {
-  const std::int64_t n = sorted;
+void Aggregates<dim>::sort_by_cell(std::span<const std::int32_t> sorted, double full) {
   std::int64_t all = 1;
   for (std::size_t d = 0; d < dim; ++d) all *= count_[d];
   cell_start_.assign(static_cast<std::size_t>(all) + 1, 0);
-  for (std::int64_t k = 0; k < n; ++k)
+  for (const std::int32_t k : sorted)
     ++cell_start_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(k)]) + 1];
   for (std::size_t c = 1; c < cell_start_.size(); ++c) cell_start_[c] += cell_start_[c - 1];
-  order.resize(static_cast<std::size_t>(n));
+  order.resize(sorted.size());
   first_piece_.assign(cell_start_.begin(), cell_start_.end());  // as a cursor, for now
-  for (std::int64_t k = 0; k < n; ++k)
+  for (const std::int32_t k : sorted)
     order[static_cast<std::size_t>(
-        first_piece_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(k)])]++)] =
-        static_cast<std::int32_t>(k);
-  touched.resize(static_cast<std::size_t>(n));
-  own_cell_entries.resize(static_cast<std::size_t>(n));
+        first_piece_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(k)])]++)] = k;
+  touched.resize(cell_.size());
+  own_cell_entries.resize(cell_.size());
   find_sparse(full);
 }
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -56,8 +57,8 @@ class Aggregates {
   void split(const PressureSystem&, CoarseLevel<dim>& level);
 
   std::int32_t pieces() const { return static_cast<std::int32_t>(piece_start.size()) - 1; }
-  /// Number of unknowns in pieces, with the copies.
-  std::int64_t sorted() const { return static_cast<std::int64_t>(order.size()); }
+  /// Number of unknowns, with the copies of others; on several ranks not all of them are in pieces.
+  std::int64_t unknowns() const { return static_cast<std::int64_t>(cell_.size()); }
   /// Whether this rank owns the piece.
   bool owns(std::int32_t piece) const {
     return piece_owner_.empty() || piece_owner_[static_cast<std::size_t>(piece)] == rank_;
@@ -80,7 +81,7 @@ class Aggregates {
   std::uint8_t density(std::int64_t unknown) const {
     return density_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(unknown)])];
   }
-  void sort_by_cell(std::int64_t sorted, double full);
+  void sort_by_cell(std::span<const std::int32_t> sorted, double full);
   void find_sparse(double full);
   void split_cells(const PressureSystem&);
   bool is_whole(std::int64_t begin, std::int64_t end) const;

@@ -80,7 +80,7 @@ void first_residual(const ThreadShare& s) {
   for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
     const std::int64_t from = s.blocks.begin(block), to = s.blocks.end(block);
     for (std::int64_t k = from; k < to; ++k) {
-      s.inverse[k] = 1.0 / s.system.diagonal[k];
+      s.inverse[k] = s.system.diagonal[k] != 0 ? 1.0 / s.system.diagonal[k] : 0.0;  // 0: of a copy
       s.r[k] = b[k] - times(s.system, s.x, k);
       s.q[k] = s.inverse[k] * s.r[k];
     }
@@ -173,14 +173,13 @@ template <int dim>
 void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* preconditioner,
                                double tolerance, int max_iterations, int threads, PressureSolution& solution,
                                const SolvingRanks* ranks) {
-  const std::int64_t n = system.size(), unknowns = ranks ? ranks->unknowns : n;
+  const std::int64_t n = system.size();
   const Blocks blocks(n);
   double joined = 0;
   for (auto* sums : {&first_, &second_, &third_}) sums->resize(static_cast<std::size_t>(blocks.count));
   solution.iterations = 0;
-  double* const inverse = memory_.of<double>(static_cast<std::size_t>(3 * n + unknowns)).data();
-  double *const x = solution.pressure.data(), *const r = inverse + n, *const p = r + n,
-                *const q = p + unknowns;
+  double* const inverse = memory_.of<double>(4 * static_cast<std::size_t>(n)).data();
+  double *const x = solution.pressure.data(), *const r = inverse + n, *const p = r + n, *const q = p + n;
   Barrier barrier(threads);
 
 #pragma omp parallel num_threads(threads) if (threads > 1)

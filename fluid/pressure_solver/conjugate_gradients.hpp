@@ -11,12 +11,11 @@
 
 namespace strake::fluid {
 
-/// The ranks that solve one equation together. Each has the rows of its own unknowns, and copies of others'
-/// behind them.
+/// The ranks that solve one equation together. Each has the rows of its own unknowns. The rows of copies are
+/// empty, with neither diagonal nor right side.
 struct SolvingRanks {
   Communicator& communicator;
-  const Halo& halo;
-  std::int64_t unknowns;  // own ones and copies
+  const Halo& halo;  // gives copies the values of their owners
 };
 
 /// Solves by conjugate gradients, in one parallel region per solve. Sums are computed over blocks of rows,

@@ -14,6 +14,7 @@ std::vector<std::int32_t> pieces_of(const Aggregates<dim>& pieces,
   std::vector<std::int32_t> list;
   for (const std::int32_t k : unknowns) {
     const std::int32_t piece = pieces.piece_of[static_cast<std::size_t>(k)];
+    if (piece < 0) continue;  // a particle without neighbours
     if (list.empty() || list.back() != piece) list.push_back(piece);
   }
   std::ranges::sort(list);
@@ -53,13 +54,13 @@ std::vector<std::int64_t> GridRanks<dim>::exchange_corners(const RankedUnknowns<
   std::vector<Bytes> to(ranks), from(ranks);
   std::vector<std::vector<std::int32_t>> copied(ranks);
   for (std::size_t r = 0; r < ranks; ++r) {
-    for (const std::int32_t p : pieces_of(pieces, unknowns.halo.send[r]))
+    for (const std::int32_t p : pieces_of(pieces, unknowns.halo->send[r]))
       for (int a = 0; a < corners; ++a) {
         const std::int32_t node =
             pieces.node[static_cast<std::size_t>(p) * corners + static_cast<std::size_t>(a)];
         append(to[r], node < 0 ? std::int64_t{-1} : number_[static_cast<std::size_t>(node)]);
       }
-    copied[r] = pieces_of(pieces, unknowns.halo.receive[r]);
+    copied[r] = pieces_of(pieces, unknowns.halo->receive[r]);
     from[r].resize(copied[r].size() * corners * sizeof(std::int64_t));
   }
   communicator_->exchange(to, from);

@@ -43,10 +43,10 @@ void Multilevel<dim>::make_grid(const PressureSystem& system, int threads) {
   read_rows(system, threads);
   pieces_.split(system, grids_.finest());
   if (grid_ranks_) grid_ranks_->number(*unknowns_, pieces_);
-  const auto n = static_cast<std::size_t>(pieces_.sorted());
+  const auto n = static_cast<std::size_t>(system.size());
   for (std::size_t d = 0; d < dim; ++d) {
-    within_[d].resize(n);
-    for (std::size_t s = 0; s < n; ++s) {
+    within_[d].resize(pieces_.order.size());
+    for (std::size_t s = 0; s < pieces_.order.size(); ++s) {
       const float u = pieces_.at[d][static_cast<std::size_t>(pieces_.order[s])];
       within_[d][s] = u - std::floor(u);
     }
@@ -70,7 +70,7 @@ void Multilevel<dim>::solve_grid(const Team& team) {
 /// Gives the copies of other ranks' unknowns the values of x. It is followed by a wait.
 template <int dim>
 void Multilevel<dim>::update_copies(const Team& team) {
-  if (unknowns_ != nullptr && team.first()) unknowns_->halo.update(*unknowns_->communicator, swept_.data());
+  if (unknowns_ != nullptr && team.first()) unknowns_->halo->update(*unknowns_->communicator, swept_.data());
 }
 
 template <int dim>

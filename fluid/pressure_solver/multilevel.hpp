@@ -23,8 +23,8 @@ class Multilevel {
  public:
   /// radius: reach of A [m]; reach: the same in spacings.
   void build(const PressureSystem&, const Vectors<dim>& position, double radius, double reach, int threads);
-  /// The same on several ranks, whose grids are one. system: the rows of the own unknowns; full: unknowns of
-  /// a full cell.
+  /// The same on several ranks, whose grids are one. system: the rows of the unknowns in cells; full:
+  /// unknowns of a full cell.
   void build(const PressureSystem&, const RankedUnknowns<dim>&, GridRanks<dim>&, double full, int threads);
   /// Computes z ≈ A⁻¹ r. The caller writes r to right(), and D⁻¹ r to swept(); z is in solution(). Each
   /// thread of the team calls it after a wait, and its own share of z is ready when it returns.

@@ -35,7 +35,7 @@ void store(std::array<std::vector<float>, entries>& moment, std::size_t row,
 /// that the row touches.
 template <int dim>
 void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
-  const std::int64_t n = pieces_.sorted();  // on several ranks more than the rows of the system
+  const std::int64_t n = system.size();
   for (auto* v : {&diagonal_, &inverse_, &excess_}) v->resize(static_cast<std::size_t>(n));
   for (auto& m : moment_) m.resize(static_cast<std::size_t>(n));
   exact_row_.assign(static_cast<std::size_t>(n), -1);
@@ -139,7 +139,7 @@ void Multilevel<dim>::read_scattered_row(const PressureSystem& system, std::int6
 template <int dim>
 void Multilevel<dim>::read_exact_entries(const PressureSystem& system, int threads) {
   scattered_.clear();
-  for (std::size_t k = 0; k < static_cast<std::size_t>(system.size()); ++k) {
+  for (std::size_t k = 0; k < exact_row_.size(); ++k) {
     if (exact_row_[k] < 0) continue;
     exact_row_[k] = static_cast<std::int32_t>(scattered_.size());
     scattered_.push_back(static_cast<std::int32_t>(k));

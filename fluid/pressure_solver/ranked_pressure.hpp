@@ -24,7 +24,7 @@ class RankedPressure {
       : subdomain_(own), grid_(std::move(grid)), spacing_(spacing) {}
   /// Solves the equation of the local particles, whose own rows count. guess: of the pressure of each, copies
   /// included. may_be_sealed: blocks without P = 0 and without compressibility are looked for, and closed.
-  /// solution: one pressure per row. Returns whether there are such blocks.
+  /// solution: one pressure per particle, right for own ones. Returns whether there are such blocks.
   bool solve(const PressureSystem&, const Vectors<dim>& position, const Eigen::VectorXd& guess,
              bool may_be_sealed, const Scheme&, PressureSolution& solution);
 
@@ -33,10 +33,9 @@ class RankedPressure {
   GridRanks<dim> grid_;
   double spacing_;
   RankedUnknowns<dim> unknowns_;
-  PressureSystem system_;
+  PressureSystem own_, grid_rows_;
   Multilevel<dim> multilevel_;
   ConjugateGradients cg_;
-  PressureSolution own_;
 };
 
 }  // namespace strake::fluid

@@ -1,55 +1,68 @@
 #include "fluid/pressure_solver/ranked_unknowns.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace strake::fluid {
 
-/// Numbers the unknowns: own ones, copies of the first ring, copies of the second, each in the local order.
 template <int dim>
-void RankedUnknowns<dim>::number(const PressureSystem& local, const Subdomain<dim>& subdomain) {
+void RankedUnknowns<dim>::take(const PressureSystem& local, const Subdomain<dim>& subdomain,
+                               const Vectors<dim>& position, PressureSystem& own, PressureSystem& grid) {
   const std::int64_t water = subdomain.local_water();
-  constexpr std::uint8_t first_ring = 1, second_ring = 2;
-  std::vector<std::uint8_t> ring(static_cast<std::size_t>(water), second_ring);
-  for (std::int64_t i = 0; i < water; ++i)
-    if (subdomain.owns(i)) ring[static_cast<std::size_t>(i)] = 0;
-  for (const auto& list : subdomain.near_halo().receive)
-    for (const std::int32_t i : list) ring[static_cast<std::size_t>(i)] = first_ring;
-  unknown_of_.assign(static_cast<std::size_t>(water), -1);
-  particle.clear();
-  owner.clear();
-  for (std::uint8_t of = 0; of <= second_ring; ++of) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      if (ring[i] != of || (of < second_ring && local.start[i] == local.stop[i])) continue;
-      unknown_of_[i] = static_cast<std::int32_t>(particle.size());
-      particle.push_back(static_cast<std::int32_t>(i));
-      owner.push_back(subdomain.owners()[i]);
+  const auto n = static_cast<std::size_t>(water);
+  communicator = &subdomain.communicator();
+  halo = &subdomain.division().near;
+  owner = subdomain.division().owner;
+  std::vector<std::uint8_t> near(n);
+  for (std::size_t i = 0; i < n; ++i) near[i] = subdomain.owns(static_cast<std::int64_t>(i)) ? 1 : 0;
+  for (const auto& list : halo->receive)
+    for (const std::int32_t i : list) near[static_cast<std::size_t>(i)] = 1;
+
+  for (PressureSystem* system : {&own, &grid}) {
+    if (system->size() != water) {
+      system->particle.resize(n);
+      std::iota(system->particle.begin(), system->particle.end(), 0);
     }
-    (of == 0 ? own : of == first_ring ? near : all) = std::ssize(particle);
+    system->start = local.start;
+    system->column = local.column;
+    system->value = local.value;
+    system->own.stop.resize(n);
+    system->stop = system->own.stop;
   }
+  grid.diagonal = local.diagonal;
+  own.diagonal.resize(water);
+  own.right.resize(water);
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const bool is_own = subdomain.owns(k);
+    own.own.stop[i] = is_own ? local.stop[i] : local.start[i];
+    grid.own.stop[i] = near[i] ? local.stop[i] : local.start[i];
+    own.diagonal[k] = is_own ? local.diagonal[k] : 0;
+    own.right[k] = is_own ? local.right[k] : 0;
+  }
+  std::vector<std::int32_t> placed;
+  in_cells.clear();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (local.start[i] == local.stop[i]) continue;
+    placed.push_back(static_cast<std::int32_t>(i));
+    if (near[i]) in_cells.push_back(static_cast<std::int32_t>(i));
+  }
+  find_cells(subdomain, position, placed);
 }
 
 template <int dim>
-void RankedUnknowns<dim>::list_halo(const Subdomain<dim>& subdomain) {
-  const Halo& particles = subdomain.near_halo();
-  halo.clear(communicator->size());
-  const auto translate = [&](const auto& from, auto& to) {
-    for (std::size_t r = 0; r < from.size(); ++r)
-      for (const std::int32_t i : from[r])
-        if (const std::int32_t k = unknown_of_[static_cast<std::size_t>(i)]; k >= 0) to[r].push_back(k);
-  };
-  translate(particles.send, halo.send);
-  translate(particles.receive, halo.receive);
-}
-
-template <int dim>
-void RankedUnknowns<dim>::find_cells(const Subdomain<dim>& subdomain, const Vectors<dim>& position) {
+void RankedUnknowns<dim>::find_cells(const Subdomain<dim>& subdomain, const Vectors<dim>& position,
+                                     std::span<const std::int32_t> placed) {
+  const std::vector<Bucket>& bucket = subdomain.division().bucket;
+  const Buckets<dim>& buckets = subdomain.buckets();
   double product = 1;
   for (std::size_t d = 0; d < dim; ++d) {
     std::vector<std::int32_t> slabs;
-    for (const std::int32_t i : particle) {
-      const std::int32_t slab = subdomain.buckets()[static_cast<std::size_t>(i)][d];
-      if (slabs.empty() || slabs.back() != slab) slabs.push_back(slab);
-    }
+    for (const std::int32_t i : placed)
+      if (const std::int32_t slab = bucket[static_cast<std::size_t>(i)][d];
+          slabs.empty() || slabs.back() != slab)
+        slabs.push_back(slab);
     std::ranges::sort(slabs);
     slabs.erase(std::unique(slabs.begin(), slabs.end()), slabs.end());
     std::vector<std::int32_t> cell(slabs.size(), 0);
@@ -58,53 +71,19 @@ void RankedUnknowns<dim>::find_cells(const Subdomain<dim>& subdomain, const Vect
     cells[d] = cell.empty() ? 1 : cell.back() + 1;
     product *= cells[d] + 2;
     // Single precision must not lift a place near the upper face into the next cell.
-    const double most = 1 - std::max(1e-3, 2.5e-7 * cells[d]),
-                 size = subdomain.bucket_size()[static_cast<int>(d)];
-    at[d].resize(particle.size());
-    for (std::size_t k = 0; k < particle.size(); ++k) {
-      const std::int32_t i = particle[k];
-      const Bucket& bucket = subdomain.buckets()[static_cast<std::size_t>(i)];
-      const auto s = static_cast<std::size_t>(std::ranges::lower_bound(slabs, bucket[d]) - slabs.begin());
-      const double within =
-          (position(static_cast<Eigen::Index>(d), i) - subdomain.corner_of(bucket)[static_cast<int>(d)]) /
-          size;
-      at[d][k] = static_cast<float>(cell[s] + std::clamp(within, 0.0, most));
+    const double most = 1 - std::max(1e-3, 2.5e-7 * cells[d]);
+    const auto axis = static_cast<Eigen::Index>(d);
+    at[d].assign(bucket.size(), 0.0F);
+#pragma omp parallel for schedule(static)
+    for (const std::int32_t i : placed) {
+      const Bucket& own = bucket[static_cast<std::size_t>(i)];
+      const auto s = static_cast<std::size_t>(std::ranges::lower_bound(slabs, own[d]) - slabs.begin());
+      const double within = (position(axis, i) - buckets.corner_of(own)[axis]) / buckets.size()[axis];
+      at[d][static_cast<std::size_t>(i)] = static_cast<float>(cell[s] + std::clamp(within, 0.0, most));
     }
   }
-  const double most_cells = 64 * static_cast<double>(all) + 1e6;
+  const double most_cells = 64 * static_cast<double>(placed.size()) + 1e6;
   has_grid = !communicator->any(!(product < most_cells));
-}
-
-template <int dim>
-void RankedUnknowns<dim>::take(const PressureSystem& local, const Subdomain<dim>& subdomain,
-                               const Vectors<dim>& position, PressureSystem& system) {
-  communicator = &subdomain.communicator();
-  number(local, subdomain);
-  list_halo(subdomain);
-  find_cells(subdomain, position);
-  system.particle.assign(particle.begin(), particle.begin() + own);
-  const auto unknowns = static_cast<std::size_t>(all);
-  auto& rows = system.own;
-  rows.start.assign(unknowns, 0);
-  rows.stop.assign(unknowns, 0);
-  rows.column.resize(local.column.size());
-  system.diagonal.resize(near);
-  system.right.resize(own);
-#pragma omp parallel for schedule(static)
-  for (std::int64_t k = 0; k < near; ++k) {
-    const auto row = static_cast<std::size_t>(k);
-    const auto i = static_cast<std::size_t>(particle[row]);
-    rows.start[row] = local.start[i];
-    rows.stop[row] = local.stop[i];
-    for (std::int64_t e = local.start[i]; e < local.stop[i]; ++e)
-      rows.column.data()[e] = unknown_of_.data()[local.column.data()[e]];
-    system.diagonal[k] = local.diagonal[static_cast<Eigen::Index>(i)];
-    if (k < own) system.right[k] = local.right[static_cast<Eigen::Index>(i)];
-  }
-  system.start = rows.start;
-  system.stop = rows.stop;
-  system.column = rows.column;
-  system.value = local.value;
 }
 
 template struct RankedUnknowns<2>;

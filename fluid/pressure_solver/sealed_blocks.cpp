@@ -11,9 +11,14 @@ namespace {
 /// The connected parts of one rank's own unknowns. A part with a row that P = 0 or compressibility determines
 /// is held.
 struct Parts {
-  std::vector<std::int32_t> part_of;  // of each own unknown
+  std::vector<std::int32_t> part_of;  // of each own unknown; −1: a copy
   std::vector<std::uint8_t> held;     // of each part
 };
+
+/// Whether an unknown is own: the rows of copies are empty.
+bool is_own(const PressureSystem& system, std::size_t k) {
+  return system.diagonal.data()[k] != 0;
+}
 
 /// Whether P = 0 beside it or compressibility makes the diagonal of a row larger than its sum; round-off does
 /// not.
@@ -29,7 +34,7 @@ Parts connected_parts(const PressureSystem& system) {
   Parts parts{std::vector<std::int32_t>(n, -1), {}};
   std::vector<std::int64_t> reached;
   for (std::size_t seed = 0; seed < n; ++seed) {
-    if (parts.part_of[seed] >= 0) continue;
+    if (parts.part_of[seed] >= 0 || !is_own(system, seed)) continue;
     const auto part = static_cast<std::int32_t>(parts.held.size());
     bool held = false;
     reached.assign(1, static_cast<std::int64_t>(seed));
@@ -39,7 +44,7 @@ Parts connected_parts(const PressureSystem& system) {
       held = held || is_determined(system, reached[at]);
       for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
         const auto j = static_cast<std::size_t>(system.column.data()[e]);
-        if (j >= n || parts.part_of[j] >= 0) continue;  // a copy, or known
+        if (parts.part_of[j] >= 0 || !is_own(system, j)) continue;
         parts.part_of[j] = part;
         reached.push_back(static_cast<std::int64_t>(j));
       }
@@ -96,36 +101,24 @@ std::map<std::int64_t, Block> joined(const std::vector<Bytes>& all,
 
 }  // namespace
 
-template <int dim>
-int close_sealed_blocks(PressureSystem& system, const RankedUnknowns<dim>& unknowns,
-                        std::span<const std::int64_t> place) {
-  Communicator& communicator = *unknowns.communicator;
-  const Parts parts = connected_parts(system);
-  const bool doubtful = std::ranges::any_of(parts.held, [](std::uint8_t held) { return held == 0; });
-  if (!communicator.any(doubtful)) return 0;
-
-  const std::vector<std::int64_t> counts = communicator.all(std::ssize(parts.held));
-  std::int64_t first = 0;
-  for (int r = 0; r < communicator.rank(); ++r) first += counts[static_cast<std::size_t>(r)];
-  std::vector<std::int64_t> number(static_cast<std::size_t>(unknowns.near), -1);
-  const auto n = static_cast<std::size_t>(system.size());
-  for (std::size_t k = 0; k < n; ++k) number[k] = first + parts.part_of[k];
-  unknowns.halo.update(communicator, number.data());
-
+/// Describes each part: its rows, and the parts of other ranks that they reach. number: of the part of each
+/// unknown, copies included.
+static Bytes described(const PressureSystem& system, const Parts& parts, std::span<const std::int64_t> number,
+                       std::span<const std::int64_t> place) {
   std::vector<PartHead> heads(parts.held.size());
   std::vector<std::vector<std::int64_t>> links(heads.size());
-  for (std::size_t p = 0; p < heads.size(); ++p)
-    heads[p] = {first + static_cast<std::int64_t>(p), 0, -1, 0, 0, static_cast<std::int8_t>(parts.held[p])};
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < number.size(); ++k) {
+    if (parts.part_of[k] < 0) continue;
     const auto p = static_cast<std::size_t>(parts.part_of[k]);
-    const std::int64_t at = place[static_cast<std::size_t>(unknowns.particle[k])];
-    ++heads[p].rows;
-    heads[p].sum += system.right[static_cast<Eigen::Index>(k)];
-    if (heads[p].first_place < 0 || at < heads[p].first_place) heads[p].first_place = at;
-    for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e)
-      if (const auto j = static_cast<std::size_t>(system.column.data()[e]);
-          j >= n && (links[p].empty() || links[p].back() != number[j]))
-        links[p].push_back(number[j]);
+    PartHead& head = heads[p];
+    if (head.rows == 0) head = {number[k], 0, place[k], 0, 0, static_cast<std::int8_t>(parts.held[p])};
+    ++head.rows;
+    head.first_place = std::min(head.first_place, place[k]);
+    head.sum += system.right[static_cast<Eigen::Index>(k)];
+    for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
+      const std::int64_t other = number[static_cast<std::size_t>(system.column.data()[e])];
+      if (other != number[k] && (links[p].empty() || links[p].back() != other)) links[p].push_back(other);
+    }
   }
   Bytes told;
   for (std::size_t p = 0; p < heads.size(); ++p) {
@@ -135,15 +128,33 @@ int close_sealed_blocks(PressureSystem& system, const RankedUnknowns<dim>& unkno
     append(told, heads[p]);
     for (const std::int64_t other : links[p]) append(told, other);
   }
-  std::map<std::int64_t, std::int64_t> root;
-  const std::map<std::int64_t, Block> blocks = joined(communicator.gather(told), root);
+  return told;
+}
 
-  for (std::size_t k = 0; k < n; ++k) {
+template <int dim>
+int close_sealed_blocks(PressureSystem& system, const RankedUnknowns<dim>& unknowns,
+                        std::span<const std::int64_t> place) {
+  Communicator& communicator = *unknowns.communicator;
+  const Parts parts = connected_parts(system);
+  if (!communicator.any(std::ranges::count(parts.held, 0) > 0)) return 0;
+
+  const std::vector<std::int64_t> counts = communicator.all(std::ssize(parts.held));
+  std::int64_t first = 0;
+  for (int r = 0; r < communicator.rank(); ++r) first += counts[static_cast<std::size_t>(r)];
+  std::vector<std::int64_t> number(parts.part_of.size(), -1);
+  for (std::size_t k = 0; k < number.size(); ++k)
+    if (parts.part_of[k] >= 0) number[k] = first + parts.part_of[k];
+  unknowns.halo->update(communicator, number.data());
+
+  std::map<std::int64_t, std::int64_t> root;
+  const std::map<std::int64_t, Block> blocks =
+      joined(communicator.gather(described(system, parts, number, place)), root);
+  for (std::size_t k = 0; k < number.size(); ++k) {
+    if (parts.part_of[k] < 0) continue;
     const Block& block = blocks.at(root.at(number[k]));
     if (block.held) continue;
     system.right[static_cast<Eigen::Index>(k)] -= block.sum / static_cast<double>(block.rows);
-    if (place[static_cast<std::size_t>(unknowns.particle[k])] == block.first_place)
-      system.diagonal[static_cast<Eigen::Index>(k)] *= 2;
+    if (place[k] == block.first_place) system.diagonal[static_cast<Eigen::Index>(k)] *= 2;
   }
   return static_cast<int>(std::ranges::count_if(blocks, [](const auto& of) { return !of.second.held; }));
 }

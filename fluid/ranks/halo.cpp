@@ -2,20 +2,43 @@
 
 namespace strake::fluid {
 
+namespace {
+
+/// Calls todo with the size of an entry, as a constant where it is a usual one: copies are then loads and
+/// stores.
+template <class Do>
+void with_size(std::size_t each, Do&& todo) {
+  if (each == 4) return todo(std::integral_constant<std::size_t, 4>());
+  if (each == 8) return todo(std::integral_constant<std::size_t, 8>());
+  if (each == 16) return todo(std::integral_constant<std::size_t, 16>());
+  if (each == 24) return todo(std::integral_constant<std::size_t, 24>());
+  todo(each);
+}
+
+}  // namespace
+
+void copy_entries(const std::byte* column, std::size_t each, std::span<const std::int32_t> list,
+                  std::byte* to) {
+  with_size(each, [&](auto size) {
+    for (const std::int32_t i : list) {
+      std::memcpy(to, column + static_cast<std::size_t>(i) * size, size);
+      to += size;
+    }
+  });
+}
+
 void pack(const std::byte* column, std::size_t each, std::span<const std::int32_t> list, Bytes& bytes) {
   bytes.resize(list.size() * each);
-  std::byte* to = bytes.data();
-  for (const std::int32_t i : list) {
-    std::memcpy(to, column + static_cast<std::size_t>(i) * each, each);
-    to += each;
-  }
+  copy_entries(column, each, list, bytes.data());
 }
 
 void unpack(const std::byte* from, std::size_t each, std::span<const std::int32_t> list, std::byte* column) {
-  for (const std::int32_t i : list) {
-    std::memcpy(column + static_cast<std::size_t>(i) * each, from, each);
-    from += each;
-  }
+  with_size(each, [&](auto size) {
+    for (const std::int32_t i : list) {
+      std::memcpy(column + static_cast<std::size_t>(i) * size, from, size);
+      from += size;
+    }
+  });
 }
 
 void Halo::update(Communicator& communicator, std::byte* column, std::size_t each) const {

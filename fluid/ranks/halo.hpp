@@ -8,7 +8,10 @@
 
 namespace strake::fluid {
 
-/// Packs the listed entries of a column, of so many bytes each, one behind the other.
+/// Copies the listed entries of a column, of so many bytes each, one behind the other.
+void copy_entries(const std::byte* column, std::size_t each, std::span<const std::int32_t> list,
+                  std::byte* to);
+/// The same into a message of its own.
 void pack(const std::byte* column, std::size_t each, std::span<const std::int32_t> list, Bytes& bytes);
 /// Puts them to the listed entries of another column.
 void unpack(const std::byte* from, std::size_t each, std::span<const std::int32_t> list, std::byte* column);

@@ -4,8 +4,6 @@
 #include "fluid/particles/reorder.hpp"
 #include "fluid/ranks/global_order.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -14,94 +12,42 @@ namespace strake::fluid {
 
 namespace {
 
-/// Rings of buckets around the own ones whose water a rank has.
-constexpr std::int32_t rings = 2;
 /// Work of a water and of a layer particle, for the partition. Whole numbers: their sums are exact, in any
 /// order.
 constexpr double work_of_water = 10, work_of_layer = 3;
-/// Largest number of a bucket; places beyond belong to the last.
-constexpr double most_buckets = 1 << 20;
-/// Bounds of the boxes look at buckets from a slight angle. So a bound may end within a slab of buckets.
-constexpr double skew = 1e-4;
 
-std::array<double, 3> place_for_partition(const Bucket& b) {
-  return {b[0] + skew * b[1] + skew * skew * b[2], b[1] + skew * b[2] + skew * skew * b[0],
-          b[2] + skew * b[0] + skew * skew * b[1]};
+std::vector<std::int32_t> numbers(std::int64_t first, std::int64_t count) {
+  std::vector<std::int32_t> list(static_cast<std::size_t>(count));
+  std::iota(list.begin(), list.end(), static_cast<std::int32_t>(first));
+  return list;
 }
 
-std::uint64_t key_of(const Bucket& bucket) {
-  std::uint64_t key = 0;
-  for (const std::int32_t at : bucket) key = key << 21 | (static_cast<std::uint32_t>(at) & 0x1fffffU);
-  return key;
-}
+/// What goes with a particle to another rank, before its columns.
+struct Address {
+  std::int64_t place;
+  Bucket bucket;
+};
 
 }  // namespace
 
 template <int dim>
-Subdomain<dim>::Subdomain(Communicator& communicator, Partition partition, double reach,
-                          const Periodic<dim>& periodic, const Vector<dim>& corner)
+Subdomain<dim>::Subdomain(Communicator& communicator, Partition partition, const Buckets<dim>& buckets,
+                          double slack)
     : communicator_(&communicator),
       partition_(std::move(partition)),
-      corner_(corner),
-      size_(Vector<dim>::Constant(reach)) {
-  for (int d = 0; d < dim; ++d) {
-    if (!periodic.along(d)) continue;
-    auto& count = count_[static_cast<std::size_t>(d)];
-    count = std::max(1, static_cast<std::int32_t>(periodic.length()[d] / reach));
-    size_[d] = periodic.length()[d] / count;
-  }
-}
-
-template <int dim>
-Bucket Subdomain<dim>::wrapped(Bucket bucket) const {
-  for (std::size_t d = 0; d < dim; ++d)
-    if (count_[d] > 0) bucket[d] = ((bucket[d] % count_[d]) + count_[d]) % count_[d];
-  return bucket;
-}
-
-template <int dim>
-Bucket Subdomain<dim>::bucket_of(const Vector<dim>& x) const {
-  Bucket bucket{};
-  for (int d = 0; d < dim; ++d) {
-    const double at = std::floor((x[d] - corner_[d]) / size_[d]);
-    // Not a number goes to the first bucket.
-    bucket[static_cast<std::size_t>(d)] =
-        at == at ? static_cast<std::int32_t>(std::clamp(at, -most_buckets, most_buckets - 1)) : 0;
-  }
-  return wrapped(bucket);
-}
-
-template <int dim>
-Vector<dim> Subdomain<dim>::corner_of(const Bucket& bucket) const {
-  Vector<dim> x = corner_;
-  for (int d = 0; d < dim; ++d) x[d] += bucket[static_cast<std::size_t>(d)] * size_[d];
-  return x;
-}
-
-template <int dim>
-int Subdomain<dim>::owner_of(const Bucket& bucket) const {
-  const std::array<double, 3> at = place_for_partition(bucket);
-  const auto has = [&](int rank) {
-    const double* const box = boxes_.data() + 6 * static_cast<std::ptrdiff_t>(rank);
-    bool inside = true;
-    for (std::size_t d = 0; d < 3; ++d) inside = inside && box[d] < at[d] && at[d] <= box[3 + d];
-    return inside;
-  };
-  if (has(communicator_->rank())) return communicator_->rank();
-  for (int rank = 0; rank < communicator_->size(); ++rank)
-    if (has(rank)) return rank;
-  return 0;
-}
+      buckets_(buckets),
+      slack_(slack),
+      division_(std::make_shared<Division>()) {}
 
 /// Makes the boxes of the ranks from the work in the buckets.
 template <int dim>
 void Subdomain<dim>::balance(State<dim>& state) const {
-  std::unordered_map<std::uint64_t, std::size_t> number;
+  std::unordered_map<std::int64_t, std::size_t> number;
   std::vector<double> centre, weight;
   const auto add = [&](const Bucket& bucket, double work) {
     const auto [found, is_new] = number.try_emplace(key_of(bucket), weight.size());
     if (is_new) {
-      const auto place = place_for_partition(bucket);
+      const auto place = Buckets<dim>::place(bucket);
       centre.insert(centre.end(), place.begin(), place.end());
       weight.push_back(0);
     }
@@ -109,272 +55,260 @@ void Subdomain<dim>::balance(State<dim>& state) const {
   };
   const std::int64_t water = state.position.cols() - layers_;
   for (std::int64_t i = 0; i < water; ++i)
-    if (owns(i)) add(bucket_of(state.position.col(i)), work_of_water);
+    if (owns(i)) add(buckets_.of(state.position.col(i)), work_of_water);
   // All ranks have all layer particles; each counts a part of them.
   for (std::int64_t i = water + communicator_->rank(); i < state.position.cols(); i += communicator_->size())
-    add(bucket_of(state.position.col(i)), work_of_layer);
+    add(buckets_.of(state.position.col(i)), work_of_layer);
   const std::vector<double> boxes = partition_(*communicator_, centre, weight);
   state.rank_boxes = Eigen::Map<const Eigen::VectorXd>(boxes.data(), std::ssize(boxes));
 }
 
-/// Finds the other ranks that want a bucket of this one, and whether it is in their first ring. The own
-/// buckets lie in a convex box: where the corners around are own, all between is.
 template <int dim>
-void Subdomain<dim>::find_wanting(const Bucket& bucket, std::vector<std::pair<int, bool>>& ranks) const {
-  const int own = communicator_->rank();
-  const std::int32_t deep = dim == 3 ? rings : 0;
-  const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
-    return Bucket{bucket[0] + x, bucket[1] + y, bucket[2] + z};
-  };
-  bool inside = true, wraps = false;
-  for (int corner = 0; corner < 8 && inside; ++corner) {
-    const Bucket other =
-        at(corner & 1 ? rings : -rings, corner & 2 ? rings : -rings, corner & 4 ? deep : -deep);
-    wraps = wraps || wrapped(other) != other;
-    inside = !wraps && owner_of(other) == own;
-  }
-  if (inside) return;
-  for (std::int32_t z = -deep; z <= deep; ++z)
-    for (std::int32_t y = -rings; y <= rings; ++y)
-      for (std::int32_t x = -rings; x <= rings; ++x) {
-        const int rank = owner_of(wrapped(at(x, y, z)));
-        if (rank == own) continue;
-        const bool near = std::max({std::abs(x), std::abs(y), std::abs(z)}) <= 1;
-        const auto found = std::ranges::find(ranks, rank, &std::pair<int, bool>::first);
-        if (found == ranks.end())
-          ranks.emplace_back(rank, near);
-        else
-          found->second = found->second || near;
-      }
-}
-
-template <int dim>
-const std::vector<std::pair<int, bool>>& Subdomain<dim>::wanted_by(const Bucket& bucket) {
+const std::vector<Wanting>& Subdomain<dim>::wanted_by(const Bucket& bucket) {
   const auto [found, is_new] = wanted_by_.try_emplace(key_of(bucket));
-  if (is_new) find_wanting(bucket, found->second);
+  if (is_new) buckets_.find_wanting(bucket, boxes_, communicator_->rank(), found->second);
   return found->second;
 }
 
 template <int dim>
 void Subdomain<dim>::take_part(State<dim>& state, std::int64_t water) {
+  const std::int64_t ranks = communicator_->size(), rank = communicator_->rank(),
+                     begin = water * rank / ranks, end = water * (rank + 1) / ranks;
   water_of_whole_ = water;
-  const std::int64_t layers = state.position.cols() - water, rank = communicator_->rank(),
-                     begin = water * rank / communicator_->size(),
-                     end = water * (rank + 1) / communicator_->size();
-  std::vector<std::int32_t> local;
-  division_ = {};
+  layers_ = state.position.cols() - water;
+  const bool divided =
+      std::ssize(state.rank_buckets) == water + layers_ && state.rank_boxes.size() == 6 * ranks;
+  Division part;
   for (std::int64_t i = begin; i < end; ++i) {
-    local.push_back(static_cast<std::int32_t>(i));
-    division_.place.push_back(i);
-    division_.owned.push_back(1);
+    part.place.push_back(i);
+    part.bucket.push_back(divided ? bucket_with(state.rank_buckets[static_cast<std::size_t>(i)])
+                                  : buckets_.of(state.position.col(i)));
   }
-  for (std::int64_t i = water; i < water + layers; ++i) local.push_back(static_cast<std::int32_t>(i));
+  part.owner.assign(part.place.size(), static_cast<int>(rank));
+  part.owned.assign(part.place.size(), 1);
+  part.owned.resize(part.place.size() + static_cast<std::size_t>(layers_));
+  for (std::int64_t i = water; divided && i < water + layers_; ++i)
+    part.layer_bucket.push_back(bucket_with(state.rank_buckets[static_cast<std::size_t>(i)]));
+  std::vector<std::int32_t> local = numbers(begin, end - begin);
+  for (const std::int32_t i : numbers(water, layers_)) local.push_back(i);
   select_particles<dim>(state, local);
-  division_.owned.resize(local.size());
-  layers_ = layers;
-  list_layers();
+  state.rank_buckets.clear();
+  division_ = std::make_shared<Division>(std::move(part));
 }
 
 template <int dim>
-void Subdomain<dim>::adopt(const Division& division) {
-  division_ = division;
-  list_layers();
+bool Subdomain<dim>::is_due(const State<dim>& state) const {
+  const Division& now = *division_;
+  const std::int64_t water = local_water();
+  bool left = false;
+#pragma omp parallel for schedule(static) reduction(|| : left)
+  for (std::int64_t i = 0; i < state.position.cols(); ++i) {
+    if (i < water && !owns(i)) continue;
+    if (i >= water && now.layer_bucket.empty()) continue;
+    const Bucket& bucket = i < water ? now.bucket[static_cast<std::size_t>(i)]
+                                     : now.layer_bucket[static_cast<std::size_t>(i - water)];
+    left = left || !(buckets_.outside(state.position.col(i), bucket) <= slack_);
+  }
+  return communicator_->any(left);
 }
 
-/// Sends the listed particles to the ranks: place, then column by column.
+/// Sends the listed particles to the ranks.
 template <int dim>
 std::vector<Bytes> Subdomain<dim>::exchange_particles(
-    const State<dim>& state, std::span<const std::vector<std::int32_t>> lists) const {
+    const State<dim>& state, const Division& division,
+    std::span<const std::vector<std::int32_t>> lists) const {
   std::vector<Bytes> to(lists.size());
-  Bytes part;
   for (std::size_t r = 0; r < lists.size(); ++r) {
-    if (lists[r].empty()) continue;
-    pack(reinterpret_cast<const std::byte*>(division_.place.data()), sizeof(std::int64_t), lists[r], to[r]);
-    for_each_column(
-        [&](const char*, const auto& column) {
-          pack(reinterpret_cast<const std::byte*>(column.data()), bytes_of_entry(column), lists[r], part);
-          to[r].insert(to[r].end(), part.begin(), part.end());
-        },
-        state);
+    for (const std::int32_t i : lists[r])
+      append(to[r], Address{division.place[static_cast<std::size_t>(i)],
+                            division.bucket[static_cast<std::size_t>(i)]});
+    pack_particles<dim>(state, lists[r], to[r]);
   }
   return communicator_->exchange_any(to);
 }
 
-/// Appends particles that have come to all columns, in the order of ranks.
+/// Appends particles that have come to the state, behind the layers, and to the division, in the order of
+/// ranks.
 template <int dim>
 void Subdomain<dim>::append_particles(State<dim>& state, const std::vector<Bytes>& all,
-                                      std::vector<std::int64_t>& place) const {
-  std::size_t each = sizeof(std::int64_t);
-  for_each_column([&](const char*, const auto& column) { each += bytes_of_entry(column); }, state);
+                                      Division& division) const {
+  const std::size_t each = sizeof(Address) + bytes_of_particle<dim>(state);
   std::size_t come = 0;
   for (const Bytes& bytes : all) come += bytes.size() / each;
-  auto next = static_cast<std::int32_t>(state.position.cols());
-  resize_particles<dim>(state, next + static_cast<Eigen::Index>(come));
-  std::vector<std::int32_t> list;
-  for (const Bytes& bytes : all) {
-    const std::size_t count = bytes.size() / each;
-    list.resize(count);
-    std::iota(list.begin(), list.end(), next);
-    next = static_cast<std::int32_t>(next + static_cast<std::int32_t>(count));
-    const std::byte* from = bytes.data();
-    for (std::size_t k = 0; k < count; ++k) place.push_back(take<std::int64_t>(from));
-    for_each_column(
-        [&](const char*, auto& column) {
-          const std::size_t bytes_each = bytes_of_entry(column);
-          unpack(from, bytes_each, list, reinterpret_cast<std::byte*>(column.data()));
-          from += bytes_each * count;
-        },
-        state);
+  std::int64_t next = state.position.cols();
+  if (come > 0) resize_particles<dim>(state, next + static_cast<Eigen::Index>(come));
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    const auto count = static_cast<std::int64_t>(all[r].size() / each);
+    const std::byte* from = all[r].data();
+    for (std::int64_t k = 0; k < count; ++k) {
+      const auto address = take<Address>(from);
+      division.place.push_back(address.place);
+      division.bucket.push_back(address.bucket);
+      division.owner.push_back(static_cast<int>(r));
+    }
+    unpack_particles<dim>(from, numbers(next, count), state);
+    next += count;
   }
 }
 
 /// Leaves the own water and the layers in the state, the water in the order of the whole.
 template <int dim>
-void Subdomain<dim>::migrate(State<dim>& state) {
-  const std::int64_t layers = layers_, water = state.position.cols() - layers;
+void Subdomain<dim>::migrate(State<dim>& state, Division& next) const {
+  const Division& now = *division_;
+  const std::int64_t water = local_water();
   const int own = communicator_->rank();
   std::vector<std::vector<std::int32_t>> leaves(static_cast<std::size_t>(communicator_->size()));
-  std::vector<int> owner(static_cast<std::size_t>(water), -1);
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i)
-    if (owns(i)) owner[static_cast<std::size_t>(i)] = owner_of(bucket_of(state.position.col(i)));
-  std::vector<std::pair<std::int64_t, std::int32_t>> stays;
+  std::vector<std::int32_t> stays;
   for (std::int64_t i = 0; i < water; ++i) {
-    const int to = owner[static_cast<std::size_t>(i)];
-    if (to == own)
-      stays.emplace_back(division_.place[static_cast<std::size_t>(i)], static_cast<std::int32_t>(i));
-    else if (to >= 0)
-      leaves[static_cast<std::size_t>(to)].push_back(static_cast<std::int32_t>(i));
+    if (!owns(i)) continue;
+    const int to = owner_of(now.bucket[static_cast<std::size_t>(i)]);
+    (to == own ? stays : leaves[static_cast<std::size_t>(to)]).push_back(static_cast<std::int32_t>(i));
   }
-  std::vector<std::int64_t> come;
-  append_particles(state, exchange_particles(state, leaves), come);
-  for (std::size_t k = 0; k < come.size(); ++k)
-    stays.emplace_back(come[k], static_cast<std::int32_t>(water + layers + static_cast<std::int64_t>(k)));
-  if (!std::ranges::is_sorted(stays)) std::ranges::sort(stays);
-  std::vector<std::int32_t> list;
-  list.reserve(stays.size() + static_cast<std::size_t>(layers));
-  division_.place.clear();
-  for (const auto& [place, i] : stays) {
-    list.push_back(i);
-    division_.place.push_back(place);
+  const std::vector<Bytes> arrived = exchange_particles(state, now, leaves);
+  for (const std::int32_t i : stays) {
+    next.place.push_back(now.place[static_cast<std::size_t>(i)]);
+    next.bucket.push_back(now.bucket[static_cast<std::size_t>(i)]);
+    next.owner.push_back(own);
   }
-  for (std::int64_t k = 0; k < layers; ++k) list.push_back(static_cast<std::int32_t>(water + k));
+  append_particles(state, arrived, next);
+  std::vector<std::int32_t> from = stays;
+  for (const std::int32_t i : numbers(water + layers_, std::ssize(next.place) - std::ssize(stays)))
+    from.push_back(i);
+  std::vector<std::int32_t> order = numbers(0, std::ssize(from)), list;
+  const auto by_place = [&](std::int32_t k) { return next.place[static_cast<std::size_t>(k)]; };
+  if (!std::ranges::is_sorted(order, {}, by_place)) std::ranges::sort(order, {}, by_place);
+  Division sorted;
+  for (const std::int32_t k : order) {
+    const auto at = static_cast<std::size_t>(k);
+    list.push_back(from[at]);
+    sorted.place.push_back(next.place[at]);
+    sorted.bucket.push_back(next.bucket[at]);
+  }
+  sorted.owner.assign(sorted.place.size(), own);
+  for (const std::int32_t i : numbers(water, layers_)) list.push_back(i);
   select_particles<dim>(state, list);
+  next = std::move(sorted);
 }
 
 /// Adds the copies of other ranks' water, and lists who sends what.
 template <int dim>
-void Subdomain<dim>::add_ghosts(State<dim>& state) {
+void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
   const auto ranks = static_cast<std::size_t>(communicator_->size());
-  const std::int64_t layers = layers_, own = state.position.cols() - layers;
-  bucket_.resize(static_cast<std::size_t>(own));
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < own; ++i)
-    bucket_[static_cast<std::size_t>(i)] = bucket_of(state.position.col(i));
+  const std::int64_t own = std::ssize(next.place);
   std::vector<std::vector<std::int32_t>> send(ranks), send_near(ranks);
-  const std::vector<std::pair<int, bool>>* wanting = nullptr;
+  std::vector<Bytes> nearness(ranks);
+  const std::vector<Wanting>* wanting = nullptr;
   for (std::int64_t i = 0; i < own; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (wanting == nullptr || bucket_[k] != bucket_[k - 1]) wanting = &wanted_by(bucket_[k]);
+    if (wanting == nullptr || next.bucket[k] != next.bucket[k - 1]) wanting = &wanted_by(next.bucket[k]);
     for (const auto& [rank, near] : *wanting) {
-      send[static_cast<std::size_t>(rank)].push_back(static_cast<std::int32_t>(i));
-      if (near) send_near[static_cast<std::size_t>(rank)].push_back(static_cast<std::int32_t>(i));
+      const auto r = static_cast<std::size_t>(rank);
+      send[r].push_back(static_cast<std::int32_t>(i));
+      if (near) send_near[r].push_back(static_cast<std::int32_t>(i));
+      append(nearness[r], static_cast<std::uint8_t>(near ? 1 : 0));
     }
   }
-  const std::vector<Bytes> arrived = exchange_particles(state, send);
-  std::vector<Bytes> nearness(ranks);
-  for (std::size_t r = 0; r < ranks; ++r) {
-    auto near = send_near[r].begin();
-    for (const std::int32_t i : send[r]) {
-      const bool is_near = near != send_near[r].end() && *near == i;
-      append(nearness[r], static_cast<std::uint8_t>(is_near ? 1 : 0));
-      if (is_near) ++near;
-    }
-  }
+  append_particles(state, exchange_particles(state, next, send), next);
   nearness = communicator_->exchange_any(nearness);
-  std::vector<std::int64_t> place = division_.place;
-  append_particles(state, arrived, place);
 
-  // The order of the whole, in which the ghosts of each rank stand as they were sent.
-  std::vector<std::int32_t> order(place.size()), local(place.size()), list;
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, {}, [&](std::int32_t k) { return place[static_cast<std::size_t>(k)]; });
-  list.reserve(order.size() + static_cast<std::size_t>(layers));
-  division_.place.clear();
-  division_.owned.clear();
+  // The order of the whole. The ghosts of each rank stand in it as they were sent.
+  std::vector<std::int32_t> order = numbers(0, std::ssize(next.place)), local(order.size()), list;
+  std::ranges::sort(order, {}, [&](std::int32_t k) { return next.place[static_cast<std::size_t>(k)]; });
+  Division sorted;
   for (const std::int32_t k : order) {
-    local[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(list.size());
-    division_.place.push_back(place[static_cast<std::size_t>(k)]);
-    division_.owned.push_back(k < own ? 1 : 0);
-    list.push_back(k < own ? k : static_cast<std::int32_t>(k + layers));
+    const auto at = static_cast<std::size_t>(k);
+    local[at] = static_cast<std::int32_t>(list.size());
+    sorted.place.push_back(next.place[at]);
+    sorted.bucket.push_back(next.bucket[at]);
+    sorted.owner.push_back(next.owner[at]);
+    sorted.owned.push_back(k < own ? 1 : 0);
+    list.push_back(static_cast<std::int32_t>(k < own ? k : k + layers_));
   }
-  for (std::int64_t k = 0; k < layers; ++k) list.push_back(static_cast<std::int32_t>(own + k));
+  for (const std::int32_t i : numbers(own, layers_)) list.push_back(i);
   select_particles<dim>(state, list);
 
-  ghosts_.clear(communicator_->size());
-  near_.clear(communicator_->size());
-  owner_.assign(order.size(), communicator_->rank());
-  auto next = static_cast<std::size_t>(own);
+  sorted.ghosts.clear(communicator_->size());
+  sorted.near.clear(communicator_->size());
+  auto ghost = static_cast<std::size_t>(own);
   for (std::size_t r = 0; r < ranks; ++r) {
-    for (const std::int32_t i : send[r]) ghosts_.send[r].push_back(local[static_cast<std::size_t>(i)]);
-    for (const std::int32_t i : send_near[r]) near_.send[r].push_back(local[static_cast<std::size_t>(i)]);
+    for (const std::int32_t i : send[r]) sorted.ghosts.send[r].push_back(local[static_cast<std::size_t>(i)]);
+    for (const std::int32_t i : send_near[r])
+      sorted.near.send[r].push_back(local[static_cast<std::size_t>(i)]);
+    if (static_cast<int>(r) == communicator_->rank()) continue;
     for (const std::byte near : nearness[r]) {
-      const std::int32_t ghost = local[next++];
-      owner_[static_cast<std::size_t>(ghost)] = static_cast<int>(r);
-      ghosts_.receive[r].push_back(ghost);
-      if (near != std::byte{0}) near_.receive[r].push_back(ghost);
+      const std::int32_t at = local[ghost++];
+      sorted.ghosts.receive[r].push_back(at);
+      if (near != std::byte{0}) sorted.near.receive[r].push_back(at);
     }
   }
-  bucket_.resize(order.size());
-#pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < order.size(); ++i)
-    bucket_[i] = bucket_of(state.position.col(static_cast<Eigen::Index>(i)));
+  next = std::move(sorted);
 }
 
 template <int dim>
-void Subdomain<dim>::find_layer_owners(const State<dim>& state) {
+void Subdomain<dim>::find_layer_owners(const State<dim>& state, Division& next) const {
   const std::int64_t first = state.position.cols() - layers_;
-  division_.owned.resize(static_cast<std::size_t>(first));
-  division_.layer_owner.resize(static_cast<std::size_t>(layers_));
-  for (std::int64_t k = 0; k < layers_; ++k) {
-    const int owner = owner_of(bucket_of(state.position.col(first + k)));
-    division_.layer_owner[static_cast<std::size_t>(k)] = owner;
-    division_.owned.push_back(owner == communicator_->rank() ? 1 : 0);
+  if (std::ssize(next.layer_bucket) != layers_) {
+    next.layer_bucket.clear();
+    for (std::int64_t k = 0; k < layers_; ++k)
+      next.layer_bucket.push_back(buckets_.of(state.position.col(first + k)));
   }
-  list_layers();
+  for (const Bucket& bucket : next.layer_bucket) {
+    next.layer_owner.push_back(owner_of(bucket));
+    next.owned.push_back(next.layer_owner.back() == communicator_->rank() ? 1 : 0);
+  }
 }
 
 template <int dim>
-void Subdomain<dim>::list_layers() {
-  layers_of_.assign(static_cast<std::size_t>(communicator_->size()), {});
-  for (std::size_t k = 0; k < division_.layer_owner.size(); ++k)
-    layers_of_[static_cast<std::size_t>(division_.layer_owner[k])].push_back(static_cast<std::int32_t>(k));
-}
-
-template <int dim>
-std::int64_t Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
-  const std::int64_t first = state.position.cols() - layers_;
-  if (!division_.layer_owner.empty())
-    for_each_column([&](const char*, auto& column) { update_layers(column, first); }, state);
-  if (balance_again || state.rank_boxes.size() != 6 * communicator_->size()) balance(state);
+void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
+  refresh_layers(state);
+  const bool has_boxes = state.rank_boxes.size() == 6 * communicator_->size();
+  if (balance_again || !has_boxes) balance(state);
   if (!std::ranges::equal(boxes_, state.rank_boxes)) {
     boxes_.assign(state.rank_boxes.begin(), state.rank_boxes.end());
     wanted_by_.clear();
   }
-  migrate(state);
-  add_ghosts(state);
-  find_layer_owners(state);
-  return local_water();
+  Division next;
+  if (is_read() && !division_->layer_bucket.empty()) {
+    next.layer_bucket = division_->layer_bucket;  // the buckets that were read hold
+  } else {
+    auto now = std::make_shared<Division>(*division_);
+    for (std::size_t i = 0; i < now->bucket.size(); ++i)
+      if (now->owned[i]) now->bucket[i] = buckets_.of(state.position.col(static_cast<Eigen::Index>(i)));
+    division_ = std::move(now);
+  }
+  std::vector<Bucket> layer_bucket = std::move(next.layer_bucket);
+  next = {};
+  migrate(state, next);
+  copy_ghosts(state, next);
+  next.layer_bucket = std::move(layer_bucket);
+  find_layer_owners(state, next);
+  division_ = std::make_shared<Division>(std::move(next));
+}
+
+template <int dim>
+void Subdomain<dim>::refresh(State<dim>& state) const {
+  const Halo& halo = division_->ghosts;
+  std::vector<Bytes> to(halo.send.size()), from(halo.send.size());
+  for (std::size_t r = 0; r < to.size(); ++r) {
+    pack_particles<dim>(state, halo.send[r], to[r]);
+    from[r].resize(halo.receive[r].size() * bytes_of_particle<dim>(state));
+  }
+  communicator_->exchange(to, from);
+  for (std::size_t r = 0; r < from.size(); ++r) {
+    const std::byte* at = from[r].data();
+    unpack_particles<dim>(at, halo.receive[r], state);
+  }
 }
 
 template <int dim>
 void Subdomain<dim>::sort_along_cells(const State<dim>& state, double size) {
+  auto next = std::make_shared<Division>(*division_);
   std::vector<std::int32_t> own;
   std::vector<std::int64_t> old_place;
-  for (std::size_t i = 0; i < division_.place.size(); ++i) {
-    if (!division_.owned[i]) continue;
+  for (std::size_t i = 0; i < next->place.size(); ++i) {
+    if (!next->owned[i]) continue;
     own.push_back(static_cast<std::int32_t>(i));
-    old_place.push_back(division_.place[i]);
+    old_place.push_back(next->place[i]);
   }
   const Vectors<dim> position = state.position(Eigen::all, own);
   std::array<double, dim> lowest;
@@ -385,60 +319,82 @@ void Subdomain<dim>::sort_along_cells(const State<dim>& state, double size) {
     for (std::size_t d = 0; d < dim; ++d) lowest[d] = std::min(lowest[d], other[d]);
   const Vector<dim> low = Eigen::Map<const Vector<dim>>(lowest.data());
   const auto place = places_by_key(*communicator_, cells_along_curve<dim>(position, low, size), old_place);
-  for (std::size_t k = 0; k < own.size(); ++k) division_.place[static_cast<std::size_t>(own[k])] = place[k];
+  for (std::size_t k = 0; k < own.size(); ++k) next->place[static_cast<std::size_t>(own[k])] = place[k];
+  division_ = std::move(next);
 }
 
 template <int dim>
 State<dim> Subdomain<dim>::join(const State<dim>& state, const Division& division) const {
-  const auto first = static_cast<std::int64_t>(division.place.size());
-  const bool layers_differ = !division.layer_owner.empty();
+  const std::int64_t first = std::ssize(division.place);
+  const bool same_layers = division.layer_owner.empty();
   std::vector<std::int32_t> own;
-  Bytes bytes, part;
-  for (std::size_t i = 0; i < division.owned.size(); ++i) {
-    const bool layer = static_cast<std::int64_t>(i) >= first;
-    if (layer && !layers_differ ? communicator_->rank() != 0 : division.owned[i] == 0) continue;
+  Bytes bytes;
+  for (std::int64_t i = 0; i < first + layers_; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (i >= first && same_layers ? communicator_->rank() != 0 : division.owned[at] == 0) continue;
     own.push_back(static_cast<std::int32_t>(i));
-    append(bytes, layer ? water_of_whole_ + static_cast<std::int64_t>(i) - first : division.place[i]);
+    const auto layer = static_cast<std::size_t>(i - first);
+    append(bytes, i < first
+                      ? Address{division.place[at], division.bucket[at]}
+                      : Address{water_of_whole_ + i - first,
+                                division.layer_bucket.empty() ? Bucket{} : division.layer_bucket[layer]});
   }
-  const auto count = static_cast<std::int64_t>(own.size());
-  for_each_column(
-      [&](const char*, const auto& column) {
-        pack(reinterpret_cast<const std::byte*>(column.data()), bytes_of_entry(column), own, part);
-        bytes.insert(bytes.end(), part.begin(), part.end());
-      },
-      state);
-  const std::vector<std::int64_t> counts = communicator_->all(count);
+  pack_particles<dim>(state, own, bytes);
   const std::vector<Bytes> all = communicator_->gather_on_first(bytes);
   State<dim> whole;
   for_each_value([](const char*, const auto& from, auto& to) { to = from; }, state, whole);
-  if (all.empty()) {
-    resize_particles<dim>(whole, 0);
-    return whole;
-  }
+  if (all.empty()) return whole;
   resize_particles<dim>(whole, water_of_whole_ + layers_);
-  std::vector<std::int32_t> list;
-  for (std::size_t r = 0; r < all.size(); ++r) {
-    const std::byte* from = all[r].data();
-    list.clear();
-    for (std::int64_t k = 0; k < counts[r]; ++k)
-      list.push_back(static_cast<std::int32_t>(take<std::int64_t>(from)));
-    for_each_column(
-        [&](const char*, auto& column) {
-          unpack(from, bytes_of_entry(column), list, reinterpret_cast<std::byte*>(column.data()));
-          from += bytes_of_entry(column) * list.size();
-        },
-        whole);
+  whole.rank_buckets.resize(static_cast<std::size_t>(water_of_whole_ + layers_));
+  for (const Bytes& part : all) {
+    const std::byte* from = part.data();
+    std::vector<std::int32_t> list;
+    for (std::size_t k = part.size() / (sizeof(Address) + bytes_of_particle<dim>(whole)); k > 0; --k) {
+      const auto address = take<Address>(from);
+      list.push_back(static_cast<std::int32_t>(address.place));
+      whole.rank_buckets[static_cast<std::size_t>(address.place)] = key_of(address.bucket);
+    }
+    unpack_particles<dim>(from, list, whole);
   }
+  if (same_layers) whole.rank_buckets.clear();
   return whole;
+}
+
+/// The layer particles of each rank, from the first one.
+template <int dim>
+std::vector<std::vector<std::int32_t>> Subdomain<dim>::layers_by_rank(const Division& division) const {
+  std::vector<std::vector<std::int32_t>> list(static_cast<std::size_t>(communicator_->size()));
+  for (std::size_t k = 0; k < division.layer_owner.size(); ++k)
+    list[static_cast<std::size_t>(division.layer_owner[k])].push_back(static_cast<std::int32_t>(k));
+  return list;
 }
 
 template <int dim>
 void Subdomain<dim>::send_layers(std::byte* column, std::size_t each) const {
+  const auto layers_of = layers_by_rank(*division_);
   Bytes own;
-  pack(column, each, layers_of_[static_cast<std::size_t>(communicator_->rank())], own);
+  pack(column, each, layers_of[static_cast<std::size_t>(communicator_->rank())], own);
   const std::vector<Bytes> all = communicator_->gather(own);
   for (std::size_t r = 0; r < all.size(); ++r)
-    if (static_cast<int>(r) != communicator_->rank()) unpack(all[r].data(), each, layers_of_[r], column);
+    if (static_cast<int>(r) != communicator_->rank()) unpack(all[r].data(), each, layers_of[r], column);
+}
+
+/// Gives all layer particles all data of their owners.
+template <int dim>
+void Subdomain<dim>::refresh_layers(State<dim>& state) const {
+  if (division_->layer_owner.empty()) return;
+  auto layers_of = layers_by_rank(*division_);
+  const std::int64_t first = local_water();
+  for (auto& list : layers_of)
+    for (std::int32_t& i : list) i = static_cast<std::int32_t>(i + first);
+  Bytes own;
+  pack_particles<dim>(state, layers_of[static_cast<std::size_t>(communicator_->rank())], own);
+  const std::vector<Bytes> all = communicator_->gather(own);
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    if (static_cast<int>(r) == communicator_->rank()) continue;
+    const std::byte* from = all[r].data();
+    unpack_particles<dim>(from, layers_of[r], state);
+  }
 }
 
 template class Subdomain<2>;

@@ -33,7 +33,7 @@ struct SolutionHead {
 template <int dim>
 Bytes packed_rows(const PressureSystem& system, const Subdomain<dim>& own, const State<dim>& state) {
   Bytes bytes;
-  const auto places = own.places();
+  const auto& places = own.division().place;
   for (std::int64_t k = 0; k < system.size(); ++k) {
     if (!own.owns(k)) continue;
     const auto row = static_cast<std::size_t>(k);
@@ -108,8 +108,10 @@ void Simulation<dim>::Work::begin_on_ranks(const Ranks& ranks) {
   if (air) refuse("air under the body");
   if (step.p.scheme.turbulence == Turbulence::k) refuse("the k model of turbulence");
   const Tank<dim>& tank = step.boundary.tank();
-  step.subdomain = std::make_unique<Subdomain<dim>>(*ranks.communicator, ranks.partition, step.search.reach(),
-                                                    tank.periodic(), tank.shape().low());
+  // Two particles that are so far outside their buckets are still found by the ranks that need them.
+  const double reach = step.search.reach(), slack = 0.45 * (1 - step.laplacian_lattice.radius / reach);
+  step.subdomain = std::make_unique<Subdomain<dim>>(
+      *ranks.communicator, ranks.partition, Buckets<dim>(reach, tank.periodic(), tank.shape().low()), slack);
   step.ranks = RankExchange<dim>(step.subdomain.get());
   if (ranks.shared_grid)
     shared_pressure =
@@ -130,9 +132,16 @@ void Simulation<dim>::Work::take_part() {
 /// Sends particles to the ranks that own them now, and renews the ghosts.
 template <int dim>
 void Simulation<dim>::Work::divide(bool balance) {
-  step.boundary.set_water(step.subdomain->divide(step.state, balance));
+  step.subdomain->divide(step.state, balance);
+  step.boundary.set_water(step.subdomain->local_water());
   scheme->set_water(step);
   step.search.invalidate();
+}
+
+template <int dim>
+void Simulation<dim>::Work::forget_ranks() {
+  step.state.rank_boxes.resize(0);
+  step.state.rank_buckets.clear();
 }
 
 template <int dim>
@@ -153,7 +162,7 @@ void Simulation<dim>::Work::remove_lost_together() {
   };
   State<dim>& state = step.state;
   const Boundary<dim>& boundary = step.boundary;
-  const auto places = step.subdomain->places();
+  const auto& places = step.subdomain->division().place;
   Bytes own;
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (!step.ranks.owns(i) || boundary.is_removed(state, i) || !boundary.left_domain(state.position.col(i)))
@@ -226,9 +235,10 @@ typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_on_first_ran
   own_solution.iterations = head.iterations;
   own_solution.pressure.resize(system.size());
   for (std::int64_t k = 0; k < system.size(); ++k)
-    std::memcpy(&own_solution.pressure[k],
-                at + sizeof(double) * static_cast<std::size_t>(own.places()[static_cast<std::size_t>(k)]),
-                sizeof(double));
+    std::memcpy(
+        &own_solution.pressure[k],
+        at + sizeof(double) * static_cast<std::size_t>(own.division().place[static_cast<std::size_t>(k)]),
+        sizeof(double));
   return {own_solution, head.sealed != 0};
 }
 
@@ -238,7 +248,8 @@ Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme& own, std::int64_t
     double value, at[3];
     std::int64_t place;
   };
-  const std::int64_t whole_place = place < 0 ? -1 : step.subdomain->places()[static_cast<std::size_t>(place)];
+  const std::int64_t whole_place =
+      place < 0 ? -1 : step.subdomain->division().place[static_cast<std::size_t>(place)];
   Extreme largest = own;
   std::int64_t first = -1;
   double value = -1;
@@ -258,6 +269,7 @@ Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme& own, std::int64_t
   template void Simulation<dim>::Work::take_part();                                             \
   template void Simulation<dim>::Work::divide(bool);                                            \
   template void Simulation<dim>::Work::begin_again();                                           \
+  template void Simulation<dim>::Work::forget_ranks();                                          \
   template void Simulation<dim>::Work::remove_lost_together();                                  \
   template void Simulation<dim>::Work::sum_collisions();                                        \
   template typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together();      \

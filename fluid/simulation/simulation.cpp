@@ -100,15 +100,14 @@ void Simulation<dim>::set_state(const State<dim>& state) {
   if (w.step.subdomain)
     w.take_part();
   else
-    w.step.state.rank_boxes.resize(0);
+    w.forget_ranks();
   w.begin_again();
 }
 
 template <int dim>
 auto Simulation<dim>::snapshot() const -> Snapshot {
   const Work& w = *work_;
-  return {w.step.state,
-          w.step.subdomain ? w.step.subdomain->division() : typename Subdomain<dim>::Division()};
+  return {w.step.state, w.step.subdomain ? w.step.subdomain->shared_division() : nullptr};
 }
 
 template <int dim>
@@ -117,7 +116,7 @@ void Simulation<dim>::restore(const Snapshot& snapshot) {
   w.step.state = snapshot.state;
   if (w.step.subdomain) {
     w.step.subdomain->adopt(snapshot.division);
-    w.step.boundary.set_water(static_cast<std::int64_t>(snapshot.division.place.size()));
+    w.step.boundary.set_water(std::ssize(snapshot.division->place));
   }
   w.begin_again();
 }
@@ -134,7 +133,7 @@ const State<dim>& Simulation<dim>::whole() const {
 template <int dim>
 State<dim> Simulation<dim>::whole_of(const Snapshot& snapshot) const {
   const Work& w = *work_;
-  return w.step.subdomain ? w.step.subdomain->join(snapshot.state, snapshot.division) : snapshot.state;
+  return w.step.subdomain ? w.step.subdomain->join(snapshot.state, *snapshot.division) : snapshot.state;
 }
 
 template <int dim>

@@ -58,7 +58,7 @@ class Simulation {
   /// All that the simulation needs to go on from here.
   struct Snapshot {
     State<dim> state;
-    typename Subdomain<dim>::Division division;  // empty: one rank
+    std::shared_ptr<const Division> division;  // null: one rank
   };
   Snapshot snapshot() const;
   void restore(const Snapshot&);

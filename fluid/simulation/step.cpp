@@ -85,8 +85,11 @@ void Simulation<dim>::Work::begin(double dt, double rest, double stable, const I
 template <int dim>
 void Simulation<dim>::Work::measure() {
   {
-    const StageClock clock(step.seconds, "neighbours");
+    const StageClock clock(step.seconds, step.subdomain ? "division" : "neighbours");
     sort_along_cells();
+  }
+  {
+    const StageClock clock(step.seconds, "neighbours");
     step.search_neighbours();
   }
   if (air) air->give_over(step);
@@ -95,13 +98,17 @@ void Simulation<dim>::Work::measure() {
 }
 
 /// Sorts the water along the cells every fifty steps, so that neighbours in space are neighbours in memory.
-/// On several ranks the water is divided anew in each configuration, and balanced where it is sorted.
+/// On several ranks it is divided anew and balanced there, and divided wherever a particle leaves its bucket.
 template <int dim>
 void Simulation<dim>::Work::sort_along_cells() {
   const bool due = reorder_due(step.state.step);
   if (step.subdomain) {
+    if (step.subdomain->is_read()) divide(false);
     if (due) step.subdomain->sort_along_cells(step.state, step.search.reach());
-    divide(due);
+    if (due || step.subdomain->is_due(step.state))
+      divide(due);
+    else
+      step.subdomain->refresh(step.state);
     return;
   }
   if (!due) return;
@@ -209,7 +216,7 @@ void Simulation<dim>::Work::shift() {
   scheme->shift(step);
   collisions = separate_particles<dim>(
       step.state, step.boundary, step.near_density(), step.p.scheme, step.substepping.age(), step.p.spacing,
-      step.mass, step.subdomain ? step.subdomain->owned() : std::span<const std::uint8_t>());
+      step.mass, step.subdomain ? step.subdomain->division().owned : std::span<const std::uint8_t>());
   remove_lost();
   step.boundary.tank().wrap(step.state);
 }

@@ -41,7 +41,8 @@ struct Simulation<dim>::Work {
   void begin_on_ranks(const Ranks&);
   void take_part();  // of the whole state
   void divide(bool balance);
-  void begin_again();  // from another state
+  void begin_again();   // from another state
+  void forget_ranks();  // that have written the state
   void remove_lost_together();
   void sum_collisions();
   /// The largest of the ranks' extremes; of equal ones the first in the whole.

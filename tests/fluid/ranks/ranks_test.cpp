@@ -48,7 +48,9 @@ struct Flow {
     });
     for (State<dim>& state : ends) {
       EXPECT_EQ(state.rank_boxes.size(), 6 * count);
+      EXPECT_EQ(state.rank_buckets.size(), state.kind.size());
       state.rank_boxes.resize(0);
+      state.rank_buckets.clear();
     }
     return ends.front();
   }
@@ -168,9 +170,26 @@ template <int dim>
 void expect_near(const Flow<dim>& flow) {
   for (const int count : {2, 3, 4, 8}) {
     const Together<dim> result = solve_together(flow, count);
+    if (std::getenv("SHOW")) printf("%d ranks: %d iterations, alone %d, difference %.2e\n", count, result.iterations, result.alone, result.difference);
     EXPECT_LE(result.difference, 1e-6) << count << " ranks";
     EXPECT_LE(std::abs(result.iterations - result.alone), 1) << count << " ranks: " << result.iterations;
   }
+}
+
+TEST(Ranks, SolveThePressureOfABoxInSpaceTogether) {
+  Flow<3> flow{.p = basin(0.6, 0.24, 0.02, 0.1),
+               .body = box_surface({0, 0.004, 0}, {0.16, 0.04, 0.16}, 0.02),
+               .speed = 3,
+               .dt = 5e-5};
+  expect_near(flow);
+}
+
+TEST(Ranks, SolveThePressureOfAPlateEntryTogether) {
+  Flow<2> flow{.p = tank_case(1.6, 0.4, 0.01, 0.2),
+               .body = rectangle(-0.1, 0.0002, 0.2, 0.02, 0.01),
+               .speed = 6,
+               .dt = 2e-5};
+  expect_near(flow);
 }
 
 TEST(Ranks, SolveThePressureOfAnIncompressibleColumn) {

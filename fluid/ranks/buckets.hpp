@@ -1,0 +1,56 @@
+#pragma once
+
+#include "fluid/particles/periodic.hpp"
+#include "fluid/particles/state.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace strake::fluid {
+
+/// Numbers of a bucket along each axis.
+using Bucket = std::array<std::int32_t, 3>;
+
+/// One number for a bucket, and back.
+std::int64_t key_of(const Bucket&);
+Bucket bucket_with(std::int64_t key);
+
+/// Another rank that wants the particles of a bucket. near: the bucket is in the first ring around its own,
+/// else in the second.
+struct Wanting {
+  int rank;
+  bool near;
+};
+
+/// Cuts space into buckets as wide as the reach of the neighbour search, from the tank's corner. Along a
+/// periodic direction they are a little wider: a whole number of them repeats itself. Each bucket has one
+/// rank as its owner: the rank in whose box it lies.
+template <int dim>
+class Buckets {
+ public:
+  /// reach: of the neighbour search [m]. corner: lower corner of the tank [m].
+  Buckets(double reach, const Periodic<dim>& periodic, const Vector<dim>& corner);
+
+  Bucket of(const Vector<dim>& x) const;
+  Vector<dim> corner_of(const Bucket&) const;  // the lower one [m]
+  const Vector<dim>& size() const { return size_; }
+  /// How far x is outside a bucket that it has been in, along the worst axis, in widths.
+  double outside(const Vector<dim>& x, const Bucket&) const;
+  /// Place of a bucket for the partition. Buckets are seen from a slight angle, so that a bound may end
+  /// within a slab of them.
+  static std::array<double, 3> place(const Bucket&);
+  /// Returns the rank whose box has the bucket. boxes: six numbers per rank, see Partition. first: the rank
+  /// to look at first.
+  static int owner(const Bucket&, std::span<const double> boxes, int first);
+  /// Finds the other ranks that want a bucket of rank `own`.
+  void find_wanting(const Bucket&, std::span<const double> boxes, int own, std::vector<Wanting>&) const;
+
+ private:
+  Bucket wrapped(Bucket) const;
+  Vector<dim> corner_, size_;            // [m]
+  std::array<std::int32_t, 3> count_{};  // along periodic directions; 0: without an end
+};
+
+}  // namespace strake::fluid
