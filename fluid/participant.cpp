@@ -285,6 +285,7 @@ Advanced FluidParticipant<dim>::finish() {
   monitor["pressure_iterations"] = pressure_iterations_;
   for (const auto& [stage, seconds] : simulation_.seconds()) monitor["seconds." + stage] = seconds;
   monitor["memory.peak"] = peak_memory();
+  report_ranks(monitor);
   return result;
 }
 

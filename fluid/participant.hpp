@@ -65,6 +65,7 @@ class FluidParticipant final : public Participant {
   void report_air(std::map<std::string, double>& monitor) const;
   double momentum_scale() const;
   double momentum_gap() const;
+  void report_ranks(std::map<std::string, double>& monitor) const;
   void write_first_frame();
   void write_frame();
   GuardScales guard_scales() const;

@@ -3,6 +3,7 @@
 #include "fluid/mps/interface_load.hpp"
 #include "fluid/participant.hpp"
 #include "proto/error.hpp"
+#include "proto/peak_memory.hpp"
 
 #include <fmt/format.h>
 
@@ -172,6 +173,44 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["check.momentum_gap"] = momentum_gap();
 }
 
+/// Reports the seconds, particles and memory of each rank, and the sum of all memory.
+template <int dim>
+void FluidParticipant<dim>::report_ranks(std::map<std::string, double>& monitor) const {
+  if (!simulation_.ranks().several()) return;
+  struct OfRank {
+    double busy, halo, waiting, own, ghosts, memory, sent, cpu;
+  };
+  const Communicator& ranks = *simulation_.ranks().communicator();
+  const Communicator::Account& account = ranks.account();
+  const auto own = std::ranges::count(simulation_.ranks().subdomain()->division().owner, ranks.rank());
+  const std::int64_t local = simulation_.ranks().subdomain()->local_water();
+  OfRank of{0,
+            account.seconds_apart,
+            account.seconds_together,
+            static_cast<double>(own),
+            static_cast<double>(local - own),
+            peak_memory(),
+            static_cast<double>(account.bytes),
+            processor_time(CLOCK_PROCESS_CPUTIME_ID) - account.cpu};
+  for (const auto& [stage, seconds] : simulation_.seconds())
+    if (stage != "halo" && stage != "waiting") of.busy += seconds;
+  int rank = 0;
+  double memory = 0;
+  for (const OfRank& each : simulation_.ranks().communicator()->all(of)) {
+    const std::string prefix = fmt::format("ranks.{}.", rank++);
+    monitor[prefix + "busy"] = each.busy;
+    monitor[prefix + "halo"] = each.halo;
+    monitor[prefix + "waiting"] = each.waiting;
+    monitor[prefix + "particles"] = each.own;
+    monitor[prefix + "ghosts"] = each.ghosts;
+    monitor[prefix + "memory"] = each.memory;
+    monitor[prefix + "sent"] = each.sent;
+    monitor[prefix + "cpu"] = each.cpu;
+    memory += each.memory;
+  }
+  monitor["memory.peak"] = memory;
+}
+
 /// Returns 2ρVa², in space 2ρVa³. Where nothing enters it is the largest impulse so far, or the mass of the
 /// water times the largest speed that the case gives it, where that is more.
 template <int dim>
@@ -266,6 +305,7 @@ void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monito
   template void FluidParticipant<dim>::report_water(std::map<std::string, double>&) const;        \
   template void FluidParticipant<dim>::report_accounts(std::map<std::string, double>&) const;     \
   template double FluidParticipant<dim>::momentum_gap() const;                                    \
+  template void FluidParticipant<dim>::report_ranks(std::map<std::string, double>&) const;        \
   template GuardScales FluidParticipant<dim>::guard_scales() const;                               \
   template void FluidParticipant<dim>::watch_step(double, double, double, WindowExtremes&) const; \
   template void FluidParticipant<dim>::watch_window(const Window&, const WindowExtremes&);        \

@@ -26,7 +26,7 @@ std::map<std::string, double> WindowReport::monitor() const {
     for (const auto& [name, value] : *side) {
       const auto begins = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
       if (!begins("seconds.") && !begins("count.") && !begins("check.") && !begins("memory.") &&
-          !begins("alarm."))
+          !begins("alarm.") && !begins("ranks."))
         merged.emplace(name, value);
     }
   return merged;

@@ -48,7 +48,7 @@ struct WindowReport {
   std::vector<Field> from_attachments;             // the sum of their forces; none without any
   std::map<std::string, double> fluid, structure;  // Advanced::monitor of each
   std::map<std::string, double> attachments;       // of all of them, each name behind the attachment's
-  /// All monitors in one, without the reserved prefixes (seconds., count., check., memory., alarm.).
+  /// All monitors in one, without the reserved prefixes (seconds., count., check., memory., alarm., ranks.).
   std::map<std::string, double> monitor() const;
   std::vector<IterationReport> log;
   Eigen::Vector3d total_force() const;  // [N] Σ force, as the last iteration has it; 0 without one

@@ -1,5 +1,5 @@
-#include "coupler/summary/summary.hpp"
 
+#include "coupler/coupling/rank_shares.hpp"
 #include "coupler/summary/check_grades.hpp"
 #include "coupler/summary/failure_notes.hpp"
 #include "coupler/summary/history_metrics.hpp"
@@ -38,6 +38,21 @@ Json stages(const std::map<std::string, double>& monitor) {
   for (const auto& [key, value] : monitor)
     if (key.starts_with(prefix)) seconds[key.substr(prefix.size())] = finite(value);
   return seconds;
+}
+
+/// What each rank of a solver has done; empty where it has one.
+Json ranks(const std::map<std::string, double>& monitor) {
+  Json list = Json::array();
+  for (const RankShare& share : rank_shares(monitor))
+    list.push_back({{"busy", finite(share.busy)},
+                    {"halo", finite(share.halo)},
+                    {"waiting", finite(share.waiting)},
+                    {"particles", std::llround(share.particles)},
+                    {"ghosts", std::llround(share.ghosts)},
+                    {"cpu", finite(share.cpu)},
+                    {"memory_bytes", std::llround(share.memory)},
+                    {"sent_bytes", std::llround(share.sent)}});
+  return list;
 }
 
 Json bytes(double value) {
@@ -156,6 +171,7 @@ Json Summary::json() const {
                      {"fluid", stages(fluid_)},
                      {"structure", stages(structure_)},
                      {"coupler", coupler}};
+  json["ranks"] = {{"fluid", ranks(fluid_)}, {"structure", ranks(structure_)}};
   json["peak_memory_bytes"] = {{"fluid", bytes(at_or(fluid_, "memory.peak"))},
                                {"structure", bytes(at_or(structure_, "memory.peak"))},
                                {"coupler", bytes(coupler_memory)}};

@@ -64,9 +64,11 @@ void Profile::end_window(const WindowReport& report, std::int64_t begin, std::in
   ++windows_;
   iterations_ += report.iterations;
   const std::string prefix = "seconds.";
-  for (const auto& [name, monitor] : {std::pair{"fluid", &report.fluid}, {"structure", &report.structure}})
+  for (const auto& [name, monitor] : {std::pair{"fluid", &report.fluid}, {"structure", &report.structure}}) {
+    if (auto shares = rank_shares(*monitor); !shares.empty()) ranks_[name] = std::move(shares);
     for (const auto& [key, value] : *monitor)
       if (key.starts_with(prefix)) stages_[name][key.substr(prefix.size())] = value;
+  }
 }
 
 std::vector<std::string> Profile::lines() const {
@@ -83,6 +85,8 @@ std::vector<std::string> Profile::lines() const {
     if (stages == stages_.end()) continue;
     for (const auto& [stage, seconds] : by_size(stages->second))
       lines.push_back(fmt::format("    {:<20}{:>9.3f} s", stage, seconds));
+    if (const auto ranks = ranks_.find(name); ranks != ranks_.end())
+      for (std::string& row : rank_lines(ranks->second)) lines.push_back(std::move(row));
   }
   if (seconds_.together > 0)
     lines.push_back(line("together", seconds_.together, "both computing, counted in each"));

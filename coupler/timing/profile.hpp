@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/coupling/rank_shares.hpp"
 #include "coupler/coupling/window_loop.hpp"
 #include "coupler/processes/exchange_times.hpp"
 #include "proto/files/json_file.hpp"
@@ -50,6 +51,7 @@ class Profile {
   Seconds seconds_;
   long windows_ = 0, iterations_ = 0;
   std::map<std::string, std::map<std::string, double>> stages_;  // participant → stage → [s] so far
+  std::map<std::string, std::vector<RankShare>> ranks_;          // of a participant on several
 };
 
 }  // namespace strake

@@ -91,7 +91,7 @@ void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
 
 template <int dim>
 void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
-  const StageClock clock(step.seconds, "density");
+  const StageClock clock(step.seconds, "density", step.ranks.communicator());
   air_ = &step.air;
   measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
   ranks_.update(step.state.surface);
@@ -100,7 +100,7 @@ void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
 
 template <int dim>
 void LeastSquaresScheme<dim>::predict(StepData<dim>& step) {
-  const StageClock clock(step.seconds, "predictor");
+  const StageClock clock(step.seconds, "predictor", step.ranks.communicator());
   step.accelerate();
 }
 

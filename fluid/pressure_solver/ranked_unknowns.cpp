@@ -5,6 +5,45 @@
 
 namespace strake::fluid {
 
+namespace {
+
+/// Numbers the slabs of buckets along an axis that hold one of the listed particles. Empty slabs are left
+/// out, but for one.
+struct Slabs {
+  std::int32_t first = 0;               // bucket of the first slab
+  std::vector<std::int32_t> number{0};  // of each bucket from there
+  std::int32_t count() const { return number.back() + 1; }
+  std::int32_t operator[](std::int32_t bucket) const {
+    return number[static_cast<std::size_t>(bucket - first)];
+  }
+};
+
+Slabs slabs_of(const std::vector<Bucket>& bucket, std::span<const std::int32_t> placed, std::size_t axis) {
+  if (placed.empty()) return {};
+  const auto at = [&](std::int32_t i) { return bucket[static_cast<std::size_t>(i)][axis]; };
+  std::int32_t low = at(placed.front()), high = low;
+  for (const std::int32_t i : placed) {
+    low = std::min(low, at(i));
+    high = std::max(high, at(i));
+  }
+  Slabs slabs{low, std::vector<std::int32_t>(static_cast<std::size_t>(high - low) + 1, -1)};
+  for (const std::int32_t i : placed) slabs.number[static_cast<std::size_t>(at(i) - low)] = 0;
+  std::int32_t next = 0;
+  bool gap = false;
+  for (std::int32_t& number : slabs.number) {
+    if (number < 0) {
+      gap = true;
+      continue;
+    }
+    if (gap) ++next;
+    gap = false;
+    number = next++;
+  }
+  return slabs;
+}
+
+}  // namespace
+
 template <int dim>
 void RankedUnknowns<dim>::take(const PressureSystem& local, const Subdomain<dim>& subdomain,
                                const Vectors<dim>& position, PressureSystem& own, PressureSystem& grid) {
@@ -58,17 +97,8 @@ void RankedUnknowns<dim>::find_cells(const Subdomain<dim>& subdomain, const Vect
   const Buckets<dim>& buckets = subdomain.buckets();
   double product = 1;
   for (std::size_t d = 0; d < dim; ++d) {
-    std::vector<std::int32_t> slabs;
-    for (const std::int32_t i : placed)
-      if (const std::int32_t slab = bucket[static_cast<std::size_t>(i)][d];
-          slabs.empty() || slabs.back() != slab)
-        slabs.push_back(slab);
-    std::ranges::sort(slabs);
-    slabs.erase(std::unique(slabs.begin(), slabs.end()), slabs.end());
-    std::vector<std::int32_t> cell(slabs.size(), 0);
-    for (std::size_t s = 1; s < slabs.size(); ++s)
-      cell[s] = cell[s - 1] + (slabs[s] - slabs[s - 1] == 1 ? 1 : 2);
-    cells[d] = cell.empty() ? 1 : cell.back() + 1;
+    const Slabs slabs = slabs_of(bucket, placed, d);
+    cells[d] = slabs.count();
     product *= cells[d] + 2;
     // Single precision must not lift a place near the upper face into the next cell.
     const double most = 1 - std::max(1e-3, 2.5e-7 * cells[d]);
@@ -77,9 +107,8 @@ void RankedUnknowns<dim>::find_cells(const Subdomain<dim>& subdomain, const Vect
 #pragma omp parallel for schedule(static)
     for (const std::int32_t i : placed) {
       const Bucket& own = bucket[static_cast<std::size_t>(i)];
-      const auto s = static_cast<std::size_t>(std::ranges::lower_bound(slabs, own[d]) - slabs.begin());
       const double within = (position(axis, i) - buckets.corner_of(own)[axis]) / buckets.size()[axis];
-      at[d][static_cast<std::size_t>(i)] = static_cast<float>(cell[s] + std::clamp(within, 0.0, most));
+      at[d][static_cast<std::size_t>(i)] = static_cast<float>(slabs[own[d]] + std::clamp(within, 0.0, most));
     }
   }
   const double most_cells = 64 * static_cast<double>(placed.size()) + 1e6;

@@ -55,13 +55,16 @@ class BoomerAmg final : public SharedGrid {
     HYPRE_BoomerAMGSetPrintLevel(amg_, 0);
     HYPRE_BoomerAMGSetTol(amg_, 0);
     HYPRE_BoomerAMGSetMaxIter(amg_, 1);
-    // Of eight coarsenings and interpolations, these are set up fastest of those that take no more iterations.
-    constexpr int pmis = 8, extended = 17, symmetric_gauss_seidel = 6;
-    HYPRE_BoomerAMGSetCoarsenType(amg_, pmis);
+    // Of twenty settings this takes the least time of those without more iterations, in two and in three
+    // dimensions. Sweeps forward on the way down and backward on the way up make the cycle symmetric.
+    constexpr int hmis = 10, extended = 17, forward = 3, backward = 4, elimination = 9;
+    HYPRE_BoomerAMGSetCoarsenType(amg_, hmis);
     HYPRE_BoomerAMGSetInterpType(amg_, extended);
     HYPRE_BoomerAMGSetPMaxElmts(amg_, 4);
-    HYPRE_BoomerAMGSetStrongThreshold(amg_, 0.5);
-    HYPRE_BoomerAMGSetRelaxType(amg_, symmetric_gauss_seidel);
+    HYPRE_BoomerAMGSetStrongThreshold(amg_, 0.25);
+    HYPRE_BoomerAMGSetCycleRelaxType(amg_, forward, 1);
+    HYPRE_BoomerAMGSetCycleRelaxType(amg_, backward, 2);
+    HYPRE_BoomerAMGSetCycleRelaxType(amg_, elimination, 3);
     HYPRE_BoomerAMGSetRelaxOrder(amg_, 0);
     HYPRE_BoomerAMGSetMaxRowSum(amg_, 1.0);
     refuse_fault(HYPRE_BoomerAMGSetup(amg_, stored<HYPRE_ParCSRMatrix>(matrix_),

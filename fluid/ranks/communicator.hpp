@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <functional>
 #include <memory>
 #include <span>
@@ -41,6 +42,13 @@ std::vector<T> values_of(const Bytes& bytes) {
   return values;
 }
 
+/// Seconds of the processor that this thread or this process has taken.
+inline double processor_time(clockid_t of) {
+  timespec time{};
+  clock_gettime(of, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 /// The ranks that compute one fluid together: processes, or threads in tests. All of them call the same
 /// functions in the same order. Each call waits for the others.
 class Communicator {
@@ -49,6 +57,7 @@ class Communicator {
   struct Account {
     double seconds_together = 0;  // in calls in which all ranks take part
     double seconds_apart = 0;     // in messages between two
+    double cpu = 0;               // time of the processor in both
     std::int64_t bytes = 0, messages = 0;
   };
 
@@ -56,7 +65,9 @@ class Communicator {
   template <class Do>
   auto timed(double& seconds, std::size_t bytes, Do&& todo) {
     const auto start = std::chrono::steady_clock::now();
+    const double cpu = processor_time(CLOCK_THREAD_CPUTIME_ID);
     auto result = todo();
+    account_.cpu += processor_time(CLOCK_THREAD_CPUTIME_ID) - cpu;
     seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     account_.bytes += static_cast<std::int64_t>(bytes);
     return result;

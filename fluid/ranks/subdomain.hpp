@@ -126,6 +126,7 @@ class RankExchange {
   explicit RankExchange(const Subdomain<dim>* own) : own_(own) {}
   const Subdomain<dim>* subdomain() const { return own_; }
   bool several() const { return own_ != nullptr; }
+  Communicator* communicator() const { return own_ ? &own_->communicator() : nullptr; }  // nullptr: one rank
   /// Whether particle i belongs to this rank.
   bool owns(std::int64_t i) const { return own_ == nullptr || own_->owns(i); }
   /// Gives the ghosts of this rank the values of their owners.

@@ -85,11 +85,12 @@ void Simulation<dim>::Work::begin(double dt, double rest, double stable, const I
 template <int dim>
 void Simulation<dim>::Work::measure() {
   {
-    const StageClock clock(step.seconds, step.subdomain ? "division" : "neighbours");
+    const StageClock clock(step.seconds, step.subdomain ? "division" : "neighbours",
+                           step.ranks.communicator());
     sort_along_cells();
   }
   {
-    const StageClock clock(step.seconds, "neighbours");
+    const StageClock clock(step.seconds, "neighbours", step.ranks.communicator());
     step.search_neighbours();
   }
   if (air) air->give_over(step);
@@ -120,7 +121,7 @@ void Simulation<dim>::Work::sort_along_cells() {
 /// Computes ν∇²u + ∇·τ.
 template <int dim>
 void Simulation<dim>::Work::find_stresses() {
-  const StageClock clock(step.seconds, "predictor");
+  const StageClock clock(step.seconds, "predictor", step.ranks.communicator());
   State<dim>& state = step.state;
   const Boundary<dim>& boundary = step.boundary;
   const std::int64_t water = boundary.water();
@@ -170,7 +171,7 @@ typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_alone() {
 
 template <int dim>
 void Simulation<dim>::Work::solve_pressure() {
-  const StageClock clock(step.seconds, "pressure");
+  const StageClock clock(step.seconds, "pressure", step.ranks.communicator());
   const Scheme& keys = step.p.scheme;
   State<dim>& state = step.state;
   scheme->assemble(step, system);
@@ -196,20 +197,20 @@ void Simulation<dim>::Work::solve_pressure() {
 template <int dim>
 void Simulation<dim>::Work::correct() {
   {
-    const StageClock clock(step.seconds, "corrector");
+    const StageClock clock(step.seconds, "corrector", step.ranks.communicator());
     scheme->find_gradient(step);
   }
   {
-    const StageClock clock(step.seconds, "load");
+    const StageClock clock(step.seconds, "load", step.ranks.communicator());
     take_load(scheme->load(step));
   }
-  const StageClock clock(step.seconds, "corrector");
+  const StageClock clock(step.seconds, "corrector", step.ranks.communicator());
   report.divergence_max = scheme->correct(step);
 }
 
 template <int dim>
 void Simulation<dim>::Work::shift() {
-  const StageClock clock(step.seconds, "shift");
+  const StageClock clock(step.seconds, "shift", step.ranks.communicator());
   step.check_finite();
   collisions = {};
   if (!step.substepping.is_over()) return;

@@ -1,0 +1,104 @@
+"""Time of a step on ranks and on threads, weak and strong, and what the ranks say of themselves.
+
+usage: rank_scaling.py BUILD [--turns N] [--steps N] [--small]
+Still water in a box that fills whole cells of both grids, in the plane and in space. In turns on one machine, least of all turns:
+  half   1 rank, 1 thread, half of the box        ranks  2 ranks, 1 thread each, the whole box
+  one    1 rank, 1 thread, the whole box          threads  1 rank, 2 threads, the whole box
+Weak efficiency is half / ranks; the ranks against threads is ranks / threads. Wanted: weak 0.85 (pressure) and 0.80 (step),
+ranks / threads <= 1.11, CPU time of 4 ranks on 2 processors outside messages <= 1.15 of one."""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+parser = argparse.ArgumentParser()
+parser.add_argument("build", type=pathlib.Path)
+parser.add_argument("--turns", type=int, default=2)
+parser.add_argument("--steps", type=int, default=20)
+parser.add_argument("--small", action="store_true", help="an eighth of the particles, to try the script")
+options = parser.parse_args()
+STRAKE = options.build.resolve() / "bin" / "strake"
+SPACING = 0.01
+CASE = """title = "still water on ranks"
+preset = "improved"
+end_time = {end}
+[fluid]
+dimension = {dimension}
+spacing = {spacing}
+density = 1000.0
+gravity = [0.0, -9.81, 0.0]
+tank = [[0.0, 0.0, 0.0], [{x}, {top}, {z}]]
+water = [[0.0, 0.0, 0.0], [{x}, {y}, {z}]]
+[fluid.scheme]
+time_step = {step}
+[structure]
+solver = "none"
+[coupling.surface]
+window = {end}
+[output]
+every = {end}
+"""
+# Particles along x, y and z of the half box; the whole one is twice as long, plus what fills its last cell.
+BOXES = {"2-D": ((503, 1002), 497, 1), "3-D": ((59, 118), 46, 46)}
+STEP = 1.5e-3
+
+
+def run(folder, name, dimension, x, y, z, ranks, threads):
+    case = folder / f"{name}.toml"
+    case.write_text(CASE.format(end=options.steps * STEP, dimension=dimension, spacing=SPACING, step=STEP, x=x * SPACING, y=y * SPACING,
+                                top=(y + y // 5) * SPACING, z=z * SPACING if dimension == 3 else 0.0))
+    allow = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    command = [STRAKE, "run", case, "--runs", folder / "runs", "--force", "--quiet", "--no-trace",
+               "--set", f"fluid.ranks={ranks}", "--set", f"run.threads={threads}"]
+    if ranks > 2:
+        command += ["--set", 'fluid.launcher="mpirun --oversubscribe --mca mpi_yield_when_idle 1 -n {ranks}"']
+    done = subprocess.run(command, env=dict(os.environ, **allow), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode != 0:
+        sys.exit(done.stdout)
+    summary = json.loads((folder / "runs" / name / "summary.json").read_text())
+    stages = summary["seconds"]["fluid"]
+    rows = [line.split(",") for line in (folder / "runs" / name / "history.csv").read_text().splitlines() if line and not line.startswith("#")]
+    iterations = dict(zip([cell.split(" ")[0] for cell in rows[0]], rows[-1]))["pressure_iterations"]
+    return {"step": sum(stages.values()) / options.steps, "stages": stages, "ranks": summary["ranks"]["fluid"], "iterations": int(float(iterations))}
+
+
+def least(results):
+    best = min(results, key=lambda result: result["step"])
+    best["stages"] = {stage: min(result["stages"][stage] for result in results) / options.steps for stage in best["stages"]}
+    return best
+
+
+with tempfile.TemporaryDirectory(prefix="strake-ranks-") as name:
+    folder = pathlib.Path(name)
+    for space, ((half, whole), y, z) in BOXES.items():
+        if options.small:
+            scale = 2 if space == "3-D" else 3
+            half, whole, y, z = half // scale, whole // scale, y // scale, max(1, z // scale)
+        dimension = 2 if z == 1 else 3
+        kinds = {"half": (half, 1, 1), "ranks": (whole, 2, 1), "one": (whole, 1, 1), "threads": (whole, 1, 2), "four": (whole, 4, 1)}
+        found = {kind: [] for kind in kinds}
+        for turn in range(options.turns):
+            for kind, (x, ranks, threads) in kinds.items():
+                found[kind].append(run(folder, kind, dimension, x, y, z, ranks, threads))
+        best = {kind: least(results) for kind, results in found.items()}
+        print(f"{space}: {half * y * z} and {whole * y * z} particles; ms a step, least of {options.turns} turns of {options.steps} steps")
+        order = sorted(best["one"]["stages"], key=lambda stage: -best["one"]["stages"][stage])
+        stages = order + [stage for stage in best["ranks"]["stages"] if stage not in order]
+        for stage in stages:
+            print(f"  {stage:12}" + "".join(f"{kind:>9} {1e3 * best[kind]['stages'].get(stage, 0):8.1f}" for kind in kinds))
+        print(f"  {'step':12}" + "".join(f"{kind:>9} {1e3 * best[kind]['step']:8.1f}" for kind in kinds))
+        print(f"  {'iterations':12}" + "".join(f"{kind:>9} {best[kind]['iterations']:8d}" for kind in kinds))
+        # The wait for all ranks is of the pressure, but for a few decisions of a step.
+        together = {stage: best["ranks"]["stages"][stage] for stage in ("halo", "waiting")}
+        pressure = best["ranks"]["stages"]["pressure"] + sum(together.values())
+        print(f"  weak: pressure with all messages {best['half']['stages']['pressure'] / pressure:.2f}, step {best['half']['step'] / best['ranks']['step']:.2f}; "
+              f"threads alone {best['half']['step'] / best['threads']['step']:.2f}")
+        print(f"  2 ranks / 2 threads {best['ranks']['step'] / best['threads']['step']:.2f}; 2 threads against 1: {best['one']['step'] / best['threads']['step']:.2f}")
+        busy = [rank["busy"] for rank in best["four"]["ranks"]]
+        print(f"  4 ranks: computing {sum(busy) / options.steps / best['one']['step']:.2f} of one rank's; imbalance {max(busy) * len(busy) / sum(busy):.2f}")
+        for rank in best["four"]["ranks"]:
+            print(f"    particles {rank['particles']}, ghosts {100 * rank['ghosts'] / rank['particles']:.1f} %, memory {rank['memory_bytes'] / 2**20:.0f} MiB, "
+                  f"sent {rank['sent_bytes'] / options.steps / max(1, rank['ghosts']):.0f} B a ghost and step")
