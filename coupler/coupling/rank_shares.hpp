@@ -12,6 +12,7 @@ struct RankShare {
          waiting = 0;                // [s] computing; in messages to other ranks; waiting for all of them
   double particles = 0, ghosts = 0;  // own ones, and copies of others' (unknowns of a structure)
   double memory = 0, sent = 0;       // [bytes] most so far; in messages
+  double cpu = 0;                          // [s] of processors outside messages, of all threads
 };
 
 /// Returns the shares of all ranks in their order; none where a solver has one rank.

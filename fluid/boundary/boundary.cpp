@@ -187,11 +187,14 @@ Vector<dim> Boundary<dim>::face_area(std::int64_t row) const {
 }
 
 template <int dim>
-std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state) {
+std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state,
+                                                  std::span<const std::uint8_t> absent_layers) {
   const auto n = static_cast<std::size_t>(state.position.cols());
   tag_.assign(n, plain);
   for (std::size_t i = static_cast<std::size_t>(water_); i < n; ++i)
     if (is_filler(state.kind[i])) tag_[i] = filler;
+  for (std::size_t k = 0; k < absent_layers.size(); ++k)
+    if (absent_layers[k]) tag_[static_cast<std::size_t>(water_) + k] |= absent;
   if (body_surface_.empty()) return tag_;
   // A pair that crosses the surface has one end near the surface. In the plane that end lies within half the
   // pair's length of the bounding box, in space within that distance of the surface itself.

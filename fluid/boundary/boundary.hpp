@@ -89,8 +89,9 @@ class Boundary {
   /// Adopts the places that `state` was saved with.
   void adopt(const State<dim>& state);
 
-  /// Returns the tags of the particles for the neighbour search.
-  std::span<const std::uint8_t> tags(const State<dim>&);
+  /// Returns the tags of the particles for the neighbour search. absent_layers: mask, those that have no
+  /// pairs on this rank; empty: none.
+  std::span<const std::uint8_t> tags(const State<dim>&, std::span<const std::uint8_t> absent_layers = {});
   /// Whether a pair counts. around: one of water that a corner comes between counts while the way around the
   /// corner is within reach.
   bool keep(const State<dim>&, std::int32_t i, std::int32_t j, bool around = false) const;

@@ -41,7 +41,6 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
   full_ = boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
           static_cast<double>(water) * std::pow(p.spacing, dim) >
               (1 - least_squares_constants().gap) * boundary.tank().shape().volume();
-  resize(water);
   wall_.mean_velocity.setZero(dim, state.position.cols() - water);
   wall_.cover.setZero(state.position.cols() - water);
 }
@@ -80,6 +79,7 @@ bool LeastSquaresScheme<dim>::may_substep(const StepData<dim>& step, double dt) 
 template <int dim>
 void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
   start_ = {};
+  resize(step.boundary.water());
   if (!water_starts_packed(step.p, step.boundary)) return;
   step.search_neighbours();
   const std::vector<std::uint8_t> flags = step.state.surface;  // `measure` makes faces wet, and the surface

@@ -26,6 +26,9 @@ constexpr double screening = 1e-5;
 /// 32 · 2⁻²⁴ = 2e-6, and a distance has up to two such errors.
 constexpr double farthest = 32;
 
+/// Cell of a particle that is absent.
+constexpr std::int32_t nowhere_at_all = -1;
+
 /// A coordinate far from all particles, for unused lanes of the screen.
 constexpr float nowhere = 1e18F;
 
@@ -118,7 +121,7 @@ bool fill_screen(const Vectors<dim>& position, std::span<const std::uint8_t> tag
       screen.all[static_cast<size_t>(d)][k] = static_cast<float>(x);
     }
     if (cell_of[static_cast<size_t>(j)] == cell) screen.member.push_back(static_cast<std::int32_t>(k));
-    fillers = fillers || (!tag.empty() && (tag[static_cast<size_t>(j)] & 1));
+    fillers = fillers || (!tag.empty() && (tag[static_cast<size_t>(j)] & filler));
   }
   for (auto& x : screen.all)
     std::fill(x.begin() + static_cast<std::ptrdiff_t>(list.size()),
@@ -126,7 +129,7 @@ bool fill_screen(const Vectors<dim>& position, std::span<const std::uint8_t> tag
   if (fillers) {
     screen.without_fillers = screen.all;
     for (size_t k = 0; k < list.size(); ++k)
-      if (tag[static_cast<size_t>(list[k])] & 1) screen.without_fillers[0][k] = nowhere;
+      if (tag[static_cast<size_t>(list[k])] & filler) screen.without_fillers[0][k] = nowhere;
   }
   return fillers;
 }
@@ -159,7 +162,8 @@ void check_count(std::int64_t particles) {
 /// Finds each particle's cell and the length of each cell's list. Then next_ is where a cell's list begins,
 /// and members_ the cell's number among those that are occupied.
 template <int dim>
-void CellList<dim>::count_members(const Vectors<dim>& position, Candidates& out) {
+void CellList<dim>::count_members(const Vectors<dim>& position, std::span<const std::uint8_t> tag,
+                                  Candidates& out) {
   const auto n = static_cast<std::int64_t>(position.cols());
   const std::int64_t cells = grid_.cells();
   std::vector<std::int32_t>& cell = out.cell;
@@ -172,7 +176,9 @@ void CellList<dim>::count_members(const Vectors<dim>& position, Candidates& out)
     const std::int64_t team = omp_get_num_threads(), me = omp_get_thread_num();
     const std::int64_t first = n * me / team, last = n * (me + 1) / team;
     for (std::int64_t i = first; i < last; ++i)
-      cell[static_cast<size_t>(i)] = grid_.cell_at(position.data() + dim * i);
+      cell[static_cast<size_t>(i)] = !tag.empty() && (tag[static_cast<size_t>(i)] & absent)
+                                         ? nowhere_at_all
+                                         : grid_.cell_at(position.data() + dim * i);
     for_each_run(cell, first, last, [&](Run run) {
       std::int32_t& members = members_[static_cast<size_t>(cell[static_cast<size_t>(run.first)])];
 #pragma omp atomic
@@ -215,6 +221,7 @@ void CellList<dim>::for_each_run(std::span<const std::int32_t> cell, std::int64_
   for (std::int64_t i = first, end = i; i < last; i = end) {
     const std::int32_t c = cell[static_cast<size_t>(i)];
     for (++end; end < last && cell[static_cast<size_t>(end)] == c;) ++end;
+    if (c == nowhere_at_all) continue;
     visit(Run{static_cast<std::int32_t>(i), static_cast<std::int32_t>(end)});
   }
 }
@@ -284,8 +291,9 @@ void CellList<dim>::fill_lists(Candidates& out) {
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
     std::int32_t& c = out.cell[static_cast<size_t>(i)];
-    c = members_[static_cast<size_t>(c)];
+    c = c == nowhere_at_all ? static_cast<std::int32_t>(occupied_.size()) : members_[static_cast<size_t>(c)];
   }
+  out.list_start.push_back(out.list_start.back());
   make_room(out.bits, static_cast<size_t>(place_bits(out)));
 }
 
@@ -295,7 +303,7 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
   const double reach = (radius + skin) * (1 + screening);
   check_count(position.cols());
   grid_.lay(position, reach, periodic);
-  count_members(position, out);
+  count_members(position, tag, out);
   fill_lists(out);
   const double low = skin + screening * radius, inside = std::max(0.0, radius - skin - screening * radius);
   Limits limits{static_cast<float>(reach * reach), static_cast<float>(low * low),
@@ -326,7 +334,7 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
         const std::int32_t i = list[k];
         bool far = false;
         for (size_t d = 0; d < dim; ++d) far = far || std::abs(screen.all[d][k]) > inside_grid[d];
-        const bool filler = fillers && (tag[static_cast<size_t>(i)] & 1);
+        const bool filler = fillers && (tag[static_cast<size_t>(i)] & filler);
         std::uint32_t* const bits = out.bits.data() + out.first_bits(i);
         if (far)
           take_all(k, length, bits);

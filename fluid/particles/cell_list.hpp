@@ -28,7 +28,7 @@ void make_room(std::vector<T>& values, std::size_t n) {
 /// moves by more than the skin allows.
 struct Candidates {
   std::vector<std::int32_t> lists;       // of the occupied cells, one behind the other
-  std::vector<std::int64_t> list_start;  // of each, and the end
+  std::vector<std::int64_t> list_start;  // of each, of an empty list, and the end
   std::vector<std::int32_t> cell;        // occupied cell of each particle
   std::vector<std::uint32_t> bits;       // sixteen partners each: low half near, high half border as well
   std::vector<std::int64_t> bits_start;  // of each particle; in 3-D 32 bits would end at 70 million particles
@@ -47,6 +47,14 @@ struct Candidates {
   }
 };
 
+/// Properties of a particle for the search; one byte each, bits may be joined.
+enum PairTag : std::uint8_t {
+  plain = 0,
+  filler = 1,  // dummy: pairs of two fillers are dropped
+  asked = 2,   // pairs with at least one such particle are kept only if `keep` is true
+  absent = 4,  // it has no pairs: its water is another rank's
+};
+
 /// Finds where the bits of each particle begin, from the lengths of the lists. Returns the number of words.
 std::int64_t place_bits(Candidates&);
 
@@ -59,7 +67,8 @@ void check_count(std::int64_t particles);
 template <int dim>
 class CellList {
  public:
-  /// Finds every pair nearer than radius + skin, except pairs of two fillers (tag & 1). tag may be empty.
+  /// Finds every pair nearer than radius + skin, except pairs of two fillers and those of absent particles
+  /// (PairTag). tag may be empty.
   void find(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double radius, double skin,
             const Periodic<dim>&, Candidates&);
 
@@ -68,7 +77,7 @@ class CellList {
   }
 
  private:
-  void count_members(const Vectors<dim>& position, Candidates&);
+  void count_members(const Vectors<dim>& position, std::span<const std::uint8_t> tag, Candidates&);
   void fill_lists(Candidates&);
   /// Particles first ≤ i < last of one cell.
   struct Run {

@@ -33,6 +33,9 @@ constexpr std::int64_t block = 64;
 /// Particles that one thread goes through faster than two where each takes a few operations.
 constexpr size_t few = 4096;
 
+/// Bits of a tag on which the candidates depend.
+constexpr std::uint8_t of_candidates = filler | absent;
+
 /// Mask of the candidates' bits that mark near partners.
 constexpr std::uint32_t near_bits = 0xffff;
 
@@ -101,7 +104,7 @@ void NeighbourSearch<dim>::invalidate() {
 template <int dim>
 size_t NeighbourSearch<dim>::bytes() const {
   size_t sum = cells_.bytes() + candidates_.bytes() + exact_.bytes() + bytes_of(kept_) +
-               bytes_of(meets_asked_) + bytes_of(built_filler_) +
+               bytes_of(meets_asked_) + bytes_of(built_tag_) +
                static_cast<size_t>(built_at_.size()) * sizeof(double);
   for (const Part& part : parts_) sum += part.rows.bytes();
   return sum;
@@ -139,8 +142,9 @@ void NeighbourSearch<dim>::rebuild(const Vectors<dim>& position, std::span<const
   cells_.find(position, tag, radius_, built_skin_, periodic_, candidates_);
   make_room(kept_, candidates_.bits.size());
   built_at_ = position;
-  built_filler_.resize(tag.size());
-  std::transform(tag.begin(), tag.end(), built_filler_.begin(), [](std::uint8_t t) { return t & filler; });
+  built_tag_.resize(tag.size());
+  std::transform(tag.begin(), tag.end(), built_tag_.begin(),
+                 [](std::uint8_t t) { return t & of_candidates; });
   valid_ = true;
   updates_ = 0;
   ++rebuilds_;
@@ -260,11 +264,11 @@ const Neighbours& NeighbourSearch<dim>::update(const Vectors<dim>& position,
   const auto n = position.cols();
   assert(tag.empty() || tag.size() == static_cast<size_t>(n));
   for (auto& part : parts_) part.fresh = false;
-  if (built_at_.cols() != n || built_filler_.size() != tag.size()) invalidate();
+  if (built_at_.cols() != n || built_tag_.size() != tag.size()) invalidate();
   unsigned changed = 0;
   const size_t compared = valid_ ? tag.size() : 0;
 #pragma omp parallel for schedule(static) reduction(| : changed) if (compared > few)
-  for (size_t i = 0; i < compared; ++i) changed |= (tag[i] & filler) ^ built_filler_[i];
+  for (size_t i = 0; i < compared; ++i) changed |= (tag[i] & of_candidates) ^ built_tag_[i];
   if (changed) valid_ = false;
   // The candidates stay valid while no particle has moved by more than half the skin. Two particles within
   // the radius were then within radius + skin when the candidates were found.

@@ -92,12 +92,6 @@ class Neighbours {
   double scale_ = 1;
 };
 
-/// Properties of a particle for the search; one byte each, bits may be joined.
-enum PairTag : std::uint8_t {
-  plain = 0,
-  filler = 1,  // dummy: pairs of two fillers are dropped
-  asked = 2,   // pairs with at least one such particle are kept only if `keep` is true
-};
 /// Whether a pair counts; symmetric in i and j. It is called at each update, at the new positions, for pairs
 /// within the radius.
 using KeepPair = std::function<bool(std::int32_t i, std::int32_t j)>;
@@ -112,8 +106,8 @@ class NeighbourSearch {
   /// `within` have inverses, single ones where `update` has entries. Throws Error(case_file) when a period is
   /// shorter than 2 (radius + skin), where a particle would meet two images of another.
   NeighbourSearch(double radius, double skin, const Periodic<dim>& = {}, PairData data = PairData::inverses);
-  /// Computes the rows of the largest radius. tag: empty, or one byte per particle (PairTag). Where the
-  /// fillers change the candidates are found anew.
+  /// Computes the rows of the largest radius. tag: empty, or one byte per particle (PairTag). Where
+  /// fillers or absent ones change the candidates are found anew.
   const Neighbours& update(const Vectors<dim>& position, std::span<const std::uint8_t> tag = {},
                            const KeepPair& keep = {});
   /// Returns the pairs of the last update with |r_ij| < radius, at most the largest radius. They are made on
@@ -150,7 +144,7 @@ class NeighbourSearch {
   double built_skin_ = 0;                    // of the present candidates [m]
   std::int64_t rebuilds_ = 0, updates_ = 0;  // updates: since the last rebuild
   Vectors<dim> built_at_;
-  std::vector<std::uint8_t> built_filler_;
+  std::vector<std::uint8_t> built_tag_;
   CellList<dim> cells_;
   Candidates candidates_;
   std::vector<std::uint16_t> kept_;        // of the candidates' bits those that are in the exact rows

@@ -88,18 +88,30 @@ std::array<double, 3> Buckets<dim>::place(const Bucket& b) {
 }
 
 template <int dim>
-int Buckets<dim>::owner(const Bucket& bucket, std::span<const double> boxes, int first) {
+bool Buckets<dim>::owns(int rank, const Bucket& bucket, std::span<const double> boxes) {
   const std::array<double, 3> at = place(bucket);
-  const auto has = [&](std::size_t rank) {
-    const std::span<const double> box = boxes.subspan(6 * rank, 6);
-    bool inside = true;
-    for (std::size_t d = 0; d < 3; ++d) inside = inside && box[d] < at[d] && at[d] <= box[3 + d];
-    return inside;
-  };
-  if (has(static_cast<std::size_t>(first))) return first;
-  for (std::size_t rank = 0; 6 * rank < boxes.size(); ++rank)
-    if (has(rank)) return static_cast<int>(rank);
+  const std::span<const double> box = boxes.subspan(6 * static_cast<std::size_t>(rank), 6);
+  bool inside = true;
+  for (std::size_t d = 0; d < 3; ++d) inside = inside && box[d] < at[d] && at[d] <= box[3 + d];
+  return inside;
+}
+
+template <int dim>
+int Buckets<dim>::owner(const Bucket& bucket, std::span<const double> boxes, int first) {
+  if (owns(first, bucket, boxes)) return first;
+  for (int rank = 0; 6 * static_cast<std::size_t>(rank) < boxes.size(); ++rank)
+    if (owns(rank, bucket, boxes)) return rank;
   return 0;
+}
+
+template <int dim>
+bool Buckets<dim>::is_near(const Bucket& bucket, std::span<const double> boxes, int rank) const {
+  const std::int32_t deep = dim == 3 ? rings : 0;
+  for (std::int32_t z = -deep; z <= deep; ++z)
+    for (std::int32_t y = -rings; y <= rings; ++y)
+      for (std::int32_t x = -rings; x <= rings; ++x)
+        if (owns(rank, wrapped({bucket[0] + x, bucket[1] + y, bucket[2] + z}), boxes)) return true;
+  return false;
 }
 
 /// Buckets of one rank lie in a convex set: where the corners around are own, all between is.
@@ -114,7 +126,7 @@ void Buckets<dim>::find_wanting(const Bucket& bucket, std::span<const double> bo
   for (int corner = 0; corner < 8 && inside; ++corner) {
     const Bucket other =
         at(corner & 1 ? rings : -rings, corner & 2 ? rings : -rings, corner & 4 ? deep : -deep);
-    inside = wrapped(other) == other && owner(other, boxes, own) == own;
+    inside = wrapped(other) == other && owns(own, other, boxes);
   }
   if (inside) return;
   for (std::int32_t z = -deep; z <= deep; ++z)

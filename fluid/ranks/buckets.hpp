@@ -41,9 +41,13 @@ class Buckets {
   /// Place of a bucket for the partition. Buckets are seen from a slight angle, so that a bound may end
   /// within a slab of them.
   static std::array<double, 3> place(const Bucket&);
+  /// Whether the bucket is in the box of that rank.
+  static bool owns(int rank, const Bucket&, std::span<const double> boxes);
   /// Returns the rank whose box has the bucket. boxes: six numbers per rank, see Partition. first: the rank
   /// to look at first.
   static int owner(const Bucket&, std::span<const double> boxes, int first);
+  /// Whether a bucket, or one in the two rings around it, belongs to that rank.
+  bool is_near(const Bucket&, std::span<const double> boxes, int rank) const;
   /// Finds the other ranks that want a bucket of rank `own`.
   void find_wanting(const Bucket&, std::span<const double> boxes, int own, std::vector<Wanting>&) const;
 

@@ -245,7 +245,7 @@ void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
 }
 
 template <int dim>
-void Subdomain<dim>::find_layer_owners(const State<dim>& state, Division& next) const {
+void Subdomain<dim>::find_layer_owners(const State<dim>& state, Division& next) {
   const std::int64_t first = state.position.cols() - layers_;
   if (std::ssize(next.layer_bucket) != layers_) {
     next.layer_bucket.clear();
@@ -255,6 +255,9 @@ void Subdomain<dim>::find_layer_owners(const State<dim>& state, Division& next) 
   for (const Bucket& bucket : next.layer_bucket) {
     next.layer_owner.push_back(owner_of(bucket));
     next.owned.push_back(next.layer_owner.back() == communicator_->rank() ? 1 : 0);
+    const auto [found, is_new] = is_near_.try_emplace(key_of(bucket), true);
+    if (is_new) found->second = buckets_.is_near(bucket, boxes_, communicator_->rank());
+    next.layer_absent.push_back(found->second ? 0 : 1);
   }
 }
 
@@ -266,6 +269,7 @@ void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
   if (!std::ranges::equal(boxes_, state.rank_boxes)) {
     boxes_.assign(state.rank_boxes.begin(), state.rank_boxes.end());
     wanted_by_.clear();
+    is_near_.clear();
   }
   Division next;
   if (is_read() && !division_->layer_bucket.empty()) {

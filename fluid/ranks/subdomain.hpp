@@ -26,13 +26,15 @@ struct Division {
   std::vector<int> owner;           // of each water particle
   std::vector<std::uint8_t> owned;  // of each particle: by this rank
   std::vector<Bucket> layer_bucket;
-  std::vector<int> layer_owner;  // of each layer particle; empty: all ranks have the same values
-  Halo ghosts, near;             // copies of other ranks' water; those in the first ring alone
+  std::vector<int> layer_owner;            // of each layer particle; empty: all ranks have the same values
+  std::vector<std::uint8_t> layer_absent;  // of each layer particle: far from all water of this rank
+  Halo ghosts, near;                       // copies of other ranks' water; those in the first ring alone
 };
 
 /// The particles of one rank. Each bucket, with the water and the layer particles in it, has one rank as its
 /// owner. A rank has the water of its own buckets, and copies of the water in the two rings of buckets around
-/// them: its ghosts. It has the layer particles of all walls and bodies.
+/// them: its ghosts. It has the layer particles of all walls and bodies; those far from its
+/// water have no pairs.
 ///
 /// Two rings are enough for two sums over neighbours in turn. A layer particle beside own water then has all
 /// its water. What a third sum would read is sent by its owners before (`update`). A particle stays in its
@@ -103,7 +105,7 @@ class Subdomain {
   void append_particles(State<dim>&, const std::vector<Bytes>&, Division&) const;
   void migrate(State<dim>&, Division&) const;
   void copy_ghosts(State<dim>&, Division&);
-  void find_layer_owners(const State<dim>&, Division&) const;
+  void find_layer_owners(const State<dim>&, Division&);
   std::vector<std::vector<std::int32_t>> layers_by_rank(const Division&) const;
   void send_layers(std::byte* column, std::size_t each) const;
   void refresh_layers(State<dim>&) const;
@@ -116,6 +118,7 @@ class Subdomain {
   std::vector<double> boxes_;  // of the ranks
   std::shared_ptr<const Division> division_;
   std::unordered_map<std::int64_t, std::vector<Wanting>> wanted_by_;  // of each own bucket
+  std::unordered_map<std::int64_t, bool> is_near_;                    // of buckets of layers
 };
 
 /// What the stages of a step ask of the other ranks. On one rank it does nothing.
@@ -126,6 +129,11 @@ class RankExchange {
   explicit RankExchange(const Subdomain<dim>* own) : own_(own) {}
   const Subdomain<dim>* subdomain() const { return own_; }
   bool several() const { return own_ != nullptr; }
+  /// Layer particles that are far from all water of this rank: a mask, or empty.
+  std::span<const std::uint8_t> absent_layers() const {
+    return own_ ? std::span<const std::uint8_t>(own_->division().layer_absent)
+                : std::span<const std::uint8_t>();
+  }
   Communicator* communicator() const { return own_ ? &own_->communicator() : nullptr; }  // nullptr: one rank
   /// Whether particle i belongs to this rank.
   bool owns(std::int64_t i) const { return own_ == nullptr || own_->owns(i); }

@@ -29,9 +29,7 @@ double acoustic_step(const Parameters& p) {
 template <int dim>
 Simulation<dim>::Simulation(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity,
                             const Ranks& ranks)
-    : work_(std::make_unique<Work>(p, partner, initial_velocity)) {
-  if (ranks.communicator != nullptr && ranks.communicator->size() > 1) work_->begin_on_ranks(ranks);
-}
+    : work_(std::make_unique<Work>(p, partner, initial_velocity, ranks)) {}
 
 template <int dim>
 Simulation<dim>::~Simulation() = default;

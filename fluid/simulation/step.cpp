@@ -44,7 +44,8 @@ Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, cons
 }  // namespace
 
 template <int dim>
-Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity)
+Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity,
+                            const Ranks& ranks)
     : step(p, partner, initial_velocity, pair_data(p.scheme)),
       scheme(make_scheme<dim>(step)),
       poisson(step.laplacian_lattice.radius) {
@@ -60,7 +61,10 @@ Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, c
     state.initial_momentum += step.mass * state.velocity.col(i);
   begin_at_rest<dim>(p, boundary, state);
   if (p.air.layer) air = std::make_unique<AirUnderBody<dim>>(p.air, step);
-  scheme->begin(step);
+  const bool several = ranks.communicator != nullptr && ranks.communicator->size() > 1;
+  // A rank needs no memory for the whole water, but where its start is measured.
+  if (!several || water_starts_packed(p, boundary)) scheme->begin(step);
+  if (several) begin_on_ranks(ranks);
 }
 
 /// Sets the gravity of a step, and the velocity of bodies and tank at its end. During the ramp gravity is

@@ -21,7 +21,7 @@ namespace strake::fluid {
 /// discretisations differ are functions of the scheme.
 template <int dim>
 struct Simulation<dim>::Work {
-  Work(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity);
+  Work(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, const Ranks&);
 
   void begin(double dt, double rest, double stable, const InterfaceMotion&);
   void measure();
