@@ -11,9 +11,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 #include <optional>
 
 namespace strake::fluid {
@@ -77,12 +74,6 @@ int run(MpiCommunicator& ranks, int argc, char** argv) {
 
 // strake-fluid-ranks is one rank of a fluid on several. strake-fluid starts it by mpirun.
 int main(int argc, char** argv) {
-#ifdef __GLIBC__
-  // Memory that a step gives back is taken again by the next one. Otherwise each step would wait for its
-  // pages.
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
-#endif
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   strake::fluid::MpiCommunicator ranks(MPI_COMM_WORLD);

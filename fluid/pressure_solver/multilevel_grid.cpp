@@ -140,7 +140,7 @@ template <int dim>
 void Multilevel<dim>::read_exact_entries(const PressureSystem& system, int threads) {
   scattered_.clear();
   for (std::size_t k = 0; k < exact_row_.size(); ++k) {
-    if (exact_row_[k] < 0) continue;
+    if (exact_row_[k] < 0 || !pieces_.owns(pieces_.piece_of[k])) continue;
     exact_row_[k] = static_cast<std::int32_t>(scattered_.size());
     scattered_.push_back(static_cast<std::int32_t>(k));
   }

@@ -88,9 +88,13 @@ class Communicator {
   std::vector<Bytes> gather(std::span<const std::byte> own) {
     return timed(account_.seconds_together, own.size(), [&] { return gather_all(own); });
   }
-  /// The same on the first rank alone; the others get nothing.
-  std::vector<Bytes> gather_on_first(std::span<const std::byte> own) {
-    return timed(account_.seconds_together, own.size(), [&] { return gather_first(own); });
+  /// Shows the first rank what each rank gave, one after the other.
+  void show_first(std::span<const std::byte> own,
+                  const std::function<void(std::span<const std::byte>)>& visit) {
+    timed(account_.seconds_together, own.size(), [&] {
+      pass_to_first(own, visit);
+      return 0;
+    });
   }
   /// Sends to[r] to each rank r, and receives from[r]. The sizes of `from` are those that will arrive. An
   /// empty message is not sent.
@@ -142,7 +146,8 @@ class Communicator {
 
  protected:
   virtual std::vector<Bytes> gather_all(std::span<const std::byte> own) = 0;
-  virtual std::vector<Bytes> gather_first(std::span<const std::byte> own) = 0;
+  virtual void pass_to_first(std::span<const std::byte> own,
+                             const std::function<void(std::span<const std::byte>)>& visit) = 0;
   /// Messages of equal length, one behind the other.
   virtual Bytes gather_equal(std::span<const std::byte> own) = 0;
   virtual void pass(std::span<const Bytes> to, std::span<Bytes> from) = 0;

@@ -61,24 +61,25 @@ std::vector<Bytes> MpiCommunicator::gather_all(std::span<const std::byte> own) {
   return parts_of(bytes, start);
 }
 
-// The first rank receives from one rank after the other: together they may send more than 2 GiB.
-std::vector<Bytes> MpiCommunicator::gather_first(std::span<const std::byte> own) {
+// Together the ranks may send more than 2 GiB.
+void MpiCommunicator::pass_to_first(std::span<const std::byte> own,
+                                    const std::function<void(std::span<const std::byte>)>& visit) {
   std::vector<std::int64_t> count(static_cast<std::size_t>(size_));
   const auto mine = static_cast<std::int64_t>(own.size());
   MPI_Gather(&mine, 1, MPI_INT64_T, count.data(), 1, MPI_INT64_T, 0, all_);
   if (rank_ > 0) {
     if (!own.empty()) MPI_Send(own.data(), count_of(own.size()), MPI_BYTE, 0, 1, all_);
-    return {};
+    return;
   }
-  std::vector<Bytes> all(count.size());
-  all[0].assign(own.begin(), own.end());
-  for (std::size_t r = 1; r < all.size(); ++r) {
-    all[r].resize(static_cast<std::size_t>(count[r]));
-    if (!all[r].empty())
-      MPI_Recv(all[r].data(), count_of(all[r].size()), MPI_BYTE, static_cast<int>(r), 1, all_,
+  visit(own);
+  Bytes bytes;
+  for (std::size_t r = 1; r < count.size(); ++r) {
+    bytes.resize(static_cast<std::size_t>(count[r]));
+    if (!bytes.empty())
+      MPI_Recv(bytes.data(), count_of(bytes.size()), MPI_BYTE, static_cast<int>(r), 1, all_,
                MPI_STATUS_IGNORE);
+    visit(bytes);
   }
-  return all;
 }
 
 Bytes MpiCommunicator::gather_equal(std::span<const std::byte> own) {

@@ -21,7 +21,8 @@ class MpiCommunicator final : public Communicator {
 
  protected:
   std::vector<Bytes> gather_all(std::span<const std::byte> own) override;
-  std::vector<Bytes> gather_first(std::span<const std::byte> own) override;
+  void pass_to_first(std::span<const std::byte> own,
+                     const std::function<void(std::span<const std::byte>)>& visit) override;
   Bytes gather_equal(std::span<const std::byte> own) override;
   void pass(std::span<const Bytes> to, std::span<Bytes> from) override;
   std::vector<std::int64_t> pass_lengths(std::span<const std::int64_t> to) override;

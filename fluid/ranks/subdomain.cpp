@@ -344,13 +344,13 @@ State<dim> Subdomain<dim>::join(const State<dim>& state, const Division& divisio
                                 division.layer_bucket.empty() ? Bucket{} : division.layer_bucket[layer]});
   }
   pack_particles<dim>(state, own, bytes);
-  const std::vector<Bytes> all = communicator_->gather_on_first(bytes);
   State<dim> whole;
   for_each_value([](const char*, const auto& from, auto& to) { to = from; }, state, whole);
-  if (all.empty()) return whole;
-  resize_particles<dim>(whole, water_of_whole_ + layers_);
-  whole.rank_buckets.resize(static_cast<std::size_t>(water_of_whole_ + layers_));
-  for (const Bytes& part : all) {
+  if (communicator_->rank() == 0) {
+    resize_particles<dim>(whole, water_of_whole_ + layers_);
+    whole.rank_buckets.resize(static_cast<std::size_t>(water_of_whole_ + layers_));
+  }
+  communicator_->show_first(bytes, [&](std::span<const std::byte> part) {
     const std::byte* from = part.data();
     std::vector<std::int32_t> list;
     for (std::size_t k = part.size() / (sizeof(Address) + bytes_of_particle<dim>(whole)); k > 0; --k) {
@@ -359,7 +359,7 @@ State<dim> Subdomain<dim>::join(const State<dim>& state, const Division& divisio
       whole.rank_buckets[static_cast<std::size_t>(address.place)] = key_of(address.bucket);
     }
     unpack_particles<dim>(from, list, whole);
-  }
+  });
   if (same_layers) whole.rank_buckets.clear();
   return whole;
 }

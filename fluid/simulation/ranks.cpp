@@ -217,7 +217,10 @@ template <int dim>
 typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_on_first_rank() {
   const Subdomain<dim>& own = *step.subdomain;
   Communicator& communicator = own.communicator();
-  const std::vector<Bytes> rows = communicator.gather_on_first(packed_rows<dim>(system, own, step.state));
+  std::vector<Bytes> rows;
+  communicator.show_first(packed_rows<dim>(system, own, step.state), [&](std::span<const std::byte> part) {
+    rows.emplace_back(part.begin(), part.end());
+  });
   Bytes answer;
   if (communicator.rank() == 0) {
     unpack_rows<dim>(rows, own.water_of_whole(), whole_system, guess, whole_position);

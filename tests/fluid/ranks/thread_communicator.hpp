@@ -54,8 +54,10 @@ class ThreadRanks {
       const std::vector<Bytes> to(static_cast<std::size_t>(size()), Bytes(own.begin(), own.end()));
       return all_.pass(rank_, to);
     }
-    std::vector<Bytes> gather_first(std::span<const std::byte> own) override {
-      return rank_ == 0 ? gather_all(own) : (gather_all(own), std::vector<Bytes>());
+    void pass_to_first(std::span<const std::byte> own,
+                       const std::function<void(std::span<const std::byte>)>& visit) override {
+      for (const Bytes& bytes : gather_all(own))
+        if (rank_ == 0) visit(bytes);
     }
     Bytes gather_equal(std::span<const std::byte> own) override {
       Bytes joined;
