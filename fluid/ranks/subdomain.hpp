@@ -2,7 +2,7 @@
 
 #include "fluid/particles/periodic.hpp"
 #include "fluid/particles/state.hpp"
-#include "fluid/ranks/communicator.hpp"
+#include "fluid/ranks/ranks.hpp"
 
 #include <Eigen/Core>
 

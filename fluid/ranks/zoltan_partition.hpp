@@ -1,6 +1,7 @@
 #pragma once
 
-#include "fluid/ranks/communicator.hpp"
+#include <span>
+#include <vector>
 
 namespace strake::fluid {
 

@@ -3,7 +3,7 @@
 #include "fluid/diagnostics/guard.hpp"
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/particles/state.hpp"
-#include "fluid/ranks/communicator.hpp"
+#include "fluid/ranks/ranks.hpp"
 #include "fluid/scheme/interface_motion.hpp"
 #include "proto/interface.hpp"
 

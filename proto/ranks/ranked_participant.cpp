@@ -1,4 +1,4 @@
-#include "fluid/ranked_participant.hpp"
+#include "proto/ranks/ranked_participant.hpp"
 
 #include "proto/error.hpp"
 #include "proto/wire/wire.hpp"
@@ -6,12 +6,22 @@
 #include <cstring>
 #include <utility>
 
-namespace strake::fluid {
+namespace strake {
 
 namespace {
 
 /// What is announced: one byte, then the data of the call as a message to a participant.
-enum class Call : std::uint8_t { build, start, finish, rewind, commit, resume, end };
+enum class Call : std::uint8_t {
+  build,
+  start,
+  finish,
+  rewind,
+  commit,
+  commit_with_output,
+  checkpoint,
+  resume,
+  end
+};
 
 void append(Bytes& bytes, std::span<const std::byte> more) {
   const std::size_t size = more.size();
@@ -76,8 +86,13 @@ void RankedParticipant::rewind() {
 }
 
 void RankedParticipant::commit(bool write_output) {
-  ranks_.announce(announcement(Call::commit));
+  ranks_.announce(announcement(write_output ? Call::commit_with_output : Call::commit));
   own_->commit(write_output);
+}
+
+void RankedParticipant::checkpoint(const std::filesystem::path& folder) {
+  ranks_.announce(announcement(Call::checkpoint));
+  own_->checkpoint(folder);
 }
 
 void RankedParticipant::resume(const std::filesystem::path& folder) {
@@ -106,8 +121,10 @@ void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
         own->finish();
       } else if (call == Call::rewind) {
         own->rewind();
-      } else if (call == Call::commit) {
-        own->commit(false);
+      } else if (call == Call::commit || call == Call::commit_with_output) {
+        own->commit(call == Call::commit_with_output);
+      } else if (call == Call::checkpoint) {
+        own->checkpoint({});
       } else if (call == Call::resume) {
         own->resume(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
       }
@@ -117,4 +134,4 @@ void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
   }
 }
 
-}  // namespace strake::fluid
+}  // namespace strake

@@ -4,18 +4,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <functional>
 #include <span>
 #include <stdexcept>
 #include <type_traits>
 #include <vector>
 
-namespace strake::fluid {
+namespace strake {
 
 /// A message between two ranks.
 using Bytes = std::vector<std::byte>;
 
-/// The ranks that compute one fluid together: processes, or threads in tests. All of them call the same
+/// The ranks that compute one participant together: processes, or threads in tests. All of them call the same
 /// functions in the same order. Each call waits for the others.
 class Communicator {
  public:
@@ -55,14 +54,4 @@ class Communicator {
   bool any(bool own) { return sum(std::int64_t{own ? 1 : 0}) > 0; }
 };
 
-/// Chooses the rank of each bucket. centres: 3×b [m]; weights: work of each; parts: number of ranks.
-using Partition = std::function<std::vector<int>(std::span<const double> centres,
-                                                 std::span<const double> weights, int parts)>;
-
-/// The ranks of a run, and how the water is divided among them. By default there is one rank.
-struct Ranks {
-  Communicator* communicator = nullptr;
-  Partition partition = {};
-};
-
-}  // namespace strake::fluid
+}  // namespace strake
