@@ -4,6 +4,7 @@
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/case/fem_keys.hpp"
+#include "structure/case/rank_keys.hpp"
 #include "structure/case/shape_keys.hpp"
 #include "structure/case/solid_keys.hpp"
 #include "structure/failure/softening.hpp"
@@ -316,6 +317,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
   if (p.kind == "fem" || p.kind == "ccx") check_fem(structure.table("fem"), p);
   if (p.kind == "ccx") check_ccx(structure, p);
   check_failure(structure.table("failure"), p);
+  check_ranks(structure, p);
   check_probes(file, common, p);
 }
 
@@ -338,6 +340,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   t.number(
       "surface_spacing", p.surface_spacing,
       positive("m", "distance of the interface points, the same for every solver; default fluid.spacing"));
+  read_ranks(t, p);
   t.choice("analysis", p.analysis,
            {{"dynamic", Analysis::dynamic}, {"static", Analysis::statics}, {"modal", Analysis::modal}},
            {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});

@@ -99,8 +99,9 @@ double FemSolver<dim>::work_of_turn(const State& old, const State& next, const E
   const Eigen::VectorXd inside = internal_force(old.displacement, next.displacement, scheme_.alpha_f);
   double work = 0;
   for (const int i : mesh().fixed)
-    work += (inside(i) + inertia(i) - force(i)) * (next.displacement(i) - old.displacement(i));
-  return work;
+    if (division().owns(i))
+      work += (inside(i) + inertia(i) - force(i)) * (next.displacement(i) - old.displacement(i));
+  return division().sum(work);
 }
 
 // r(u1) = F − f(u0, u1) − C v_α − M a_m − M 1 A, in the unknowns that are free.
@@ -111,13 +112,14 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   const Eigen::VectorXd drift = old.displacement + dt * old.velocity;
   const double kappa = scheme_.inertia() / (dt * dt);
   Equilibrium equilibrium;
+  equilibrium.division = division();
   equilibrium.residual = [&](const Eigen::VectorXd& u1) {
     const Eigen::VectorXd inside = internal_force(old.displacement, u1, scheme_.alpha_f);
     Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
     inertia += support_motion_.inertia(frame_acceleration(old, told, force, inertia, dt));
     Equilibrium::Residual r{.value = force - inside - damping_force(old, u1, dt) - inertia};
     clear_constrained(r.value);
-    r.scale = std::max({force.norm(), inside.norm(), inertia.norm()});
+    r.scale = std::max({division().norm(force), division().norm(inside), division().norm(inertia)});
     r.floor = round_off(u1, kappa);
     return r;
   };
@@ -159,14 +161,15 @@ void FemSolver<dim>::account(const State& old, const Eigen::VectorXd& force, dou
   const Eigen::Vector3d gained = next.frame.velocity - old.frame.velocity;
   const auto momentum = support_motion_.gained(next.velocity - old.velocity, gained);
   const Eigen::Vector3d V = 0.5 * (old.frame.velocity + next.frame.velocity);
-  next.external +=
-      (force - damping_force(old, next.displacement, dt)).dot(next.displacement - old.displacement) +
-      V.template head<dim>().dot(momentum);
+  next.external += division().dot(force - damping_force(old, next.displacement, dt),
+                                  next.displacement - old.displacement) +
+                   V.template head<dim>().dot(momentum);
   next.reaction.setZero();
   for (int axis = 0; axis < dim; ++axis) {
     double loads = 0;
-    for (Eigen::Index i = axis; i < force.size(); i += dim) loads += force[i];
-    next.reaction[axis] = (momentum[axis] - support_motion_.lumped_mass(axis) * gained[axis]) / dt - loads;
+    for (Eigen::Index i = axis; i < division().own(force.size()); i += dim) loads += force[i];
+    next.reaction[axis] =
+        (momentum[axis] - support_motion_.lumped_mass(axis) * gained[axis]) / dt - division().sum(loads);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "proto/case/case_keys.hpp"
 #include "proto/case/size_limit.hpp"
+#include "proto/ranks/communicator.hpp"
 #include "structure/body/parameters.hpp"
 #include "structure/solver/solver.hpp"
 
@@ -21,6 +22,8 @@ namespace strake::structure {
 struct SolverProgram {
   std::string kind;  // "fem" | "particle" | "ccx" | "rigid" | "replay"
   std::function<std::unique_ptr<Solver>(const Parameters&)> build;
+  /// The same on one of several ranks; empty: this kind has one.
+  std::function<std::unique_ptr<Solver>(const Parameters&, Communicator&)> build_on_ranks = nullptr;
   /// What the body makes in this program, before it is built.
   std::function<SizeEstimates(const Parameters&)> sizes;
   double properties_cost = 1;  // of the natural frequencies, in times of the building
