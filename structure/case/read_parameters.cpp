@@ -290,6 +290,7 @@ bool is_constrained(const Parameters& p) {
 }
 
 void check_together(CaseFile& file, const CommonKeys& common, CaseTable structure, Parameters& p) {
+  check_ranks(structure, p);
   if (common.interface == "volume" && p.kind != "particle")
     throw file.root()
         .table("coupling")
@@ -317,7 +318,6 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
   if (p.kind == "fem" || p.kind == "ccx") check_fem(structure.table("fem"), p);
   if (p.kind == "ccx") check_ccx(structure, p);
   check_failure(structure.table("failure"), p);
-  check_ranks(structure, p);
   check_probes(file, common, p);
 }
 

@@ -22,14 +22,14 @@ namespace strake::structure {
 struct SolverProgram {
   std::string kind;  // "fem" | "particle" | "ccx" | "rigid" | "replay"
   std::function<std::unique_ptr<Solver>(const Parameters&)> build;
-  /// The same on one of several ranks; empty: this kind has one.
-  std::function<std::unique_ptr<Solver>(const Parameters&, Communicator&)> build_on_ranks = nullptr;
   /// What the body makes in this program, before it is built.
   std::function<SizeEstimates(const Parameters&)> sizes;
   double properties_cost = 1;  // of the natural frequencies, in times of the building
   /// Writes an input file for other programs, if the solver has a mesh that they can take. Returns the text
   /// for the user.
   std::function<std::string(const Parameters&, const CommonKeys&, const DeckRequest&)> export_deck = nullptr;
+  /// Builds the solver of one of several ranks; empty: this kind has one.
+  std::function<std::unique_ptr<Solver>(const Parameters&, Communicator&)> build_on_ranks = nullptr;
 };
 SolverProgram this_program();
 
