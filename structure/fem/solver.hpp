@@ -88,7 +88,7 @@ class FemSolver final : public Solver {
   Eigen::Vector3d gravity_at(double time) const;  // [m/s²]
   Eigen::VectorXd own_load(double time) const;    // gravity and [structure.load], [N]
   Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
-  Matrix effective(const Matrix& tangent, double dt) const;
+  Matrix effective(Matrix tangent, double dt) const;
   void use_tangent(const State&);
   Eigen::VectorXd load_of_window(double t, double dt, const Load&) const;
   Eigen::VectorXd damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const;

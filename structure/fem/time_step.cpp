@@ -29,24 +29,23 @@ StepFailed failed(double time, const std::string& problem) {
 
 // A = (1−α_m)/(β dt²) M + (1−α_f) (K + γ/(β dt) C): how the forces of a step change with u1.
 template <int dim>
-Matrix FemSolver<dim>::effective(const Matrix& tangent, double dt) const {
+Matrix FemSolver<dim>::effective(Matrix tangent, double dt) const {
   const Damping& damping = parameters_.damping;
   const double share = 1 - scheme_.alpha_f, rate = scheme_.gamma / (scheme_.beta * dt);
-  Matrix matrix = tangent;
-  auto value = matrix.coeffs();  // one pattern for all
+  auto value = tangent.coeffs();  // one pattern for all
   value = share * value + (scheme_.inertia() / (dt * dt) + share * rate * damping.mass) * mass_.coeffs() +
           share * rate * damping.stiffness * stiffness_.coeffs();
-  return matrix;
+  return tangent;
 }
 
 template <int dim>
 void FemSolver<dim>::use_tangent(const State& state) {
   factors_.retry();
   if (factors_dt_ == state.tangent_dt && factors_at_.size() > 0 && factors_at_ == state.tangent_at) return;
-  const Matrix tangent = linear_ && assembly_.intact() ? stiffness_ : assembly_.tangent(state.tangent_at);
+  Matrix tangent = linear_ && assembly_.intact() ? stiffness_ : assembly_.tangent(state.tangent_at);
   ++factorisations_;
   factors_at_.resize(0);  // until they are made
-  if (!factors_.factorise(effective(tangent, state.tangent_dt), mesh().fixed))
+  if (!factors_.factorise(effective(std::move(tangent), state.tangent_dt), mesh().fixed))
     throw failed(state.time, "the matrix of a step is singular");
   factors_at_ = state.tangent_at;
   factors_dt_ = state.tangent_dt;
@@ -134,10 +133,10 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
     // Conjugate gradients and Cholesky factors need a symmetric matrix: the tangent of a state, not of a
     // step. In large bodies LU factors are expensive.
     const bool large = dim == 3 && mesh().n_unknowns() >= many_unknowns;
-    const Matrix tangent = method_ == LinearMethod::direct && !large
-                               ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
-                               : assembly_.tangent(u1);
-    if (!fresh_factors_.factorise(effective(tangent, dt), mesh().fixed)) return false;
+    Matrix tangent = method_ == LinearMethod::direct && !large
+                         ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
+                         : assembly_.tangent(u1);
+    if (!fresh_factors_.factorise(effective(std::move(tangent), dt), mesh().fixed)) return false;
     correction = support_motion_.correction(fresh_factors_, kappa);
     return true;
   };

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <span>
+#include <vector>
 
 namespace strake::structure::fem {
 
@@ -65,18 +66,25 @@ Eigen::VectorXd RankDivision::part(const Eigen::VectorXd& all) const {
   return all(parts_->on_one_rank);
 }
 
-std::vector<Bytes> RankDivision::on_first(Bytes own) const {
-  if (alone()) return {std::move(own)};
-  const std::vector<std::size_t> sizes = communicator().all(own.size());
+Eigen::MatrixXd RankDivision::columns_on_first(const Eigen::MatrixXd& own) const {
+  const auto bytes = std::as_bytes(std::span(own.data(), static_cast<std::size_t>(own.size())));
+  const std::vector<std::size_t> sizes = communicator().all(bytes.size());
   std::vector<Bytes> to(sizes.size()), from(sizes.size());
-  if (first())
-    for (std::size_t r = 1; r < sizes.size(); ++r) from[r].resize(sizes[r]);
-  else
-    to[0] = own;
+  if (!first()) to[0].assign(bytes.begin(), bytes.end());
+  std::size_t total = 0;
+  for (std::size_t r = 0; first() && r < sizes.size(); ++r) {
+    total += sizes[r];
+    if (r > 0) from[r].resize(sizes[r]);
+  }
   communicator().exchange(to, from);
-  if (!first()) return {};
-  from[0] = std::move(own);
-  return from;
+  if (first()) from[0].assign(bytes.begin(), bytes.end());
+  Eigen::MatrixXd all(own.rows(), static_cast<Index>(total / sizeof(double)) / own.rows());
+  double* next = all.data();
+  for (const Bytes& part : from) {
+    std::memcpy(next, part.data(), part.size());
+    next += part.size() / sizeof(double);
+  }
+  return all;
 }
 
 }  // namespace strake::structure::fem

@@ -4,8 +4,9 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
 #include <memory>
-#include <vector>
+#include <utility>
 
 namespace strake::structure::fem {
 
@@ -50,8 +51,8 @@ class RankDivision {
   /// The vector of the whole body, numbered as on one rank, and the rank's part of such a vector.
   Eigen::VectorXd whole(const Eigen::VectorXd& unknowns) const;
   Eigen::VectorXd part(const Eigen::VectorXd& whole) const;
-  /// Messages of all ranks on the first one; on the others nothing.
-  std::vector<Bytes> on_first(Bytes own) const;
+  /// Columns of all ranks, one rank after the other, on the first one; on the others none.
+  Eigen::MatrixXd columns_on_first(const Eigen::MatrixXd& own) const;
 
  private:
   Eigen::Index own_of_parts() const;
