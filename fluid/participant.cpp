@@ -369,7 +369,8 @@ Frame FluidParticipant<dim>::frame() const {
 
 template <int dim>
 void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
-  flush();  // a resume continues from these files
+  if (folder.empty()) return;  // the first of several ranks has the whole state, and writes it
+  flush();                     // a resume continues from these files
   Archive small;
   save(committed_.measurements, small);
   small.integer["participant.steps"] = {committed_.progress.steps};

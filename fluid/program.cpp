@@ -22,8 +22,12 @@ std::unique_ptr<Participant> FluidProgram::build(const Setup& setup, const Ranks
   return std::make_unique<FluidParticipant<2>>(parameters_, common_, setup, ranks);
 }
 
-Program FluidProgram::program() {
-  Program program;
+RankedProgram FluidProgram::program() {
+  RankedProgram ranked;
+  ranked.on_ranks = "strake-fluid-ranks";
+  ranked.ranks = [this] { return parameters_.ranks; };
+  ranked.launcher = [this] { return parameters_.launcher; };
+  Program& program = ranked.program;
   program.program = "strake-fluid";
   program.solver = "mps";
   program.version = strake_version();
@@ -33,7 +37,7 @@ Program FluidProgram::program() {
   program.sizes = [this] { return sizes(parameters_); };
   program.check = [this](CaseFile&) { return describe(parameters_, common_); };
   program.build = [this](CaseFile&, const ParticipantOptions&, const Setup& setup) { return build(setup); };
-  return program;
+  return ranked;
 }
 
 }  // namespace strake::fluid

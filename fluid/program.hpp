@@ -1,6 +1,6 @@
 #pragma once
 
-#include "coupler/participant/participant_main.hpp"
+#include "coupler/participant/start_ranks.hpp"
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/ranks/ranks.hpp"
 #include "proto/case/case_keys.hpp"
@@ -16,11 +16,8 @@ class FluidProgram {
   void declare(CaseFile&);
   /// Builds the participant of one rank. `declare` has run.
   std::unique_ptr<Participant> build(const Setup&, const Ranks& ranks = {}) const;
-  /// What participant_main needs. This object must live as long.
-  Program program();
-  int ranks() const { return parameters_.ranks; }
-  /// Line that starts that many ranks, without the program: "mpirun -n 4".
-  const std::string& launcher() const { return parameters_.launcher; }
+  /// What start_ranks and participant_main need. This object must live as long.
+  RankedProgram program();
 
  private:
   CommonKeys common_;

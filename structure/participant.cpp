@@ -108,7 +108,7 @@ std::string properties_line(const std::string& kind, const Properties& p) {
 }
 
 StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const Parameters& p,
-                                           const CommonKeys& common, const Setup& setup)
+                                           const CommonKeys& common, const Setup& setup, Communicator* ranks)
     : solver_(std::move(solver)),
       analysis_(p.analysis),
       support_velocity_(support_velocity(p)),
@@ -141,6 +141,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
     for (std::size_t i = 0; i < n_frequencies; ++i) description_.columns.push_back({frequency_name(i), "Hz"});
 
   files_.name = common.body.empty() ? "structure" : common.body;
+  files_.ranks = ranks;
   if (!setup.run_folder.empty()) files_.frames.emplace(setup.run_folder, files_.name, dimension_);
   solver_->save();
   committed_ = state_;
@@ -268,10 +269,11 @@ void StructureParticipant::commit(bool write_output) {
   if (write_output) write_frame();
 }
 
-/// Writes the body at the end of the last window; at t = 0 before the first one.
+/// Writes the body at the end of the last window; at t = 0 before the first one. All ranks make the frame.
 void StructureParticipant::write_frame() {
-  if (!files_.frames) return;
+  if (!files_.frames && files_.ranks == nullptr) return;
   Frame frame = solver_->frame();
+  if (!files_.frames) return;
   frame.time = state_.time;
   files_.frames->write(frame);
 }
@@ -279,6 +281,7 @@ void StructureParticipant::write_frame() {
 void StructureParticipant::checkpoint(const std::filesystem::path& folder) {
   Archive archive;
   solver_->write(archive);
+  if (files_.ranks != nullptr && files_.ranks->rank() > 0) return;
   archive.real["participant"] =
       Eigen::Vector4d(committed_.time, committed_.energy_scale, committed_.energy_gap, first_energy_);
   archive.real["frequencies"] = Eigen::Map<const Eigen::VectorXd>(

@@ -4,6 +4,7 @@
 #include "proto/files/result_file.hpp"
 #include "proto/participant.hpp"
 #include "proto/probe.hpp"
+#include "proto/ranks/communicator.hpp"
 #include "structure/body/parameters.hpp"
 #include "structure/solver/solver.hpp"
 
@@ -23,7 +24,9 @@ std::string properties_line(const std::string& kind, const Properties&);
 /// frames.
 class StructureParticipant final : public Participant {
  public:
-  StructureParticipant(std::unique_ptr<Solver>, const Parameters&, const CommonKeys&, const Setup&);
+  /// On several ranks each has one, and all call the same functions. The first one writes.
+  StructureParticipant(std::unique_ptr<Solver>, const Parameters&, const CommonKeys&, const Setup&,
+                       Communicator* ranks = nullptr);
 
   const InterfaceMesh& mesh() const override { return solver_->interface(); }
   const Description& description() const override { return description_; }
@@ -65,6 +68,7 @@ class StructureParticipant final : public Participant {
   struct Files {
     std::string name;  // "structure", or the body's
     std::optional<FrameSeries> frames;
+    Communicator* ranks = nullptr;  // all make frames and checkpoints, the first one writes them
   };
   Files files_;
   bool has_first_frame_ = false;  // that at t = 0

@@ -35,7 +35,7 @@ ExitCode explain_program(const ExplainOptions& options, const CLI::App& strake) 
   add_participant_options(participant, parsed, flags);
   std::vector<ProgramText> programs = {{"strake", &strake}};
   for (const std::string& name : solver_programs()) programs.push_back({name, &participant});
-  for (const char* name : {"strake-fluid-ranks", "strake-structure-ccx"})
+  for (const char* name : {"strake-fluid-ranks", "strake-structure-ccx", "strake-structure-fem-ranks"})
     programs.push_back({name, &participant});
   if (!options.completion.empty()) {
     put(stdout, bash_completion(programs, collect_declarations().keys));

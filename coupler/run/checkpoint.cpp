@@ -56,7 +56,8 @@ bool may_change(const std::string& key) {
         "coupling.answer_within", "coupling.start_within", "coupling.attach_within", "coupling.endpoint",
         "coupling.keys", "coupling.unencrypted", "coupling.placement", "fluid.ranks", "fluid.launcher"})
     if (key.starts_with(prefix)) return true;
-  return false;
+  // Of a structure, or of one of several.
+  return key.starts_with("structure") && (key.ends_with(".ranks") || key.ends_with(".launcher"));
 }
 
 }  // namespace

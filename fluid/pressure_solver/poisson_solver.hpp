@@ -5,7 +5,7 @@
 #include "fluid/pressure_solver/conjugate_gradients.hpp"
 #include "fluid/pressure_solver/multilevel.hpp"
 #include "fluid/pressure_solver/pressure_system.hpp"
-#include "fluid/ranks/communicator.hpp"
+#include "proto/ranks/communicator.hpp"
 
 #include <Eigen/Core>
 

@@ -1,5 +1,7 @@
 #include "fluid/ranks/boomer_amg.hpp"
 
+#include "proto/ranks/mpi_communicator.hpp"
+
 #include <HYPRE.h>
 #include <HYPRE_IJ_mv.h>
 #include <HYPRE_parcsr_ls.h>
@@ -142,8 +144,10 @@ class BoomerAmg final : public SharedGrid {
 
 }  // namespace
 
-std::unique_ptr<SharedGrid> boomer_amg(const MpiCommunicator& ranks) {
-  return std::make_unique<BoomerAmg>(ranks.all_ranks());
+std::unique_ptr<SharedGrid> boomer_amg(Communicator& ranks) {
+  auto* const processes = dynamic_cast<MpiCommunicator*>(&ranks);
+  if (processes == nullptr) throw std::logic_error("hypre solves on processes of MPI");
+  return std::make_unique<BoomerAmg>(processes->all_ranks());
 }
 
 }  // namespace strake::fluid

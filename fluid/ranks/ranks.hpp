@@ -1,12 +1,20 @@
 #pragma once
 
-#include "fluid/ranks/communicator.hpp"
 #include "fluid/ranks/shared_grid.hpp"
+#include "proto/ranks/communicator.hpp"
 
 #include <functional>
 #include <memory>
+#include <span>
+#include <vector>
 
 namespace strake::fluid {
+
+/// Divides space into one box per rank, by the work in it. centres: 3×b, of the own buckets of this rank;
+/// weights: work of each. Returns six numbers per rank, the lower and the upper corner of its box. The boxes
+/// fill all space and do not overlap. All ranks call it together and get the same boxes.
+using Partition = std::function<std::vector<double>(Communicator&, std::span<const double> centres,
+                                                    std::span<const double> weights)>;
 
 /// The ranks of a run, how the water is divided among them, and who solves the pressure's first grid. By
 /// default there is one rank.

@@ -2,9 +2,9 @@
 
 #include "fluid/particles/state.hpp"
 #include "fluid/ranks/buckets.hpp"
-#include "fluid/ranks/communicator.hpp"
 #include "fluid/ranks/halo.hpp"
 #include "fluid/ranks/particle_messages.hpp"
+#include "fluid/ranks/ranks.hpp"
 
 #include <Eigen/Core>
 

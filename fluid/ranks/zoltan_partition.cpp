@@ -1,6 +1,6 @@
 #include "fluid/ranks/zoltan_partition.hpp"
 
-#include "fluid/ranks/mpi_communicator.hpp"
+#include "proto/ranks/mpi_communicator.hpp"
 
 #include <mpi.h>
 #include <zoltan_cpp.h>

@@ -1,6 +1,9 @@
 #pragma once
 
-#include "fluid/ranks/communicator.hpp"
+#include "proto/ranks/communicator.hpp"
+
+#include <span>
+#include <vector>
 
 namespace strake::fluid {
 

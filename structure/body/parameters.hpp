@@ -124,6 +124,8 @@ struct CalculixKeys {
 /// Everything a structure solver needs, without the case file.
 struct Parameters {
   int dimension = 2;
+  int ranks = 1;  // processes that compute the body together
+  std::string launcher = "mpirun -n {ranks}";
   std::string kind = "fem";           // the running program: fem | particle | ccx | rigid | replay
   std::string interface = "surface";  // surface | volume
   double fluid_density = 1000;        // [kg/m^3] for the contact pressure ½ρV²

@@ -4,6 +4,7 @@
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/case/fem_keys.hpp"
+#include "structure/case/rank_keys.hpp"
 #include "structure/case/shape_keys.hpp"
 #include "structure/case/solid_keys.hpp"
 #include "structure/failure/softening.hpp"
@@ -289,6 +290,7 @@ bool is_constrained(const Parameters& p) {
 }
 
 void check_together(CaseFile& file, const CommonKeys& common, CaseTable structure, Parameters& p) {
+  check_ranks(structure, p);
   if (common.interface == "volume" && p.kind != "particle")
     throw file.root()
         .table("coupling")
@@ -338,6 +340,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   t.number(
       "surface_spacing", p.surface_spacing,
       positive("m", "distance of the interface points, the same for every solver; default fluid.spacing"));
+  read_ranks(t, p);
   t.choice("analysis", p.analysis,
            {{"dynamic", Analysis::dynamic}, {"static", Analysis::statics}, {"modal", Analysis::modal}},
            {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});

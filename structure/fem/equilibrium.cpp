@@ -37,11 +37,12 @@ void FemSolver<dim>::solve_static() {
     const double share = std::min(1.0, done + part);
     const Eigen::VectorXd force = share * full;
     Equilibrium equilibrium;
+    equilibrium.division = division();
     equilibrium.residual = [&](const Eigen::VectorXd& x) {
       const Eigen::VectorXd inside = internal_force(x, x, 0);
       Equilibrium::Residual r{.value = force - inside};
       clear_constrained(r.value);
-      r.scale = force.norm();
+      r.scale = division().norm(force);
       r.floor = round_off(x, 0);
       return r;
     };
@@ -83,7 +84,7 @@ std::vector<double> FemSolver<dim>::frequencies(int count, double tolerance) con
   const Eigen::Vector3d size = solid_.node.rowwise().maxCoeff() - solid_.node.rowwise().minCoeff();
   if (method_ != LinearMethod::direct) tolerance = std::max(tolerance, enough_for_a_line);
   std::vector<double> f =
-      natural_frequencies(stiffness_, mass_, mesh().fixed, count + rigid,
+      natural_frequencies(stiffness_, mass_, mesh().fixed, division(), count + rigid,
                           size.maxCoeff() / fastest_wave(solid_), linear_solver(), tolerance);
   f.erase(f.begin(), f.begin() + std::min<std::ptrdiff_t>(rigid, static_cast<std::ptrdiff_t>(f.size())));
   return f;

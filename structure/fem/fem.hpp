@@ -1,5 +1,6 @@
 #pragma once
 
+#include "proto/ranks/communicator.hpp"
 #include "structure/body/size.hpp"
 #include "structure/deck/model.hpp"
 #include "structure/solver/solver.hpp"
@@ -9,7 +10,8 @@
 namespace strake::structure::fem {
 
 /// Makes the finite-element solver of a case, behind its interface, so that callers compile nothing of it.
-std::unique_ptr<Solver> make_solver(const Parameters&);
+/// On several ranks all of them make it, and call its functions together.
+std::unique_ptr<Solver> make_solver(const Parameters&, Communicator* ranks = nullptr);
 
 /// Exports the model that the finite-element solver of a case would use: its mesh, supports and loads. It
 /// includes the places of the interface's points and of the structure's probes in the mesh.

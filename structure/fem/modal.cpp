@@ -19,17 +19,19 @@ using Vector = Eigen::Map<const Eigen::VectorXd>;
 class Inverse {
  public:
   using Scalar = double;
-  Inverse(const LinearSolver& solver, Index size, double tolerance)
-      : solver_(solver), size_(size), tolerance_(tolerance) {}
+  Inverse(const LinearSolver& solver, const RankDivision& division, Index size, double tolerance)
+      : solver_(solver), division_(division), size_(size), tolerance_(tolerance) {}
   Index rows() const { return size_; }
   Index cols() const { return size_; }
   void set_shift(double) {}
   void perform_op(const double* x, double* y) const {
-    Eigen::Map<Eigen::VectorXd>(y, size_) = solver_.solve(Vector(x, size_), tolerance_);
+    Eigen::Map<Eigen::VectorXd>(y, size_) =
+        division_.whole(solver_.solve(division_.part(Vector(x, size_)), tolerance_));
   }
 
  private:
   const LinearSolver& solver_;
+  const RankDivision& division_;
   Index size_;
   double tolerance_;
 };
@@ -38,37 +40,40 @@ class Inverse {
 class Mass {
  public:
   using Scalar = double;
-  Mass(const Matrix& mass, const std::vector<int>& fixed) : mass_(mass), fixed_(fixed) {}
-  Index rows() const { return mass_.rows(); }
-  Index cols() const { return mass_.rows(); }
+  Mass(const Matrix& mass, const std::vector<int>& fixed, const RankDivision& division)
+      : mass_(mass), fixed_(fixed), division_(division) {}
+  Index rows() const { return division_.size(mass_.rows()); }
+  Index cols() const { return rows(); }
   void perform_op(const double* x, double* y) const {
-    Eigen::Map<Eigen::VectorXd> product(y, mass_.rows());
-    product.noalias() = mass_ * Vector(x, mass_.rows());
+    Eigen::VectorXd product = mass_ * division_.part(Vector(x, rows()));
     for (const int i : fixed_) product(i) = 0;
+    Eigen::Map<Eigen::VectorXd>(y, rows()) = division_.whole(product);
   }
 
  private:
   const Matrix& mass_;
   const std::vector<int>& fixed_;
+  const RankDivision& division_;
 };
 
 /// A start that has a share of every mode, the same on every machine: the golden ratio's multiples.
-Eigen::VectorXd start(Index size, const std::vector<int>& fixed) {
+Eigen::VectorXd start(Index size, const std::vector<int>& fixed, const RankDivision& division) {
   Eigen::VectorXd x(size);
   double fraction = 0;
   for (Index i = 0; i < size; ++i) {
     fraction = std::fmod(fraction + std::numbers::phi, 1.0);
     x(i) = fraction - 0.5;
   }
-  for (const int i : fixed) x(i) = 0;
-  return x;
+  Eigen::VectorXd part = division.part(x);
+  for (const int i : fixed) part(i) = 0;
+  return division.whole(part);
 }
 
 }  // namespace
 
 std::vector<double> natural_frequencies(const Matrix& stiffness, const Matrix& mass,
-                                        const std::vector<int>& fixed, int count, double slowness,
-                                        LinearSolver solver, double tolerance) {
+                                        const std::vector<int>& fixed, const RankDivision& division,
+                                        int count, double slowness, LinearSolver solver, double tolerance) {
   const auto failed = [](const std::string& problem) {
     return Error(ExitCode::solver_fault, "structure (fem), natural frequencies", problem,
                  "ask for fewer frequencies or lower structure.fem.refinement");
@@ -80,13 +85,15 @@ std::vector<double> natural_frequencies(const Matrix& stiffness, const Matrix& m
   if (!solver.factorise(shifted, fixed)) throw failed("the shifted stiffness is singular");
 
   // An iteration's error must stay below the requested tolerance of the eigenvalues.
-  Inverse inverse(solver, stiffness.rows(), 0.1 * tolerance);
-  Mass product(mass, fixed);
-  const auto free = static_cast<int>(stiffness.rows()) - static_cast<int>(fixed.size());
+  Mass product(mass, fixed, division);
+  Inverse inverse(solver, division, product.rows(), 0.1 * tolerance);
+  const auto held = std::count_if(fixed.begin(), fixed.end(), [&](int i) { return division.owns(i); });
+  const int free =
+      static_cast<int>(product.rows()) - static_cast<int>(division.sum(static_cast<double>(held)));
   const int wanted = std::min(count, free - 1);
   Spectra::SymGEigsShiftSolver<Inverse, Mass, Spectra::GEigsMode::ShiftInvert> eigen(
       inverse, product, wanted, std::min(free, std::max(2 * wanted + 1, 20)), shift);
-  const Eigen::VectorXd first = start(stiffness.rows(), fixed);
+  const Eigen::VectorXd first = start(product.rows(), fixed, division);
   eigen.init(first.data());
   eigen.compute(Spectra::SortRule::LargestMagn, 1000, tolerance);
   if (eigen.info() != Spectra::CompInfo::Successful)

@@ -16,9 +16,10 @@ NewtonResult solve(const Equilibrium& equilibrium, Eigen::VectorXd start, double
                    int max_iterations) {
   NewtonResult result{.x = std::move(start)};
   bool fresh = false;  // the tangent was taken at the present x
+  const RankDivision& division = equilibrium.division;
   Equilibrium::Residual here = equilibrium.residual(result.x);
+  result.residual = division.norm(here.value);
   for (;; ++result.iterations) {
-    result.residual = here.value.norm();
     result.wanted = std::max(tolerance * here.scale, here.floor);
     const bool finite = std::isfinite(result.residual);  // where forces overflow, so does what is wanted
     result.converged = finite && result.residual <= result.wanted;
@@ -28,9 +29,10 @@ NewtonResult solve(const Equilibrium& equilibrium, Eigen::VectorXd start, double
     double part = 1;
     Eigen::VectorXd trial = result.x + step;
     Equilibrium::Residual there = equilibrium.residual(trial);
+    double next = division.norm(there.value);
     // `!(a <= b)` is also true when a is not a number.
-    const auto grows = [&] { return !(there.value.norm() <= result.residual); };
-    if (grows() && there.value.norm() > there.floor && !fresh) {
+    const auto grows = [&] { return !(next <= result.residual); };
+    if (grows() && next > there.floor && !fresh) {
       if (!equilibrium.refresh(result.x)) return result;
       fresh = result.refreshed = true;
       continue;
@@ -38,21 +40,23 @@ NewtonResult solve(const Equilibrium& equilibrium, Eigen::VectorXd start, double
     // The line search limits the work of the residual on the step, not the residual's size (Matthies & Strang
     // 1979). A straight step stretches a slender body that turns, and the next step takes this stretch back.
     // Meanwhile its residual grows by orders of magnitude, across the step.
-    const double work = std::abs(step.dot(here.value));
+    const double work = std::abs(division.dot(step, here.value));
     const auto works_more = [&] {
-      return !(std::abs(step.dot(there.value)) <= work) || !there.value.allFinite();
+      return !(std::abs(division.dot(step, there.value)) <= work) || !std::isfinite(next);
     };
     for (int i = 0; i < max_halvings && grows() && works_more(); ++i) {
       part /= 2;
       trial = result.x + part * step;
       there = equilibrium.residual(trial);
+      next = division.norm(there.value);
     }
     if (grows() && works_more()) return result;
-    const bool halved = there.value.norm() <= slow * result.residual;
+    const bool halved = next <= slow * result.residual;
     result.x = std::move(trial);
     here = std::move(there);
+    result.residual = next;
     fresh = false;
-    if (!halved && here.value.norm() > std::max(tolerance * here.scale, here.floor)) {
+    if (!halved && next > std::max(tolerance * here.scale, here.floor)) {
       if (!equilibrium.refresh(result.x)) return result;
       fresh = result.refreshed = true;
     }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "structure/fem/mesh/rank_division.hpp"
+
 #include <Eigen/Core>
 
 #include <functional>
@@ -17,6 +19,7 @@ struct Equilibrium {
   std::function<Residual(const Eigen::VectorXd& x)> residual;
   std::function<Eigen::VectorXd(const Eigen::VectorXd& r)> correction;  // A⁻¹ r with the tangent A at hand
   std::function<bool(const Eigen::VectorXd& x)> refresh;                // a new tangent at x; false: singular
+  RankDivision division = {};                                           // of the unknowns
 };
 
 struct NewtonResult {

@@ -26,33 +26,53 @@ StrainField strain_field(const Parameters& p) {
   return p.failure.criterion == FailureCriterion::none ? StrainField::automatic : StrainField::compatible;
 }
 
+/// Below this number of unknowns for each rank, messages take as long as the work.
+void require_work_for(int ranks, Eigen::Index unknowns) {
+  constexpr double fewest = 5000;
+  if (ranks == 1 || static_cast<double>(unknowns) >= fewest * ranks) return;
+  const int most = std::max(1, static_cast<int>(static_cast<double>(unknowns) / fewest));
+  throw Error(ExitCode::case_file, "structure.ranks",
+              fmt::format("expected at least {:g} unknowns for each rank, these are {:.0f}", fewest,
+                          static_cast<double>(unknowns) / ranks),
+              fmt::format("structure.ranks = {}", most));
+}
+
 }  // namespace
 
 template <int dim>
-FemSolver<dim>::FemSolver(const Parameters& p)
+FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
     : parameters_(p),
       scheme_(p.fem.rho_infinity),
       solid_(elastic_solid(p)),
       linear_(all_linear(solid_.parts)),
-      discretisation_(solid_, p.fem.degree, p.fem.refinement, size_along(p.fem, solid_)),
+      discretisation_(solid_, p.fem.degree, p.fem.refinement, size_along(p.fem, solid_), ranks),
       assembly_(discretisation_.mesh(), solid_.parts, strain_field(p)),
       recovery_(discretisation_.mesh()),
-      method_(chosen(p.fem.linear_solver, dim, discretisation_.mesh().n_unknowns())),
+      method_(division().alone() ? chosen(p.fem.linear_solver, dim, mesh().n_unknowns())
+                                 : LinearMethod::cg_amg),
       mass_(assembly_.mass()),
       support_motion_(SupportFrame(p), mass_, discretisation_.mesh()),
       interface_(surface(p)),
       interpolation_(discretisation_, interface_.position),
       factors_(linear_solver()),
       fresh_factors_(linear_solver()) {
+  require_work_for(p.ranks, division().size(mesh().n_unknowns()));
   if (p.analysis == Analysis::statics) require_constrained(mesh());
   const int n = mesh().n_unknowns();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
   stiffness_ = assembly_.tangent(zero);
   node_mass_ = mass_ * Eigen::VectorXd::Ones(n);
-  largest_stiffness_ = stiffness_.coeffs().abs().maxCoeff();
+  largest_node_mass_ = division().max(node_mass_.head(division().own(n)).maxCoeff());
+  largest_stiffness_ = largest_in_own_rows(stiffness_);
+
+  const auto own_cells = static_cast<double>(std::count(mesh().own.begin(), mesh().own.end(), 1));
+  all_cells_ = static_cast<int>(division().sum(own_cells));
+  most_unknowns_ = static_cast<int>(division().max(static_cast<double>(division().own(n))));
+  fewest_unknowns_ = static_cast<int>(division().min(static_cast<double>(division().own(n))));
 
   load_shape_ = discretisation_.case_force(p.load);
-  first_frequency_ = frequencies(1, enough_for_a_line).front();
+  // A body for several ranks takes some tens of solutions for that line.
+  if (division().alone()) first_frequency_ = frequencies(1, enough_for_a_line).front();
   // The stiffness alone is harder to solve for than a step's matrix, to which inertia adds.
   if (given_up_->times > 0) {
     method_ = LinearMethod::direct;
@@ -82,6 +102,7 @@ void FemSolver<dim>::start() {
       met.template segment<dim>(dim * node).array() += 1;
     }
   state_.velocity = state_.velocity.cwiseQuotient(met);
+  division().update(state_.velocity);
   clear_constrained(state_.velocity);
   for (int i = 0; support_motion_.supports().turns() && i < mesh().n_nodes(); ++i)
     state_.velocity.template segment<dim>(dim * i) +=
@@ -138,13 +159,19 @@ Eigen::VectorXd FemSolver<dim>::internal_force(const Eigen::VectorXd& u0, const 
 template <int dim>
 double FemSolver<dim>::round_off(const Eigen::VectorXd& u, double kappa) const {
   constexpr double units = 2;
-  return units * std::numeric_limits<double>::epsilon() *
-         (largest_stiffness_ + kappa * node_mass_.maxCoeff()) * u.norm();
+  return units * std::numeric_limits<double>::epsilon() * (largest_stiffness_ + kappa * largest_node_mass_) *
+         division().norm(u);
+}
+
+template <int dim>
+double FemSolver<dim>::largest_in_own_rows(const Matrix& matrix) const {
+  const Eigen::Index entries = matrix.outerIndexPtr()[division().own(matrix.rows())];
+  return division().max(matrix.coeffs().head(entries).abs().maxCoeff());
 }
 
 template <int dim>
 LinearSolver FemSolver<dim>::linear_solver() const {
-  NodalUnknowns unknowns{.per_node = dim, .rigid_motions = {}};
+  NodalUnknowns unknowns{.per_node = dim, .rigid_motions = {}, .division = division()};
   if (method_ != LinearMethod::direct) unknowns.rigid_motions = rigid_motions(mesh());
   return LinearSolver(method_, unknowns, given_up_);
 }
@@ -186,7 +213,7 @@ Energy FemSolver<dim>::energy() const {
   for (Eigen::Index axis = 0; axis < dim; ++axis)
     lumped +=
         0.5 * support_motion_.lumped_mass(axis) * state_.frame.velocity[axis] * state_.frame.velocity[axis];
-  return {.kinetic = 0.5 * velocity.dot(mass_ * velocity) + lumped,
+  return {.kinetic = 0.5 * division().dot(velocity, mass_ * velocity) + lumped,
           .strain = assembly_.strain_energy(state_.displacement),
           .external = state_.external,
           .released = state_.damage.released};
@@ -215,13 +242,13 @@ Stress FemSolver<dim>::stress_at(const Eigen::Vector3d& X) const {
   const std::array<double, 3> key{X.x(), X.y(), X.z()};
   auto found = stress_probes_.find(key);
   if (found == stress_probes_.end()) {
-    const auto place = discretisation_.locate(X);
+    const auto place = discretisation_.locate(X).front();
     found = stress_probes_.emplace(key, recovery_.shares(place.cell, place.weights)).first;
   }
   Stress stress = Stress::Zero();
   for (const auto& share : found->second)
     stress += assembly_.cell_state(state_.displacement, share.cell).template topRows<6>() * share.weight;
-  return stress;
+  return division().sum(stress);
 }
 
 template <int dim>
@@ -234,9 +261,9 @@ void FemSolver<dim>::set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd 
   saved_ = state_;
 }
 
-std::unique_ptr<Solver> make_solver(const Parameters& parameters) {
-  if (parameters.dimension == 3) return std::make_unique<FemSolver<3>>(parameters);
-  return std::make_unique<FemSolver<2>>(parameters);
+std::unique_ptr<Solver> make_solver(const Parameters& parameters, Communicator* ranks) {
+  if (parameters.dimension == 3) return std::make_unique<FemSolver<3>>(parameters, ranks);
+  return std::make_unique<FemSolver<2>>(parameters, ranks);
 }
 
 template class FemSolver<2>;

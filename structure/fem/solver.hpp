@@ -30,7 +30,8 @@ namespace strake::structure::fem {
 template <int dim>
 class FemSolver final : public Solver {
  public:
-  explicit FemSolver(const Parameters&);
+  /// On several ranks all call the same functions.
+  explicit FemSolver(const Parameters&, Communicator* ranks = nullptr);
   const InterfaceMesh& interface() const override { return interface_; }
   void advance(double t, double dt, const Load&) override;
   Points displacement() const override;
@@ -59,6 +60,7 @@ class FemSolver final : public Solver {
   std::vector<double> frequencies(int count) override;  // without rigid motions
   Properties properties() override;
 
+  const RankDivision& division() const { return mesh().division; }
   /// For tests of the method: the mesh, and the displacement of its nodes relative to the supports.
   const Mesh<dim>& mesh() const { return discretisation_.mesh(); }
   const Eigen::VectorXd& unknowns() const { return state_.displacement; }
@@ -86,7 +88,7 @@ class FemSolver final : public Solver {
   Eigen::Vector3d gravity_at(double time) const;  // [m/s²]
   Eigen::VectorXd own_load(double time) const;    // gravity and [structure.load], [N]
   Eigen::VectorXd internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const;
-  Matrix effective(const Matrix& tangent, double dt) const;
+  Matrix effective(Matrix tangent, double dt) const;
   void use_tangent(const State&);
   Eigen::VectorXd load_of_window(double t, double dt, const Load&) const;
   Eigen::VectorXd damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const;
@@ -106,6 +108,7 @@ class FemSolver final : public Solver {
   double round_off(const Eigen::VectorXd& u, double kappa) const;  // [N] of a step's forces at u
   LinearSolver linear_solver() const;
   std::string strain_line() const;
+  double largest_in_own_rows(const Matrix&) const;
   std::string linear_systems_line() const;
   std::vector<double> frequencies(int count, double tolerance) const;
   const PointInterpolation<dim>& probe(const Eigen::Vector3d& X) const;
@@ -128,12 +131,13 @@ class FemSolver final : public Solver {
   std::shared_ptr<GivenUp> given_up_ = std::make_shared<GivenUp>();
   Matrix mass_, stiffness_;    // stiffness at u = 0
   Eigen::VectorXd node_mass_;  // [kg] row sums
-  double largest_stiffness_ = 0;
+  double largest_stiffness_ = 0, largest_node_mass_ = 0;
   SupportMotion<dim> support_motion_;
   InterfaceMesh interface_;
   PointInterpolation<dim> interpolation_;
-  Eigen::VectorXd load_shape_;  // [N] of [structure.load] at full value
-  double first_frequency_ = 0;  // [Hz]
+  Eigen::VectorXd load_shape_;                                   // [N] of [structure.load] at full value
+  double first_frequency_ = 0;                                   // [Hz]
+  int all_cells_ = 0, fewest_unknowns_ = 0, most_unknowns_ = 0;  // of the body, and of a rank
   State state_, saved_;
 
   // Not state: factors kept by what they were made of.

@@ -1,6 +1,7 @@
 #include "proto/error.hpp"
 #include "structure/body/beam.hpp"
 #include "structure/fem/element/solid_shell.hpp"
+#include "structure/fem/mesh/joined_frame.hpp"
 #include "structure/fem/solver.hpp"
 
 #include <fmt/format.h>
@@ -48,10 +49,10 @@ std::string advice(const Mesh<2>&, bool) {
 
 template <int dim>
 void FemSolver<dim>::write(Archive& archive) const {
-  archive.real["fem.displacement"] = saved_.displacement;
-  archive.real["fem.velocity"] = saved_.velocity;
-  archive.real["fem.acceleration"] = saved_.acceleration;
-  archive.real["fem.tangent_at"] = saved_.tangent_at;
+  archive.real["fem.displacement"] = division().whole(saved_.displacement);
+  archive.real["fem.velocity"] = division().whole(saved_.velocity);
+  archive.real["fem.acceleration"] = division().whole(saved_.acceleration);
+  archive.real["fem.tangent_at"] = division().whole(saved_.tangent_at);
   archive.real["fem.scalars"] = Eigen::RowVector3d(saved_.time, saved_.external, saved_.tangent_dt);
   Eigen::Matrix<double, 3, 4> frame;
   frame << saved_.frame.displacement, saved_.frame.velocity, saved_.frame.acceleration, saved_.reaction;
@@ -78,11 +79,11 @@ void FemSolver<dim>::read(const Archive& archive) {
                   "resume with the structure.plate and structure.fem keys of the run that wrote it");
     return found->second.reshaped();
   };
-  const Eigen::Index n = mesh().n_unknowns();
-  state_.displacement = vector("fem.displacement", n);
-  state_.velocity = vector("fem.velocity", n);
-  state_.acceleration = vector("fem.acceleration", n);
-  state_.tangent_at = vector("fem.tangent_at", n);
+  const Eigen::Index n = division().size(mesh().n_unknowns());
+  state_.displacement = division().part(vector("fem.displacement", n));
+  state_.velocity = division().part(vector("fem.velocity", n));
+  state_.acceleration = division().part(vector("fem.acceleration", n));
+  state_.tangent_at = division().part(vector("fem.tangent_at", n));
   const Eigen::VectorXd scalars = vector("fem.scalars", 3);
   state_.time = scalars(0);
   state_.external = scalars(1);
@@ -155,7 +156,7 @@ Frame FemSolver<dim>::frame() const {
     const Eigen::RowVectorXd damage = failure_->in_nodes(state_.damage);
     frame.point_data.push_back({"damage", "1", damage(Eigen::all, node)});
   }
-  return frame;
+  return division().alone() ? frame : joined_frame(frame, recovery_, mesh());
 }
 
 /// What keeps cells from locking, or why nothing does; empty where they do not lock.
@@ -198,8 +199,9 @@ std::string FemSolver<dim>::linear_systems_line() const {
 template <int dim>
 std::vector<std::string> FemSolver<dim>::lines() const {
   std::vector<std::string> lines = {
-      fmt::format("fem ({})   {} cells Q{}, {} unknowns   f1 dry {:.1f} Hz", library(), mesh().n_cells(),
-                  mesh().degree, mesh().n_unknowns(), first_frequency_),
+      fmt::format("fem ({})   {} cells Q{}, {} unknowns", library(), all_cells_, mesh().degree,
+                  division().size(mesh().n_unknowns())) +
+          (division().alone() ? fmt::format("   f1 dry {:.1f} Hz", first_frequency_) : ""),
       fmt::format("{}, {}", law_and_frame(solid_),
                   scheme_.mid_point
                       ? std::string("Newmark 1/4-1/2 with the mean load of a window")
@@ -207,9 +209,12 @@ std::vector<std::string> FemSolver<dim>::lines() const {
   if (std::string line = frame_line(support_motion_.supports(), dim); !line.empty())
     lines.push_back(std::move(line));
   if (std::string line = strain_line(); !line.empty()) lines.push_back(std::move(line));
-  if (std::string line = advice(mesh(), assembly_.shells() > 0); !line.empty())
+  if (std::string line = division().alone() ? advice(mesh(), assembly_.shells() > 0) : ""; !line.empty())
     lines.push_back(std::move(line));
   lines.push_back(linear_systems_line());
+  if (!division().alone())
+    lines.push_back(fmt::format("{} ranks, {} to {} unknowns each", division().communicator().size(),
+                                fewest_unknowns_, most_unknowns_));
   if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
     lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));
   if (failure_)
@@ -253,9 +258,10 @@ Properties FemSolver<dim>::properties() {
   for (int k = 0; k < dim; ++k) {
     const Eigen::VectorXd one = component(k, [](int) { return 1.0; });
     const Eigen::VectorXd x = component(k, [&](int i) { return mesh().node(k, i); });
-    result.mass = one.dot(mass_ * one);
-    result.centre(k) = one.dot(mass_ * x) / result.mass;
-    if (k < 2) result.inertia += x.dot(mass_ * x) - result.mass * result.centre(k) * result.centre(k);
+    result.mass = division().dot(one, mass_ * one);
+    result.centre(k) = division().dot(one, mass_ * x) / result.mass;
+    if (k < 2)
+      result.inertia += division().dot(x, mass_ * x) - result.mass * result.centre(k) * result.centre(k);
   }
   result.frequencies = frequencies(3);
   result.step = "any (implicit)";

@@ -9,16 +9,16 @@ namespace strake::structure::fem {
 
 template <int dim>
 SupportMotion<dim>::SupportMotion(SupportFrame supports, const Matrix& mass, const Mesh<dim>& mesh)
-    : supports_(std::move(supports)), carried_(mesh.n_unknowns(), dim) {
-  std::array<bool, 3> constrained{};
-  for (const int unknown : mesh.fixed) constrained[static_cast<std::size_t>(unknown % dim)] = true;
+    : supports_(std::move(supports)), division_(mesh.division), carried_(mesh.n_unknowns(), dim) {
+  Vector constrained = Vector::Zero();
+  for (const int unknown : mesh.fixed) constrained[unknown % dim] = 1;
   std::vector<int> axes;
   for (int axis = 0; axis < dim; ++axis) {
-    if (!constrained[static_cast<std::size_t>(axis)]) supports_.stays_out(axis);
+    if (division_.max(constrained[axis]) == 0) supports_.stays_out(axis);
     Eigen::VectorXd one = Eigen::VectorXd::Zero(mesh.n_unknowns());
     for (int i = 0; i < mesh.n_nodes(); ++i) one(dim * i + axis) = 1;
     carried_.col(axis) = mass * one;
-    mass_[axis] = one.dot(carried_.col(axis)) + lumped_mass(axis);
+    mass_[axis] = division_.dot(one, carried_.col(axis)) + lumped_mass(axis);
     if (supports_.is_free(axis)) axes.push_back(axis);
   }
   W_.resize(mesh.n_unknowns(), static_cast<Eigen::Index>(axes.size()));
@@ -39,9 +39,10 @@ typename SupportMotion<dim>::Vector SupportMotion<dim>::acceleration(
   Vector A;
   for (int axis = 0; axis < dim; ++axis) {
     if (supports_.is_free(axis)) {
-      double sum = supports_.mass() * gravity[axis];
-      for (Eigen::Index i = axis; i < force.size(); i += dim) sum += force[i] - inertia[i];
-      A[axis] = sum / mass_[axis];
+      const Eigen::Index own = division_.own(force.size());
+      double sum = division_.first() ? supports_.mass() * gravity[axis] : 0;
+      for (Eigen::Index i = axis; i < own; i += dim) sum += force[i] - inertia[i];
+      A[axis] = division_.sum(sum) / mass_[axis];
     } else if (scheme.mid_point) {
       A[axis] = (to.velocity[axis] - from.velocity[axis]) / dt;
     } else {
@@ -81,7 +82,9 @@ void SupportMotion<dim>::advance(const TimeScheme& scheme, const FrameState& fro
 template <int dim>
 typename SupportMotion<dim>::Vector SupportMotion<dim>::gained(const Eigen::VectorXd& velocity_change,
                                                                const Eigen::Vector3d& frame_change) const {
-  return carried_.transpose() * velocity_change + mass_.cwiseProduct(frame_change.head<dim>());
+  const Eigen::Index own = division_.own(velocity_change.size());
+  const Vector of_body = carried_.topRows(own).transpose() * velocity_change.head(own);
+  return Vector(division_.sum(of_body)) + mass_.cwiseProduct(frame_change.head<dim>());
 }
 
 template <int dim>
@@ -90,9 +93,10 @@ typename SupportMotion<dim>::Correction SupportMotion<dim>::correction(const Lin
   Correction result;
   if (W_.cols() == 0) return result;
   result.W_ = &W_;
+  result.division_ = division_;
   result.Z_.resize(W_.rows(), W_.cols());
   for (Eigen::Index k = 0; k < W_.cols(); ++k) result.Z_.col(k) = A.solve(W_.col(k));
-  Eigen::MatrixXd S = -W_.transpose() * result.Z_;
+  Eigen::MatrixXd S = -result.W_times(result.Z_);
   S.diagonal() += W_mass_ / kappa;
   result.S_inverse_ = S.inverse();
   return result;
@@ -102,8 +106,14 @@ template <int dim>
 Eigen::VectorXd SupportMotion<dim>::Correction::operator()(const LinearSolver& A, const Eigen::VectorXd& r,
                                                            double tolerance) const {
   Eigen::VectorXd x = A.solve(r, tolerance);
-  if (W_ != nullptr) x += Z_ * (S_inverse_ * (W_->transpose() * x));
+  if (W_ != nullptr) x += Z_ * (S_inverse_ * W_times(x));
   return x;
+}
+
+template <int dim>
+Eigen::MatrixXd SupportMotion<dim>::Correction::W_times(const Eigen::MatrixXd& x) const {
+  const Eigen::Index own = division_.own(x.rows());
+  return division_.sum(Eigen::MatrixXd(W_->topRows(own).transpose() * x.topRows(own)));
 }
 
 template class SupportMotion<2>;

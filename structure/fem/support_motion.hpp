@@ -46,6 +46,8 @@ class SupportMotion {
 
    private:
     friend class SupportMotion;
+    Eigen::MatrixXd W_times(const Eigen::MatrixXd& x) const;  // Wᵀ x
+    RankDivision division_;
     const Eigen::MatrixXd* W_ = nullptr;
     Eigen::MatrixXd Z_, S_inverse_;  // A⁻¹ W; S = (m + M_L)/κ − Wᵀ Z
   };
@@ -53,6 +55,7 @@ class SupportMotion {
 
  private:
   SupportFrame supports_;
+  RankDivision division_;
   Eigen::MatrixXd carried_;  // n×dim M 1_k
   Vector mass_;              // m_k + M_L
   Eigen::MatrixXd W_;        // n×(free axes)

@@ -29,24 +29,23 @@ StepFailed failed(double time, const std::string& problem) {
 
 // A = (1−α_m)/(β dt²) M + (1−α_f) (K + γ/(β dt) C): how the forces of a step change with u1.
 template <int dim>
-Matrix FemSolver<dim>::effective(const Matrix& tangent, double dt) const {
+Matrix FemSolver<dim>::effective(Matrix tangent, double dt) const {
   const Damping& damping = parameters_.damping;
   const double share = 1 - scheme_.alpha_f, rate = scheme_.gamma / (scheme_.beta * dt);
-  Matrix matrix = tangent;
-  auto value = matrix.coeffs();  // one pattern for all
+  auto value = tangent.coeffs();  // one pattern for all
   value = share * value + (scheme_.inertia() / (dt * dt) + share * rate * damping.mass) * mass_.coeffs() +
           share * rate * damping.stiffness * stiffness_.coeffs();
-  return matrix;
+  return tangent;
 }
 
 template <int dim>
 void FemSolver<dim>::use_tangent(const State& state) {
   factors_.retry();
   if (factors_dt_ == state.tangent_dt && factors_at_.size() > 0 && factors_at_ == state.tangent_at) return;
-  const Matrix tangent = linear_ && assembly_.intact() ? stiffness_ : assembly_.tangent(state.tangent_at);
+  Matrix tangent = linear_ && assembly_.intact() ? stiffness_ : assembly_.tangent(state.tangent_at);
   ++factorisations_;
   factors_at_.resize(0);  // until they are made
-  if (!factors_.factorise(effective(tangent, state.tangent_dt), mesh().fixed))
+  if (!factors_.factorise(effective(std::move(tangent), state.tangent_dt), mesh().fixed))
     throw failed(state.time, "the matrix of a step is singular");
   factors_at_ = state.tangent_at;
   factors_dt_ = state.tangent_dt;
@@ -99,8 +98,9 @@ double FemSolver<dim>::work_of_turn(const State& old, const State& next, const E
   const Eigen::VectorXd inside = internal_force(old.displacement, next.displacement, scheme_.alpha_f);
   double work = 0;
   for (const int i : mesh().fixed)
-    work += (inside(i) + inertia(i) - force(i)) * (next.displacement(i) - old.displacement(i));
-  return work;
+    if (division().owns(i))
+      work += (inside(i) + inertia(i) - force(i)) * (next.displacement(i) - old.displacement(i));
+  return division().sum(work);
 }
 
 // r(u1) = F − f(u0, u1) − C v_α − M a_m − M 1 A, in the unknowns that are free.
@@ -111,13 +111,14 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   const Eigen::VectorXd drift = old.displacement + dt * old.velocity;
   const double kappa = scheme_.inertia() / (dt * dt);
   Equilibrium equilibrium;
+  equilibrium.division = division();
   equilibrium.residual = [&](const Eigen::VectorXd& u1) {
     const Eigen::VectorXd inside = internal_force(old.displacement, u1, scheme_.alpha_f);
     Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
     inertia += support_motion_.inertia(frame_acceleration(old, told, force, inertia, dt));
     Equilibrium::Residual r{.value = force - inside - damping_force(old, u1, dt) - inertia};
     clear_constrained(r.value);
-    r.scale = std::max({force.norm(), inside.norm(), inertia.norm()});
+    r.scale = std::max({division().norm(force), division().norm(inside), division().norm(inertia)});
     r.floor = round_off(u1, kappa);
     return r;
   };
@@ -132,10 +133,10 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
     // Conjugate gradients and Cholesky factors need a symmetric matrix: the tangent of a state, not of a
     // step. In large bodies LU factors are expensive.
     const bool large = dim == 3 && mesh().n_unknowns() >= many_unknowns;
-    const Matrix tangent = method_ == LinearMethod::direct && !large
-                               ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
-                               : assembly_.tangent(u1);
-    if (!fresh_factors_.factorise(effective(tangent, dt), mesh().fixed)) return false;
+    Matrix tangent = method_ == LinearMethod::direct && !large
+                         ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
+                         : assembly_.tangent(u1);
+    if (!fresh_factors_.factorise(effective(std::move(tangent), dt), mesh().fixed)) return false;
     correction = support_motion_.correction(fresh_factors_, kappa);
     return true;
   };
@@ -159,14 +160,15 @@ void FemSolver<dim>::account(const State& old, const Eigen::VectorXd& force, dou
   const Eigen::Vector3d gained = next.frame.velocity - old.frame.velocity;
   const auto momentum = support_motion_.gained(next.velocity - old.velocity, gained);
   const Eigen::Vector3d V = 0.5 * (old.frame.velocity + next.frame.velocity);
-  next.external +=
-      (force - damping_force(old, next.displacement, dt)).dot(next.displacement - old.displacement) +
-      V.template head<dim>().dot(momentum);
+  next.external += division().dot(force - damping_force(old, next.displacement, dt),
+                                  next.displacement - old.displacement) +
+                   V.template head<dim>().dot(momentum);
   next.reaction.setZero();
   for (int axis = 0; axis < dim; ++axis) {
     double loads = 0;
-    for (Eigen::Index i = axis; i < force.size(); i += dim) loads += force[i];
-    next.reaction[axis] = (momentum[axis] - support_motion_.lumped_mass(axis) * gained[axis]) / dt - loads;
+    for (Eigen::Index i = axis; i < division().own(force.size()); i += dim) loads += force[i];
+    next.reaction[axis] =
+        (momentum[axis] - support_motion_.lumped_mass(axis) * gained[axis]) / dt - division().sum(loads);
   }
 }
 

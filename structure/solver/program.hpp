@@ -2,6 +2,7 @@
 
 #include "proto/case/case_keys.hpp"
 #include "proto/case/size_limit.hpp"
+#include "proto/ranks/communicator.hpp"
 #include "structure/body/parameters.hpp"
 #include "structure/solver/solver.hpp"
 
@@ -27,6 +28,8 @@ struct SolverProgram {
   /// Writes an input file for other programs, if the solver has a mesh that they can take. Returns the text
   /// for the user.
   std::function<std::string(const Parameters&, const CommonKeys&, const DeckRequest&)> export_deck = nullptr;
+  /// Builds the solver of one of several ranks; empty: this kind has one.
+  std::function<std::unique_ptr<Solver>(const Parameters&, Communicator&)> build_on_ranks = nullptr;
 };
 SolverProgram this_program();
 

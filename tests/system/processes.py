@@ -54,6 +54,24 @@ def children(pid):
     return found
 
 
+def ranks_of(process, program):
+    """Rank → pid of the ranks of a program that a run has started."""
+    found = {}
+    for entry in pathlib.Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            words = (entry / "environ").read_bytes().split(b"\0")
+            name = (entry / "cmdline").read_bytes().split(b"\0")[0]
+        except OSError:
+            continue
+        if name.endswith(program.encode()) and f"STRAKE_COUPLER={process.pid}".encode() in words:
+            for word in words:
+                if word.startswith(b"OMPI_COMM_WORLD_RANK="):
+                    found[int(word.split(b"=")[1])] = int(entry.name)
+    return found
+
+
 def alive(pid):
     try:
         return (pathlib.Path("/proc") / str(pid) / "stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"

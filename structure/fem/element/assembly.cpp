@@ -28,18 +28,22 @@ Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts, S
     for (int a = 0; a < per_cell; ++a)
       for (int b = 0; b < per_cell; ++b)
         neighbours[static_cast<std::size_t>(mesh.cell(a, c))].push_back(mesh.cell(b, c));
-  std::vector<Eigen::Triplet<double>> entries;
+  pattern_.resize(mesh.n_unknowns(), mesh.n_unknowns());
+  int* const begin = pattern_.outerIndexPtr();
   for (int a = 0; a < mesh.n_nodes(); ++a) {
     auto& row = neighbours[static_cast<std::size_t>(a)];
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
+    for (int i = dim * a; i < dim * (a + 1); ++i)
+      begin[i + 1] = begin[i] + dim * static_cast<int>(row.size());
+  }
+  pattern_.resizeNonZeros(begin[mesh.n_unknowns()]);
+  pattern_.coeffs().setZero();
+  int* column = pattern_.innerIndexPtr();
+  for (const auto& row : neighbours)
     for (int i = 0; i < dim; ++i)
       for (const int b : row)
-        for (int j = 0; j < dim; ++j) entries.emplace_back(dim * a + i, dim * b + j, 0.0);
-  }
-  pattern_.resize(mesh.n_unknowns(), mesh.n_unknowns());
-  pattern_.setFromTriplets(entries.begin(), entries.end());
-  pattern_.makeCompressed();
+        for (int j = 0; j < dim; ++j) *column++ = dim * b + j;
   slot_.reserve(static_cast<std::size_t>(mesh.n_cells() * per_cell * per_cell));
   for (int c = 0; c < mesh.n_cells(); ++c)
     for (int a = 0; a < per_cell; ++a) {

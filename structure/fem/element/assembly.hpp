@@ -107,18 +107,22 @@ class Assembly {
     return material(cell);
   }
   std::vector<Part> part_;
-  std::vector<Material> eroded_;  // of the parts: linear
-  std::vector<char> enhanced_;    // of the parts
-  std::vector<int> thin_;         // of the cells, see thin_axis; empty: no solid shells
-  Eigen::VectorXd integrity_;     // empty: intact
-  Matrix pattern_;
+  std::vector<Material> eroded_;                        // of the parts: linear
+  std::vector<char> enhanced_;                          // of the parts
+  std::vector<int> thin_;                               // of the cells, see thin_axis; empty: no solid shells
+  Eigen::VectorXd integrity_;                           // empty: intact
+  Eigen::SparseMatrix<char, Eigen::RowMajor> pattern_;  // without values
   std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin
 };
 
 template <int dim>
 template <class Visit>
 Matrix Assembly<dim>::scatter(const Visit& cell_matrix) const {
-  Matrix result = pattern_;
+  Matrix result(pattern_.rows(), pattern_.cols());
+  result.resizeNonZeros(pattern_.nonZeros());
+  std::copy_n(pattern_.outerIndexPtr(), pattern_.rows() + 1, result.outerIndexPtr());
+  std::copy_n(pattern_.innerIndexPtr(), pattern_.nonZeros(), result.innerIndexPtr());
+  result.coeffs().setZero();
   double* value = result.valuePtr();
   const int* row_begin = result.outerIndexPtr();
   const int per_cell = static_cast<int>(mesh_.cell.rows());

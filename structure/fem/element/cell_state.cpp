@@ -53,13 +53,14 @@ double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
     constexpr int n = nodes;
     double energy = 0;
     for (int c = 0; c < mesh_.n_cells(); ++c) {
+      if (mesh_.own[static_cast<std::size_t>(c)] == 0) continue;
       const Strains<dim, n> E = strains<n>(u, c);
       double sum = 0;
       for (int q = 0; q < n; ++q)
         sum += mesh_.weight(c * n + q) * energy_of_strain<dim>(of(c), E[static_cast<std::size_t>(q)]);
       energy += share(c) * sum;
     }
-    return energy;
+    return mesh_.division.sum(energy);
   });
 }
 
@@ -76,7 +77,7 @@ double Assembly<dim>::smallest_jacobian(const Eigen::VectorXd& u) const {
         smallest = std::min(smallest, F.determinant());
       }
     }
-    return smallest;
+    return mesh_.division.min(smallest);
   });
 }
 

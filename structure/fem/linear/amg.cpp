@@ -3,15 +3,17 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <utility>
 
 #ifdef STRAKE_HAS_ML
-#include <Epetra_CrsMatrix.h>
-#include <Epetra_Map.h>
-#include <Epetra_MpiComm.h>
-#include <Epetra_Vector.h>
+#include "structure/fem/mesh/rank_division_parts.hpp"
+
 #include <Teuchos_ParameterList.hpp>
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/trilinos_precondition.h>
+#include <deal.II/lac/trilinos_sparse_matrix.h>
+#include <deal.II/lac/trilinos_vector.h>
 #include <ml_MultiLevelPreconditioner.h>
 #include <mpi.h>
 #endif
@@ -23,6 +25,7 @@ namespace strake::structure::fem {
 namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using Vector = dealii::TrilinosWrappers::MPI::Vector;
 
 /// ML uses MPI, with this process alone, from its first use to the end of the process.
 class Session {
@@ -45,9 +48,15 @@ class Session {
   bool own_ = false;
 };
 
-Epetra_Vector view(const Epetra_Map& map, const Eigen::VectorXd& x) {
-  return Epetra_Vector(View, map, const_cast<double*>(x.data()));
-}
+/// A matrix that shows on the way that it is not positive definite: pᵀA p ≤ 0.
+struct PositiveMatrix {
+  struct Indefinite {};
+  const dealii::TrilinosWrappers::SparseMatrix& matrix;
+  void vmult(Vector& Ap, const Vector& p) const {
+    matrix.vmult(Ap, p);
+    if (!(p * Ap > 0)) throw Indefinite();
+  }
+};
 
 /// Conjugate gradients, one V-cycle of smoothed aggregation before each step (Vaněk, Mandel & Brezina 1996).
 /// The rigid motions, which elasticity leaves almost without force on every coarse level, stand in its coarse
@@ -55,39 +64,40 @@ Epetra_Vector view(const Epetra_Map& map, const Eigen::VectorXd& x) {
 class ConjugateGradients final : public LinearSolver::Method {
  public:
   ConjugateGradients(NodalUnknowns unknowns, int most_iterations)
-      : unknowns_(std::move(unknowns)), most_iterations_(most_iterations) {
-    static const Session session;
-  }
+      : unknowns_(std::move(unknowns)), most_iterations_(static_cast<unsigned int>(most_iterations)) {}
 
   bool factorise(const RowMatrix& matrix, const std::vector<char>& is_fixed) override {
-    multigrid_.reset();
-    matrix_.reset();
-    const auto n = static_cast<int>(matrix.rows());
-    map_ = std::make_unique<Epetra_Map>(n, 0, Epetra_MpiComm(MPI_COMM_SELF));
-
+    multigrid_.clear();
+    const RankDivision& division = unknowns_.division;
+    const auto own = static_cast<int>(division.own(matrix.rows()));
+    rows_ = division.alone() ? dealii::complete_index_set(static_cast<unsigned int>(own))
+                             : division.parts().unknowns.locally_owned_range();
+    const auto global = [&](Eigen::Index i) {
+      const auto local = static_cast<unsigned int>(i);
+      return division.alone() ? local : division.parts().unknowns.local_to_global(local);
+    };
     // Held unknowns keep their diagonal alone.
-    std::vector<int> count(static_cast<std::size_t>(n)), column;
-    std::vector<double> value;
     const auto stays = [&](int i, const RowMatrix::InnerIterator& entry) {
       return entry.col() == i ||
              (!is_fixed[static_cast<std::size_t>(i)] && !is_fixed[static_cast<std::size_t>(entry.col())]);
     };
-    for (int i = 0; i < n; ++i)
+    std::vector<unsigned int> count(static_cast<std::size_t>(own)), column;
+    std::vector<double> value;
+    for (int i = 0; i < own; ++i)
       for (RowMatrix::InnerIterator entry(matrix, i); entry; ++entry)
         count[static_cast<std::size_t>(i)] += stays(i, entry);
-    matrix_ = std::make_unique<Epetra_CrsMatrix>(Copy, *map_, *map_, count.data(), true);
-    for (int i = 0; i < n; ++i) {
+    matrix_ = std::make_unique<dealii::TrilinosWrappers::SparseMatrix>(rows_, communicator(), count);
+    for (int i = 0; i < own; ++i) {
       column.clear();
       value.clear();
       for (RowMatrix::InnerIterator entry(matrix, i); entry; ++entry) {
         if (!stays(i, entry)) continue;
-        column.push_back(static_cast<int>(entry.col()));
+        column.push_back(global(entry.col()));
         value.push_back(entry.value());
       }
-      matrix_->InsertMyValues(i, static_cast<int>(column.size()), value.data(), column.data());
+      matrix_->set(global(i), static_cast<unsigned int>(column.size()), column.data(), value.data());
     }
-    matrix_->FillComplete();
-    matrix_->OptimizeStorage();
+    matrix_->compress(dealii::VectorOperation::insert);
 
     // Uses a bound of ‖A‖ for the damping, and Gauss–Seidel, instead of an iteration from a random start. The
     // same matrix then gives the same bits in every call.
@@ -102,42 +112,40 @@ class ConjugateGradients final : public LinearSolver::Method {
     keys.set("coarse: type", "Amesos-KLU");
     keys.set("coarse: max size", 600);
     if (unknowns_.rigid_motions.size() > 0) {
+      own_motions_ = unknowns_.rigid_motions.topRows(own);
       keys.set("null space: type", "pre-computed");
-      keys.set("null space: dimension", static_cast<int>(unknowns_.rigid_motions.cols()));
-      keys.set("null space: vectors", unknowns_.rigid_motions.data());
+      keys.set("null space: dimension", static_cast<int>(own_motions_.cols()));
+      keys.set("null space: vectors", own_motions_.data());
       keys.set("null space: add default vectors", false);
     }
-    multigrid_ = std::make_unique<ML_Epetra::MultiLevelPreconditioner>(*matrix_, keys);
-    return multigrid_->IsPreconditionerComputed();
+    try {
+      multigrid_.initialize(*matrix_, keys);
+    } catch (const dealii::ExceptionBase&) {
+      return false;
+    }
+    return true;
   }
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance) override {
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size()), r = b, z = x, Ap = x;
+    Vector x(rows_, communicator()), right(rows_, communicator());
+    std::copy_n(b.data(), right.locally_owned_size(), right.begin());
+    const double size = right.l2_norm();
     iterations_ = 0;
-    const double wanted = tolerance * b.norm();
-    if (b.norm() == 0) return x;
-    Epetra_Vector r_view = view(*map_, r), z_view = view(*map_, z), Ap_view = view(*map_, Ap);
-    multigrid_->ApplyInverse(r_view, z_view);
-    Eigen::VectorXd p = z;
-    const Epetra_Vector p_view = view(*map_, p);
-    double rz = r.dot(z);
-    while (r.norm() > wanted) {
-      matrix_->Multiply(false, p_view, Ap_view);
-      const double curvature = p.dot(Ap);
-      if (!(curvature > 0) || !(rz > 0))
-        throw failed("the matrix is not positive definite: the body buckles, or a cell is turned inside out");
-      x += rz / curvature * p;
-      r -= rz / curvature * Ap;
-      if (++iterations_ == most_iterations_)
-        throw failed(
-            fmt::format("the residual is {:.2e} of the right side's norm after {} iterations, wanted {:.0e}",
-                        r.norm() / b.norm(), iterations_, tolerance));
-      multigrid_->ApplyInverse(r_view, z_view);
-      const double next = r.dot(z);
-      p = z + next / rz * p;
-      rz = next;
+    if (size == 0) return Eigen::VectorXd::Zero(b.size());
+    dealii::SolverControl control(most_iterations_, tolerance * size);
+    try {
+      dealii::SolverCG<Vector>(control).solve(PositiveMatrix{*matrix_}, x, right, multigrid_);
+    } catch (const PositiveMatrix::Indefinite&) {
+      throw failed("the matrix is not positive definite: the body buckles, or a cell is turned inside out");
+    } catch (const dealii::SolverControl::NoConvergence& stopped) {
+      throw failed(
+          fmt::format("the residual is {:.2e} of the right side's norm after {} iterations, wanted {:.0e}",
+                      stopped.last_residual / size, stopped.last_step, tolerance));
     }
-    return x;
+    iterations_ = static_cast<int>(control.last_step());
+    Eigen::VectorXd result = Eigen::VectorXd::Zero(b.size());
+    std::copy_n(x.begin(), x.locally_owned_size(), result.data());
+    return result;
   }
 
   int iterations() const override { return iterations_; }
@@ -147,12 +155,14 @@ class ConjugateGradients final : public LinearSolver::Method {
     return {ExitCode::solver_fault, "structure (fem), conjugate gradients", problem,
             "structure.fem.linear_solver = \"direct\""};
   }
+  MPI_Comm communicator() const { return unknowns_.division.alone() ? MPI_COMM_SELF : MPI_COMM_WORLD; }
 
-  NodalUnknowns unknowns_;  // multigrid refers to it
-  int most_iterations_;
-  std::unique_ptr<Epetra_Map> map_;
-  std::unique_ptr<Epetra_CrsMatrix> matrix_;
-  std::unique_ptr<ML_Epetra::MultiLevelPreconditioner> multigrid_;
+  NodalUnknowns unknowns_;
+  unsigned int most_iterations_;
+  Eigen::MatrixXd own_motions_;  // multigrid refers to them
+  dealii::IndexSet rows_;
+  std::unique_ptr<dealii::TrilinosWrappers::SparseMatrix> matrix_;
+  dealii::TrilinosWrappers::PreconditionAMG multigrid_;
   int iterations_ = 0;
 };
 
@@ -160,6 +170,7 @@ class ConjugateGradients final : public LinearSolver::Method {
 
 std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns& unknowns,
                                                           int most_iterations) {
+  static const Session session;
   return std::make_unique<ConjugateGradients>(unknowns, most_iterations);
 }
 

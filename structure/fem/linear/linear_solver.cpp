@@ -73,7 +73,7 @@ std::unique_ptr<LinearSolver::Method> make(LinearMethod method, const NodalUnkno
 
 LinearSolver::LinearSolver(LinearMethod method, const NodalUnknowns& unknowns,
                            std::shared_ptr<GivenUp> given_up)
-    : method_(make(method, unknowns, std::move(given_up))) {}
+    : division_(unknowns.division), method_(make(method, unknowns, std::move(given_up))) {}
 LinearSolver::~LinearSolver() = default;
 LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
 LinearSolver& LinearSolver::operator=(LinearSolver&&) noexcept = default;
@@ -90,6 +90,7 @@ Eigen::VectorXd LinearSolver::solve(const Eigen::VectorXd& b, double tolerance) 
   for (const int i : fixed_) right(i) = 0;
   Eigen::VectorXd x = method_->solve(right, tolerance);
   for (const int i : fixed_) x(i) = 0;
+  division_.update(x);
   return x;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "structure/body/parameters.hpp"
+#include "structure/fem/mesh/rank_division.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -15,6 +16,7 @@ namespace strake::structure::fem {
 struct NodalUnknowns {
   int per_node = 1;               // 3: a body in space
   Eigen::MatrixXd rigid_motions;  // one per column
+  RankDivision division = {};     // among ranks; more than one have conjugate gradients alone
 };
 
 /// How often factors replaced conjugate gradients that were chosen automatically, and why the first time.
@@ -23,7 +25,8 @@ struct GivenUp {
   std::string why;
 };
 
-/// Solves A x = b for matrices of one pattern, some of whose unknowns are constrained.
+/// Solves A x = b for matrices of one pattern, some of whose unknowns are constrained. On several ranks each
+/// has its own rows, and all solve together.
 class LinearSolver {
  public:
   /// `direct`: Cholesky factors where A is symmetric and positive definite and there are three unknowns per
@@ -57,6 +60,7 @@ class LinearSolver {
 
  private:
   std::vector<int> fixed_;
+  RankDivision division_;
   std::unique_ptr<Method> method_;
 };
 

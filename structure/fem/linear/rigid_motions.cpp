@@ -14,8 +14,12 @@ constexpr int count(int dim) {
 /// The rigid motions of all unknowns, as if none were fixed.
 template <int dim>
 Eigen::MatrixXd motions_of(const Mesh<dim>& mesh) {
-  const Eigen::Matrix<double, dim, 1> middle = mesh.node.rowwise().mean();
-  const double length = (mesh.node.colwise() - middle).cwiseAbs().maxCoeff();
+  const RankDivision& division = mesh.division;
+  Eigen::Matrix<double, dim, 1> middle = mesh.node.rowwise().mean();
+  if (!division.alone())
+    middle = division.sum(mesh.node.leftCols(division.own(mesh.n_unknowns()) / dim).rowwise().sum()) *
+             (dim / static_cast<double>(division.size(0)));
+  const double length = division.max((mesh.node.colwise() - middle).cwiseAbs().maxCoeff());
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(mesh.n_unknowns(), count(dim));
   for (int i = 0; i < mesh.n_nodes(); ++i) {
     const Eigen::Matrix<double, dim, 1> r = (mesh.node.col(i) - middle) / length;
@@ -43,10 +47,12 @@ Eigen::MatrixXd rigid_motions(const Mesh<dim>& mesh) {
 // − X̄)/L, restricted to the fixed unknowns.
 template <int dim>
 int rigid_motions_left(const Mesh<dim>& mesh) {
-  const Eigen::MatrixXd fixed = motions_of(mesh)(mesh.fixed, Eigen::all);
+  std::vector<int> own = mesh.fixed;
+  std::erase_if(own, [&](int i) { return !mesh.division.owns(i); });
+  const Eigen::MatrixXd fixed = motions_of(mesh)(own, Eigen::all);
   constexpr double stopped =
       1e-10;  // of the largest eigenvalue: the square of what round-off leaves of a rank
-  const Eigen::VectorXd value = eigenvalues_of(fixed.transpose() * fixed);
+  const Eigen::VectorXd value = eigenvalues_of(mesh.division.sum(Eigen::MatrixXd(fixed.transpose() * fixed)));
   int left = 0;
   for (const double v : value) left += v <= stopped * value.maxCoeff() || v == 0;
   return left;

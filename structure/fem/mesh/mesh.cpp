@@ -1,21 +1,27 @@
 #include "structure/fem/mesh/mesh.hpp"
 
 #include "proto/error.hpp"
+#include "structure/fem/mesh/rank_division_parts.hpp"
 #include "structure/fem/mesh/refinement.hpp"
 
 #include <Eigen/LU>
 #include <deal.II/base/quadrature_lib.h>
+#include <deal.II/distributed/fully_distributed_tria.h>
 #include <deal.II/dofs/dof_handler.h>
+#include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/fe/mapping_q1.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
+#include <deal.II/grid/tria_description.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <span>
+#include <utility>
 
 namespace strake::structure::fem {
 namespace {
@@ -53,34 +59,131 @@ void create(dealii::Triangulation<dim>& triangulation, const Solid& cells) {
 
 template <int dim>
 struct Discretisation<dim>::Parts {
-  explicit Parts(int degree) : element(degree), dofs(triangulation) {}
-  dealii::Triangulation<dim> triangulation;
+  using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
+  explicit Parts(int degree) : element(static_cast<unsigned int>(degree)) {}
+  std::unique_ptr<dealii::Triangulation<dim>> triangulation;
   dealii::FE_Q<dim> element;
   dealii::MappingQ1<dim> mapping;
   dealii::DoFHandler<dim> dofs;
   std::vector<unsigned int> lexicographic;  // place in the cell's unknowns of each lexicographic node
+  std::vector<Cell> cells;                  // as the mesh numbers them
+  const dealii::Utilities::MPI::Partitioner* unknowns = nullptr;  // of several ranks
+
+  dealii::types::global_dof_index n_nodes() const {
+    if (unknowns == nullptr) return dofs.n_dofs();
+    return (unknowns->locally_owned_size() + unknowns->n_ghost_indices()) / dim;
+  }
+  /// Nodes of a cell as the mesh numbers them, in deal.II's order.
+  std::vector<int> nodes(const Cell& cell) const {
+    std::vector<dealii::types::global_dof_index> index(element.n_dofs_per_cell());
+    cell->get_dof_indices(index);
+    std::vector<int> nodes(index.begin(), index.end());
+    if (unknowns != nullptr)
+      for (std::size_t a = 0; a < index.size(); ++a)
+        nodes[a] = static_cast<int>(unknowns->global_to_local(dim * index[a]) / dim);
+    return nodes;
+  }
 };
 
 template <int dim>
-Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refinement, double along)
+Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refinement, double along,
+                                    Communicator* ranks)
     : solid_(solid), parts_(std::make_unique<Parts>(degree)) {
   assert(solid.dimension == dim);
-  create(parts_->triangulation, refined(solid, refinement, along));
-  parts_->dofs.distribute_dofs(parts_->element);
-  parts_->lexicographic =
+  const Solid cells = refined(solid, refinement, along);
+  Parts& parts = *parts_;
+  if (ranks != nullptr && ranks->size() > 1) {
+    divide(cells, *ranks);
+  } else {
+    parts.triangulation = std::make_unique<dealii::Triangulation<dim>>();
+    create(*parts.triangulation, cells);
+    parts.dofs.reinit(*parts.triangulation);
+    parts.dofs.distribute_dofs(parts.element);
+    take_cells();
+  }
+  parts.lexicographic =
       dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(static_cast<unsigned int>(degree));
   copy_cells(degree);
+  constrain_all(refinement);
+}
 
-  // Supports, and parts that are constrained as a whole.
-  const double near = 1e-6 * std::ldexp(thinnest(solid), -refinement);
-  for (const SupportedFace& face : solid.supported)
+/// The cells of this rank, in the order of the whole body: so each sum over cells has the order of one rank.
+template <int dim>
+void Discretisation<dim>::take_cells() {
+  for (const auto& cell : parts_->dofs.active_cell_iterators())
+    if (!cell->is_artificial()) parts_->cells.push_back(cell);
+  const auto number = [](const auto& cell) { return static_cast<int>(cell->id().get_coarse_cell_id()); };
+  std::sort(parts_->cells.begin(), parts_->cells.end(),
+            [&](const auto& a, const auto& b) { return number(a) < number(b); });
+  for (const auto& cell : parts_->cells) {
+    mesh_.number.push_back(number(cell));
+    mesh_.own.push_back(cell->is_locally_owned());
+  }
+}
+
+/// Each rank makes the mesh of the whole body, divides it by METIS into parts that touch in few nodes, and
+/// keeps its own part, as a triangulation that no rank has as a whole.
+template <int dim>
+void Discretisation<dim>::divide(const Solid& cells, Communicator& ranks) {
+  Parts& parts = *parts_;
+  dealii::Triangulation<dim> whole;
+  create(whole, cells);
+  dealii::GridTools::partition_triangulation(static_cast<unsigned int>(ranks.size()), whole);
+  auto own = std::make_unique<dealii::parallel::fullydistributed::Triangulation<dim>>(MPI_COMM_WORLD);
+  own->create_triangulation(
+      dealii::TriangulationDescription::Utilities::create_description_from_triangulation(whole,
+                                                                                         MPI_COMM_WORLD));
+  parts.triangulation = std::move(own);
+  parts.dofs.reinit(*parts.triangulation);
+  parts.dofs.distribute_dofs(parts.element);
+  take_cells();
+
+  // Unknowns: own ones, then ghosts.
+  dealii::IndexSet relevant;
+  dealii::DoFTools::extract_locally_relevant_dofs(parts.dofs, relevant);
+  const auto unknowns_of = [&](const dealii::IndexSet& nodes) {
+    dealii::IndexSet set(dim * parts.dofs.n_dofs());
+    for (auto range = nodes.begin_intervals(); range != nodes.end_intervals(); ++range)
+      set.add_range(dim * *range->begin(), dim * (range->last() + 1));
+    set.compress();
+    return set;
+  };
+  const auto division = std::make_shared<RankDivision::Parts>(RankDivision::Parts{
+      ranks, {unknowns_of(parts.dofs.locally_owned_dofs()), unknowns_of(relevant), MPI_COMM_WORLD}, {}});
+  parts.unknowns = &division->unknowns;
+
+  // Numbers of the same nodes on one rank.
+  dealii::DoFHandler<dim> on_one_rank(whole);
+  on_one_rank.distribute_dofs(parts.element);
+  std::vector<dealii::types::global_dof_index> index(parts.element.n_dofs_per_cell());
+  division->on_one_rank.resize(dim * parts.n_nodes());
+  for (std::size_t c = 0; c < parts.cells.size(); ++c) {
+    typename Parts::Cell(&whole, 0, mesh_.number[c], &on_one_rank)->get_dof_indices(index);
+    const std::vector<int> nodes = parts.nodes(parts.cells[c]);
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      for (int k = 0; k < dim; ++k)
+        division->on_one_rank[static_cast<std::size_t>(dim * nodes[a] + k)] =
+            static_cast<int>(dim * index[a]) + k;
+  }
+  mesh_.division = RankDivision(division);
+}
+
+/// Supports, and parts that are constrained as a whole. An owner knows all that constrains its nodes.
+template <int dim>
+void Discretisation<dim>::constrain_all(int refinement) {
+  const double near = 1e-6 * std::ldexp(thinnest(solid_), -refinement);
+  for (const SupportedFace& face : solid_.supported)
     if (face.support != Support::free) constrain(face, near);
   for (int cell = 0; cell < mesh_.n_cells(); ++cell)
-    if (solid.parts[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].constrained)
+    if (solid_.parts[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].constrained)
       for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
         for (int k = 0; k < dim; ++k) mesh_.fixed.push_back(dim * mesh_.cell(a, cell) + k);
-  std::sort(mesh_.fixed.begin(), mesh_.fixed.end());
-  mesh_.fixed.erase(std::unique(mesh_.fixed.begin(), mesh_.fixed.end()), mesh_.fixed.end());
+  Eigen::VectorXd is_fixed = Eigen::VectorXd::Zero(mesh_.n_unknowns());
+  for (const int i : mesh_.fixed) is_fixed(i) = 1;
+  mesh_.division.update(is_fixed);
+  mesh_.fixed.clear();
+  for (int i = 0; i < is_fixed.size(); ++i)
+    if (is_fixed(i) != 0) mesh_.fixed.push_back(i);
 }
 
 // Nodes, cells, shape values and gradients of the Lagrange element.
@@ -88,8 +191,8 @@ template <int dim>
 void Discretisation<dim>::copy_cells(int degree) {
   const Parts& parts = *parts_;
   const unsigned int per_cell = parts.element.n_dofs_per_cell();
-  const auto n_cells = static_cast<Eigen::Index>(parts.triangulation.n_active_cells());
-  const auto n_nodes = static_cast<Eigen::Index>(parts.dofs.n_dofs());
+  const auto n_cells = static_cast<Eigen::Index>(parts.cells.size());
+  const auto n_nodes = static_cast<Eigen::Index>(parts.n_nodes());
 
   // Gauss with degree + 1 points is exact for the mass matrix and for Saint Venant–Kirchhoff up to the
   // quartic terms, which vanish with the strain.
@@ -115,16 +218,15 @@ void Discretisation<dim>::copy_cells(int degree) {
     for (unsigned int k = 0; k < dim; ++k) mesh_.point(k, q) = 2 * quadrature.point(q)[k] - 1;
   }
 
-  std::vector<types::global_dof_index> index(per_cell);
   Eigen::Index c = 0;
-  for (const auto& cell : parts.dofs.active_cell_iterators()) {
+  for (const auto& cell : parts.cells) {
     inside.reinit(cell);
     in_nodes.reinit(cell);
-    cell->get_dof_indices(index);
+    const std::vector<int> index = parts.nodes(cell);
     for (unsigned int a = 0; a < per_cell; ++a) {
       const unsigned int place = parts.lexicographic[a];
-      const auto node = static_cast<Eigen::Index>(index[place]);
-      mesh_.cell(a, c) = static_cast<int>(node);
+      const int node = index[place];
+      mesh_.cell(a, c) = node;
       for (unsigned int k = 0; k < dim; ++k) {
         mesh_.node(k, node) = in_nodes.quadrature_point(place)[k];
         for (unsigned int q = 0; q < quadrature.size(); ++q)
@@ -171,7 +273,7 @@ void Discretisation<dim>::constrain(const SupportedFace& face, double near) {
           (face.support == Support::symmetry && k == along))
         mesh_.fixed.push_back(dim * i + k);
   }
-  if (mesh_.fixed.size() == before)
+  if (mesh_.division.sum(static_cast<double>(mesh_.fixed.size() - before)) == 0)
     throw Error(ExitCode::case_file, "structure, support \"" + face.name + "\"",
                 "a pinned or rolling end needs a node at mid-height, and one layer of linear cells has none",
                 "structure.fem.refinement = 1 or more");
@@ -185,8 +287,8 @@ Eigen::VectorXd Discretisation<dim>::face_sizes(const std::vector<int>& facets) 
   FEFaceValues<dim> on_face(parts.mapping, parts.element, quadrature, update_values | update_JxW_values);
   const double near = 1e-6 * thinnest(solid_);
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh_.n_nodes());
-  std::vector<types::global_dof_index> index(parts.element.n_dofs_per_cell());
-  for (const auto& cell : parts.dofs.active_cell_iterators())
+  for (const auto& cell : parts.cells) {
+    const std::vector<int> index = parts.nodes(cell);
     for (const unsigned int f : cell->face_indices()) {
       if (!cell->face(f)->at_boundary()) continue;
       const Eigen::Vector3d middle = in_space(cell->face(f)->center());
@@ -194,11 +296,11 @@ Eigen::VectorXd Discretisation<dim>::face_sizes(const std::vector<int>& facets) 
                        [&](int k) { return on_facet(solid_, k, middle, near); }))
         continue;
       on_face.reinit(cell, f);
-      cell->get_dof_indices(index);
       for (unsigned int q = 0; q < quadrature.size(); ++q)
         for (unsigned int a = 0; a < index.size(); ++a)
-          sum(static_cast<Eigen::Index>(index[a])) += on_face.shape_value(a, q) * on_face.JxW(q);
+          sum(index[a]) += on_face.shape_value(a, q) * on_face.JxW(q);
     }
+  }
   return sum;
 }
 
@@ -209,7 +311,8 @@ Eigen::VectorXd Discretisation<dim>::case_force(const CaseLoad& load) const {
     const Eigen::VectorXd area = face_sizes(facets_named(solid_, load.face));
     for (int i = 0; i < mesh_.n_nodes(); ++i) force.segment<dim>(dim * i) = area(i) * load.value.head<dim>();
   } else if (load.kind == LoadKind::point) {
-    for (const auto& [node, weight] : shape_values(load.at))
+    const Place at = locate(load.at).front();
+    for (const auto& [node, weight] : at.weights)
       force.segment<dim>(dim * node) += weight * load.value.head<dim>();
   }
   return force;
@@ -218,38 +321,57 @@ Eigen::VectorXd Discretisation<dim>::case_force(const CaseLoad& load) const {
 template <int dim>
 Discretisation<dim>::~Discretisation() = default;
 
+// A linear search over the cells: once per point at set-up. Each rank looks in its own cells; the nearest
+// place of all counts, of equal ones the first cell.
 template <int dim>
-typename Discretisation<dim>::Place Discretisation<dim>::locate(const Eigen::Vector3d& X) const {
+std::vector<typename Discretisation<dim>::Place> Discretisation<dim>::locate(const Points& X) const {
+  struct Nearest {
+    double distance = std::numeric_limits<double>::infinity();
+    int number = -1;
+  };
   const Parts& parts = *parts_;
-  const dealii::Point<dim> x = point<dim>(X);
-
-  // A linear search over the cells: once per point at set-up.
-  typename dealii::DoFHandler<dim>::active_cell_iterator nearest;
-  dealii::Point<dim> unit;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& cell : parts.dofs.active_cell_iterators()) {
-    if (cell->barycenter().distance(x) - cell->diameter() > least) continue;
+  const auto place_in = [&](const auto& cell, const dealii::Point<dim>& x) {
     // Far from a distorted cell its map has no inverse; its middle is then used.
-    dealii::Point<dim> candidate;
-    for (int axis = 0; axis < dim; ++axis) candidate[static_cast<unsigned>(axis)] = 0.5;
+    dealii::Point<dim> unit;
+    for (unsigned int axis = 0; axis < dim; ++axis) unit[axis] = 0.5;
     try {
-      candidate =
+      unit =
           dealii::GeometryInfo<dim>::project_to_unit_cell(parts.mapping.transform_real_to_unit_cell(cell, x));
     } catch (const typename dealii::Mapping<dim>::ExcTransformationFailed&) {
     }
-    const double distance = parts.mapping.transform_unit_to_real_cell(cell, candidate).distance(x);
-    if (distance >= least) continue;
-    least = distance;
-    nearest = cell;
-    unit = candidate;
-    if (distance == 0) break;
+    return unit;
+  };
+  std::vector<Nearest> nearest(static_cast<std::size_t>(X.cols()));
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const dealii::Point<dim> x = point<dim>(X.col(static_cast<Eigen::Index>(i)));
+    Nearest& best = nearest[i];
+    for (std::size_t c = 0; c < parts.cells.size() && best.distance > 0; ++c) {
+      const auto& cell = parts.cells[c];
+      if (!mesh_.own[c] || cell->barycenter().distance(x) - cell->diameter() > best.distance) continue;
+      const double distance = parts.mapping.transform_unit_to_real_cell(cell, place_in(cell, x)).distance(x);
+      if (distance < best.distance) best = {distance, mesh_.number[c]};
+    }
   }
-  std::vector<dealii::types::global_dof_index> index(parts.element.n_dofs_per_cell());
-  nearest->get_dof_indices(index);
-  Place place{.cell = static_cast<int>(nearest->active_cell_index()), .weights = {}};
-  for (unsigned int a = 0; a < index.size(); ++a)
-    place.weights.emplace_back(static_cast<int>(index[a]), parts.element.shape_value(a, unit));
-  return place;
+  if (!mesh_.division.alone())
+    for (const Bytes& bytes : mesh_.division.communicator().gather(std::as_bytes(std::span(nearest)))) {
+      const auto* const other = reinterpret_cast<const Nearest*>(bytes.data());
+      for (std::size_t i = 0; i < nearest.size(); ++i)
+        if (std::pair(other[i].distance, other[i].number) < std::pair(nearest[i].distance, nearest[i].number))
+          nearest[i] = other[i];
+    }
+  std::vector<Place> places(nearest.size());
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const auto found = std::lower_bound(mesh_.number.begin(), mesh_.number.end(), nearest[i].number);
+    if (found == mesh_.number.end() || *found != nearest[i].number) continue;
+    places[i].cell = static_cast<int>(found - mesh_.number.begin());
+    const auto& cell = parts.cells[static_cast<std::size_t>(places[i].cell)];
+    const dealii::Point<dim> unit = place_in(cell, point<dim>(X.col(static_cast<Eigen::Index>(i))));
+    const std::vector<int> nodes = parts.nodes(cell);
+    for (unsigned int a = 0; a < nodes.size(); ++a)
+      if (mesh_.division.owns(dim * nodes[a]))
+        places[i].weights.emplace_back(nodes[a], parts.element.shape_value(a, unit));
+  }
+  return places;
 }
 
 std::string library() {

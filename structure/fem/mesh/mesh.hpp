@@ -1,6 +1,7 @@
 #pragma once
 
 #include "structure/body/parameters.hpp"
+#include "structure/fem/mesh/rank_division.hpp"
 
 #include <Eigen/Core>
 
@@ -11,7 +12,8 @@
 
 namespace strake::structure::fem {
 
-/// A finite-element mesh as plain arrays: all that the kernels need of it. Unknown dim·node + component.
+/// A finite-element mesh as plain arrays: all that the kernels need of it. Unknown dim·node + component. Of a
+/// body on several ranks it holds the rank's own cells and those beside them (rank_division.hpp).
 template <int dim>
 struct Mesh {
   int degree = 2;                                   // of the Lagrange element
@@ -27,6 +29,9 @@ struct Mesh {
   Eigen::MatrixXd centre_inverse;  // (dim·dim) × m [1/m]: inverse of ∂X/∂ξ at the centre of the corners
   std::vector<int> part;           // m, of the solid
   std::vector<int> fixed;          // unknowns that the supports constrain, ascending
+  RankDivision division;           // of the unknowns among ranks
+  std::vector<char> own;           // m: whether a cell counts for this rank
+  std::vector<int> number;         // m, of a cell in the whole body; ascending
 
   int n_nodes() const { return static_cast<int>(node.cols()); }
   int n_cells() const { return static_cast<int>(cell.cols()); }
@@ -61,19 +66,19 @@ std::string library();
 template <int dim>
 class Discretisation {
  public:
-  /// `refinement`, `along`: see refinement.hpp. Throws Error(case_file) where a support finds no node.
-  Discretisation(const Solid&, int degree, int refinement, double along = 0);
+  /// `refinement`, `along`: see refinement.hpp. Throws Error(case_file) where a support finds no node. With
+  /// several ranks, which are the processes of MPI_COMM_WORLD, each gets a part.
+  Discretisation(const Solid&, int degree, int refinement, double along = 0, Communicator* ranks = nullptr);
   ~Discretisation();
   const Mesh<dim>& mesh() const { return mesh_; }
-  /// Shape values at the material point X [m]. A point outside is moved to the nearest place of the nearest
-  /// cell.
-  NodeWeights shape_values(const Eigen::Vector3d& X) const { return locate(X).weights; }
-  /// The same, and the cell.
+  /// A material point: its cell, −1 where the rank does not have it, and the shape values of the rank's own
+  /// nodes.
   struct Place {
-    int cell = 0;
+    int cell = -1;
     NodeWeights weights;
   };
-  Place locate(const Eigen::Vector3d& X) const;
+  /// Finds points X [m]. A point outside is moved to the nearest place of the nearest cell.
+  std::vector<Place> locate(const Points& X) const;
   /// n [m^(dim-1)]: ∫ N_a dS over facets of the solid.
   Eigen::VectorXd face_sizes(const std::vector<int>& facets) const;
   /// [structure.load] at full value on the unknowns [N].
@@ -81,7 +86,10 @@ class Discretisation {
 
  private:
   struct Parts;
+  void divide(const Solid& cells, Communicator& ranks);
+  void take_cells();
   void copy_cells(int degree);
+  void constrain_all(int refinement);
   void constrain(const SupportedFace&, double near);
 
   Solid solid_;

@@ -7,11 +7,13 @@ namespace strake::structure::fem {
 
 template <int dim>
 PointInterpolation<dim>::PointInterpolation(const Discretisation<dim>& discretisation, const Points& at)
-    : shape_(at.cols(), discretisation.mesh().n_nodes()) {
+    : division_(discretisation.mesh().division), shape_(at.cols(), discretisation.mesh().n_nodes()) {
   std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index i = 0; i < at.cols(); ++i)
-    for (const auto& [node, weight] : discretisation.shape_values(at.col(i)))
-      entries.emplace_back(static_cast<int>(i), node, weight);
+  int i = 0;
+  for (const auto& place : discretisation.locate(at)) {
+    for (const auto& [node, weight] : place.weights) entries.emplace_back(i, node, weight);
+    ++i;
+  }
   shape_.setFromTriplets(entries.begin(), entries.end());
 }
 
@@ -21,7 +23,7 @@ Points PointInterpolation<dim>::at_points(const Eigen::VectorXd& unknowns) const
       unknowns.data(), shape_.cols(), dim);
   Points values = Points::Zero(3, shape_.rows());
   values.template topRows<dim>() = (shape_ * nodes).transpose();
-  return values;
+  return division_.sum(values);
 }
 
 template <int dim>

@@ -10,7 +10,8 @@ namespace strake::structure::fem {
 
 /// Interpolates the finite-element field at chosen points, N u, and distributes forces in those points to the
 /// nodes, Nᵀ f. The work is the same on both sides, and so is the total force. N is exact for linear fields,
-/// so that the moment is the same too.
+/// so that the moment is the same too. On several ranks all call the same functions; each has the columns of
+/// its own nodes.
 template <int dim>
 class PointInterpolation {
  public:
@@ -20,6 +21,7 @@ class PointInterpolation {
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& weights() const { return shape_; }
 
  private:
+  RankDivision division_;
   Eigen::SparseMatrix<double, Eigen::RowMajor> shape_;  // points × nodes, rows sum to 1
 };
 

@@ -35,7 +35,8 @@ class Recovery {
     int cell = 0;
     Eigen::VectorXd weight;  // n_quadrature
   };
-  /// Of the recovered field in a place of a cell: it needs the cells around it and no others.
+  /// Of the recovered field in a place of a cell: it needs the cells around it and no others. On several
+  /// ranks the sum over them.
   std::vector<Share> shares(int cell, const NodeWeights&) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fluid/ranks/communicator.hpp"
+#include "proto/ranks/communicator.hpp"
 #include "fluid/ranks/shared_grid.hpp"
 
 #include <Eigen/SparseCholesky>

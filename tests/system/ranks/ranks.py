@@ -7,7 +7,7 @@ import signal
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from processes import BIN, ROOT, alive, expect, finish, folder, rows, start, strake, time, wait_until
+from processes import BIN, ROOT, alive, expect, finish, folder, ranks_of, rows, start, strake, time, wait_until
 
 CASE = ROOT / "cases/plate_entry.toml"
 ENTRY = ["--set", "fluid.spacing=0.0125", "--set", "run.threads=1", "--set", "structure.velocity=[0, -20, 0]",
@@ -20,24 +20,6 @@ def run(cwd, ranks, tag, *more):
 
 def history(cwd, tag):
     return (pathlib.Path(cwd) / f"runs/plate_entry-{tag}/history.csv").read_bytes()
-
-
-def ranks_of(process):
-    """Rank → pid of the ranks that a run has started."""
-    found = {}
-    for entry in pathlib.Path("/proc").iterdir():
-        if not entry.name.isdigit():
-            continue
-        try:
-            words = (entry / "environ").read_bytes().split(b"\0")
-            name = (entry / "cmdline").read_bytes().split(b"\0")[0]
-        except OSError:
-            continue
-        if name.endswith(b"strake-fluid-ranks") and f"STRAKE_COUPLER={process.pid}".encode() in words:
-            for word in words:
-                if word.startswith(b"OMPI_COMM_WORLD_RANK="):
-                    found[int(word.split(b"=")[1])] = int(entry.name)
-    return found
 
 
 def same_bytes():
@@ -62,7 +44,7 @@ def lost_rank(kill, rank, limit):
         process = start("run", CASE, "--set", "fluid.ranks=2", *ENTRY, cwd=cwd)
         table = pathlib.Path(cwd) / "runs/plate_entry/history.csv"
         wait_until(lambda: table.exists() and table.read_text().count("\n") > 3, 60)
-        pids = ranks_of(process)
+        pids = ranks_of(process, "strake-fluid-ranks")
         expect(sorted(pids) == [0, 1], f"two ranks: {pids}")
         began = time.monotonic()
         os.kill(pids[rank], kill)

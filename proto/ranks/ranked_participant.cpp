@@ -1,4 +1,4 @@
-#include "fluid/ranked_participant.hpp"
+#include "proto/ranks/ranked_participant.hpp"
 
 #include "proto/error.hpp"
 #include "proto/wire/wire.hpp"
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-namespace strake::fluid {
+namespace strake {
 
 namespace {
 
@@ -17,7 +17,7 @@ enum class Call : std::uint8_t {
   finish,
   rewind,
   commit,
-  commit_and_write,
+  commit_with_output,
   checkpoint,
   resume,
   end
@@ -86,7 +86,7 @@ void RankedParticipant::rewind() {
 }
 
 void RankedParticipant::commit(bool write_output) {
-  ranks_.announce(announcement(write_output ? Call::commit_and_write : Call::commit));
+  ranks_.announce(announcement(write_output ? Call::commit_with_output : Call::commit));
   own_->commit(write_output);
 }
 
@@ -121,8 +121,8 @@ void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
         own->finish();
       } else if (call == Call::rewind) {
         own->rewind();
-      } else if (call == Call::commit || call == Call::commit_and_write) {
-        own->commit(call == Call::commit_and_write);
+      } else if (call == Call::commit || call == Call::commit_with_output) {
+        own->commit(call == Call::commit_with_output);
       } else if (call == Call::checkpoint) {
         own->checkpoint({});
       } else if (call == Call::resume) {
@@ -134,4 +134,4 @@ void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
   }
 }
 
-}  // namespace strake::fluid
+}  // namespace strake

@@ -1,18 +1,19 @@
 #pragma once
 
-#include "fluid/ranks/mpi_communicator.hpp"
 #include "proto/participant.hpp"
+#include "proto/ranks/mpi_communicator.hpp"
 
 #include <functional>
 #include <memory>
 
-namespace strake::fluid {
+namespace strake {
 
 /// Builds the participant of one rank.
 using RankFactory = std::function<std::unique_ptr<Participant>(const Setup&)>;
 
-/// The fluid of several ranks as one participant. It answers the coupler on the first rank, and announces to
-/// the others what they have to do (`work_for_first_rank`).
+/// A participant of several ranks as one. It answers the coupler on the first rank, and announces to
+/// the others what they have to do (`work_for_first_rank`). Of the other ranks none has a run's folder to
+/// write to.
 class RankedParticipant final : public Participant {
  public:
   RankedParticipant(MpiCommunicator&, const Setup&, const RankFactory&);
@@ -39,4 +40,4 @@ void work_for_first_rank(MpiCommunicator&, const RankFactory&);
 /// Lets the other ranks end. The first rank calls it last.
 void announce_end(MpiCommunicator&);
 
-}  // namespace strake::fluid
+}  // namespace strake

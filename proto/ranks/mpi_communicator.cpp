@@ -1,11 +1,11 @@
-#include "fluid/ranks/mpi_communicator.hpp"
+#include "proto/ranks/mpi_communicator.hpp"
 
 #include <chrono>
 #include <limits>
 #include <numeric>
 #include <thread>
 
-namespace strake::fluid {
+namespace strake {
 
 namespace {
 
@@ -139,4 +139,4 @@ Bytes MpiCommunicator::await_announcement() {
   return bytes;
 }
 
-}  // namespace strake::fluid
+}  // namespace strake

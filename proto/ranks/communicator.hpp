@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace strake::fluid {
+namespace strake {
 
 /// A message between two ranks.
 using Bytes = std::vector<std::byte>;
@@ -49,7 +49,7 @@ inline double processor_time(clockid_t of) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// The ranks that compute one fluid together: processes, or threads in tests. All of them call the same
+/// The ranks that compute one participant together: processes, or threads in tests. All of them call the same
 /// functions in the same order. Each call waits for the others.
 class Communicator {
  public:
@@ -155,10 +155,4 @@ class Communicator {
   virtual std::vector<std::int64_t> pass_lengths(std::span<const std::int64_t> to) = 0;
 };
 
-/// Divides space into one box per rank, by the work in it. centres: 3×b, of the own buckets of this rank;
-/// weights: work of each. Returns six numbers per rank, the lower and the upper corner of its box. The boxes
-/// fill all space and do not overlap. All ranks call it together and get the same boxes.
-using Partition = std::function<std::vector<double>(Communicator&, std::span<const double> centres,
-                                                    std::span<const double> weights)>;
-
-}  // namespace strake::fluid
+}  // namespace strake

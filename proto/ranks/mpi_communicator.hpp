@@ -1,10 +1,10 @@
 #pragma once
 
-#include "fluid/ranks/communicator.hpp"
+#include "proto/ranks/communicator.hpp"
 
 #include <mpi.h>
 
-namespace strake::fluid {
+namespace strake {
 
 /// The processes of an MPI run. They sleep while they wait for an announcement.
 class MpiCommunicator final : public Communicator {
@@ -33,4 +33,4 @@ class MpiCommunicator final : public Communicator {
   int rank_ = 0, size_ = 1;
 };
 
-}  // namespace strake::fluid
+}  // namespace strake

@@ -1,4 +1,4 @@
-#include "fluid/ranks/rank_watch.hpp"
+#include "proto/ranks/rank_watch.hpp"
 
 #include <array>
 #include <chrono>
@@ -8,7 +8,7 @@
 #include <string>
 #include <unistd.h>
 
-namespace strake::fluid {
+namespace strake {
 
 namespace {
 
@@ -21,7 +21,7 @@ struct Place {
   pid_t process = 0;
 };
 
-void watch(const std::stop_token& stop, int rank, pid_t process) {
+void watch(const std::stop_token& stop, const std::string& part, int rank, pid_t process) {
   Clock::time_point moving = Clock::now();
   while (!stop.stop_requested()) {
     std::this_thread::sleep_for(between_looks);
@@ -30,7 +30,7 @@ void watch(const std::stop_token& stop, int rank, pid_t process) {
       continue;
     }
     if (Clock::now() - moving < patience) continue;
-    std::fprintf(stderr, "rank %d of the fluid is stopped (process %d): the run ends\n", rank,
+    std::fprintf(stderr, "rank %d of the %s is stopped (process %d): the run ends\n", rank, part.c_str(),
                  static_cast<int>(process));
     kill(process, SIGKILL);  // the launcher names it, and ends the others
     return;
@@ -48,7 +48,7 @@ bool is_stopped(pid_t process) {
   return end != std::string::npos && end + 2 < text.size() && text[end + 2] == 'T';
 }
 
-RankWatch::RankWatch(Communicator& ranks) {
+RankWatch::RankWatch(Communicator& ranks, const std::string& part) {
   Place own;
   gethostname(own.machine.data(), own.machine.size() - 1);
   own.process = getpid();
@@ -57,10 +57,11 @@ RankWatch::RankWatch(Communicator& ranks) {
     const int next = (ranks.rank() + step) % ranks.size();
     const Place& place = all[static_cast<std::size_t>(next)];
     if (place.machine != own.machine) continue;
-    thread_ = std::jthread(
-        [next, process = place.process](const std::stop_token& stop) { watch(stop, next, process); });
+    thread_ = std::jthread([part, next, process = place.process](const std::stop_token& stop) {
+      watch(stop, part, next, process);
+    });
     return;
   }
 }
 
-}  // namespace strake::fluid
+}  // namespace strake

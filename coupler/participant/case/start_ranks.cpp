@@ -1,9 +1,7 @@
-#include "fluid/start_ranks.hpp"
+#include "coupler/participant/start_ranks.hpp"
 
+#include "coupler/participant/case/declared_case.hpp"
 #include "coupler/participant/launch.hpp"
-#include "coupler/participant/participant_main.hpp"
-#include "fluid/case/load_case.hpp"
-#include "fluid/program.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -16,7 +14,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace strake::fluid {
+namespace strake {
 
 namespace {
 
@@ -46,17 +44,19 @@ void set_environment() {
 
 }  // namespace
 
-int start_ranks(int argc, char** argv, FluidProgram& fluid) {
+int start_ranks(int argc, char** argv, const RankedProgram& ranked) {
+  if (ranked.on_ranks.empty()) return 0;
   std::vector<std::string> words;
   try {
     const ParticipantOptions options = parse_participant_options(argc, argv);
     if (options.mode != ParticipantOptions::Mode::serve || options.endpoint.empty()) return 0;
-    load_case(options.case_file, options.sets, [&](CaseFile& file) { fluid.declare(file); });
-    if (fluid.ranks() <= 1) return 0;
-    words = words_of(fluid.launcher(), fluid.ranks());
-    words.push_back(find_program("strake-fluid-ranks").string());
+    CaseFile file = load_case(options, ranked.program);
+    file.read_all([&] { ranked.program.declare(file); });
+    if (ranked.ranks() <= 1) return 0;
+    words = words_of(ranked.launcher(), ranked.ranks());
+    words.push_back(find_program(ranked.on_ranks).string());
   } catch (const Error& error) {
-    if (fluid.ranks() <= 1) return 0;
+    if (ranked.ranks() <= 1) return 0;
     std::fputs(to_text(error).c_str(), stderr);
     return static_cast<int>(error.code());
   }
@@ -66,7 +66,7 @@ int start_ranks(int argc, char** argv, FluidProgram& fluid) {
   line.push_back(nullptr);
   set_environment();
   execvp(line.front(), line.data());
-  std::fputs(to_text(Error(ExitCode::participant_lost, "fluid.launcher",
+  std::fputs(to_text(Error(ExitCode::participant_lost, ranked.program.prefix + ".launcher",
                            fmt::format("{} cannot be started: {}", words.front(), std::strerror(errno)),
                            "install openmpi-bin, or name another launcher"))
                  .c_str(),
@@ -74,4 +74,9 @@ int start_ranks(int argc, char** argv, FluidProgram& fluid) {
   return static_cast<int>(ExitCode::participant_lost);
 }
 
-}  // namespace strake::fluid
+int main_or_ranks(int argc, char** argv, const RankedProgram& ranked) {
+  const int code = start_ranks(argc, argv, ranked);
+  return code != 0 ? code : participant_main(argc, argv, ranked.program);
+}
+
+}  // namespace strake

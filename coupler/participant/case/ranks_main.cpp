@@ -1,0 +1,88 @@
+#include "coupler/participant/ranks_main.hpp"
+
+#include "coupler/participant/case/declared_case.hpp"
+#include "proto/error.hpp"
+#include "proto/ranks/rank_watch.hpp"
+#include "proto/ranks/ranked_participant.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+
+namespace strake {
+namespace {
+
+/// Whether the command line is that of a participant of a run. The other modes need one rank.
+bool serves(int argc, char** argv) {
+  try {
+    return parse_participant_options(argc, argv).mode == ParticipantOptions::Mode::serve;
+  } catch (const Error&) {
+    return false;  // participant_main says what is wrong
+  }
+}
+
+/// Reads the case. Refuses a launcher that starts another number of ranks than the case asks for.
+void take_case(const MpiCommunicator& ranks, int argc, char** argv, const RankedProgram& ranked) {
+  CaseFile file = load_case(parse_participant_options(argc, argv), ranked.program);
+  file.read_all([&] { ranked.program.declare(file); });
+  if (ranks.size() == ranked.ranks()) return;
+  const std::string& part = ranked.program.prefix;
+  throw Error(ExitCode::participant_lost, part + ".launcher",
+              fmt::format("has started {} ranks, {}.ranks is {}", ranks.size(), part, ranked.ranks()),
+              "give the launcher {ranks}, as in mpirun -n {ranks}");
+}
+
+int run(MpiCommunicator& ranks, int argc, char** argv, const RankedProgram& ranked,
+        const RankFactory& build) {
+  Program program = ranked.program;
+  program.program = ranked.on_ranks;
+  if (!serves(argc, argv)) return ranks.rank() == 0 ? participant_main(argc, argv, program) : 0;
+  std::optional<Error> refused;
+  try {
+    take_case(ranks, argc, argv, ranked);
+  } catch (const Error& error) {
+    refused = error;
+  }
+  // One rank may see another file than the others. All end together, and the first of them says why.
+  const std::vector<int> codes = ranks.all(refused ? static_cast<int>(refused->code()) : 0);
+  const auto first = std::ranges::find_if(codes, [](int code) { return code != 0; });
+  if (first != codes.end()) {
+    if (first - codes.begin() == ranks.rank()) std::fputs(to_text(*refused).c_str(), stderr);
+    return *first;
+  }
+  if (ranks.rank() > 0) {
+    work_for_first_rank(ranks, build);
+    return 0;
+  }
+  program.build = [&](CaseFile&, const ParticipantOptions&,
+                      const Setup& setup) -> std::unique_ptr<Participant> {
+    return std::make_unique<RankedParticipant>(ranks, setup, build);
+  };
+  const int code = participant_main(argc, argv, program);
+  announce_end(ranks);
+  return code;
+}
+
+}  // namespace
+
+int ranks_main(int argc, char** argv, const RankedProgram& ranked,
+               const std::function<std::unique_ptr<Participant>(const Setup&, Communicator&)>& build) {
+  int provided = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  MpiCommunicator ranks(MPI_COMM_WORLD);
+  int code = 0;
+  try {
+    const RankWatch watch(ranks, ranked.program.prefix);
+    code = run(ranks, argc, argv, ranked, [&](const Setup& setup) { return build(setup, ranks); });
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rank %d of the %s: %s\n", ranks.rank(), ranked.program.prefix.c_str(),
+                 error.what());
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(ExitCode::our_bug));
+  }
+  MPI_Finalize();
+  return code;
+}
+
+}  // namespace strake

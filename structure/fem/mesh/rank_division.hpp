@@ -1,0 +1,63 @@
+#pragma once
+
+#include "proto/ranks/communicator.hpp"
+
+#include <Eigen/Core>
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace strake::structure::fem {
+
+/// The division of a body's unknowns among ranks. A vector of a rank has the unknowns of its own nodes first.
+/// Behind them stand copies of those of other ranks whose cells touch its own nodes, the ghosts. A rank has
+/// all cells around its own nodes, so that it adds up complete forces and rows of matrices there; those of
+/// ghosts are not complete and not used. By default there is one rank, which has all.
+class RankDivision {
+ public:
+  struct Parts;  // by deal.II, in rank_division_parts.hpp
+  RankDivision() = default;
+  explicit RankDivision(std::shared_ptr<const Parts> parts) : parts_(std::move(parts)) {}
+
+  bool alone() const { return parts_ == nullptr; }
+  bool first() const { return alone() || communicator().rank() == 0; }
+  Communicator& communicator() const;
+  const Parts& parts() const { return *parts_; }
+
+  /// How many of the unknowns are the rank's own, out of `all` that it has.
+  Eigen::Index own(Eigen::Index all) const { return alone() ? all : own_of_parts(); }
+  bool owns(int unknown) const { return alone() || unknown < own_of_parts(); }
+  /// Number of an unknown in the body on one rank.
+  int number(int unknown) const;
+  /// Of the whole body.
+  Eigen::Index size(Eigen::Index own_size) const { return alone() ? own_size : size_of_parts(); }
+
+  /// Sums and extremes over the ranks, on all of them the same.
+  double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+    return alone() ? a.dot(b) : sum(a.head(own_of_parts()).dot(b.head(own_of_parts())));
+  }
+  double norm(const Eigen::VectorXd& a) const {
+    return alone() ? a.norm() : std::sqrt(sum(a.head(own_of_parts()).squaredNorm()));
+  }
+  double sum(double value) const { return alone() ? value : communicator().sum(value); }
+  double max(double value) const { return alone() ? value : communicator().max(value); }
+  double min(double value) const { return -max(-value); }
+  /// Adds up a matrix of each rank.
+  Eigen::MatrixXd sum(const Eigen::MatrixXd&) const;
+
+  /// Copies the values of ghosts from their owners.
+  void update(Eigen::VectorXd& unknowns) const;
+  /// The vector of the whole body, numbered as on one rank, and the rank's part of such a vector.
+  Eigen::VectorXd whole(const Eigen::VectorXd& unknowns) const;
+  Eigen::VectorXd part(const Eigen::VectorXd& whole) const;
+  /// Columns of all ranks, one rank after the other, on the first one; on the others none.
+  Eigen::MatrixXd columns_on_first(const Eigen::MatrixXd& own) const;
+
+ private:
+  Eigen::Index own_of_parts() const;
+  Eigen::Index size_of_parts() const;
+  std::shared_ptr<const Parts> parts_;
+};
+
+}  // namespace strake::structure::fem

@@ -1,0 +1,13 @@
+#include "coupler/participant/ranks_main.hpp"
+
+#include "structure/program.hpp"
+
+// strake-structure-<kind>-ranks is one rank of a structure on several. strake-structure-<kind> starts it by
+// mpirun.
+int main(int argc, char** argv) {
+  strake::structure::StructureProgram structure(strake::structure::this_program());
+  return strake::ranks_main(argc, argv, structure.program(),
+                            [&](const strake::Setup& setup, strake::Communicator& ranks) {
+                              return structure.build(setup, &ranks);
+                            });
+}

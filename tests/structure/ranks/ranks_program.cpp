@@ -1,0 +1,159 @@
+// A block on several ranks, for ranks.py: mpirun -n N fem_ranks REFINEMENT FOLDER [all]. The first rank
+// writes FOLDER/N.json, and values of the whole body as numbers of 64 bits. Without "all" it solves one
+// linear system alone.
+
+#include "proto/error.hpp"
+#include "proto/peak_memory.hpp"
+#include "proto/ranks/mpi_communicator.hpp"
+#include "structure/fem/solver.hpp"
+#include "tests/structure/body/boxes.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+namespace strake::structure::fem {
+namespace {
+
+/// A block that is clamped at one end and pressed from above, of two materials.
+Parameters block(int refinement) {
+  Parameters p;
+  p.dimension = 3;
+  p.shape.kind = ShapeKind::solid;
+  SolidBox left = box("left", {0, 0, 0}, {0.12, 0.2, 0.345});
+  left.support[0] = Support::clamped;
+  SolidBox right = box("right", {0.12, 0, 0}, {0.24, 0.2, 0.345});
+  right.material.young = 7e10;
+  right.material.density = 2700;
+  p.solid = solid_of_boxes(3, {left, right});
+  p.load = {.kind = LoadKind::traction, .value = {0, -1e7, 2e6}, .face = "top", .at = {}, .ramp = 0};
+  p.fem.refinement = refinement;
+  p.fem.cell_size = std::ldexp(0.12, -refinement);
+  p.fem.linear_solver = LinearMethod::cg_amg;
+  p.surface_spacing = 0.05;
+  return p;
+}
+
+/// Writes what the first rank has.
+class Report {
+ public:
+  Report(const std::string& folder, Communicator& ranks)
+      : ranks_(ranks), base_(fmt::format("{}/{}", folder, ranks.size())) {}
+  void add(const std::string& name, double value) {
+    text_ += fmt::format(",\n \"{}\": {:.17g}", name, value);
+  }
+  void add(const std::string& name, const Eigen::MatrixXd& value) {
+    if (ranks_.rank() > 0) return;
+    std::ofstream(base_ + "." + name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(value.data()),
+               static_cast<std::streamsize>(static_cast<std::size_t>(value.size()) * sizeof(double)));
+  }
+  void write() {
+    if (ranks_.rank() == 0)
+      std::ofstream(base_ + ".json") << fmt::format("{{\"ranks\": {}{}}}\n", ranks_.size(), text_);
+  }
+
+ private:
+  Communicator& ranks_;
+  std::string base_, text_;
+};
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// One linear system of the stiffness: its iterations.
+void solve_system(const Parameters& p, Communicator& ranks, Report& report) {
+  const Discretisation<3> d(p.solid, 2, p.fem.refinement, p.fem.cell_size, &ranks);
+  const Mesh<3>& mesh = d.mesh();
+  const Matrix K = Assembly<3>(mesh, p.solid.parts).tangent(Eigen::VectorXd::Zero(mesh.n_unknowns()));
+  LinearSolver solver(LinearMethod::cg_amg,
+                      {.per_node = 3, .rigid_motions = rigid_motions(mesh), .division = mesh.division});
+  const double begin = seconds();
+  solver.factorise(K, mesh.fixed);
+  const double ready = seconds();
+  const Eigen::VectorXd x = solver.solve(d.case_force(p.load), 1e-12);
+  report.add("unknowns", static_cast<double>(mesh.division.size(mesh.n_unknowns())));
+  report.add("iterations", solver.iterations());
+  report.add("seconds.multigrid", ready - begin);
+  report.add("seconds.solve", seconds() - ready);
+  report.add("solution", mesh.division.whole(x));
+}
+
+/// Statics, frequencies, and some steps, with all that a run asks of a solver.
+void solve_body(const Parameters& p, Communicator& ranks, Report& report) {
+  const double begin = seconds();
+  FemSolver<3> solver(p, &ranks);
+  report.add("seconds.set_up", seconds() - begin);
+  report.add("f1", solver.frequencies(1).front());
+  const double start = seconds();
+  solver.solve_static();
+  report.add("seconds.static", seconds() - start);
+  report.add("static", solver.division().whole(solver.unknowns()));
+  report.add("strain", solver.energy().strain);
+  const Eigen::Vector3d at(0.2, 0.1, 0.05);
+  report.add("stress", von_mises(solver.stress_at(at)));
+  solver.set_unknowns(0 * solver.unknowns(), 0 * solver.unknowns());
+  for (int i = 0; i < 3; ++i) solver.advance(1e-5 * i, 1e-5, Load());
+  report.add("steps", solver.division().whole(solver.unknowns()));
+  report.add("surface", solver.displacement());
+  report.add("kinetic", solver.energy().kinetic);
+  report.add("external", solver.energy().external);
+  solver.save();
+  Archive archive;
+  solver.write(archive);
+  report.add("archive", archive.real.at("fem.velocity"));
+  const Frame frame = solver.frame();
+  report.add("frame_position", frame.position);
+  report.add("frame_cells", frame.cells.cast<double>());
+  for (const Frame::Array& array : frame.point_data) report.add("frame_" + array.name, array.value);
+}
+
+/// A frame that is free to heave, damping, gravity, and a scheme that remembers accelerations.
+void solve_free_frame(Parameters p, Communicator& ranks, Report& report) {
+  p.free.y = true;
+  p.body.lumped_mass = 40;
+  p.gravity = {0.5, -9.81, 0};
+  p.damping = {.mass = 30, .stiffness = 1e-6};
+  p.fem.rho_infinity = 0.7;
+  p.initial.value = {0.1, 0.2, -0.3};
+  p.load.ramp = 1e-4;
+  FemSolver<3> solver(p, &ranks);
+  for (int i = 0; i < 3; ++i) solver.advance(2e-5 * i, 2e-5, Load());
+  report.add("free_steps", solver.division().whole(solver.unknowns()));
+  report.add("free_surface", solver.displacement());
+  report.add("free_velocity", solver.velocity());
+  report.add("free_momentum", solver.momentum());
+  report.add("free_kinetic", solver.energy().kinetic);
+  report.add("free_external", solver.energy().external);
+}
+
+void run(int refinement, bool whole, const std::string& folder, Communicator& ranks) {
+  Report report(folder, ranks);
+  const Parameters p = block(refinement);
+  solve_system(p, ranks, report);
+  if (whole) solve_body(p, ranks, report);
+  if (whole) solve_free_frame(p, ranks, report);
+  report.add("bytes", ranks.max(peak_memory()));
+  report.write();
+}
+
+}  // namespace
+}  // namespace strake::structure::fem
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  int code = 0;
+  try {
+    strake::MpiCommunicator ranks(MPI_COMM_WORLD);
+    strake::structure::fem::run(std::stoi(argv[1]), argc > 3, argv[2], ranks);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    MPI_Abort(MPI_COMM_WORLD, 1);
+  }
+  MPI_Finalize();
+  return code;
+}
