@@ -369,8 +369,7 @@ Frame FluidParticipant<dim>::frame() const {
 
 template <int dim>
 void FluidParticipant<dim>::checkpoint(const std::filesystem::path& folder) {
-  if (folder.empty()) return;  // the first of several ranks has the whole state, and writes it
-  flush();                     // a resume continues from these files
+  flush();  // a resume continues from these files
   Archive small;
   save(committed_.measurements, small);
   small.integer["participant.steps"] = {committed_.progress.steps};

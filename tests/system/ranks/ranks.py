@@ -1,4 +1,4 @@
-"""The water on several ranks: the bytes of one rank, resumed runs, ranks that die or stop, refusals.
+"""The water on several ranks: the results of one rank, resumed runs, ranks that die or stop, refusals.
 ranks.py ROOT BIN"""
 import os
 import pathlib
@@ -22,21 +22,39 @@ def history(cwd, tag):
     return (pathlib.Path(cwd) / f"runs/plate_entry-{tag}/history.csv").read_bytes()
 
 
-def same_bytes():
+def forces(cwd, tag):
+    lines = history(cwd, tag).decode().splitlines()
+    at = [name.split(" ")[0] for name in lines[0].split(",")].index("force.y")
+    return [float(line.split(",")[at]) for line in lines[1:]]
+
+
+def departs(cwd, tag):
+    """Largest difference from the force of one rank, over the largest force."""
+    one, other = forces(cwd, "one"), forces(cwd, tag)
+    expect(len(one) == len(other), f"{tag}: all windows")
+    return max(abs(a - b) for a, b in zip(one, other)) / max(map(abs, one))
+
+
+def same_results():
+    """The pressure is that of one rank to its tolerance, 1e-8 of the right side."""
     with folder() as cwd:
         end = ["--set", "end_time=0.0008"]
-        expect(run(cwd, 1, "one", *end).returncode == 0, "plate_entry on one rank")
+        for tag, ranks in (("one", 1), ("two", 2)):
+            expect(run(cwd, ranks, tag, *end).returncode == 0, f"plate_entry, {tag}")
+        expect(departs(cwd, "two") < 1e-5, f"two ranks: the force of one, {departs(cwd, 'two'):.1e} off")
         process = start("run", CASE, "--tag", "half", "--set", "fluid.ranks=2", *ENTRY, *end, cwd=cwd)
         half = pathlib.Path(cwd) / "runs/plate_entry-half"
         wait_until(lambda: rows(half) > 50, 120)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=30)
         expect(process.returncode == 130, "Ctrl-C on two ranks: exit 130\n" + said)
-        for ranks in (1, 3):
-            shutil.copytree(f"{cwd}/runs/plate_entry-half", f"{cwd}/runs/plate_entry-on{ranks}")
-            done = run(cwd, ranks, f"on{ranks}", *end, "--resume")
-            expect(done.returncode == 0 and history(cwd, f"on{ranks}") == history(cwd, "one"),
-                   f"resumed on {ranks}: the same history.csv" + done.stderr)
+        for ranks in (1, 2, 3):
+            tag = f"on{ranks}"
+            shutil.copytree(f"{cwd}/runs/plate_entry-half", f"{cwd}/runs/plate_entry-{tag}")
+            done = run(cwd, ranks, tag, *end, "--resume")
+            expect(done.returncode == 0, f"resumed on {ranks}" + done.stderr)
+            expect(departs(cwd, tag) < 1e-5, f"resumed on {ranks}: the force of one, {departs(cwd, tag):.1e} off")
+        expect(history(cwd, "on2") == history(cwd, "two"), "resumed on 2: the bytes of the run without a stop")
 
 
 def lost_rank(kill, rank, limit):
@@ -78,7 +96,7 @@ def refusals():
 if not (BIN / "strake-fluid-ranks").exists():
     print("no strake-fluid-ranks: MPI or Zoltan was not there")
     finish()
-same_bytes()
+same_results()
 lost_rank(signal.SIGKILL, 1, 5)
 lost_rank(signal.SIGSTOP, 0, 10)
 refusals()
