@@ -1,7 +1,7 @@
 #pragma once
 
-#include "proto/ranks/communicator.hpp"
 #include "fluid/ranks/shared_grid.hpp"
+#include "proto/ranks/communicator.hpp"
 
 #include <Eigen/SparseCholesky>
 

@@ -1,0 +1,94 @@
+// Water on processes, for fluid_ranks.py: mpirun -n N fluid_mpi_ranks FOLDER. The first rank writes
+// FOLDER/N.json, and the whole state after one step as bytes, sorted by particle.
+
+#include "fluid/ranks/boomer_amg.hpp"
+#include "fluid/ranks/zoltan_partition.hpp"
+#include "proto/ranks/mpi_communicator.hpp"
+#include "tests/fluid/plate_case.hpp"
+#include "tests/fluid/ranks/flow.hpp"
+#include "tests/fluid/solid_case.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+#include <string>
+
+namespace strake::fluid {
+namespace {
+
+/// Writes pressures and velocities in the order of the particles' numbers.
+template <int dim>
+void write(const State<dim>& state, const std::string& path) {
+  std::vector<std::size_t> order(state.id.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t i) { return state.id[i]; });
+  std::ofstream file(path, std::ios::binary);
+  for (const std::size_t i : order) {
+    if (state.kind[i] != Kind::fluid) continue;
+    const auto k = static_cast<Eigen::Index>(i);
+    file.write(reinterpret_cast<const char*>(&state.pressure[k]), sizeof(double));
+    file.write(reinterpret_cast<const char*>(state.velocity.col(k).data()), dim * sizeof(double));
+  }
+}
+
+template <int dim>
+std::string compute(Flow<dim> flow, MpiCommunicator& ranks, const std::string& folder,
+                    const std::string& name) {
+  const double depth = (flow.p.water.max - flow.p.water.min).y(),
+               scale = flow.p.density * (flow.p.gravity.norm() * depth + flow.speed * flow.speed);
+  Simulation<dim> simulation(flow.p, flow.body, flow.velocity(),
+                             Ranks{&ranks, zoltan_partition, [&] { return boomer_amg(ranks); }});
+  const int last = flow.steps;
+  flow.steps = 1;
+  int iterations = flow.run(simulation).pressure_iterations;
+  const State<dim>& whole = simulation.whole();
+  if (ranks.rank() == 0) write(whole, fmt::format("{}/{}.{}", folder, ranks.size(), name));
+  std::int64_t ghosts = 0, own = whole.position.cols();
+  std::vector<std::int64_t> all = {own};
+  const std::int64_t before = ranks.account().bytes;
+  flow.steps = last;
+  iterations = std::max(iterations, flow.run(simulation).pressure_iterations);
+  if (const Subdomain<dim>* part = simulation.ranks().subdomain()) {
+    own = std::ranges::count(part->division().owner, ranks.rank());
+    ghosts = ranks.sum(part->local_water() - own);
+    all = ranks.all(own);
+  }
+  const auto mean =
+      static_cast<double>(std::reduce(all.begin(), all.end())) / static_cast<double>(all.size());
+  const auto sent = static_cast<double>(ranks.sum(ranks.account().bytes - before));
+  return fmt::format(
+      "\n \"{}\": {{\"iterations\": {}, \"scale\": {:.17g}, \"ghosts\": {:.4f}, \"imbalance\": {:.4f}, "
+      "\"bytes\": {:.1f}}}",
+      name, iterations, scale, static_cast<double>(ghosts) / (mean * static_cast<double>(all.size())),
+      static_cast<double>(std::ranges::max(all)) / mean,
+      ghosts > 0 ? sent / static_cast<double>(ghosts) / flow.steps : 0.0);
+}
+
+void compute_all(MpiCommunicator& ranks, const std::string& folder) {
+  Flow<2> column{.p = tank_case(1.2, 0.4, 0.01, 0.2), .body = {}, .dt = 5e-4, .steps = 8};
+  column.p.water.max[0] = 0.1;
+  Flow<3> box{.p = basin(0.8, 0.4, 0.02, 0.1),
+              .body = box_surface({0, 0.004, 0}, {0.16, 0.04, 0.16}, 0.02),
+              .speed = 3,
+              .dt = 5e-5,
+              .steps = 4};
+  std::string text = compute(column, ranks, folder, "column");
+  text += "," + compute(box, ranks, folder, "box");
+  if (ranks.rank() == 0)
+    std::ofstream(fmt::format("{}/{}.json", folder, ranks.size())) << "{" << text << "}\n";
+}
+
+}  // namespace
+}  // namespace strake::fluid
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  {
+    strake::MpiCommunicator ranks(MPI_COMM_WORLD);
+    strake::fluid::compute_all(ranks, argv[1]);
+  }
+  MPI_Finalize();
+  return 0;
+}
