@@ -59,6 +59,10 @@ class FluidParticipant final : public Participant {
   double volume() const;
   std::vector<std::int64_t> water_of(const State<dim>&) const;
   std::vector<std::int64_t> own_water() const;
+  /// Whether this rank measures and writes what is of the whole fluid.
+  bool is_first_rank() const {
+    return !simulation_.ranks().several() || simulation_.ranks().communicator()->rank() == 0;
+  }
   void report_sensors(std::map<std::string, double>& monitor) const;
   void report_accounts(std::map<std::string, double>& monitor) const;
   void report_water(std::map<std::string, double>& monitor) const;
@@ -85,7 +89,6 @@ class FluidParticipant final : public Participant {
   StartSpeeds start_speeds_;
   bool has_body_;
   double output_every_, end_time_;  // [s]
-  bool first_rank_;                 // it measures and writes what is of the whole fluid
   double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;
   std::optional<FrameWriter> frames_;

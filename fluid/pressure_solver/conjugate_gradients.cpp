@@ -76,6 +76,7 @@ void update_copies(const ThreadShare& s, double* x) {
 
 /// Computes r = b − A p₀, z = D⁻¹ r, and the partial sums b·b, r·r, r·z.
 void first_residual(const ThreadShare& s) {
+  update_copies(s, s.x);
   const double* b = s.system.right.data();
   for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
     const std::int64_t from = s.blocks.begin(block), to = s.blocks.end(block);
@@ -134,6 +135,7 @@ double next_direction(const ThreadShare& s, Multilevel<dim>* preconditioner, dou
 
 /// Computes q = A p, and the partial sums p·q.
 void multiply(const ThreadShare& s) {
+  update_copies(s, s.p);
   for (std::int64_t block = s.first_block; block < s.last_block; ++block) {
     const std::int64_t from = s.blocks.begin(block), to = s.blocks.end(block);
     for (std::int64_t k = from; k < to; ++k) s.q[k] = times(s.system, s.p, k);
@@ -203,15 +205,13 @@ void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* pr
                             .end = std::min(n, blocks.begin(last_block)),
                             .ranks = ranks,
                             .joined = &joined};
-    update_copies(share, x);
     first_residual(share);
     team.wait();
     const double b_norm = std::sqrt(total(share, first_));
-    double r_norm = std::sqrt(total(share, second_));
-    double rz = 0;
+    double r_norm = std::sqrt(total(share, second_)), rz = 0;
     int iterations = 0;
     if (b_norm == 0) {
-      for (std::int64_t k = share.begin; k < share.end; ++k) x[k] = 0;
+      std::fill(x + share.begin, x + share.end, 0.0);
       r_norm = 0;
     }
     const double relative = b_norm > 0 ? 1 / b_norm : 1;
@@ -219,7 +219,6 @@ void ConjugateGradients::solve(const PressureSystem& system, Multilevel<dim>* pr
     while (r_norm > tolerance * b_norm && iterations < max_iterations) {
       rz = next_direction(share, preconditioner, relative, third_, iterations == 0 ? 0 : rz);
       team.wait();
-      update_copies(share, p);
       multiply(share);
       team.wait();
       advance(share, rz / total(share, first_), !preconditioner);

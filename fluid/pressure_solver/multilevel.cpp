@@ -67,10 +67,12 @@ void Multilevel<dim>::solve_grid(const Team& team) {
     grid_ranks_->solve(grids_.finest());
 }
 
-/// Gives the copies of other ranks' unknowns the values of x. It is followed by a wait.
+/// Gives the copies of other ranks' unknowns the values of x.
 template <int dim>
 void Multilevel<dim>::update_copies(const Team& team) {
-  if (unknowns_ != nullptr && team.first()) unknowns_->halo->update(*unknowns_->communicator, swept_.data());
+  if (unknowns_ == nullptr) return;
+  if (team.first()) unknowns_->halo->update(*unknowns_->communicator, swept_.data());
+  team.wait();
 }
 
 template <int dim>
@@ -91,10 +93,7 @@ void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
     return corner_weights<dim>(f);
   };
 
-  if (unknowns_ != nullptr) {
-    update_copies(team);
-    team.wait();
-  }
+  update_copies(team);
   for (std::int64_t k = begin; k < end; ++k) r[k] = b[k] - diagonal[k] * x[k] - row_times(system, x, k);
   team.wait();
   for (std::int64_t p = piece_begin; p < piece_end; ++p) {
@@ -132,10 +131,7 @@ void Multilevel<dim>::apply(const PressureSystem& system, const Team& team) {
     }
   }
   team.wait();
-  if (unknowns_ != nullptr) {
-    update_copies(team);
-    team.wait();
-  }
+  update_copies(team);
   for (std::int64_t k = begin; k < end; ++k)
     r[k] = x[k] + inverse[k] * (b[k] - diagonal[k] * x[k] - row_times(system, x, k));
 }
