@@ -1,6 +1,7 @@
 #include "fluid/boundary/fill.hpp"
 #include "fluid/participant.hpp"
 #include "fluid/pressure_solver/poisson_solver.hpp"
+#include "fluid/rank_size.hpp"
 #include "fluid/simulation/simulation.hpp"
 #include "fluid/viscosity/turbulence.hpp"
 #include "proto/number_text.hpp"
@@ -106,6 +107,16 @@ std::string step_text(const Parameters& p, double window, double step) {
   return text;
 }
 
+std::string ranks_text(const Parameters& p, std::int64_t water, std::int64_t layers) {
+  const RankSize size = rank_size(p, water, layers);
+  constexpr double mebi = 1024.0 * 1024.0;
+  return fmt::format(
+      "{} ranks of {} threads: each {} particles of water, at most {:.0f} % more as ghosts, "
+      "about {:.0f} MiB, the first one {:.0f} MiB while it writes",
+      p.ranks, p.threads, grouped(water / p.ranks), 100 * size.ghosts, size.bytes / mebi,
+      size.bytes_of_first / mebi);
+}
+
 }  // namespace
 
 std::vector<std::string> describe(const Parameters& p, const CommonKeys& common, double speed,
@@ -129,20 +140,20 @@ std::vector<std::string> describe(const Parameters& p, const CommonKeys& common,
   if (speed > 0 && length > 0 && p.gravity.norm() > 0)
     headline += fmt::format("   Fr {:.1f}", speed / std::sqrt(p.gravity.norm() * length));
 
-  if (p.ranks > 1)
-    headline += fmt::format("   {} ranks of {} threads, {} particles each", p.ranks, p.threads,
-                            grouped(water / p.ranks));
   const Scheme& s = p.scheme;
   if (own > 0) headline += fmt::format("   starts with up to {:.3g} m/s", own);
   const double fastest = std::max(speed, own), step = first_step(p, common.window, fastest);
-  return {headline,
-          fmt::format("tank of {} wall particles with {} rows ({}) behind them{}", grouped(wall),
-                      dummy_rows(s), grouped(dummies), absorbing_text(p)),
-          step_text(p, common.window, step),
-          limits_text(p, fastest),
-          fmt::format("source {}   gradient {}   surface {}   {}", source_text(s), name(s.gradient),
-                      surface_text(s), turbulence_text(s)),
-          pressure_text(p, step)};
+  std::vector<std::string> lines = {
+      headline,
+      fmt::format("tank of {} wall particles with {} rows ({}) behind them{}", grouped(wall), dummy_rows(s),
+                  grouped(dummies), absorbing_text(p)),
+      step_text(p, common.window, step),
+      limits_text(p, fastest),
+      fmt::format("source {}   gradient {}   surface {}   {}", source_text(s), name(s.gradient),
+                  surface_text(s), turbulence_text(s)),
+      pressure_text(p, step)};
+  if (p.ranks > 1) lines.push_back(ranks_text(p, water, wall + dummies));
+  return lines;
 }
 
 }  // namespace strake::fluid

@@ -28,7 +28,7 @@ void read_ranks(CaseTable fluid, Parameters& p) {
       {.min = 1,
        .max = 4096,
        .help = "processes that compute the water together, each with run.threads threads; the results "
-               "are those of one rank to the last bit; not faster than threads so far"});
+               "are those of one rank to the tolerance of the pressure"});
   fluid.text("launcher", p.launcher,
              {.help = "line that starts the ranks; {ranks} is their number, as in srun -n {ranks}"});
 }

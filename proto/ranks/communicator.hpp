@@ -59,6 +59,7 @@ class Communicator {
     double seconds_apart = 0;     // in messages between two
     double cpu = 0;               // time of the processor in both
     std::int64_t bytes = 0, messages = 0;
+    std::int64_t together = 0;  // calls in which all ranks take part
   };
 
  private:
@@ -70,6 +71,7 @@ class Communicator {
     account_.cpu += processor_time(CLOCK_THREAD_CPUTIME_ID) - cpu;
     seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     account_.bytes += static_cast<std::int64_t>(bytes);
+    account_.together += &seconds == &account_.seconds_together ? 1 : 0;
     return result;
   }
   Account account_;

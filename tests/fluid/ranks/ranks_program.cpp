@@ -1,5 +1,6 @@
 // Water on processes, for fluid_ranks.py: mpirun -n N fluid_mpi_ranks FOLDER. The first rank writes
-// FOLDER/N.json, and the whole state after one step as bytes, sorted by particle.
+// FOLDER/N.json, and the whole state after one step as bytes, sorted by particle. With "counts" behind it,
+// for scale_model.py: counts of a step of a larger box, far from the steps in which the water is sorted.
 
 #include "fluid/ranks/boomer_amg.hpp"
 #include "fluid/ranks/zoltan_partition.hpp"
@@ -66,6 +67,29 @@ std::string compute(Flow<dim> flow, MpiCommunicator& ranks, const std::string& f
       ghosts > 0 ? sent / static_cast<double>(ghosts) / flow.steps : 0.0);
 }
 
+std::string counts(MpiCommunicator& ranks) {
+  Flow<3> box{.p = basin(1.6, 0.8, 0.02, 0.1), .body = {}, .dt = 5e-4, .steps = 2};
+  Simulation<3> simulation(box.p, box.body, box.velocity(),
+                           Ranks{&ranks, zoltan_partition, [&] { return boomer_amg(ranks); }});
+  box.run(simulation);
+  const Communicator::Account before = ranks.account();
+  const int iterations = box.run(simulation).pressure_iterations;
+  const Communicator::Account after = ranks.account();
+  const Subdomain<3>& part = *simulation.ranks().subdomain();
+  const auto own = std::ranges::count(part.division().owner, ranks.rank());
+  const auto size = static_cast<double>(ranks.size());
+  const std::int64_t ghosts = ranks.sum(part.local_water() - own), all = ranks.sum(std::int64_t{own});
+  const double most = ranks.max(static_cast<double>(own)), mean = static_cast<double>(all) / size;
+  const auto messages = ranks.max(static_cast<double>(after.messages - before.messages));
+  const std::int64_t bytes = ranks.sum(after.bytes - before.bytes);
+  return fmt::format(
+      "\n \"counts\": {{\"own\": {:.1f}, \"ghosts\": {:.4f}, \"imbalance\": {:.4f}, \"iterations\": {}, "
+      "\"bytes\": {:.1f}, \"messages\": {:.1f}, \"sums\": {:.1f}}}",
+      mean, static_cast<double>(ghosts) / static_cast<double>(all), most / mean, iterations,
+      static_cast<double>(bytes) / static_cast<double>(ghosts) / box.steps, messages / box.steps,
+      static_cast<double>(after.together - before.together) / box.steps);
+}
+
 void compute_all(MpiCommunicator& ranks, const std::string& folder) {
   Flow<2> column{.p = tank_case(1.2, 0.4, 0.01, 0.2), .body = {}, .dt = 5e-4, .steps = 8};
   column.p.water.max[0] = 0.1;
@@ -87,7 +111,13 @@ int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   {
     strake::MpiCommunicator ranks(MPI_COMM_WORLD);
-    strake::fluid::compute_all(ranks, argv[1]);
+    if (argc > 2) {
+      const std::string text = strake::fluid::counts(ranks);
+      if (ranks.rank() == 0)
+        std::ofstream(fmt::format("{}/{}.json", argv[1], ranks.size())) << "{" << text << "}\n";
+    } else {
+      strake::fluid::compute_all(ranks, argv[1]);
+    }
   }
   MPI_Finalize();
   return 0;

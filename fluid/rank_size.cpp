@@ -1,0 +1,58 @@
+#include "fluid/rank_size.hpp"
+
+#include "fluid/particles/state.hpp"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+
+namespace strake::fluid {
+
+namespace {
+
+/// Width of the ghosts [l0]: two buckets of the search's reach, 3.1 l0 and a skin of 0.2 l0.
+constexpr double ghost_width = 2 * 3.3;
+/// Bytes of a particle with its neighbours and its equation in the plane and in space, and of a process
+/// alone. Measured on still tanks of 1e5 to 5e5 particles, on 1 to 4 ranks.
+constexpr double plane = 1500, space = 3000, process = 80e6;
+
+struct Box {
+  Eigen::Vector3d low, high;
+};
+
+/// Share of ghosts of the part with most of them.
+double most_ghosts(const Box& part, const Box& whole, int dimension, int ranks) {
+  const Eigen::Vector3d size = part.high - part.low;
+  if (ranks == 1) {
+    double own = 1, with_ghosts = 1;
+    for (int d = 0; d < dimension; ++d) {
+      own *= size[d];
+      with_ghosts *= std::min(part.high[d] + ghost_width, whole.high[d]) -
+                     std::max(part.low[d] - ghost_width, whole.low[d]);
+    }
+    return own > 0 ? with_ghosts / own - 1 : 0;
+  }
+  Eigen::Index axis = 0;
+  size.head(dimension).maxCoeff(&axis);
+  const int lower_ranks = ranks / 2;
+  Box lower = part, upper = part;
+  lower.high[axis] = upper.low[axis] = part.low[axis] + size[axis] * lower_ranks / ranks;
+  return std::max(most_ghosts(lower, whole, dimension, lower_ranks),
+                  most_ghosts(upper, whole, dimension, ranks - lower_ranks));
+}
+
+}  // namespace
+
+RankSize rank_size(const Parameters& p, std::int64_t water, std::int64_t layers) {
+  const Box box{p.water.min / p.spacing, p.water.max / p.spacing};
+  const double ghosts = most_ghosts(box, box, p.dimension, p.ranks);
+  const double each = p.dimension == 2 ? plane : space;
+  // A position, a velocity, an acceleration and a wall's velocity, and the other columns of a state.
+  const double state = 8.0 * (4 * p.dimension + 6) + 11;
+  const auto all = static_cast<double>(water + layers);
+  const double of_rank = (1 + ghosts) * all / p.ranks * each + state * static_cast<double>(layers) + process;
+  const double start = 2 * state * all + process;  // each rank makes the whole once
+  return {ghosts, std::max(of_rank, start), std::max(of_rank + 2 * state * all, start)};
+}
+
+}  // namespace strake::fluid
