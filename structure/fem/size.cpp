@@ -13,7 +13,7 @@ namespace {
 /// conjugate gradients in the plane, --check of a slender body (cases/rolling_tank.toml) takes 3.1 s for 2
 /// 368 unknowns, of the other cases a third of that each.
 void set_costs(SizeEstimate& unknowns, int dim, LinearMethod method) {
-  constexpr double iterative = 250000, iterative_bytes = 15000;
+  constexpr double iterative = 250000, iterative_bytes = 17000;
   const double n = std::max(unknowns.count, 1.0);
   unknowns.bytes_each =
       dim == 2 ? 3000 * std::pow(n / 28000, 0.16) : 13000 * std::pow(std::min(n, iterative) / 12000, 0.3);
