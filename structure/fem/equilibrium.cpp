@@ -82,9 +82,9 @@ std::vector<double> FemSolver<dim>::frequencies(int count, double tolerance) con
   // Motions that the supports leave free have no frequency.
   const int rigid = rigid_motions_left(mesh());
   const Eigen::Vector3d size = solid_.node.rowwise().maxCoeff() - solid_.node.rowwise().minCoeff();
-  if (method_ != LinearMethod::direct) tolerance = std::max(tolerance, enough_for_a_line);
+  if (factors_.method != LinearMethod::direct) tolerance = std::max(tolerance, enough_for_a_line);
   std::vector<double> f =
-      natural_frequencies(stiffness_, mass_, mesh().fixed, division(), count + rigid,
+      natural_frequencies(matrices_.stiffness, matrices_.mass, mesh().fixed, division(), count + rigid,
                           size.maxCoeff() / fastest_wave(solid_), linear_solver(), tolerance);
   f.erase(f.begin(), f.begin() + std::min<std::ptrdiff_t>(rigid, static_cast<std::ptrdiff_t>(f.size())));
   return f;

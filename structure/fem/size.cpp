@@ -13,12 +13,14 @@ namespace {
 /// conjugate gradients in the plane, --check of a slender body (cases/rolling_tank.toml) takes 3.1 s for 2
 /// 368 unknowns, of the other cases a third of that each.
 void set_costs(SizeEstimate& unknowns, int dim, LinearMethod method) {
-  constexpr double iterative = 250000;
+  constexpr double iterative = 250000, iterative_bytes = 17000;
   const double n = std::max(unknowns.count, 1.0);
   unknowns.bytes_each =
       dim == 2 ? 3000 * std::pow(n / 28000, 0.16) : 13000 * std::pow(std::min(n, iterative) / 12000, 0.3);
   unknowns.seconds_each = dim == 2 ? 1.5e-5 : 1.5e-4 * std::pow(n / 12000, 0.2);
-  if (dim == 2 && method == LinearMethod::cg_amg) unknowns.seconds_each = 1.3e-3;
+  if (method != LinearMethod::cg_amg) return;
+  if (dim == 2) unknowns.seconds_each = 1.3e-3;
+  if (dim == 3) unknowns.bytes_each = iterative_bytes;
 }
 
 }  // namespace
@@ -30,7 +32,7 @@ SizeEstimates sizes(const Parameters& p) {
   const double layers = p.fem.strain == StrainField::solid_shell ? 2 : 1;  // of nodes to one of cells
   SizeEstimate unknowns{.what = "unknowns",
                         .count = p.dimension * layers * cells * std::pow(p.fem.degree, p.dimension)};
-  set_costs(unknowns, p.dimension, p.fem.linear_solver);
+  set_costs(unknowns, p.dimension, p.ranks > 1 ? LinearMethod::cg_amg : p.fem.linear_solver);
   if (p.shape.kind == ShapeKind::plate)
     elements.keys = {{"structure.plate.length", p.plate.length, 1},
                      {"structure.plate.thickness", p.plate.thickness, p.dimension == 2 ? -1.0 : -2.0}};

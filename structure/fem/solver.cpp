@@ -48,36 +48,36 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
       discretisation_(solid_, p.fem.degree, p.fem.refinement, size_along(p.fem, solid_), ranks),
       assembly_(discretisation_.mesh(), solid_.parts, strain_field(p)),
       recovery_(discretisation_.mesh()),
-      method_(division().alone() ? chosen(p.fem.linear_solver, dim, mesh().n_unknowns())
-                                 : LinearMethod::cg_amg),
-      mass_(assembly_.mass()),
-      support_motion_(SupportFrame(p), mass_, discretisation_.mesh()),
+      matrices_{.mass = assembly_.mass()},
+      support_motion_(SupportFrame(p), matrices_.mass, discretisation_.mesh()),
       interface_(surface(p)),
-      interpolation_(discretisation_, interface_.position),
-      factors_(linear_solver()),
-      fresh_factors_(linear_solver()) {
+      interpolation_(discretisation_, interface_.position) {
+  factors_.method =
+      division().alone() ? chosen(p.fem.linear_solver, dim, mesh().n_unknowns()) : LinearMethod::cg_amg;
+  factors_.kept = linear_solver();
+  factors_.fresh = linear_solver();
   require_work_for(p.ranks, division().size(mesh().n_unknowns()));
   if (p.analysis == Analysis::statics) require_constrained(mesh());
   const int n = mesh().n_unknowns();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
-  stiffness_ = assembly_.tangent(zero);
-  node_mass_ = mass_ * Eigen::VectorXd::Ones(n);
-  largest_node_mass_ = division().max(node_mass_.head(division().own(n)).maxCoeff());
-  largest_stiffness_ = largest_in_own_rows(stiffness_);
+  matrices_.stiffness = assembly_.tangent(zero);
+  matrices_.node_mass = matrices_.mass * Eigen::VectorXd::Ones(n);
+  matrices_.largest_node_mass = division().max(matrices_.node_mass.head(division().own(n)).maxCoeff());
+  matrices_.largest_stiffness = largest_in_own_rows(matrices_.stiffness);
 
   const auto own_cells = static_cast<double>(std::count(mesh().own.begin(), mesh().own.end(), 1));
-  all_cells_ = static_cast<int>(division().sum(own_cells));
-  most_unknowns_ = static_cast<int>(division().max(static_cast<double>(division().own(n))));
-  fewest_unknowns_ = static_cast<int>(division().min(static_cast<double>(division().own(n))));
+  summary_.cells = static_cast<int>(division().sum(own_cells));
+  summary_.most_unknowns = static_cast<int>(division().max(static_cast<double>(division().own(n))));
+  summary_.fewest_unknowns = static_cast<int>(division().min(static_cast<double>(division().own(n))));
 
   load_shape_ = discretisation_.case_force(p.load);
   // A body for several ranks takes some tens of solutions for that line.
-  if (division().alone()) first_frequency_ = frequencies(1, enough_for_a_line).front();
+  if (division().alone()) summary_.first_frequency = frequencies(1, enough_for_a_line).front();
   // The stiffness alone is harder to solve for than a step's matrix, to which inertia adds.
-  if (given_up_->times > 0) {
-    method_ = LinearMethod::direct;
-    factors_ = linear_solver();
-    fresh_factors_ = linear_solver();
+  if (factors_.given_up->times > 0) {
+    factors_.method = LinearMethod::direct;
+    factors_.kept = linear_solver();
+    factors_.fresh = linear_solver();
   }
   if (p.failure.criterion != FailureCriterion::none) failure_.emplace(p.failure, mesh(), assembly_);
   start();
@@ -113,13 +113,13 @@ void FemSolver<dim>::start() {
     const auto A = support_motion_.acceleration(scheme_, state_.frame, state_.frame, force, zero,
                                                 gravity_at(0).template head<dim>(), 1);
     LinearSolver mass_factors = linear_solver();
-    mass_factors.factorise(mass_, mesh().fixed);
+    mass_factors.factorise(matrices_.mass, mesh().fixed);
     Eigen::VectorXd r = force - support_motion_.inertia(A);
     clear_constrained(r);
     state_.acceleration = support_motion_.correction(mass_factors, 1)(mass_factors, r);
-    const auto at_start =
-        support_motion_.acceleration(scheme_, state_.frame, state_.frame, force, mass_ * state_.acceleration,
-                                     gravity_at(0).template head<dim>(), 1);
+    const auto at_start = support_motion_.acceleration(scheme_, state_.frame, state_.frame, force,
+                                                       matrices_.mass * state_.acceleration,
+                                                       gravity_at(0).template head<dim>(), 1);
     state_.frame.acceleration.template head<dim>() = at_start;
   }
   saved_ = state_;
@@ -141,14 +141,14 @@ Eigen::VectorXd FemSolver<dim>::own_load(double time) const {
   const Eigen::Vector3d gravity = gravity_at(time);
   for (int i = 0; i < mesh().n_nodes(); ++i)
     force.segment<dim>(dim * i).array() +=
-        node_mass_.segment<dim>(dim * i).array() * gravity.template head<dim>().array();
+        matrices_.node_mass.template segment<dim>(dim * i).array() * gravity.template head<dim>().array();
   return force;
 }
 
 template <int dim>
 Eigen::VectorXd FemSolver<dim>::internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1,
                                                double alpha) const {
-  if (linear_ && assembly_.intact()) return stiffness_ * (alpha * u0 + (1 - alpha) * u1);
+  if (linear_ && assembly_.intact()) return matrices_.stiffness * (alpha * u0 + (1 - alpha) * u1);
   return assembly_.internal_force(u0, u1, alpha);
 }
 
@@ -159,8 +159,8 @@ Eigen::VectorXd FemSolver<dim>::internal_force(const Eigen::VectorXd& u0, const 
 template <int dim>
 double FemSolver<dim>::round_off(const Eigen::VectorXd& u, double kappa) const {
   constexpr double units = 2;
-  return units * std::numeric_limits<double>::epsilon() * (largest_stiffness_ + kappa * largest_node_mass_) *
-         division().norm(u);
+  return units * std::numeric_limits<double>::epsilon() *
+         (matrices_.largest_stiffness + kappa * matrices_.largest_node_mass) * division().norm(u);
 }
 
 template <int dim>
@@ -172,8 +172,8 @@ double FemSolver<dim>::largest_in_own_rows(const Matrix& matrix) const {
 template <int dim>
 LinearSolver FemSolver<dim>::linear_solver() const {
   NodalUnknowns unknowns{.per_node = dim, .rigid_motions = {}, .division = division()};
-  if (method_ != LinearMethod::direct) unknowns.rigid_motions = rigid_motions(mesh());
-  return LinearSolver(method_, unknowns, given_up_);
+  if (factors_.method != LinearMethod::direct) unknowns.rigid_motions = rigid_motions(mesh());
+  return LinearSolver(factors_.method, unknowns, factors_.given_up);
 }
 
 template <int dim>
@@ -213,7 +213,7 @@ Energy FemSolver<dim>::energy() const {
   for (Eigen::Index axis = 0; axis < dim; ++axis)
     lumped +=
         0.5 * support_motion_.lumped_mass(axis) * state_.frame.velocity[axis] * state_.frame.velocity[axis];
-  return {.kinetic = 0.5 * division().dot(velocity, mass_ * velocity) + lumped,
+  return {.kinetic = 0.5 * division().dot(velocity, matrices_.mass * velocity) + lumped,
           .strain = assembly_.strain_energy(state_.displacement),
           .external = state_.external,
           .released = state_.damage.released};
@@ -222,8 +222,9 @@ Energy FemSolver<dim>::energy() const {
 template <int dim>
 const PointInterpolation<dim>& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
   const std::array<double, 3> key{X.x(), X.y(), X.z()};
-  auto found = probes_.find(key);
-  if (found == probes_.end()) found = probes_.emplace(key, PointInterpolation<dim>(discretisation_, X)).first;
+  auto found = probes_.places.find(key);
+  if (found == probes_.places.end())
+    found = probes_.places.emplace(key, PointInterpolation<dim>(discretisation_, X)).first;
   return found->second;
 }
 
@@ -240,10 +241,10 @@ Eigen::Vector3d FemSolver<dim>::velocity_at(const Eigen::Vector3d& X) const {
 template <int dim>
 Stress FemSolver<dim>::stress_at(const Eigen::Vector3d& X) const {
   const std::array<double, 3> key{X.x(), X.y(), X.z()};
-  auto found = stress_probes_.find(key);
-  if (found == stress_probes_.end()) {
+  auto found = probes_.stress.find(key);
+  if (found == probes_.stress.end()) {
     const auto place = discretisation_.locate(X).front();
-    found = stress_probes_.emplace(key, recovery_.shares(place.cell, place.weights)).first;
+    found = probes_.stress.emplace(key, recovery_.shares(place.cell, place.weights)).first;
   }
   Stress stress = Stress::Zero();
   for (const auto& share : found->second)

@@ -67,7 +67,7 @@ class FemSolver final : public Solver {
   /// Sets displacement and velocity [m], [m/s] relative to the supports, except in constrained unknowns.
   void set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd velocity);
   int newton_iterations() const { return newton_iterations_; }  // of the last step
-  int factorisations() const { return factorisations_; }        // so far
+  int factorisations() const { return factors_.made; }          // so far
 
  private:
   /// All that changes in time. The tangent's place and step are in it, so that a step taken again after
@@ -127,26 +127,36 @@ class FemSolver final : public Solver {
   Assembly<dim> assembly_;
   std::optional<Damage<dim>> failure_;  // its damage is in the state, and from there in the assembly
   Recovery<dim> recovery_;
-  LinearMethod method_;  // automatic: conjugate gradients with factors behind them
-  std::shared_ptr<GivenUp> given_up_ = std::make_shared<GivenUp>();
-  Matrix mass_, stiffness_;    // stiffness at u = 0
-  Eigen::VectorXd node_mass_;  // [kg] row sums
-  double largest_stiffness_ = 0, largest_node_mass_ = 0;
+  struct Matrices {
+    Matrix mass, stiffness = {};     // stiffness at u = 0
+    Eigen::VectorXd node_mass = {};  // [kg] row sums
+    double largest_stiffness = 0, largest_node_mass = 0;
+  } matrices_;
   SupportMotion<dim> support_motion_;
   InterfaceMesh interface_;
   PointInterpolation<dim> interpolation_;
-  Eigen::VectorXd load_shape_;                                   // [N] of [structure.load] at full value
-  double first_frequency_ = 0;                                   // [Hz]
-  int all_cells_ = 0, fewest_unknowns_ = 0, most_unknowns_ = 0;  // of the body, and of a rank
+  Eigen::VectorXd load_shape_;                              // [N] of [structure.load] at full value
+  struct Summary {                                          // for the lines of a run
+    double first_frequency = 0;                             // [Hz]
+    int cells = 0, fewest_unknowns = 0, most_unknowns = 0;  // of the body, and of a rank
+  } summary_;
   State state_, saved_;
 
-  // Not state: factors kept by what they were made of.
-  LinearSolver factors_, fresh_factors_;
-  Eigen::VectorXd factors_at_;
-  double factors_dt_ = 0;
-  mutable std::map<std::array<double, 3>, PointInterpolation<dim>> probes_;
-  mutable std::map<std::array<double, 3>, std::vector<typename Recovery<dim>::Share>> stress_probes_;
-  int newton_iterations_ = 0, factorisations_ = 0;
+  // Not state: factors, kept by what they were made of.
+  struct Factors {
+    LinearMethod method = LinearMethod::direct;  // automatic: conjugate gradients with factors behind them
+    std::shared_ptr<GivenUp> given_up = std::make_shared<GivenUp>();
+    LinearSolver kept, fresh;
+    Eigen::VectorXd at;  // displacement
+    double dt = 0;       // [s]
+    int made = 0;        // so far
+  } factors_;
+  // Interpolations to places that were asked for.
+  mutable struct Probes {
+    std::map<std::array<double, 3>, PointInterpolation<dim>> places;
+    std::map<std::array<double, 3>, std::vector<typename Recovery<dim>::Share>> stress;
+  } probes_;
+  int newton_iterations_ = 0;
 };
 
 }  // namespace strake::structure::fem

@@ -189,19 +189,20 @@ std::string FemSolver<dim>::linear_systems_line() const {
   const std::string by_factors = dim == 3
                                      ? "Cholesky factors (CHOLMOD), LU factors (UMFPACK) where there are none"
                                      : "LU factors (UMFPACK)";
-  if (method_ != LinearMethod::direct)
+  if (factors_.method != LinearMethod::direct)
     return std::string("linear systems: conjugate gradients with algebraic multigrid (Trilinos ML)") +
-           (method_ == LinearMethod::automatic ? ", factors where they fail" : "");
-  if (given_up_->times == 0) return "linear systems: " + by_factors;
-  return "linear systems: " + by_factors + "; conjugate gradients with multigrid failed: " + given_up_->why;
+           (factors_.method == LinearMethod::automatic ? ", factors where they fail" : "");
+  if (factors_.given_up->times == 0) return "linear systems: " + by_factors;
+  return "linear systems: " + by_factors +
+         "; conjugate gradients with multigrid failed: " + factors_.given_up->why;
 }
 
 template <int dim>
 std::vector<std::string> FemSolver<dim>::lines() const {
   std::vector<std::string> lines = {
-      fmt::format("fem ({})   {} cells Q{}, {} unknowns", library(), all_cells_, mesh().degree,
+      fmt::format("fem ({})   {} cells Q{}, {} unknowns", library(), summary_.cells, mesh().degree,
                   division().size(mesh().n_unknowns())) +
-          (division().alone() ? fmt::format("   f1 dry {:.1f} Hz", first_frequency_) : ""),
+          (division().alone() ? fmt::format("   f1 dry {:.1f} Hz", summary_.first_frequency) : ""),
       fmt::format("{}, {}", law_and_frame(solid_),
                   scheme_.mid_point
                       ? std::string("Newmark 1/4-1/2 with the mean load of a window")
@@ -214,7 +215,7 @@ std::vector<std::string> FemSolver<dim>::lines() const {
   lines.push_back(linear_systems_line());
   if (!division().alone())
     lines.push_back(fmt::format("{} ranks, {} to {} unknowns each", division().communicator().size(),
-                                fewest_unknowns_, most_unknowns_));
+                                summary_.fewest_unknowns, summary_.most_unknowns));
   if (parameters_.shape.kind == ShapeKind::plate && dim == 2)
     lines.push_back("beam theory " + beam_line(parameters_.plate, parameters_.material));
   if (failure_)
@@ -235,7 +236,7 @@ template <int dim>
 std::map<std::string, double> FemSolver<dim>::monitor() const {
   std::map<std::string, double> monitor =
       frame_monitor(support_motion_.supports(), dim, state_.frame, state_.reaction);
-  if (given_up_->times > 0) monitor["count.factors_for_iterations"] = given_up_->times;
+  if (factors_.given_up->times > 0) monitor["count.factors_for_iterations"] = factors_.given_up->times;
   if (!failure_) return monitor;
   const auto& damage = state_.damage;
   monitor["failure.energy"] = damage.released;
@@ -258,10 +259,11 @@ Properties FemSolver<dim>::properties() {
   for (int k = 0; k < dim; ++k) {
     const Eigen::VectorXd one = component(k, [](int) { return 1.0; });
     const Eigen::VectorXd x = component(k, [&](int i) { return mesh().node(k, i); });
-    result.mass = division().dot(one, mass_ * one);
-    result.centre(k) = division().dot(one, mass_ * x) / result.mass;
+    result.mass = division().dot(one, matrices_.mass * one);
+    result.centre(k) = division().dot(one, matrices_.mass * x) / result.mass;
     if (k < 2)
-      result.inertia += division().dot(x, mass_ * x) - result.mass * result.centre(k) * result.centre(k);
+      result.inertia +=
+          division().dot(x, matrices_.mass * x) - result.mass * result.centre(k) * result.centre(k);
   }
   result.frequencies = frequencies(3);
   result.step = "any (implicit)";

@@ -33,22 +33,25 @@ Matrix FemSolver<dim>::effective(Matrix tangent, double dt) const {
   const Damping& damping = parameters_.damping;
   const double share = 1 - scheme_.alpha_f, rate = scheme_.gamma / (scheme_.beta * dt);
   auto value = tangent.coeffs();  // one pattern for all
-  value = share * value + (scheme_.inertia() / (dt * dt) + share * rate * damping.mass) * mass_.coeffs() +
-          share * rate * damping.stiffness * stiffness_.coeffs();
+  value = share * value +
+          (scheme_.inertia() / (dt * dt) + share * rate * damping.mass) * matrices_.mass.coeffs() +
+          share * rate * damping.stiffness * matrices_.stiffness.coeffs();
   return tangent;
 }
 
 template <int dim>
 void FemSolver<dim>::use_tangent(const State& state) {
-  factors_.retry();
-  if (factors_dt_ == state.tangent_dt && factors_at_.size() > 0 && factors_at_ == state.tangent_at) return;
-  Matrix tangent = linear_ && assembly_.intact() ? stiffness_ : assembly_.tangent(state.tangent_at);
-  ++factorisations_;
-  factors_at_.resize(0);  // until they are made
-  if (!factors_.factorise(effective(std::move(tangent), state.tangent_dt), mesh().fixed))
+  factors_.kept.retry();
+  const bool same =
+      factors_.dt == state.tangent_dt && factors_.at.size() > 0 && factors_.at == state.tangent_at;
+  if (division().min(same ? 1 : 0) == 1) return;
+  Matrix tangent = linear_ && assembly_.intact() ? matrices_.stiffness : assembly_.tangent(state.tangent_at);
+  ++factors_.made;
+  factors_.at.resize(0);  // until they are made
+  if (!factors_.kept.factorise(effective(std::move(tangent), state.tangent_dt), mesh().fixed))
     throw failed(state.time, "the matrix of a step is singular");
-  factors_at_ = state.tangent_at;
-  factors_dt_ = state.tangent_dt;
+  factors_.at = state.tangent_at;
+  factors_.dt = state.tangent_dt;
 }
 
 template <int dim>
@@ -69,7 +72,7 @@ Eigen::VectorXd FemSolver<dim>::damping_force(const State& old, const Eigen::Vec
   if (damping.mass == 0 && damping.stiffness == 0) return Eigen::VectorXd::Zero(u1.size());
   const Eigen::VectorXd v1 = scheme_.velocity(old.displacement, u1, old.velocity, old.acceleration, dt);
   const Eigen::VectorXd v = scheme_.alpha_f * old.velocity + (1 - scheme_.alpha_f) * v1;
-  return damping.mass * (mass_ * v) + damping.stiffness * (stiffness_ * v);
+  return damping.mass * (matrices_.mass * v) + damping.stiffness * (matrices_.stiffness * v);
 }
 
 template <int dim>
@@ -114,7 +117,7 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   equilibrium.division = division();
   equilibrium.residual = [&](const Eigen::VectorXd& u1) {
     const Eigen::VectorXd inside = internal_force(old.displacement, u1, scheme_.alpha_f);
-    Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
+    Eigen::VectorXd inertia = matrices_.mass * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
     inertia += support_motion_.inertia(frame_acceleration(old, told, force, inertia, dt));
     Equilibrium::Residual r{.value = force - inside - damping_force(old, u1, dt) - inertia};
     clear_constrained(r.value);
@@ -122,22 +125,22 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
     r.floor = round_off(u1, kappa);
     return r;
   };
-  LinearSolver* factors = &factors_;
+  LinearSolver* factors = &factors_.kept;
   auto correction = support_motion_.correction(*factors, kappa);
   equilibrium.correction = [&](const Eigen::VectorXd& r) {
     return correction(*factors, r, enough_of_a_correction);
   };
   equilibrium.refresh = [&](const Eigen::VectorXd& u1) {
-    factors = &fresh_factors_;
-    ++factorisations_;
+    factors = &factors_.fresh;
+    ++factors_.made;
     // Conjugate gradients and Cholesky factors need a symmetric matrix: the tangent of a state, not of a
     // step. In large bodies LU factors are expensive.
     const bool large = dim == 3 && mesh().n_unknowns() >= many_unknowns;
-    Matrix tangent = method_ == LinearMethod::direct && !large
+    Matrix tangent = factors_.method == LinearMethod::direct && !large
                          ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
                          : assembly_.tangent(u1);
-    if (!fresh_factors_.factorise(effective(std::move(tangent), dt), mesh().fixed)) return false;
-    correction = support_motion_.correction(fresh_factors_, kappa);
+    if (!factors_.fresh.factorise(effective(std::move(tangent), dt), mesh().fixed)) return false;
+    correction = support_motion_.correction(factors_.fresh, kappa);
     return true;
   };
   Eigen::VectorXd from = start;
@@ -206,7 +209,7 @@ void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
   next.displacement = result.x;
   next.velocity = scheme_.velocity(old.displacement, result.x, old.velocity, old.acceleration, dt);
   next.acceleration = scheme_.acceleration(leap, old.acceleration, dt);
-  const Eigen::VectorXd inertia = mass_ * scheme_.mean_acceleration(leap, old.acceleration, dt);
+  const Eigen::VectorXd inertia = matrices_.mass * scheme_.mean_acceleration(leap, old.acceleration, dt);
   const auto A = frame_acceleration(old, next.frame, force, inertia, dt);
   support_motion_.advance(scheme_, old.frame, A, dt, next.frame);
   account(old, force, dt, next);

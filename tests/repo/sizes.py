@@ -15,9 +15,7 @@ LONGER_FUNCTIONS = {
     ("structure/body/solid_surface.cpp", "sphere_surface"): "one construction, from icosahedron to sphere",
     ("fluid/geometry/body_surface_2d.cpp", "BodySurface2d::move"): "places, corners and boxes of the same edges",
 }
-LARGER_CLASSES = {
-    ("structure/fem/solver.hpp", "FemSolver"): "goes over to deal.II's own classes with the ranks",
-}
+LARGER_CLASSES = {}
 
 NO_FUNCTION = re.compile(r"\s*(namespace|class|struct|enum|union|if|for|while|switch|do|else|return|case|public|private|protected|"
                          r"template|using|static_assert|\}|#|//)\b|\s*[}#/]")

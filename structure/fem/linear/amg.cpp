@@ -1,12 +1,5 @@
 #include "proto/error.hpp"
 #include "structure/fem/linear/linear_solver.hpp"
-
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <utility>
-
-#ifdef STRAKE_HAS_ML
 #include "structure/fem/mesh/rank_division_parts.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -14,39 +7,29 @@
 #include <deal.II/lac/trilinos_precondition.h>
 #include <deal.II/lac/trilinos_sparse_matrix.h>
 #include <deal.II/lac/trilinos_vector.h>
+#include <fmt/format.h>
 #include <ml_MultiLevelPreconditioner.h>
 #include <mpi.h>
-#endif
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
 
 namespace strake::structure::fem {
-
-#ifdef STRAKE_HAS_ML
 
 namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using Vector = dealii::TrilinosWrappers::MPI::Vector;
 
-/// ML uses MPI, with this process alone, from its first use to the end of the process.
-class Session {
- public:
-  Session() {
-    int started = 0;
-    MPI_Initialized(&started);
-    own_ = started == 0;
-    if (own_) MPI_Init(nullptr, nullptr);
-  }
-  ~Session() {
-    int ended = 0;
-    MPI_Finalized(&ended);
-    if (own_ && ended == 0) MPI_Finalize();
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
- private:
-  bool own_ = false;
-};
+/// Begins MPI with this process alone, unless a launcher of ranks has begun it.
+void begin_mpi() {
+  int begun = 0;
+  MPI_Initialized(&begun);
+  if (begun != 0) return;
+  MPI_Init(nullptr, nullptr);
+  std::atexit([] { MPI_Finalize(); });
+}
 
 /// A matrix that shows on the way that it is not positive definite: pᵀA p ≤ 0.
 struct PositiveMatrix {
@@ -170,26 +153,8 @@ class ConjugateGradients final : public LinearSolver::Method {
 
 std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns& unknowns,
                                                           int most_iterations) {
-  static const Session session;
+  begin_mpi();
   return std::make_unique<ConjugateGradients>(unknowns, most_iterations);
 }
-
-bool has_conjugate_gradients() {
-  return true;
-}
-
-#else
-
-std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns&, int) {
-  throw Error(ExitCode::case_file, "structure.fem.linear_solver",
-              "cg-amg needs Trilinos ML, and this program was built without",
-              "structure.fem.linear_solver = \"direct\", or build with libtrilinos-ml-dev");
-}
-
-bool has_conjugate_gradients() {
-  return false;
-}
-
-#endif
 
 }  // namespace strake::structure::fem

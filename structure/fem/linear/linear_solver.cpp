@@ -105,7 +105,7 @@ int LinearSolver::iterations() const {
 LinearMethod chosen(LinearMethod asked, int dimension, int unknowns) {
   constexpr int too_many_for_factors = 250000;
   if (asked != LinearMethod::automatic) return asked;
-  const bool iterate = dimension == 3 && unknowns >= too_many_for_factors && has_conjugate_gradients();
+  const bool iterate = dimension == 3 && unknowns >= too_many_for_factors;
   return iterate ? LinearMethod::automatic : LinearMethod::direct;
 }
 

@@ -67,10 +67,8 @@ class LinearSolver {
 /// Sparse factors, in direct_solver.cpp.
 std::unique_ptr<LinearSolver::Method> direct_solver(const NodalUnknowns&);
 
-/// Conjugate gradients with smoothed aggregation, in amg.cpp, of at most so many iterations. Throws
-/// Error(case_file) where the program was built without Trilinos.
+/// Conjugate gradients with smoothed aggregation, in amg.cpp, of at most so many iterations.
 std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns&, int most_iterations);
-bool has_conjugate_gradients();
 
 /// From here on what costs the most in a body of three dimensions are its factors.
 inline constexpr int many_unknowns = 60000;

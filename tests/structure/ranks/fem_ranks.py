@@ -50,7 +50,8 @@ with tempfile.TemporaryDirectory(prefix="strake-test-") as scratch:
         for name in names:
             off = difference(values(scratch / f"1.{name}"), values(scratch / f"{ranks}.{name}"))
             expect(off <= 1e-9, f"{ranks} ranks, {name}: {off:.1e} from one rank")
-        for name in ("f1", "strain", "stress", "kinetic", "external", "free_kinetic", "free_external"):
+        for name in ("f1", "strain", "stress", "kinetic", "external", "free_kinetic", "free_external", "turned_strain",
+                     "turned_external", "turned_tip", "turned_tip_velocity"):
             off = abs(other[name] / one[name] - 1)
             expect(off <= 1e-9, f"{ranks} ranks, {name}: {off:.1e} from one rank")
     run(2, 1, scratch / "again", "all")

@@ -131,12 +131,38 @@ void solve_free_frame(Parameters p, Communicator& ranks, Report& report) {
   report.add("free_external", solver.energy().external);
 }
 
+/// A strip in the plane, of rubber that is held by a wall which turns.
+void solve_turned_strip(Communicator& ranks, Report& report) {
+  Parameters p;
+  p.shape.kind = ShapeKind::solid;
+  SolidBox strip = box("strip", {0, 0, 0}, {0.3, 0.1, 0},
+                       {.model = MaterialModel::neo_hookean, .density = 1000, .young = 1e6, .poisson = 0.4});
+  strip.support[0] = Support::clamped;
+  p.solid = solid_of_boxes(2, {strip});
+  p.gravity = {0, -9.81, 0};
+  p.fem.refinement = 3;
+  p.fem.linear_solver = LinearMethod::cg_amg;
+  p.motion = MotionTable(
+      {0, 0.01, 0.02}, {MotionColumn::absent, MotionColumn::place, MotionColumn::absent, MotionColumn::place},
+      {{{}, {0, 0.001, 0.004}, {}, {0, 0.02, 0.08}}});
+  FemSolver<2> solver(p, &ranks);
+  for (int i = 0; i < 3; ++i) solver.advance(1e-3 * i, 1e-3, Load());
+  report.add("turned_steps", solver.division().whole(solver.unknowns()));
+  report.add("turned_tip", solver.displacement_at({0.3, 0.05, 0}).y());
+  report.add("turned_tip_velocity", solver.velocity_at({0.29, 0.05, 0}).y());
+  report.add("turned_strain", solver.energy().strain);
+  report.add("turned_external", solver.energy().external);
+  const Frame frame = solver.frame();
+  for (const Frame::Array& array : frame.point_data) report.add("turned_frame_" + array.name, array.value);
+}
+
 void run(int refinement, bool whole, const std::string& folder, Communicator& ranks) {
   Report report(folder, ranks);
   const Parameters p = block(refinement);
   solve_system(p, ranks, report);
   if (whole) solve_body(p, ranks, report);
   if (whole) solve_free_frame(p, ranks, report);
+  if (whole) solve_turned_strip(ranks, report);
   report.add("bytes", ranks.max(peak_memory()));
   report.write();
 }
