@@ -10,6 +10,7 @@ import argparse
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -55,14 +56,17 @@ def run(folder, name, dimension, x, y, z, ranks, threads):
                "--set", f"fluid.ranks={ranks}", "--set", f"run.threads={threads}"]
     if ranks > 2:
         command += ["--set", 'fluid.launcher="mpirun --oversubscribe --mca mpi_yield_when_idle 1 -n {ranks}"']
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, env=dict(os.environ, **allow), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode != 0:
         sys.exit(done.stdout)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     summary = json.loads((folder / "runs" / name / "summary.json").read_text())
     stages = summary["seconds"]["fluid"]
     rows = [line.split(",") for line in (folder / "runs" / name / "history.csv").read_text().splitlines() if line and not line.startswith("#")]
     iterations = dict(zip([cell.split(" ")[0] for cell in rows[0]], rows[-1]))["pressure_iterations"]
-    return {"step": sum(stages.values()) / options.steps, "stages": stages, "ranks": summary["ranks"]["fluid"], "iterations": int(float(iterations))}
+    return {"step": sum(stages.values()) / options.steps, "stages": stages, "ranks": summary["ranks"]["fluid"], "iterations": int(float(iterations)),
+            "cpu": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime}
 
 
 def least(results):
@@ -98,7 +102,8 @@ with tempfile.TemporaryDirectory(prefix="strake-ranks-") as name:
               f"threads alone {best['half']['step'] / best['threads']['step']:.2f}")
         print(f"  2 ranks / 2 threads {best['ranks']['step'] / best['threads']['step']:.2f}; 2 threads against 1: {best['one']['step'] / best['threads']['step']:.2f}")
         busy = [rank["busy"] for rank in best["four"]["ranks"]]
-        print(f"  4 ranks: computing {sum(busy) / options.steps / best['one']['step']:.2f} of one rank's; imbalance {max(busy) * len(busy) / sum(busy):.2f}")
+        cpu = sum(rank["cpu"] for rank in best["four"]["ranks"])
+        print(f"  4 ranks: processor time outside messages {cpu / best['one']['cpu']:.2f} of one rank's, start and output included; imbalance {max(busy) * len(busy) / sum(busy):.2f}")
         for rank in best["four"]["ranks"]:
             print(f"    particles {rank['particles']}, ghosts {100 * rank['ghosts'] / rank['particles']:.1f} %, memory {rank['memory_bytes'] / 2**20:.0f} MiB, "
                   f"sent {rank['sent_bytes'] / options.steps / max(1, rank['ghosts']):.0f} B a ghost and step")
