@@ -84,6 +84,7 @@ void Subdomain<dim>::take_part(State<dim>& state, std::int64_t water) {
     part.bucket.push_back(divided ? bucket_with(state.rank_buckets[static_cast<std::size_t>(i)])
                                   : buckets_.of(state.position.col(i)));
   }
+  part.buckets_hold = divided;
   part.owner.assign(part.place.size(), static_cast<int>(rank));
   part.owned.assign(part.place.size(), 1);
   part.owned.resize(part.place.size() + static_cast<std::size_t>(layers_));
@@ -255,7 +256,7 @@ void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
     is_near_.clear();
   }
   Division next;
-  if (is_read() && !division_->layer_bucket.empty()) {
+  if (is_read() && division_->buckets_hold) {
     next.layer_bucket = division_->layer_bucket;  // the buckets that were read hold
   } else {
     auto now = std::make_shared<Division>(*division_);

@@ -26,6 +26,7 @@ struct Division {
   std::vector<int> owner;           // of each water particle
   std::vector<std::uint8_t> owned;  // of each particle: by this rank
   std::vector<Bucket> layer_bucket;
+  bool buckets_hold = false;               // they were read with the state
   std::vector<int> layer_owner;            // of each layer particle; empty: all ranks have the same values
   std::vector<std::uint8_t> layer_absent;  // of each layer particle: far from all water of this rank
   Halo ghosts, near;                       // copies of other ranks' water; those in the first ring alone
@@ -60,7 +61,7 @@ class Subdomain {
   /// Goes back to a division that was noted with that state.
   void adopt(std::shared_ptr<const Division> division) { division_ = std::move(division); }
   /// Whether the part is that of a state that has just been read.
-  bool is_read() const { return division_->layer_owner.empty() && layers_ > 0; }
+  bool is_read() const { return division_->ghosts.send.empty(); }
   /// Whether the water is to be divided anew: a particle has left its bucket. All ranks agree.
   bool is_due(const State<dim>&) const;
   /// Sorts the water of all ranks along cells of that width [m], as on one rank: gives it new places.

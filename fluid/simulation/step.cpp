@@ -182,7 +182,8 @@ void Simulation<dim>::Work::solve_pressure() {
   const Solved solved = step.subdomain ? solve_together() : solve_alone();
   const PressureSolution& solution = solved.solution;
   report.pressure_iterations = solution.iterations;
-  if (!(solution.residual <= 10 * keys.pressure_tolerance) || !solution.pressure.allFinite())
+  const bool failed = !(solution.residual <= 10 * keys.pressure_tolerance) || !solution.pressure.allFinite();
+  if (step.ranks.any(failed))  // the ranks agree
     throw Error(
         ExitCode::solver_fault, step.where(),
         fmt::format("the pressure equation did not converge: {} iterations, residual {:.3g} (asked {:.3g}), "
