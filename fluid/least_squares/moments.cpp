@@ -103,6 +103,7 @@ inline void inverse_where_seen(const Tensor<dim>& m, Tensor<dim>& inverse) {
 template <int dim>
 void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
                                       const Neighbours& near, double time) {
+  if (moments_.diagonal.size() != boundary.water()) resize(boundary.water());
   walls_.update(boundary, state, near, air_->aired, ranks_);
   now_.configuration = time;
   for (std::int64_t i = 0; i < boundary.water(); ++i)

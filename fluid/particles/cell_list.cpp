@@ -334,12 +334,12 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
         const std::int32_t i = list[k];
         bool far = false;
         for (size_t d = 0; d < dim; ++d) far = far || std::abs(screen.all[d][k]) > inside_grid[d];
-        const bool filler = fillers && (tag[static_cast<size_t>(i)] & filler);
+        const bool is_filler = fillers && (tag[static_cast<size_t>(i)] & filler);
         std::uint32_t* const bits = out.bits.data() + out.first_bits(i);
         if (far)
           take_all(k, length, bits);
         else
-          screen_row<dim>(filler ? screen.without_fillers : screen.all, screen, k, length, limits, bits);
+          screen_row<dim>(is_filler ? screen.without_fillers : screen.all, screen, k, length, limits, bits);
       }
     }
   }

@@ -51,7 +51,7 @@ RUNS = {
     "dam break 3-D": ("dam_break_3d", ["end_time=0.05"]),
 }
 KEPT = ("history.csv", "iterations.csv")
-NOT_COMPARED = ("seconds", "peak_memory_bytes", "strake", "commit")
+NOT_COMPARED = ("seconds", "ranks", "peak_memory_bytes", "strake", "commit")
 
 
 def strake(bin_dir, place, *words):

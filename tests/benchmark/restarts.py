@@ -57,7 +57,7 @@ def contents(folder):
     for part in ("interface", "frames"):
         found |= {f"{part}/{file.name}": file.read_bytes() for file in (folder / part).iterdir()}
     summary = json.loads((folder / "summary.json").read_text())
-    for key in ("seconds", "peak_memory_bytes", "tag"):
+    for key in ("seconds", "ranks", "peak_memory_bytes", "tag"):
         del summary[key]
     found["summary.json"] = json.dumps(summary, indent=1).encode()
     return found

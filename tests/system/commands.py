@@ -8,7 +8,7 @@ from processes import *  # noqa: F403: the test's own vocabulary
 CASE = ROOT / "cases" / "plate_entry.toml"
 QUICK = ["--set", "structure.solver=rigid", "--set", "fluid.scheme.time_step=1e-5"]
 SUMMARY = {"case", "tag", "exit_code", "end_time", "windows", "iterations", "particles", "steps", "steps_committed",
-           "seconds", "peak_memory_bytes", "probes", "checks", "alarms", "resolution", "compare", "failure"}
+           "seconds", "ranks", "peak_memory_bytes", "probes", "checks", "alarms", "resolution", "compare", "failure"}
 
 
 def equal(one, other, what, names=("history.csv", "iterations.csv")):

@@ -34,10 +34,10 @@ CommittedWindow window_with(int iterations, bool converged, double work_fluid, d
 
 TEST(Summary, HoldsExactlyTheKeysThatScriptsRelyOn) {
   const auto json = Summary("plate_entry", "rigid").json();
-  EXPECT_EQ(keys(json),
-            (std::set<std::string>{"case", "tag", "exit_code", "end_time", "windows", "iterations",
-                                   "particles", "steps", "steps_committed", "seconds", "peak_memory_bytes",
-                                   "probes", "checks", "alarms", "resolution", "failure", "compare"}));
+  EXPECT_EQ(keys(json), (std::set<std::string>{"case", "tag", "exit_code", "end_time", "windows",
+                                               "iterations", "particles", "steps", "steps_committed",
+                                               "seconds", "ranks", "peak_memory_bytes", "probes", "checks",
+                                               "alarms", "resolution", "failure", "compare"}));
   EXPECT_EQ(keys(json["iterations"]), (std::set<std::string>{"mean", "max", "unconverged", "taken_back"}));
   EXPECT_EQ(keys(json["particles"]), (std::set<std::string>{"fluid", "wall", "solid"}));
   EXPECT_EQ(keys(json["seconds"]), (std::set<std::string>{"wall", "fluid", "structure", "coupler"}));
