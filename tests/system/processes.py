@@ -88,6 +88,21 @@ def wait_until(condition, seconds, step=0.02):
     return condition()
 
 
+def lose_rank(process, program, rank, kill, limit):
+    """Sends a signal to one of two ranks: the run ends within `limit` seconds, names it, and leaves none."""
+    pids = ranks_of(process, program)
+    expect(sorted(pids) == [0, 1], f"two ranks: {pids}")
+    began = time.monotonic()
+    os.kill(pids[rank], kill)
+    _, said = process.communicate(timeout=60)
+    seconds = time.monotonic() - began
+    expect(process.returncode == 5, f"exit 5, was {process.returncode}")
+    expect(f"rank {rank} " in said, f"the message names rank {rank}:\n{said}")
+    print(f"      {signal.Signals(kill).name} of rank {rank}: {seconds:.1f} s")
+    expect(seconds < limit, "within the limit")
+    expect(wait_until(lambda: not any(alive(pid) for pid in pids.values()), 5), "no rank is left")
+
+
 def rows(run):
     path = run / "history.csv"
     return max(0, path.read_text().count("\n") - 1) if path.exists() else 0

@@ -1,13 +1,12 @@
 """The water on several ranks: the results of one rank, resumed runs, ranks that die or stop, refusals.
 ranks.py ROOT BIN"""
-import os
 import pathlib
 import shutil
 import signal
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from processes import BIN, ROOT, alive, expect, finish, folder, ranks_of, rows, start, strake, time, wait_until
+from processes import BIN, ROOT, expect, finish, folder, lose_rank, rows, start, strake, wait_until
 
 CASE = ROOT / "cases/plate_entry.toml"
 ENTRY = ["--set", "fluid.spacing=0.0125", "--set", "run.threads=1", "--set", "structure.velocity=[0, -20, 0]",
@@ -62,17 +61,7 @@ def lost_rank(kill, rank, limit):
         process = start("run", CASE, "--set", "fluid.ranks=2", *ENTRY, cwd=cwd)
         table = pathlib.Path(cwd) / "runs/plate_entry/history.csv"
         wait_until(lambda: table.exists() and table.read_text().count("\n") > 3, 60)
-        pids = ranks_of(process, "strake-fluid-ranks")
-        expect(sorted(pids) == [0, 1], f"two ranks: {pids}")
-        began = time.monotonic()
-        os.kill(pids[rank], kill)
-        _, said = process.communicate(timeout=60)
-        seconds = time.monotonic() - began
-        expect(process.returncode == 5, f"exit 5, was {process.returncode}")
-        expect(f"rank {rank} " in said, f"the message names rank {rank}:\n{said}")
-        print(f"      {signal.Signals(kill).name} of rank {rank}: {seconds:.1f} s")
-        expect(seconds < limit, "within the limit")
-        expect(wait_until(lambda: not any(alive(pid) for pid in pids.values()), 5), "no rank is left")
+        lose_rank(process, "strake-fluid-ranks", rank, kill, limit)
 
 
 def refusals():

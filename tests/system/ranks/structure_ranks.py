@@ -1,14 +1,13 @@
 """A body on several ranks in water: the figures of one rank, resumed runs, ranks that die or stop, refusals.
 structure_ranks.py ROOT BIN"""
 import csv
-import os
 import pathlib
 import shutil
 import signal
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from processes import BIN, ROOT, alive, expect, finish, folder, ranks_of, rows, start, strake, time, wait_until
+from processes import BIN, ROOT, expect, finish, folder, lose_rank, rows, start, strake, wait_until
 
 CASE = ROOT / "tests/system/ranks/block.toml"
 FAST = ["--set", "run.threads=1", "--quiet"]
@@ -60,17 +59,7 @@ def lost_rank(kill, rank, limit):
     with folder() as cwd:
         process = start("run", CASE, *FAST, cwd=cwd)
         wait_until(lambda: rows(pathlib.Path(cwd) / "runs/block") > 0, 120)
-        pids = ranks_of(process, PROGRAM)
-        expect(sorted(pids) == [0, 1], f"two ranks: {pids}")
-        began = time.monotonic()
-        os.kill(pids[rank], kill)
-        _, said = process.communicate(timeout=60)
-        seconds = time.monotonic() - began
-        expect(process.returncode == 5, f"exit 5, was {process.returncode}")
-        expect(f"rank {rank} " in said, f"the message names rank {rank}:\n{said}")
-        print(f"      {signal.Signals(kill).name} of rank {rank}: {seconds:.1f} s")
-        expect(seconds < limit, "within the limit")
-        expect(wait_until(lambda: not any(alive(pid) for pid in pids.values()), 5), "no rank is left")
+        lose_rank(process, PROGRAM, rank, kill, limit)
 
 
 def refusals():
