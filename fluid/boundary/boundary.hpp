@@ -89,9 +89,10 @@ class Boundary {
   /// Adopts the places that `state` was saved with.
   void adopt(const State<dim>& state);
 
-  /// Returns the tags of the particles for the neighbour search. absent_layers: mask, those that have no
-  /// pairs on this rank; empty: none.
-  std::span<const std::uint8_t> tags(const State<dim>&, std::span<const std::uint8_t> absent_layers = {});
+  /// Returns the tags of the particles for the neighbour search. passive_water: mask, water that has no row
+  /// on this rank; absent_layers: mask, layer particles that have no pairs; empty: none.
+  std::span<const std::uint8_t> tags(const State<dim>&, std::span<const std::uint8_t> passive_water = {},
+                                     std::span<const std::uint8_t> absent_layers = {});
   /// Whether a pair counts. around: one of water that a corner comes between counts while the way around the
   /// corner is within reach.
   bool keep(const State<dim>&, std::int32_t i, std::int32_t j, bool around = false) const;

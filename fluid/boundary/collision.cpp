@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace strake::fluid {
@@ -40,37 +41,48 @@ bool any_within(const State<dim>& state, const Periodic<dim>& periodic, std::int
   return found != 0;
 }
 
-/// Pairs with a water particle i < j that are too close and approach each other, in order.
+/// Pairs with a water particle i < j that are too close and approach each other, in order. owned: see
+/// `separate_particles`. A pair whose particle i is another rank's and has no row is taken from the row of j.
 template <int dim>
 std::vector<Pair> close_pairs(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t water,
-                              const Neighbours& near, double distance, double of_water, double margin) {
+                              const Neighbours& near, double distance, double of_water, double margin,
+                              std::span<const std::uint8_t> owned) {
   constexpr std::int64_t block = 1024;
   const std::int64_t blocks = (water + block - 1) / block;
   std::vector<std::vector<Pair>> found(static_cast<std::size_t>(blocks));
-#pragma omp parallel for schedule(static)
+  const auto collide = [&](std::int64_t i, std::int64_t j) {
+    const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
+    const bool inside = j < water && !state.surface[static_cast<std::size_t>(i)] &&
+                        !state.surface[static_cast<std::size_t>(j)];
+    const double limit = inside ? of_water : distance;
+    return r.squaredNorm() < limit * limit && (state.velocity.col(i) - state.velocity.col(j)).dot(r) > 0;
+  };
+  bool out_of_order = false;
+#pragma omp parallel for schedule(static) reduction(|| : out_of_order)
   for (std::int64_t b = 0; b < blocks; ++b) {
+    std::vector<Pair>& pairs = found[static_cast<std::size_t>(b)];
     for (std::int64_t i = b * block; i < std::min(water, (b + 1) * block); ++i) {
       const auto columns = near.row(i);
       const auto inverses = near.inverses(i);
       const auto later = std::upper_bound(columns.begin(), columns.end(), static_cast<std::int32_t>(i));
-      const auto first = static_cast<std::size_t>(later - columns.begin());
+      const auto lower = static_cast<std::size_t>(later - columns.begin());
+      const bool is_ghost = !owned.empty() && owned[static_cast<std::size_t>(i)] == 0;
+      const std::size_t first = is_ghost ? 0 : lower;
       if (!any_within<dim>(state, periodic, i, columns.subspan(first), std::max(distance, of_water)))
         continue;
       for (std::size_t e = first; e < columns.size(); ++e) {
-        if (inverses[e] * margin < 1) continue;
-        const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(columns[e]));
-        const auto j = static_cast<std::size_t>(columns[e]);
-        const bool inside =
-            columns[e] < water && !state.surface[static_cast<std::size_t>(i)] && !state.surface[j];
-        const double limit = inside ? of_water : distance;
-        if (r.squaredNorm() >= limit * limit) continue;
-        if ((state.velocity.col(i) - state.velocity.col(columns[e])).dot(r) <= 0) continue;
-        found[static_cast<std::size_t>(b)].push_back({static_cast<std::int32_t>(i), columns[e]});
+        if (inverses[e] * margin < 1 || (e < lower && !near.row(columns[e]).empty())) continue;
+        const auto self = static_cast<std::int32_t>(i);
+        const auto [low, high] = std::minmax(self, columns[e]);
+        if (!collide(low, high)) continue;
+        pairs.push_back({low, high});
+        out_of_order = out_of_order || low != self;
       }
     }
   }
   std::vector<Pair> all;
   for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  if (out_of_order) std::ranges::sort(all, {}, [](const Pair& pair) { return std::pair(pair.i, pair.j); });
   return all;
 }
 
@@ -175,7 +187,8 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
         scheme.gradient == Gradient::least_squares ? std::min(distance, water_to_water * spacing) : distance;
     // Rows of neighbours are those of the positions before the step. A pair that was farther apart than the
     // distance plus l0 is not tested.
-    const auto pairs = close_pairs<dim>(state, periodic, water, near, distance, of_water, distance + spacing);
+    const auto pairs =
+        close_pairs<dim>(state, periodic, water, near, distance, of_water, distance + spacing, owned);
     account.pairs = static_cast<std::int64_t>(pairs.size());
     std::vector<int> count;
     if (scheme.anti_penetration == AntiPenetration::average) {

@@ -129,6 +129,7 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < water; ++i) add_images(far, i);
   }
+  ranks_.update(film_.share);
   list_films();
 }
 

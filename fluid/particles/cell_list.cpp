@@ -160,7 +160,7 @@ void check_count(std::int64_t particles) {
 }
 
 /// Finds each particle's cell and the length of each cell's list. Then next_ is where a cell's list begins,
-/// and members_ the cell's number among those that are occupied.
+/// and members_ the cell's number among those that have one.
 template <int dim>
 void CellList<dim>::count_members(const Vectors<dim>& position, std::span<const std::uint8_t> tag,
                                   Candidates& out) {
@@ -183,14 +183,17 @@ void CellList<dim>::count_members(const Vectors<dim>& position, std::span<const 
       std::int32_t& members = members_[static_cast<size_t>(cell[static_cast<size_t>(run.first)])];
 #pragma omp atomic
       members += run.last - run.first;
+      if (!any_with_row(tag, run)) return;
+#pragma omp atomic write
+      next_[static_cast<size_t>(cell[static_cast<size_t>(run.first)])] = 0;
     });
   }
-  const auto has_members = [&](std::int64_t c) {
-    return std::int64_t{members_[static_cast<size_t>(c)] ? 1 : 0};
+  const auto has_list = [&](std::int64_t c) {
+    return std::int64_t{next_[static_cast<size_t>(c)] < 0 ? 0 : 1};
   };
   occupied_.resize(static_cast<size_t>(std::min(n, cells)));
   const std::int64_t occupied =
-      running_sum(cells, has_members, [&](std::int64_t c, std::int64_t from, std::int64_t to) {
+      running_sum(cells, has_list, [&](std::int64_t c, std::int64_t from, std::int64_t to) {
         if (to > from) occupied_[static_cast<size_t>(from)] = static_cast<std::int32_t>(c);
       });
   occupied_.resize(static_cast<size_t>(occupied));
@@ -210,6 +213,14 @@ void CellList<dim>::count_members(const Vectors<dim>& position, std::span<const 
         next_[static_cast<size_t>(occupied_[static_cast<size_t>(o)])] = from;
         members_[static_cast<size_t>(occupied_[static_cast<size_t>(o)])] = static_cast<std::int32_t>(o);
       });
+}
+
+/// Whether one of a run is not passive.
+template <int dim>
+bool CellList<dim>::any_with_row(std::span<const std::uint8_t> tag, Run run) {
+  if (tag.empty()) return true;
+  return std::any_of(tag.begin() + run.first, tag.begin() + run.last,
+                     [](std::uint8_t t) { return !(t & passive); });
 }
 
 /// Calls visit(run) for the runs that the particles first ≤ i < last consist of, in their order. Particles
@@ -256,7 +267,7 @@ void CellList<dim>::hand_out(Run run, std::span<const std::int64_t> bound, const
 /// threads together does not grow with their number. Then it appends what it was handed, in the order of the
 /// particles.
 template <int dim>
-void CellList<dim>::fill_lists(Candidates& out) {
+void CellList<dim>::fill_lists(std::span<const std::uint8_t> tag, Candidates& out) {
   const auto n = static_cast<std::int64_t>(out.cell.size());
   const std::vector<std::int64_t>& start = out.list_start;
   make_room(out.lists, static_cast<size_t>(start.back()));
@@ -291,7 +302,8 @@ void CellList<dim>::fill_lists(Candidates& out) {
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < n; ++i) {
     std::int32_t& c = out.cell[static_cast<size_t>(i)];
-    c = c == nowhere_at_all ? static_cast<std::int32_t>(occupied_.size()) : members_[static_cast<size_t>(c)];
+    const bool has_row = c != nowhere_at_all && (tag.empty() || !(tag[static_cast<size_t>(i)] & passive));
+    c = has_row ? members_[static_cast<size_t>(c)] : static_cast<std::int32_t>(occupied_.size());
   }
   out.list_start.push_back(out.list_start.back());
   make_room(out.bits, static_cast<size_t>(place_bits(out)));
@@ -304,7 +316,7 @@ void CellList<dim>::find(const Vectors<dim>& position, std::span<const std::uint
   check_count(position.cols());
   grid_.lay(position, reach, periodic);
   count_members(position, tag, out);
-  fill_lists(out);
+  fill_lists(tag, out);
   const double low = skin + screening * radius, inside = std::max(0.0, radius - skin - screening * radius);
   Limits limits{static_cast<float>(reach * reach), static_cast<float>(low * low),
                 static_cast<float>(inside * inside)};

@@ -50,9 +50,10 @@ struct Candidates {
 /// Properties of a particle for the search; one byte each, bits may be joined.
 enum PairTag : std::uint8_t {
   plain = 0,
-  filler = 1,  // dummy: pairs of two fillers are dropped
-  asked = 2,   // pairs with at least one such particle are kept only if `keep` is true
-  absent = 4,  // it has no pairs: its water is another rank's
+  filler = 1,   // dummy: pairs of two fillers are dropped
+  asked = 2,    // pairs with at least one such particle are kept only if `keep` is true
+  absent = 4,   // it has no pairs: its water is another rank's
+  passive = 8,  // it has no row, but is in the rows of others: another rank computes it
 };
 
 /// Finds where the bits of each particle begin, from the lengths of the lists. Returns the number of words.
@@ -68,7 +69,7 @@ template <int dim>
 class CellList {
  public:
   /// Finds every pair nearer than radius + skin, except pairs of two fillers and those of absent particles
-  /// (PairTag). tag may be empty.
+  /// (PairTag). Passive particles get no list. tag may be empty.
   void find(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double radius, double skin,
             const Periodic<dim>&, Candidates&);
 
@@ -78,11 +79,12 @@ class CellList {
 
  private:
   void count_members(const Vectors<dim>& position, std::span<const std::uint8_t> tag, Candidates&);
-  void fill_lists(Candidates&);
+  void fill_lists(std::span<const std::uint8_t> tag, Candidates&);
   /// Particles first ≤ i < last of one cell.
   struct Run {
     std::int32_t first, last;
   };
+  static bool any_with_row(std::span<const std::uint8_t> tag, Run);
   template <class Visit>
   static void for_each_run(std::span<const std::int32_t> cell, std::int64_t first, std::int64_t last,
                            Visit&&);
@@ -91,8 +93,8 @@ class CellList {
                 std::vector<std::vector<Run>>& share) const;
 
   CellGrid<dim> grid_;
-  std::vector<std::int32_t> members_;   // particles in each cell; then its place among those with any
-  std::vector<std::int32_t> occupied_;  // cells with members
+  std::vector<std::int32_t> members_;   // particles in each cell; then its place among those with a list
+  std::vector<std::int32_t> occupied_;  // cells with a list: with members that are not passive
   std::vector<std::int64_t> next_;      // of each cell: present end of its list; −1: none
 };
 

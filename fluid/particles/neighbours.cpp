@@ -34,7 +34,7 @@ constexpr std::int64_t block = 64;
 constexpr size_t few = 4096;
 
 /// Bits of a tag on which the candidates depend.
-constexpr std::uint8_t of_candidates = filler | absent;
+constexpr std::uint8_t of_candidates = filler | absent | passive;
 
 /// Mask of the candidates' bits that mark near partners.
 constexpr std::uint32_t near_bits = 0xffff;
@@ -167,6 +167,26 @@ void NeighbourSearch<dim>::mark_asked(std::span<const std::uint8_t> tag) {
       for (std::uint32_t near = candidates_.bits[word] & near_bits; near; near &= near - 1)
         mark(static_cast<size_t>(list[b + static_cast<size_t>(std::countr_zero(near))]));
   }
+  mark_beside_passive(tag);
+}
+
+/// Marks the rows of all cells whose lists contain an asked particle without a row of its own.
+template <int dim>
+void NeighbourSearch<dim>::mark_beside_passive(std::span<const std::uint8_t> tag) {
+  constexpr std::uint8_t both = asked | passive;
+  const auto is_sought = [&](std::size_t i) { return (tag[i] & both) == both; };
+  bool any = false;
+#pragma omp parallel for schedule(static) reduction(|| : any) if (tag.size() > few)
+  for (size_t i = 0; i < tag.size(); ++i) any = any || is_sought(i);
+  if (!any) return;
+  std::vector<std::uint8_t> meets(candidates_.list_start.size(), 0);  // of each list
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < meets.size() - 1; ++c)
+    meets[c] = std::any_of(candidates_.lists.begin() + candidates_.list_start[c],
+                           candidates_.lists.begin() + candidates_.list_start[c + 1],
+                           [&](std::int32_t j) { return is_sought(static_cast<size_t>(j)); });
+#pragma omp parallel for schedule(static) if (tag.size() > few)
+  for (size_t i = 0; i < tag.size(); ++i) meets_asked_[i] |= meets[static_cast<size_t>(candidates_.cell[i])];
 }
 
 /// Selects the candidates within the radius and counts them. Only those at the border need a test. What is

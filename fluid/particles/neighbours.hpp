@@ -107,7 +107,7 @@ class NeighbourSearch {
   /// shorter than 2 (radius + skin), where a particle would meet two images of another.
   NeighbourSearch(double radius, double skin, const Periodic<dim>& = {}, PairData data = PairData::inverses);
   /// Computes the rows of the largest radius. tag: empty, or one byte per particle (PairTag). Where
-  /// fillers or absent ones change the candidates are found anew.
+  /// fillers, absent or passive ones change, the candidates are found anew.
   const Neighbours& update(const Vectors<dim>& position, std::span<const std::uint8_t> tag = {},
                            const KeepPair& keep = {});
   /// Returns the pairs of the last update with |r_ij| < radius, at most the largest radius. They are made on
@@ -131,6 +131,7 @@ class NeighbourSearch {
   double moved(const Vectors<dim>& position) const;
   void rebuild(const Vectors<dim>& position, std::span<const std::uint8_t> tag, double way);
   void mark_asked(std::span<const std::uint8_t> tag);
+  void mark_beside_passive(std::span<const std::uint8_t> tag);
   template <bool seams>
   void select(const double* x, std::span<const std::uint8_t> tag, const KeepPair* keep);
   template <bool seams, bool single>

@@ -1,6 +1,7 @@
 #include "fluid/pressure_solver/ranked_unknowns.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 namespace strake::fluid {
@@ -80,14 +81,30 @@ void RankedUnknowns<dim>::take(const PressureSystem& local, const Subdomain<dim>
     own.diagonal[k] = is_own ? local.diagonal[k] : 0;
     own.right[k] = is_own ? local.right[k] : 0;
   }
-  std::vector<std::int32_t> placed;
   in_cells.clear();
-  for (std::size_t i = 0; i < n; ++i) {
-    if (local.start[i] == local.stop[i]) continue;
-    placed.push_back(static_cast<std::int32_t>(i));
-    if (near[i]) in_cells.push_back(static_cast<std::int32_t>(i));
+  for (std::size_t i = 0; i < n; ++i)
+    if (near[i] && local.start[i] < local.stop[i]) in_cells.push_back(static_cast<std::int32_t>(i));
+  find_cells(subdomain, position, with_partners(local));
+}
+
+/// Returns the particles in cells and their partners, ascending. The rows of the second ring are empty.
+template <int dim>
+std::vector<std::int32_t> RankedUnknowns<dim>::with_partners(const PressureSystem& local) const {
+  std::vector<std::uint8_t> found(static_cast<std::size_t>(local.size()), 0);
+  const auto mark = [&](std::int32_t i) {  // two threads may mark the same
+    std::atomic_ref(found[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);
+  };
+#pragma omp parallel for schedule(static)
+  for (const std::int32_t i : in_cells) {
+    mark(i);
+    const auto k = static_cast<std::size_t>(i);
+    if (owner[k] == communicator->rank()) continue;  // its partners are in cells
+    for (auto e = local.start[k]; e < local.stop[k]; ++e) mark(local.column[static_cast<std::size_t>(e)]);
   }
-  find_cells(subdomain, position, placed);
+  std::vector<std::int32_t> placed;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (found[i]) placed.push_back(static_cast<std::int32_t>(i));
+  return placed;
 }
 
 template <int dim>

@@ -36,6 +36,7 @@ struct RankedUnknowns {
             PressureSystem& own, PressureSystem& grid);
 
  private:
+  std::vector<std::int32_t> with_partners(const PressureSystem& local) const;
   void find_cells(const Subdomain<dim>&, const Vectors<dim>& position, std::span<const std::int32_t> placed);
 };
 

@@ -25,6 +25,7 @@ struct Division {
   std::vector<Bucket> bucket;       // of each water particle, when the water was divided
   std::vector<int> owner;           // of each water particle
   std::vector<std::uint8_t> owned;  // of each particle: by this rank
+  std::vector<std::uint8_t> outer;  // of each water particle: a ghost of the second ring, without a row
   std::vector<Bucket> layer_bucket;
   bool buckets_hold = false;               // they were read with the state
   std::vector<int> layer_owner;            // of each layer particle; empty: all ranks have the same values
@@ -37,10 +38,11 @@ struct Division {
 /// them: its ghosts. It has the layer particles of all walls and bodies; those far from its
 /// water have no pairs.
 ///
-/// Two rings are enough for two sums over neighbours in turn. A layer particle beside own water then has all
-/// its water. What a third sum would read is sent by its owners before (`update`). A particle stays in its
-/// bucket until one has left its own by more than a little: reach and width of a bucket differ by more than
-/// twice that.
+/// Two rings are enough for two sums over neighbours in turn. The first sum is over own particles and the
+/// first ring; those of the second ring are in the rows of others, and have none. A layer particle beside
+/// own water has all its water. What a third sum would read is sent by its owners before (`update`). A
+/// particle stays in its bucket until one has left its own by more than a little: reach and width of a bucket
+/// differ by more than twice that.
 ///
 /// The local order is that of the whole, with gaps. So a sum over the neighbours of an own particle adds the
 /// same numbers in the same order as on one rank, to the last bit.
@@ -130,6 +132,10 @@ class RankExchange {
   explicit RankExchange(const Subdomain<dim>* own) : own_(own) {}
   const Subdomain<dim>* subdomain() const { return own_; }
   bool several() const { return own_ != nullptr; }
+  /// Water that is in the rows of others and has none on this rank: a mask, or empty.
+  std::span<const std::uint8_t> water_without_row() const {
+    return own_ ? std::span<const std::uint8_t>(own_->division().outer) : std::span<const std::uint8_t>();
+  }
   /// Layer particles that are far from all water of this rank: a mask, or empty.
   std::span<const std::uint8_t> absent_layers() const {
     return own_ ? std::span<const std::uint8_t>(own_->division().layer_absent)
