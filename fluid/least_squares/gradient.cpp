@@ -22,6 +22,7 @@ void LeastSquaresScheme<dim>::find_pressure_gradient(const Boundary<dim>& bounda
   const double *const place = state.position.data(), *const pressure = state.pressure.data();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
+    if (!ranks_.owns(i)) continue;
     const auto columns = near.row(i);
     const auto inverses = near.inverses(i);
     const Vector<dim> x = state.position.col(i);

@@ -219,6 +219,7 @@ void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>& boundary, St
   const double factor = length / (p_.density * scale);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (!ranks_.owns(i)) continue;
     const double before = equation_.carried[i] * state.residual_divergence[i];
     state.residual_divergence[i] = 0;
     state.residual_wall_velocity.col(i).setZero();
@@ -243,7 +244,7 @@ void LeastSquaresScheme<dim>::limit_at_surface(const Boundary<dim>& boundary, St
   // count as inner water: the third row of a rough surface may lie out of reach.
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (!state.surface[static_cast<std::size_t>(i)] || !(state.pressure[i] > 0)) continue;
+    if (!ranks_.owns(i) || !state.surface[static_cast<std::size_t>(i)] || !(state.pressure[i] > 0)) continue;
     double inside = std::max(0.0, air_->above(i));
     bool walled = false;
     for (const std::int32_t j : near.row(i)) {

@@ -35,7 +35,7 @@ void LeastSquaresScheme<dim>::shift(const Boundary<dim>& boundary, State<dim>& s
   const bool moves = boundary.tank().moves();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
-    if (boundary.is_removed(state, i)) continue;
+    if (!ranks_.owns(i) || boundary.is_removed(state, i)) continue;
     const auto k = static_cast<std::size_t>(i);
     // The velocity is relative to the tank, so that an observer who moves with it finds the same result.
     Vector<dim> past = state.velocity.col(i);

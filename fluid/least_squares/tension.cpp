@@ -25,7 +25,7 @@ void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State
   }
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (state.pressure[i] > 0) continue;
+    if (!ranks_.owns(i) || state.pressure[i] > 0) continue;
     if (!surface_.in_reach[static_cast<std::size_t>(i)] && !(surface_.share[i] > 0)) {
       if (!(state.pressure[i] < -most)) continue;
       state.pressure[i] = -most;

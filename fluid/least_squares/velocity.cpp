@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 // Computes ∇u* of the water, and the filter of the velocity that ∇u* does not explain.
 
@@ -40,6 +41,11 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
     const auto columns = near.row(i);
     const auto inverses = near.inverses(i);
     const auto x = vec_at<dim>(places + dim * i), u = vec_at<dim>(velocities + dim * i);
+    if (!ranks_.owns(i)) {  // ∇u comes from the owner
+      velocity_.motion[static_cast<std::size_t>(i)].place = x;
+      velocity_.motion[static_cast<std::size_t>(i)].velocity = u;
+      continue;
+    }
     VecD<dim> sum[dim]{};
     [[maybe_unused]] Double4 all{};  // in the plane all products at once
     for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
@@ -103,6 +109,7 @@ void LeastSquaresScheme<dim>::find_filter(const Boundary<dim>& boundary, State<d
   if (!single) velocity_.filtered.resize(dim, boundary.water());
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (!ranks_.owns(i)) continue;
     const auto columns = near.row(i);
     const auto inverses = near.inverses(i);
     const Motion own = velocity_.motion[static_cast<std::size_t>(i)];
@@ -149,7 +156,21 @@ void LeastSquaresScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const 
     find_velocity_gradient<true>(boundary, state, near);
   else
     find_velocity_gradient<false>(boundary, state, near);
-  ranks_.update(velocity_.motion);
+  ranks_.update(
+      dim * dim * sizeof(double),
+      [this](std::int32_t i, std::byte* to) {
+        for (const VecD<dim>& column : velocity_.motion[static_cast<std::size_t>(i)].gradient) {
+          std::memcpy(to, &column, dim * sizeof(double));
+          to += dim * sizeof(double);
+        }
+      },
+      [this](std::int32_t i, const std::byte* from) {
+        for (VecD<dim>& column : velocity_.motion[static_cast<std::size_t>(i)].gradient) {
+          column = VecD<dim>{};
+          std::memcpy(&column, from, dim * sizeof(double));
+          from += dim * sizeof(double);
+        }
+      });
 }
 
 template <int dim>
@@ -163,7 +184,7 @@ void LeastSquaresScheme<dim>::filter(const Boundary<dim>& boundary, State<dim>& 
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < boundary.water(); ++i) {
       advance_gradient(velocity_.motion[static_cast<std::size_t>(i)], since);
-      if (p_.scheme.filter > 0) state.velocity.col(i) += dt * velocity_.filtered.col(i);
+      if (p_.scheme.filter > 0 && ranks_.owns(i)) state.velocity.col(i) += dt * velocity_.filtered.col(i);
     }
     ranks_.update(state.velocity);
     return;

@@ -32,6 +32,29 @@ class Halo {
   void update(Communicator& communicator, T* column) const {
     update(communicator, reinterpret_cast<std::byte*>(column), sizeof(T));
   }
+  /// The same, of values that read(i, to) writes to a message and write(i, from) takes from one.
+  template <class Read, class Write>
+  void update(Communicator& communicator, std::size_t each, const Read& read, const Write& write) const {
+    to_.resize(send.size());
+    from_.resize(receive.size());
+    for (std::size_t r = 0; r < send.size(); ++r) {
+      to_[r].resize(send[r].size() * each);
+      from_[r].resize(receive[r].size() * each);
+      std::byte* to = to_[r].data();
+      for (const std::int32_t i : send[r]) {
+        read(i, to);
+        to += each;
+      }
+    }
+    communicator.exchange(to_, from_);
+    for (std::size_t r = 0; r < from_.size(); ++r) {
+      const std::byte* from = from_[r].data();
+      for (const std::int32_t i : receive[r]) {
+        write(i, from);
+        from += each;
+      }
+    }
+  }
   /// Adds the copies to the values of their owners, in the order of ranks.
   void add_back(Communicator&, float* column) const;
 

@@ -278,21 +278,6 @@ void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
 }
 
 template <int dim>
-void Subdomain<dim>::refresh(State<dim>& state) const {
-  const Halo& halo = division_->ghosts;
-  std::vector<Bytes> to(halo.send.size()), from(halo.send.size());
-  for (std::size_t r = 0; r < to.size(); ++r) {
-    pack_particles<dim>(state, halo.send[r], to[r]);
-    from[r].resize(halo.receive[r].size() * bytes_of_particle<dim>(state));
-  }
-  communicator_->exchange(to, from);
-  for (std::size_t r = 0; r < from.size(); ++r) {
-    const std::byte* at = from[r].data();
-    unpack_particles<dim>(at, halo.receive[r], state);
-  }
-}
-
-template <int dim>
 void Subdomain<dim>::sort_along_cells(const State<dim>& state, double size) {
   auto next = std::make_shared<Division>(*division_);
   std::vector<std::int32_t> own;

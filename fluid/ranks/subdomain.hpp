@@ -73,8 +73,12 @@ class Subdomain {
   /// the ghosts anew. balance: the boxes of the ranks, `state.rank_boxes`, are made anew as well. They are
   /// made where there are none of so many ranks.
   void divide(State<dim>&, bool balance);
-  /// Gives the ghosts all data of their owners.
-  void refresh(State<dim>&) const;
+  /// Gives the ghosts the places and velocities of their owners. What else a step reads of a ghost was sent
+  /// when it was computed.
+  void refresh(State<dim>& state) const {
+    update(state.position);
+    update(state.velocity);
+  }
   /// Returns the whole state on the first rank; the others get its values without particles. division: the
   /// one of that state.
   State<dim> join(const State<dim>&, const Division&) const;
@@ -89,6 +93,12 @@ class Subdomain {
   template <class Column>
   void update(Column& column) const {
     division_->ghosts.update(*communicator_, first_byte(column), bytes_of_entry(column));
+  }
+  /// The same of values that read(i, to) writes to a message and write(i, from) takes from it, of `each`
+  /// bytes.
+  template <class Read, class Write>
+  void update(std::size_t each, const Read& read, const Write& write) const {
+    division_->ghosts.update(*communicator_, each, read, write);
   }
   /// Gives all layer particles the values of their owners. first: place in the column of the first of them.
   template <class Column>
@@ -141,6 +151,10 @@ class RankExchange {
     return own_ ? std::span<const std::uint8_t>(own_->division().layer_absent)
                 : std::span<const std::uint8_t>();
   }
+  /// Particles of this rank: a mask; empty: one rank has all.
+  std::span<const std::uint8_t> owned() const {
+    return own_ ? std::span<const std::uint8_t>(own_->division().owned) : std::span<const std::uint8_t>();
+  }
   Communicator* communicator() const { return own_ ? &own_->communicator() : nullptr; }  // nullptr: one rank
   /// Whether particle i belongs to this rank.
   bool owns(std::int64_t i) const { return own_ == nullptr || own_->owns(i); }
@@ -148,6 +162,12 @@ class RankExchange {
   template <class Column>
   void update(Column& column) const {
     if (own_) own_->update(column);
+  }
+  /// The same of values that read(i, to) writes to a message and write(i, from) takes from it, of `each`
+  /// bytes.
+  template <class Read, class Write>
+  void update(std::size_t each, const Read& read, const Write& write) const {
+    if (own_) own_->update(each, read, write);
   }
   /// Gives all layer particles the values of their owners. first: place in the column of the first of them.
   template <class Column>

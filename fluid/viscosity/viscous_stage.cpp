@@ -245,6 +245,7 @@ void ViscousStage<dim>::gather_force(bool corrected, const ViscousFlow<dim>& flo
 #pragma omp for schedule(static) nowait
     for (std::int64_t i = 0; i < flow.walls.first; ++i) {
       const auto at = static_cast<size_t>(i);
+      if (!flow.owned.empty() && !flow.owned[at]) continue;
       const bool inside = neighbours_[at] > 0 && (flow.surface.empty() || !flow.surface[at]);
       acceleration.col(i) =
           corrected && inside ? force_on_water<true>(i, flow) : force_on_water<false>(i, flow);

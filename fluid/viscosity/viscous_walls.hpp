@@ -46,6 +46,7 @@ struct ViscousFlow {
   std::span<const std::uint8_t> surface = {};  // 1: free surface; empty: none is
   Periodic<dim> periodic = {};                 // directions in which the flow repeats itself
   std::span<const double> wall_distance = {};  // [m], read with wall damping alone
+  std::span<const std::uint8_t> owned = {};    // 0: water of another rank, without acceleration; empty: none
 
   bool dry(std::int64_t row) const { return !wet.empty() && !wet[static_cast<std::size_t>(row)]; }
 };
