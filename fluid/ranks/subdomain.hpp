@@ -31,6 +31,7 @@ struct Division {
   std::vector<int> layer_owner;            // of each layer particle; empty: all ranks have the same values
   std::vector<std::uint8_t> layer_absent;  // of each layer particle: far from all water of this rank
   Halo ghosts, near;                       // copies of other ranks' water; those in the first ring alone
+  Halo layers;                             // copies of other ranks' layer particles, from the first of them
 };
 
 /// The particles of one rank. Each bucket, with the water and the layer particles in it, has one rank as its
@@ -100,12 +101,17 @@ class Subdomain {
   void update(std::size_t each, const Read& read, const Write& write) const {
     division_->ghosts.update(*communicator_, each, read, write);
   }
-  /// Gives all layer particles the values of their owners. first: place in the column of the first of them.
+  /// Gives the layer particles of bodies, and those of walls that are near water of this rank, the values of
+  /// their owners. first: place in the column of the first layer particle.
   template <class Column>
   void update_layers(Column& column, std::int64_t first) const {
-    send_layers(first_byte(column) + static_cast<std::size_t>(first) * bytes_of_entry(column),
-                bytes_of_entry(column));
+    division_->layers.update(*communicator_,
+                             first_byte(column) + static_cast<std::size_t>(first) * bytes_of_entry(column),
+                             bytes_of_entry(column));
   }
+  /// Gives all layer particles the vectors of their owners, most of which are zero. The first is in column
+  /// `first`.
+  void gather_layers(Vectors<dim>&, std::int64_t first) const;
 
  private:
   void balance(State<dim>&) const;
@@ -120,7 +126,6 @@ class Subdomain {
   void copy_ghosts(State<dim>&, Division&);
   void find_layer_owners(const State<dim>&, Division&);
   std::vector<std::vector<std::int32_t>> layers_by_rank(const Division&) const;
-  void send_layers(std::byte* column, std::size_t each) const;
   void refresh_layers(State<dim>&) const;
 
   Communicator* communicator_;
@@ -169,7 +174,10 @@ class RankExchange {
   void update(std::size_t each, const Read& read, const Write& write) const {
     if (own_) own_->update(each, read, write);
   }
-  /// Gives all layer particles the values of their owners. first: place in the column of the first of them.
+  /// Gives layer particles the values of their owners, see Subdomain.
+  void gather_layers(Vectors<dim>& column, std::int64_t first) const {
+    if (own_) own_->gather_layers(column, first);
+  }
   template <class Column>
   void update_layers(Column& column, std::int64_t first) const {
     if (own_) own_->update_layers(column, first);

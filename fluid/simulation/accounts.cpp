@@ -12,7 +12,7 @@ template <int dim>
 void Simulation<dim>::Work::take_load(Load<dim> load) {
   State<dim>& state = step.state;
   const Boundary<dim>& boundary = step.boundary;
-  step.ranks.update_layers(load.on_layers, boundary.water());
+  step.ranks.gather_layers(load.on_layers, boundary.water());
   const LayerForces<dim>& forces = load.on_layers;
   on_points = gather_on_points<dim>(forces, boundary);
   if (air) air->add_load(step, on_points);
