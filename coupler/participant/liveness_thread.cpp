@@ -60,12 +60,12 @@ void write_line(const std::array<char, n>& line) {
 }
 
 [[noreturn]] void end_without_coupler() {
-  remove_unfinished_file();
   write_line(last_moments.gone);
   if (last_moments.socket[0] != '\0') {
     unlink(last_moments.socket.data());
     rmdir(last_moments.folder.data());  // goes if it is empty
   }
+  remove_unfinished_file();  // last: other threads may still begin a file
   _exit(static_cast<int>(ExitCode::participant_lost));
 }
 
@@ -74,8 +74,8 @@ bool parent_is_gone() {
 }
 
 void on_sigterm(int) {
-  remove_unfinished_file();
   write_line(last_moments.terminated);
+  remove_unfinished_file();
   _exit(static_cast<int>(ExitCode::terminated));
 }
 

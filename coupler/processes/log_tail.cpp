@@ -3,6 +3,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <cctype>
 #include <chrono>
 #include <ctime>
 #include <deque>
@@ -12,6 +13,11 @@ namespace strake {
 namespace {
 
 const std::string information = "] [info] ", resumed = information + "resumed at window ";
+
+/// Whether one of several ranks says in that line why it ends.
+bool is_of_rank(const std::string& line) {
+  return line.starts_with("rank ") && line.size() > 5 && std::isdigit(static_cast<unsigned char>(line[5]));
+}
 
 }  // namespace
 
@@ -26,14 +32,22 @@ void note_resume(const std::filesystem::path& log, long window) {
 std::string log_tail(const std::filesystem::path& log) {
   constexpr std::size_t most = 3;
   std::ifstream file(log);
-  std::deque<std::string> lines;
+  std::deque<std::string> lines, of_ranks;
   for (std::string line; std::getline(file, line);) {
-    if (line.find(resumed) != std::string::npos) lines.clear();
-    if (!line.empty() && line.find(information) == std::string::npos) lines.push_back(line);
-    if (lines.size() > most) lines.pop_front();
+    if (line.find(resumed) != std::string::npos) {
+      lines.clear();
+      of_ranks.clear();
+    }
+    if (line.empty() || line.find(information) != std::string::npos) continue;
+    for (auto* list : {&lines, &of_ranks}) {
+      if (list == &of_ranks && !is_of_rank(line)) continue;
+      list->push_back(line);
+      if (list->size() > most) list->pop_front();
+    }
   }
   std::string text;
-  for (const std::string& line : lines) text += "\n" + log.filename().string() + ": " + line;
+  for (const std::string& line : of_ranks.empty() ? lines : of_ranks)
+    text += "\n" + log.filename().string() + ": " + line;
   return text;
 }
 

@@ -9,7 +9,8 @@ namespace strake {
 void note_resume(const std::filesystem::path& log, long window);
 
 /// The last lines of a log since the last resume, each behind the file's name. Lines that are only
-/// information are left out, since they explain no end.
+/// information are left out, since they explain no end. Where a rank of several has said why it ends, its
+/// line is returned, and not those that its launcher prints after it.
 std::string log_tail(const std::filesystem::path& log);
 
 }  // namespace strake

@@ -251,7 +251,9 @@ void Participants::State::answered(Member& m, wire::Reply reply) {
     // "A bug of ours" is believed of our own programs alone.
     const bool bug_of_others = fault->code == ExitCode::our_bug && !m.ours;
     const ExitCode code = bug_of_others ? ExitCode::solver_fault : fault->code;
-    if (code == ExitCode::solver_fault || where.empty()) where = with_place(where, m.name, m.place());
+    const bool of_rank = where.starts_with("rank ");  // of several that are this participant
+    if (code == ExitCode::solver_fault || of_rank || where.empty())
+      where = with_place(where, m.name, m.place());
     throw Error(code, where, fault->problem, fault->fix);
   }
   if (m.may_repeat == reply.sequence && reply.sequence != (m.asked.empty() ? 0 : m.sequence)) {

@@ -16,7 +16,6 @@ std::string only_on_one_rank(const Parameters& p) {
   if (p.scheme.gradient != Gradient::least_squares) return "a scheme other than least-squares";
   if (p.interface == "volume") return "volume coupling";
   if (p.air.layer) return "the air under a body";
-  if (p.scheme.turbulence == Turbulence::k) return "the k model of turbulence";
   return {};
 }
 

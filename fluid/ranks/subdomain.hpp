@@ -156,10 +156,6 @@ class RankExchange {
     return own_ ? std::span<const std::uint8_t>(own_->division().layer_absent)
                 : std::span<const std::uint8_t>();
   }
-  /// Particles of this rank: a mask; empty: one rank has all.
-  std::span<const std::uint8_t> owned() const {
-    return own_ ? std::span<const std::uint8_t>(own_->division().owned) : std::span<const std::uint8_t>();
-  }
   Communicator* communicator() const { return own_ ? &own_->communicator() : nullptr; }  // nullptr: one rank
   /// Whether particle i belongs to this rank.
   bool owns(std::int64_t i) const { return own_ == nullptr || own_->owns(i); }

@@ -106,7 +106,6 @@ void Simulation<dim>::Work::begin_on_ranks(const Ranks& ranks) {
   if (step.p.scheme.gradient != Gradient::least_squares) refuse("a scheme other than least-squares");
   if (step.boundary.volume()) refuse("volume coupling");
   if (air) refuse("air under the body");
-  if (step.p.scheme.turbulence == Turbulence::k) refuse("the k model of turbulence");
   const Tank<dim>& tank = step.boundary.tank();
   // Two particles that are so far outside their buckets are still found by the ranks that need them.
   const double reach = step.search.reach(), slack = 0.45 * (1 - step.laplacian_lattice.radius / reach);

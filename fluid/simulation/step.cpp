@@ -146,7 +146,7 @@ void Simulation<dim>::Work::find_stresses() {
   viscous.exchange(spare.tensors, spare.shared, poisson.memory());
   viscous.compute(step.p,
                   {state.position, state.velocity, step.near_gradient(), *step.far, walls, wet, state.surface,
-                   step.search.periodic(), wall_distance, step.ranks.owned()},
+                   step.search.periodic(), wall_distance, step.ranks},
                   step.substepping.length(), state.sps_k);
   viscous.exchange(spare.tensors, spare.shared, poisson.memory());
   step.viscous = &viscous.acceleration;

@@ -78,6 +78,7 @@ void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const Lattic
     }
     k[i] = (scratch[i] + inflow) / (1 + share);
   }
+  flow.ranks.update(k);  // the force is the next sum that reads it
 }
 
 // Returns Pr = 2 S_lm S_lm, S = ½(∇u + ∇uᵀ). In the plane this is 2[(∂u/∂x)² + (∂v/∂y)²] + (∂u/∂y + ∂v/∂x)².
@@ -91,7 +92,6 @@ template <int dim>
 SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<const std::int32_t> counts,
                      const SpsModel& model, std::span<const double> wall_distance, const Masks& masks) {
   assert(counts.size() == velocity_gradient.size());
-  assert(!model.wall_damping || wall_distance.size() == counts.size());
   const auto n = static_cast<Eigen::Index>(velocity_gradient.size());
   SpsFields fields{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
 #pragma omp parallel for schedule(static)
@@ -101,7 +101,9 @@ SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<c
     fields.production[i] = production<dim>(velocity_gradient[p]);
     fields.k[i] = model.equilibrium(fields.production[i]);
     fields.eddy_viscosity[i] = model.eddy_viscosity(fields.k[i]);
-    if (model.wall_damping) fields.eddy_viscosity[i] *= model.damping(wall_distance[p], fields.production[i]);
+    if (model.wall_damping)
+      fields.eddy_viscosity[i] *=
+          model.damping(p < wall_distance.size() ? wall_distance[p] : 0, fields.production[i]);
   }
   return fields;
 }

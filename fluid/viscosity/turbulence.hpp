@@ -64,8 +64,8 @@ template <int dim>
 double production(const Tensor<dim>& velocity_gradient);
 
 /// Computes the static model's values at each particle. counts: neighbours of each particle. wall_distance:
-/// [m] per particle, only read with wall damping (may be empty without it). Particles whose row mask is zero
-/// get zeros.
+/// [m] of the water, only read with wall damping; the layers behind it lie at the wall. Particles whose row
+/// mask is zero get zeros.
 template <int dim>
 SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<const std::int32_t> counts,
                      const SpsModel&, std::span<const double> wall_distance = {}, const Masks& = {});

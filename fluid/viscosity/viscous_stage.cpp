@@ -245,7 +245,7 @@ void ViscousStage<dim>::gather_force(bool corrected, const ViscousFlow<dim>& flo
 #pragma omp for schedule(static) nowait
     for (std::int64_t i = 0; i < flow.walls.first; ++i) {
       const auto at = static_cast<size_t>(i);
-      if (!flow.owned.empty() && !flow.owned[at]) continue;
+      if (!flow.ranks.owns(i)) continue;  // its owner sends the velocity
       const bool inside = neighbours_[at] > 0 && (flow.surface.empty() || !flow.surface[at]);
       acceleration.col(i) =
           corrected && inside ? force_on_water<true>(i, flow) : force_on_water<false>(i, flow);
@@ -382,12 +382,18 @@ void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow
   const auto counts = neighbour_counts(flow.near, lattice.radius);
   SpsFields fields = sps_fields<dim>(gradient, counts, model, flow.wall_distance, masks);
   if (scheme.turbulence == Turbulence::k) {
-    for (Eigen::Index i = 0; i < k.size(); ++i) fields.eddy_viscosity[i] = model.eddy_viscosity(k[i]);
+    const auto eddy_viscosity = [&](Eigen::Index i) {
+      const auto at = static_cast<size_t>(i);
+      double eddy = model.eddy_viscosity(k[i]);
+      if (model.wall_damping && at < flow.wall_distance.size())
+        eddy *= model.damping(flow.wall_distance[at], fields.production[i]);
+      return eddy;
+    };
+    for (Eigen::Index i = 0; i < k.size(); ++i) fields.eddy_viscosity[i] = eddy_viscosity(i);
     advance_k<dim>(flow, model, lattice, fields.production, fields.eddy_viscosity, dt, k, scratch_);
     fields.k = k;
     for (Eigen::Index i = 0; i < k.size(); ++i)
-      fields.eddy_viscosity[i] =
-          counts[static_cast<size_t>(i)] < fewest_neighbours ? 0 : model.eddy_viscosity(k[i]);
+      fields.eddy_viscosity[i] = counts[static_cast<size_t>(i)] < fewest_neighbours ? 0 : eddy_viscosity(i);
   }
   acceleration = viscous_acceleration<dim>(flow.velocity, flow.far, laplacian_lattice, nu, masks) +
                  sps_acceleration<dim>(flow.position, gradient, fields, flow.near, lattice, masks);

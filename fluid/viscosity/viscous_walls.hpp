@@ -4,6 +4,7 @@
 #include "fluid/particles/neighbours.hpp"
 #include "fluid/particles/periodic.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/ranks/subdomain.hpp"
 #include "fluid/viscosity/wall_law.hpp"
 
 #include <Eigen/Core>
@@ -46,7 +47,7 @@ struct ViscousFlow {
   std::span<const std::uint8_t> surface = {};  // 1: free surface; empty: none is
   Periodic<dim> periodic = {};                 // directions in which the flow repeats itself
   std::span<const double> wall_distance = {};  // [m], read with wall damping alone
-  std::span<const std::uint8_t> owned = {};    // 0: water of another rank, without acceleration; empty: none
+  RankExchange<dim> ranks = {};                // the other ranks that compute this water
 
   bool dry(std::int64_t row) const { return !wet.empty() && !wet[static_cast<std::size_t>(row)]; }
 };

@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t longest = std::numeric_limits<int>::max();
 /// Pause between two looks for an announcement, which grows up to the second [µs].
 constexpr int first_pause = 20, longest_pause = 1000;
+/// How long a rank that has failed waits for the others. On all ranks the same error comes within moments.
+constexpr std::chrono::seconds patience{2};
 
 int count_of(std::size_t bytes) {
   if (bytes > longest)
@@ -22,10 +24,12 @@ int count_of(std::size_t bytes) {
 
 }  // namespace
 
-// An error of MPI ends all ranks, which is MPI's default.
+// An error of MPI ends all ranks, which is MPI's default. The end of MPI frees the communicator of ends.
 MpiCommunicator::MpiCommunicator(MPI_Comm all) : all_(all) {
   MPI_Comm_rank(all, &rank_);
   MPI_Comm_size(all, &size_);
+  MPI_Comm_dup(all, &ends_);
+  all_ends_.resize(static_cast<std::size_t>(size_));
 }
 
 namespace {
@@ -137,6 +141,27 @@ Bytes MpiCommunicator::await_announcement() {
   Bytes bytes(static_cast<std::size_t>(count));
   MPI_Bcast(bytes.data(), count, MPI_BYTE, 0, all_);
   return bytes;
+}
+
+std::optional<std::vector<bool>> MpiCommunicator::end_call(bool failed) {
+  own_end_ = failed ? 1 : 0;
+  MPI_Request request;
+  MPI_Iallgather(&own_end_, 1, MPI_UINT8_T, all_ends_.data(), 1, MPI_UINT8_T, ends_, &request);
+  if (failed) {
+    const auto end = std::chrono::steady_clock::now() + patience;
+    int there = 0;
+    for (MPI_Test(&request, &there, MPI_STATUS_IGNORE); there == 0;) {
+      if (std::chrono::steady_clock::now() > end) {
+        broken_ = true;
+        return {};
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(longest_pause));
+      MPI_Test(&request, &there, MPI_STATUS_IGNORE);
+    }
+  } else {
+    MPI_Wait(&request, MPI_STATUS_IGNORE);
+  }
+  return std::vector<bool>(all_ends_.begin(), all_ends_.end());
 }
 
 }  // namespace strake

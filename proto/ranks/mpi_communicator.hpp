@@ -4,6 +4,8 @@
 
 #include <mpi.h>
 
+#include <optional>
+
 namespace strake {
 
 /// The processes of an MPI run. They sleep while they wait for an announcement.
@@ -19,6 +21,13 @@ class MpiCommunicator final : public Communicator {
   Bytes await_announcement();
   MPI_Comm all_ranks() const { return all_; }
 
+  /// Tells the other ranks that a call has ended here, and returns for each rank whether it failed there. A
+  /// rank that has failed waits some seconds for the others. Nothing: they still wait for it in messages, and
+  /// the ranks are broken.
+  std::optional<std::vector<bool>> end_call(bool failed);
+  /// Whether a message would no longer find the other ranks ready for it: MPI must end them.
+  bool is_broken() const { return broken_; }
+
  protected:
   std::vector<Bytes> gather_all(std::span<const std::byte> own) override;
   void pass_to_first(std::span<const std::byte> own,
@@ -29,8 +38,11 @@ class MpiCommunicator final : public Communicator {
 
  private:
   void await(MPI_Request) const;
-  MPI_Comm all_;
+  MPI_Comm all_, ends_ = MPI_COMM_NULL;  // of messages, of ends of calls
   int rank_ = 0, size_ = 1;
+  std::uint8_t own_end_ = 0;  // MPI reads and writes it and `all_ends_` while ranks end a call
+  std::vector<std::uint8_t> all_ends_;
+  bool broken_ = false;
 };
 
 }  // namespace strake

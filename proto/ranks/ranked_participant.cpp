@@ -1,6 +1,7 @@
 #include "proto/ranks/ranked_participant.hpp"
 
 #include "proto/error.hpp"
+#include "proto/ranks/call_together.hpp"
 #include "proto/wire/wire.hpp"
 
 #include <cstring>
@@ -60,7 +61,7 @@ RankedParticipant::RankedParticipant(MpiCommunicator& ranks, const Setup& setup,
   Setup others = setup;
   others.run_folder.clear();  // the first rank alone writes
   ranks_.announce(announcement(Call::build, {0, std::move(others)}));
-  own_ = build(setup);
+  call_together(ranks_, [&] { own_ = build(setup); });
 }
 
 void announce_end(MpiCommunicator& ranks) {
@@ -72,27 +73,29 @@ void RankedParticipant::start(const Window& window, const Input& input) {
   advance.window = window;
   advance.input = input;
   ranks_.announce(announcement(Call::start, {0, std::move(advance)}));
-  own_->start(window, input);
+  call_together(ranks_, [&] { own_->start(window, input); });
 }
 
 Advanced RankedParticipant::finish() {
   ranks_.announce(announcement(Call::finish));
-  return own_->finish();
+  Advanced advanced;
+  call_together(ranks_, [&] { advanced = own_->finish(); });
+  return advanced;
 }
 
 void RankedParticipant::rewind() {
   ranks_.announce(announcement(Call::rewind));
-  own_->rewind();
+  call_together(ranks_, [&] { own_->rewind(); });
 }
 
 void RankedParticipant::commit(bool write_output) {
   ranks_.announce(announcement(write_output ? Call::commit_with_output : Call::commit));
-  own_->commit(write_output);
+  call_together(ranks_, [&] { own_->commit(write_output); });
 }
 
 void RankedParticipant::checkpoint(const std::filesystem::path& folder) {
   ranks_.announce(announcement(Call::checkpoint));
-  own_->checkpoint(folder);
+  call_together(ranks_, [&] { own_->checkpoint(folder); });
 }
 
 void RankedParticipant::resume(const std::filesystem::path& folder) {
@@ -100,8 +103,32 @@ void RankedParticipant::resume(const std::filesystem::path& folder) {
   from.folder = folder.string();
   from.resume = true;
   ranks_.announce(announcement(Call::resume, {0, std::move(from)}));
-  own_->resume(folder);
+  call_together(ranks_, [&] { own_->resume(folder); });
 }
+
+namespace {
+
+/// Does on this rank what the first one has announced.
+void do_own_part(std::unique_ptr<Participant>& own, Call call, const Bytes& bytes, const RankFactory& build) {
+  if (call == Call::build) {
+    own = build(std::get<Setup>(message_of(bytes).what));
+  } else if (call == Call::start) {
+    const auto advance = std::get<wire::Advance>(message_of(bytes).what);
+    own->start(advance.window, advance.input);
+  } else if (call == Call::finish) {
+    own->finish();
+  } else if (call == Call::rewind) {
+    own->rewind();
+  } else if (call == Call::commit || call == Call::commit_with_output) {
+    own->commit(call == Call::commit_with_output);
+  } else if (call == Call::checkpoint) {
+    own->checkpoint({});
+  } else if (call == Call::resume) {
+    own->resume(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
+  }
+}
+
+}  // namespace
 
 void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
   std::unique_ptr<Participant> own;
@@ -110,26 +137,10 @@ void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
     const auto call = static_cast<Call>(bytes.front());
     if (call == Call::end) return;
     try {
-      if (call == Call::build) {
-        own = build(std::get<Setup>(message_of(bytes).what));
-      } else if (own == nullptr) {
-        continue;  // it could not be built, which the first rank says
-      } else if (call == Call::start) {
-        const auto advance = std::get<wire::Advance>(message_of(bytes).what);
-        own->start(advance.window, advance.input);
-      } else if (call == Call::finish) {
-        own->finish();
-      } else if (call == Call::rewind) {
-        own->rewind();
-      } else if (call == Call::commit || call == Call::commit_with_output) {
-        own->commit(call == Call::commit_with_output);
-      } else if (call == Call::checkpoint) {
-        own->checkpoint({});
-      } else if (call == Call::resume) {
-        own->resume(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
-      }
+      call_together(ranks, [&] { do_own_part(own, call, bytes, build); });
     } catch (const Error&) {
-      // The ranks agree on their errors. The first one tells the coupler.
+      if (ranks.is_broken()) throw;
+      // The first rank has the same error and tells the coupler.
     }
   }
 }

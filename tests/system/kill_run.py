@@ -1,5 +1,6 @@
 """Sends kill -9 to each of the three processes in the middle of a run, and Ctrl-C. The others end within a second, and the
-exit code and the message say which died. No process is left, and the files written so far can be read."""
+exit code and the message say which died. No process is left, and the files written so far can be read. What the killed one
+was writing may be left, as FILE.part: nobody takes it for a frame, and a resumed run removes it."""
 import json
 import signal
 import time
@@ -9,7 +10,8 @@ import h5py
 from processes import *  # noqa: F403: the test's own vocabulary
 
 CASE = ROOT / "cases" / "plate_entry.toml"
-QUICK = ["--set", "structure.solver=rigid", "--set", "fluid.scheme.time_step=1e-5", "--set", "output.every=1e-5"]
+QUICK = ["--set", "structure.solver=rigid", "--set", "fluid.scheme.time_step=1e-5", "--set", "output.every=1e-5", "--set",
+         "run.checkpoint_windows=7"]
 
 
 def files_readable(run, who):
@@ -23,8 +25,31 @@ def files_readable(run, who):
     width = len(table[0].split(","))
     whole = all(len(line.split(",")) == width for line in table[1:])
     expect(whole, f"{who}: history.csv has whole rows ({len(table) - 1})")
-    for leftover in list(run.rglob("*.part")) + list(run.rglob("*.tmp")):
-        expect(False, f"{who}: half-written file left: {leftover.name}")
+    expect(not list(run.rglob("*.tmp")), f"{who}: no *.tmp")
+
+
+def half_written(run):
+    return sorted(path.relative_to(run).as_posix() for path in run.rglob("*.part"))
+
+
+def resumed_without_them(run, who, place):
+    """Half a frame, under the number of the next one, is no frame to any reader. A resumed run removes it."""
+    print(f"      {who}: left {half_written(run)}")
+    for side in ("fluid", "structure"):
+        last = sorted((run / "frames").glob(f"{side}-*.h5"))[-1]
+        after = run / "frames" / f"{side}-{int(last.stem[-6:]) + 1:06}.h5.part"
+        after.write_bytes(last.read_bytes()[:1000])
+    done = strake("picture", run, cwd=place)
+    expect(done.returncode == 0, f"{who}: strake picture reads the frames\n{done.stderr}")
+    end_time = (rows(run) + 5) * 1e-5
+    done = strake("run", CASE, *QUICK, "--tag", "kill", "--resume", "--set", f"end_time={end_time:.6g}", cwd=place)
+    expect(done.returncode == 0, f"{who}: the run is resumed\n{done.stderr}")
+    expect(half_written(run) == [], f"{who}: nothing half-written is left: {half_written(run)}")
+    files_readable(run, f"{who}, resumed")
+    listed = (run / "fluid.xdmf").read_text()
+    numbers = [int(path.stem[-6:]) for path in sorted((run / "frames").glob("fluid-*.h5"))]
+    expect(".part" not in listed and numbers == list(range(len(numbers))) and rows(run) + 1 == len(numbers),
+           f"{who}, resumed: a frame for each window, {len(numbers)}")
 
 
 def run_and_strike(who, strike, code, named):
@@ -56,6 +81,10 @@ def run_and_strike(who, strike, code, named):
                     log = (run / f"{name}.log").read_text()
                     expect("coupler" in log, f"{who}: {name}.log says that the coupler is gone")
             files_readable(run, who)
+            if who.startswith("kill -9"):
+                resumed_without_them(run, who, place)
+            else:
+                expect(half_written(run) == [], f"{who}: nothing half-written is left: {half_written(run)}")
         finally:
             end(process)
 

@@ -9,10 +9,26 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
 #include <optional>
+#include <sstream>
+#include <string>
 
 namespace strake {
 namespace {
+
+/// This rank, for the last line of a process that an exception ends.
+std::string last_name = "rank";  // NOLINT: set once
+
+/// Prints one line on why this rank ends. The coupler shows it.
+void say_why(const std::string& text) {
+  std::istringstream words(text);
+  std::string line = last_name + ":";
+  for (std::string word; words >> word;) line += " " + word;
+  std::fprintf(stderr, "%s\n", line.c_str());
+}
 
 /// Whether the command line is that of a participant of a run. The other modes need one rank.
 bool serves(int argc, char** argv) {
@@ -49,7 +65,7 @@ int run(MpiCommunicator& ranks, int argc, char** argv, const RankedProgram& rank
   const std::vector<int> codes = ranks.all(refused ? static_cast<int>(refused->code()) : 0);
   const auto first = std::ranges::find_if(codes, [](int code) { return code != 0; });
   if (first != codes.end()) {
-    if (first - codes.begin() == ranks.rank()) std::fputs(to_text(*refused).c_str(), stderr);
+    if (first - codes.begin() == ranks.rank()) say_why(refused->what());
     return *first;
   }
   if (ranks.rank() > 0) {
@@ -61,8 +77,24 @@ int run(MpiCommunicator& ranks, int argc, char** argv, const RankedProgram& rank
     return std::make_unique<RankedParticipant>(ranks, setup, build);
   };
   const int code = participant_main(argc, argv, program);
+  if (ranks.is_broken()) MPI_Abort(MPI_COMM_WORLD, code);  // the coupler knows why
   announce_end(ranks);
   return code;
+}
+
+/// An exception that nobody catches, as in a loop of threads.
+[[noreturn]] void end_at_once() {
+  try {
+    if (std::current_exception()) std::rethrow_exception(std::current_exception());
+    say_why("has ended itself");
+  } catch (const std::bad_alloc&) {
+    say_why("is out of memory");
+  } catch (const std::exception& error) {
+    say_why(error.what());
+  } catch (...) {
+    say_why("unexpected");
+  }
+  std::abort();
 }
 
 }  // namespace
@@ -72,13 +104,17 @@ int ranks_main(int argc, char** argv, const RankedProgram& ranked,
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MpiCommunicator ranks(MPI_COMM_WORLD);
+  last_name = fmt::format("rank {} of the {}", ranks.rank(), ranked.program.prefix);
+  std::set_terminate(end_at_once);
   int code = 0;
   try {
     const RankWatch watch(ranks, ranked.program.prefix);
     code = run(ranks, argc, argv, ranked, [&](const Setup& setup) { return build(setup, ranks); });
+  } catch (const Error& error) {
+    say_why(error.what());
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(error.code()));
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "rank %d of the %s: %s\n", ranks.rank(), ranked.program.prefix.c_str(),
-                 error.what());
+    say_why(error.what());
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(ExitCode::our_bug));
   }
   MPI_Finalize();

@@ -39,5 +39,15 @@ TEST(LogTail, HoldsTheLastThreeLinesThatAreNoMereInformation) {
   EXPECT_EQ(log_tail(place / "none.log"), "");
 }
 
+// A launcher prints more lines behind the one that says why.
+TEST(LogTail, HoldsWhatARankHasSaidOfItsEnd) {
+  const TemporaryFolder place;
+  const auto log = place / "fluid.log";
+  std::ofstream(log) << "rank one\nrank 1 of the fluid: is out of memory\none\ntwo\nthree\n";
+  EXPECT_EQ(log_tail(log), "\nfluid.log: rank 1 of the fluid: is out of memory");
+  note_resume(log, 7);
+  EXPECT_EQ(log_tail(log), "");
+}
+
 }  // namespace
 }  // namespace strake

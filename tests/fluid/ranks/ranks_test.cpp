@@ -34,12 +34,14 @@ State<dim> on_ranks(const Flow<dim>& flow, int count) {
   return end;
 }
 
+/// Returns the state on one rank.
 template <int dim>
-void expect_same(const Flow<dim>& flow, const std::vector<int>& ranks = {2, 3, 4}) {
+State<dim> expect_same(const Flow<dim>& flow, const std::vector<int>& ranks = {2, 3, 4}) {
   const State<dim> one = on_one_rank(flow);
-  ASSERT_TRUE(one.velocity.allFinite());
+  EXPECT_TRUE(one.velocity.allFinite());
   EXPECT_GT(one.velocity.norm(), 0);
   for (const int count : ranks) EXPECT_EQ(differences(on_ranks(flow, count), one), "") << count << " ranks";
+  return one;
 }
 
 TEST(Ranks, ACollapsingColumnIsThatOfOneRankToTheLastBit) {
@@ -99,6 +101,65 @@ TEST(Ranks, ABoxInSpaceIsThatOfOneRankToTheLastBit) {
   flow.p.sound_speed = 1500;
   flow.steps = 55;
   expect_same(flow, {2, 4});
+}
+
+/// Water in the plane that gravity drives along a floor without slip, with the k model.
+Flow<2> sheared() {
+  Flow<2> flow{.p = tank_case(0.4, 0.15, 0.01, 0.2), .body = {}};
+  flow.p.periodic[0] = true;
+  flow.p.gravity = {3, -9.81, 0};
+  flow.p.kinematic_viscosity = 1e-3;
+  flow.p.wall = WallSlip::no_slip;
+  flow.p.scheme.turbulence = Turbulence::k;
+  flow.p.scheme.wall_damping = true;
+  flow.dt = 5e-4;
+  flow.steps = 120;
+  return flow;
+}
+
+// Beside a wall the force on the water is the fourth sum in turn: it reads k, which is sent before.
+TEST(Ranks, EnergyOfTurbulenceIsThatOfOneRankToTheLastBit) {
+  EXPECT_GT(expect_same(sheared()).sps_k.maxCoeff(), 1e-6);
+}
+
+TEST(Ranks, EnergyOfTurbulenceBySeparateSumsIsThatOfOneRankToTheLastBit) {
+  Flow<2> flow = sheared();
+  flow.p.scheme.sps = SpsForm::stress_pair;
+  EXPECT_GT(expect_same(flow).sps_k.maxCoeff(), 1e-6);
+}
+
+TEST(Ranks, EnergyOfTurbulenceInSpaceIsThatOfOneRankToTheLastBit) {
+  Flow<3> flow{.p = basin(0.4, 0.1, 0.02, 0.1), .body = {}, .dt = 5e-4, .steps = 25};
+  flow.p.gravity = {6, -9.81, 3};
+  flow.p.kinematic_viscosity = 1e-2;
+  flow.p.wall = WallSlip::no_slip;
+  flow.p.scheme.turbulence = Turbulence::k;
+  EXPECT_GT(expect_same(flow, {2, 4}).sps_k.maxCoeff(), 1e-9);
+}
+
+// The limit of viscosity reads the largest k: ghosts, which lack neighbours, must not set it.
+TEST(Ranks, TheStableStepIsThatOfOneRank) {
+  for (const Turbulence model : {Turbulence::statics, Turbulence::k}) {
+    Flow<2> flow{.p = tank_case(0.8, 0.2, 0.01, 0.2), .body = {}};
+    flow.p.water.max[0] = -0.2;
+    flow.p.kinematic_viscosity = 0.02;
+    flow.p.scheme.turbulence = model;
+    flow.dt = 4e-4;
+    flow.steps = 40;
+    Simulation<2> one(flow.p, flow.body, flow.velocity());
+    flow.run(one);
+    const double limit = one.stable_dt();
+    EXPECT_LT(limit, 0.125 * 1e-4 / flow.p.kinematic_viscosity);  // by less than viscosity alone
+    for (const int count : {2, 4}) {
+      std::vector<double> of_ranks(static_cast<std::size_t>(count));
+      ThreadRanks(count).run([&](Communicator& communicator) {
+        Simulation<2> part(flow.p, flow.body, flow.velocity(), Ranks{&communicator, cut_in_halves});
+        flow.run(part);
+        of_ranks[static_cast<std::size_t>(communicator.rank())] = part.stable_dt();
+      });
+      EXPECT_EQ(of_ranks, std::vector<double>(of_ranks.size(), limit));
+    }
+  }
 }
 
 }  // namespace

@@ -118,16 +118,17 @@ TEST(Sps, spray_with_fewer_than_four_neighbours_has_no_eddy_viscosity) {
 }
 
 TEST(Sps, wall_damping_takes_the_eddy_viscosity_to_zero_at_the_wall_and_leaves_it_far_away) {
-  const std::vector<Tensor<2>> gradient(2, Tensor<2>::Constant(50.0));
+  const std::vector<Tensor<2>> gradient(3, Tensor<2>::Constant(50.0));
   SpsModel model;
   model.filter = l0;
   model.kinematic_viscosity = 1e-6;
-  const std::vector<std::int32_t> counts{12, 12};
+  const std::vector<std::int32_t> counts{12, 12, 12};
   const auto free = sps_fields<2>(gradient, counts, model);
   model.wall_damping = true;
   const auto damped = sps_fields<2>(gradient, counts, model, std::vector<double>{0.0, 1.0});
   EXPECT_EQ(damped.eddy_viscosity[0], 0);
   EXPECT_NEAR(damped.eddy_viscosity[1], free.eddy_viscosity[1], 1e-12);
+  EXPECT_EQ(damped.eddy_viscosity[2], 0);  // a layer particle, which has no distance
 }
 
 // Steady shear: k rises from zero to the value of the static closure, (C_ν/C_ε) Δ² Pr, where production

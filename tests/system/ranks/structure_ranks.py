@@ -79,10 +79,8 @@ def refusals():
         done = run(cwd, 2, "none", "--set", "structure.launcher=/nowhere/mpirun")
         expect(done.returncode == 5 and "cannot be started" in done.stderr, "no launcher\n" + done.stderr)
         done = run(cwd, 2, "few", "--set", "structure.launcher=mpirun -n 1")
-        log = pathlib.Path(cwd) / "runs/block-few/structure.log"
-        said = done.stderr + (log.read_text() if log.exists() else "")
-        expect(done.returncode == 5 and "has started 1 ranks, structure.ranks is 2" in said,
-               "a launcher of fewer ranks\n" + said)
+        expect(done.returncode == 5 and "has started 1 ranks, structure.ranks is 2" in done.stderr,
+               "a launcher of fewer ranks\n" + done.stderr)
 
 
 if not (BIN / PROGRAM).exists():
