@@ -57,9 +57,7 @@ wire::Request message_of(const Bytes& bytes) {
 
 RankedParticipant::RankedParticipant(MpiCommunicator& ranks, const Setup& setup, const RankFactory& build)
     : ranks_(ranks) {
-  Setup others = setup;
-  others.run_folder.clear();  // the first rank alone writes
-  ranks_.announce(announcement(Call::build, {0, std::move(others)}));
+  ranks_.announce(announcement(Call::build, {0, setup}));
   own_ = build(setup);
 }
 
@@ -91,7 +89,9 @@ void RankedParticipant::commit(bool write_output) {
 }
 
 void RankedParticipant::checkpoint(const std::filesystem::path& folder) {
-  ranks_.announce(announcement(Call::checkpoint));
+  wire::Checkpoint to;
+  to.folder = folder.string();
+  ranks_.announce(announcement(Call::checkpoint, {0, std::move(to)}));
   own_->checkpoint(folder);
 }
 
@@ -124,7 +124,7 @@ void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
       } else if (call == Call::commit || call == Call::commit_with_output) {
         own->commit(call == Call::commit_with_output);
       } else if (call == Call::checkpoint) {
-        own->checkpoint({});
+        own->checkpoint(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
       } else if (call == Call::resume) {
         own->resume(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
       }
