@@ -100,7 +100,10 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
     description_.lines.push_back(std::move(line));
   if (parameters_.air.layer) description_.lines.push_back(air_line());
   description_.columns = columns();
-  if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
+  Communicator* const several = simulation_.ranks().communicator();
+  if (!setup.run_folder.empty() && several == nullptr) frames_.of_one.emplace(setup.run_folder, "fluid", dim);
+  if (!setup.run_folder.empty() && several != nullptr)
+    frames_.of_ranks.emplace(setup.run_folder, "fluid", dim, *several);
   force_ = Points::Zero(3, mesh().position.cols());
   guard_ = Guard(guard_scales());
   guard_.faces(measurements_.guard, simulation_.face_pieces());
@@ -300,13 +303,13 @@ void FluidParticipant<dim>::commit(bool write_output) {
   committed_.fluid = simulation_.snapshot();
   committed_.measurements = measurements_;
   committed_.progress = progress_;
-  if (frames_) frames_->check();
+  if (frames_.of_one) frames_.of_one->check();
   if (write_output) write_frame();
 }
 
 template <int dim>
 void FluidParticipant<dim>::flush() {
-  if (frames_) frames_->flush();
+  if (frames_.of_one) frames_.of_one->flush();
 }
 
 template class FluidParticipant<2>;

@@ -7,6 +7,7 @@
 #include "proto/case/case_keys.hpp"
 #include "proto/files/frame_writer.hpp"
 #include "proto/participant.hpp"
+#include "proto/ranks/ranked_frames.hpp"
 
 #include <map>
 #include <optional>
@@ -77,6 +78,7 @@ class FluidParticipant final : public Participant {
   void watch_window(const Window&, const WindowExtremes&);
   void watch_accounts(std::map<std::string, double>& monitor);
   Frame frame() const;
+  State<dim> read_checkpoint(const std::filesystem::path&, Archive&) const;
 
   Parameters parameters_;
   double body_length_;  // [m] extent of the interface in x
@@ -91,7 +93,11 @@ class FluidParticipant final : public Participant {
   double output_every_, end_time_;  // [s]
   double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;
-  std::optional<FrameWriter> frames_;
+  struct Frames {
+    std::optional<FrameWriter> of_one;     // rank
+    std::optional<RankedFrames> of_ranks;  // of several
+  };
+  Frames frames_;
   Measurements measurements_;
   struct Progress {
     std::int64_t steps = 0;        // with those that were rewound

@@ -129,9 +129,17 @@ const State<dim>& Simulation<dim>::whole() const {
 }
 
 template <int dim>
-State<dim> Simulation<dim>::whole_of(const Snapshot& snapshot) const {
-  const Work& w = *work_;
-  return w.step.subdomain ? w.step.subdomain->join(snapshot.state, *snapshot.division) : snapshot.state;
+State<dim> Simulation<dim>::share_of(const Snapshot& snapshot) const {
+  return work_->step.subdomain->share(snapshot.state, *snapshot.division);
+}
+
+template <int dim>
+void Simulation<dim>::set_share(State<dim> share) {
+  Work& w = *work_;
+  w.step.state = std::move(share);
+  w.step.subdomain->take_share(w.step.state);
+  w.count_water();
+  w.begin_again();
 }
 
 template <int dim>

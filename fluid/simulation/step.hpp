@@ -39,7 +39,8 @@ struct Simulation<dim>::Work {
 
   // On several ranks (ranks.cpp).
   void begin_on_ranks(const Ranks&);
-  void take_part();  // of the whole state
+  void take_part();    // of the whole state
+  void count_water();  // after the water of this rank has changed
   void divide(bool balance);
   void begin_again();   // from another state
   void forget_ranks();  // that have written the state
