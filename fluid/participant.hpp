@@ -31,6 +31,11 @@ inline bool is_of_air(const ProbeKeys& probe) {
   return probe.quantity == "gap" || probe.quantity == "air_pressure";
 }
 
+/// Whether a probe reads the places of the water.
+inline bool reads_water(const ProbeKeys& probe) {
+  return !is_sensor(probe) && !is_of_air(probe);
+}
+
 /// The particle method as a participant of the coupling: motion in, force out. It makes the sub-steps and
 /// keeps sensors, accounts and frames.
 template <int dim>
@@ -55,7 +60,10 @@ class FluidParticipant final : public Participant {
   std::vector<Column> columns() const;
   double longest_step(double t, double rest) const;
   void follow_probes(double t0, double t1);
-  double pressure_or_place(const ProbeKeys&, std::span<const std::int64_t> water) const;
+  double pressure_or_place(const ProbeKeys&, const Vectors<dim>& position,
+                           std::span<const std::int64_t> water) const;
+  Vectors<dim> water_at_gauges() const;
+  void count_voids_now();
   bool frame_due(const Window&) const;
   double volume() const;
   std::vector<std::int64_t> water_of(const State<dim>&) const;

@@ -87,6 +87,8 @@ class Subdomain {
 
   /// Whether this rank owns the particle with that local number.
   bool owns(std::int64_t i) const { return division_->owned[static_cast<std::size_t>(i)] != 0; }
+  /// Whether a place is in a bucket of this rank.
+  bool has(const Vector<dim>& place) const { return owner_of(buckets_.of(place)) == communicator_->rank(); }
   /// Whether this rank writes it: it owns it, or all ranks have the same and this is the first one.
   bool shows(std::int64_t i) const {
     return i >= local_water() && division_->layer_owner.empty() ? communicator_->rank() == 0 : owns(i);

@@ -117,6 +117,7 @@ void Simulation<dim>::Work::begin_on_ranks(const Ranks& ranks) {
     shared_pressure =
         std::make_unique<RankedPressure<dim>>(*step.subdomain, ranks.shared_grid(), step.p.spacing);
   take_part();
+  divide(false);
 }
 
 template <int dim>
@@ -151,7 +152,6 @@ void Simulation<dim>::Work::begin_again() {
   step.boundary.adopt(step.state);
   step.search.invalidate();
   step.substepping.forget();
-  whole_is_current = false;
 }
 
 /// Removes what has left the tank, numbered in the order of the whole. Momentum is accounted for on all

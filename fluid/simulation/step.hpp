@@ -66,8 +66,6 @@ struct Simulation<dim>::Work {
   PoissonSolver<dim> poisson;
 
   // On several ranks alone.
-  State<dim> whole;  // on the first rank, where it is current
-  bool whole_is_current = false;
   std::unique_ptr<RankedPressure<dim>> shared_pressure;  // null: the first rank solves the whole equation
   Vectors<dim> whole_position;                           // scratch of `solve_on_first_rank`, like the next
   PressureSystem whole_system;

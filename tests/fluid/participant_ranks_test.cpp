@@ -26,11 +26,14 @@ struct Case {
   Parameters parameters;
   explicit Case(double width = 0.8) {
     const std::string side = std::to_string(0.5 * width);
-    CaseFile file = CaseFile::parse("end_time = 1\n[fluid]\nspacing = 0.01\ntank = [[-" + side +
-                                        ", -0.2], [" + side + ", 0.2]]\nwater = [[-" + side +
-                                        ", -0.2], [-0.1, 0.0]]\n[fluid.scheme]\ntime_step = 5e-4\n"
-                                        "[coupling.surface]\nwindow = 4e-3\n",
-                                    "case.toml", {"run.threads=1"});
+    std::string text = "end_time = 0.064\n[fluid]\nspacing = 0.01\ntank = [[-" + side + ", -0.2], [" + side +
+                       ", 0.2]]\nwater = [[-" + side +
+                       ", -0.2], [-0.1, 0.0]]\n[fluid.scheme]\ntime_step = 5e-4\n"
+                       "[coupling.surface]\nwindow = 4e-3\n[output]\nevery = 0.012\n";
+    for (const char* quantity : {"front", "level", "height"})
+      text += std::string("[[output.probe]]\nname = \"") + quantity +
+              "\"\nof = \"fluid\"\nat = [-0.11, -0.2]\nquantity = \"" + quantity + "\"\n";
+    CaseFile file = CaseFile::parse(text, "case.toml", {"run.threads=1"});
     common = read_common(file);
     parameters = read(file, common);
   }
@@ -38,18 +41,18 @@ struct Case {
 
 /// Calls `use` on each of so many ranks with its participant; one rank is no rank.
 void on_ranks(int count, const Case& c, const std::filesystem::path& folder,
-              const std::function<void(FluidParticipant<2>&)>& use) {
+              const std::function<void(FluidParticipant<2>&, int rank)>& use) {
   strake::Setup setup;
   setup.run_folder = folder;
   if (count == 1) {
     FluidParticipant<2> participant(c.parameters, c.common, setup);
-    use(participant);
+    use(participant, 0);
     participant.flush();
     return;
   }
   ThreadRanks(count).run([&](Communicator& communicator) {
     FluidParticipant<2> participant(c.parameters, c.common, setup, Ranks{&communicator, cut_in_halves, {}});
-    use(participant);
+    use(participant, communicator.rank());
   });
 }
 
@@ -67,11 +70,11 @@ Archive resumed(int begun, int on, const TemporaryFolder& folder) {
   const Case c;
   const auto run = folder / std::to_string(begun), first = run / "first", last = run / std::to_string(on);
   for (const auto& place : {first, last}) std::filesystem::create_directories(place);
-  on_ranks(begun, c, run, [&](auto& participant) {
+  on_ranks(begun, c, run, [&](auto& participant, int) {
     advance(participant, 0, half);
     participant.checkpoint(first);
   });
-  on_ranks(on, c, run, [&](auto& participant) {
+  on_ranks(on, c, run, [&](auto& participant, int) {
     participant.resume(first);
     advance(participant, half, end);
     participant.checkpoint(last);
@@ -105,7 +108,7 @@ TEST(FluidOnRanks, the_checkpoint_of_ranks_reads_as_that_of_one) {
   const Case c;
   const TemporaryFolder one, three;
   for (const auto& [count, folder] : {std::pair{1, &one}, {3, &three}})
-    on_ranks(count, c, folder->path(), [&, place = folder->path()](auto& participant) {
+    on_ranks(count, c, folder->path(), [&, place = folder->path()](auto& participant, int) {
       advance(participant, 0, half);
       participant.checkpoint(place);
     });
@@ -114,6 +117,33 @@ TEST(FluidOnRanks, the_checkpoint_of_ranks_reads_as_that_of_one) {
   EXPECT_EQ(std::ssize(joined.integer.at("rank_buckets")), joined.real.at("position").cols());
   EXPECT_LT(std::filesystem::file_size(three / "fluid.0001.h5"),
             0.4 * static_cast<double>(std::filesystem::file_size(one / "fluid.h5")));
+}
+
+TEST(FluidOnRanks, volume_voids_and_gauges_are_those_of_one_rank) {
+  const Case c;
+  const TemporaryFolder folder;
+  const auto measured = [&](int count) {
+    std::vector<std::map<std::string, double>> windows;
+    on_ranks(count, c, folder.path(), [&](auto& participant, int rank) {
+      for (int k = 0; k < end; ++k) {
+        auto monitor = participant.advance({k * window, window}, {}).monitor;
+        participant.commit(false);
+        std::erase_if(monitor, [](const auto& item) {
+          const std::string& name = item.first;
+          return name != "water.volume" && name != "check.volume_drift" && name != "front" &&
+                 name != "level" && name != "height" && !name.ends_with("voids") &&
+                 !name.ends_with("openings");
+        });
+        if (rank == 0) windows.push_back(monitor);
+      }
+    });
+    return windows;
+  };
+  const auto one = measured(1);
+  EXPECT_GT(one.back().at("front"), -0.1);
+  EXPECT_GT(one.back().at("height"), 0);
+  EXPECT_TRUE(one.back().contains("water.volume"));
+  for (const int count : {2, 3}) EXPECT_EQ(measured(count), one) << count;
 }
 
 std::vector<std::size_t> by_id(const Frame& frame) {
@@ -128,7 +158,7 @@ TEST(FluidOnRanks, frames_hold_the_particles_of_one_rank) {
   const Case c;
   const TemporaryFolder one, three;
   for (const auto& [count, folder] : {std::pair{1, &one}, {3, &three}})
-    on_ranks(count, c, folder->path(), [&](auto& participant) { advance(participant, 0, half); });
+    on_ranks(count, c, folder->path(), [&](auto& participant, int) { advance(participant, 0, half); });
   const auto frames = list_frames(three.path(), "fluid"), expected = list_frames(one.path(), "fluid");
   ASSERT_EQ(frames.size(), 3U);
   ASSERT_EQ(expected.size(), 3U);
@@ -148,14 +178,14 @@ TEST(FluidOnRanks, frames_hold_the_particles_of_one_rank) {
 TEST(FluidOnRanks, a_checkpoint_that_cannot_be_read_or_written_is_an_error_on_all_ranks) {
   const Case c;
   const TemporaryFolder folder;
-  on_ranks(2, c, folder.path(), [&](auto& participant) {
+  on_ranks(2, c, folder.path(), [&](auto& participant, int) {
     advance(participant, 0, 1);
     participant.checkpoint(folder.path());
   });
   std::atomic<int> told = 0;
   const auto refused = [&](const Case& with, const std::string& words, bool writes, ExitCode code) {
     told = 0;
-    on_ranks(2, with, folder.path(), [&](auto& participant) {
+    on_ranks(2, with, folder.path(), [&](auto& participant, int) {
       try {
         writes ? participant.checkpoint(folder / "none") : participant.resume(folder.path());
       } catch (const Error& error) {
