@@ -1,8 +1,6 @@
 #include "fluid/participant.hpp"
 
 #include "fluid/diagnostics/energy_and_gauges.hpp"
-#include "fluid/diagnostics/voids.hpp"
-#include "fluid/diagnostics/volume.hpp"
 #include "fluid/level_face.hpp"
 #include "proto/error.hpp"
 #include "proto/peak_memory.hpp"
@@ -12,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace strake::fluid {
@@ -62,10 +61,6 @@ std::vector<std::string> level_face_lines(const Parameters& p, double window, co
                   width, p.dimension == 2 ? "m" : "m^2", advised * p.spacing / p.sound_speed)};
 }
 
-bool reads_water(const ProbeKeys& probe) {
-  return !is_sensor(probe) && !is_of_air(probe);
-}
-
 template <int dim>
 Points in_space(const Vectors<dim>& value) {
   Points points = Points::Zero(3, value.cols());
@@ -100,7 +95,10 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
     description_.lines.push_back(std::move(line));
   if (parameters_.air.layer) description_.lines.push_back(air_line());
   description_.columns = columns();
-  if (!setup.run_folder.empty()) frames_.emplace(setup.run_folder, "fluid", dim);
+  Communicator* const several = simulation_.ranks().communicator();
+  if (!setup.run_folder.empty() && several == nullptr) frames_.of_one.emplace(setup.run_folder, "fluid", dim);
+  if (!setup.run_folder.empty() && several != nullptr)
+    frames_.of_ranks.emplace(setup.run_folder, "fluid", dim, *several);
   force_ = Points::Zero(3, mesh().position.cols());
   guard_ = Guard(guard_scales());
   guard_.faces(measurements_.guard, simulation_.face_pieces());
@@ -183,10 +181,7 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   }
   watch_window(window, extremes);
   measures_water_ = frame_due(window);
-  if (!measures_water_) return;
-  const State<dim>& whole = simulation_.whole();
-  if (is_first_rank())
-    measurements_.add(count_voids<dim>(whole, water_of(whole), parameters_.spacing, parameters_.open_top));
+  if (measures_water_) count_voids_now();
 }
 
 /// Adds the step to the probes and finds the contact. Contact is the first step in which any sensor exceeds
@@ -195,13 +190,23 @@ template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   std::vector<ProbeRecord>& records = measurements_.probes;
   std::vector<std::int64_t> particles;
-  if (std::any_of(parameters_.probes.begin(), parameters_.probes.end(), reads_water))
-    particles = water_of(simulation_.whole());
+  Vectors<dim> at_gauges;  // of several ranks
+  const bool several = simulation_.ranks().several();
+  if (std::any_of(parameters_.probes.begin(), parameters_.probes.end(), reads_water)) {
+    if (several) {
+      at_gauges = water_at_gauges();
+      particles.resize(static_cast<std::size_t>(at_gauges.cols()));
+      std::iota(particles.begin(), particles.end(), 0);
+    } else {
+      particles = water_of(simulation_.state());
+    }
+  }
+  const Vectors<dim>& position = several ? at_gauges : simulation_.state().position;
   const double threshold = 0.5 * parameters_.density * start_speeds_.entry * start_speeds_.entry;
   bool contact = false;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const ProbeKeys& probe = parameters_.probes[i];
-    const double value = pressure_or_place(probe, particles);
+    const double value = pressure_or_place(probe, position, particles);
     contact = contact || (is_sensor(probe) && value > threshold);
     records[i].add(t0, t1, value);
   }
@@ -212,14 +217,13 @@ void FluidParticipant<dim>::follow_probes(double t0, double t1) {
 }
 
 template <int dim>
-double FluidParticipant<dim>::pressure_or_place(const ProbeKeys& probe,
+double FluidParticipant<dim>::pressure_or_place(const ProbeKeys& probe, const Vectors<dim>& position,
                                                 std::span<const std::int64_t> particles) const {
   if (is_sensor(probe)) return simulation_.sensor_pressure(probe.at, probe.diameter);
   if (is_of_air(probe)) {
     const auto air = simulation_.air_at(probe.at);
     return probe.quantity == "gap" ? air.gap : air.pressure;
   }
-  const Vectors<dim>& position = simulation_.whole().position;
   const Vector<dim> at = probe.at.template head<dim>();
   const double l0 = parameters_.spacing;
   if (probe.quantity == "front") return front<dim>(position, particles, at, l0);
@@ -236,36 +240,6 @@ bool FluidParticipant<dim>::frame_due(const Window& window) const {
   const double every = std::max(output_every_, slack);
   return end >= end_time_ - slack ||
          std::floor((end + slack) / every) > std::floor((window.t + slack) / every);
-}
-
-/// Returns the numbers of the water particles that have not left the tank, ascending.
-template <int dim>
-std::vector<std::int64_t> FluidParticipant<dim>::water_of(const State<dim>& state) const {
-  std::vector<std::int64_t> numbers;
-  for (std::size_t i = 0; i < state.kind.size(); ++i) {
-    const auto k = static_cast<std::int64_t>(i);
-    if (state.kind[i] == Kind::fluid && !simulation_.is_removed(state, k)) numbers.push_back(k);
-  }
-  return numbers;
-}
-
-/// Returns those of them in this rank's part that it owns.
-template <int dim>
-std::vector<std::int64_t> FluidParticipant<dim>::own_water() const {
-  std::vector<std::int64_t> numbers = water_of(simulation_.state());
-  std::erase_if(numbers, [&](std::int64_t i) { return !simulation_.ranks().owns(i); });
-  return numbers;
-}
-
-template <int dim>
-double FluidParticipant<dim>::volume() const {
-  const State<dim>& whole = simulation_.whole();
-  if (!is_first_rank()) return 1;  // the first rank measures
-  const std::vector<std::int64_t> numbers = water_of(whole);
-  Vectors<dim> particles(dim, static_cast<Eigen::Index>(numbers.size()));
-  for (Eigen::Index k = 0; k < particles.cols(); ++k)
-    particles.col(k) = whole.position.col(numbers[static_cast<std::size_t>(k)]);
-  return water_volume<dim>(particles, parameters_.spacing);
 }
 
 template <int dim>
@@ -300,13 +274,13 @@ void FluidParticipant<dim>::commit(bool write_output) {
   committed_.fluid = simulation_.snapshot();
   committed_.measurements = measurements_;
   committed_.progress = progress_;
-  if (frames_) frames_->check();
+  if (frames_.of_one) frames_.of_one->check();
   if (write_output) write_frame();
 }
 
 template <int dim>
 void FluidParticipant<dim>::flush() {
-  if (frames_) frames_->flush();
+  if (frames_.of_one) frames_.of_one->flush();
 }
 
 template class FluidParticipant<2>;

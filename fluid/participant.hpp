@@ -7,6 +7,7 @@
 #include "proto/case/case_keys.hpp"
 #include "proto/files/frame_writer.hpp"
 #include "proto/participant.hpp"
+#include "proto/ranks/ranked_frames.hpp"
 
 #include <map>
 #include <optional>
@@ -28,6 +29,11 @@ inline bool is_sensor(const ProbeKeys& probe) {
 /// Whether a probe reads the air under the body.
 inline bool is_of_air(const ProbeKeys& probe) {
   return probe.quantity == "gap" || probe.quantity == "air_pressure";
+}
+
+/// Whether a probe reads the places of the water.
+inline bool reads_water(const ProbeKeys& probe) {
+  return !is_sensor(probe) && !is_of_air(probe);
 }
 
 /// The particle method as a participant of the coupling: motion in, force out. It makes the sub-steps and
@@ -54,7 +60,10 @@ class FluidParticipant final : public Participant {
   std::vector<Column> columns() const;
   double longest_step(double t, double rest) const;
   void follow_probes(double t0, double t1);
-  double pressure_or_place(const ProbeKeys&, std::span<const std::int64_t> water) const;
+  double pressure_or_place(const ProbeKeys&, const Vectors<dim>& position,
+                           std::span<const std::int64_t> water) const;
+  Vectors<dim> water_at_gauges() const;
+  void count_voids_now();
   bool frame_due(const Window&) const;
   double volume() const;
   std::vector<std::int64_t> water_of(const State<dim>&) const;
@@ -77,6 +86,7 @@ class FluidParticipant final : public Participant {
   void watch_window(const Window&, const WindowExtremes&);
   void watch_accounts(std::map<std::string, double>& monitor);
   Frame frame() const;
+  State<dim> read_checkpoint(const std::filesystem::path&, Archive&) const;
 
   Parameters parameters_;
   double body_length_;  // [m] extent of the interface in x
@@ -91,7 +101,11 @@ class FluidParticipant final : public Participant {
   double output_every_, end_time_;  // [s]
   double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;
-  std::optional<FrameWriter> frames_;
+  struct Frames {
+    std::optional<FrameWriter> of_one;     // rank
+    std::optional<RankedFrames> of_ranks;  // of several
+  };
+  Frames frames_;
   Measurements measurements_;
   struct Progress {
     std::int64_t steps = 0;        // with those that were rewound

@@ -8,6 +8,8 @@ int main(int argc, char** argv) {
   strake::structure::StructureProgram structure(strake::structure::this_program());
   return strake::ranks_main(argc, argv, structure.program(),
                             [&](const strake::Setup& setup, strake::Communicator& ranks) {
-                              return structure.build(setup, &ranks);
+                              strake::Setup own = setup;
+                              if (ranks.rank() > 0) own.run_folder.clear();  // the first rank alone writes
+                              return structure.build(own, &ranks);
                             });
 }

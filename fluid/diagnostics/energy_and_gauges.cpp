@@ -110,6 +110,15 @@ double wetted_height(const Vectors<dim>& position, std::span<const std::int64_t>
   return share > 0 ? sum * std::pow(spacing, dim) / share : 0;
 }
 
+template <int dim>
+bool gauge_reads(const std::string& quantity, const Vector<dim>& x, double spacing) {
+  if (quantity == "front") return std::abs(x[1]) <= layer * spacing;
+  const double reach = std::max(column, gauge_half_width) * spacing;
+  return std::abs(x[0]) <= reach && (dim == 2 || std::abs(x[dim - 1]) <= reach);
+}
+
+template bool gauge_reads<2>(const std::string&, const Vector<2>&, double);
+template bool gauge_reads<3>(const std::string&, const Vector<3>&, double);
 template WaterAccount<2> together(WaterAccount<2>, const RankExchange<2>&);
 template WaterAccount<2> account_of(const State<2>&, std::span<const std::int64_t>, double, const Vector<2>&,
                                     const Vector<2>&);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 namespace strake::fluid {
 
@@ -47,5 +48,9 @@ double level(const Vectors<dim>& position, std::span<const std::int64_t> water, 
 template <int dim>
 double wetted_height(const Vectors<dim>& position, std::span<const std::int64_t> water, const Vector<dim>& at,
                      const Vector<dim>& low, const Vector<dim>& high, double spacing);
+
+/// Whether one of these three may read a particle at `from_gauge`, seen from its `at` [m].
+template <int dim>
+bool gauge_reads(const std::string& quantity, const Vector<dim>& from_gauge, double spacing);
 
 }  // namespace strake::fluid

@@ -60,24 +60,10 @@ int half_width(int radius, int square) {
   return static_cast<int>(std::floor(std::sqrt(static_cast<double>(radius * radius - square)) + 1e-12));
 }
 
-}  // namespace
-
+/// Cells that are within the balls around particles, from `first` on.
 template <int dim>
-double water_volume(const Vectors<dim>& particles, double spacing) {
-  if (particles.cols() == 0) return 0;
-  const double h = spacing / cells_per_spacing;
-  const Vector<dim> low = particles.rowwise().minCoeff(), high = particles.rowwise().maxCoeff();
-  Cells cells;
-  double count = 1;
-  for (int d = 0; d < dim; ++d) {
-    const double across = std::ceil((high[d] - low[d]) / h) + 2 * border + 1;
-    count *= across;
-    if (!(count < most_bits)) return std::numeric_limits<double>::quiet_NaN();
-    cells.size[static_cast<std::size_t>(d)] = static_cast<std::int64_t>(across);
-  }
-  cells.words = (cells.size[0] + bits - 1) / bits;
-  cells.bit.assign(static_cast<std::size_t>(cells.words * cells.rows()), 0);
-
+void cover(const Vectors<dim>& particles, double h, const Vector<dim>& low,
+           const std::array<std::int64_t, 3>& first, Cells& cells) {
   // A cell counts when its middle lies within the ball. Particles of a lattice lie on corners of cells.
   const double radius = added;  // in cells
   for (Eigen::Index i = 0; i < particles.cols(); ++i) {
@@ -96,11 +82,45 @@ double water_volume(const Vectors<dim>& particles, double spacing) {
         const double dy = static_cast<double>(j) + 0.5 - x[1], left = rest - dy * dy;
         if (left < 0) continue;
         const auto along = range(x[0], std::sqrt(left));
-        if (along[0] <= along[1]) set(cells.row(k * cells.size[1] + j), along[0], along[1]);
+        if (along[0] <= along[1])
+          set(cells.row((k - first[2]) * cells.size[1] + j - first[1]), along[0] - first[0],
+              along[1] - first[0]);
       }
     }
   }
+}
 
+}  // namespace
+
+template <int dim>
+std::int64_t water_cells(const Vectors<dim>& particles, double spacing, const VolumePart<dim>& part) {
+  if (particles.cols() == 0) return 0;
+  const double h = spacing / cells_per_spacing;
+  const Vector<dim> low = particles.rowwise().minCoeff(), high = particles.rowwise().maxCoeff();
+  Cells cells;
+  std::array<std::int64_t, 3> first{};  // the first cell here, counted from the lowest of the whole
+  double count = 1;
+  for (int d = 0; d < dim; ++d) {
+    const auto axis = static_cast<std::size_t>(d);
+    const double begin = std::floor((low[d] - part.low[d]) / h),
+                 across = std::ceil((high[d] - part.low[d]) / h) - begin + 2 * border + 1;
+    count *= across;
+    if (!(count < most_bits)) return -1;
+    first[axis] = static_cast<std::int64_t>(begin);
+    cells.size[axis] = static_cast<std::int64_t>(across);
+  }
+  cells.words = (cells.size[0] + bits - 1) / bits;
+  cells.bit.assign(static_cast<std::size_t>(cells.words * cells.rows()), 0);
+  cover<dim>(particles, h, part.low, first, cells);
+
+  const auto counts = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    Vector<dim> middle;
+    const std::array<std::int64_t, 3> cell{x, y, z};
+    for (std::size_t d = 0; d < dim; ++d)
+      middle[static_cast<Eigen::Index>(d)] = part.low[static_cast<Eigen::Index>(d)] +
+                                             h * (static_cast<double>(cell[d] + first[d] - border) + 0.5);
+    return part.counts(middle);
+  };
   const int slabs = dim == 3 ? taken : 0;
   std::int64_t inside = 0;
 #pragma omp parallel reduction(+ : inside)
@@ -118,13 +138,36 @@ double water_volume(const Vectors<dim>& particles, double spacing) {
           if (dy * dy + dz * dz > taken * taken) continue;
           keep_within(cells.row(r + dz * cells.size[1] + dy), half_width(taken, dy * dy + dz * dz), kept);
         }
-      for (const Word w : kept) inside += std::popcount(w);
+      if (!part.counts)
+        for (const Word w : kept) inside += std::popcount(w);
+      else
+        for (std::int64_t x = 0; x < cells.size[0]; ++x)
+          inside +=
+              (kept[static_cast<std::size_t>(x / bits)] >> (x % bits) & 1) != 0 && counts(x, j, k) ? 1 : 0;
     }
   }
-  return static_cast<double>(inside) * std::pow(h, dim);
+  return inside;
 }
 
-template double water_volume<2>(const Vectors<2>&, double);
-template double water_volume<3>(const Vectors<3>&, double);
+template <int dim>
+double volume_of_cells(std::int64_t cells, double spacing) {
+  if (cells < 0) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(cells) * std::pow(spacing / cells_per_spacing, dim);
+}
+
+template <int dim>
+double water_volume(const Vectors<dim>& particles, double spacing) {
+  VolumePart<dim> all;
+  if (particles.cols() > 0) all.low = particles.rowwise().minCoeff();
+  return volume_of_cells<dim>(water_cells<dim>(particles, spacing, all), spacing);
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                \
+  template std::int64_t water_cells<dim>(const Vectors<dim>&, double, const VolumePart<dim>&); \
+  template double volume_of_cells<dim>(std::int64_t, double);                                  \
+  template double water_volume<dim>(const Vectors<dim>&, double);
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
 
 }  // namespace strake::fluid

@@ -2,6 +2,9 @@
 
 #include "fluid/particles/state.hpp"
 
+#include <cstdint>
+#include <functional>
+
 namespace strake::fluid {
 
 /// Returns the volume of the water from its particles' positions [m² in 2-D, m³ in 3-D]. It is the
@@ -15,5 +18,19 @@ namespace strake::fluid {
 /// −0.4 %. A single layer is 2 % too thick.
 template <int dim>
 double water_volume(const Vectors<dim>& particles, double spacing);
+
+/// The same of one part of the water. Particles around it, to 2 l0, must be there. The parts of all ranks add
+/// up to the volume of the whole, to the last bit.
+template <int dim>
+struct VolumePart {
+  Vector<dim> low = Vector<dim>::Zero();                     // lowest place of the whole along each axis [m]
+  std::function<bool(const Vector<dim>&)> counts = nullptr;  // whether a place belongs to the part; null: all
+};
+/// Returns the number of cells that are water; −1 where they are too many.
+template <int dim>
+std::int64_t water_cells(const Vectors<dim>& particles, double spacing, const VolumePart<dim>&);
+/// Returns the volume of so many cells.
+template <int dim>
+double volume_of_cells(std::int64_t cells, double spacing);
 
 }  // namespace strake::fluid

@@ -7,11 +7,32 @@
 
 namespace strake::fluid {
 
+namespace {
+constexpr const char* buckets_name = "rank_buckets";
+}
+
 template <int dim>
 void save(const State<dim>& state, ArchiveSource& archive) {
   const auto write = [&](const char* name, const auto& member) { put(archive, name, member); };
   for_each_column(write, state);
   for_each_value(write, state);
+}
+
+template <int dim>
+void save_share(const State<dim>& share, ArchiveSource& entries, ArchiveSource& values) {
+  for_each_column([&](const char* name, const auto& column) { put(entries, name, column); }, share);
+  for_each_value([&](const char* name, const auto& value) { put(values, name, value); }, share);
+  if (share.rank_buckets.size() != share.kind.size()) return;  // the water was not divided yet
+  values.integer.erase(buckets_name);
+  put(entries, buckets_name, share.rank_buckets);
+}
+
+template <int dim>
+std::vector<std::string> entry_names() {
+  std::vector<std::string> names = {buckets_name};
+  const State<dim> none;
+  for_each_column([&](const char* name, const auto&) { names.emplace_back(name); }, none);
+  return names;
 }
 
 namespace {
@@ -63,6 +84,10 @@ Archive with_names(Archive archive) {
 
 template void save<2>(const State<2>&, ArchiveSource&);
 template void save<3>(const State<3>&, ArchiveSource&);
+template void save_share<2>(const State<2>&, ArchiveSource&, ArchiveSource&);
+template void save_share<3>(const State<3>&, ArchiveSource&, ArchiveSource&);
+template std::vector<std::string> entry_names<2>();
+template std::vector<std::string> entry_names<3>();
 template State<2> load<2>(const Archive&);
 template State<3> load<3>(const Archive&);
 

@@ -72,29 +72,19 @@ const std::vector<Wanting>& Subdomain<dim>::wanted_by(const Bucket& bucket) {
 
 template <int dim>
 void Subdomain<dim>::take_part(State<dim>& state, std::int64_t water) {
-  const std::int64_t ranks = communicator_->size(), rank = communicator_->rank(),
-                     begin = water * rank / ranks, end = water * (rank + 1) / ranks;
   water_of_whole_ = water;
   layers_ = state.position.cols() - water;
-  const bool divided =
-      std::ssize(state.rank_buckets) == water + layers_ && state.rank_boxes.size() == 6 * ranks;
-  Division part;
-  for (std::int64_t i = begin; i < end; ++i) {
-    part.place.push_back(i);
-    part.bucket.push_back(divided ? bucket_with(state.rank_buckets[static_cast<std::size_t>(i)])
-                                  : buckets_.of(state.position.col(i)));
+  const bool has_buckets = std::ssize(state.rank_buckets) == water + layers_;
+  std::vector<std::int32_t> local;
+  std::vector<std::int64_t> buckets;
+  for (const auto& [first, last] : ranges_of_part()) {
+    for (const std::int32_t i : numbers(first, last - first)) local.push_back(i);
+    if (has_buckets)
+      buckets.insert(buckets.end(), state.rank_buckets.begin() + first, state.rank_buckets.begin() + last);
   }
-  part.buckets_hold = divided;
-  part.owner.assign(part.place.size(), static_cast<int>(rank));
-  part.owned.assign(part.place.size(), 1);
-  part.owned.resize(part.place.size() + static_cast<std::size_t>(layers_));
-  for (std::int64_t i = water; divided && i < water + layers_; ++i)
-    part.layer_bucket.push_back(bucket_with(state.rank_buckets[static_cast<std::size_t>(i)]));
-  std::vector<std::int32_t> local = numbers(begin, end - begin);
-  for (const std::int32_t i : numbers(water, layers_)) local.push_back(i);
+  state.rank_buckets = std::move(buckets);
   select_particles<dim>(state, local);
-  state.rank_buckets.clear();
-  division_ = std::make_shared<Division>(std::move(part));
+  take_share(state);
 }
 
 template <int dim>

@@ -61,6 +61,11 @@ class Subdomain {
   /// Replaces the whole state by a part of it, one of equal parts in the order of the whole; `divide`
   /// follows. water: its number of water particles, which come first.
   void take_part(State<dim>&, std::int64_t water);
+  /// The ranges of the whole that `take_share` needs: the part of the water that `take_part` would keep, and
+  /// all layer particles. Known once the whole has been divided for the first time.
+  std::vector<std::array<std::int64_t, 2>> ranges_of_part() const;
+  /// The same as `take_part` with a state that holds those ranges alone.
+  void take_share(State<dim>&);
   /// Goes back to a division that was noted with that state.
   void adopt(std::shared_ptr<const Division> division) { division_ = std::move(division); }
   /// Whether the part is that of a state that has just been read.
@@ -83,9 +88,18 @@ class Subdomain {
   /// Returns the whole state on the first rank; the others get its values without particles. division: the
   /// one of that state.
   State<dim> join(const State<dim>&, const Division&) const;
+  /// Returns one of equal shares of the whole state, in the order of the whole: of water and layer particles.
+  /// The shares of the ranks one behind the other are what `join` returns.
+  State<dim> share(const State<dim>&, const Division&) const;
 
   /// Whether this rank owns the particle with that local number.
   bool owns(std::int64_t i) const { return division_->owned[static_cast<std::size_t>(i)] != 0; }
+  /// Whether a place is in a bucket of this rank.
+  bool has(const Vector<dim>& place) const { return owner_of(buckets_.of(place)) == communicator_->rank(); }
+  /// Whether this rank writes it: it owns it, or all ranks have the same and this is the first one.
+  bool shows(std::int64_t i) const {
+    return i >= local_water() && division_->layer_owner.empty() ? communicator_->rank() == 0 : owns(i);
+  }
   std::int64_t local_water() const { return std::ssize(division_->place); }
   std::int64_t water_of_whole() const { return water_of_whole_; }
   std::int64_t layers() const { return layers_; }

@@ -116,15 +116,19 @@ void Simulation<dim>::Work::begin_on_ranks(const Ranks& ranks) {
     shared_pressure =
         std::make_unique<RankedPressure<dim>>(*step.subdomain, ranks.shared_grid(), step.p.spacing);
   take_part();
+  divide(false);
 }
 
 template <int dim>
 void Simulation<dim>::Work::take_part() {
-  const std::int64_t before = step.subdomain->water_of_whole(),
-                     water = before > 0 ? before : step.boundary.water(),
-                     layers = step.state.position.cols() - water;
-  step.subdomain->take_part(step.state, water);
-  step.boundary.set_water(step.state.position.cols() - layers);
+  const std::int64_t before = step.subdomain->water_of_whole();
+  step.subdomain->take_part(step.state, before > 0 ? before : step.boundary.water());
+  count_water();
+}
+
+template <int dim>
+void Simulation<dim>::Work::count_water() {
+  step.boundary.set_water(step.subdomain->local_water());
   scheme->set_water(step);
 }
 
@@ -132,8 +136,7 @@ void Simulation<dim>::Work::take_part() {
 template <int dim>
 void Simulation<dim>::Work::divide(bool balance) {
   step.subdomain->divide(step.state, balance);
-  step.boundary.set_water(step.subdomain->local_water());
-  scheme->set_water(step);
+  count_water();
   step.search.invalidate();
 }
 
@@ -148,7 +151,6 @@ void Simulation<dim>::Work::begin_again() {
   step.boundary.adopt(step.state);
   step.search.invalidate();
   step.substepping.forget();
-  whole_is_current = false;
 }
 
 /// Removes what has left the tank, numbered in the order of the whole. Momentum is accounted for on all
@@ -269,6 +271,7 @@ Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme& own, std::int64_t
   template void Simulation<dim>::Work::begin_on_ranks(const Ranks&);                            \
   template Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme&, std::int64_t) const; \
   template void Simulation<dim>::Work::take_part();                                             \
+  template void Simulation<dim>::Work::count_water();                                           \
   template void Simulation<dim>::Work::divide(bool);                                            \
   template void Simulation<dim>::Work::begin_again();                                           \
   template void Simulation<dim>::Work::forget_ranks();                                          \

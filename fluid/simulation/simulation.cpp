@@ -45,7 +45,6 @@ StepReport Simulation<dim>::step(double dt, const InterfaceMotion& motion, doubl
   w.correct();                                   // load; u = u* − Δt/ρ ∇p; x += Δt u
   w.shift();                                     // towards even spacing; collision guard
   w.finish();                                    // accounts
-  w.whole_is_current = false;
   return w.report;
 }
 
@@ -120,18 +119,23 @@ void Simulation<dim>::restore(const Snapshot& snapshot) {
 }
 
 template <int dim>
-const State<dim>& Simulation<dim>::whole() const {
-  Work& w = *work_;
-  if (!w.step.subdomain) return w.step.state;
-  if (!w.whole_is_current) w.whole = w.step.subdomain->join(w.step.state, w.step.subdomain->division());
-  w.whole_is_current = true;
-  return w.whole;
+State<dim> Simulation<dim>::whole() const {
+  const Work& w = *work_;
+  return w.step.subdomain ? w.step.subdomain->join(w.step.state, w.step.subdomain->division()) : w.step.state;
 }
 
 template <int dim>
-State<dim> Simulation<dim>::whole_of(const Snapshot& snapshot) const {
-  const Work& w = *work_;
-  return w.step.subdomain ? w.step.subdomain->join(snapshot.state, *snapshot.division) : snapshot.state;
+State<dim> Simulation<dim>::share_of(const Snapshot& snapshot) const {
+  return work_->step.subdomain->share(snapshot.state, *snapshot.division);
+}
+
+template <int dim>
+void Simulation<dim>::set_share(State<dim> share) {
+  Work& w = *work_;
+  w.step.state = std::move(share);
+  w.step.subdomain->take_share(w.step.state);
+  w.count_water();
+  w.begin_again();
 }
 
 template <int dim>

@@ -63,9 +63,13 @@ class Simulation {
   Snapshot snapshot() const;
   void restore(const Snapshot&);
   /// Returns the state of the whole fluid. On several ranks all of them call it together; the first one gets
-  /// it, the others get no particles.
-  const State<dim>& whole() const;
-  State<dim> whole_of(const Snapshot&) const;
+  /// it, the others get no particles. For tests: it has the length of the whole.
+  State<dim> whole() const;
+  /// Returns the share of a rank in the state of the whole fluid, see Subdomain::share. All ranks call it
+  /// together.
+  State<dim> share_of(const Snapshot&) const;
+  /// The same as `set_state` on several ranks: each has what Subdomain::ranges_of_part names.
+  void set_share(State<dim>);
   std::int64_t particles() const;                            // of the whole fluid
   bool is_removed(const State<dim>&, std::int64_t i) const;  // particle i has left the tank
   const RankExchange<dim>& ranks() const;

@@ -39,7 +39,8 @@ struct Simulation<dim>::Work {
 
   // On several ranks (ranks.cpp).
   void begin_on_ranks(const Ranks&);
-  void take_part();  // of the whole state
+  void take_part();    // of the whole state
+  void count_water();  // after the water of this rank has changed
   void divide(bool balance);
   void begin_again();   // from another state
   void forget_ranks();  // that have written the state
@@ -65,8 +66,6 @@ struct Simulation<dim>::Work {
   PoissonSolver<dim> poisson;
 
   // On several ranks alone.
-  State<dim> whole;  // on the first rank, where it is current
-  bool whole_is_current = false;
   std::unique_ptr<RankedPressure<dim>> shared_pressure;  // null: the first rank solves the whole equation
   Vectors<dim> whole_position;                           // scratch of `solve_on_first_rank`, like the next
   PressureSystem whole_system;

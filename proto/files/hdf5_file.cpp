@@ -1,6 +1,7 @@
 #include "proto/files/hdf5_file.hpp"
 
 #include "proto/error.hpp"
+#include "proto/files/hdf5_calls.hpp"
 #include "proto/files/whole_file.hpp"
 
 #include <fmt/format.h>
@@ -13,22 +14,6 @@
 
 namespace strake::hdf5 {
 namespace {
-
-/// Composing in memory can only fail for want of memory or through a mistake of ours.
-hid_t made(hid_t id) {
-  if (id < 0) throw std::runtime_error("HDF5 refused to compose a result file in memory");
-  return id;
-}
-void done(herr_t status) {
-  made(status);
-}
-
-template <class Create>
-Handle without_times(Create create) {
-  Handle list(made(create()), H5Pclose);
-  done(H5Pset_obj_track_times(list.get(), false));
-  return list;
-}
 
 Handle fixed_text(std::size_t length) {
   Handle type(made(H5Tcopy(H5T_C_S1)), H5Tclose);
@@ -93,7 +78,7 @@ Image::~Image() {
   std::free(bytes);
 }
 
-Writer::Writer() : image_(std::make_unique<Image>()) {
+Writer::Writer(bool joins) : image_(std::make_unique<Image>()) {
   const Handle access(made(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
   constexpr std::size_t growth = 1 << 18;  // bytes
   done(H5Pset_fapl_core(access.get(), growth, false));
@@ -104,9 +89,10 @@ Writer::Writer() : image_(std::make_unique<Image>()) {
   memory.udata_free = release_nothing;
   memory.udata = image_.get();
   done(H5Pset_file_image_callbacks(access.get(), &memory));
-  // The file keeps the library's default (oldest) format, for readers of any age. It was also needed once:
-  // with a newer format H5Fget_file_image (1.10.8) clears the superblock's "open" flag without renewing the
-  // checksum, and the result cannot be opened. `save` asks it for the size alone.
+  if (joins) done(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));
+  // Else the file keeps the library's default (oldest) format, for readers of any age. It was also needed
+  // once: with a newer format H5Fget_file_image (1.10.8) clears the superblock's "open" flag without renewing
+  // the checksum, and the result cannot be opened. `save` asks it for the size alone.
   const Handle creation = without_times([] { return H5Pcreate(H5P_FILE_CREATE); });
   file_ =
       Handle(made(H5Fcreate("composed in memory", H5F_ACC_TRUNC, creation.get(), access.get())), H5Fclose);
@@ -199,11 +185,15 @@ Handle Reader::dataset(const std::string& path, H5T_class_t wanted,
     refuse("dataset " + path + " is not a table of rows and columns");
   std::array<hsize_t, 2> size{};
   H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
+  shape = {static_cast<Eigen::Index>(size[0]), static_cast<Eigen::Index>(size[1])};
+  const Handle list(H5Dget_create_plist(set.get()), H5Pclose);
+  const bool in_parts = H5Pget_layout(list.get()) == H5D_VIRTUAL;
+  if (in_parts && path == parts_path) refuse("does not name its parts");
+  if (in_parts && wanted == H5T_NO_CLASS) return set;
   // A file cannot have more numbers than bytes: a damaged count must not become an allocation.
-  const std::uintmax_t most = size_ / 8;
+  const std::uintmax_t most = (in_parts ? bytes_of_parts(list.get()) : size_) / 8;
   if (size[0] > most || size[1] > most || (size[1] > 0 && size[0] > most / size[1]))
     refuse("dataset " + path + " claims to be larger than the file");
-  shape = {static_cast<Eigen::Index>(size[0]), static_cast<Eigen::Index>(size[1])};
   return set;
 }
 
@@ -213,22 +203,56 @@ std::array<Eigen::Index, 2> Reader::shape(const std::string& path) const {
   return shape;
 }
 
-RowMajor Reader::real(const std::string& path) const {
+/// Reads a dataset, or ranges of it, into memory of that many rows and columns.
+void Reader::read(const std::string& path, hid_t set, hid_t type, std::array<Eigen::Index, 2>& shape,
+                  const Slice* slice,
+                  const std::function<void*(Eigen::Index rows, Eigen::Index columns)>& allocate) const {
+  const std::size_t axis = shape[1] == 1 ? 0 : 1;
+  Slice whole{shape[axis], {{0, shape[axis]}}};
+  if (slice == nullptr || slice->length != shape[axis]) slice = &whole;
+  std::array<hsize_t, 2> size{static_cast<hsize_t>(shape[0]), static_cast<hsize_t>(shape[1])};
+  size[axis] = 0;
+  for (const auto& [first, last] : slice->ranges) {
+    if (first < 0 || first > last || last > shape[axis]) refuse("dataset " + path + " has no such entries");
+    size[axis] += static_cast<hsize_t>(last - first);
+  }
+  shape = {static_cast<Eigen::Index>(size[0]), static_cast<Eigen::Index>(size[1])};
+  void* const values = allocate(shape[0], shape[1]);
+  if (size[0] == 0 || size[1] == 0) return;
+  const Handle in_file(H5Dget_space(set), H5Sclose),
+      in_memory(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
+  std::array<hsize_t, 2> from{}, to{}, count = size;
+  for (const auto& [first, last] : slice->ranges) {
+    from[axis] = static_cast<hsize_t>(first);
+    count[axis] = static_cast<hsize_t>(last - first);
+    if (first == last) continue;
+    if (H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, from.data(), nullptr, count.data(), nullptr) < 0 ||
+        H5Sselect_hyperslab(in_memory.get(), H5S_SELECT_SET, to.data(), nullptr, count.data(), nullptr) < 0 ||
+        H5Dread(set, type, in_memory.get(), in_file.get(), H5P_DEFAULT, values) < 0)
+      refuse("dataset " + path + " cannot be read");
+    to[axis] += count[axis];
+  }
+}
+
+RowMajor Reader::real(const std::string& path, const Slice* slice) const {
   std::array<Eigen::Index, 2> shape{};
   const Handle set = dataset(path, H5T_FLOAT, shape);
-  RowMajor value(shape[0], shape[1]);
-  if (value.size() > 0 &&
-      H5Dread(set.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) < 0)
-    refuse("dataset " + path + " cannot be read");
+  RowMajor value;
+  read(path, set.get(), H5T_NATIVE_DOUBLE, shape, slice, [&](Eigen::Index rows, Eigen::Index columns) {
+    value.resize(rows, columns);
+    return value.data();
+  });
   return value;
 }
 
-std::vector<std::int64_t> Reader::integer(const std::string& path) const {
+std::vector<std::int64_t> Reader::integer(const std::string& path, const Slice* slice) const {
   std::array<Eigen::Index, 2> shape{};
   const Handle set = dataset(path, H5T_INTEGER, shape);
-  std::vector<std::int64_t> value(static_cast<std::size_t>(shape[0] * shape[1]));
-  if (!value.empty() && H5Dread(set.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) < 0)
-    refuse("dataset " + path + " cannot be read");
+  std::vector<std::int64_t> value;
+  read(path, set.get(), H5T_NATIVE_INT64, shape, slice, [&](Eigen::Index rows, Eigen::Index columns) {
+    value.resize(static_cast<std::size_t>(rows * columns));
+    return value.data();
+  });
   return value;
 }
 

@@ -58,9 +58,7 @@ wire::Request message_of(const Bytes& bytes) {
 
 RankedParticipant::RankedParticipant(MpiCommunicator& ranks, const Setup& setup, const RankFactory& build)
     : ranks_(ranks) {
-  Setup others = setup;
-  others.run_folder.clear();  // the first rank alone writes
-  ranks_.announce(announcement(Call::build, {0, std::move(others)}));
+  ranks_.announce(announcement(Call::build, {0, setup}));
   call_together(ranks_, [&] { own_ = build(setup); });
 }
 
@@ -94,7 +92,9 @@ void RankedParticipant::commit(bool write_output) {
 }
 
 void RankedParticipant::checkpoint(const std::filesystem::path& folder) {
-  ranks_.announce(announcement(Call::checkpoint));
+  wire::Checkpoint to;
+  to.folder = folder.string();
+  ranks_.announce(announcement(Call::checkpoint, {0, std::move(to)}));
   call_together(ranks_, [&] { own_->checkpoint(folder); });
 }
 
@@ -112,6 +112,8 @@ namespace {
 void do_own_part(std::unique_ptr<Participant>& own, Call call, const Bytes& bytes, const RankFactory& build) {
   if (call == Call::build) {
     own = build(std::get<Setup>(message_of(bytes).what));
+  } else if (own == nullptr) {
+    return;  // it could not be built, which the first rank says
   } else if (call == Call::start) {
     const auto advance = std::get<wire::Advance>(message_of(bytes).what);
     own->start(advance.window, advance.input);
@@ -122,7 +124,7 @@ void do_own_part(std::unique_ptr<Participant>& own, Call call, const Bytes& byte
   } else if (call == Call::commit || call == Call::commit_with_output) {
     own->commit(call == Call::commit_with_output);
   } else if (call == Call::checkpoint) {
-    own->checkpoint({});
+    own->checkpoint(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
   } else if (call == Call::resume) {
     own->resume(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
   }

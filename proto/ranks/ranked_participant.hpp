@@ -12,8 +12,7 @@ namespace strake {
 using RankFactory = std::function<std::unique_ptr<Participant>(const Setup&)>;
 
 /// A participant of several ranks as one. It answers the coupler on the first rank, and announces to
-/// the others what they have to do (`work_for_first_rank`). Of the other ranks none has a run's folder to
-/// write to.
+/// the others what they have to do (`work_for_first_rank`). All ranks have the run's folder.
 class RankedParticipant final : public Participant {
  public:
   RankedParticipant(MpiCommunicator&, const Setup&, const RankFactory&);

@@ -42,6 +42,19 @@ def open_file(path, expected):
     return file
 
 
+def check_parts(file, path):
+    """Error where a part of a frame of several ranks is missing: HDF5 would read NaN for its particles."""
+    position = file["position"]
+    if not position.is_virtual:
+        return
+    for source, size in zip(position.virtual_sources(), file["parts"][:, 0]):
+        part = path.parent / source.file_name
+        found = part.stat().st_size if part.is_file() else None
+        if found != size:
+            raise Error(f"its part {part} " + ("is missing" if found is None else f"has {found} bytes, not {size}"),
+                        "a run on several ranks writes parts beside the file: copy them with it", path, 3)
+
+
 def unit_of(dataset):
     unit = dataset.attrs.get("unit", "")
     return unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
@@ -56,6 +69,7 @@ def read_frame(path):
     """One instant of a solver: position n × 3 [m], cells m × k point indices, and each field by name."""
     fields = Fields(str(path))
     with open_file(path, FRAME) as file:
+        check_parts(file, path)
         fields.add("time", float(file.attrs["time"]), "s")
         fields.add("position", file["position"][()], "m", "point", "xyz")
         fields.add("cells", file["cells"][()], "", "cell", "corner")

@@ -158,6 +158,27 @@ class Results(unittest.TestCase):
         with self.assertRaises(IndexError):
             frames[3]
 
+    def test_a_frame_of_several_ranks_needs_all_its_parts(self):
+        parts = self.folder / "frames" / "fluid-000000"
+        parts.mkdir()
+        for k in range(2):
+            write_frame(parts / f"{k:04}.h5", 0.0)
+        with h5py.File(f"{parts}.h5", "w", libver="latest") as file:
+            file.attrs["format"], file.attrs["time"] = "strake frame 1", 0.0
+            for name, columns, kind in (("position", 3, "f8"), ("point/pressure", 1, "f8"), ("cells", 1, "i8")):
+                layout = h5py.VirtualLayout((4, columns), kind)
+                for k in range(2):
+                    layout[2 * k:2 * k + 2] = h5py.VirtualSource(f"fluid-000000/{k:04}.h5", name, (2, columns))
+                file.create_virtual_dataset(name, layout)
+            file["parts"] = [[(parts / f"{k:04}.h5").stat().st_size] for k in range(2)]
+        frames = self.open().frames["fluid"]
+        self.assertEqual(frames[0]["pressure"].tolist(), [1, 2, 1, 2])
+        part = parts / "0001.h5"
+        part.write_bytes(part.read_bytes() + b"more")
+        self.refused(lambda: frames[0], "0001.h5 has", "bytes, not", code=3)
+        part.unlink()
+        self.refused(lambda: frames[0], "its part", "0001.h5 is missing", code=3)
+
     def test_the_interface_of_all_blocks(self):
         self.refused(lambda: self.open().interface, "has no recorded interface", code=3)
         write_block(self.folder / "interface" / "000001.h5", [0, 1])

@@ -134,5 +134,53 @@ TEST(WaterAccount, falling_water_turns_its_potential_into_kinetic_energy) {
   EXPECT_NEAR(end.largest_speed, 0.981, 1e-12);
 }
 
+/// Scattered water in parts along x, each with what is within 2 l0 of it.
+template <int dim>
+void expect_parts_add_up(const std::array<int, 3>& n) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> scatter(-0.4 * l0, 0.4 * l0);
+  Vectors<dim> points = box<dim>(n, l0);
+  for (double& at : points.reshaped()) at += scatter(random);
+  std::int64_t cells = 0;
+  for (const auto& [from, to] : {std::pair{-1.0, 3.3 * l0}, {3.3 * l0, 4.05 * l0}, {4.05 * l0, 1.0}}) {
+    std::vector<Eigen::Index> near;
+    for (Eigen::Index k = 0; k < points.cols(); ++k)
+      if (points(0, k) > from - 2.01 * l0 && points(0, k) < to + 2.01 * l0) near.push_back(k);
+    VolumePart<dim> part;
+    part.low = points.rowwise().minCoeff();
+    part.counts = [from = from, to = to](const Vector<dim>& x) { return x[0] >= from && x[0] < to; };
+    const std::int64_t own = water_cells<dim>(Vectors<dim>(points(Eigen::all, near)), l0, part);
+    EXPECT_GT(own, 0);
+    cells += own;
+  }
+  EXPECT_EQ(volume_of_cells<dim>(cells, l0), water_volume<dim>(points, l0));
+}
+
+TEST(WaterVolume, the_parts_of_ranks_add_up_to_the_last_cell) {
+  expect_parts_add_up<2>({19, 11, 1});
+  expect_parts_add_up<3>({12, 7, 6});
+  EXPECT_TRUE(std::isnan(volume_of_cells<2>(-1, l0)));
+}
+
+TEST(Gauges, read_nothing_of_what_is_left_out_on_ranks) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-0.2, 0.2);
+  Vectors<3> points(3, 4000);
+  for (double& at : points.reshaped()) at = place(random);
+  const Vector<3> at(0.03, -0.02, 0.01), low(-0.2, -0.2, -0.2), high(0.2, 0.2, 0.2);
+  const auto read = [&](const std::string& quantity, const std::vector<std::int64_t>& water) {
+    if (quantity == "front") return front<3>(points, water, at, l0);
+    if (quantity == "level") return level<3>(points, water, at, l0);
+    return wetted_height<3>(points, water, at, low, high, l0);
+  };
+  for (const std::string quantity : {"front", "level", "height"}) {
+    std::vector<std::int64_t> near = all(points.cols());
+    std::erase_if(
+        near, [&](std::int64_t i) { return !gauge_reads<3>(quantity, Vector<3>(points.col(i) - at), l0); });
+    EXPECT_LT(near.size(), 1000U) << quantity;
+    EXPECT_EQ(read(quantity, near), read(quantity, all(points.cols()))) << quantity;
+  }
+}
+
 }  // namespace
 }  // namespace strake::fluid

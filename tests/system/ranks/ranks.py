@@ -1,4 +1,4 @@
-"""The water on several ranks: the results of one rank, resumed runs, ranks that die, stop or fail, refusals.
+"""The water on several ranks: the results of one rank, resumed runs, files in parts, ranks that die, stop or fail, refusals.
 ranks.py ROOT BIN"""
 import pathlib
 import re
@@ -7,6 +7,9 @@ import shutil
 import signal
 import sys
 import time
+
+import h5py
+import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
 from processes import BIN, ENV, ROOT, alive, expect, finish, folder, lose_rank, ranks_of, rows, start, strake, wait_until
@@ -44,19 +47,85 @@ def same_results():
         for tag, ranks in (("one", 1), ("two", 2)):
             expect(run(cwd, ranks, tag, *end).returncode == 0, f"plate_entry, {tag}")
         expect(departs(cwd, "two") < 1e-5, f"two ranks: the force of one, {departs(cwd, 'two'):.1e} off")
-        process = start("run", CASE, "--tag", "half", "--set", "fluid.ranks=2", *ENTRY, *end, cwd=cwd)
-        half = pathlib.Path(cwd) / "runs/plate_entry-half"
-        wait_until(lambda: rows(half) > 50, 120)
-        process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=30)
-        expect(process.returncode == 130, "Ctrl-C on two ranks: exit 130\n" + said)
-        for ranks in (1, 2, 3):
-            tag = f"on{ranks}"
-            shutil.copytree(f"{cwd}/runs/plate_entry-half", f"{cwd}/runs/plate_entry-{tag}")
-            done = run(cwd, ranks, tag, *end, "--resume")
-            expect(done.returncode == 0, f"resumed on {ranks}" + done.stderr)
-            expect(departs(cwd, tag) < 1e-5, f"resumed on {ranks}: the force of one, {departs(cwd, tag):.1e} off")
-        expect(history(cwd, "on2") == history(cwd, "two"), "resumed on 2: the bytes of the run without a stop")
+        same_frames(pathlib.Path(cwd) / "runs")
+        lost_parts_of_a_frame(cwd)
+        for begun in (1, 2):
+            interrupted(cwd, begun, end)
+            for ranks in (1, 2, 3) if begun == 2 else (2,):
+                tag = f"{begun}on{ranks}"
+                shutil.copytree(f"{cwd}/runs/plate_entry-half{begun}", f"{cwd}/runs/plate_entry-{tag}")
+                done = run(cwd, ranks, tag, *end, "--resume")
+                expect(done.returncode == 0, f"{begun} ranks resumed on {ranks}" + done.stderr)
+                expect(departs(cwd, tag) < 1e-5, f"{begun} on {ranks}: the force of one, {departs(cwd, tag):.1e} off")
+        expect(history(cwd, "2on2") == history(cwd, "two"), "resumed on 2: the bytes of the run without a stop")
+        same_frames(pathlib.Path(cwd) / "runs", "2on3")
+        lost_parts_of_a_checkpoint(cwd, end)
+
+
+def interrupted(cwd, ranks, end):
+    process = start("run", CASE, "--tag", f"half{ranks}", "--set", f"fluid.ranks={ranks}", *ENTRY, *end, cwd=cwd)
+    half = pathlib.Path(cwd) / f"runs/plate_entry-half{ranks}"
+    wait_until(lambda: rows(half) > 50, 120)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=30)
+    expect(process.returncode == 130, f"Ctrl-C on {ranks} ranks: exit 130\n" + said)
+
+
+def frame(path):
+    """The values of a frame, in the order of the particles' numbers."""
+    with h5py.File(path) as file:
+        order = np.argsort(file["point/id"][:, 0])
+        return {name: file[name][()][order] for name in ("position", "point/id", "point/kind", "point/pressure")}
+
+
+def same_frames(runs, tag="two"):
+    """A frame of several ranks has the particles of one rank, whatever the folder that it is read from."""
+    last = len(list((runs / "plate_entry-one/frames").glob("fluid-*.h5"))) - 1
+    for number in (0, last):
+        one, other = (frame(runs / f"plate_entry-{name}/frames/fluid-{number:06}.h5") for name in ("one", tag))
+        for name in ("point/id", "point/kind"):
+            expect(np.array_equal(one[name], other[name]), f"frame {number} of {tag}: {name} of one rank")
+        off = abs(one["position"] - other["position"]).max()
+        expect(off <= (1e-6 * 0.0125 if number else 0), f"frame {number} of {tag}: the places of one rank, {off:.1e} m off")
+    lists = [(runs / f"plate_entry-{name}/fluid.xdmf").read_text() for name in ("one", tag)]
+    expect(lists[0] == lists[1], f"{tag}: fluid.xdmf of one rank")
+
+
+def lost_parts_of_a_frame(cwd):
+    run_folder = pathlib.Path(cwd) / "runs/plate_entry-two"
+    part = sorted(run_folder.glob("frames/fluid-*/0001.h5"))[-1]
+    part.rename(part.with_suffix(".away"))
+    done = strake("picture", run_folder, "-o", f"{cwd}/picture.png", cwd=cwd)
+    expect(done.returncode == 3 and f"{part} is missing" in done.stderr, "a frame that lacks a part\n" + done.stderr)
+    with h5py.File(f"{part.parent}.h5") as file:
+        expect(np.isnan(file["position"][()]).any(), "other programs read NaN there")
+    part.with_suffix(".away").rename(part)
+    done = strake("picture", run_folder, "-o", f"{cwd}/picture.png", cwd=cwd)
+    expect(done.returncode == 0, "a picture of a frame in parts\n" + done.stderr)
+
+
+def lost_parts_of_a_checkpoint(cwd, end):
+    for name, harm in (("missing", pathlib.Path.unlink), ("damaged", lambda part: part.write_bytes(part.read_bytes()[:-9]))):
+        shutil.copytree(f"{cwd}/runs/plate_entry-half2", f"{cwd}/runs/plate_entry-{name}", symlinks=True)
+        parts = list(pathlib.Path(cwd).glob(f"runs/plate_entry-{name}/checkpoint/0*/fluid.0001.h5"))
+        expect(len(parts) > 0, "each rank writes its part of a checkpoint")
+        for part in parts:
+            harm(part)
+        done = run(cwd, 2, name, *end, "--resume")
+        expect(done.returncode == 3 and "fluid.0001.h5" in done.stderr, f"a part of a checkpoint is {name}\n" + done.stderr)
+
+
+def a_rank_cannot_write():
+    with folder() as cwd:
+        process = start("run", CASE, "--set", "fluid.ranks=2", "--set", "output.every=2e-5", *ENTRY, cwd=cwd)
+        frames = pathlib.Path(cwd) / "runs/plate_entry/frames"
+        wait_until(lambda: (frames / "fluid-000001.h5").exists(), 60)
+        (frames / "fluid-000020/0001.h5/taken").mkdir(parents=True)
+        _, said = process.communicate(timeout=60)
+        expect(process.returncode == 6 and "fluid-000020/0001.h5: cannot be written" in said,
+               f"the second rank cannot write: exit {process.returncode}, not 6\n" + said)
+        expect((frames / "fluid-000019.h5").exists() and not (frames / "fluid-000020").exists()
+               and not (frames / "fluid-000020.h5").exists(), "no half of a frame is left")
 
 
 def lost_rank(kill, rank, limit):
@@ -144,6 +213,7 @@ if not (BIN / "strake-fluid-ranks").exists():
     print("no strake-fluid-ranks: MPI or Zoltan was not there")
     finish()
 same_results()
+a_rank_cannot_write()
 lost_rank(signal.SIGKILL, 1, 5)
 lost_rank(signal.SIGSTOP, 0, 10)
 failures_of_ranks()

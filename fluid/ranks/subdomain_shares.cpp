@@ -1,0 +1,105 @@
+#include "fluid/particles/columns.hpp"
+#include "fluid/ranks/subdomain.hpp"
+
+#include <algorithm>
+#include <utility>
+
+// Equal shares of the whole, in its order: as files hold it.
+
+namespace strake::fluid {
+
+namespace {
+
+/// First entry of the share of a rank; of a rank behind the last one, their number.
+std::int64_t begin_of_share(std::int64_t entries, std::int64_t ranks, std::int64_t rank) {
+  return entries / ranks * rank + entries % ranks * rank / ranks;
+}
+
+/// What goes with a particle to the rank that writes it, before its columns.
+struct Placed {
+  std::int64_t place, bucket;
+};
+
+}  // namespace
+
+template <int dim>
+std::vector<std::array<std::int64_t, 2>> Subdomain<dim>::ranges_of_part() const {
+  const std::int64_t ranks = communicator_->size(), rank = communicator_->rank();
+  return {{begin_of_share(water_of_whole_, ranks, rank), begin_of_share(water_of_whole_, ranks, rank + 1)},
+          {water_of_whole_, water_of_whole_ + layers_}};
+}
+
+template <int dim>
+void Subdomain<dim>::take_share(State<dim>& state) {
+  const auto [begin, end] = ranges_of_part().front();
+  const std::int64_t water = end - begin;
+  const bool divided = std::ssize(state.rank_buckets) == water + layers_ &&
+                       state.rank_boxes.size() == 6 * communicator_->size();
+  const auto noted = [&](std::int64_t i) {
+    return bucket_with(state.rank_buckets[static_cast<std::size_t>(i)]);
+  };
+  Division part;
+  for (std::int64_t i = 0; i < water; ++i) {
+    part.place.push_back(begin + i);
+    part.bucket.push_back(divided ? noted(i) : buckets_.of(state.position.col(i)));
+  }
+  part.buckets_hold = divided;
+  part.owner.assign(part.place.size(), communicator_->rank());
+  part.owned.assign(part.place.size(), 1);
+  part.owned.resize(part.place.size() + static_cast<std::size_t>(layers_));
+  for (std::int64_t i = water; divided && i < water + layers_; ++i) part.layer_bucket.push_back(noted(i));
+  state.rank_buckets.clear();
+  division_ = std::make_shared<Division>(std::move(part));
+}
+
+template <int dim>
+State<dim> Subdomain<dim>::share(const State<dim>& state, const Division& division) const {
+  const std::int64_t water = std::ssize(division.place), all = water_of_whole_ + layers_,
+                     ranks = communicator_->size(), own = communicator_->rank();
+  const bool same_layers = division.layer_owner.empty();
+  std::vector<std::vector<std::int32_t>> list(static_cast<std::size_t>(ranks));
+  std::vector<Bytes> to(static_cast<std::size_t>(ranks));
+  std::size_t rank = 0;
+  for (std::int64_t i = 0; i < water + layers_; ++i) {  // in the order of the whole
+    const auto at = static_cast<std::size_t>(i), layer = static_cast<std::size_t>(i - water);
+    if (i >= water && same_layers ? own != 0 : division.owned[at] == 0) continue;
+    const std::int64_t place = i < water ? division.place[at] : water_of_whole_ + i - water;
+    while (place >= begin_of_share(all, ranks, static_cast<std::int64_t>(rank) + 1)) ++rank;
+    list[rank].push_back(static_cast<std::int32_t>(i));
+    const Bucket& bucket = i < water     ? division.bucket[at]
+                           : same_layers ? Bucket{}
+                                         : division.layer_bucket[layer];
+    append(to[rank], Placed{place, key_of(bucket)});
+  }
+  for (std::size_t r = 0; r < to.size(); ++r) pack_particles<dim>(state, list[r], to[r]);
+
+  State<dim> share;
+  for_each_value([](const char*, const auto& from, auto& copy) { copy = from; }, state, share);
+  const std::int64_t begin = begin_of_share(all, ranks, own),
+                     size = begin_of_share(all, ranks, own + 1) - begin;
+  resize_particles<dim>(share, size);
+  share.rank_buckets.resize(static_cast<std::size_t>(size));
+  const std::size_t each = sizeof(Placed) + bytes_of_particle<dim>(share);
+  for (const Bytes& bytes : communicator_->exchange_any(to)) {
+    const std::byte* from = bytes.data();
+    std::vector<std::int32_t> places;
+    for (std::size_t k = bytes.size() / each; k > 0; --k) {
+      const auto one = take<Placed>(from);
+      places.push_back(static_cast<std::int32_t>(one.place - begin));
+      share.rank_buckets[static_cast<std::size_t>(places.back())] = one.bucket;
+    }
+    unpack_particles<dim>(from, places, share);
+  }
+  if (same_layers) share.rank_buckets.clear();
+  return share;
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                             \
+  template std::vector<std::array<std::int64_t, 2>> Subdomain<dim>::ranges_of_part() const; \
+  template void Subdomain<dim>::take_share(State<dim>&);                                    \
+  template State<dim> Subdomain<dim>::share(const State<dim>&, const Division&) const;
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
+
+}  // namespace strake::fluid
