@@ -1,5 +1,7 @@
 #include "fluid/case/rank_keys.hpp"
 
+#include "proto/case/rank_keys.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -22,20 +24,15 @@ std::string only_on_one_rank(const Parameters& p) {
 }  // namespace
 
 void read_ranks(CaseTable fluid, Parameters& p) {
-  fluid.integer(
-      "ranks", p.ranks,
-      {.min = 1,
-       .max = 4096,
-       .help = "processes that compute the water together, each with run.threads threads; the results "
-               "are those of one rank to the tolerance of the pressure"});
-  fluid.text("launcher", p.launcher,
-             {.help = "line that starts the ranks; {ranks} is their number, as in srun -n {ranks}"});
+  read_rank_keys(fluid,
+                 "processes that compute the water together, each with run.threads threads; the results "
+                 "are those of one rank to the tolerance of the pressure",
+                 p.ranks, p.launcher);
 }
 
 void check_ranks(const CaseTable& fluid, const Parameters& p) {
+  check_rank_keys(fluid, p.ranks, p.launcher, {only_on_one_rank(p), "ranks = 1, and run.threads"});
   if (p.ranks == 1) return;
-  if (const std::string what = only_on_one_rank(p); !what.empty())
-    throw fluid.error("ranks", "1: " + what + " is computed on one rank alone", "ranks = 1, and run.threads");
   const double volume = (p.water.max - p.water.min).head(p.dimension).prod();
   const double particles = volume / std::pow(p.spacing, p.dimension);
   if (particles < fewest_particles * p.ranks)
@@ -44,8 +41,6 @@ void check_ranks(const CaseTable& fluid, const Parameters& p) {
                                   fewest_particles, particles / p.ranks),
                       fmt::format("ranks = {}, and run.threads",
                                   std::max(1, static_cast<int>(particles / fewest_particles))));
-  if (p.launcher.find_first_not_of(' ') == std::string::npos)
-    throw fluid.error("launcher", "the line that starts the ranks", "mpirun -n {ranks}");
 }
 
 }  // namespace strake::fluid

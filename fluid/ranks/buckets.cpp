@@ -88,24 +88,13 @@ std::array<double, 3> Buckets<dim>::place(const Bucket& b) {
 }
 
 template <int dim>
-bool Buckets<dim>::owns(int rank, const Bucket& bucket, std::span<const double> boxes) {
+int Buckets<dim>::owner(const Bucket& bucket, const RankBoxes& boxes, int first) {
   const std::array<double, 3> at = place(bucket);
-  const std::span<const double> box = boxes.subspan(6 * static_cast<std::size_t>(rank), 6);
-  bool inside = true;
-  for (std::size_t d = 0; d < 3; ++d) inside = inside && box[d] < at[d] && at[d] <= box[3 + d];
-  return inside;
+  return boxes.owns(first, at) ? first : boxes.owner(at);
 }
 
 template <int dim>
-int Buckets<dim>::owner(const Bucket& bucket, std::span<const double> boxes, int first) {
-  if (owns(first, bucket, boxes)) return first;
-  for (int rank = 0; 6 * static_cast<std::size_t>(rank) < boxes.size(); ++rank)
-    if (owns(rank, bucket, boxes)) return rank;
-  return 0;
-}
-
-template <int dim>
-bool Buckets<dim>::is_near(const Bucket& bucket, std::span<const double> boxes, int rank) const {
+bool Buckets<dim>::is_near(const Bucket& bucket, const RankBoxes& boxes, int rank) const {
   const std::int32_t deep = dim == 3 ? rings : 0;
   for (std::int32_t z = -deep; z <= deep; ++z)
     for (std::int32_t y = -rings; y <= rings; ++y)
@@ -116,7 +105,7 @@ bool Buckets<dim>::is_near(const Bucket& bucket, std::span<const double> boxes, 
 
 /// Buckets of one rank lie in a convex set: where the corners around are own, all between is.
 template <int dim>
-void Buckets<dim>::find_wanting(const Bucket& bucket, std::span<const double> boxes, int own,
+void Buckets<dim>::find_wanting(const Bucket& bucket, const RankBoxes& boxes, int own,
                                 std::vector<Wanting>& ranks) const {
   const std::int32_t deep = dim == 3 ? rings : 0;
   const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) {

@@ -2,10 +2,10 @@
 
 #include "fluid/particles/periodic.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/ranks/rank_boxes.hpp"
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace strake::fluid {
@@ -42,14 +42,15 @@ class Buckets {
   /// within a slab of them.
   static std::array<double, 3> place(const Bucket&);
   /// Whether the bucket is in the box of that rank.
-  static bool owns(int rank, const Bucket&, std::span<const double> boxes);
-  /// Returns the rank whose box has the bucket. boxes: six numbers per rank, see Partition. first: the rank
-  /// to look at first.
-  static int owner(const Bucket&, std::span<const double> boxes, int first);
+  static bool owns(int rank, const Bucket& bucket, const RankBoxes& boxes) {
+    return boxes.owns(rank, place(bucket));
+  }
+  /// Returns the rank whose box has the bucket. first: the rank to look at first.
+  static int owner(const Bucket&, const RankBoxes&, int first);
   /// Whether a bucket, or one in the two rings around it, belongs to that rank.
-  bool is_near(const Bucket&, std::span<const double> boxes, int rank) const;
+  bool is_near(const Bucket&, const RankBoxes&, int rank) const;
   /// Finds the other ranks that want a bucket of rank `own`.
-  void find_wanting(const Bucket&, std::span<const double> boxes, int own, std::vector<Wanting>&) const;
+  void find_wanting(const Bucket&, const RankBoxes&, int own, std::vector<Wanting>&) const;
 
  private:
   Bucket wrapped(Bucket) const;

@@ -244,8 +244,8 @@ void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
   refresh_layers(state);
   const bool has_boxes = state.rank_boxes.size() == 6 * communicator_->size();
   if (balance_again || !has_boxes) balance(state);
-  if (!std::ranges::equal(boxes_, state.rank_boxes)) {
-    boxes_.assign(state.rank_boxes.begin(), state.rank_boxes.end());
+  if (!std::ranges::equal(boxes_.values(), state.rank_boxes)) {
+    boxes_.assign({state.rank_boxes.data(), static_cast<std::size_t>(state.rank_boxes.size())});
     wanted_by_.clear();
     is_near_.clear();
   }

@@ -147,7 +147,7 @@ class Subdomain {
   Buckets<dim> buckets_;
   double slack_;
   std::int64_t water_of_whole_ = 0, layers_ = 0;
-  std::vector<double> boxes_;  // of the ranks
+  RankBoxes boxes_;
   std::shared_ptr<const Division> division_;
   std::unordered_map<std::int64_t, std::vector<Wanting>> wanted_by_;  // of each own bucket
   std::unordered_map<std::int64_t, bool> is_near_;                    // of buckets of layers

@@ -108,6 +108,23 @@ SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<c
   return fields;
 }
 
+template <int dim>
+void advance_fields(const ViscousFlow<dim>& flow, const SpsModel& model, const LatticeConstants& lattice,
+                    std::span<const std::int32_t> counts, double dt, Eigen::VectorXd& k,
+                    Eigen::VectorXd& scratch, SpsFields& fields) {
+  const auto eddy_viscosity = [&](Eigen::Index i) {
+    const auto at = static_cast<size_t>(i);
+    const double eddy = model.eddy_viscosity(k[i]);
+    if (!model.wall_damping || at >= flow.wall_distance.size()) return eddy;
+    return eddy * model.damping(flow.wall_distance[at], fields.production[i]);
+  };
+  for (Eigen::Index i = 0; i < k.size(); ++i) fields.eddy_viscosity[i] = eddy_viscosity(i);
+  advance_k<dim>(flow, model, lattice, fields.production, fields.eddy_viscosity, dt, k, scratch);
+  fields.k = k;
+  for (Eigen::Index i = 0; i < k.size(); ++i)
+    fields.eddy_viscosity[i] = counts[static_cast<size_t>(i)] < fewest_neighbours ? 0 : eddy_viscosity(i);
+}
+
 // Computes ∇·τ, τ_lm = 2 ν_t S_lm − (2/3) k δ_lm (F3).
 template <int dim>
 Vectors<dim> sps_acceleration(const Vectors<dim>& position, std::span<const Tensor<dim>> velocity_gradient,
@@ -128,8 +145,14 @@ template SpsFields sps_fields<2>(std::span<const Tensor<2>>, std::span<const std
                                  std::span<const double>, const Masks&);
 template SpsFields sps_fields<3>(std::span<const Tensor<3>>, std::span<const std::int32_t>, const SpsModel&,
                                  std::span<const double>, const Masks&);
+template void advance_fields<2>(const ViscousFlow<2>&, const SpsModel&, const LatticeConstants&,
+                                std::span<const std::int32_t>, double, Eigen::VectorXd&, Eigen::VectorXd&,
+                                SpsFields&);
 template Vectors<2> sps_acceleration<2>(const Vectors<2>&, std::span<const Tensor<2>>, const SpsFields&,
                                         const Neighbours&, const LatticeConstants&, const Masks&);
+template void advance_fields<3>(const ViscousFlow<3>&, const SpsModel&, const LatticeConstants&,
+                                std::span<const std::int32_t>, double, Eigen::VectorXd&, Eigen::VectorXd&,
+                                SpsFields&);
 template Vectors<3> sps_acceleration<3>(const Vectors<3>&, std::span<const Tensor<3>>, const SpsFields&,
                                         const Neighbours&, const LatticeConstants&, const Masks&);
 template void advance_k<2>(const ViscousFlow<2>&, const SpsModel&, const LatticeConstants&,

@@ -70,6 +70,12 @@ template <int dim>
 SpsFields sps_fields(std::span<const Tensor<dim>> velocity_gradient, std::span<const std::int32_t> counts,
                      const SpsModel&, std::span<const double> wall_distance = {}, const Masks& = {});
 
+/// Advances k as `advance_k` does, with the production of these fields, and sets their k and ν_t.
+template <int dim>
+void advance_fields(const ViscousFlow<dim>&, const SpsModel&, const LatticeConstants&,
+                    std::span<const std::int32_t> counts, double dt, Eigen::VectorXd& k,
+                    Eigen::VectorXd& scratch, SpsFields&);
+
 /// Computes ⟨∇·τ⟩ [m/s²], τ = 2 ν_t S − (2/3) k I (F3). It is the form `stress_pair`: the antisymmetric sum
 /// of operators.hpp, without ν∇²u.
 template <int dim>

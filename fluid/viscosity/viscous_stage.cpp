@@ -381,20 +381,8 @@ void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow
   const SpsModel model = sps_model(parameters);
   const auto counts = neighbour_counts(flow.near, lattice.radius);
   SpsFields fields = sps_fields<dim>(gradient, counts, model, flow.wall_distance, masks);
-  if (scheme.turbulence == Turbulence::k) {
-    const auto eddy_viscosity = [&](Eigen::Index i) {
-      const auto at = static_cast<size_t>(i);
-      double eddy = model.eddy_viscosity(k[i]);
-      if (model.wall_damping && at < flow.wall_distance.size())
-        eddy *= model.damping(flow.wall_distance[at], fields.production[i]);
-      return eddy;
-    };
-    for (Eigen::Index i = 0; i < k.size(); ++i) fields.eddy_viscosity[i] = eddy_viscosity(i);
-    advance_k<dim>(flow, model, lattice, fields.production, fields.eddy_viscosity, dt, k, scratch_);
-    fields.k = k;
-    for (Eigen::Index i = 0; i < k.size(); ++i)
-      fields.eddy_viscosity[i] = counts[static_cast<size_t>(i)] < fewest_neighbours ? 0 : eddy_viscosity(i);
-  }
+  if (scheme.turbulence == Turbulence::k)
+    advance_fields<dim>(flow, model, lattice, counts, dt, k, scratch_, fields);
   acceleration = viscous_acceleration<dim>(flow.velocity, flow.far, laplacian_lattice, nu, masks) +
                  sps_acceleration<dim>(flow.position, gradient, fields, flow.near, lattice, masks);
   k = fields.k;

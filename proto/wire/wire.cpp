@@ -2,14 +2,12 @@
 
 #include "proto/coupling.pb.h"
 #include "proto/wire/wire_arrays.hpp"
+#include "proto/wire/wire_header.hpp"
 
 #include <fmt/format.h>
-#include <google/protobuf/arena.h>
-#include <google/protobuf/stubs/logging.h>
 
 #include <array>
 #include <bit>
-#include <climits>
 #include <cstddef>
 #include <type_traits>
 #include <utility>
@@ -20,30 +18,6 @@ static_assert(std::endian::native == std::endian::little && sizeof(double) == 8 
               "arrays travel as the memory of this machine: little-endian float64 and int32");
 
 namespace {
-
-/// Memory for the protobuf header of a call: one block, which is released at once when the call ends.
-class Scratch {
- public:
-  template <class Header>
-  Header& header() {
-    return *google::protobuf::Arena::CreateMessage<Header>(&arena_);
-  }
-
- private:
-  alignas(std::max_align_t) std::array<char, 4096> block_;
-  google::protobuf::Arena arena_{block_.data(), block_.size()};
-};
-
-template <class Header>
-const Header& parse_header(Scratch& scratch, const Parts& parts, const Rules& rules) {
-  if (parts.empty()) rules.broken("has no parts");
-  const std::span<const std::byte> bytes = parts.front().bytes;
-  Header& header = scratch.header<Header>();
-  const google::protobuf::LogSilencer no_lines_of_its_own;  // what is wrong is said below, once
-  if (bytes.size() > INT_MAX || !header.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-    rules.broken(fmt::format("has a header of {} bytes that cannot be read", bytes.size()));
-  return header;
-}
 
 pb::Advance::Before to_pb(Before before) {
   return static_cast<pb::Advance::Before>(before);

@@ -8,8 +8,7 @@ namespace strake::structure {
 /// Reads structure.ranks and structure.launcher.
 void read_ranks(CaseTable structure, Parameters&);
 
-/// Refuses what is computed on one rank alone, and ranks with too few unknowns. `unknowns`: of the body,
-/// about.
+/// Refuses what is computed on one rank alone.
 void check_ranks(const CaseTable& structure, const Parameters&);
 
 }  // namespace strake::structure
