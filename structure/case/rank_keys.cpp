@@ -7,11 +7,7 @@ namespace {
 
 /// The first thing of a case that one rank alone computes; empty: nothing.
 std::string only_on_one_rank(const Parameters& p) {
-  if (p.kind != "fem") return fmt::format("a {} structure", p.kind);
-  if (p.failure.criterion != FailureCriterion::none) return "failure";
-  if (p.fem.strain == StrainField::solid_shell) return "a body of solid shells";
-  if (p.fem.linear_solver == LinearMethod::direct) return "the direct solver of linear systems";
-  return {};
+  return p.kind == "fem" ? "" : fmt::format("a {} structure", p.kind);
 }
 
 }  // namespace
@@ -20,8 +16,9 @@ void read_ranks(CaseTable structure, Parameters& p) {
   structure.integer("ranks", p.ranks,
                     {.min = 1,
                      .max = 4096,
-                     .help = "processes that compute a fem structure together, by conjugate gradients; from "
-                             "about 100000 unknowns on, for bodies that one is too slow or too small for"});
+                     .help = "processes that compute a fem structure together, by conjugate gradients unless "
+                             "structure.fem.linear_solver asks for factors; from about 100000 unknowns on, "
+                             "for bodies that one is too slow or too small for"});
   structure.text("launcher", p.launcher,
                  {.help = "line that starts the ranks; {ranks} is their number, as in srun -n {ranks}"});
 }

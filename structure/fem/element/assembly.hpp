@@ -70,9 +70,11 @@ class Assembly {
   }
   /// The axis of a cell that is a solid shell, −1 for all others.
   int thin_axis(int cell) const { return thin_.empty() ? -1 : thin_[static_cast<std::size_t>(cell)]; }
-  /// How many cells are solid shells.
+  /// How many cells are solid shells, of all ranks.
   int shells() const {
-    return static_cast<int>(std::count_if(thin_.begin(), thin_.end(), [](int axis) { return axis >= 0; }));
+    int count = 0;
+    for (int c = 0; c < mesh_.n_cells(); ++c) count += thin_axis(c) >= 0 && mesh_.owns(c) ? 1 : 0;
+    return static_cast<int>(mesh_.division.sum(count));
   }
   bool any_enhanced() const { return std::find(enhanced_.begin(), enhanced_.end(), 1) != enhanced_.end(); }
 

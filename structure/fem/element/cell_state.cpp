@@ -53,7 +53,7 @@ double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
     constexpr int n = nodes;
     double energy = 0;
     for (int c = 0; c < mesh_.n_cells(); ++c) {
-      if (mesh_.own[static_cast<std::size_t>(c)] == 0) continue;
+      if (!mesh_.owns(c)) continue;
       const Strains<dim, n> E = strains<n>(u, c);
       double sum = 0;
       for (int q = 0; q < n; ++q)

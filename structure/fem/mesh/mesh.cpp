@@ -116,9 +116,24 @@ void Discretisation<dim>::take_cells() {
   std::sort(parts_->cells.begin(), parts_->cells.end(),
             [&](const auto& a, const auto& b) { return number(a) < number(b); });
   for (const auto& cell : parts_->cells) {
+    mesh_.cell_place.push_back(static_cast<int>(mesh_.number.size()));
     mesh_.number.push_back(number(cell));
-    mesh_.own.push_back(cell->is_locally_owned());
   }
+}
+
+template <int dim>
+Eigen::VectorXd Mesh<dim>::from_owners(const Eigen::VectorXd& of_cells) const {
+  Eigen::VectorXd values(of_cells.size());
+  values(cell_place) = of_cells;
+  cell_division.update(values);
+  return values(cell_place);
+}
+
+template <int dim>
+Eigen::VectorXd Mesh<dim>::whole(const Eigen::VectorXd& of_cells) const {
+  Eigen::VectorXd values(of_cells.size());
+  values(cell_place) = of_cells;
+  return cell_division.whole(values);
 }
 
 /// Each rank makes the mesh of the whole body, divides it by METIS into parts that touch in few nodes, and
@@ -129,11 +144,11 @@ void Discretisation<dim>::divide(const Solid& cells, Communicator& ranks) {
   dealii::Triangulation<dim> whole;
   create(whole, cells);
   dealii::GridTools::partition_triangulation(static_cast<unsigned int>(ranks.size()), whole);
-  auto own = std::make_unique<dealii::parallel::fullydistributed::Triangulation<dim>>(MPI_COMM_WORLD);
-  own->create_triangulation(
-      dealii::TriangulationDescription::Utilities::create_description_from_triangulation(whole,
-                                                                                         MPI_COMM_WORLD));
-  parts.triangulation = std::move(own);
+  auto made = std::make_unique<dealii::parallel::fullydistributed::Triangulation<dim>>(MPI_COMM_WORLD);
+  auto& own = *made;
+  parts.triangulation = std::move(made);
+  own.create_triangulation(dealii::TriangulationDescription::Utilities::create_description_from_triangulation(
+      whole, MPI_COMM_WORLD));
   parts.dofs.reinit(*parts.triangulation);
   parts.dofs.distribute_dofs(parts.element);
   take_cells();
@@ -149,8 +164,21 @@ void Discretisation<dim>::divide(const Solid& cells, Communicator& ranks) {
     return set;
   };
   const auto division = std::make_shared<RankDivision::Parts>(RankDivision::Parts{
-      ranks, {unknowns_of(parts.dofs.locally_owned_dofs()), unknowns_of(relevant), MPI_COMM_WORLD}, {}});
-  parts.unknowns = &division->unknowns;
+      ranks,
+      std::make_shared<const dealii::Utilities::MPI::Partitioner>(
+          unknowns_of(parts.dofs.locally_owned_dofs()), unknowns_of(relevant), MPI_COMM_WORLD),
+      {}});
+  parts.unknowns = division->entries.get();
+
+  // Cells: own ones, then those beside them.
+  const auto of_cells = std::make_shared<RankDivision::Parts>(
+      RankDivision::Parts{ranks, own.global_active_cell_index_partitioner().lock(), mesh_.number});
+  for (std::size_t c = 0; c < parts.cells.size(); ++c) {
+    const auto place = of_cells->entries->global_to_local(parts.cells[c]->global_active_cell_index());
+    mesh_.cell_place[c] = static_cast<int>(place);
+    of_cells->on_one_rank[place] = mesh_.number[c];
+  }
+  mesh_.cell_division = RankDivision(of_cells);
 
   // Numbers of the same nodes on one rank.
   dealii::DoFHandler<dim> on_one_rank(whole);
@@ -347,7 +375,9 @@ std::vector<typename Discretisation<dim>::Place> Discretisation<dim>::locate(con
     Nearest& best = nearest[i];
     for (std::size_t c = 0; c < parts.cells.size() && best.distance > 0; ++c) {
       const auto& cell = parts.cells[c];
-      if (!mesh_.own[c] || cell->barycenter().distance(x) - cell->diameter() > best.distance) continue;
+      if (!mesh_.owns(static_cast<int>(c)) ||
+          cell->barycenter().distance(x) - cell->diameter() > best.distance)
+        continue;
       const double distance = parts.mapping.transform_unit_to_real_cell(cell, place_in(cell, x)).distance(x);
       if (distance < best.distance) best = {distance, mesh_.number[c]};
     }
@@ -378,6 +408,8 @@ std::string library() {
   return "deal.II " DEAL_II_PACKAGE_VERSION;
 }
 
+template struct Mesh<2>;
+template struct Mesh<3>;
 template class Discretisation<2>;
 template class Discretisation<3>;
 
