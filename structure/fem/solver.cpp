@@ -264,6 +264,7 @@ void FemSolver<dim>::set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd 
 }
 
 std::unique_ptr<Solver> make_solver(const Parameters& parameters, Communicator* ranks) {
+  use_threads(parameters.threads);
   if (parameters.dimension == 3) return std::make_unique<FemSolver<3>>(parameters, ranks);
   return std::make_unique<FemSolver<2>>(parameters, ranks);
 }

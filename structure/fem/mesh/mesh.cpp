@@ -5,6 +5,7 @@
 #include "structure/fem/mesh/refinement.hpp"
 
 #include <Eigen/LU>
+#include <deal.II/base/multithread_info.h>
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/distributed/fully_distributed_tria.h>
 #include <deal.II/dofs/dof_handler.h>
@@ -39,6 +40,14 @@ Eigen::Vector3d in_space(const dealii::Point<dim>& x) {
   for (unsigned int k = 0; k < dim; ++k) X(k) = x[k];
   return X;
 }
+
+/// While it lives, deal.II computes the gradients of each cell from the cell itself. With one thread it would
+/// copy them from the cell before where that has the same shape, and the last bits would be others.
+struct EachCellItself {
+  EachCellItself() { dealii::MultithreadInfo::set_thread_limit(2); }
+  ~EachCellItself() { dealii::MultithreadInfo::set_thread_limit(threads); }
+  unsigned int threads = dealii::MultithreadInfo::n_threads();
+};
 
 /// The cells as deal.II takes them; the part stands in the material's number.
 template <int dim>
@@ -218,6 +227,7 @@ void Discretisation<dim>::constrain_all(int refinement) {
 template <int dim>
 void Discretisation<dim>::copy_cells(int degree) {
   const Parts& parts = *parts_;
+  const EachCellItself no_copies;
   const unsigned int per_cell = parts.element.n_dofs_per_cell();
   const auto n_cells = static_cast<Eigen::Index>(parts.cells.size());
   const auto n_nodes = static_cast<Eigen::Index>(parts.n_nodes());
@@ -310,6 +320,7 @@ void Discretisation<dim>::constrain(const SupportedFace& face, double near) {
 template <int dim>
 Eigen::VectorXd Discretisation<dim>::face_sizes(const std::vector<int>& facets) const {
   const Parts& parts = *parts_;
+  const EachCellItself no_copies;
   const dealii::QGauss<dim - 1> quadrature(parts.element.degree + 1);
   using namespace dealii;  // the update flags' operator|
   FEFaceValues<dim> on_face(parts.mapping, parts.element, quadrature, update_values | update_JxW_values);
@@ -402,6 +413,10 @@ std::vector<typename Discretisation<dim>::Place> Discretisation<dim>::locate(con
         places[i].weights.emplace_back(nodes[a], parts.element.shape_value(a, unit));
   }
   return places;
+}
+
+void use_threads(int threads) {
+  dealii::MultithreadInfo::set_thread_limit(static_cast<unsigned int>(threads));
 }
 
 std::string library() {

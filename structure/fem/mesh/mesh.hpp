@@ -68,6 +68,8 @@ using NodeWeights = std::vector<std::pair<int, double>>;
 
 /// "deal.II 9.4.1".
 std::string library();
+/// How many threads sums over cells use; the results do not depend on it.
+void use_threads(int);
 
 /// A body divided into cells, and its Lagrange element. The only place where deal.II's mesh, element,
 /// mapping and quadrature are used; everything else works on the plain `Mesh`.
