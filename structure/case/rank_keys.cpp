@@ -9,19 +9,16 @@ namespace {
 
 /// The first thing of a case that one rank alone computes; empty: nothing.
 std::string only_on_one_rank(const Parameters& p) {
-  if (p.kind != "fem") return fmt::format("a {} structure", p.kind);
-  if (p.failure.criterion != FailureCriterion::none) return "failure";
-  if (p.fem.strain == StrainField::solid_shell) return "a body of solid shells";
-  if (p.fem.linear_solver == LinearMethod::direct) return "the direct solver of linear systems";
-  return {};
+  return p.kind == "fem" ? "" : fmt::format("a {} structure", p.kind);
 }
 
 }  // namespace
 
 void read_ranks(CaseTable structure, Parameters& p) {
   read_rank_keys(structure,
-                 "processes that compute a fem structure together, by conjugate gradients; from about 100000 "
-                 "unknowns on, for bodies that one is too slow or too small for",
+                 "processes that compute a fem structure together, by conjugate gradients unless "
+                 "structure.fem.linear_solver asks for factors; from about 100000 unknowns on, for bodies that "
+                 "one is too slow or too small for",
                  p.ranks, p.launcher);
 }
 

@@ -32,7 +32,9 @@ SizeEstimates sizes(const Parameters& p) {
   const double layers = p.fem.strain == StrainField::solid_shell ? 2 : 1;  // of nodes to one of cells
   SizeEstimate unknowns{.what = "unknowns",
                         .count = p.dimension * layers * cells * std::pow(p.fem.degree, p.dimension)};
-  set_costs(unknowns, p.dimension, p.ranks > 1 ? LinearMethod::cg_amg : p.fem.linear_solver);
+  const LinearMethod asked = p.fem.linear_solver;
+  set_costs(unknowns, p.dimension,
+            p.ranks > 1 && asked != LinearMethod::direct ? LinearMethod::cg_amg : asked);
   if (p.shape.kind == ShapeKind::plate)
     elements.keys = {{"structure.plate.length", p.plate.length, 1},
                      {"structure.plate.thickness", p.plate.thickness, p.dimension == 2 ? -1.0 : -2.0}};

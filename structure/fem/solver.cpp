@@ -52,8 +52,10 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
       support_motion_(SupportFrame(p), matrices_.mass, discretisation_.mesh()),
       interface_(surface(p)),
       interpolation_(discretisation_, interface_.position) {
-  factors_.method =
-      division().alone() ? chosen(p.fem.linear_solver, dim, mesh().n_unknowns()) : LinearMethod::cg_amg;
+  const LinearMethod asked = p.fem.linear_solver;
+  factors_.method = division().alone()              ? chosen(asked, dim, mesh().n_unknowns())
+                    : asked == LinearMethod::direct ? asked
+                                                    : LinearMethod::cg_amg;
   factors_.kept = linear_solver();
   factors_.fresh = linear_solver();
   require_work_for(p.ranks, division().size(mesh().n_unknowns()));
@@ -65,8 +67,7 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
   matrices_.largest_node_mass = division().max(matrices_.node_mass.head(division().own(n)).maxCoeff());
   matrices_.largest_stiffness = largest_in_own_rows(matrices_.stiffness);
 
-  const auto own_cells = static_cast<double>(std::count(mesh().own.begin(), mesh().own.end(), 1));
-  summary_.cells = static_cast<int>(division().sum(own_cells));
+  summary_.cells = static_cast<int>(mesh().cell_division.size(mesh().n_cells()));
   summary_.most_unknowns = static_cast<int>(division().max(static_cast<double>(division().own(n))));
   summary_.fewest_unknowns = static_cast<int>(division().min(static_cast<double>(division().own(n))));
 
@@ -263,6 +264,7 @@ void FemSolver<dim>::set_unknowns(Eigen::VectorXd displacement, Eigen::VectorXd 
 }
 
 std::unique_ptr<Solver> make_solver(const Parameters& parameters, Communicator* ranks) {
+  use_threads(parameters.threads);
   if (parameters.dimension == 3) return std::make_unique<FemSolver<3>>(parameters, ranks);
   return std::make_unique<FemSolver<2>>(parameters, ranks);
 }

@@ -21,7 +21,7 @@ std::string law_and_frame(const Solid& solid) {
 
 /// What solid shells there are.
 std::string shell_line(const Mesh<3>& mesh, int shells) {
-  const int others = mesh.n_cells() - shells;
+  const Eigen::Index others = mesh.cell_division.size(mesh.n_cells()) - shells;
   return fmt::format("solid shells: {} cells, thin along their shortest edges, up to {:.3g} times longer",
                      shells, slenderness(mesh)) +
          (others > 0 ? fmt::format("; {} cells in joints have enhanced strains", others) : "");
@@ -60,9 +60,9 @@ void FemSolver<dim>::write(Archive& archive) const {
   archive.integer["fem.steps"] = {saved_.steps};
   if (!failure_) return;
   const auto& damage = saved_.damage;
-  archive.real["fem.onset"] = damage.onset;
-  archive.real["fem.peak"] = damage.peak;
-  archive.real["fem.end"] = damage.end;
+  archive.real["fem.onset"] = mesh().whole(damage.onset);
+  archive.real["fem.peak"] = mesh().whole(damage.peak);
+  archive.real["fem.end"] = mesh().whole(damage.end);
   archive.real["fem.failure"] = damage.record.table();
   archive.real["fem.released"] = Eigen::MatrixXd::Constant(1, 1, damage.released);
   archive.integer["fem.eroded"] = {damage.eroded};
@@ -97,9 +97,9 @@ void FemSolver<dim>::read(const Archive& archive) {
   state_.steps = static_cast<int>(archive.integer.at("fem.steps").at(0));
   if (failure_) {
     auto& damage = state_.damage;
-    damage.onset = vector("fem.onset", mesh().n_cells());
-    damage.peak = vector("fem.peak", mesh().n_cells());
-    damage.end = vector("fem.end", mesh().n_cells());
+    damage.onset = mesh().part_of_whole(vector("fem.onset", summary_.cells));
+    damage.peak = mesh().part_of_whole(vector("fem.peak", summary_.cells));
+    damage.end = mesh().part_of_whole(vector("fem.end", summary_.cells));
     damage.record = FailureRecord::from(archive.real.at("fem.failure"));
     damage.released = archive.real.at("fem.released")(0);
     damage.eroded = archive.integer.at("fem.eroded").at(0);
@@ -186,9 +186,10 @@ std::string FemSolver<dim>::strain_line() const {
 
 template <int dim>
 std::string FemSolver<dim>::linear_systems_line() const {
-  const std::string by_factors = dim == 3
-                                     ? "Cholesky factors (CHOLMOD), LU factors (UMFPACK) where there are none"
-                                     : "LU factors (UMFPACK)";
+  const std::string by_factors =
+      std::string(dim == 3 ? "Cholesky factors (CHOLMOD), LU factors (UMFPACK) where there are none"
+                           : "LU factors (UMFPACK)") +
+      (division().alone() ? "" : ", on the first rank");
   if (factors_.method != LinearMethod::direct)
     return std::string("linear systems: conjugate gradients with algebraic multigrid (Trilinos ML)") +
            (factors_.method == LinearMethod::automatic ? ", factors where they fail" : "");
@@ -210,7 +211,7 @@ std::vector<std::string> FemSolver<dim>::lines() const {
   if (std::string line = frame_line(support_motion_.supports(), dim); !line.empty())
     lines.push_back(std::move(line));
   if (std::string line = strain_line(); !line.empty()) lines.push_back(std::move(line));
-  if (std::string line = division().alone() ? advice(mesh(), assembly_.shells() > 0) : ""; !line.empty())
+  if (std::string line = advice(mesh(), assembly_.shells() > 0); !line.empty())
     lines.push_back(std::move(line));
   lines.push_back(linear_systems_line());
   if (!division().alone())
@@ -241,7 +242,7 @@ std::map<std::string, double> FemSolver<dim>::monitor() const {
   const auto& damage = state_.damage;
   monitor["failure.energy"] = damage.released;
   monitor["failure.cells"] = static_cast<double>(damage.eroded);
-  monitor["failure.damage"] = 1 - failure_->integrity(damage).minCoeff();
+  monitor["failure.damage"] = 1 - division().min(failure_->integrity(damage).minCoeff());
   damage.record.report(monitor);
   return monitor;
 }

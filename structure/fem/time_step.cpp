@@ -135,7 +135,7 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
     ++factors_.made;
     // Conjugate gradients and Cholesky factors need a symmetric matrix: the tangent of a state, not of a
     // step. In large bodies LU factors are expensive.
-    const bool large = dim == 3 && mesh().n_unknowns() >= many_unknowns;
+    const bool large = dim == 3 && division().size(mesh().n_unknowns()) >= many_unknowns;
     Matrix tangent = factors_.method == LinearMethod::direct && !large
                          ? assembly_.tangent(old.displacement, u1, scheme_.alpha_f)
                          : assembly_.tangent(u1);
@@ -199,7 +199,8 @@ void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
       failure_ ? solve_softening(old, next.frame, force, dt, next.damage)
                : solve_step(old, next.frame, force, dt, old.displacement + dt * old.velocity);
   if (failure_ && halved < most_halvings &&
-      (failure_->integrity(old.damage) - failure_->integrity(next.damage)).maxCoeff() > largest_fall) {
+      division().max((failure_->integrity(old.damage) - failure_->integrity(next.damage)).maxCoeff()) >
+          largest_fall) {
     assembly_.damage(failure_->integrity(old.damage));
     step(t, 0.5 * dt, load, halved + 1);
     step(t + 0.5 * dt, 0.5 * dt, load, halved + 1);
@@ -243,13 +244,13 @@ NewtonResult FemSolver<dim>::solve_softening(const State& old, const FrameState&
     damage = old.damage;
     if (!failure_->look(result.x, old.time + dt, damage)) break;
     const Eigen::VectorXd mean = 0.5 * (before + failure_->integrity(damage));
-    const double change = (mean - carried).cwiseAbs().maxCoeff();
+    const double change = division().max((mean - carried).cwiseAbs().maxCoeff());
     if (change <= still || pass == most_passes) break;
     carried = mean;
     start = result.x;
   }
   const Eigen::VectorXd after = failure_->integrity(damage);
-  if (after != before || carried != before) {
+  if (division().any(after != before || carried != before)) {
     const double work = assembly_.strain_energy(result.x) - assembly_.strain_energy(old.displacement);
     assembly_.damage(before);
     const double first = assembly_.strain_energy(old.displacement);

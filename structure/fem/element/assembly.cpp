@@ -1,5 +1,6 @@
 #include "structure/fem/element/assembly.hpp"
 
+#include "structure/fem/element/cell_sums.hpp"
 #include "structure/fem/element/solid_shell.hpp"
 
 #include <algorithm>
@@ -57,8 +58,7 @@ Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts, S
 template <int dim>
 Matrix Assembly<dim>::mass() const {
   const auto n = mesh_.cell.rows();
-  Eigen::MatrixXd local(dim * n, dim * n);
-  return scatter([&](int c) -> const Eigen::MatrixXd& {
+  return scatter(Eigen::MatrixXd(dim * n, dim * n), [&](int c, Eigen::MatrixXd& local) {
     const double density = of(c).density;
     local.setZero();
     for (int q = 0; q < mesh_.n_quadrature; ++q) {
@@ -68,7 +68,6 @@ Matrix Assembly<dim>::mass() const {
           for (int i = 0; i < dim; ++i)
             local(dim * a + i, dim * b + i) += weight * mesh_.shape(a, q) * mesh_.shape(b, q);
     }
-    return local;
   });
 }
 

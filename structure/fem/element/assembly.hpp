@@ -70,9 +70,11 @@ class Assembly {
   }
   /// The axis of a cell that is a solid shell, −1 for all others.
   int thin_axis(int cell) const { return thin_.empty() ? -1 : thin_[static_cast<std::size_t>(cell)]; }
-  /// How many cells are solid shells.
+  /// How many cells are solid shells, of all ranks.
   int shells() const {
-    return static_cast<int>(std::count_if(thin_.begin(), thin_.end(), [](int axis) { return axis >= 0; }));
+    int count = 0;
+    for (int c = 0; c < mesh_.n_cells(); ++c) count += thin_axis(c) >= 0 && mesh_.owns(c) ? 1 : 0;
+    return static_cast<int>(mesh_.division.sum(count));
   }
   bool any_enhanced() const { return std::find(enhanced_.begin(), enhanced_.end(), 1) != enhanced_.end(); }
 
@@ -89,9 +91,9 @@ class Assembly {
   static constexpr double residual = 1e-5;
 
  private:
-  /// Sum of the cells' matrices, `cell_matrix(c)` of each.
-  template <class Visit>
-  Matrix scatter(const Visit& cell_matrix) const;
+  /// Sum of the cells' matrices, which `compute(c, matrix)` makes of the sample (cell_sums.hpp).
+  template <class Local, class Compute>
+  Matrix scatter(const Local& sample, const Compute& compute) const;
   /// E in the points of quadrature of a cell, with the strains it adds.
   template <int n>
   std::array<Eigen::Matrix<double, dim, dim>, static_cast<std::size_t>(n)> strains(const Eigen::VectorXd& u,
@@ -114,28 +116,5 @@ class Assembly {
   Eigen::SparseMatrix<char, Eigen::RowMajor> pattern_;  // without values
   std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin
 };
-
-template <int dim>
-template <class Visit>
-Matrix Assembly<dim>::scatter(const Visit& cell_matrix) const {
-  Matrix result(pattern_.rows(), pattern_.cols());
-  result.resizeNonZeros(pattern_.nonZeros());
-  std::copy_n(pattern_.outerIndexPtr(), pattern_.rows() + 1, result.outerIndexPtr());
-  std::copy_n(pattern_.innerIndexPtr(), pattern_.nonZeros(), result.innerIndexPtr());
-  result.coeffs().setZero();
-  double* value = result.valuePtr();
-  const int* row_begin = result.outerIndexPtr();
-  const int per_cell = static_cast<int>(mesh_.cell.rows());
-  std::size_t slot = 0;
-  for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const auto& local = cell_matrix(c);
-    for (int a = 0; a < per_cell; ++a)
-      for (int b = 0; b < per_cell; ++b, ++slot)
-        for (int i = 0; i < dim; ++i)
-          for (int j = 0; j < dim; ++j)
-            value[row_begin[dim * mesh_.cell(a, c) + i] + slot_[slot] + j] += local(dim * a + i, dim * b + j);
-  }
-  return result;
-}
 
 }  // namespace strake::structure::fem

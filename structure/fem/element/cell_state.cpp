@@ -1,4 +1,5 @@
 #include "structure/fem/element/assembly.hpp"
+#include "structure/fem/element/cell_sums.hpp"
 #include "structure/fem/element/energy_balance.hpp"
 #include "structure/fem/element/enhanced.hpp"
 #include "structure/fem/element/solid_shell.hpp"
@@ -52,14 +53,14 @@ double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
     constexpr int n = nodes;
     double energy = 0;
-    for (int c = 0; c < mesh_.n_cells(); ++c) {
-      if (mesh_.own[static_cast<std::size_t>(c)] == 0) continue;
+    const auto compute = [&](int c, double& sum) {
+      sum = 0;
+      if (!mesh_.owns(c)) return;
       const Strains<dim, n> E = strains<n>(u, c);
-      double sum = 0;
       for (int q = 0; q < n; ++q)
         sum += mesh_.weight(c * n + q) * energy_of_strain<dim>(of(c), E[static_cast<std::size_t>(q)]);
-      energy += share(c) * sum;
-    }
+    };
+    sum_over_cells(mesh_.n_cells(), 0.0, compute, [&](int c, double sum) { energy += share(c) * sum; });
     return mesh_.division.sum(energy);
   });
 }

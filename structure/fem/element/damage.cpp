@@ -9,6 +9,37 @@
 #include <cmath>
 
 namespace strake::structure::fem {
+namespace {
+
+/// Whether the cells that are not eroded have parted into large pieces, and the middle of the eroded ones
+/// between them. Cells are the columns that note_parting makes.
+Eigen::Vector4d parting(const Eigen::MatrixXd& cells, Eigen::Index n_nodes) {
+  const auto eroded = [&](Eigen::Index c) { return cells(1, c) != 0; };
+  const auto node = [&](Eigen::Index a, Eigen::Index c) {
+    return static_cast<Eigen::Index>(cells(5 + a, c));
+  };
+  Pieces pieces(n_nodes);
+  for (Eigen::Index c = 0; c < cells.cols(); ++c)
+    if (!eroded(c))
+      for (Eigen::Index a = 1; a < cells.rows() - 5; ++a) pieces.join(node(0, c), node(a, c));
+  const std::vector<Eigen::Index> piece = pieces.large();
+  if (!Pieces::more_than_one(piece)) return Eigen::Vector4d::Zero();
+  Eigen::Vector3d between = Eigen::Vector3d::Zero(), all = between;  // middles of eroded cells
+  double count = 0;
+  for (Eigen::Index c = 0; c < cells.cols(); ++c) {
+    if (!eroded(c)) continue;
+    all += cells.col(c).segment<3>(2) / cells.row(1).sum();
+    std::vector<Eigen::Index> here;
+    for (Eigen::Index a = 0; a < cells.rows() - 5; ++a)
+      here.push_back(piece[static_cast<std::size_t>(node(a, c))]);
+    if (!Pieces::more_than_one(here)) continue;
+    between += cells.col(c).segment<3>(2);
+    ++count;
+  }
+  return (Eigen::Vector4d() << 1, count > 0 ? Eigen::Vector3d(between / count) : all).finished();
+}
+
+}  // namespace
 
 template <int dim>
 Damage<dim>::Damage(const FailureKeys& keys, const Mesh<dim>& mesh, const Assembly<dim>& assembly)
@@ -17,6 +48,7 @@ Damage<dim>::Damage(const FailureKeys& keys, const Mesh<dim>& mesh, const Assemb
       assembly_(assembly),
       narrowest_(std::numeric_limits<double>::infinity()),
       widest_(0) {
+  Eigen::Vector2d too_wide(0, 0);  // a cell's extent along any direction, over the widest band; and that band
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const double most = widest_band(keys, assembly.material(c), dim);
     Eigen::Vector3d size = Eigen::Vector3d::Zero();
@@ -25,13 +57,18 @@ Damage<dim>::Damage(const FailureKeys& keys, const Mesh<dim>& mesh, const Assemb
       narrowest_ = std::min(narrowest_, size(k));
       widest_ = std::max(widest_, size(k));
     }
-    if (size.norm() >= most)  // the extent along any direction
-      throw Error(ExitCode::case_file, "structure.failure.fracture_energy",
-                  fmt::format("more than {:.4g} J/m^2 on this mesh: a cell of {:.4g} m holds as much elastic "
-                              "energy at the strength already",
-                              keys.fracture_energy * size.norm() / most, size.norm()),
-                  fmt::format("structure.fem.refinement for cells below {:.4g} m", most / std::sqrt(dim)));
+    if (size.norm() >= most * std::max(too_wide(0), 1.0)) too_wide = {size.norm() / most, most};
   }
+  too_wide = mesh.division.largest(too_wide);
+  narrowest_ = mesh.division.min(narrowest_);
+  widest_ = mesh.division.max(widest_);
+  if (too_wide(0) > 0)
+    throw Error(
+        ExitCode::case_file, "structure.failure.fracture_energy",
+        fmt::format("more than {:.4g} J/m^2 on this mesh: a cell of {:.4g} m holds as much elastic "
+                    "energy at the strength already",
+                    keys.fracture_energy * too_wide(0), too_wide(0) * too_wide(1)),
+        fmt::format("structure.fem.refinement for cells below {:.4g} m", too_wide(1) / std::sqrt(dim)));
 }
 
 template <int dim>
@@ -86,11 +123,21 @@ Eigen::Vector3d Damage<dim>::middle(int cell) const {
 }
 
 template <int dim>
+bool Damage<dim>::eroded(const State& state, int c) const {
+  return state.onset(c) > 0 && state.peak(c) >= state.end(c);
+}
+
+template <int dim>
 bool Damage<dim>::look(const Eigen::VectorXd& u, double time, State& state) const {
-  bool more = false, broken = false;
-  double strongest = 0;  // of the cells that begin now, in units of the strength
+  bool more = false;
+  double broken = 0;  // cells
+  Event begins = Event::Zero(),
+        breaks = begins;  // the cell of the largest stress that begins now, the first that breaks
+  const auto note = [&](Event& event, double weight, int c) {
+    if (weight > event(0)) event << weight, -mesh_.number[static_cast<std::size_t>(c)], middle(c);
+  };
   for (int c = 0; c < mesh_.n_cells(); ++c) {
-    if (state.onset(c) > 0 && state.peak(c) >= state.end(c)) continue;
+    if (!mesh_.owns(c) || eroded(state, c)) continue;
     const CellMean<dim> mean = assembly_.mean(u, c);
     const double y = std::sqrt(mean.energy);
     if (state.onset(c) == 0) {
@@ -101,47 +148,48 @@ bool Damage<dim>::look(const Eigen::VectorXd& u, double time, State& state) cons
       state.end(c) =
           std::max(keys_.fracture_energy / (band(c, principal_direction(mean.stress)) * state.onset(c)),
                    state.onset(c) * (1 + 1e-9));
-      state.peak(c) = std::min(y, state.end(c));
-      if (!state.record.start.happened() || (state.record.start.time == time && stress > strongest))
-        state.record.start = {time, middle(c)};
-      strongest = std::max(strongest, stress);
-    } else {
-      if (!(y > state.peak(c))) continue;
-      state.peak(c) = std::min(y, state.end(c));
+      note(begins, stress, c);
+    } else if (!(y > state.peak(c))) {
+      continue;
     }
-    if (state.peak(c) == state.end(c)) {
-      ++state.eroded;
-      broken = true;
-      if (!state.record.crack.happened()) state.record.crack = {time, middle(c)};
-    }
+    state.peak(c) = std::min(y, state.end(c));
     more = true;
+    if (!eroded(state, c)) continue;
+    ++broken;
+    note(breaks, 1, c);
   }
-  if (broken && !state.record.parted.happened()) note_parting(time, state);
-  return more;
+  if (!mesh_.division.any(more)) return false;
+  for (Eigen::VectorXd* const of_cells : {&state.onset, &state.peak, &state.end})
+    *of_cells = mesh_.from_owners(*of_cells);
+  begins = mesh_.division.largest(begins);
+  breaks = mesh_.division.largest(breaks);
+  FailureRecord& record = state.record;
+  if (begins(0) > 0 && (!record.start.happened() || record.start.time == time))
+    record.start = {time, begins.template tail<3>()};
+  if (breaks(0) == 0) return true;
+  state.eroded += static_cast<std::int64_t>(mesh_.division.sum(broken));
+  if (!record.crack.happened()) record.crack = {time, breaks.template tail<3>()};
+  if (!record.parted.happened()) note_parting(time, state);
+  return true;
 }
 
+// Cells of the whole body, one per column: number, whether it is eroded, middle, numbers of its nodes.
 template <int dim>
 void Damage<dim>::note_parting(double time, State& state) const {
-  const auto eroded = [&](int c) { return state.onset(c) > 0 && state.peak(c) >= state.end(c); };
-  Pieces pieces(mesh_.n_nodes());
-  for (int c = 0; c < mesh_.n_cells(); ++c)
-    if (!eroded(c))
-      for (Eigen::Index a = 1; a < mesh_.cell.rows(); ++a) pieces.join(mesh_.cell(0, c), mesh_.cell(a, c));
-  const std::vector<Eigen::Index> piece = pieces.large();
-  if (!Pieces::more_than_one(piece)) return;
-  Eigen::Vector3d between = Eigen::Vector3d::Zero(), all = between;  // middles of eroded cells
-  double count = 0;
+  Eigen::MatrixXd own(5 + mesh_.cell.rows(), mesh_.n_cells());
+  Eigen::Index count = 0;
   for (int c = 0; c < mesh_.n_cells(); ++c) {
-    if (!eroded(c)) continue;
-    all += middle(c) / static_cast<double>(state.eroded);
-    std::vector<Eigen::Index> here;
+    if (!mesh_.owns(c)) continue;
+    own.col(count).head<5>() << mesh_.number[static_cast<std::size_t>(c)], eroded(state, c), middle(c);
     for (Eigen::Index a = 0; a < mesh_.cell.rows(); ++a)
-      here.push_back(piece[static_cast<std::size_t>(mesh_.cell(a, c))]);
-    if (!Pieces::more_than_one(here)) continue;
-    between += middle(c);
+      own(5 + a, count) = mesh_.division.number(dim * mesh_.cell(a, c)) / dim;
     ++count;
   }
-  state.record.parted = {time, count > 0 ? Eigen::Vector3d(between / count) : all};
+  const Eigen::MatrixXd all = mesh_.division.columns_on_first(own.leftCols(count));
+  Eigen::MatrixXd place = Eigen::MatrixXd::Zero(4, 1);  // whether it parted, and where
+  if (mesh_.division.first()) place = parting(all, mesh_.division.size(mesh_.n_unknowns()) / dim);
+  place = mesh_.division.sum(place);
+  if (place(0) > 0) state.record.parted = {time, place.bottomRows<3>()};
 }
 
 template <int dim>

@@ -38,7 +38,7 @@ class Damage {
   /// Throws Error(case_file) where a cell is too wide for the softening.
   Damage(const FailureKeys&, const Mesh<dim>&, const Assembly<dim>&);
   State intact() const;
-  /// True if a displacement adds damage, which is then in the state.
+  /// True if a displacement adds damage, which is then in the state. The owner of a cell computes its damage.
   bool look(const Eigen::VectorXd& displacement, double time, State&) const;
   /// Share of its stiffness that each cell still has, 1 − D.
   Eigen::VectorXd integrity(const State&) const;
@@ -50,6 +50,9 @@ class Damage {
   double extent(int cell, const Eigen::Vector3d& direction) const;
   double band(int cell, const Eigen::Vector3d& normal) const;  // [m]
   Eigen::Vector3d middle(int cell) const;
+  /// A cell in which something happens: what it counts among others, its number with a minus, its middle.
+  using Event = Eigen::Matrix<double, 5, 1>;
+  bool eroded(const State&, int cell) const;
   void note_parting(double time, State&) const;
 
   FailureKeys keys_;

@@ -1,4 +1,5 @@
 #include "structure/fem/element/assembly.hpp"
+#include "structure/fem/element/cell_sums.hpp"
 #include "structure/fem/element/energy_balance.hpp"
 #include "structure/fem/element/enhanced.hpp"
 #include "structure/fem/element/solid_shell.hpp"
@@ -14,15 +15,18 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
     constexpr int n = nodes;
     const CellView<dim, n> view{mesh_};
     Eigen::VectorXd force = Eigen::VectorXd::Zero(mesh_.n_unknowns());
-    for (int c = 0; c < mesh_.n_cells(); ++c) {
+    using Values = typename CellView<dim, n>::Values;
+    const auto add = [&](int c, const Values& sum) {
+      for (int a = 0; a < n; ++a) force.template segment<dim>(dim * mesh_.cell(a, c)) += sum.col(a);
+    };
+    const auto compute = [&](int c, Values& sum) {
       const Material& m = of(c);
       const bool large = is_large(m);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
       if constexpr (dim == 3 && n == SolidShell::n)
         if (const int thin = thin_axis(c); thin >= 0) {
-          const SolidShell::Values sum = SolidShell(mesh_, c, thin).force(values0, values1, alpha, m);
-          for (int a = 0; a < n; ++a) force.template segment<dim>(dim * mesh_.cell(a, c)) += sum.col(a);
-          continue;
+          sum = SolidShell(mesh_, c, thin).force(values0, values1, alpha, m);
+          return;
         }
       const double* weight = mesh_.weight.data() + c * n;
       Strains<dim, n> H, E, E0, E1, change, S;
@@ -49,15 +53,15 @@ Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const E
                                             : EnergyBalance<dim, n>(E0, E1, m, weight);
         for (std::size_t q = 0; q < S.size(); ++q) S[q] += balance.part * change[q];
       }
-      typename CellView<dim, n>::Values sum = CellView<dim, n>::Values::Zero();
+      sum.setZero();
       for (int q = 0; q < n; ++q) {
         const auto at = static_cast<std::size_t>(q);
         Tensor<dim> P = S[at];
         if (large) P += H[at] * S[at];
         sum.noalias() += (share(c) * weight[q] * P) * view.gradient(c * n + q).transpose();
       }
-      for (int a = 0; a < n; ++a) force.template segment<dim>(dim * mesh_.cell(a, c)) += sum.col(a);
-    }
+    };
+    sum_over_cells(mesh_.n_cells(), Values(), compute, add);
     return force;
   });
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 namespace strake::structure::fem {
@@ -78,20 +79,26 @@ std::vector<int> thin_axes(const Mesh<3>& mesh) {
     axis[static_cast<std::size_t>(c)] = order[0];
     for (int a = 0; a < 8; ++a) of_thin[static_cast<std::size_t>(mesh.cell(a, c))] = 1;
   }
-  for (int c = 0; c < mesh.n_cells(); ++c) {
-    if (axis[static_cast<std::size_t>(c)] >= 0) continue;
+  // The first cell without, of the cells whose neighbours the rank has all.
+  Eigen::VectorXd refused = Eigen::VectorXd::Constant(7, -std::numeric_limits<double>::infinity());
+  for (int c = mesh.n_cells() - 1; c >= 0; --c) {
+    if (axis[static_cast<std::size_t>(c)] >= 0 || !mesh.owns(c)) continue;
     bool meets = false;
     for (int a = 0; a < 8; ++a) meets = meets || of_thin[static_cast<std::size_t>(mesh.cell(a, c))] != 0;
-    if (meets) continue;
-    const Vector3d edges = mean_edges(mesh, c), middle = corners(mesh, c).rowwise().mean();
+    if (!meets)
+      refused << -mesh.number[static_cast<std::size_t>(c)], corners(mesh, c).rowwise().mean(),
+          mean_edges(mesh, c);
+  }
+  refused = mesh.division.largest(refused);
+  if (refused.allFinite())
     throw Error(
         ExitCode::case_file, "structure.fem.strain",
-        fmt::format("\"solid_shell\" needs cells with one thin direction, and cell {} at ({:.4g}, {:.4g}, "
-                    "{:.4g}) m has edges of {:.4g}, {:.4g} and {:.4g} m; no cell beside it is thin either",
-                    c, middle(0), middle(1), middle(2), edges(0), edges(1), edges(2)),
+        fmt::format(
+            "\"solid_shell\" needs cells with one thin direction, and cell {:.0f} at ({:.4g}, {:.4g}, "
+            "{:.4g}) m has edges of {:.4g}, {:.4g} and {:.4g} m; no cell beside it is thin either",
+            0 - refused(0), refused(1), refused(2), refused(3), refused(4), refused(5), refused(6)),
         "structure.fem.refinement = 0 and a larger structure.fem.cell_size, or structure.fem.strain = "
         "\"auto\"");
-  }
   return axis;
 }
 
@@ -102,7 +109,7 @@ double slenderness(const Mesh<3>& mesh) {
     const auto order = by_length(edges);
     largest = std::max(largest, edges(order[1]) / edges(order[0]));
   }
-  return largest;
+  return mesh.division.max(largest);
 }
 
 bool has_core(const Mesh<3>& mesh) {
@@ -111,14 +118,16 @@ bool has_core(const Mesh<3>& mesh) {
   for (int c = 0; c < mesh.n_cells(); ++c)
     for (int axis = 0; axis < 3; ++axis)
       for (const int upper : {0, 1}) ++met[side(mesh, c, axis, upper)];
-  for (int c = 0; c < mesh.n_cells(); ++c) {
+  bool found = false;
+  for (int c = 0; c < mesh.n_cells() && !found; ++c) {
+    if (!mesh.owns(c)) continue;
     const Vector3d edges = mean_edges(mesh, c);
     const auto order = by_length(edges);
     const int thin = order[0];
     if (edges(order[1]) < clearly_thin * edges(thin)) continue;  // not where a stiffener stands on a plate
-    if (met[side(mesh, c, thin, 0)] > 1 && met[side(mesh, c, thin, 1)] > 1) return true;
+    found = met[side(mesh, c, thin, 0)] > 1 && met[side(mesh, c, thin, 1)] > 1;
   }
-  return false;
+  return mesh.division.any(found);
 }
 
 // The samples: of each point of quadrature E_ξξ, E_ηη, E_ξη (0 to 23), then E_ξζ at η = ∓1 (24, 25), E_ηζ at

@@ -1,4 +1,5 @@
 #include "structure/fem/element/assembly.hpp"
+#include "structure/fem/element/cell_sums.hpp"
 #include "structure/fem/element/energy_balance.hpp"
 #include "structure/fem/element/enhanced.hpp"
 #include "structure/fem/element/solid_shell.hpp"
@@ -50,13 +51,13 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
     constexpr int n = nodes;
     const CellView<dim, n> view{mesh_};
-    Eigen::Matrix<double, dim * n, dim * n> local;
-    return scatter([&](int c) -> const auto& {
+    using Local = Eigen::Matrix<double, dim * n, dim * n>;
+    return scatter(Local(), [&](int c, Local& local) {
       const Material& m = of(c);
       const bool large = is_large(m);
       const auto values0 = view.gather(u0, c), values1 = view.gather(u1, c);
       local.setZero();
-      if (add_shell<dim, n>(local, mesh_, c, thin_axis(c), values0, values1, alpha, m)) return local;
+      if (add_shell<dim, n>(local, mesh_, c, thin_axis(c), values0, values1, alpha, m)) return;
       Strains<dim, n> E, E0, E1, F_of_alpha, F_of_1;
       for (int q = 0; q < n; ++q) {
         const auto at = static_cast<std::size_t>(q), g = static_cast<std::size_t>(c) * n + at;
@@ -102,7 +103,6 @@ Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& 
                     (i == j ? gSg(a, b) : 0.0) + FF(i, j) * gg(a, b) +
                     weight * (lambda * f_alpha(i, a) * f1(j, b) + mu * f_alpha(i, b) * f1(j, a));
       }
-      return local;
     });
   });
 }

@@ -66,7 +66,7 @@ std::unique_ptr<LinearSolver::Method> make(LinearMethod method, const NodalUnkno
   if (method == LinearMethod::cg_amg) return conjugate_gradients(unknowns, patience);
   if (method == LinearMethod::automatic)
     return std::make_unique<IterationOrDirect>(unknowns, std::move(given_up));
-  return direct_solver(unknowns);
+  return unknowns.division.alone() ? direct_solver(unknowns) : direct_on_ranks(unknowns);
 }
 
 }  // namespace

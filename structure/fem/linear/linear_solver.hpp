@@ -16,7 +16,7 @@ namespace strake::structure::fem {
 struct NodalUnknowns {
   int per_node = 1;               // 3: a body in space
   Eigen::MatrixXd rigid_motions;  // one per column
-  RankDivision division = {};     // among ranks; more than one have conjugate gradients alone
+  RankDivision division = {};     // among ranks
 };
 
 /// How often factors replaced conjugate gradients that were chosen automatically, and why the first time.
@@ -66,6 +66,9 @@ class LinearSolver {
 
 /// Sparse factors, in direct_solver.cpp.
 std::unique_ptr<LinearSolver::Method> direct_solver(const NodalUnknowns&);
+
+/// The same on the first of several ranks, in direct_on_ranks.cpp.
+std::unique_ptr<LinearSolver::Method> direct_on_ranks(const NodalUnknowns&);
 
 /// Conjugate gradients with smoothed aggregation, in amg.cpp, of at most so many iterations.
 std::unique_ptr<LinearSolver::Method> conjugate_gradients(const NodalUnknowns&, int most_iterations);

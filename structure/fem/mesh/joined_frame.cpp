@@ -21,16 +21,6 @@ Eigen::RowVectorXd numbers_of_points(const Recovery<dim>& recovery, const Mesh<d
   return number;
 }
 
-/// Columns of all ranks on the first one, in the order of their first row.
-MatrixXd sorted_on_first(const RankDivision& division, const MatrixXd& own,
-                         const std::vector<Index>& chosen) {
-  const MatrixXd all = division.columns_on_first(own(Eigen::all, chosen));
-  std::vector<Index> order(static_cast<std::size_t>(all.cols()));
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
-  std::ranges::sort(order, {}, [&](Index i) { return all(0, i); });
-  return all(Eigen::all, order);
-}
-
 }  // namespace
 
 template <int dim>
@@ -54,10 +44,10 @@ Frame joined_frame(const Frame& own, const Recovery<dim>& recovery, const Mesh<d
   for (Index c = 0; c < mesh.n_cells(); ++c) {
     cells(0, c) = mesh.number[static_cast<std::size_t>(c)];
     for (Index k = 0; k < corners; ++k) cells(1 + k, c) = number(own.cells.data()[c * corners + k]);
-    if (mesh.own[static_cast<std::size_t>(c)] != 0) own_cells.push_back(c);
+    if (mesh.owns(static_cast<int>(c))) own_cells.push_back(c);
   }
-  points = sorted_on_first(mesh.division, points, own_points);
-  cells = sorted_on_first(mesh.division, cells, own_cells);
+  points = mesh.division.columns_on_first(points(Eigen::all, own_points));
+  cells = mesh.division.columns_on_first(cells(Eigen::all, own_cells));
 
   Frame frame;
   if (!mesh.division.first()) return frame;

@@ -5,6 +5,7 @@
 #include "structure/fem/mesh/refinement.hpp"
 
 #include <Eigen/LU>
+#include <deal.II/base/multithread_info.h>
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/distributed/fully_distributed_tria.h>
 #include <deal.II/dofs/dof_handler.h>
@@ -39,6 +40,14 @@ Eigen::Vector3d in_space(const dealii::Point<dim>& x) {
   for (unsigned int k = 0; k < dim; ++k) X(k) = x[k];
   return X;
 }
+
+/// While it lives, deal.II computes the gradients of each cell from the cell itself. With one thread it would
+/// copy them from the cell before where that has the same shape, and the last bits would be others.
+struct EachCellItself {
+  EachCellItself() { dealii::MultithreadInfo::set_thread_limit(2); }
+  ~EachCellItself() { dealii::MultithreadInfo::set_thread_limit(threads); }
+  unsigned int threads = dealii::MultithreadInfo::n_threads();
+};
 
 /// The cells as deal.II takes them; the part stands in the material's number.
 template <int dim>
@@ -116,9 +125,24 @@ void Discretisation<dim>::take_cells() {
   std::sort(parts_->cells.begin(), parts_->cells.end(),
             [&](const auto& a, const auto& b) { return number(a) < number(b); });
   for (const auto& cell : parts_->cells) {
+    mesh_.cell_place.push_back(static_cast<int>(mesh_.number.size()));
     mesh_.number.push_back(number(cell));
-    mesh_.own.push_back(cell->is_locally_owned());
   }
+}
+
+template <int dim>
+Eigen::VectorXd Mesh<dim>::from_owners(const Eigen::VectorXd& of_cells) const {
+  Eigen::VectorXd values(of_cells.size());
+  values(cell_place) = of_cells;
+  cell_division.update(values);
+  return values(cell_place);
+}
+
+template <int dim>
+Eigen::VectorXd Mesh<dim>::whole(const Eigen::VectorXd& of_cells) const {
+  Eigen::VectorXd values(of_cells.size());
+  values(cell_place) = of_cells;
+  return cell_division.whole(values);
 }
 
 /// Each rank makes the mesh of the whole body, divides it by METIS into parts that touch in few nodes, and
@@ -129,11 +153,11 @@ void Discretisation<dim>::divide(const Solid& cells, Communicator& ranks) {
   dealii::Triangulation<dim> whole;
   create(whole, cells);
   dealii::GridTools::partition_triangulation(static_cast<unsigned int>(ranks.size()), whole);
-  auto own = std::make_unique<dealii::parallel::fullydistributed::Triangulation<dim>>(MPI_COMM_WORLD);
-  own->create_triangulation(
-      dealii::TriangulationDescription::Utilities::create_description_from_triangulation(whole,
-                                                                                         MPI_COMM_WORLD));
-  parts.triangulation = std::move(own);
+  auto made = std::make_unique<dealii::parallel::fullydistributed::Triangulation<dim>>(MPI_COMM_WORLD);
+  auto& own = *made;
+  parts.triangulation = std::move(made);
+  own.create_triangulation(dealii::TriangulationDescription::Utilities::create_description_from_triangulation(
+      whole, MPI_COMM_WORLD));
   parts.dofs.reinit(*parts.triangulation);
   parts.dofs.distribute_dofs(parts.element);
   take_cells();
@@ -149,8 +173,21 @@ void Discretisation<dim>::divide(const Solid& cells, Communicator& ranks) {
     return set;
   };
   const auto division = std::make_shared<RankDivision::Parts>(RankDivision::Parts{
-      ranks, {unknowns_of(parts.dofs.locally_owned_dofs()), unknowns_of(relevant), MPI_COMM_WORLD}, {}});
-  parts.unknowns = &division->unknowns;
+      ranks,
+      std::make_shared<const dealii::Utilities::MPI::Partitioner>(
+          unknowns_of(parts.dofs.locally_owned_dofs()), unknowns_of(relevant), MPI_COMM_WORLD),
+      {}});
+  parts.unknowns = division->entries.get();
+
+  // Cells: own ones, then those beside them.
+  const auto of_cells = std::make_shared<RankDivision::Parts>(
+      RankDivision::Parts{ranks, own.global_active_cell_index_partitioner().lock(), mesh_.number});
+  for (std::size_t c = 0; c < parts.cells.size(); ++c) {
+    const auto place = of_cells->entries->global_to_local(parts.cells[c]->global_active_cell_index());
+    mesh_.cell_place[c] = static_cast<int>(place);
+    of_cells->on_one_rank[place] = mesh_.number[c];
+  }
+  mesh_.cell_division = RankDivision(of_cells);
 
   // Numbers of the same nodes on one rank.
   dealii::DoFHandler<dim> on_one_rank(whole);
@@ -190,6 +227,7 @@ void Discretisation<dim>::constrain_all(int refinement) {
 template <int dim>
 void Discretisation<dim>::copy_cells(int degree) {
   const Parts& parts = *parts_;
+  const EachCellItself no_copies;
   const unsigned int per_cell = parts.element.n_dofs_per_cell();
   const auto n_cells = static_cast<Eigen::Index>(parts.cells.size());
   const auto n_nodes = static_cast<Eigen::Index>(parts.n_nodes());
@@ -282,6 +320,7 @@ void Discretisation<dim>::constrain(const SupportedFace& face, double near) {
 template <int dim>
 Eigen::VectorXd Discretisation<dim>::face_sizes(const std::vector<int>& facets) const {
   const Parts& parts = *parts_;
+  const EachCellItself no_copies;
   const dealii::QGauss<dim - 1> quadrature(parts.element.degree + 1);
   using namespace dealii;  // the update flags' operator|
   FEFaceValues<dim> on_face(parts.mapping, parts.element, quadrature, update_values | update_JxW_values);
@@ -347,7 +386,9 @@ std::vector<typename Discretisation<dim>::Place> Discretisation<dim>::locate(con
     Nearest& best = nearest[i];
     for (std::size_t c = 0; c < parts.cells.size() && best.distance > 0; ++c) {
       const auto& cell = parts.cells[c];
-      if (!mesh_.own[c] || cell->barycenter().distance(x) - cell->diameter() > best.distance) continue;
+      if (!mesh_.owns(static_cast<int>(c)) ||
+          cell->barycenter().distance(x) - cell->diameter() > best.distance)
+        continue;
       const double distance = parts.mapping.transform_unit_to_real_cell(cell, place_in(cell, x)).distance(x);
       if (distance < best.distance) best = {distance, mesh_.number[c]};
     }
@@ -374,10 +415,16 @@ std::vector<typename Discretisation<dim>::Place> Discretisation<dim>::locate(con
   return places;
 }
 
+void use_threads(int threads) {
+  dealii::MultithreadInfo::set_thread_limit(static_cast<unsigned int>(threads));
+}
+
 std::string library() {
   return "deal.II " DEAL_II_PACKAGE_VERSION;
 }
 
+template struct Mesh<2>;
+template struct Mesh<3>;
 template class Discretisation<2>;
 template class Discretisation<3>;
 

@@ -30,12 +30,20 @@ struct Mesh {
   std::vector<int> part;           // m, of the solid
   std::vector<int> fixed;          // unknowns that the supports constrain, ascending
   RankDivision division;           // of the unknowns among ranks
-  std::vector<char> own;           // m: whether a cell counts for this rank
+  RankDivision cell_division;      // of the cells among ranks
+  std::vector<int> cell_place;     // m, of a cell in a vector of that division
   std::vector<int> number;         // m, of a cell in the whole body; ascending
 
   int n_nodes() const { return static_cast<int>(node.cols()); }
   int n_cells() const { return static_cast<int>(cell.cols()); }
   int n_unknowns() const { return dim * n_nodes(); }
+  /// Whether a cell counts for this rank.
+  bool owns(int c) const { return cell_division.owns(cell_place[static_cast<std::size_t>(c)]); }
+  /// A value of each cell, as its owner has it.
+  Eigen::VectorXd from_owners(const Eigen::VectorXd& of_cells) const;
+  /// A value of each cell of the whole body, on all ranks; and the rank's part of such a vector.
+  Eigen::VectorXd whole(const Eigen::VectorXd& of_cells) const;
+  Eigen::VectorXd part_of_whole(const Eigen::VectorXd& of_cells) const { return of_cells(number); }
   Eigen::Vector3d place(int i) const {  // of a node in space [m]
     Eigen::Vector3d X = Eigen::Vector3d::Zero();
     X.head<dim>() = node.col(i);
@@ -60,6 +68,8 @@ using NodeWeights = std::vector<std::pair<int, double>>;
 
 /// "deal.II 9.4.1".
 std::string library();
+/// How many threads sums over cells use; the results do not depend on it.
+void use_threads(int);
 
 /// A body divided into cells, and its Lagrange element. The only place where deal.II's mesh, element,
 /// mapping and quadrature are used; everything else works on the plain `Mesh`.

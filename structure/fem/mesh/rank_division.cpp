@@ -1,6 +1,8 @@
 #include "structure/fem/mesh/rank_division_parts.hpp"
 
-#include <cstring>
+#include <algorithm>
+#include <iterator>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -12,16 +14,16 @@ Communicator& RankDivision::communicator() const {
   return parts_->communicator;
 }
 
-int RankDivision::number(int unknown) const {
-  return alone() ? unknown : parts_->on_one_rank[static_cast<std::size_t>(unknown)];
+int RankDivision::number(int entry) const {
+  return alone() ? entry : parts_->on_one_rank[static_cast<std::size_t>(entry)];
 }
 
 Index RankDivision::own_of_parts() const {
-  return parts_->unknowns.locally_owned_size();
+  return parts_->entries->locally_owned_size();
 }
 
 Index RankDivision::size_of_parts() const {
-  return static_cast<Index>(parts_->unknowns.size());
+  return static_cast<Index>(parts_->entries->size());
 }
 
 Eigen::MatrixXd RankDivision::sum(const Eigen::MatrixXd& own) const {
@@ -34,9 +36,21 @@ Eigen::MatrixXd RankDivision::sum(const Eigen::MatrixXd& own) const {
   return total;
 }
 
+Eigen::VectorXd RankDivision::largest(const Eigen::VectorXd& own) const {
+  if (alone()) return own;
+  Eigen::VectorXd best = own;
+  for (const Bytes& bytes :
+       communicator().gather(std::as_bytes(std::span(own.data(), own.data() + own.size())))) {
+    const auto* const value = reinterpret_cast<const double*>(bytes.data());
+    if (std::lexicographical_compare(best.begin(), best.end(), value, value + own.size()))
+      best = Eigen::Map<const Eigen::VectorXd>(value, own.size());
+  }
+  return best;
+}
+
 void RankDivision::update(Eigen::VectorXd& x) const {
   if (alone()) return;
-  const auto& exchange = parts_->unknowns;
+  const auto& exchange = *parts_->entries;
   std::vector<double> sent(exchange.n_import_indices());
   std::vector<MPI_Request> requests;
   const dealii::ArrayView<double> ghosts(x.data() + own_of_parts(), exchange.n_ghost_indices());
@@ -66,25 +80,27 @@ Eigen::VectorXd RankDivision::part(const Eigen::VectorXd& all) const {
   return all(parts_->on_one_rank);
 }
 
-Eigen::MatrixXd RankDivision::columns_on_first(const Eigen::MatrixXd& own) const {
-  const auto bytes = std::as_bytes(std::span(own.data(), static_cast<std::size_t>(own.size())));
-  const std::vector<std::size_t> sizes = communicator().all(bytes.size());
+std::vector<Bytes> RankDivision::on_first(std::span<const std::byte> own) const {
+  const std::vector<std::size_t> sizes = communicator().all(own.size());
   std::vector<Bytes> to(sizes.size()), from(sizes.size());
-  if (!first()) to[0].assign(bytes.begin(), bytes.end());
-  std::size_t total = 0;
-  for (std::size_t r = 0; first() && r < sizes.size(); ++r) {
-    total += sizes[r];
-    if (r > 0) from[r].resize(sizes[r]);
-  }
+  if (!first()) to[0].assign(own.begin(), own.end());
+  for (std::size_t r = 1; first() && r < sizes.size(); ++r) from[r].resize(sizes[r]);
   communicator().exchange(to, from);
-  if (first()) from[0].assign(bytes.begin(), bytes.end());
-  Eigen::MatrixXd all(own.rows(), static_cast<Index>(total / sizeof(double)) / own.rows());
-  double* next = all.data();
-  for (const Bytes& part : from) {
-    std::memcpy(next, part.data(), part.size());
-    next += part.size() / sizeof(double);
-  }
-  return all;
+  if (first()) from[0].assign(own.begin(), own.end());
+  return from;
+}
+
+Eigen::MatrixXd RankDivision::columns_on_first(const Eigen::MatrixXd& own) const {
+  if (alone()) return own;
+  std::vector<double> values;
+  for (const Bytes& bytes : on_first(std::as_bytes(std::span(own.data(), own.data() + own.size()))))
+    std::ranges::copy(values_of<double>(bytes), std::back_inserter(values));
+  const Eigen::Map<const Eigen::MatrixXd> all(values.data(), own.rows(),
+                                              static_cast<Index>(values.size()) / own.rows());
+  std::vector<Index> order(static_cast<std::size_t>(all.cols()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::sort(order, {}, [&](Index i) { return all(0, i); });
+  return all(Eigen::all, order);
 }
 
 }  // namespace strake::structure::fem

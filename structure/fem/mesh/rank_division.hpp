@@ -6,14 +6,16 @@
 
 #include <cmath>
 #include <memory>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace strake::structure::fem {
 
-/// The division of a body's unknowns among ranks. A vector of a rank has the unknowns of its own nodes first.
-/// Behind them stand copies of those of other ranks whose cells touch its own nodes, the ghosts. A rank has
-/// all cells around its own nodes, so that it adds up complete forces and rows of matrices there; those of
-/// ghosts are not complete and not used. By default there is one rank, which has all.
+/// The division of a body's unknowns, or of its cells, among ranks. A vector of a rank has the unknowns of
+/// its own nodes first. Behind them stand copies of those of other ranks whose cells touch its own nodes, the
+/// ghosts. A rank has all cells around its own nodes, so that it adds up complete forces and rows of matrices
+/// there; those of ghosts are not complete and not used. By default there is one rank, which has all.
 class RankDivision {
  public:
   struct Parts;  // by deal.II, in rank_division_parts.hpp
@@ -27,9 +29,9 @@ class RankDivision {
 
   /// How many of the unknowns are the rank's own, out of `all` that it has.
   Eigen::Index own(Eigen::Index all) const { return alone() ? all : own_of_parts(); }
-  bool owns(int unknown) const { return alone() || unknown < own_of_parts(); }
-  /// Number of an unknown in the body on one rank.
-  int number(int unknown) const;
+  bool owns(int entry) const { return alone() || entry < own_of_parts(); }
+  /// Number of an unknown, or of a cell, in the body on one rank.
+  int number(int entry) const;
   /// Of the whole body.
   Eigen::Index size(Eigen::Index own_size) const { return alone() ? own_size : size_of_parts(); }
 
@@ -46,12 +48,18 @@ class RankDivision {
   /// Adds up a matrix of each rank.
   Eigen::MatrixXd sum(const Eigen::MatrixXd&) const;
 
+  /// The largest vector of all ranks: that of the largest first value, of equal ones by the next value.
+  Eigen::VectorXd largest(const Eigen::VectorXd& own) const;
+  bool any(bool own) const { return alone() ? own : communicator().any(own); }
+
   /// Copies the values of ghosts from their owners.
-  void update(Eigen::VectorXd& unknowns) const;
+  void update(Eigen::VectorXd& values) const;
   /// The vector of the whole body, numbered as on one rank, and the rank's part of such a vector.
-  Eigen::VectorXd whole(const Eigen::VectorXd& unknowns) const;
+  Eigen::VectorXd whole(const Eigen::VectorXd& values) const;
   Eigen::VectorXd part(const Eigen::VectorXd& whole) const;
-  /// Columns of all ranks, one rank after the other, on the first one; on the others none.
+  /// The bytes of each rank on the first one; on the others none.
+  std::vector<Bytes> on_first(std::span<const std::byte> own) const;
+  /// Columns of all ranks on the first one, in the order of their first row; on the others none.
   Eigen::MatrixXd columns_on_first(const Eigen::MatrixXd& own) const;
 
  private:

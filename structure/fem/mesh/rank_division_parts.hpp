@@ -4,6 +4,7 @@
 
 #include <deal.II/base/partitioner.h>
 
+#include <memory>
 #include <vector>
 
 namespace strake::structure::fem {
@@ -11,8 +12,8 @@ namespace strake::structure::fem {
 /// What a division is made of. Ranks are the processes of MPI_COMM_WORLD.
 struct RankDivision::Parts {
   Communicator& communicator;
-  dealii::Utilities::MPI::Partitioner unknowns;  // own ones and ghosts
-  std::vector<int> on_one_rank;                  // number of each unknown in the body on one rank
+  std::shared_ptr<const dealii::Utilities::MPI::Partitioner> entries;  // own ones and ghosts
+  std::vector<int> on_one_rank;  // number of each entry in the body on one rank
 };
 
 }  // namespace strake::structure::fem

@@ -1,6 +1,7 @@
 #include "structure/fem/element/assembly.hpp"
 
 #include "structure/fem/mesh/refinement.hpp"
+#include "tests/structure/body/boxes.hpp"
 #include "tests/structure/fem/plate.hpp"
 
 #include <Eigen/Dense>
@@ -217,6 +218,30 @@ TEST(Assembly, AutomaticStrainsAreEnhancedWhereCellsLockUnlessNeoHookean) {
   EXPECT_TRUE(enhanced(2, 0.49, MaterialModel::saint_venant_kirchhoff));
   EXPECT_FALSE(enhanced(1, 0.3, MaterialModel::neo_hookean));
   EXPECT_FALSE(enhanced(2, 0.499, MaterialModel::neo_hookean));
+}
+
+// Of a body whose cells are handed to threads, with the mesh made anew for each number of them.
+TEST(Assembly, SumsHaveTheSameBitsForAnyNumberOfThreads) {
+  for (const StrainField strain : {StrainField::enhanced, StrainField::solid_shell}) {
+    const Solid solid = solid_of_boxes(
+        3, {box("plate", {0, 0, 0}, {2, 0.02, 2}, {.model = MaterialModel::saint_venant_kirchhoff})});
+    std::vector<Eigen::VectorXd> first;
+    for (const int threads : {1, 2, 3}) {
+      use_threads(threads);
+      const Discretisation<3> d(solid, 1, 0, 0.04);
+      const Mesh<3>& mesh = d.mesh();
+      ASSERT_GE(mesh.n_cells(), 2000);
+      const Assembly<3> assembly(mesh, solid.parts, strain);
+      Eigen::VectorXd u(mesh.n_unknowns());
+      for (Eigen::Index i = 0; i < u.size(); ++i) u(i) = 1e-3 * std::sin(0.37 * static_cast<double>(i));
+      const std::vector<Eigen::VectorXd> sums = {
+          mesh.gradient.reshaped(), assembly.mass().coeffs(), assembly.tangent(u).coeffs(),
+          assembly.internal_force(0.5 * u, u, 0.5), Eigen::VectorXd::Constant(1, assembly.strain_energy(u))};
+      if (first.empty()) first = sums;
+      for (std::size_t k = 0; k < sums.size(); ++k) EXPECT_EQ(sums[k], first[k]) << threads << " " << k;
+    }
+  }
+  use_threads(1);
 }
 
 TEST(Transfer, KeepsWorkTotalForceAndMoment) {

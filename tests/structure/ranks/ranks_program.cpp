@@ -7,6 +7,7 @@
 #include "proto/ranks/mpi_communicator.hpp"
 #include "structure/fem/solver.hpp"
 #include "tests/structure/body/boxes.hpp"
+#include "tests/structure/notched_cells.hpp"
 
 #include <fmt/format.h>
 
@@ -50,6 +51,11 @@ class Report {
     std::ofstream(base_ + "." + name, std::ios::binary)
         .write(reinterpret_cast<const char*>(value.data()),
                static_cast<std::streamsize>(static_cast<std::size_t>(value.size()) * sizeof(double)));
+  }
+  void text(const std::string& name, const std::string& value) {
+    std::string escaped;
+    for (const char c : value) escaped += c == '"' ? '\'' : c;
+    text_ += fmt::format(",\n \"{}\": \"{}\"", name, escaped);
   }
   void write() {
     if (ranks_.rank() == 0)
@@ -156,6 +162,92 @@ void solve_turned_strip(Communicator& ranks, Report& report) {
   for (const Frame::Array& array : frame.point_data) report.add("turned_frame_" + array.name, array.value);
 }
 
+/// A notched bar that is pulled apart, faster above than below, until it parts. It is resumed from a
+/// checkpoint on the way.
+void solve_failing_bar(Communicator& ranks, Report& report) {
+  Parameters p = notched_cells(FailureCriterion::max_principal, 8);
+  p.fem.degree = 1;
+  p.fem.linear_solver = LinearMethod::direct;
+  p.fem.tolerance = 1e-12;
+  FemSolver<2> solver(p, &ranks), resumed(p, &ranks);
+  Eigen::VectorXd v = Eigen::VectorXd::Zero(solver.mesh().n_unknowns());
+  for (int i = 0; i < solver.mesh().n_nodes(); ++i)
+    v(2 * i) = pulled(0.5 + 5 * solver.mesh().node(1, i), solver.mesh().node(0, i));
+  solver.set_unknowns(0 * v, v);
+  const std::string name = "failing";
+  const auto go_on = [](FemSolver<2>& body, int from, int to) {
+    for (int k = from; k < to; ++k) body.advance(k * 5e-6, 5e-6, Load());
+  };
+  constexpr int saved = 14, end = 24;  // steps: while cells soften, and once it has parted
+  go_on(solver, 0, saved);
+  solver.save();
+  Archive archive;
+  solver.write(archive);
+  for (const char* part : {"onset", "peak", "end", "failure", "displacement"})
+    report.add(name + "_" + part, archive.real.at(std::string("fem.") + part));
+  go_on(solver, saved, end);
+  resumed.read(archive);
+  go_on(resumed, saved, end);
+  report.add(name + ".resumed_off", solver.division().norm(solver.unknowns() - resumed.unknowns()) +
+                                        std::abs(solver.energy().released - resumed.energy().released));
+  report.add(name + "_steps", solver.division().whole(solver.unknowns()));
+  for (const auto& [key, value] : solver.monitor())
+    if (key.starts_with("failure")) report.add(name + "." + key, value);
+  report.add(name + ".strain", solver.energy().strain);
+  const Frame frame = solver.frame();
+  for (const Frame::Array& array : frame.point_data) report.add(name + "_frame_" + array.name, array.value);
+}
+
+/// A plate of solid shells with a stiffener across it, whose joint is no shell; large deformation.
+void solve_shells(LinearMethod method, Communicator& ranks, Report& report) {
+  SolidBox plate = box("plate", {0, 0, 0}, {1, 0.02, 1}), bar = box("bar", {0.49, 0.02, 0}, {0.51, 0.1, 1});
+  plate.support[0] = Support::clamped;
+  plate.support[5] = Support::clamped;
+  Parameters p;
+  p.dimension = 3;
+  p.shape.kind = ShapeKind::solid;
+  p.solid = solid_of_boxes(3, {plate, bar});
+  p.surface_spacing = 0.2;
+  p.load = {.kind = LoadKind::traction, .value = {0, -2e5, 0}, .face = "bottom", .at = {}, .ramp = 0};
+  p.fem = {.degree = 1, .refinement = 0, .cell_size = 0.1, .strain = StrainField::solid_shell};
+  p.fem.linear_solver = method;
+  FemSolver<3> solver(p, &ranks);
+  const std::string name = method == LinearMethod::direct ? "shells" : "shells_cg";
+  solver.solve_static();
+  report.add(name + "_static", solver.division().whole(solver.unknowns()));
+  report.add(name + ".strain", solver.energy().strain);
+  report.add(name + ".stress", von_mises(solver.stress_at({0.2, 0.02, 0.3})));
+  if (method != LinearMethod::direct) return;
+  report.add(name + ".f1", solver.frequencies(1).front());
+  solver.set_unknowns(0 * solver.unknowns(), 0 * solver.unknowns());
+  for (int i = 0; i < 3; ++i) solver.advance(1e-4 * i, 1e-4, Load());
+  report.add(name + "_steps", solver.division().whole(solver.unknowns()));
+  report.add(name + ".kinetic", solver.energy().kinetic);
+  const Frame frame = solver.frame();
+  for (const Frame::Array& array : frame.point_data) report.add(name + "_frame_" + array.name, array.value);
+  for (const std::string& line : solver.lines())
+    if (line.starts_with("solid shells")) report.text(name + ".line", line);
+}
+
+/// What the ranks refuse together: cells too wide for a crack, and a body of shells that has a block.
+void refuse(Communicator& ranks, Report& report) {
+  const auto said = [&](const auto& make) -> std::string {
+    try {
+      make();
+    } catch (const Error& error) {
+      return error.problem();
+    }
+    return "nothing";
+  };
+  Parameters bar = notched_cells(FailureCriterion::max_principal, 8);
+  bar.failure.fracture_energy = 1e-3;
+  report.text("wide", said([&] { FemSolver<2>(bar, &ranks); }));
+  Parameters p = block(0);
+  p.fem.strain = StrainField::solid_shell;
+  p.fem.degree = 1;
+  report.text("no_shell", said([&] { FemSolver<3>(p, &ranks); }));
+}
+
 void run(int refinement, bool whole, const std::string& folder, Communicator& ranks) {
   Report report(folder, ranks);
   const Parameters p = block(refinement);
@@ -163,6 +255,10 @@ void run(int refinement, bool whole, const std::string& folder, Communicator& ra
   if (whole) solve_body(p, ranks, report);
   if (whole) solve_free_frame(p, ranks, report);
   if (whole) solve_turned_strip(ranks, report);
+  if (whole) solve_failing_bar(ranks, report);
+  for (const LinearMethod method : {LinearMethod::direct, LinearMethod::cg_amg})
+    if (whole) solve_shells(method, ranks, report);
+  if (whole) refuse(ranks, report);
   report.add("bytes", ranks.max(peak_memory()));
   report.write();
 }

@@ -55,6 +55,22 @@ def same_figures():
         expect(frames[0] == frames[1] and len(frames[0]) > 1, f"as many frames: {frames}")
 
 
+def factors_and_failure():
+    """A strength that the block reaches, and factors."""
+    sets = ["structure.fem.linear_solver=\"direct\"", "structure.failure.criterion=\"von_mises\"", "structure.failure.strength=5e6",
+            "structure.failure.fracture_energy=1e6"]
+    keys = [word for key in sets for word in ("--set", key)]
+    with folder() as cwd:
+        for ranks in (1, 2):
+            done = run(cwd, ranks, f"fails{ranks}", *keys)
+            expect(done.returncode == 0, f"failure and factors on {ranks}\n" + done.stderr)
+        one, two = table(cwd, "fails1"), table(cwd, "fails2")
+        off = largest_difference(one, two)
+        expect(off < 1e-9, f"failure and factors: {off:.1e} from one rank")
+        damage = [float(rows[-1]["failure.damage"]) for rows in (one, two)]
+        expect(damage[0] > 0 and abs(damage[1] - damage[0]) < 1e-9, f"damage {damage}")
+
+
 def lost_rank(kill, rank, limit):
     with folder() as cwd:
         process = start("run", CASE, *FAST, cwd=cwd)
@@ -64,11 +80,7 @@ def lost_rank(kill, rank, limit):
 
 def refusals():
     with folder() as cwd:
-        for keys, words in ((["structure.fem.linear_solver=\"direct\""], "the direct solver"),
-                            (["structure.fem.strain=\"solid_shell\""], "solid shells"),
-                            (["structure.failure.criterion=\"von_mises\"", "structure.failure.strength=1e9",
-                              "structure.failure.fracture_energy=1e6", "structure.fem.strain=\"compatible\""], "failure is computed on one"),
-                            (["structure.solver=\"rigid\""], "a rigid structure is computed on one rank"),
+        for keys, words in ((["structure.solver=\"rigid\""], "a rigid structure is computed on one rank"),
                             (["structure.launcher=\" \""], "line that starts the ranks"),
                             (["structure.ranks=0"], "whole number")):
             sets = [word for key in keys for word in ("--set", key)]
@@ -87,6 +99,7 @@ if not (BIN / PROGRAM).exists():
     print("no " + PROGRAM + ": MPI or Trilinos ML was not there")
     finish()
 same_figures()
+factors_and_failure()
 lost_rank(signal.SIGKILL, 1, 5)
 lost_rank(signal.SIGSTOP, 0, 10)
 refusals()
