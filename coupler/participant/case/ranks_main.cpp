@@ -8,26 +8,38 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <new>
 #include <optional>
-#include <sstream>
 #include <string>
+#include <string_view>
+#include <unistd.h>
 
 namespace strake {
 namespace {
 
-/// This rank, for the last line of a process that an exception ends.
-std::string last_name = "rank";  // NOLINT: set once
+/// This rank, for its last line: "rank 1 of the fluid".
+std::array<char, 64> last_name{};  // NOLINT: set once
 
-/// Prints one line on why this rank ends. The coupler shows it.
-void say_why(const std::string& text) {
-  std::istringstream words(text);
-  std::string line = last_name + ":";
-  for (std::string word; words >> word;) line += " " + word;
-  std::fprintf(stderr, "%s\n", line.c_str());
+/// Prints one line on why this rank ends. The coupler shows it. It takes no memory, which may be what lacks.
+void say_why(const char* text) {
+  std::array<char, 1024> line{};
+  auto end = std::ranges::copy(std::string_view(last_name.data()), line.begin()).out;
+  *end++ = ':';
+  for (bool gap = true; *text != '\0' && end < line.end() - 2; ++text) {
+    const bool space = *text == ' ' || *text == '\n';
+    if (!space) {
+      if (gap) *end++ = ' ';
+      *end++ = *text;
+    }
+    gap = space;
+  }
+  *end++ = '\n';
+  [[maybe_unused]] const ssize_t ignored =
+      write(STDERR_FILENO, line.data(), static_cast<std::size_t>(end - line.begin()));
 }
 
 /// Whether the command line is that of a participant of a run. The other modes need one rank.
@@ -104,7 +116,8 @@ int ranks_main(int argc, char** argv, const RankedProgram& ranked,
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MpiCommunicator ranks(MPI_COMM_WORLD);
-  last_name = fmt::format("rank {} of the {}", ranks.rank(), ranked.program.prefix);
+  std::snprintf(last_name.data(), last_name.size(), "rank %d of the %s", ranks.rank(),
+                ranked.program.prefix.c_str());
   std::set_terminate(end_at_once);
   int code = 0;
   try {
