@@ -10,7 +10,7 @@ namespace strake::fluid {
 struct RankSize {
   double ghosts = 0;          // over its own water particles
   double bytes = 0;           // of its particles, neighbours and equation
-  double bytes_of_first = 0;  // the same of the first rank while it writes
+  double bytes_of_first = 0;  // the same of the first rank while it counts voids
 };
 
 /// Estimates it from the box of the water, cut into equal halves along its longest side again and again. The

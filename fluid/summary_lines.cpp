@@ -112,7 +112,7 @@ std::string ranks_text(const Parameters& p, std::int64_t water, std::int64_t lay
   constexpr double mebi = 1024.0 * 1024.0;
   return fmt::format(
       "{} ranks of {} threads: each {} particles of water, at most {:.0f} % more as ghosts, "
-      "about {:.0f} MiB, the first one {:.0f} MiB while it writes",
+      "about {:.0f} MiB, the first one {:.0f} MiB while it counts voids",
       p.ranks, p.threads, grouped(water / p.ranks), 100 * size.ghosts, size.bytes / mebi,
       size.bytes_of_first / mebi);
 }
