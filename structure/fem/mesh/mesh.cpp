@@ -34,13 +34,6 @@ dealii::Point<dim> point(const Eigen::Vector3d& X) {
   return x;
 }
 
-template <int dim>
-Eigen::Vector3d in_space(const dealii::Point<dim>& x) {
-  Eigen::Vector3d X = Eigen::Vector3d::Zero();
-  for (unsigned int k = 0; k < dim; ++k) X(k) = x[k];
-  return X;
-}
-
 /// While it lives, deal.II computes the gradients of each cell from the cell itself. With one thread it would
 /// copy them from the cell before where that has the same shape, and the last bits would be others.
 struct EachCellItself {
@@ -130,21 +123,6 @@ void Discretisation<dim>::take_cells() {
   }
 }
 
-template <int dim>
-Eigen::VectorXd Mesh<dim>::from_owners(const Eigen::VectorXd& of_cells) const {
-  Eigen::VectorXd values(of_cells.size());
-  values(cell_place) = of_cells;
-  cell_division.update(values);
-  return values(cell_place);
-}
-
-template <int dim>
-Eigen::VectorXd Mesh<dim>::whole(const Eigen::VectorXd& of_cells) const {
-  Eigen::VectorXd values(of_cells.size());
-  values(cell_place) = of_cells;
-  return cell_division.whole(values);
-}
-
 /// Each rank makes the mesh of the whole body, divides it by METIS into parts that touch in few nodes, and
 /// keeps its own part, as a triangulation that no rank has as a whole.
 template <int dim>
@@ -163,21 +141,12 @@ void Discretisation<dim>::divide(const Solid& cells, Communicator& ranks) {
   take_cells();
 
   // Unknowns: own ones, then ghosts.
-  dealii::IndexSet relevant;
-  dealii::DoFTools::extract_locally_relevant_dofs(parts.dofs, relevant);
-  const auto unknowns_of = [&](const dealii::IndexSet& nodes) {
-    dealii::IndexSet set(dim * parts.dofs.n_dofs());
-    for (auto range = nodes.begin_intervals(); range != nodes.end_intervals(); ++range)
-      set.add_range(dim * *range->begin(), dim * (range->last() + 1));
-    set.compress();
-    return set;
-  };
-  const auto division = std::make_shared<RankDivision::Parts>(RankDivision::Parts{
-      ranks,
-      std::make_shared<const dealii::Utilities::MPI::Partitioner>(
-          unknowns_of(parts.dofs.locally_owned_dofs()), unknowns_of(relevant), MPI_COMM_WORLD),
-      {}});
-  parts.unknowns = division->entries.get();
+  const dealii::IndexSet components = dealii::complete_index_set(dim);
+  const auto entries = std::make_shared<const dealii::Utilities::MPI::Partitioner>(
+      parts.dofs.locally_owned_dofs().tensor_product(components),
+      dealii::DoFTools::extract_locally_relevant_dofs(parts.dofs).tensor_product(components), MPI_COMM_WORLD);
+  const auto division = std::make_shared<RankDivision::Parts>(RankDivision::Parts{ranks, entries, {}});
+  parts.unknowns = entries.get();
 
   // Cells: own ones, then those beside them.
   const auto of_cells = std::make_shared<RankDivision::Parts>(
@@ -330,7 +299,8 @@ Eigen::VectorXd Discretisation<dim>::face_sizes(const std::vector<int>& facets) 
     const std::vector<int> index = parts.nodes(cell);
     for (const unsigned int f : cell->face_indices()) {
       if (!cell->face(f)->at_boundary()) continue;
-      const Eigen::Vector3d middle = in_space(cell->face(f)->center());
+      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+      for (unsigned int k = 0; k < dim; ++k) middle(k) = cell->face(f)->center()[k];
       if (std::none_of(facets.begin(), facets.end(),
                        [&](int k) { return on_facet(solid_, k, middle, near); }))
         continue;
@@ -423,8 +393,6 @@ std::string library() {
   return "deal.II " DEAL_II_PACKAGE_VERSION;
 }
 
-template struct Mesh<2>;
-template struct Mesh<3>;
 template class Discretisation<2>;
 template class Discretisation<3>;
 

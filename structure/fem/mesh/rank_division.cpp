@@ -1,3 +1,4 @@
+#include "structure/fem/mesh/mesh.hpp"
 #include "structure/fem/mesh/rank_division_parts.hpp"
 
 #include <algorithm>
@@ -102,5 +103,25 @@ Eigen::MatrixXd RankDivision::columns_on_first(const Eigen::MatrixXd& own) const
   std::ranges::sort(order, {}, [&](Index i) { return all(0, i); });
   return all(Eigen::all, order);
 }
+
+template <int dim>
+Eigen::VectorXd Mesh<dim>::from_owners(const Eigen::VectorXd& of_cells) const {
+  Eigen::VectorXd values(of_cells.size());
+  values(cell_place) = of_cells;
+  cell_division.update(values);
+  return values(cell_place);
+}
+
+template <int dim>
+Eigen::VectorXd Mesh<dim>::whole(const Eigen::VectorXd& of_cells) const {
+  Eigen::VectorXd values(of_cells.size());
+  values(cell_place) = of_cells;
+  return cell_division.whole(values);
+}
+
+template Eigen::VectorXd Mesh<2>::from_owners(const Eigen::VectorXd&) const;
+template Eigen::VectorXd Mesh<2>::whole(const Eigen::VectorXd&) const;
+template Eigen::VectorXd Mesh<3>::from_owners(const Eigen::VectorXd&) const;
+template Eigen::VectorXd Mesh<3>::whole(const Eigen::VectorXd&) const;
 
 }  // namespace strake::structure::fem

@@ -56,19 +56,17 @@ def same_figures():
 
 
 def factors_and_failure():
-    """A strength that the block reaches, and factors."""
-    sets = ["structure.fem.linear_solver=\"direct\"", "structure.failure.criterion=\"von_mises\"", "structure.failure.strength=5e6",
-            "structure.failure.fracture_energy=1e6"]
+    """Factors, and a body that may fail but is strong enough; one that fails: tests/structure/ranks."""
+    sets = ["structure.fem.linear_solver=\"direct\"", "structure.failure.criterion=\"von_mises\"", "structure.failure.strength=1e9",
+            "structure.failure.fracture_energy=1e6", "structure.fem.strain=\"compatible\""]
     keys = [word for key in sets for word in ("--set", key)]
     with folder() as cwd:
         for ranks in (1, 2):
-            done = run(cwd, ranks, f"fails{ranks}", *keys)
-            expect(done.returncode == 0, f"failure and factors on {ranks}\n" + done.stderr)
-        one, two = table(cwd, "fails1"), table(cwd, "fails2")
+            done = run(cwd, ranks, f"factors{ranks}", *keys)
+            expect(done.returncode == 0, f"factors on {ranks}\n" + done.stderr)
+        one, two = table(cwd, "factors1"), table(cwd, "factors2")
         off = largest_difference(one, two)
-        expect(off < 1e-9, f"failure and factors: {off:.1e} from one rank")
-        damage = [float(rows[-1]["failure.damage"]) for rows in (one, two)]
-        expect(damage[0] > 0 and abs(damage[1] - damage[0]) < 1e-9, f"damage {damage}")
+        expect(off < 1e-9 and "failure.damage" in two[0], f"factors: {off:.1e} from one rank")
 
 
 def lost_rank(kill, rank, limit):
