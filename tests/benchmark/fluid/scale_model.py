@@ -7,9 +7,11 @@ counts are read: ghosts, bytes and messages of a step, sums over all ranks, iter
 The model, of a rank with n own particles:
   computing   n (1 + part f) t       t: one particle on one processor; f: ghosts of the first ring over own; part: what one of them takes,
                                      of t; those of the second ring have no sums
-  halo        g n b / B + m a        g: all ghosts over own; b: bytes of a ghost and step; B: bandwidth; m: messages; a: latency
+  halo        g n b / B + m a        g: all ghosts over own; b: bytes of a ghost and step; m: messages; a: latency; B: of ghosts from the same
+                                     node what two ranks reach, of those from other nodes the rank's part of the network
   sums        s L log2(ranks)        s: sums over all ranks in a step; L: one stage of such a sum
-  grid        iterations k levels a  messages of a cycle of the grid, k on each level; its arithmetic is in t
+  hypre       h n t                  h: what the pressure takes longer than on one rank, with BoomerAMG in the place of own levels, of t
+  grid        iterations k levels a  messages of a cycle of the grid, k on each level
   imbalance   (max/mean - 1) of the work falls as n^(-1/3): boxes end between buckets, and a bucket is so much of a box
 Efficiency is n t over the sum of all. Ghosts are those of a cube with neighbours on all sides.
 """
@@ -32,10 +34,13 @@ ENV = dict(os.environ, OMP_NUM_THREADS="1", OMPI_MCA_rmaps_base_oversubscribe="1
 # What a machine is assumed to have. None of it was measured here.
 LATENCY = 2e-6            # s a message between nodes
 SUM_STAGE = 20e-6         # s a stage of a sum over all ranks
-BANDWIDTH = 25e9 / 64     # B/s of a rank: a node's 25 GB/s, shared by 64 ranks
-# Measured on one processor of the machine of rank_scaling.py: a step of 1.25e5 particles in space.
-SECONDS_OF_PARTICLE = 5.7e-6
-GHOST_PART = 0.45         # neighbours, moments, stresses: all stages but the pressure's iterations
+RANKS_OF_NODE = 64
+NETWORK = 25e9 / RANKS_OF_NODE  # B/s of a rank
+# Measured by rank_scaling.py, two ranks on two processors.
+SECONDS_OF_PARTICLE = 5.3e-6  # a step of 2.5e5 particles in space, one thread
+GHOST_PART = 0.55             # (stages of 2 ranks but the pressure - half of one rank's) / ghosts of the first ring, 0.50 and 0.56
+HYPRE_PART = 0.10             # (pressure of 2 ranks - half of one rank's) / half of a step: set-up, cycles, one more iteration
+WITHIN_NODE = 2.6e9           # B/s of a rank: bytes sent over the stage `halo`
 CYCLE_MESSAGES, LEVELS = 8, 10  # of the grid's cycle on a level; levels of 4e7 rows
 
 with tempfile.TemporaryDirectory() as name:
@@ -62,13 +67,14 @@ def ghosts_of(n, width):
 
 
 def model(ranks, n):
-    f, g = ghosts_of(n, 3.3), ghosts_of(n, 6.6)
+    f, g, outside = ghosts_of(n, 3.3), ghosts_of(n, 6.6), ghosts_of(RANKS_OF_NODE * n, 6.6)  # outside: from other nodes
     useful = n * SECONDS_OF_PARTICLE
     parts = {
         "ghosts": f * GHOST_PART * useful,
-        "halo, bytes": g * n * worst["bytes"] / BANDWIDTH,
+        "halo, bytes": worst["bytes"] * n * ((g - outside) / WITHIN_NODE + outside / NETWORK),
         "halo, messages": worst["messages"] * 26 / 7 * LATENCY,  # 26 neighbours; 8 ranks have 7
         "sums": worst["sums"] * SUM_STAGE * math.log2(ranks),
+        "hypre": HYPRE_PART * useful,
         "grid": worst["iterations"] * CYCLE_MESSAGES * LEVELS * 26 * LATENCY,
         "imbalance": uneven / n ** (1 / 3) * useful,
     }
@@ -83,5 +89,7 @@ for ranks, total in ((64, 32e6), (512, 250e6), (2048, 1e9), (8192, 1e9)):
     step = useful + sum(parts.values())
     print(f"{ranks:6d} {total:10.1e} {n:9.0f} {100 * ghosts_of(n, 6.6):6.0f}% {step:6.2f} s {useful / step:11.2f}   "
           + ", ".join(f"{name} {100 * value / step:.1f} %" for name, value in parts.items()))
-print("\nWeakest assumption: the set-up of BoomerAMG on the grid, 1/36 of the particles, is counted as if it scaled as computing does. On two ranks it")
-print("takes 4 to 8 % of a step; on thousands it has ten levels of messages of its own, which were not counted here.")
+print("\nNot in the model: layer particles of walls, which all ranks still have. A cubic tank of 1e9 particles has 2e7 of them; they must be divided first.")
+print("The memory of a node is assumed to serve all its ranks as it serves two.")
+print("Weakest assumption: the set-up of BoomerAMG on the grid, 1/36 of the particles, is counted as if it scaled as computing does. On thousands of")
+print("ranks it has ten levels of messages of its own, which were not counted here.")
