@@ -47,7 +47,7 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/   # where tests/run.sh --manual 
 
 # A participant's own headers: Eigen and the standard library, nothing else.
 set(headers coupler/participant/participant_main.hpp coupler/participant/serve.hpp proto/archive_source.hpp proto/box.hpp proto/case/case_file.hpp proto/case/key_info.hpp proto/case/case_keys.hpp proto/error.hpp
-  proto/files/frame_writer.hpp proto/interface.hpp proto/interpolation.hpp proto/participant.hpp proto/probe.hpp proto/files/result_file.hpp
+  proto/files/frame_writer.hpp proto/files/file_part.hpp proto/interface.hpp proto/interpolation.hpp proto/participant.hpp proto/probe.hpp proto/files/result_file.hpp
   proto/case/foreign_keys.hpp proto/case/size_limit.hpp proto/case/window_choice.hpp proto/values.hpp proto/files/vector_participant.hpp)
 foreach(header ${headers})
   cmake_path(GET header PARENT_PATH folder)

@@ -386,6 +386,7 @@ std::vector<typename Discretisation<dim>::Place> Discretisation<dim>::locate(con
 }
 
 void use_threads(int threads) {
+  unsetenv("DEAL_II_NUM_THREADS");  // run.threads alone decides
   dealii::MultithreadInfo::set_thread_limit(static_cast<unsigned int>(threads));
 }
 
