@@ -177,6 +177,14 @@ void Boundary<dim>::set_water(std::int64_t water) {
 }
 
 template <int dim>
+bool Boundary<dim>::select_tank_layers(std::span<const std::int64_t> numbers, const State<dim>& state) {
+  if (!tank_.select(numbers)) return false;
+  bodies_ = tank_.last();
+  find_masters(state);
+  return true;
+}
+
+template <int dim>
 Vector<dim> Boundary<dim>::face_area(std::int64_t row) const {
   if (row < bodies_) return tank_.area_of(row);
   const int k = point_of(row);

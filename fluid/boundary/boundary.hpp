@@ -63,6 +63,9 @@ class Boundary {
   std::int64_t water() const { return water_; }  // particles [0, water) are water
   /// Renumbers all layer particles, which follow that many water particles.
   void set_water(std::int64_t water);
+  /// Keeps the tank's layer particles with these numbers alone (`Tank::select`), which `state` has. Returns
+  /// whether others were kept before.
+  bool select_tank_layers(std::span<const std::int64_t> numbers, const State<dim>& state);
   std::int64_t first_of_bodies() const { return bodies_; }           // [water, first_of_bodies) are the tank
   const Eigen::VectorXd& solid_density() const { return density_; }  // of the last particles, [bodies, end)
 

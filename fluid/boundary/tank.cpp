@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace strake::fluid {
 
@@ -101,6 +102,7 @@ Tank<dim>::Tank(const Parameters& p, double reach, const State<dim>& filled)
       motion_(p.motion),
       spacing_(p.spacing),
       reach_(reach),
+      dummy_rows_(dummy_rows(p.scheme)),
       absorbs_(p.absorbing_bottom || p.absorbing_sides),
       pivot_(p.motion.pivot.head<dim>()) {
   Vector<dim> period = Vector<dim>::Zero();
@@ -108,11 +110,14 @@ Tank<dim>::Tank(const Parameters& p, double reach, const State<dim>& filled)
     if (p.periodic[static_cast<std::size_t>(d)]) period[d] = shape_.high()[d] - shape_.low()[d];
   periodic_ = Periodic<dim>(period);
   first_ = std::count(filled.kind.begin(), filled.kind.end(), Kind::fluid);
-  WallParticles<dim> particles = shape_.particles(dummy_rows(p.scheme));
-  walls_ = static_cast<std::int64_t>(particles.wall.size());
+  WallParticles<dim> particles = shape_.particles(dummy_rows_);
+  walls_ = walls_of_whole_ = static_cast<std::int64_t>(particles.wall.size());
   part_ = std::move(particles.wall);
   part_.insert(part_.end(), particles.dummy.begin(), particles.dummy.end());
-  last_ = first_ + static_cast<std::int64_t>(part_.size());
+  layers_of_whole_ = static_cast<std::int64_t>(part_.size());
+  last_ = first_ + layers_of_whole_;
+  selected_.resize(part_.size());
+  std::iota(selected_.begin(), selected_.end(), 0);
   assert(last_ <= filled.position.cols());
   find_masters();
   if (motion_.moves()) acceleration_.setZero(dim, last_ - first_);
@@ -154,6 +159,37 @@ void Tank<dim>::set_first(std::int64_t water) {
   last_ += shift;
   for (std::int32_t& master : master_)
     if (master >= 0) master = static_cast<std::int32_t>(master + shift);
+}
+
+template <int dim>
+void Tank<dim>::for_each_layer(
+    const std::function<void(std::int64_t, const Vector<dim>&, bool)>& visit) const {
+  assert(!moves());
+  std::int64_t wall = 0, dummy = walls_of_whole_;
+  shape_.for_each_particle(dummy_rows_, [&](const WallParticle<dim>& particle, bool first_layer) {
+    visit(first_layer ? wall++ : dummy++, particle.position, first_layer);
+  });
+}
+
+template <int dim>
+bool Tank<dim>::select(std::span<const std::int64_t> numbers) {
+  if (std::ranges::equal(numbers, selected_)) return false;
+  selected_.assign(numbers.begin(), numbers.end());
+  const auto begin = selected_.begin(), end = selected_.end(),
+             first_dummy = std::lower_bound(begin, end, walls_of_whole_);
+  walls_ = first_dummy - begin;
+  last_ = first_ + std::ssize(selected_);
+  part_.assign(selected_.size(), {});
+  std::int64_t wall = 0, dummy = walls_of_whole_;
+  auto next_wall = begin, next_dummy = first_dummy;  // each layer comes in the order of its numbers
+  shape_.for_each_particle(dummy_rows_, [&](const WallParticle<dim>& particle, bool first_layer) {
+    auto& next = first_layer ? next_wall : next_dummy;
+    const std::int64_t number = first_layer ? wall++ : dummy++;
+    if (next == (first_layer ? first_dummy : end) || *next != number) return;
+    part_[static_cast<std::size_t>(next++ - begin)] = particle;
+  });
+  find_masters();
+  return true;
 }
 
 template <int dim>

@@ -8,7 +8,9 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace strake::fluid {
@@ -26,6 +28,14 @@ class Tank {
   std::int64_t last() const { return last_; }
   /// Renumbers the layers, which follow that many water particles.
   void set_first(std::int64_t water);
+  /// Calls visit(number, place, is in the first layer) for all layer particles of a tank at rest. Their
+  /// numbers are those at the start, 0 for the first; they come in any order.
+  void for_each_layer(
+      const std::function<void(std::int64_t, const Vector<dim>&, bool first_layer)>& visit) const;
+  std::int64_t layers_of_whole() const { return layers_of_whole_; }
+  /// Keeps the layer particles with these numbers alone, which ascend. All first-layer particles that they
+  /// extend must be among them. Returns whether others were kept before.
+  bool select(std::span<const std::int64_t> numbers);
   /// Whether any wall absorbs sound.
   bool absorbs() const { return absorbs_; }
   bool moves() const { return motion_.moves(); }
@@ -94,8 +104,11 @@ class Tank {
   TankMotion motion_;
   Periodic<dim> periodic_;
   double spacing_, reach_;
+  int dummy_rows_;
   std::int64_t first_ = 0, last_ = 0;
-  std::int64_t walls_ = 0;  // [first, first + walls) are the first layer
+  std::int64_t layers_of_whole_ = 0, walls_of_whole_ = 0;
+  std::vector<std::int64_t> selected_;  // numbers of the layers in the whole
+  std::int64_t walls_ = 0;              // [first, first + walls) are the first layer
   std::vector<WallParticle<dim>> part_;
   std::vector<std::int32_t> master_;
   bool absorbs_;

@@ -88,13 +88,25 @@ WallParticles<dim> TankShape<dim>::particles(int dummy_rows) const {
   if constexpr (dim == 2) {
     if (!edges_.empty()) return polygon_particles(dummy_rows);
   }
-  return box_particles(dummy_rows);
+  WallParticles<dim> all;
+  visit_box(dummy_rows, [&](const WallParticle<dim>& particle, bool first_layer) {
+    (first_layer ? all.wall : all.dummy).push_back(particle);
+  });
+  return all;
+}
+
+template <int dim>
+void TankShape<dim>::for_each_particle(int dummy_rows, const VisitParticle& visit) const {
+  if (edges_.empty()) return visit_box(dummy_rows, visit);
+  const WallParticles<dim> all = particles(dummy_rows);
+  for (const auto& particle : all.wall) visit(particle, true);
+  for (const auto& particle : all.dummy) visit(particle, false);
 }
 
 /// Places layer particles around the box, on all sides that have a wall. The layer of a cell is its distance
 /// from the box in cells.
 template <int dim>
-WallParticles<dim> TankShape<dim>::box_particles(int dummy_rows) const {
+void TankShape<dim>::visit_box(int dummy_rows, const VisitParticle& visit) const {
   std::array<long, 3> cells{1, 1, 1}, before{0, 0, 0}, behind{0, 0, 0};
   for (int d = 0; d < dim; ++d) {
     const auto k = static_cast<std::size_t>(d);
@@ -103,12 +115,14 @@ WallParticles<dim> TankShape<dim>::box_particles(int dummy_rows) const {
     before[k] = 1 + dummy_rows;
     if (d != 1 || !open_top_) behind[k] = 1 + dummy_rows;
   }
-  WallParticles<dim> all;
   const double face = std::pow(spacing_, dim - 1);
   std::array<long, 3> c{};
+  const auto is_inside = [&](std::size_t d) { return d >= dim || (c[d] >= 0 && c[d] < cells[d]); };
   for (c[2] = -before[2]; c[2] < cells[2] + behind[2]; ++c[2])
     for (c[1] = -before[1]; c[1] < cells[1] + behind[1]; ++c[1])
       for (c[0] = -before[0]; c[0] < cells[0] + behind[0]; ++c[0]) {
+        if (c[0] == 0 && is_inside(1) && is_inside(2)) c[0] = cells[0];  // past the inside of the box
+        if (c[0] >= cells[0] + behind[0]) break;
         long layer = 0;
         int sides = 0;
         WallParticle<dim> particle;
@@ -127,9 +141,8 @@ WallParticles<dim> TankShape<dim>::box_particles(int dummy_rows) const {
         particle.floor = c[1] < 0;
         if (sides > 1) particle.normal.setZero();
         particle.area = face * particle.normal;
-        (layer == 1 ? all.wall : all.dummy).push_back(particle);
+        visit(particle, layer == 1);
       }
-  return all;
 }
 
 template <int dim>

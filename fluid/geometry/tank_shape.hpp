@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +47,10 @@ class TankShape {
   explicit TankShape(const Parameters&);
 
   WallParticles<dim> particles(int dummy_rows) const;
+  /// Calls visit(particle, is in the first layer) for the same particles, each layer in the same order. Those
+  /// of a box are not stored.
+  using VisitParticle = std::function<void(const WallParticle<dim>&, bool)>;
+  void for_each_particle(int dummy_rows, const VisitParticle& visit) const;
   /// Distance to the nearest wall [m], negative behind it. Open and periodic sides are no walls.
   double distance(const Vector<dim>& x) const;
   /// Whether x lies between the walls, or above an open side.
@@ -84,7 +89,7 @@ class TankShape {
     double distance = 0;
     bool inside = false;
   };
-  WallParticles<dim> box_particles(int dummy_rows) const;
+  void visit_box(int dummy_rows, const VisitParticle& visit) const;
   WallParticles<dim> polygon_particles(int dummy_rows) const;
   Nearest nearest(const Vector<dim>& x, bool walls_alone) const;
   bool joins(std::size_t edge) const;  // a wall goes on at the edge's end

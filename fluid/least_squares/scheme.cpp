@@ -72,6 +72,16 @@ void LeastSquaresScheme<dim>::set_water(const StepData<dim>& step) {
 }
 
 template <int dim>
+void LeastSquaresScheme<dim>::set_layers(const StepData<dim>& step) {
+  ranks_ = step.ranks;
+  walls_ = WallContact<dim>(step.boundary, step.state, p_.spacing);
+  const std::int64_t layers = step.state.position.cols() - step.boundary.water();
+  wall_.mean_velocity.setZero(dim, layers);
+  wall_.cover.setZero(layers);
+  resize(step.boundary.water());
+}
+
+template <int dim>
 bool LeastSquaresScheme<dim>::may_substep(const StepData<dim>& step, double dt) const {
   return p_.sound_speed * dt <= p_.spacing && !step.boundary.tank().moves();
 }

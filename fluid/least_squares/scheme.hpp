@@ -54,6 +54,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   }
   void begin(StepData<dim>&) override;
   void set_water(const StepData<dim>&) override;
+  void set_layers(const StepData<dim>&) override;
   void measure(StepData<dim>&) override;
   void predict(StepData<dim>&) override;
   void assemble(StepData<dim>&, PressureSystem&) override;

@@ -7,8 +7,6 @@ namespace strake::fluid {
 
 namespace {
 
-/// Rings of buckets around the own ones whose water a rank has.
-constexpr std::int32_t rings = 2;
 /// Largest number of a bucket; places beyond belong to the last.
 constexpr std::int32_t most = 1 << 20;
 constexpr int bits = 21;
@@ -93,8 +91,21 @@ int Buckets<dim>::owner(const Bucket& bucket, const RankBoxes& boxes, int first)
   return boxes.owns(first, at) ? first : boxes.owner(at);
 }
 
+/// Whether the bucket is farther than so many rings from a box of `place`, which six numbers give. Most
+/// buckets of a long wall are. Along a periodic direction none counts as far.
 template <int dim>
-bool Buckets<dim>::is_near(const Bucket& bucket, const RankBoxes& boxes, int rank) const {
+bool Buckets<dim>::is_far(const Bucket& bucket, std::span<const double> box, std::int32_t rings) const {
+  const std::array<double, 3> at = place(bucket);
+  const double turns = slope * (std::max({count_[0], count_[1], count_[2]}) + rings),
+               past = rings + 2 * turns;
+  for (std::size_t d = 0; d < dim; ++d)
+    if (count_[d] == 0 && (at[d] + past < box[d] || at[d] - past > box[3 + d])) return true;
+  return false;
+}
+
+template <int dim>
+bool Buckets<dim>::is_near(const Bucket& bucket, const RankBoxes& boxes, int rank, std::int32_t rings) const {
+  if (is_far(bucket, boxes.values().subspan(6 * static_cast<std::size_t>(rank), 6), rings)) return false;
   const std::int32_t deep = dim == 3 ? rings : 0;
   for (std::int32_t z = -deep; z <= deep; ++z)
     for (std::int32_t y = -rings; y <= rings; ++y)
@@ -107,6 +118,7 @@ bool Buckets<dim>::is_near(const Bucket& bucket, const RankBoxes& boxes, int ran
 template <int dim>
 void Buckets<dim>::find_wanting(const Bucket& bucket, const RankBoxes& boxes, int own,
                                 std::vector<Wanting>& ranks) const {
+  constexpr std::int32_t rings = ghost_rings;
   const std::int32_t deep = dim == 3 ? rings : 0;
   const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
     return Bucket{bucket[0] + x, bucket[1] + y, bucket[2] + z};

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace strake::fluid {
@@ -47,13 +48,16 @@ class Buckets {
   }
   /// Returns the rank whose box has the bucket. first: the rank to look at first.
   static int owner(const Bucket&, const RankBoxes&, int first);
-  /// Whether a bucket, or one in the two rings around it, belongs to that rank.
-  bool is_near(const Bucket&, const RankBoxes&, int rank) const;
+  /// Rings of buckets around the own ones whose water a rank has.
+  static constexpr std::int32_t ghost_rings = 2;
+  /// Whether a bucket, or one in so many rings around it, belongs to that rank.
+  bool is_near(const Bucket&, const RankBoxes&, int rank, std::int32_t rings = ghost_rings) const;
   /// Finds the other ranks that want a bucket of rank `own`.
   void find_wanting(const Bucket&, const RankBoxes&, int own, std::vector<Wanting>&) const;
 
  private:
   Bucket wrapped(Bucket) const;
+  bool is_far(const Bucket&, std::span<const double> box, std::int32_t rings) const;
   Vector<dim> corner_, size_;            // [m]
   std::array<std::int32_t, 3> count_{};  // along periodic directions; 0: without an end
 };

@@ -32,11 +32,12 @@ struct Address {
 
 template <int dim>
 Subdomain<dim>::Subdomain(Communicator& communicator, Partition partition, const Buckets<dim>& buckets,
-                          double slack)
+                          double slack, TankLayers<dim> tank)
     : communicator_(&communicator),
       partition_(std::move(partition)),
       buckets_(buckets),
       slack_(slack),
+      tank_(std::move(tank)),
       division_(std::make_shared<Division>()) {}
 
 /// Makes the boxes of the ranks from the work in the buckets.
@@ -53,12 +54,14 @@ void Subdomain<dim>::balance(State<dim>& state) const {
     }
     weight[found->second] += work;
   };
-  const std::int64_t water = state.position.cols() - layers_;
+  const std::int64_t water = local_water();
   for (std::int64_t i = 0; i < water; ++i)
     if (owns(i)) add(buckets_.of(state.position.col(i)), work_of_water);
-  // All ranks have all layer particles; each counts a part of them.
-  for (std::int64_t i = water + communicator_->rank(); i < state.position.cols(); i += communicator_->size())
-    add(buckets_.of(state.position.col(i)), work_of_layer);
+  // Before the first division all ranks have all layer particles; each counts a part of them.
+  const bool have_all = division_->layer_owner.empty();
+  for (std::int64_t i = water; i < state.position.cols(); ++i)
+    if (have_all ? i % communicator_->size() == communicator_->rank() : owns(i))
+      add(buckets_.of(state.position.col(i)), work_of_layer);
   const std::vector<double> boxes = partition_(*communicator_, centre, weight);
   state.rank_boxes = Eigen::Map<const Eigen::VectorXd>(boxes.data(), std::ssize(boxes));
 }
@@ -146,7 +149,7 @@ void Subdomain<dim>::append_particles(State<dim>& state, const std::vector<Bytes
 template <int dim>
 void Subdomain<dim>::migrate(State<dim>& state, Division& next) const {
   const Division& now = *division_;
-  const std::int64_t water = local_water();
+  const std::int64_t water = local_water(), layers = std::ssize(now.layer_number);
   const int own = communicator_->rank();
   std::vector<std::vector<std::int32_t>> leaves(static_cast<std::size_t>(communicator_->size()));
   std::vector<std::int32_t> stays;
@@ -163,7 +166,7 @@ void Subdomain<dim>::migrate(State<dim>& state, Division& next) const {
   }
   append_particles(state, arrived, next);
   std::vector<std::int32_t> from = stays;
-  for (const std::int32_t i : numbers(water + layers_, std::ssize(next.place) - std::ssize(stays)))
+  for (const std::int32_t i : numbers(water + layers, std::ssize(next.place) - std::ssize(stays)))
     from.push_back(i);
   std::vector<std::int32_t> order = numbers(0, std::ssize(from)), list;
   const auto by_place = [&](std::int32_t k) { return next.place[static_cast<std::size_t>(k)]; };
@@ -176,16 +179,18 @@ void Subdomain<dim>::migrate(State<dim>& state, Division& next) const {
     sorted.bucket.push_back(next.bucket[at]);
   }
   sorted.owner.assign(sorted.place.size(), own);
-  for (const std::int32_t i : numbers(water, layers_)) list.push_back(i);
+  for (const std::int32_t i : numbers(water, layers)) list.push_back(i);
   select_particles<dim>(state, list);
   next = std::move(sorted);
+  next.layer_number = now.layer_number;
+  next.layer_bucket = now.layer_bucket;
 }
 
 /// Adds the copies of other ranks' water, and lists who sends what.
 template <int dim>
 void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
   const auto ranks = static_cast<std::size_t>(communicator_->size());
-  const std::int64_t own = std::ssize(next.place);
+  const std::int64_t own = std::ssize(next.place), layers = std::ssize(next.layer_number);
   std::vector<std::vector<std::int32_t>> send(ranks), send_near(ranks);
   std::vector<Bytes> nearness(ranks);
   const std::vector<Wanting>* wanting = nullptr;
@@ -213,9 +218,9 @@ void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
     sorted.bucket.push_back(next.bucket[at]);
     sorted.owner.push_back(next.owner[at]);
     sorted.owned.push_back(k < own ? 1 : 0);
-    list.push_back(static_cast<std::int32_t>(k < own ? k : k + layers_));
+    list.push_back(static_cast<std::int32_t>(k < own ? k : k + layers));
   }
-  for (const std::int32_t i : numbers(own, layers_)) list.push_back(i);
+  for (const std::int32_t i : numbers(own, layers)) list.push_back(i);
   select_particles<dim>(state, list);
 
   sorted.ghosts.clear(communicator_->size());
@@ -236,6 +241,8 @@ void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
   for (std::size_t k = 0; k < sorted.outer.size(); ++k) sorted.outer[k] = sorted.owned[k] ? 0 : 1;
   for (const auto& list : sorted.near.receive)
     for (const std::int32_t i : list) sorted.outer[static_cast<std::size_t>(i)] = 0;
+  sorted.layer_number = std::move(next.layer_number);
+  sorted.layer_bucket = std::move(next.layer_bucket);
   next = std::move(sorted);
 }
 
@@ -244,25 +251,24 @@ void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
   refresh_layers(state);
   const bool has_boxes = state.rank_boxes.size() == 6 * communicator_->size();
   if (balance_again || !has_boxes) balance(state);
-  if (!std::ranges::equal(boxes_.values(), state.rank_boxes)) {
+  const bool anew = !std::ranges::equal(boxes_.values(), state.rank_boxes);
+  if (anew) {
     boxes_.assign({state.rank_boxes.data(), static_cast<std::size_t>(state.rank_boxes.size())});
     wanted_by_.clear();
     is_near_.clear();
   }
-  Division next;
-  if (is_read() && division_->buckets_hold) {
-    next.layer_bucket = division_->layer_bucket;  // the buckets that were read hold
-  } else {
+  if (!is_read() || !division_->buckets_hold) {  // else the buckets that were read hold
     auto now = std::make_shared<Division>(*division_);
     for (std::size_t i = 0; i < now->bucket.size(); ++i)
       if (now->owned[i]) now->bucket[i] = buckets_.of(state.position.col(static_cast<Eigen::Index>(i)));
+    for (std::size_t k = 0; k < now->layer_bucket.size(); ++k)
+      now->layer_bucket[k] = buckets_.of(state.position.col(local_water() + static_cast<Eigen::Index>(k)));
     division_ = std::move(now);
   }
-  std::vector<Bucket> layer_bucket = std::move(next.layer_bucket);
-  next = {};
+  Division next;
   migrate(state, next);
+  choose_layers(state, next, anew || is_read());
   copy_ghosts(state, next);
-  next.layer_bucket = std::move(layer_bucket);
   find_layer_owners(state, next);
   division_ = std::make_shared<Division>(std::move(next));
 }
@@ -296,15 +302,14 @@ State<dim> Subdomain<dim>::join(const State<dim>& state, const Division& divisio
   const bool same_layers = division.layer_owner.empty();
   std::vector<std::int32_t> own;
   Bytes bytes;
-  for (std::int64_t i = 0; i < first + layers_; ++i) {
+  for (std::int64_t i = 0; i < first + std::ssize(division.layer_number); ++i) {
     const auto at = static_cast<std::size_t>(i);
     if (i >= first && same_layers ? communicator_->rank() != 0 : division.owned[at] == 0) continue;
     own.push_back(static_cast<std::int32_t>(i));
     const auto layer = static_cast<std::size_t>(i - first);
-    append(bytes, i < first
-                      ? Address{division.place[at], division.bucket[at]}
-                      : Address{water_of_whole_ + i - first,
-                                division.layer_bucket.empty() ? Bucket{} : division.layer_bucket[layer]});
+    append(bytes,
+           i < first ? Address{division.place[at], division.bucket[at]}
+                     : Address{water_of_whole_ + division.layer_number[layer], division.layer_bucket[layer]});
   }
   pack_particles<dim>(state, own, bytes);
   State<dim> whole;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <unordered_map>
@@ -26,7 +27,8 @@ struct Division {
   std::vector<int> owner;           // of each water particle
   std::vector<std::uint8_t> owned;  // of each particle: by this rank
   std::vector<std::uint8_t> outer;  // of each water particle: a ghost of the second ring, without a row
-  std::vector<Bucket> layer_bucket;
+  std::vector<std::int64_t> layer_number;  // of each layer particle in the whole, ascending
+  std::vector<Bucket> layer_bucket;        // of each layer particle
   bool buckets_hold = false;               // they were read with the state
   std::vector<int> layer_owner;            // of each layer particle; empty: all ranks have the same values
   std::vector<std::uint8_t> layer_absent;  // of each layer particle: far from all water of this rank
@@ -34,10 +36,20 @@ struct Division {
   Halo layers;                             // copies of other ranks' layer particles, from the first of them
 };
 
+/// The layer particles of the tank, which come before those of bodies.
+template <int dim>
+struct TankLayers {
+  std::int64_t count = 0;  // in the whole
+  /// Calls visit(number, place, is in the first layer) for all of them, in any order. Empty: the tank moves,
+  /// and each rank has them all.
+  std::function<void(const std::function<void(std::int64_t, const Vector<dim>&, bool)>& visit)> for_each;
+};
+
 /// The particles of one rank. Each bucket, with the water and the layer particles in it, has one rank as its
 /// owner. A rank has the water of its own buckets, and copies of the water in the two rings of buckets around
-/// them: its ghosts. It has the layer particles of all walls and bodies; those far from its
-/// water have no pairs.
+/// them: its ghosts. It has the layer particles of all bodies, and of a tank at rest those in
+/// the same buckets, with the first layers that they extend. Layer particles far from its water have no
+/// pairs.
 ///
 /// Two rings are enough for two sums over neighbours in turn. The first sum is over own particles and the
 /// first ring; those of the second ring are in the rows of others, and have none. A layer particle beside
@@ -51,7 +63,7 @@ template <int dim>
 class Subdomain {
  public:
   /// slack: how far a particle may be outside its bucket, in widths.
-  Subdomain(Communicator&, Partition, const Buckets<dim>&, double slack);
+  Subdomain(Communicator&, Partition, const Buckets<dim>&, double slack, TankLayers<dim>);
 
   Communicator& communicator() const { return *communicator_; }
   const Buckets<dim>& buckets() const { return buckets_; }
@@ -102,7 +114,9 @@ class Subdomain {
   }
   std::int64_t local_water() const { return std::ssize(division_->place); }
   std::int64_t water_of_whole() const { return water_of_whole_; }
-  std::int64_t layers() const { return layers_; }
+  std::int64_t layers_of_whole() const { return layers_; }
+  /// Numbers of the tank's layer particles that this rank has.
+  std::span<const std::int64_t> tank_layers() const { return tank_layers(*division_); }
 
   /// Gives the ghosts the values of their owners. A column has one entry per particle, of the water at least.
   template <class Column>
@@ -123,9 +137,9 @@ class Subdomain {
                              first_byte(column) + static_cast<std::size_t>(first) * bytes_of_entry(column),
                              bytes_of_entry(column));
   }
-  /// Gives all layer particles the vectors of their owners, most of which are zero. The first is in column
-  /// `first`.
-  void gather_layers(Vectors<dim>&, std::int64_t first) const;
+  /// Gives the layer particles of bodies, which are the last ones, the vectors of their owners. Most of them
+  /// are zero.
+  void gather_bodies(Vectors<dim>&) const;
 
  private:
   void balance(State<dim>&) const;
@@ -137,16 +151,22 @@ class Subdomain {
                                         std::span<const std::vector<std::int32_t>>) const;
   void append_particles(State<dim>&, const std::vector<Bytes>&, Division&) const;
   void migrate(State<dim>&, Division&) const;
+  void choose_layers(State<dim>&, Division&, bool anew);
+  std::vector<Bytes> send_tank_layers(const State<dim>&, std::int64_t first);
+  std::vector<std::int32_t> list_near_layers(State<dim>&, Division&) const;
   void copy_ghosts(State<dim>&, Division&);
   void find_layer_owners(const State<dim>&, Division&);
-  std::vector<std::vector<std::int32_t>> layers_by_rank(const Division&) const;
   void refresh_layers(State<dim>&) const;
+  std::span<const std::int64_t> tank_layers(const Division& of) const {
+    return {of.layer_number.begin(), std::ranges::lower_bound(of.layer_number, tank_.count)};
+  }
 
   Communicator* communicator_;
   Partition partition_;
   Buckets<dim> buckets_;
   double slack_;
-  std::int64_t water_of_whole_ = 0, layers_ = 0;
+  TankLayers<dim> tank_;
+  std::int64_t water_of_whole_ = 0, layers_ = 0;  // in the whole
   RankBoxes boxes_;
   std::shared_ptr<const Division> division_;
   std::unordered_map<std::int64_t, std::vector<Wanting>> wanted_by_;  // of each own bucket
@@ -184,9 +204,9 @@ class RankExchange {
   void update(std::size_t each, const Read& read, const Write& write) const {
     if (own_) own_->update(each, read, write);
   }
-  /// Gives layer particles the values of their owners, see Subdomain.
-  void gather_layers(Vectors<dim>& column, std::int64_t first) const {
-    if (own_) own_->gather_layers(column, first);
+  /// Gives layer particles of bodies the values of their owners, see Subdomain.
+  void gather_bodies(Vectors<dim>& column) const {
+    if (own_) own_->gather_bodies(column);
   }
   template <class Column>
   void update_layers(Column& column, std::int64_t first) const {
@@ -194,6 +214,12 @@ class RankExchange {
   }
   double max(double own) const { return own_ ? own_->communicator().max(own) : own; }
   std::int64_t sum(std::int64_t own) const { return own_ ? own_->communicator().sum(own) : own; }
+  double sum(double own) const {
+    if (!own_) return own;
+    double total = 0;
+    for (const double of : own_->communicator().all(own)) total += of;
+    return total;
+  }
   Vector<dim> sum(const Vector<dim>& own) const {
     if (!own_) return own;
     std::array<double, dim> part;

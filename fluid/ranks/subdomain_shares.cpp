@@ -47,7 +47,10 @@ void Subdomain<dim>::take_share(State<dim>& state) {
   part.owner.assign(part.place.size(), communicator_->rank());
   part.owned.assign(part.place.size(), 1);
   part.owned.resize(part.place.size() + static_cast<std::size_t>(layers_));
-  for (std::int64_t i = water; divided && i < water + layers_; ++i) part.layer_bucket.push_back(noted(i));
+  for (std::int64_t i = water; i < water + layers_; ++i) {
+    part.layer_number.push_back(i - water);
+    part.layer_bucket.push_back(divided ? noted(i) : buckets_.of(state.position.col(i)));
+  }
   state.rank_buckets.clear();
   division_ = std::make_shared<Division>(std::move(part));
 }
@@ -60,16 +63,14 @@ State<dim> Subdomain<dim>::share(const State<dim>& state, const Division& divisi
   std::vector<std::vector<std::int32_t>> list(static_cast<std::size_t>(ranks));
   std::vector<Bytes> to(static_cast<std::size_t>(ranks));
   std::size_t rank = 0;
-  for (std::int64_t i = 0; i < water + layers_; ++i) {  // in the order of the whole
+  for (std::int64_t i = 0; i < water + std::ssize(division.layer_number); ++i) {  // in the order of the whole
     const auto at = static_cast<std::size_t>(i), layer = static_cast<std::size_t>(i - water);
     if (i >= water && same_layers ? own != 0 : division.owned[at] == 0) continue;
-    const std::int64_t place = i < water ? division.place[at] : water_of_whole_ + i - water;
+    const std::int64_t place =
+        i < water ? division.place[at] : water_of_whole_ + division.layer_number[layer];
     while (place >= begin_of_share(all, ranks, static_cast<std::int64_t>(rank) + 1)) ++rank;
     list[rank].push_back(static_cast<std::int32_t>(i));
-    const Bucket& bucket = i < water     ? division.bucket[at]
-                           : same_layers ? Bucket{}
-                                         : division.layer_bucket[layer];
-    append(to[rank], Placed{place, key_of(bucket)});
+    append(to[rank], Placed{place, key_of(i < water ? division.bucket[at] : division.layer_bucket[layer])});
   }
   for (std::size_t r = 0; r < to.size(); ++r) pack_particles<dim>(state, list[r], to[r]);
 

@@ -37,6 +37,8 @@ class FluidScheme {
   virtual void begin(StepData<dim>&) {}
   /// Takes on another number of water particles, before `measure`. Nothing of an earlier step is kept.
   virtual void set_water(const StepData<dim>&) {}
+  /// The same, with other layer particles of the tank as well.
+  virtual void set_layers(const StepData<dim>&) {}
   /// Whether steps of dt may share one configuration (acoustic_substepping.hpp).
   virtual bool may_substep(const StepData<dim>&, double) const { return false; }
   /// Memory that the scheme does not need before `measure`; the viscous stage uses it.

@@ -8,11 +8,23 @@
 
 namespace strake::fluid {
 
+namespace {
+
+/// Returns the part of a face of that length that lies within the reach of a sensor, `away` from its middle
+/// [m]. Whole faces would shift the sensor's middle by up to half a face. On a slope that is a change of
+/// pressure.
+double covered_part(double away, double length, double reach) {
+  const double covered = std::min(away + 0.5 * length, reach) - std::max(away - 0.5 * length, -reach);
+  return std::clamp(covered / length, 0.0, 1.0);
+}
+
+}  // namespace
+
 template <int dim>
 void Simulation<dim>::Work::take_load(Load<dim> load) {
   State<dim>& state = step.state;
   const Boundary<dim>& boundary = step.boundary;
-  step.ranks.gather_layers(load.on_layers, boundary.water());
+  step.ranks.gather_bodies(load.on_layers);
   const LayerForces<dim>& forces = load.on_layers;
   on_points = gather_on_points<dim>(forces, boundary);
   if (air) air->add_load(step, on_points);
@@ -20,13 +32,38 @@ void Simulation<dim>::Work::take_load(Load<dim> load) {
   floor = Vector<dim>::Zero();
   const std::int64_t first = boundary.water();
   on_walls.setZero(dim, boundary.first_of_bodies() - first);
+  const bool several = step.ranks.several();
+  Vector<dim> impulse = several ? Vector<dim>(Vector<dim>::Zero()) : state.impulse_on_walls;
   for (std::int64_t i = first; i < boundary.first_of_bodies(); ++i) {
-    state.impulse_on_walls += step.dt * forces.col(i);
+    if (!step.ranks.owns(i)) continue;
+    impulse += step.dt * forces.col(i);
     const std::int32_t master = boundary.master_of(i);
     on_walls.col((master < 0 ? i : master) - first) += forces.col(i);
     if (boundary.tank().is_floor(i)) floor += forces.col(i);
   }
+  state.impulse_on_walls = several ? Vector<dim>(state.impulse_on_walls + step.ranks.sum(impulse)) : impulse;
+  floor = step.ranks.sum(floor);
   for (Eigen::Index k = 0; k < on_points.cols(); ++k) state.impulse_on_bodies += step.dt * on_points.col(k);
+}
+
+/// On several ranks each adds its own layer particles.
+template <int dim>
+std::array<double, 2> Simulation<dim>::Work::load_on_walls(const Eigen::Vector3d& at, double reach) const {
+  const Boundary<dim>& boundary = step.boundary;
+  double load = 0, area = 0;
+  for (std::int64_t i = boundary.water(); i < boundary.first_of_bodies(); ++i) {
+    if (step.state.kind[static_cast<std::size_t>(i)] != Kind::wall) continue;
+    const Vector<dim> face = boundary.wall_area(step.state, i);  // into the water
+    if (face.norm() == 0) continue;
+    const Vector<dim> normal = face.normalized();
+    Eigen::Vector3d middle = at;  // the sensor moves with the tank
+    middle.template head<dim>() = boundary.tank().face_of(i);
+    const double away = (middle - at).norm();
+    const double part = dim == 2 ? covered_part(away, face.norm(), reach) : (away <= reach ? 1.0 : 0.0);
+    load -= part * on_walls.col(i - boundary.water()).dot(normal);
+    if (step.ranks.owns(i)) area += part * face.norm();
+  }
+  return {step.ranks.sum(load), step.ranks.sum(area)};
 }
 
 template <int dim>
@@ -95,10 +132,11 @@ void Simulation<dim>::Work::finish() {
   ++state.step;
 }
 
-#define STRAKE_INSTANTIATE(dim)                                            \
-  template void Simulation<dim>::Work::take_load(Load<dim>);               \
-  template void Simulation<dim>::Work::remove_lost();                      \
-  template void Simulation<dim>::Work::remove(std::int64_t, std::int64_t); \
+#define STRAKE_INSTANTIATE(dim)                                                                              \
+  template void Simulation<dim>::Work::take_load(Load<dim>);                                                 \
+  template std::array<double, 2> Simulation<dim>::Work::load_on_walls(const Eigen::Vector3d&, double) const; \
+  template void Simulation<dim>::Work::remove_lost();                                                        \
+  template void Simulation<dim>::Work::remove(std::int64_t, std::int64_t);                                   \
   template void Simulation<dim>::Work::finish();
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

@@ -109,8 +109,11 @@ void Simulation<dim>::Work::begin_on_ranks(const Ranks& ranks) {
   const Tank<dim>& tank = step.boundary.tank();
   // Two particles that are so far outside their buckets are still found by the ranks that need them.
   const double reach = step.search.reach(), slack = 0.45 * (1 - step.laplacian_lattice.radius / reach);
-  step.subdomain = std::make_unique<Subdomain<dim>>(
-      *ranks.communicator, ranks.partition, Buckets<dim>(reach, tank.periodic(), tank.shape().low()), slack);
+  TankLayers<dim> layers{.count = tank.layers_of_whole(), .for_each = {}};
+  if (!tank.moves()) layers.for_each = [&tank](const auto& visit) { tank.for_each_layer(visit); };
+  step.subdomain = std::make_unique<Subdomain<dim>>(*ranks.communicator, ranks.partition,
+                                                    Buckets<dim>(reach, tank.periodic(), tank.shape().low()),
+                                                    slack, layers);
   step.ranks = RankExchange<dim>(step.subdomain.get());
   if (ranks.shared_grid)
     shared_pressure =
@@ -123,20 +126,24 @@ template <int dim>
 void Simulation<dim>::Work::take_part() {
   const std::int64_t before = step.subdomain->water_of_whole();
   step.subdomain->take_part(step.state, before > 0 ? before : step.boundary.water());
-  count_water();
+  count_particles();
 }
 
 template <int dim>
-void Simulation<dim>::Work::count_water() {
+void Simulation<dim>::Work::count_particles() {
   step.boundary.set_water(step.subdomain->local_water());
-  scheme->set_water(step);
+  if (!step.boundary.select_tank_layers(step.subdomain->tank_layers(), step.state))
+    return scheme->set_water(step);
+  walls.forget();
+  on_walls.resize(dim, 0);
+  scheme->set_layers(step);
 }
 
 /// Sends particles to the ranks that own them now, and renews the ghosts.
 template <int dim>
 void Simulation<dim>::Work::divide(bool balance) {
   step.subdomain->divide(step.state, balance);
-  count_water();
+  count_particles();
   step.search.invalidate();
 }
 
@@ -271,7 +278,7 @@ Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme& own, std::int64_t
   template void Simulation<dim>::Work::begin_on_ranks(const Ranks&);                            \
   template Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme&, std::int64_t) const; \
   template void Simulation<dim>::Work::take_part();                                             \
-  template void Simulation<dim>::Work::count_water();                                           \
+  template void Simulation<dim>::Work::count_particles();                                       \
   template void Simulation<dim>::Work::divide(bool);                                            \
   template void Simulation<dim>::Work::begin_again();                                           \
   template void Simulation<dim>::Work::forget_ranks();                                          \

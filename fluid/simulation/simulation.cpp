@@ -113,7 +113,7 @@ void Simulation<dim>::restore(const Snapshot& snapshot) {
   w.step.state = snapshot.state;
   if (w.step.subdomain) {
     w.step.subdomain->adopt(snapshot.division);
-    w.step.boundary.set_water(std::ssize(snapshot.division->place));
+    w.count_particles();
   }
   w.begin_again();
 }
@@ -134,14 +134,14 @@ void Simulation<dim>::set_share(State<dim> share) {
   Work& w = *work_;
   w.step.state = std::move(share);
   w.step.subdomain->take_share(w.step.state);
-  w.count_water();
+  w.count_particles();
   w.begin_again();
 }
 
 template <int dim>
 std::int64_t Simulation<dim>::particles() const {
   const Work& w = *work_;
-  return w.step.subdomain ? w.step.subdomain->water_of_whole() + w.step.subdomain->layers()
+  return w.step.subdomain ? w.step.subdomain->water_of_whole() + w.step.subdomain->layers_of_whole()
                           : w.step.state.position.cols();
 }
 
@@ -159,14 +159,6 @@ const RankExchange<dim>& Simulation<dim>::ranks() const {
 template <int dim>
 const std::map<std::string, double>& Simulation<dim>::seconds() const {
   return work_->step.seconds;
-}
-
-/// Returns the part of a face of that length that lies within the reach of a sensor, `away` from its middle
-/// [m]. Whole faces would shift the sensor's middle by up to half a face. On a slope that is a change of
-/// pressure.
-static double covered_part(double away, double length, double reach) {
-  const double covered = std::min(away + 0.5 * length, reach) - std::max(away - 0.5 * length, -reach);
-  return std::clamp(covered / length, 0.0, 1.0);
 }
 
 template <int dim>
@@ -190,19 +182,9 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
     }
     return area > 0 ? load / area : 0.0;
   }
-  if (w.on_walls.cols() == 0) return 0;  // no step yet
-  for (std::int64_t i = w.step.boundary.water(); i < w.step.boundary.first_of_bodies(); ++i) {
-    if (w.step.state.kind[static_cast<std::size_t>(i)] != Kind::wall) continue;
-    const Vector<dim> face = w.step.boundary.wall_area(w.step.state, i);  // into the water
-    if (face.norm() == 0) continue;
-    const Vector<dim> normal = face.normalized();
-    Eigen::Vector3d middle = at;  // the sensor moves with the tank
-    middle.template head<dim>() = w.step.boundary.tank().face_of(i);
-    const double part = dim == 2 ? covered_part((middle - at).norm(), face.norm(), reach) : covers(middle);
-    load -= part * w.on_walls.col(i - w.step.boundary.water()).dot(normal);
-    area += part * face.norm();
-  }
-  return area > 0 ? load / area : 0.0;
+  if (w.step.ranks.sum(w.on_walls.cols()) == 0) return 0;  // no step yet
+  const auto [on_wall, of_wall] = w.load_on_walls(at, reach);
+  return of_wall > 0 ? on_wall / of_wall : 0.0;
 }
 
 template <int dim>

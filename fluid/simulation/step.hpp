@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -34,13 +35,15 @@ struct Simulation<dim>::Work {
   void sort_along_cells();
   void find_stresses();
   void take_load(Load<dim>);
+  /// The load on the part of the walls within that reach of a place [N], and its area [m, m²].
+  std::array<double, 2> load_on_walls(const Eigen::Vector3d& at, double reach) const;
   void remove_lost();
   void remove(std::int64_t i, std::int64_t number);
 
   // On several ranks (ranks.cpp).
   void begin_on_ranks(const Ranks&);
-  void take_part();    // of the whole state
-  void count_water();  // after the water of this rank has changed
+  void take_part();        // of the whole state
+  void count_particles();  // after those of this rank have changed
   void divide(bool balance);
   void begin_again();   // from another state
   void forget_ranks();  // that have written the state

@@ -29,6 +29,8 @@ struct WallLayers {
   std::int64_t size() const { return static_cast<std::int64_t>(master.size()); }
   /// Layer particles without a normal, at rest.
   void resize(std::int64_t first_row, std::int64_t rows);
+  /// Has the next `describe_layers` describe all of them anew.
+  void forget() { first = -1; }
 };
 
 /// Describes the layers of tank and bodies where they are now. slip: of all faces but those of structure

@@ -7,6 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <string>
+
 namespace strake::fluid {
 namespace {
 
@@ -34,13 +39,23 @@ State<dim> on_ranks(const Flow<dim>& flow, int count) {
   return end;
 }
 
+/// Expects the same bits, but in the impulse on walls: ranks add it up one by one.
+template <int dim>
+void expect_same(State<dim> of_ranks, const State<dim>& one, const std::string& what) {
+  EXPECT_LE((of_ranks.impulse_on_walls - one.impulse_on_walls).norm(),
+            1e-12 * (one.impulse_on_walls.norm() + one.impulse_of_gravity.norm()))
+      << what;
+  of_ranks.impulse_on_walls = one.impulse_on_walls;
+  EXPECT_EQ(differences(of_ranks, one), "") << what;
+}
+
 /// Returns the state on one rank.
 template <int dim>
 State<dim> expect_same(const Flow<dim>& flow, const std::vector<int>& ranks = {2, 3, 4}) {
   const State<dim> one = on_one_rank(flow);
   EXPECT_TRUE(one.velocity.allFinite());
   EXPECT_GT(one.velocity.norm(), 0);
-  for (const int count : ranks) EXPECT_EQ(differences(on_ranks(flow, count), one), "") << count << " ranks";
+  for (const int count : ranks) expect_same(on_ranks(flow, count), one, std::to_string(count) + " ranks");
   return one;
 }
 
@@ -135,6 +150,54 @@ TEST(Ranks, EnergyOfTurbulenceInSpaceIsThatOfOneRankToTheLastBit) {
   flow.p.wall = WallSlip::no_slip;
   flow.p.scheme.turbulence = Turbulence::k;
   EXPECT_GT(expect_same(flow, {2, 4}).sps_k.maxCoeff(), 1e-9);
+}
+
+// A column collapses through the cuts. A state that is taken up again has other water on each rank, and other
+// layer particles: the boxes of the ranks have changed meanwhile.
+TEST(Ranks, ARewindOverADivisionIsThatOfOneRankToTheLastBit) {
+  Flow<2> flow{.p = tank_case(0.8, 0.2, 0.01, 0.2), .body = {}, .dt = 5e-4, .steps = 120};
+  flow.p.water.max[0] = -0.2;
+  const State<2> one = on_one_rank(flow);
+  State<2> end;
+  ThreadRanks(3).run([&](Communicator& communicator) {
+    Simulation<2> part(flow.p, flow.body, flow.velocity(), Ranks{&communicator, cut_in_halves});
+    Flow<2> first = flow;
+    first.steps = 40;
+    first.run(part);
+    const auto snapshot = part.snapshot();
+    const auto layers = [&] { return part.ranks().subdomain()->division().layer_number; };
+    const auto before = layers();
+    first.steps = 80;
+    first.run(part);
+    EXPECT_TRUE(communicator.any(layers() != before));
+    part.restore(snapshot);
+    EXPECT_EQ(layers(), before);
+    first.run(part);
+    const State<2> whole = part.whole();
+    if (communicator.rank() == 0) end = whole;
+  });
+  end.rank_boxes.resize(0);
+  end.rank_buckets.clear();
+  expect_same(end, one, "after a rewind");
+}
+
+// A long tank: no rank has most of its walls, but together they have all.
+TEST(Ranks, EachHasTheLayersOfTheTankNearItsWater) {
+  const Flow<3> flow{.p = basin(2.4, 0.12, 0.02, 0.1), .body = {}, .dt = 5e-4, .steps = 1};
+  std::array<std::size_t, 4> layers{}, owned{};
+  std::int64_t of_whole = 0;
+  ThreadRanks(4).run([&](Communicator& communicator) {
+    Simulation<3> part(flow.p, flow.body, flow.velocity(), Ranks{&communicator, cut_in_halves});
+    flow.run(part);
+    const auto r = static_cast<std::size_t>(communicator.rank());
+    const Division& division = part.ranks().subdomain()->division();
+    layers[r] = division.layer_number.size();
+    owned[r] = static_cast<std::size_t>(std::ranges::count(division.layer_owner, communicator.rank()));
+    if (r == 0) of_whole = part.ranks().subdomain()->layers_of_whole();
+  });
+  const auto whole = static_cast<std::size_t>(of_whole);
+  EXPECT_EQ(std::accumulate(owned.begin(), owned.end(), std::size_t{0}), whole);
+  for (const std::size_t count : layers) EXPECT_LT(count, whole / 2);
 }
 
 // The limit of viscosity reads the largest k: ghosts, which lack neighbours, must not set it.
