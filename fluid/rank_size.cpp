@@ -52,8 +52,11 @@ RankSize rank_size(const Parameters& p, std::int64_t water, std::int64_t layers)
   // A position, a velocity, an acceleration and a wall's velocity, and the other columns of a state.
   const double state = 8.0 * (4 * p.dimension + 6) + 11;
   const auto all = static_cast<double>(water + layers);
-  const double of_rank = (1 + ghosts) * all / p.ranks * each + state * static_cast<double>(layers) + process;
-  const double start = 2 * state * all + process;  // each rank makes the whole once
+  const bool moves = p.motion.moves();
+  const double of_rank =
+      (1 + ghosts) * all / p.ranks * each + (moves ? state * static_cast<double>(layers) : 0.0) + process;
+  // Where the water is packed or the tank moves, each rank makes the whole once.
+  const double start = (moves || p.submerged ? 2 * state * all : 0.0) + process;
   return {ghosts, std::max(of_rank, start), std::max(of_rank + voids * all, start)};
 }
 

@@ -57,7 +57,7 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
     if (partner.mass.size()) density_ = partner.mass / std::pow(p.spacing, dim);
   }
   find_masters(tank);
-  check_overlap(tank);
+  check_reach();
   built_ = true;
 }
 

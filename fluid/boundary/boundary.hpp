@@ -46,8 +46,11 @@ template <int dim>
 class Boundary {
  public:
   /// Appends the particles of the bodies to `tank`, which has the water and the tank layers of `fill`. Throws
-  /// Error(case_file) when a body leaves the tank or overlaps the water.
+  /// Error(case_file) when a body leaves the tank.
   Boundary(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, State<dim>& tank);
+
+  /// Throws Error(case_file) when a body overlaps the water.
+  void check_overlap(const State<dim>&) const;
 
   const InterfaceMesh& mesh() const { return mesh_; }
   const BodySurface<dim>& body_surface() const { return body_surface_; }  // empty in volume coupling
@@ -178,7 +181,7 @@ class Boundary {
   void go_beyond(const BodySurface2d::Edge&, bool at_end);
   void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
   void find_masters(const State<dim>&);
-  void check_overlap(const State<dim>&) const;
+  void check_reach() const;
 
   double spacing_, water_density_;
   double reach_, counting_radius_;  // largest radius, and that of the number density [m]

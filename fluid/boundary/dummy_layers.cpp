@@ -130,7 +130,7 @@ void Boundary<dim>::find_masters(const State<dim>& state) {
 }
 
 template <int dim>
-void Boundary<dim>::check_overlap(const State<dim>& state) const {
+void Boundary<dim>::check_reach() const {
   const double slack = 1e-6 * spacing_;
   for (Eigen::Index k = 0; k < mesh_.position.cols(); ++k) {
     const Vector<dim> x = mesh_.position.col(k).template head<dim>();
@@ -140,6 +140,10 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
                   fmt::format("the body reaches ({:.6g}, {:.6g}), outside the tank", x[0], x[1]),
                   "move or shorten the body, or make fluid.tank larger");
   }
+}
+
+template <int dim>
+void Boundary<dim>::check_overlap(const State<dim>& state) const {
   for (std::int64_t i = 0; i < water_; ++i) {
     bool overlap = false;
     if (!body_surface_.empty()) overlap = body_surface_.inside(state.position.col(i));
@@ -158,6 +162,7 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
   template void Boundary<dim>::add_layers(const InterfaceMesh&, State<dim>&);                \
   template void Boundary<dim>::add_solids(const InterfaceMesh&, const Points&, State<dim>&); \
   template void Boundary<dim>::find_masters(const State<dim>&);                              \
+  template void Boundary<dim>::check_reach() const;                                          \
   template void Boundary<dim>::check_overlap(const State<dim>&) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

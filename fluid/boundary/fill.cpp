@@ -4,6 +4,7 @@
 #include "fluid/geometry/tank_polygon.hpp"
 #include "fluid/geometry/tank_shape.hpp"
 #include "fluid/particles/columns.hpp"
+#include "fluid/ranks/ranks.hpp"
 #include "proto/error.hpp"
 #include "proto/geometry/polygon.hpp"
 
@@ -146,6 +147,22 @@ template bool is_water_at<3>(const Parameters&, const Vector<3>&);
 
 namespace {
 
+/// Calls visit(x) for the middles of all cells between the tank's corners.
+template <int dim, class Visit>
+void for_each_cell(const Parameters& p, const TankShape<dim>& tank, const Visit& visit) {
+  std::array<long, 3> cells{1, 1, 1}, c{};
+  for (int d = 0; d < dim; ++d)
+    cells[static_cast<size_t>(d)] = std::lround((tank.high()[d] - tank.low()[d]) / p.spacing);
+  for (c[2] = 0; c[2] < cells[2]; ++c[2])
+    for (c[1] = 0; c[1] < cells[1]; ++c[1])
+      for (c[0] = 0; c[0] < cells[0]; ++c[0]) {
+        Vector<dim> x;
+        for (int d = 0; d < dim; ++d)
+          x[d] = tank.low()[d] + (static_cast<double>(c[static_cast<size_t>(d)]) + 0.5) * p.spacing;
+        visit(x);
+      }
+}
+
 /// Returns the middles of the cells between the tank's walls that are filled with water. Packing also needs
 /// the cells of the air, which are removed afterwards. A cell whose middle lies on a slanted wall is half
 /// water: every other one of each wall is filled.
@@ -154,21 +171,13 @@ std::vector<Vector<dim>> water_places(const Parameters& p, const TankShape<dim>&
                                       const WallParticles<dim>& walls) {
   const auto is_water = [&](const Vector<dim>& x) { return is_water_at<dim>(p, x); };
   const bool packed = !tank.on_lattice();
-  std::array<long, 3> cells{1, 1, 1}, c{};
-  for (int d = 0; d < dim; ++d)
-    cells[static_cast<size_t>(d)] = std::lround((tank.high()[d] - tank.low()[d]) / p.spacing);
   std::vector<Vector<dim>> places;
   std::map<size_t, int> halved;  // by the wall's edge
-  for (c[2] = 0; c[2] < cells[2]; ++c[2])
-    for (c[1] = 0; c[1] < cells[1]; ++c[1])
-      for (c[0] = 0; c[0] < cells[0]; ++c[0]) {
-        Vector<dim> x;
-        for (int d = 0; d < dim; ++d)
-          x[d] = tank.low()[d] + (static_cast<double>(c[static_cast<size_t>(d)]) + 0.5) * p.spacing;
-        if (!packed && !is_water(x)) continue;
-        const auto edge = packed ? tank.slanted_edge_at(x) : std::nullopt;
-        if (edge ? halved[*edge]++ % 2 == 0 : tank.contains(x)) places.push_back(x);
-      }
+  for_each_cell<dim>(p, tank, [&](const Vector<dim>& x) {
+    if (!packed && !is_water(x)) return;
+    const auto edge = packed ? tank.slanted_edge_at(x) : std::nullopt;
+    if (edge ? halved[*edge]++ % 2 == 0 : tank.contains(x)) places.push_back(x);
+  });
   if (!packed) return places;
   if constexpr (dim == 2) pack(places, tank, walls, p.spacing, p.water.max[1]);
   std::erase_if(places, [&](const Vector<dim>& x) { return !is_water(x); });
@@ -182,11 +191,29 @@ std::vector<std::vector<Eigen::Vector3d>> water_shapes(const Parameters& p) {
   return {{p.water.min, p.water.max}};
 }
 
+namespace {
+
+void check_boxes(const Parameters& p) {
+  if (const auto fault = find_box_fault(p))
+    throw Error(ExitCode::case_file, "fluid." + fault->key, "expected " + fault->expected, fault->fix);
+}
+
+template <int dim>
+void add_initial_velocity(const Parameters& p, Eigen::Index water, State<dim>& state) {
+  if (p.initial_velocity.is_zero()) return;
+  for (Eigen::Index k = 0; k < water; ++k) {
+    Eigen::Vector3d x = Eigen::Vector3d::Zero();
+    x.head<dim>() = state.position.col(k);
+    state.velocity.col(k) += p.initial_velocity.at(x).template head<dim>();
+  }
+}
+
+}  // namespace
+
 template <int dim>
 State<dim> fill(const Parameters& parameters) {
   assert(parameters.dimension == dim);
-  if (const auto fault = find_box_fault(parameters))
-    throw Error(ExitCode::case_file, "fluid." + fault->key, "expected " + fault->expected, fault->fix);
+  check_boxes(parameters);
   const TankShape<dim> tank(parameters);
   const WallParticles<dim> walls = tank.particles(dummy_rows(parameters.scheme));
   const std::vector<Vector<dim>> water = water_places<dim>(parameters, tank, walls);
@@ -211,16 +238,41 @@ State<dim> fill(const Parameters& parameters) {
       state.velocity(0, k) -= start.angular_velocity * r[1];
       state.velocity(1, k) += start.angular_velocity * r[0];
     }
-  if (!parameters.initial_velocity.is_zero())
-    for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(water.size()); ++k) {
-      Eigen::Vector3d x = Eigen::Vector3d::Zero();
-      x.head<dim>() = state.position.col(k);
-      state.velocity.col(k) += parameters.initial_velocity.at(x).template head<dim>();
-    }
+  add_initial_velocity<dim>(parameters, static_cast<Eigen::Index>(water.size()), state);
   return state;
+}
+
+template <int dim>
+WaterShare<dim> fill_share(const Parameters& p, int rank, int ranks) {
+  check_boxes(p);
+  const TankShape<dim> tank(p);
+  assert(tank.on_lattice() && !p.motion.moves());
+  const auto for_each_water = [&](const auto& visit) {
+    for_each_cell<dim>(p, tank, [&](const Vector<dim>& x) {
+      if (is_water_at<dim>(p, x) && tank.contains(x)) visit(x);
+    });
+  };
+  WaterShare<dim> share{{}, 0};
+  for_each_water([&](const Vector<dim>&) { ++share.water_of_whole; });
+  const std::int64_t begin = begin_of_share(share.water_of_whole, ranks, rank),
+                     n = begin_of_share(share.water_of_whole, ranks, rank + 1) - begin;
+  State<dim>& state = share.state;
+  resize_particles(state, n);
+  state.kind.assign(static_cast<size_t>(n), Kind::fluid);
+  state.air_connected.assign(static_cast<size_t>(n), 1);
+  std::iota(state.id.begin(), state.id.end(), begin);
+  std::int64_t i = -begin;
+  for_each_water([&](const Vector<dim>& x) {
+    if (i >= 0 && i < n) state.position.col(i) = x;
+    ++i;
+  });
+  add_initial_velocity<dim>(p, n, state);
+  return share;
 }
 
 template State<2> fill<2>(const Parameters&);
 template State<3> fill<3>(const Parameters&);
+template WaterShare<2> fill_share<2>(const Parameters&, int, int);
+template WaterShare<3> fill_share<3>(const Parameters&, int, int);
 
 }  // namespace strake::fluid

@@ -3,6 +3,7 @@
 #include "fluid/parameters/parameters.hpp"
 #include "fluid/particles/state.hpp"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,5 +37,16 @@ bool is_water_at(const Parameters&, const Vector<dim>& x);
 /// where `find_box_fault` finds one. Bodies are added later, by `Simulation`.
 template <int dim>
 State<dim> fill(const Parameters&);
+
+/// The water of one of several ranks at the start, and how much there is on all of them.
+template <int dim>
+struct WaterShare {
+  State<dim> state;  // without layer particles
+  std::int64_t water_of_whole;
+};
+/// Makes the same water for one of several ranks: its share in the order of the whole (`begin_of_share`). All
+/// faces of the tank stand on the lattice.
+template <int dim>
+WaterShare<dim> fill_share(const Parameters&, int rank, int ranks);
 
 }  // namespace strake::fluid

@@ -110,16 +110,17 @@ Tank<dim>::Tank(const Parameters& p, double reach, const State<dim>& filled)
     if (p.periodic[static_cast<std::size_t>(d)]) period[d] = shape_.high()[d] - shape_.low()[d];
   periodic_ = Periodic<dim>(period);
   first_ = std::count(filled.kind.begin(), filled.kind.end(), Kind::fluid);
-  WallParticles<dim> particles = shape_.particles(dummy_rows_);
-  walls_ = walls_of_whole_ = static_cast<std::int64_t>(particles.wall.size());
-  part_ = std::move(particles.wall);
-  part_.insert(part_.end(), particles.dummy.begin(), particles.dummy.end());
-  layers_of_whole_ = static_cast<std::int64_t>(part_.size());
-  last_ = first_ + layers_of_whole_;
-  selected_.resize(part_.size());
-  std::iota(selected_.begin(), selected_.end(), 0);
+  shape_.for_each_particle(dummy_rows_, [&](const WallParticle<dim>&, bool first_layer) {
+    ++layers_of_whole_;
+    walls_of_whole_ += first_layer ? 1 : 0;
+  });
+  // A rank has none of the layers at first.
+  std::vector<std::int64_t> numbers(
+      static_cast<std::size_t>(filled.position.cols() > first_ ? layers_of_whole_ : 0));
+  std::iota(numbers.begin(), numbers.end(), 0);
+  last_ = first_;
+  select(numbers);
   assert(last_ <= filled.position.cols());
-  find_masters();
   if (motion_.moves()) acceleration_.setZero(dim, last_ - first_);
   // Beside the tank, beyond its walls and their reach wherever it moves.
   removed_from_ = shape_.low();

@@ -20,7 +20,8 @@ namespace strake::fluid {
 template <int dim>
 class Tank {
  public:
-  /// filled: water and tank layers of `fill`. reach: largest radius of the scheme [m].
+  /// filled: water and tank layers of `fill`, or water alone (`fill_share`). reach: largest radius of the
+  /// scheme [m].
   Tank(const Parameters&, double reach, const State<dim>& filled);
 
   const TankShape<dim>& shape() const { return shape_; }

@@ -38,11 +38,18 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
       oblique_(has_oblique_faces(boundary)) {
   images_.factor = image_factor();
   const std::int64_t water = boundary.water();
-  full_ = boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
-          static_cast<double>(water) * std::pow(p.spacing, dim) >
-              (1 - least_squares_constants().gap) * boundary.tank().shape().volume();
+  full_ = is_full(boundary, state, water);
   wall_.mean_velocity.setZero(dim, state.position.cols() - water);
   wall_.cover.setZero(state.position.cols() - water);
+}
+
+/// Whether that much water fills a closed tank without a body.
+template <int dim>
+bool LeastSquaresScheme<dim>::is_full(const Boundary<dim>& boundary, const State<dim>& state,
+                                      std::int64_t water) const {
+  return boundary.first_of_bodies() == static_cast<std::int64_t>(state.kind.size()) &&
+         static_cast<double>(water) * std::pow(p_.spacing, dim) >
+             (1 - least_squares_constants().gap) * boundary.tank().shape().volume();
 }
 
 /// Makes room for that many water particles.
@@ -78,6 +85,7 @@ void LeastSquaresScheme<dim>::set_layers(const StepData<dim>& step) {
   const std::int64_t layers = step.state.position.cols() - step.boundary.water();
   wall_.mean_velocity.setZero(dim, layers);
   wall_.cover.setZero(layers);
+  full_ = is_full(step.boundary, step.state, step.subdomain->water_of_whole());
   resize(step.boundary.water());
 }
 

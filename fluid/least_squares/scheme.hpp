@@ -223,6 +223,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void for_each_image(std::int64_t i, const Visit&) const;
   double surface_share(double m) const;
   void resize(std::int64_t water);
+  bool is_full(const Boundary<dim>&, const State<dim>&, std::int64_t water) const;
   /// Whether particle i starts deeper than two rows in packed water.
   bool starts_under_level(const State<dim>&, std::int64_t i) const;
   double fit_surface(std::int64_t i, const ParticleSums&);

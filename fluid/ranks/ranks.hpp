@@ -3,12 +3,19 @@
 #include "fluid/ranks/shared_grid.hpp"
 #include "proto/ranks/communicator.hpp"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
 namespace strake::fluid {
+
+/// Returns the first entry of a rank's share where so many entries are divided evenly, in their order; of a
+/// rank behind the last one, their number.
+inline std::int64_t begin_of_share(std::int64_t entries, std::int64_t ranks, std::int64_t rank) {
+  return entries / ranks * rank + entries % ranks * rank / ranks;
+}
 
 /// Divides space into one box per rank, by the work in it. centres: 3×b, of the own buckets of this rank;
 /// weights: work of each. Returns six numbers per rank, the lower and the upper corner of its box. The boxes

@@ -57,8 +57,12 @@ void Subdomain<dim>::balance(State<dim>& state) const {
   const std::int64_t water = local_water();
   for (std::int64_t i = 0; i < water; ++i)
     if (owns(i)) add(buckets_.of(state.position.col(i)), work_of_water);
-  // Before the first division all ranks have all layer particles; each counts a part of them.
-  const bool have_all = division_->layer_owner.empty();
+  // Before the first division all ranks have the same layer particles; each counts a part of them.
+  const bool have_all = is_read();
+  if (have_all && tank_layers().empty() && tank_.for_each)
+    tank_.for_each([&](std::int64_t number, const Vector<dim>& place, bool) {
+      if (number % communicator_->size() == communicator_->rank()) add(buckets_.of(place), work_of_layer);
+    });
   for (std::int64_t i = water; i < state.position.cols(); ++i)
     if (have_all ? i % communicator_->size() == communicator_->rank() : owns(i))
       add(buckets_.of(state.position.col(i)), work_of_layer);
@@ -299,7 +303,7 @@ void Subdomain<dim>::sort_along_cells(const State<dim>& state, double size) {
 template <int dim>
 State<dim> Subdomain<dim>::join(const State<dim>& state, const Division& division) const {
   const std::int64_t first = std::ssize(division.place);
-  const bool same_layers = division.layer_owner.empty();
+  const bool same_layers = !division.is_divided();
   std::vector<std::int32_t> own;
   Bytes bytes;
   for (std::int64_t i = 0; i < first + std::ssize(division.layer_number); ++i) {

@@ -30,10 +30,13 @@ struct Division {
   std::vector<std::int64_t> layer_number;  // of each layer particle in the whole, ascending
   std::vector<Bucket> layer_bucket;        // of each layer particle
   bool buckets_hold = false;               // they were read with the state
-  std::vector<int> layer_owner;            // of each layer particle; empty: all ranks have the same values
+  std::vector<int> layer_owner;            // of each layer particle
   std::vector<std::uint8_t> layer_absent;  // of each layer particle: far from all water of this rank
   Halo ghosts, near;                       // copies of other ranks' water; those in the first ring alone
   Halo layers;                             // copies of other ranks' layer particles, from the first of them
+
+  /// Whether each particle has an owner. Before, all ranks have the same layer particles.
+  bool is_divided() const { return !ghosts.send.empty(); }
 };
 
 /// The layer particles of the tank, which come before those of bodies.
@@ -78,10 +81,13 @@ class Subdomain {
   std::vector<std::array<std::int64_t, 2>> ranges_of_part() const;
   /// The same as `take_part` with a state that holds those ranges alone.
   void take_share(State<dim>&);
+  /// The same at the start, with a share of that much water and the layer particles of bodies, but none of
+  /// the tank. Numbers the latter (State::id).
+  void take_start(State<dim>&, std::int64_t water);
   /// Goes back to a division that was noted with that state.
   void adopt(std::shared_ptr<const Division> division) { division_ = std::move(division); }
   /// Whether the part is that of a state that has just been read.
-  bool is_read() const { return division_->ghosts.send.empty(); }
+  bool is_read() const { return !division_->is_divided(); }
   /// Whether the water is to be divided anew: a particle has left its bucket. All ranks agree.
   bool is_due(const State<dim>&) const;
   /// Sorts the water of all ranks along cells of that width [m], as on one rank: gives it new places.
@@ -110,7 +116,7 @@ class Subdomain {
   bool has(const Vector<dim>& place) const { return owner_of(buckets_.of(place)) == communicator_->rank(); }
   /// Whether this rank writes it: it owns it, or all ranks have the same and this is the first one.
   bool shows(std::int64_t i) const {
-    return i >= local_water() && division_->layer_owner.empty() ? communicator_->rank() == 0 : owns(i);
+    return i >= local_water() && is_read() ? communicator_->rank() == 0 : owns(i);
   }
   std::int64_t local_water() const { return std::ssize(division_->place); }
   std::int64_t water_of_whole() const { return water_of_whole_; }

@@ -138,7 +138,7 @@ void Subdomain<dim>::choose_layers(State<dim>& state, Division& next, bool anew)
   if (!tank_.for_each) return;
   const std::int64_t first = std::ssize(next.place);
   std::vector<Bytes> arrived;
-  if (!division_->layer_owner.empty()) arrived = send_tank_layers(state, first);
+  if (!is_read()) arrived = send_tank_layers(state, first);
   if (anew) {
     std::vector<std::int32_t> list(static_cast<std::size_t>(first));
     std::iota(list.begin(), list.end(), 0);
@@ -186,8 +186,8 @@ void Subdomain<dim>::gather_bodies(Vectors<dim>& column) const {
 /// Gives the layer particles that all ranks have all data of their owners.
 template <int dim>
 void Subdomain<dim>::refresh_layers(State<dim>& state) const {
+  if (is_read()) return;
   const std::vector<int>& owner = division_->layer_owner;
-  if (owner.empty()) return;
   std::vector<std::vector<std::int32_t>> layers_of(static_cast<std::size_t>(communicator_->size()));
   for (std::size_t k = tank_.for_each ? tank_layers().size() : 0; k < owner.size(); ++k)
     layers_of[static_cast<std::size_t>(owner[k])].push_back(

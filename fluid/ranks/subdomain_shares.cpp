@@ -10,11 +10,6 @@ namespace strake::fluid {
 
 namespace {
 
-/// First entry of the share of a rank; of a rank behind the last one, their number.
-std::int64_t begin_of_share(std::int64_t entries, std::int64_t ranks, std::int64_t rank) {
-  return entries / ranks * rank + entries % ranks * rank / ranks;
-}
-
 /// What goes with a particle to the rank that writes it, before its columns.
 struct Placed {
   std::int64_t place, bucket;
@@ -30,10 +25,21 @@ std::vector<std::array<std::int64_t, 2>> Subdomain<dim>::ranges_of_part() const 
 }
 
 template <int dim>
+void Subdomain<dim>::take_start(State<dim>& state, std::int64_t water) {
+  const std::int64_t ranks = communicator_->size(), rank = communicator_->rank(),
+                     own = begin_of_share(water, ranks, rank + 1) - begin_of_share(water, ranks, rank);
+  water_of_whole_ = water;
+  layers_ = tank_.count + state.position.cols() - own;
+  take_share(state);
+  for (std::size_t k = 0; k < division_->layer_number.size(); ++k)
+    state.id[static_cast<std::size_t>(own) + k] = water + division_->layer_number[k];
+}
+
+template <int dim>
 void Subdomain<dim>::take_share(State<dim>& state) {
   const auto [begin, end] = ranges_of_part().front();
-  const std::int64_t water = end - begin;
-  const bool divided = std::ssize(state.rank_buckets) == water + layers_ &&
+  const std::int64_t water = end - begin, layers = state.position.cols() - water;
+  const bool divided = std::ssize(state.rank_buckets) == water + layers &&
                        state.rank_boxes.size() == 6 * communicator_->size();
   const auto noted = [&](std::int64_t i) {
     return bucket_with(state.rank_buckets[static_cast<std::size_t>(i)]);
@@ -46,9 +52,9 @@ void Subdomain<dim>::take_share(State<dim>& state) {
   part.buckets_hold = divided;
   part.owner.assign(part.place.size(), communicator_->rank());
   part.owned.assign(part.place.size(), 1);
-  part.owned.resize(part.place.size() + static_cast<std::size_t>(layers_));
-  for (std::int64_t i = water; i < water + layers_; ++i) {
-    part.layer_number.push_back(i - water);
+  part.owned.resize(part.place.size() + static_cast<std::size_t>(layers));
+  for (std::int64_t i = water; i < water + layers; ++i) {
+    part.layer_number.push_back(layers_ - layers + i - water);
     part.layer_bucket.push_back(divided ? noted(i) : buckets_.of(state.position.col(i)));
   }
   state.rank_buckets.clear();
@@ -59,7 +65,7 @@ template <int dim>
 State<dim> Subdomain<dim>::share(const State<dim>& state, const Division& division) const {
   const std::int64_t water = std::ssize(division.place), all = water_of_whole_ + layers_,
                      ranks = communicator_->size(), own = communicator_->rank();
-  const bool same_layers = division.layer_owner.empty();
+  const bool same_layers = !division.is_divided();
   std::vector<std::vector<std::int32_t>> list(static_cast<std::size_t>(ranks));
   std::vector<Bytes> to(static_cast<std::size_t>(ranks));
   std::size_t rank = 0;
@@ -98,6 +104,7 @@ State<dim> Subdomain<dim>::share(const State<dim>& state, const Division& divisi
 #define STRAKE_INSTANTIATE(dim)                                                             \
   template std::vector<std::array<std::int64_t, 2>> Subdomain<dim>::ranges_of_part() const; \
   template void Subdomain<dim>::take_share(State<dim>&);                                    \
+  template void Subdomain<dim>::take_start(State<dim>&, std::int64_t);                      \
   template State<dim> Subdomain<dim>::share(const State<dim>&, const Division&) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

@@ -4,6 +4,7 @@
 #include "fluid/boundary/fill.hpp"
 #include "fluid/boundary/submerged.hpp"
 #include "proto/error.hpp"
+#include "proto/ranks/agreement.hpp"
 
 #include <fmt/format.h>
 
@@ -23,19 +24,37 @@ constexpr double round_off = 1e-6;
 
 template <int dim>
 StepData<dim>::StepData(const Parameters& parameters, const InterfaceMesh& partner,
-                        const Points& initial_velocity, PairData pair_data)
+                        const Points& initial_velocity, PairData pair_data, const Ranks& all)
     : p(parameters),
       density_lattice(lattice_constants<dim>(p.scheme.radius_density, p.spacing)),
       gradient_lattice(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
       divergence_lattice(lattice_constants<dim>(p.scheme.radius_divergence, p.spacing)),
       laplacian_lattice(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
       mass(p.density * std::pow(p.spacing, dim)),
-      state(fill_around<dim>(p, partner)),
+      state(start(partner, all)),
       boundary(p, partner, initial_velocity, state),
       search(std::max({density_lattice.radius, gradient_lattice.radius, divergence_lattice.radius,
                        laplacian_lattice.radius}),
              skin * p.spacing, boundary.tank().periodic(), pair_data) {
+  if (shared_water > 0)
+    on_all_ranks(*all.communicator, [&] { boundary.check_overlap(state); });
+  else
+    boundary.check_overlap(state);
   pack_around<dim>(p, boundary, state);
+}
+
+/// Returns the particles at the start. A rank makes its share of the water alone. Packed water is made as a
+/// whole, and that of a tank that moves.
+template <int dim>
+State<dim> StepData<dim>::start(const InterfaceMesh& partner, const Ranks& all) {
+  const bool has_body = partner.position.cols() > 0,
+             several = all.communicator && all.communicator->size() > 1;
+  if (!several || (p.submerged && has_body) || p.motion.moves() || !TankShape<dim>(p).on_lattice() ||
+      p.scheme.gradient != Gradient::least_squares)
+    return fill_around<dim>(p, partner);
+  WaterShare<dim> share = fill_share<dim>(p, all.communicator->rank(), all.communicator->size());
+  shared_water = share.water_of_whole;
+  return std::move(share.state);
 }
 
 template <int dim>

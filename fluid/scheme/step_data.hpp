@@ -5,6 +5,7 @@
 #include "fluid/particles/kernel.hpp"
 #include "fluid/particles/neighbours.hpp"
 #include "fluid/particles/state.hpp"
+#include "fluid/ranks/ranks.hpp"
 #include "fluid/ranks/subdomain.hpp"
 #include "fluid/scheme/acoustic_substepping.hpp"
 #include "fluid/scheme/interface_motion.hpp"
@@ -28,7 +29,10 @@ struct SurfaceAir {
 /// What the stages of a step read and write, whatever the scheme. All that outlives a step is in `state`.
 template <int dim>
 struct StepData {
-  StepData(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, PairData);
+  /// On several ranks `state` is the whole, or where it can be a rank's share of the water. Throws
+  /// Error(case_file) when a body leaves the tank or overlaps the water.
+  StepData(const Parameters&, const InterfaceMesh& partner, const Points& initial_velocity, PairData,
+           const Ranks&);
 
   /// Neighbour rows of the largest radius at the present positions. Pairs around a body's corner have the
   /// length of that way.
@@ -45,7 +49,8 @@ struct StepData {
 
   Parameters p;
   LatticeConstants density_lattice, gradient_lattice, divergence_lattice, laplacian_lattice;
-  double mass;  // of a water particle [kg]
+  double mass;                    // of a water particle [kg]
+  std::int64_t shared_water = 0;  // at the start, where `state` has a share of so much water; 0: the whole
   State<dim> state;
   Boundary<dim> boundary;
   NeighbourSearch<dim> search;
@@ -63,6 +68,7 @@ struct StepData {
   std::vector<std::uint8_t> newly_connected;  // scratch of `follow_air`
 
  private:
+  State<dim> start(const InterfaceMesh& partner, const Ranks&);
   void lengthen_around_corners();
 };
 

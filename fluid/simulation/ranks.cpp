@@ -118,7 +118,13 @@ void Simulation<dim>::Work::begin_on_ranks(const Ranks& ranks) {
   if (ranks.shared_grid)
     shared_pressure =
         std::make_unique<RankedPressure<dim>>(*step.subdomain, ranks.shared_grid(), step.p.spacing);
-  take_part();
+  if (step.shared_water > 0) {
+    step.state.initial_momentum = step.ranks.sum(step.state.initial_momentum);
+    step.subdomain->take_start(step.state, step.shared_water);
+    count_particles();
+  } else {
+    take_part();
+  }
   divide(false);
 }
 

@@ -46,7 +46,7 @@ Points velocity_on(const InterfaceMesh& mesh, const InterfaceMesh& partner, cons
 template <int dim>
 Simulation<dim>::Work::Work(const Parameters& p, const InterfaceMesh& partner, const Points& initial_velocity,
                             const Ranks& ranks)
-    : step(p, partner, initial_velocity, pair_data(p.scheme)),
+    : step(p, partner, initial_velocity, pair_data(p.scheme), ranks),
       scheme(make_scheme<dim>(step)),
       poisson(step.laplacian_lattice.radius) {
   omp_set_num_threads(p.threads);

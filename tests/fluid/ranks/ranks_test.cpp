@@ -152,6 +152,21 @@ TEST(Ranks, EnergyOfTurbulenceInSpaceIsThatOfOneRankToTheLastBit) {
   EXPECT_GT(expect_same(flow, {2, 4}).sps_k.maxCoeff(), 1e-9);
 }
 
+// Sixteen parts of a column; those in its middle are far from all walls.
+TEST(Ranks, OneWithoutLayersComputesAsTheOthers) {
+  Flow<2> flow{.p = tank_case(0.5, 0.5, 0.01, 0.1), .body = {}, .dt = 5e-4, .steps = 55};
+  flow.p.gravity = {2, -9.81, 0};
+  const State<2> one = on_one_rank(flow);
+  expect_same(on_ranks(flow, 16), one, "sixteen ranks");
+  std::array<std::size_t, 16> layers{};
+  ThreadRanks(16).run([&](Communicator& communicator) {
+    Simulation<2> part(flow.p, flow.body, flow.velocity(), Ranks{&communicator, cut_in_halves});
+    layers[static_cast<std::size_t>(communicator.rank())] =
+        part.ranks().subdomain()->division().layer_number.size();
+  });
+  EXPECT_EQ(std::ranges::min(layers), 0U);
+}
+
 // A column collapses through the cuts. A state that is taken up again has other water on each rank, and other
 // layer particles: the boxes of the ranks have changed meanwhile.
 TEST(Ranks, ARewindOverADivisionIsThatOfOneRankToTheLastBit) {
