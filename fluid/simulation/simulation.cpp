@@ -113,7 +113,7 @@ void Simulation<dim>::restore(const Snapshot& snapshot) {
   w.step.state = snapshot.state;
   if (w.step.subdomain) {
     w.step.subdomain->adopt(snapshot.division);
-    w.step.boundary.set_water(std::ssize(snapshot.division->place));
+    w.count_water();
   }
   w.begin_again();
 }
