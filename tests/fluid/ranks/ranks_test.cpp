@@ -124,9 +124,12 @@ TEST(Ranks, EnergyOfTurbulenceIsThatOfOneRankToTheLastBit) {
   EXPECT_GT(expect_same(sheared()).sps_k.maxCoeff(), 1e-6);
 }
 
+// By this form k grows without bound in this flow: at 110 steps water is thrown about. What is compared ends
+// before.
 TEST(Ranks, EnergyOfTurbulenceBySeparateSumsIsThatOfOneRankToTheLastBit) {
   Flow<2> flow = sheared();
   flow.p.scheme.sps = SpsForm::stress_pair;
+  flow.steps = 90;
   EXPECT_GT(expect_same(flow).sps_k.maxCoeff(), 1e-6);
 }
 
