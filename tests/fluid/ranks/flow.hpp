@@ -18,16 +18,18 @@ struct Flow {
     v.row(1).setConstant(-speed);
     return v;
   }
-  /// Makes all steps; returns the report of the last one.
-  StepReport run(Simulation<dim>& simulation) const {
+  /// Makes step k.
+  StepReport step(Simulation<dim>& simulation, int k) const {
     const auto m = simulation.interface().position.cols();
     InterfaceMotion motion{Points::Zero(3, m), Points::Zero(3, m), Points::Zero(3, m)};
     motion.velocity.row(1).setConstant(-speed);
+    motion.displacement.row(1).setConstant(-speed * (k + 1) * dt);
+    return simulation.step(dt, motion, (substeps - 1 - k % substeps) * dt);
+  }
+  /// Makes all steps; returns the report of the last one.
+  StepReport run(Simulation<dim>& simulation) const {
     StepReport report;
-    for (int k = 0; k < steps; ++k) {
-      motion.displacement.row(1).setConstant(-speed * (k + 1) * dt);
-      report = simulation.step(dt, motion, (substeps - 1 - k % substeps) * dt);
-    }
+    for (int k = 0; k < steps; ++k) report = step(simulation, k);
     return report;
   }
 };

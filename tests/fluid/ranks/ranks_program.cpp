@@ -1,6 +1,8 @@
 // Water on processes, for fluid_ranks.py: mpirun -n N fluid_mpi_ranks FOLDER. The first rank writes
 // FOLDER/N.json, and the whole state after one step as bytes, sorted by particle. With "counts" behind it,
 // for scale_model.py: counts of a step of a larger box, far from the steps in which the water is sorted.
+// With "column" or "entry", a dimension and a number of particles behind it, for rank_iterations.py: the
+// iterations of each of the first steps.
 
 #include "fluid/ranks/boomer_amg.hpp"
 #include "fluid/ranks/zoltan_partition.hpp"
@@ -12,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <numeric>
 #include <string>
@@ -93,6 +96,44 @@ std::string counts(MpiCommunicator& ranks) {
       static_cast<double>(after.together - before.together) / box.steps);
 }
 
+/// Water as high as wide that collapses: n spacings, in a tank twice as wide.
+template <int dim>
+Flow<dim> column_of(double particles) {
+  const double l0 = 0.01, height = l0 * std::round(std::pow(particles, 1.0 / dim));
+  Flow<dim> flow{.p = tank_case(2 * height, height, l0, 0.2 * height), .body = {}};
+  flow.p.dimension = dim;
+  flow.p.tank.max[1] = l0 * std::round(0.2 * height / l0);
+  flow.p.water.max[0] = 0;
+  if (dim == 3) flow.p.tank.max[2] = flow.p.water.max[2] = height;
+  flow.dt = 0.1 * l0 / std::sqrt(9.81 * height);
+  return flow;
+}
+
+/// Water twice as wide as deep, and a box of a quarter of its width that enters it, a fifth of l0 above.
+template <int dim>
+Flow<dim> entry_of(double particles) {
+  const double l0 = 0.01, width = 2 * l0 * std::round(0.5 * std::pow(2 * particles, 1.0 / dim)),
+               above = l0 * std::round(0.25 * width / l0), low = 0.2 * l0, body = 0.25 * width;
+  Flow<dim> flow{
+      .p = dim == 3 ? basin(width, 0.5 * width, l0, above) : tank_case(width, 0.5 * width, l0, above),
+      .body = dim == 3 ? box_surface({0, low, 0}, {body, 0.25 * body, body}, l0)
+                       : rectangle(-0.5 * body, low, body, 0.25 * body, l0),
+      .speed = 3};
+  flow.dt = 0.05 * l0 / flow.speed;
+  return flow;
+}
+
+template <int dim>
+std::string iterations(const std::string& name, double particles, MpiCommunicator& ranks) {
+  const Flow<dim> flow = name == "column" ? column_of<dim>(particles) : entry_of<dim>(particles);
+  Simulation<dim> simulation(flow.p, flow.body, flow.velocity(),
+                             Ranks{&ranks, zoltan_partition, [&] { return boomer_amg(ranks); }});
+  std::vector<int> counts;
+  for (int k = 0; k < 5; ++k) counts.push_back(flow.step(simulation, k).pressure_iterations);
+  const auto water = std::ranges::count(simulation.whole().kind, Kind::fluid);
+  return fmt::format("\"particles\": {}, \"iterations\": [{}]", water, fmt::join(counts, ", "));
+}
+
 void compute_all(MpiCommunicator& ranks, const std::string& folder) {
   Flow<2> column{.p = tank_case(1.2, 0.4, 0.01, 0.2), .body = {}, .dt = 5e-4, .steps = 8};
   column.p.water.max[0] = 0.1;
@@ -114,7 +155,14 @@ int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   {
     strake::MpiCommunicator ranks(MPI_COMM_WORLD);
-    if (argc > 2) {
+    if (argc > 4) {
+      const double particles = std::stod(argv[4]);
+      const std::string text = std::string(argv[3]) == "3"
+                                   ? strake::fluid::iterations<3>(argv[2], particles, ranks)
+                                   : strake::fluid::iterations<2>(argv[2], particles, ranks);
+      if (ranks.rank() == 0)
+        std::ofstream(fmt::format("{}/{}.json", argv[1], ranks.size())) << "{" << text << "}\n";
+    } else if (argc > 2) {
       const std::string text = strake::fluid::counts(ranks);
       if (ranks.rank() == 0)
         std::ofstream(fmt::format("{}/{}.json", argv[1], ranks.size())) << "{" << text << "}\n";

@@ -7,6 +7,7 @@ import shutil
 import signal
 import sys
 import time
+import xml.etree.ElementTree
 
 import h5py
 import numpy as np
@@ -48,10 +49,11 @@ def same_results():
             expect(run(cwd, ranks, tag, *end).returncode == 0, f"plate_entry, {tag}")
         expect(departs(cwd, "two") < 1e-5, f"two ranks: the force of one, {departs(cwd, 'two'):.1e} off")
         same_frames(pathlib.Path(cwd) / "runs")
+        read_by_others(pathlib.Path(cwd) / "runs/plate_entry-two")
         lost_parts_of_a_frame(cwd)
-        for begun in (1, 2):
+        for begun, resumed in ((1, (2,)), (2, (1, 2, 3)), (4, (2,))):
             interrupted(cwd, begun, end)
-            for ranks in (1, 2, 3) if begun == 2 else (2,):
+            for ranks in resumed:
                 tag = f"{begun}on{ranks}"
                 shutil.copytree(f"{cwd}/runs/plate_entry-half{begun}", f"{cwd}/runs/plate_entry-{tag}")
                 done = run(cwd, ranks, tag, *end, "--resume")
@@ -89,6 +91,23 @@ def same_frames(runs, tag="two"):
         expect(off <= (1e-6 * 0.0125 if number else 0), f"frame {number} of {tag}: the places of one rank, {off:.1e} m off")
     lists = [(runs / f"plate_entry-{name}/fluid.xdmf").read_text() for name in ("one", tag)]
     expect(lists[0] == lists[1], f"{tag}: fluid.xdmf of one rank")
+
+
+def read_by_others(run_folder):
+    """What fluid.xdmf names is there, of the size and type that it names, and joins the parts of all ranks."""
+    items = list(xml.etree.ElementTree.parse(run_folder / "fluid.xdmf").iter("DataItem"))
+    expect(len(items) > 10, f"fluid.xdmf names {len(items)} arrays")
+    for item in items:
+        path, _, name = item.text.partition(":")
+        path = run_folder / path
+        with h5py.File(path) as file:
+            array = file[name]
+            sizes = tuple(map(int, item.get("Dimensions").split()))
+            kind = {"Float": "f", "Int": "i"}[item.get("NumberType")] + item.get("Precision")
+            named = array.shape == sizes and array.dtype == np.dtype(kind) and array.is_virtual
+            joined = np.concatenate([h5py.File(part)[name] for part in sorted(path.with_suffix("").glob("*.h5"))])
+            if not named or not np.array_equal(array, joined):
+                expect(False, f"{path}:{name}: {array.shape} {array.dtype}, fluid.xdmf has {sizes} {kind}; the parts' values")
 
 
 def lost_parts_of_a_frame(cwd):
