@@ -100,7 +100,7 @@ void LeastSquaresScheme<dim>::find_image_velocities(const Boundary<dim>& boundar
   const double reach = p_.sound_speed * std::sqrt(dt * now_.projection);
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i)
-    for (std::uint8_t f = 0; f < images_.count[static_cast<std::size_t>(i)]; ++f) {
+    for (std::uint8_t f = 0; ranks_.owns(i) && f < images_.count[static_cast<std::size_t>(i)]; ++f) {
       auto& face = images_.faces[static_cast<std::size_t>(i)][f];
       const Vector<dim> n = walls_.normal(face.layer);
       const double always = steady.dot(n), reached = std::exp(-face.height / reach);
@@ -136,7 +136,7 @@ void LeastSquaresScheme<dim>::for_each_mirrored(const Boundary<dim>& boundary, c
                                                 const Neighbours& far, std::int64_t i,
                                                 const Visit& visit) const {
   const auto own = static_cast<std::size_t>(i);
-  if (images_.count[own] == 0) return;
+  if (images_.count[own] == 0 || !ranks_.owns(i)) return;
   const LeastSquaresConstants& tuned = least_squares_constants();
   const double reach = laplacian_.radius, row = tuned.first_row * p_.spacing;
   const auto columns = far.row(i);

@@ -115,22 +115,36 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
   find_images(boundary, state, far);
   moments_.own_entries = !shares || images_.any;
   if (moments_.own_entries) make_room(moments_.entry, far.column().size());
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
+  const auto fit_one = [&](std::int64_t i) {
     if (shares)
       seams ? fit<true, true>(boundary, state, far, near, i)
             : fit<false, true>(boundary, state, far, near, i);
     else
       seams ? fit<true, false>(boundary, state, far, near, i)
             : fit<false, false>(boundary, state, far, near, i);
-  }
+  };
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i)
+    if (ranks_.owns(i))
+      fit_one(i);
+    else
+      moments_.water_stop[static_cast<std::size_t>(i)] =
+          far.start()[static_cast<std::size_t>(i)] +
+          static_cast<std::int64_t>(water_pairs(far.row(i), water));
+  ranks_.update_near(surface_.share);
   if (images_.any) {
+    ranks_.update_near(surface_.normal);
     pair_images(boundary, state, far);
 #pragma omp parallel for schedule(static)
-    for (std::int64_t i = 0; i < water; ++i) add_images(far, i);
+    for (std::int64_t i = 0; i < water; ++i)
+      if (ranks_.owns(i)) add_images(far, i);
   }
   ranks_.update(film_.share);
   list_films();
+  // A film changes the velocity of its neighbours, so that the moments of ghosts in films are needed, too.
+  if (const auto without_row = ranks_.water_without_row(); ranks_.several())
+    for (const std::int64_t i : film_.particles)
+      if (!ranks_.owns(i) && !without_row[static_cast<std::size_t>(i)]) fit_one(i);
 }
 
 /// Sums of particle i over the water, eight pairs at a time.

@@ -65,6 +65,11 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
   const auto& p_measured = velocity_.age > 0 ? equation_.pressure_at_start : state.pressure;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (!ranks_.owns(i)) {  // its owner has the row
+      system.diagonal[i] = 1;
+      system.right[i] = 0;
+      continue;
+    }
     const WallTerms wall = wall_terms(boundary, state, far, i);
     double local = compression, sheet = 0, sound = 1;
     if (!sound_.is_whole()) {

@@ -42,8 +42,7 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
     const auto inverses = near.inverses(i);
     const auto x = vec_at<dim>(places + dim * i), u = vec_at<dim>(velocities + dim * i);
     if (!ranks_.owns(i)) {  // ∇u comes from the owner
-      velocity_.motion[static_cast<std::size_t>(i)].place = x;
-      velocity_.motion[static_cast<std::size_t>(i)].velocity = u;
+      velocity_.motion[static_cast<std::size_t>(i)] = {.place = x, .velocity = u, .gradient = {}};
       continue;
     }
     VecD<dim> sum[dim]{};
@@ -156,21 +155,25 @@ void LeastSquaresScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const 
     find_velocity_gradient<true>(boundary, state, near);
   else
     find_velocity_gradient<false>(boundary, state, near);
-  ranks_.update(
-      dim * dim * sizeof(double),
-      [this](std::int32_t i, std::byte* to) {
-        for (const VecD<dim>& column : velocity_.motion[static_cast<std::size_t>(i)].gradient) {
-          std::memcpy(to, &column, dim * sizeof(double));
-          to += dim * sizeof(double);
-        }
-      },
-      [this](std::int32_t i, const std::byte* from) {
-        for (VecD<dim>& column : velocity_.motion[static_cast<std::size_t>(i)].gradient) {
-          column = VecD<dim>{};
-          std::memcpy(&column, from, dim * sizeof(double));
-          from += dim * sizeof(double);
-        }
-      });
+  constexpr std::size_t each = dim * dim * sizeof(double);
+  const auto read = [this](std::int32_t i, std::byte* to) {
+    for (const VecD<dim>& column : velocity_.motion[static_cast<std::size_t>(i)].gradient) {
+      std::memcpy(to, &column, dim * sizeof(double));
+      to += dim * sizeof(double);
+    }
+  };
+  const auto write = [this](std::int32_t i, const std::byte* from) {
+    for (VecD<dim>& column : velocity_.motion[static_cast<std::size_t>(i)].gradient) {
+      column = VecD<dim>{};
+      std::memcpy(&column, from, dim * sizeof(double));
+      from += dim * sizeof(double);
+    }
+  };
+  // The mean velocity over a body's face reads the second ring, all else the first one.
+  if (boundary.first_of_bodies() < state.position.cols())
+    ranks_.update(each, read, write);
+  else
+    ranks_.update_near(each, read, write);
 }
 
 template <int dim>

@@ -45,6 +45,10 @@ class Multilevel {
   std::int64_t vertices() const {  // with those that have no row here
     return grid_ranks_ ? grid_ranks_->numbers() : grids_.finest().unknowns();
   }
+  bool is_copy(std::int64_t unknown) const {
+    return unknowns_ &&
+           unknowns_->owner[static_cast<std::size_t>(unknown)] != unknowns_->communicator->rank();
+  }
   void make_grid(const PressureSystem&, int threads);
   void solve_grid(const Team&);
   void update_copies(const Team&);

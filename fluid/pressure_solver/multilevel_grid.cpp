@@ -47,6 +47,10 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
   for (std::int64_t k = 0; k < n; ++k) {
     const auto row = static_cast<std::size_t>(k);
+    if (is_copy(k)) {
+      diagonal_[row] = inverse_[row] = excess_[row] = 0;
+      continue;
+    }
     const std::int64_t begin = system.start[row], end = system.stop[row];
     double sum = 0;
     std::array<float, 3> centre{}, cell{};
@@ -92,6 +96,9 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
     pieces_.own_cell_entries[row] = own;
     if (far > 0 || pieces_.is_near_sparse(k)) read_scattered_row(system, k);
   }
+  if (unknowns_ == nullptr) return;
+  unknowns_->halo->update(*unknowns_->communicator, pieces_.touched.data());
+  unknowns_->halo->update(*unknowns_->communicator, pieces_.own_cell_entries.data());
 }
 
 /// Whether an entry enters the grid's equation without approximation, as w (P_i − P_j)(P_i − P_j)ᵀ. P are the

@@ -4,6 +4,7 @@
 #include "fluid/pressure_solver/conjugate_gradients.hpp"
 #include "fluid/pressure_solver/grid_ranks.hpp"
 #include "fluid/pressure_solver/multilevel.hpp"
+#include "fluid/pressure_solver/ranked_levels.hpp"
 #include "fluid/pressure_solver/ranked_unknowns.hpp"
 #include "fluid/ranks/shared_grid.hpp"
 
@@ -21,7 +22,9 @@ class RankedPressure {
  public:
   /// spacing: l0 [m].
   RankedPressure(const Subdomain<dim>& own, std::unique_ptr<SharedGrid> grid, double spacing)
-      : subdomain_(own), grid_(std::move(grid)), spacing_(spacing) {}
+      : subdomain_(own),
+        grid_(std::make_unique<RankedLevels>(own.communicator(), std::move(grid))),
+        spacing_(spacing) {}
   /// Solves the equation of the local particles, whose own rows count. guess: of the pressure of each, copies
   /// included. may_be_sealed: blocks without P = 0 and without compressibility are looked for, and closed.
   /// solution: one pressure per particle, right for own ones. Returns whether there are such blocks.

@@ -1,7 +1,6 @@
 #include "fluid/pressure_solver/ranked_unknowns.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <numeric>
 
 namespace strake::fluid {
@@ -84,51 +83,31 @@ void RankedUnknowns<dim>::take(const PressureSystem& local, const Subdomain<dim>
   in_cells.clear();
   for (std::size_t i = 0; i < n; ++i)
     if (near[i] && local.start[i] < local.stop[i]) in_cells.push_back(static_cast<std::int32_t>(i));
-  find_cells(subdomain, position, with_partners(local));
-}
-
-/// Returns the particles in cells and their partners, ascending. The rows of the second ring are empty.
-template <int dim>
-std::vector<std::int32_t> RankedUnknowns<dim>::with_partners(const PressureSystem& local) const {
-  std::vector<std::uint8_t> found(static_cast<std::size_t>(local.size()), 0);
-  const auto mark = [&](std::int32_t i) {  // two threads may mark the same
-    std::atomic_ref(found[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);
-  };
-#pragma omp parallel for schedule(static)
-  for (const std::int32_t i : in_cells) {
-    mark(i);
-    const auto k = static_cast<std::size_t>(i);
-    if (owner[k] == communicator->rank()) continue;  // its partners are in cells
-    for (auto e = local.start[k]; e < local.stop[k]; ++e) mark(local.column[static_cast<std::size_t>(e)]);
-  }
-  std::vector<std::int32_t> placed;
-  for (std::size_t i = 0; i < found.size(); ++i)
-    if (found[i]) placed.push_back(static_cast<std::int32_t>(i));
-  return placed;
+  find_cells(subdomain, position);
 }
 
 template <int dim>
-void RankedUnknowns<dim>::find_cells(const Subdomain<dim>& subdomain, const Vectors<dim>& position,
-                                     std::span<const std::int32_t> placed) {
+void RankedUnknowns<dim>::find_cells(const Subdomain<dim>& subdomain, const Vectors<dim>& position) {
   const std::vector<Bucket>& bucket = subdomain.division().bucket;
   const Buckets<dim>& buckets = subdomain.buckets();
   double product = 1;
   for (std::size_t d = 0; d < dim; ++d) {
-    const Slabs slabs = slabs_of(bucket, placed, d);
+    const Slabs slabs = slabs_of(bucket, in_cells, d);
     cells[d] = slabs.count();
+    low[d] = slabs.first;
     product *= cells[d] + 2;
     // Single precision must not lift a place near the upper face into the next cell.
     const double most = 1 - std::max(1e-3, 2.5e-7 * cells[d]);
     const auto axis = static_cast<Eigen::Index>(d);
     at[d].assign(bucket.size(), 0.0F);
 #pragma omp parallel for schedule(static)
-    for (const std::int32_t i : placed) {
+    for (const std::int32_t i : in_cells) {
       const Bucket& own = bucket[static_cast<std::size_t>(i)];
       const double within = (position(axis, i) - buckets.corner_of(own)[axis]) / buckets.size()[axis];
       at[d][static_cast<std::size_t>(i)] = static_cast<float>(slabs[own[d]] + std::clamp(within, 0.0, most));
     }
   }
-  const double most_cells = 64 * static_cast<double>(placed.size()) + 1e6;
+  const double most_cells = 64 * static_cast<double>(in_cells.size()) + 1e6;
   has_grid = !communicator->any(!(product < most_cells));
 }
 

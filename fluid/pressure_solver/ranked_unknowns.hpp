@@ -24,10 +24,10 @@ struct RankedUnknowns {
   std::span<const int> owner;  // rank of each
   /// Those in own cells and in the first ring that have a neighbour, ascending.
   std::vector<std::int32_t> in_cells;
-  /// Place of each of these, and of their neighbours, in cells. Empty slabs of cells are left out, but for
-  /// one.
+  /// Place of each of these in cells. Empty slabs of cells are left out, but for one.
   std::array<std::vector<float>, dim> at;
   std::array<std::int32_t, 3> cells{1, 1, 1};  // per axis
+  std::array<std::int32_t, 3> low{};           // bucket of the first cell
   bool has_grid = true;                        // else the water is too scattered for one, on some rank
 
   /// Reads the equation of local particles. own: the equation of this rank, where other rows are empty. grid:
@@ -36,8 +36,7 @@ struct RankedUnknowns {
             PressureSystem& own, PressureSystem& grid);
 
  private:
-  std::vector<std::int32_t> with_partners(const PressureSystem& local) const;
-  void find_cells(const Subdomain<dim>&, const Vectors<dim>& position, std::span<const std::int32_t> placed);
+  void find_cells(const Subdomain<dim>&, const Vectors<dim>& position);
 };
 
 }  // namespace strake::fluid

@@ -135,6 +135,15 @@ class Subdomain {
   void update(std::size_t each, const Read& read, const Write& write) const {
     division_->ghosts.update(*communicator_, each, read, write);
   }
+  /// The same for ghosts of the first ring alone.
+  template <class Column>
+  void update_near(Column& column) const {
+    division_->near.update(*communicator_, first_byte(column), bytes_of_entry(column));
+  }
+  template <class Read, class Write>
+  void update_near(std::size_t each, const Read& read, const Write& write) const {
+    division_->near.update(*communicator_, each, read, write);
+  }
   /// Gives the layer particles of bodies, and those of walls that are near water of this rank, the values of
   /// their owners. first: place in the column of the first layer particle.
   template <class Column>
@@ -209,6 +218,14 @@ class RankExchange {
   template <class Read, class Write>
   void update(std::size_t each, const Read& read, const Write& write) const {
     if (own_) own_->update(each, read, write);
+  }
+  template <class Column>
+  void update_near(Column& column) const {
+    if (own_) own_->update_near(column);
+  }
+  template <class Read, class Write>
+  void update_near(std::size_t each, const Read& read, const Write& write) const {
+    if (own_) own_->update_near(each, read, write);
   }
   /// Gives layer particles of bodies the values of their owners, see Subdomain.
   void gather_bodies(Vectors<dim>& column) const {

@@ -54,6 +54,7 @@ void advance_k(const ViscousFlow<dim>& flow, const SpsModel& model, const Lattic
   }
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < walls.first; ++i) {
+    if (!flow.ranks.owns(i)) continue;
     const auto columns = flow.near.row(i);
     const auto inverses = flow.near.inverses(i);
     double inflow = 0, share = 0;

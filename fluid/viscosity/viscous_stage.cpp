@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 
 namespace strake::fluid {
 namespace {
@@ -103,8 +104,9 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
     stress_scale_ = dim / lattice.n0;
     laplacian_scale_ = 2 * dim / (lattice.n0 * lattice.lambda0);
     kind_ = scheme.turbulence;
-    if (kind_ == Turbulence::k)
-      for (Eigen::VectorXd* field : {&production_, &eddy_viscosity_}) field->setZero(n);
+    if (kind_ == Turbulence::k) eddy_viscosity_.setZero(n);
+    keeps_production_ = kind_ == Turbulence::k || flow.ranks.several();
+    if (keeps_production_) production_.setZero(n);
     gather_gradient(flow, k);
     if (kind_ == Turbulence::k) transport(flow, lattice, dt, k);
     gather_force(consistent(scheme), flow);
@@ -146,6 +148,12 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
   const bool seams = flow.periodic.any();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
+    if (!flow.ranks.owns(i)) {  // its owner sends what follows
+      neighbours_[static_cast<size_t>(i)] = -1;
+      if (kind_ == Turbulence::statics) k[i] = 0;
+      close(i, Tensor<dim>::Zero(), k[i], 0, flow);
+      continue;
+    }
     const auto here = sample_[static_cast<size_t>(i)].lanes;
     const auto columns = flow.near.row(i);
     const auto inverses = flow.near.inverses(i);
@@ -195,10 +203,42 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
     } else {
       g.setZero();
     }
-    if (kind_ == Turbulence::k) production_[i] = pr;
+    if (keeps_production_) production_[i] = pr;
     if (kind_ == Turbulence::statics) k[i] = model_.equilibrium(pr);
     close(i, g, k[i], pr, flow);
   }
+  update_gradient(flow, k);
+}
+
+/// Gives the ghosts in the first ring G, k, Pr and the number of neighbours of their owners. The stress
+/// follows.
+template <int dim>
+void ViscousStage<dim>::update_gradient(const ViscousFlow<dim>& flow, Eigen::VectorXd& k) {
+  struct Sent {
+    double g[dim * dim], k, production;
+    std::int64_t neighbours;
+  };
+  const bool advances = kind_ == Turbulence::k;
+  flow.ranks.update_near(
+      sizeof(Sent),
+      [&](std::int32_t i, std::byte* to) {
+        const auto at = static_cast<size_t>(i);
+        Sent sent{.g = {}, .k = k[i], .production = production_[i], .neighbours = neighbours_[at]};
+        for (int a = 0; a < dim; ++a)
+          for (int b = 0; b < dim; ++b) sent.g[dim * a + b] = stress_[at].g(a, b);
+        std::memcpy(to, &sent, sizeof sent);
+      },
+      [&](std::int32_t i, const std::byte* from) {
+        Sent sent;
+        std::memcpy(&sent, from, sizeof sent);
+        Tensor<dim> g;
+        for (int a = 0; a < dim; ++a)
+          for (int b = 0; b < dim; ++b) g(a, b) = sent.g[dim * a + b];
+        neighbours_[static_cast<size_t>(i)] = static_cast<std::int32_t>(sent.neighbours);
+        production_[i] = sent.production;
+        if (!advances) k[i] = sent.k;
+        close(i, g, k[i], sent.production, flow);
+      });
 }
 
 // Computes ν_t by the model from its energy, and τ = (ν + ν_t)(G + Gᵀ) − (2/3) k I.

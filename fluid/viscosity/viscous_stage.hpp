@@ -68,8 +68,10 @@ class ViscousStage {
   };
   void take_samples(const ViscousFlow<dim>&);
   void gather_gradient(const ViscousFlow<dim>&, Eigen::VectorXd& k);
-  void close(std::int64_t i, const Tensor<dim>& gradient, double energy, double production,
-             const ViscousFlow<dim>&);
+  void update_gradient(const ViscousFlow<dim>&, Eigen::VectorXd& k);
+  /// Of a ghost it computes the same numbers as of its owner: the machine's code is one.
+  [[gnu::noinline]] void close(std::int64_t i, const Tensor<dim>& gradient, double energy, double production,
+                               const ViscousFlow<dim>&);
   void transport(const ViscousFlow<dim>&, const LatticeConstants&, double dt, Eigen::VectorXd& k);
   void gather_force(bool corrected, const ViscousFlow<dim>&);
   template <bool corrected>
@@ -91,7 +93,9 @@ class ViscousStage {
   std::vector<std::int32_t> neighbours_;  // of the water; −1: too few or too flat for a gradient
   std::vector<std::uint8_t> seen_;
   std::vector<double> viscosity_;
-  Eigen::VectorXd production_, eddy_viscosity_, scratch_;  // of the k model: Pr = 2 S:S [1/s²], ν_t [m²/s]
+  bool keeps_production_ = false;
+  Eigen::VectorXd production_, eddy_viscosity_,
+      scratch_;  // of the k model, ranks: Pr = 2 S:S [1/s²], ν_t [m²/s]
 };
 
 }  // namespace strake::fluid

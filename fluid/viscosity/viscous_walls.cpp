@@ -161,9 +161,10 @@ void VelocityBehind<dim>::add_friction(const ViscousFlow<dim>& flow, double radi
   const std::int64_t water = flow.walls.first;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < flow.position.cols(); ++i) {
+    const bool layer = i >= water;
+    if (!layer && !flow.ranks.owns(i)) continue;
     const auto columns = flow.near.row(i);
     const auto inverses = flow.near.inverses(i);
-    const bool layer = i >= water;
     const size_t inner = water_pairs(columns, water);
     const size_t first = layer ? 0 : inner, last = layer ? inner : columns.size();
     Vector<dim> sum = Vector<dim>::Zero();
