@@ -217,6 +217,7 @@ TEST(Ranks, EachHasTheLayersOfTheTankNearItsWater) {
   const auto whole = static_cast<std::size_t>(of_whole);
   EXPECT_EQ(std::accumulate(owned.begin(), owned.end(), std::size_t{0}), whole);
   for (const std::size_t count : layers) EXPECT_LT(count, whole / 2);
+}
 
 // A window is computed again after a rewind. Where its second step has divided the water anew, a rank goes
 // back to another number of particles, and computes the first step with it.
