@@ -33,6 +33,9 @@ void LeastSquaresScheme<dim>::share_rows(const Neighbours& far, PressureSystem& 
   system.value = moments_.own_entries ? moments_.entry : far.entry();
   system.diagonal.resize(water);
   system.right.resize(water);
+  if (!ranks_.several()) return;
+  system.diagonal.setOnes();  // of ghosts
+  system.right.setZero();
 }
 
 /// Assembles row i of (F40), with the sign of PressureSystem and s = n0 λ/(2d):
@@ -65,11 +68,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
   const auto& p_measured = velocity_.age > 0 ? equation_.pressure_at_start : state.pressure;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
-    if (!ranks_.owns(i)) {  // its owner has the row
-      system.diagonal[i] = 1;
-      system.right[i] = 0;
-      continue;
-    }
+    if (!ranks_.owns(i)) continue;  // its owner has the row
     const WallTerms wall = wall_terms(boundary, state, far, i);
     double local = compression, sheet = 0, sound = 1;
     if (!sound_.is_whole()) {
@@ -82,9 +81,8 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
     double deviation = volume_deviation(i);
     if (const double started = starts_packed() ? start_share(boundary, state, i) : 0; started > 0)
       deviation -= started * start_.deviation[state.id[static_cast<std::size_t>(i)]];
-    const double share = surface_.share[i];
+    const double share = surface_.share[i], own = local + absorption;
     if (std::isfinite(c)) deviation -= sound * p_measured[i] / (rho * c * c);
-    const double own = local + absorption;
     equation_.own[i] = static_cast<float>(own);
     double& source = equation_.source[i];
     source = local * state.pressure[i] + drift * deviation;

@@ -15,7 +15,7 @@
 namespace strake::fluid {
 
 /// Solves the pressure equation on all ranks together, by conjugate gradients with the preconditioner of one
-/// rank. Each rank sweeps over its own particles; the first grid's equation is left to a SharedGrid. The
+/// rank. Each rank sweeps over its own particles; the first grid's equation is left to RankedLevels. The
 /// solution is that of one rank within the tolerance, and the same for any number of threads.
 template <int dim>
 class RankedPressure {

@@ -16,7 +16,8 @@ namespace strake::fluid {
 /// own ones; the others are copies.
 ///
 /// The buckets are the cells of the first grid. Each has one owner. A rank divides its own cells and those of
-/// the first ring into pieces, whose rows it has in full. So all ranks that have a cell divide it alike.
+/// the first ring into pieces. It has the columns of their rows in full; which cells a row touches comes from
+/// the owner. So all ranks that have a cell divide it alike.
 template <int dim>
 struct RankedUnknowns {
   Communicator* communicator = nullptr;

@@ -54,11 +54,11 @@ struct TankLayers {
 /// the same buckets, with the first layers that they extend. Layer particles far from its water have no
 /// pairs.
 ///
-/// Two rings are enough for two sums over neighbours in turn. The first sum is over own particles and the
-/// first ring; those of the second ring are in the rows of others, and have none. A layer particle beside
-/// own water has all its water. What a third sum would read is sent by its owners before (`update`). A
-/// particle stays in its bucket until one has left its own by more than a little: reach and width of a bucket
-/// differ by more than twice that.
+/// Sums over the neighbours of water are computed for own particles. What another sum reads of the ghosts is
+/// sent by their owners before (`update`). Ghosts of the first ring have rows; those of the second ring are
+/// in the rows of others, and have none. A layer particle beside own water has all its water. A particle
+/// stays in its bucket until one has left its own by more than a little: reach and width of a bucket differ
+/// by more than twice that.
 ///
 /// The local order is that of the whole, with gaps. So a sum over the neighbours of an own particle adds the
 /// same numbers in the same order as on one rank, to the last bit.

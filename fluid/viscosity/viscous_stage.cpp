@@ -107,7 +107,9 @@ void ViscousStage<dim>::compute(const Parameters& parameters, const ViscousFlow<
     if (kind_ == Turbulence::k) eddy_viscosity_.setZero(n);
     keeps_production_ = kind_ == Turbulence::k || flow.ranks.several();
     if (keeps_production_) production_.setZero(n);
+    take_samples(flow);
     gather_gradient(flow, k);
+    update_gradient(flow, k);
     if (kind_ == Turbulence::k) transport(flow, lattice, dt, k);
     gather_force(consistent(scheme), flow);
     behind_.add_friction(flow, lattice.radius, acceleration);
@@ -143,17 +145,11 @@ void ViscousStage<dim>::take_samples(const ViscousFlow<dim>& flow) {
 // Computes G = (d/n0) Σ (u_j − u_i)⊗r_ij w/r² · C_i, C_i = [(d/n0) Σ r⊗r w/r²]⁻¹ of the same neighbours.
 template <int dim>
 void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::VectorXd& k) {
-  take_samples(flow);
   const std::int64_t water = flow.walls.first;
   const bool seams = flow.periodic.any();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (!flow.ranks.owns(i)) {  // its owner sends what follows
-      neighbours_[static_cast<size_t>(i)] = -1;
-      if (kind_ == Turbulence::statics) k[i] = 0;
-      close(i, Tensor<dim>::Zero(), k[i], 0, flow);
-      continue;
-    }
+    if (!flow.ranks.owns(i)) continue;
     const auto here = sample_[static_cast<size_t>(i)].lanes;
     const auto columns = flow.near.row(i);
     const auto inverses = flow.near.inverses(i);
@@ -207,18 +203,26 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
     if (kind_ == Turbulence::statics) k[i] = model_.equilibrium(pr);
     close(i, g, k[i], pr, flow);
   }
-  update_gradient(flow, k);
 }
 
 /// Gives the ghosts in the first ring G, k, Pr and the number of neighbours of their owners. The stress
-/// follows.
+/// follows. Those in the second ring have none.
 template <int dim>
 void ViscousStage<dim>::update_gradient(const ViscousFlow<dim>& flow, Eigen::VectorXd& k) {
   struct Sent {
     double g[dim * dim], k, production;
     std::int64_t neighbours;
   };
+  if (!flow.ranks.several()) return;
   const bool advances = kind_ == Turbulence::k;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < flow.walls.first; ++i) {
+    if (flow.ranks.owns(i)) continue;
+    neighbours_[static_cast<size_t>(i)] = -1;
+    if (kind_ == Turbulence::statics) k[i] = 0;
+    viscosity_[static_cast<size_t>(i)] = model_.kinematic_viscosity;
+    stress_[static_cast<size_t>(i)] = {};
+  }
   flow.ranks.update_near(
       sizeof(Sent),
       [&](std::int32_t i, std::byte* to) {
