@@ -94,6 +94,7 @@ class CaseFile {
   /// number, flag, vector, box or text is remembered and the reading goes on. What decides how to read on
   /// ends it: a choice. A check across keys counts only where all keys are right.
   void read_all(const std::function<void()>& read);
+  bool is_right() const;  // nothing that has been read so far is refused
   /// Error for every key below `prefix` ("fluid"; empty: the whole file) that no declaration has touched,
   /// with did-you-mean. Call after all reading.
   void refuse_unknown(const std::string& prefix = {}) const;

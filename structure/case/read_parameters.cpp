@@ -7,6 +7,7 @@
 #include "structure/case/rank_keys.hpp"
 #include "structure/case/shape_keys.hpp"
 #include "structure/case/solid_keys.hpp"
+#include "structure/case/tank_fit.hpp"
 #include "structure/failure/softening.hpp"
 #include "structure/particle/failure.hpp"
 #include "structure/particle/lattice.hpp"
@@ -291,6 +292,7 @@ bool is_constrained(const Parameters& p) {
 
 void check_together(CaseFile& file, const CommonKeys& common, CaseTable structure, Parameters& p) {
   check_ranks(structure, p);
+  if (file.is_right()) refuse_outside_tank(file, structure, common, p);  // not the form of a stand-in value
   if (common.interface == "volume" && p.kind != "particle")
     throw file.root()
         .table("coupling")
