@@ -16,20 +16,32 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// How many numbers each corner of fluid.tank has, or of fluid.tank_polygon: in the plane 2 or 3 may be
+/// given. 0: cannot be told.
+std::size_t per_corner(const std::vector<double>& numbers, bool polygon) {
+  const std::size_t n = numbers.size();
+  if (!polygon) return n == 4 || n == 6 ? n / 2 : 0;
+  bool flat = n % 3 == 0;  // each third number may be a z of 0
+  for (std::size_t i = 2; i < n; i += 3) flat = flat && numbers[i] == 0;
+  if (n % 2 == 0) return flat ? 0 : 2;
+  return flat ? 3 : 0;
+}
+
 /// The box around fluid.tank or fluid.tank_polygon, infinite where it may have no wall; none without a tank.
 std::optional<Box> tank_box(const CaseFile& file, int dimension) {
   std::vector<double> numbers = file.numbers_at("fluid.tank");
-  if (numbers.empty()) numbers = file.numbers_at("fluid.tank_polygon");
-  const auto dim = static_cast<std::size_t>(dimension);
-  if (numbers.size() < 2 * dim || numbers.size() % dim != 0) return std::nullopt;
+  const bool polygon = numbers.empty();
+  if (polygon) numbers = file.numbers_at("fluid.tank_polygon");
+  const std::size_t dim = per_corner(numbers, polygon);
+  if (static_cast<int>(dim) < dimension || file.has("fluid.periodic")) return std::nullopt;
   Box box{Eigen::Vector3d::Constant(infinity), Eigen::Vector3d::Constant(-infinity)};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const auto axis = static_cast<Eigen::Index>(i % dim);
     box.min[axis] = std::min(box.min[axis], numbers[i]);
     box.max[axis] = std::max(box.max[axis], numbers[i]);
   }
-  if (file.is_true("fluid.open_top")) box.max.y() = infinity;
-  if (file.has("fluid.periodic")) return std::nullopt;
+  const bool lid = file.has("fluid.open_top") && !file.is_true("fluid.open_top");
+  if (!lid) box.max.y() = infinity;
   return box;
 }
 
