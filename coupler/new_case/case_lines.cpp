@@ -15,7 +15,8 @@ constexpr std::size_t comment_column = 40;
 constexpr double frames_of_run = 50;  // of a run
 
 std::string corners_text(const NewScene& s, double top, double right) {
-  const double back = s.dimension == 3 ? s.left : 0, front = s.dimension == 3 ? s.right : 0;
+  const double back = s.dimension == 3 ? s.left + s.across : 0,
+               front = s.dimension == 3 ? s.right + s.across : 0;
   return fmt::format("[{}, {}]", toml_vector(s.left, s.bottom, back), toml_vector(right, top, front));
 }
 

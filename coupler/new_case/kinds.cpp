@@ -80,9 +80,14 @@ const std::vector<NewKind>& new_kinds() {
        false,
        sphere_scene},
       {"mesh",
-       "rigid body from a mesh file (Gmsh .msh, Abaqus .inp), driven or falling into still water",
+       "rigid body from a mesh file (Gmsh .msh, Abaqus .inp, in space STL .stl), driven or falling into "
+       "still "
+       "water",
        {"rigid"},
-       {speed(5), mass(), spacing("width/80")},
+       {speed(5),
+        mass(),
+        {"scale", "1", "factor on the lengths of the file: 0.001 for one in mm", 1, 1e-6, 1e6},
+        spacing("width/80, in space width/30")},
        true,
        mesh_scene},
       {"dam",

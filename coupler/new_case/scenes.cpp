@@ -132,18 +132,26 @@ NewScene sphere_scene(const NewAnswers& answers) {
 }
 
 NewScene mesh_scene(const NewAnswers& answers) {
-  const MeshExtent mesh = read_mesh_extent(answers.mesh);
+  MeshExtent mesh = read_mesh_extent(answers.mesh);
+  const double scale = answers.value("scale");
+  for (double& x : mesh.min) x *= scale;
+  for (double& x : mesh.max) x *= scale;
   const double width = std::max(mesh.max[0] - mesh.min[0], mesh.max[2] - mesh.min[2]);
   const double height = mesh.max[1] - mesh.min[1], speed = answers.value("speed");
   NewScene s;
   s.dimension = mesh.max[2] - mesh.min[2] > 1e-6 * width ? 3 : 2;
   s.title = answers.mesh.stem().string() + " entry";
-  s.physics = fmt::format("Rigid body of {}, {}, {}-D.", answers.mesh.filename().string(),
-                          motion_words(answers), s.dimension);
+  s.physics =
+      fmt::format("Rigid body of {}, {:.3g} m wide, {:.3g} m high, {}, {}-D.",
+                  answers.mesh.filename().string(), width, height, motion_words(answers), s.dimension);
   s.spacing = chosen_spacing(answers, "body's width", width, s.dimension == 2 ? 80 : 30);
   put_wide_tank(s, width, width, height + 0.5 * width);
   const double gap = rigid_gap * s.spacing;
-  const double middle = s.spacing * std::round(0.5 * (mesh.min[0] + mesh.max[0]) / s.spacing);
+  const auto middle_along = [&](std::size_t axis) {
+    return s.spacing * std::round(0.5 * (mesh.min[axis] + mesh.max[axis]) / s.spacing);
+  };
+  const double middle = middle_along(0);
+  if (s.dimension == 3) s.across = middle_along(2) - middle;
   // The mesh keeps its place; tank and water are put around it.
   s.left += middle;
   s.right = s.water_right = s.right + middle;
@@ -153,7 +161,8 @@ NewScene mesh_scene(const NewAnswers& answers) {
   s.end_time = (gap + 0.5 * std::min(height, 0.5 * width)) / speed;
   s.end_reason = "the body is deep in the water";
   CaseLines lines = rigid_body(answers, s.dimension);
-  lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on; lengths in m");
+  lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on");
+  lines.number("placed.scale", scale, "factor on its lengths: 1 in m, 0.001 in mm");
   s.body = lines.str();
   return s;
 }

@@ -90,4 +90,6 @@ with folder() as temporary:
     refused([], "cube.stl: the surface is not closed, edges with one triangle alone: 3; the first from (160, 1, -160) to (160, 1, 160), triangle 5")
     (place / "cube.stl").write_bytes(binary(triangles)[:-10])
     refused([], "cube.stl: a binary STL file of 12 triangles has 684 bytes, this one has 674: it is cut off")
+    (place / "cube.obj").write_text("")
+    refused(["--set", "structure.mesh=cube.obj"], "a file that ends in .msh (Gmsh) or .inp (Abaqus), or in .stl")
 finish()
