@@ -167,6 +167,47 @@ NewScene mesh_scene(const NewAnswers& answers) {
   return s;
 }
 
+// The box floats with half its height in the water: m = ρ w²/2. It begins w/20 higher. Its heave, with an
+// added mass of about half its own and the springs' part left out, has the period 2π √(1.5 m/(ρ g w)).
+NewScene moored_scene(const NewAnswers& answers) {
+  const double width = answers.value("width"), density = 1000, gravity = 9.81;
+  NewScene s;
+  s.title = "moored box";
+  s.physics =
+      fmt::format("Rigid box of {:g} m between two springs of {:g} N/m, let go a little too high, 2-D.",
+                  width, answers.value("stiffness"));
+  s.spacing = chosen_spacing(answers, "box's width", width, 20);
+  put_wide_tank(s, 2 * width, 1.5 * width, width);
+  s.submerged = true;
+  const double raised = s.spacing * std::round(width / 20 / s.spacing);
+  const double bottom = raised - s.spacing * std::round(0.5 * width / s.spacing);
+  s.end_time = 4 * std::numbers::pi * std::sqrt(0.75 * width / gravity);
+  s.end_reason = "about two periods of its heave";
+  s.window = round_number(s.end_time / 1000);
+  CaseLines lines;
+  lines.table("[structure]")
+      .text("solver", "rigid", "rigid | replay | none, or the path of a program")
+      .number("mass", 0.5 * density * width * width, "kg, per metre of depth: half of the box in the water")
+      .key("free", "{ x = true, y = true }", "true: the loads move the body along x and y");
+  lines.table("[structure.plate]")
+      .number("length", width, "m, along x")
+      .number("thickness", width, "m, along y")
+      .key("bottom", toml_vector(0, bottom), "m, middle of the lower face at the start");
+  lines.table("[[attachments]]")
+      .text("name", "mooring", "of its columns in history.csv")
+      .key("at", fmt::format("[{}, {}]", toml_vector(-0.5 * width, bottom), toml_vector(0.5 * width, bottom)),
+           "m, on the surface at the start")
+      .text("solver", "spring", "spring | catenary | fmu, or the path of a program");
+  lines.table("[attachments.spring]")
+      .key("anchor",
+           fmt::format("[{}, {}]", toml_vector(-1.5 * width, bottom), toml_vector(1.5 * width, bottom)),
+           "m, the fixed ends")
+      .number("stiffness", answers.value("stiffness"), "N/m, per metre of depth")
+      .number("damping", 0, "N s/m, along each line");
+  s.body = lines.str();
+  return s;
+}
+
 NewScene dam_scene(const NewAnswers& answers) {
   const double width = answers.value("width"), height = answers.value("height");
   check_height(width, height);

@@ -12,7 +12,7 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 from processes import *  # noqa: F403: the test's own vocabulary
 
 MESH = ROOT / "cases" / "wedge_elastic.msh"
-KINDS = {"plate": "", "wedge": "", "box": "", "bodies": "", "cylinder": "", "sphere": "", "mesh": f"--mesh {MESH}", "dam": ""}
+KINDS = {"plate": "", "wedge": "", "box": "", "bodies": "", "cylinder": "", "sphere": "", "mesh": f"--mesh {MESH}", "moored": "", "dam": ""}
 
 
 def units(place):
