@@ -317,12 +317,13 @@ void resolve(const CaseFile& file, CaseView& view) {
   for (const SideView* side : view.sides()) {
     if (!side->echo.empty()) continue;
     const CaseFile read = side->is_body ? file.of_body(side->side) : file;
-    view.resolved += "\n# read by a program of the user's: as given, files relative to " +
-                     file.folder().string() + "\n" +
-                     read.as_given(side->side == "fluid" ? "fluid" : "structure",
-                                   view.common.program_of(side->side).adapted
-                                       ? "precice"
-                                       : std::filesystem::absolute(side->program).string());
+    view.resolved +=
+        "\n# read by a program of the user's: as given; files that it looks for itself are relative to " +
+        file.folder().string() + "\n" +
+        read.as_given(side->side == "fluid" ? "fluid" : "structure",
+                      view.common.program_of(side->side).adapted
+                          ? "precice"
+                          : std::filesystem::absolute(side->program).string());
   }
 }
 

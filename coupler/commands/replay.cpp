@@ -32,6 +32,9 @@ ExitCode replay(const ReplayOptions& options, const StopRequest& stop) {
     run_options.sets.push_back(
         table + ".replay.run=" + std::filesystem::absolute(options.recorded).lexically_normal().string());
   }
+  // A recorded motion follows no force: what is attached to the structure has nothing to do.
+  if (side == "structure" && !given_among({"attachments"}, options.run.case_file, options.run.sets).empty())
+    run_options.sets.push_back("attachments=[]");
   if (run_options.folder.tag.empty()) run_options.folder.tag = "replay";
   return run(run_options, stop);
 }

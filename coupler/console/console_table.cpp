@@ -73,7 +73,7 @@ std::vector<TableColumn> table_of(const RunHeader& header) {
   if (header.coupled) {
     table.push_back(
         {"it", 2, [](const RunRow& row) { return std::to_string(row.window->report.iterations); }});
-    table.push_back({"residual", 8,
+    table.push_back({header.mechanical ? "residual [m]" : "residual", header.mechanical ? 12 : 8,
                      [](const RunRow& row) { return fmt::format("{:.1e}", row.window->report.residual); }});
   }
   const bool mechanical = header.coupled && header.mechanical;

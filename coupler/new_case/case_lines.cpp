@@ -15,7 +15,8 @@ constexpr std::size_t comment_column = 40;
 constexpr double frames_of_run = 50;  // of a run
 
 std::string corners_text(const NewScene& s, double top, double right) {
-  const double back = s.dimension == 3 ? s.left : 0, front = s.dimension == 3 ? s.right : 0;
+  const double back = s.dimension == 3 ? s.left + s.across : 0,
+               front = s.dimension == 3 ? s.right + s.across : 0;
   return fmt::format("[{}, {}]", toml_vector(s.left, s.bottom, back), toml_vector(right, top, front));
 }
 
@@ -86,17 +87,22 @@ std::string case_file_text(const std::string& kind, const NewScene& s) {
       .number("density", 1000, "kg/m^3, of the water")
       .number("kinematic_viscosity", 1e-6, "m^2/s, of the water")
       .key("gravity", "[0.0, -9.81, 0.0]", "m/s^2")
-      .number("sound_speed", 1500, "m/s, of the water; inf: incompressible")
+      .key("sound_speed", s.submerged ? "inf" : toml_number(1500), "m/s, of the water; inf: incompressible")
       .key("tank", corners_text(s, s.top, s.right), "m, corners of its inner faces; it is open above")
       .key("water", corners_text(s, s.surface, s.water_right), "m, corners of the water at the start");
+  if (s.submerged)
+    lines.key("submerged", "true", "the water gives way to the body that stands in it at the start");
   std::string text = lines.str() + s.body;
   CaseLines rest;
   rest.table("[output]")
       .number("every", round_number(s.end_time / frames_of_run), "s, between frames of the fields");
-  rest.table("[coupling.surface]")
-      .comment(
-          "window = 1.0e-5                       # s, between exchanges; left out, it follows shape, speed "
-          "and spacing");
+  rest.table("[coupling.surface]");
+  if (s.window > 0)
+    rest.number("window", s.window, "s, between exchanges: nothing slams");
+  else
+    rest.comment(
+        "window = 1.0e-5                       # s, between exchanges; left out, it follows shape, speed "
+        "and spacing");
   return text + rest.str();
 }
 

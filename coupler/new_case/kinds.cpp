@@ -32,6 +32,30 @@ NewNumber length(const std::string& name, const std::string& help, double value)
   return {name, "m", help, value, 1e-3, 1000};
 }
 
+NewKind mesh_kind() {
+  return {"mesh",
+          "rigid body from a mesh file (Gmsh .msh, Abaqus .inp, in space STL .stl), driven or falling into "
+          "still "
+          "water",
+          {"rigid"},
+          {speed(5),
+           mass(),
+           {"scale", "1", "factor on the lengths of the file: 0.001 for one in mm", 1, 1e-6, 1e6},
+           spacing("width/80, in space width/30")},
+          true,
+          mesh_scene};
+}
+NewKind moored_kind() {
+  return {"moored",
+          "rigid box that floats between two springs, let go a little too high",
+          {"rigid"},
+          {length("width", "of the box, and its height", 0.4),
+           {"stiffness", "N/m", "of each spring, in the plane per metre of depth", 500, 0, 1e9},
+           spacing("width/20")},
+          false,
+          moored_scene};
+}
+
 }  // namespace
 
 const std::vector<NewKind>& new_kinds() {
@@ -79,12 +103,8 @@ const std::vector<NewKind>& new_kinds() {
        {speed(5), length("radius", "of the sphere", 0.2), mass(), spacing("radius/10")},
        false,
        sphere_scene},
-      {"mesh",
-       "rigid body from a mesh file (Gmsh .msh, Abaqus .inp), driven or falling into still water",
-       {"rigid"},
-       {speed(5), mass(), spacing("width/80")},
-       true,
-       mesh_scene},
+      mesh_kind(),
+      moored_kind(),
       {"dam",
        "column of water that collapses over a dry floor; no body",
        {},

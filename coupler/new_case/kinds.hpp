@@ -33,9 +33,12 @@ struct NewScene {
   int dimension = 2;
   double spacing = 0;                       // [m] l0
   double left = 0, right = 0;               // [m] walls of the tank along x; in three dimensions also along z
+  double across = 0;                        // [m] middle of the tank along z, less that along x
   double bottom = 0, surface = 0, top = 0;  // [m] of tank and water; the surface lies under the body
+  bool submerged = false;                   // the body stands in the water at the start
   double water_right = 0;                   // [m] where the water ends along x
   double end_time = 0;                      // [s]
+  double window = 0;                        // [s] between exchanges; 0: Strake's choice
   std::string end_reason;                   // what has happened by then
   std::string body;                         // TOML of [structure] and its probes
 };

@@ -2,6 +2,7 @@
 
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/mesh_files/stl.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -42,9 +43,17 @@ std::optional<std::size_t> first_coordinate(bool abaqus, double version, std::si
   return numbers == 3 ? std::optional<std::size_t>(0) : std::nullopt;
 }
 
-}  // namespace
+MeshExtent extent_of_stl(const std::filesystem::path& file) {
+  const Points corner = read_stl(file);
+  MeshExtent extent;
+  for (std::size_t k = 0; k < 3; ++k) {
+    extent.min[k] = corner.row(static_cast<Eigen::Index>(k)).minCoeff();
+    extent.max[k] = corner.row(static_cast<Eigen::Index>(k)).maxCoeff();
+  }
+  return extent;
+}
 
-MeshExtent read_mesh_extent(const std::filesystem::path& file) {
+MeshExtent extent_of_nodes(const std::filesystem::path& file) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   std::istringstream lines(read_whole(file, largest_mesh, file.string()));
   const bool abaqus = file.extension() == ".inp";
@@ -68,8 +77,14 @@ MeshExtent read_mesh_extent(const std::filesystem::path& file) {
   }
   if (!(extent.max[0] > extent.min[0]) || !(extent.max[1] > extent.min[1]))
     throw Error(ExitCode::case_file, file.string(), "holds no nodes that span an area",
-                "a mesh of Gmsh (.msh, ASCII) or Abaqus (.inp), lengths in m");
+                "a mesh of Gmsh (.msh, ASCII), Abaqus (.inp) or STL (.stl)");
   return extent;
+}
+
+}  // namespace
+
+MeshExtent read_mesh_extent(const std::filesystem::path& file) {
+  return is_stl(file) ? extent_of_stl(file) : extent_of_nodes(file);
 }
 
 }  // namespace strake

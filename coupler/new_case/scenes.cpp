@@ -132,18 +132,26 @@ NewScene sphere_scene(const NewAnswers& answers) {
 }
 
 NewScene mesh_scene(const NewAnswers& answers) {
-  const MeshExtent mesh = read_mesh_extent(answers.mesh);
+  MeshExtent mesh = read_mesh_extent(answers.mesh);
+  const double scale = answers.value("scale");
+  for (double& x : mesh.min) x *= scale;
+  for (double& x : mesh.max) x *= scale;
   const double width = std::max(mesh.max[0] - mesh.min[0], mesh.max[2] - mesh.min[2]);
   const double height = mesh.max[1] - mesh.min[1], speed = answers.value("speed");
   NewScene s;
   s.dimension = mesh.max[2] - mesh.min[2] > 1e-6 * width ? 3 : 2;
   s.title = answers.mesh.stem().string() + " entry";
-  s.physics = fmt::format("Rigid body of {}, {}, {}-D.", answers.mesh.filename().string(),
-                          motion_words(answers), s.dimension);
+  s.physics =
+      fmt::format("Rigid body of {}, {:.3g} m wide, {:.3g} m high, {}, {}-D.",
+                  answers.mesh.filename().string(), width, height, motion_words(answers), s.dimension);
   s.spacing = chosen_spacing(answers, "body's width", width, s.dimension == 2 ? 80 : 30);
   put_wide_tank(s, width, width, height + 0.5 * width);
   const double gap = rigid_gap * s.spacing;
-  const double middle = s.spacing * std::round(0.5 * (mesh.min[0] + mesh.max[0]) / s.spacing);
+  const auto middle_along = [&](std::size_t axis) {
+    return s.spacing * std::round(0.5 * (mesh.min[axis] + mesh.max[axis]) / s.spacing);
+  };
+  const double middle = middle_along(0);
+  if (s.dimension == 3) s.across = middle_along(2) - middle;
   // The mesh keeps its place; tank and water are put around it.
   s.left += middle;
   s.right = s.water_right = s.right + middle;
@@ -153,7 +161,49 @@ NewScene mesh_scene(const NewAnswers& answers) {
   s.end_time = (gap + 0.5 * std::min(height, 0.5 * width)) / speed;
   s.end_reason = "the body is deep in the water";
   CaseLines lines = rigid_body(answers, s.dimension);
-  lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on; lengths in m");
+  lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on");
+  lines.number("placed.scale", scale, "factor on its lengths: 1 in m, 0.001 in mm");
+  s.body = lines.str();
+  return s;
+}
+
+// The box floats with half its height in the water: m = ρ w²/2. It begins w/20 higher. Its heave, with an
+// added mass of about half its own and the springs' part left out, has the period 2π √(1.5 m/(ρ g w)).
+NewScene moored_scene(const NewAnswers& answers) {
+  const double width = answers.value("width"), density = 1000, gravity = 9.81;
+  NewScene s;
+  s.title = "moored box";
+  s.physics =
+      fmt::format("Rigid box of {:g} m between two springs of {:g} N/m, let go a little too high, 2-D.",
+                  width, answers.value("stiffness"));
+  s.spacing = chosen_spacing(answers, "box's width", width, 20);
+  put_wide_tank(s, 2 * width, 1.5 * width, width);
+  s.submerged = true;
+  const double raised = s.spacing * std::round(width / 20 / s.spacing);
+  const double bottom = raised - s.spacing * std::round(0.5 * width / s.spacing);
+  s.end_time = 4 * std::numbers::pi * std::sqrt(0.75 * width / gravity);
+  s.end_reason = "about two periods of its heave";
+  s.window = round_number(s.end_time / 1000);
+  CaseLines lines;
+  lines.table("[structure]")
+      .text("solver", "rigid", "rigid | replay | none, or the path of a program")
+      .number("mass", 0.5 * density * width * width, "kg, per metre of depth: half of the box in the water")
+      .key("free", "{ x = true, y = true }", "true: the loads move the body along x and y");
+  lines.table("[structure.plate]")
+      .number("length", width, "m, along x")
+      .number("thickness", width, "m, along y")
+      .key("bottom", toml_vector(0, bottom), "m, middle of the lower face at the start");
+  lines.table("[[attachments]]")
+      .text("name", "mooring", "of its columns in history.csv")
+      .key("at", fmt::format("[{}, {}]", toml_vector(-0.5 * width, bottom), toml_vector(0.5 * width, bottom)),
+           "m, on the surface at the start")
+      .text("solver", "spring", "spring | catenary | fmu, or the path of a program");
+  lines.table("[attachments.spring]")
+      .key("anchor",
+           fmt::format("[{}, {}]", toml_vector(-1.5 * width, bottom), toml_vector(1.5 * width, bottom)),
+           "m, the fixed ends")
+      .number("stiffness", answers.value("stiffness"), "N/m, per metre of depth")
+      .number("damping", 0, "N s/m, along each line");
   s.body = lines.str();
   return s;
 }

@@ -13,6 +13,7 @@ NewScene wedge_scene(const NewAnswers&);
 NewScene cylinder_scene(const NewAnswers&);
 NewScene sphere_scene(const NewAnswers&);
 NewScene mesh_scene(const NewAnswers&);
+NewScene moored_scene(const NewAnswers&);
 NewScene dam_scene(const NewAnswers&);
 
 /// Refuses a height [m] of more than ten widths, or less than a tenth. Its tank would be all but empty.

@@ -51,6 +51,12 @@ InterfaceRecord InterfaceRecord::of_body(const std::string& name, const std::str
   for (const Points& field : displacement) own.displacement.push_back(cut(field));
   for (const Points& field : velocity) own.velocity.push_back(cut(field));
   for (const Points& field : force) own.force.push_back(cut(field));
+  for (const auto& [quantity, field] : other) {
+    Other& part_of_it = own.other[quantity];
+    part_of_it.unit = field.unit;
+    for (const Eigen::MatrixXd& values : field.value)
+      part_of_it.value.push_back(values.middleCols(point, points));
+  }
   return own;
 }
 

@@ -75,9 +75,9 @@ ArchiveUnits units_of(const InterfaceRecord& record) {
   return unit;
 }
 
-/// Of a field that is recorded by side and quantity, not as motion or force.
+/// Of a field that is recorded by its sender and quantity, not as motion or force.
 bool is_other(const std::string& name) {
-  return name.starts_with("structure.") || name.starts_with("fluid.");
+  return name.starts_with("structure.") || name.starts_with("fluid.") || name.starts_with("attachments.");
 }
 
 class BlockReader {

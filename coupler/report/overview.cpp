@@ -145,6 +145,18 @@ std::string drawing_of_case(const std::vector<Recorded>& runs) {
   return {};
 }
 
+/// "structures[1].plate.length" → "structures.left.plate.length", as --set takes it.
+std::string named(const std::string& key, const std::vector<Recorded>& runs) {
+  for (const std::string list : {"structures", "attachments"}) {
+    if (!key.starts_with(list + "[")) continue;
+    const std::string element = key.substr(0, key.find(']') + 1);
+    for (const Recorded& run : runs)
+      if (const std::string name = run.setting(element + ".name"); !name.empty())
+        return list + "." + name + key.substr(element.size());
+  }
+  return key;
+}
+
 std::string settings(const std::vector<Recorded>& runs) {
   std::vector<const Setting*> keys;
   std::set<std::string> listed;
@@ -159,7 +171,8 @@ std::string settings(const std::vector<Recorded>& runs) {
   for (const Setting* key : keys) {
     std::set<std::string> values;
     std::string origin = "default";
-    std::vector<std::string> cells = {"<code>" + escape(key->key) + "</code>", escape(key->unit)};
+    std::vector<std::string> cells = {"<code>" + escape(named(key->key, runs)) + "</code>",
+                                      escape(key->unit)};
     for (const Recorded& run : runs) {
       const auto found = std::find_if(run.settings.begin(), run.settings.end(),
                                       [&](const Setting& s) { return s.key == key->key; });

@@ -118,8 +118,10 @@ std::string stages_text(const WatchedRun& run) {
 std::string coupling_text(const TableTail& history) {
   const auto iterations = history.last("iterations"), gap = history.last("work_gap");
   if (!iterations) return {};
-  return fmt::format("coupling   {:.0f} iterations   residual {}{}", *iterations,
-                     value_text(history.last("residual").value_or(NAN), "m"),
+  const auto residual = history.find("residual");
+  const std::string unit = residual ? history.columns()[*residual].unit : "1";
+  return fmt::format("coupling   {:.0f} iterations   residual {:.1e}{}{}", *iterations,
+                     history.last("residual").value_or(NAN), unit == "1" ? "" : " " + unit,
                      gap ? "   work gap " + value_text(*gap, "1") : "");  // none: no force crosses
 }
 

@@ -1,7 +1,6 @@
 #include "fluid/air/air_under_body.hpp"
 
 #include "fluid/air/lower_faces.hpp"
-#include "fluid/air/near_columns.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -176,29 +175,39 @@ double AirUnderBody<dim>::energy(const State<dim>& state) const {
   return sum;
 }
 
+template <int dim>
+auto AirUnderBody<dim>::near(const Faces& face, double spacing) const -> Near {
+  Near all;
+  for (std::size_t f = 0; f < layer_.size(); ++f)
+    all.emplace_back(face.place.middleCols(first_of(f), count_of(f)), spacing);
+  return all;
+}
+
 // The first row is the highest water under the face within a spacing, and what is less than 0.7 l0 lower.
 // Weights fall linearly to both.
 template <int dim>
-auto AirUnderBody<dim>::sample(const StepData<dim>& step, const Faces& face) const -> Sample {
+auto AirUnderBody<dim>::sample(const StepData<dim>& step, const Faces& face, const Near& fields) const
+    -> Sample {
   const State<dim>& state = step.state;
   const double l0 = step.p.spacing;
   Eigen::VectorXd top = state.air_surface.array() - 2 * l0;
   const double low = top.minCoeff() - 2 * l0, high = face.height.maxCoeff();
-  const NearColumns<plane> columns(face.place, l0);
-  struct Near {
-    int column;
+  struct Pair {
+    Eigen::Index column;
     std::int64_t particle;
     double w;
   };
-  std::vector<Near> near;
+  std::vector<Pair> near;
   for (std::int64_t i = 0; i < step.boundary.water(); ++i) {
     const double y = state.position(1, i);
     if (y < low || y > high) continue;
-    columns.for_each(from_above(state.position.col(i)), [&](int c, double w) {
-      if (y > face.height[c]) return;
-      near.push_back({c, i, w});
-      top[c] = std::max(top[c], y);
-    });
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      fields[f].for_each(from_above(state.position.col(i)), [&](int k, double w) {
+        const Eigen::Index c = first_of(f) + k;
+        if (y > face.height[c]) return;
+        near.push_back({c, i, w});
+        top[c] = std::max(top[c], y);
+      });
   }
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(size());
   Sample out{none, none, none, none};
@@ -263,7 +272,8 @@ void AirUnderBody<dim>::advance(StepData<dim>& step) {
   const Faces face = faces(step);
   // The surface meets the air: w' = w + Δt ((p_water − p)/(ρ d) + g), d = l0/2 down to the first row. That
   // half row is pressed together by d (p − p_before)/(ρ c²).
-  const Sample water = sample(step, face);
+  const Near fields = near(face, l0);
+  const Sample water = sample(step, face, fields);
   const double depth = 0.5 * l0;
   const double elastic = depth / (rho * step.p.sound_speed * step.p.sound_speed);
   const double compliance = dt * dt / (rho * depth) + elastic;
@@ -296,19 +306,18 @@ void AirUnderBody<dim>::advance(StepData<dim>& step) {
     store(air, f, state);
     state.air_pressure.segment(first, count_of(f)) = layer_[f].pressure(air).array() - keys_.pressure;
   }
-  press_surface(step, face);
+  press_surface(step, face, fields);
 }
 
 // Linear between the middles of columns of one field. Over the last l0/2 before an open border the pressure
 // falls to that of the open air.
 template <int dim>
-void AirUnderBody<dim>::press_surface(StepData<dim>& step, const Faces& face) const {
+void AirUnderBody<dim>::press_surface(StepData<dim>& step, const Faces& face, const Near& fields) const {
   const State<dim>& state = step.state;
   const double l0 = step.p.spacing;
   step.air.pressure.setZero(step.boundary.water());
   for (std::size_t f = 0; f < layer_.size(); ++f) {
     const auto first = first_of(f), n = count_of(f);
-    const NearColumns<plane> columns(face.place.middleCols(first, n), l0);
     const auto surface = state.air_surface.segment(first, n);
     const double low = surface.minCoeff() - deep * l0, high = surface.maxCoeff() + l0;
 #pragma omp parallel for schedule(static)
@@ -317,7 +326,7 @@ void AirUnderBody<dim>::press_surface(StepData<dim>& step, const Faces& face) co
       if (y < low || y > high) continue;
       const Place x = from_above(state.position.col(i));
       double weights = 0, pressure = 0, level = 0, inside = 0.5 * l0;
-      columns.for_each(x, [&](int k, double w) {
+      fields[f].for_each(x, [&](int k, double w) {
         const Eigen::Index c = first + k;
         weights += w;
         pressure += w * state.air_pressure[c];

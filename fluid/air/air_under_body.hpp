@@ -1,6 +1,7 @@
 #pragma once
 
 #include "fluid/air/air_layer.hpp"
+#include "fluid/air/near_columns.hpp"
 #include "fluid/scheme/step_data.hpp"
 
 #include <Eigen/Core>
@@ -80,13 +81,15 @@ class AirUnderBody {
   Eigen::Index size() const { return static_cast<Eigen::Index>(columns_.size()); }
   Eigen::Index first_of(std::size_t layer) const { return first_[layer]; }
   Eigen::Index count_of(std::size_t layer) const { return first_[layer + 1] - first_[layer]; }
+  using Near = std::vector<NearColumns<plane>>;  // of each field
   Faces faces(const StepData<dim>&) const;
-  Sample sample(const StepData<dim>&, const Faces&) const;
+  Near near(const Faces&, double spacing) const;
+  Sample sample(const StepData<dim>&, const Faces&, const Near&) const;
   void find_columns(const StepData<dim>&);
   void begin(StepData<dim>&);
   void set_aired(Eigen::Index column, StepData<dim>&) const;  // its wet points have air
   bool is_aired(Eigen::Index column, const StepData<dim>&) const;
-  void press_surface(StepData<dim>&, const Faces&) const;
+  void press_surface(StepData<dim>&, const Faces&, const Near&) const;
   AirState<plane> air_of(const State<dim>&, std::size_t layer) const;
   void store(const AirState<plane>&, std::size_t layer, State<dim>&) const;
 

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 // Cells of an even grid over the plan of a field, cut along its border. A cell keeps its area, the lengths of
@@ -218,39 +220,59 @@ class CutCells {
   /// The cell whose column each cell belongs to. Cells that are small or without a wet point go, the smallest
   /// first, to the one with the longest side in common.
   std::vector<int> merged() const {
-    std::vector<int> owner(area_.size());
-    std::iota(owner.begin(), owner.end(), 0);
+    std::vector<std::size_t> owner(area_.size());
+    std::iota(owner.begin(), owner.end(), std::size_t{0});
+    const auto owner_of = [&owner](std::size_t c) {
+      while (owner[c] != c) c = owner[c] = owner[owner[c]];
+      return c;
+    };
     std::vector<double> area = area_;
     std::vector<std::size_t> points(area_.size());
-    for (std::size_t c = 0; c < points.size(); ++c) points[c] = points_[c].size();
     const std::vector<AirColumns<2>::Side> sides = inner_sides();
-    std::vector<int> done(area_.size(), 0);
-    for (;;) {
-      int least = -1;
-      for (std::size_t c = 0; c < area.size(); ++c) {
-        if (owner[c] != static_cast<int>(c) || !(area[c] > 0) || done[c]) continue;
-        if (area[c] >= least_part * width_.prod() && points[c] > 0) continue;
-        if (least < 0 || area[c] < area[static_cast<std::size_t>(least)]) least = static_cast<int>(c);
-      }
-      if (least < 0) return owner;
-      std::map<int, double> shared;
-      for (const auto& side : sides) {
-        const int a = owner[static_cast<std::size_t>(side.column)],
-                  b = owner[static_cast<std::size_t>(side.other)];
-        if (a == b || (a != least && b != least)) continue;
-        shared[a == least ? b : a] += side.length;
-      }
-      const auto from = static_cast<std::size_t>(least);
-      done[from] = 1;  // of a single cell
-      if (shared.empty()) continue;
-      const int to = std::max_element(shared.begin(), shared.end(), [](const auto& a, const auto& b) {
-                       return a.second < b.second;
-                     })->first;
-      for (int& o : owner)
-        if (o == least) o = to;
-      area[static_cast<std::size_t>(to)] += area[from];
-      points[static_cast<std::size_t>(to)] += points[from];
+    std::vector<std::vector<std::size_t>> sides_of(area_.size());  // in their order, so that sums keep theirs
+    for (std::size_t s = 0; s < sides.size(); ++s)
+      for (const int c : {sides[s].column, sides[s].other})
+        sides_of[static_cast<std::size_t>(c)].push_back(s);
+    std::set<std::pair<double, std::size_t>> small;  // by area, then by number
+    const auto sort_in = [&](std::size_t c) {
+      if (area[c] > 0 && (area[c] < least_part * width_.prod() || points[c] == 0)) small.insert({area[c], c});
+    };
+    for (std::size_t c = 0; c < points.size(); ++c) {
+      points[c] = points_[c].size();
+      sort_in(c);
     }
+    while (!small.empty()) {
+      const std::size_t from = small.begin()->second;
+      small.erase(small.begin());
+      std::map<std::size_t, double> shared;
+      for (const std::size_t s : sides_of[from]) {
+        const std::size_t a = owner_of(static_cast<std::size_t>(sides[s].column)),
+                          b = owner_of(static_cast<std::size_t>(sides[s].other));
+        if (a != b) shared[a == from ? b : a] += sides[s].length;
+      }
+      if (shared.empty()) continue;  // a single cell
+      const std::size_t to = std::max_element(shared.begin(), shared.end(), [](const auto& a, const auto& b) {
+                               return a.second < b.second;
+                             })->first;
+      small.erase({area[to], to});
+      owner[from] = to;
+      area[to] += area[from];
+      points[to] += points[from];
+      sides_of[to] = joined(sides_of[to], sides_of[from]);
+      sort_in(to);
+    }
+    std::vector<int> found(owner.size());
+    for (std::size_t c = 0; c < owner.size(); ++c) found[c] = static_cast<int>(owner_of(c));
+    return found;
+  }
+
+  /// The numbers of two rising lists in one; those of both are sides between them, and go.
+  static std::vector<std::size_t> joined(const std::vector<std::size_t>& one,
+                                         const std::vector<std::size_t>& other) {
+    std::vector<std::size_t> all;
+    std::set_symmetric_difference(one.begin(), one.end(), other.begin(), other.end(),
+                                  std::back_inserter(all));
+    return all;
   }
 
   Vector2 low_, width_;

@@ -189,7 +189,6 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
     // distance plus l0 is not tested.
     const auto pairs =
         close_pairs<dim>(state, periodic, water, near, distance, of_water, distance + spacing, owned);
-    account.pairs = static_cast<std::int64_t>(pairs.size());
     std::vector<int> count;
     if (scheme.anti_penetration == AntiPenetration::average) {
       count.assign(static_cast<std::size_t>(state.position.cols()), 0);

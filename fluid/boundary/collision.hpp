@@ -20,7 +20,6 @@ struct CollisionAccount {
   Vector<dim> on_water = Vector<dim>::Zero();  // ΣJ: what the water got from bodies and tank
   std::int64_t inside = 0;                     // water particles found inside a body
   std::int64_t behind_walls = 0;               // found behind a wall of the tank
-  std::int64_t pairs = 0;                      // pairs that came too close
 };
 
 /// Separates pairs of particles nearer than `collision_distance` that approach each other (fluid/THEORY.md

@@ -11,12 +11,13 @@ std::filesystem::path read_replayed_run(CaseFile& file) {
   read_common(file);
   CaseTable fluid = file.root().table("fluid"), replay = fluid.table("replay", "fluid.solver = replay");
   std::string folder;
-  replay.text("run", folder, {.help = "run folder whose recorded interface force is played back"});
+  replay.text("run", folder,
+              {.path = true, .help = "run folder whose recorded interface force is played back"});
   if (folder.empty() && !file.only_declares())
     throw replay.error("run", "the folder of a run with interface/*.h5",
                        "fluid.replay.run = \"runs/plate_entry\"");
-  fluid.accept_all();             // the water itself is not computed: its keys are the other program's
-  return file.folder() / folder;  // an absolute path stays itself
+  fluid.accept_all();  // the water itself is not computed: its keys are the other program's
+  return folder;
 }
 
 }  // namespace strake::fluid

@@ -215,7 +215,7 @@ void Simulation<dim>::Work::sum_collisions() {
   collisions.on_points = total.leftCols(collisions.on_points.cols());
   collisions.on_water = total.col(total.cols() - 2);
   collisions.on_walls = total.col(total.cols() - 1);
-  for (std::int64_t* count : {&collisions.pairs, &collisions.inside, &collisions.behind_walls})
+  for (std::int64_t* count : {&collisions.inside, &collisions.behind_walls})
     *count = communicator.sum(*count);
 }
 

@@ -61,6 +61,20 @@ void write(const Branch& branch, const std::string& path, bool is_element, std::
   }
 }
 
+/// Replaces the paths that Strake itself reads in a table of a user's program (foreign_keys.cpp).
+void make_absolute(toml::table& table, const std::filesystem::path& folder) {
+  const auto replace = [&folder](toml::node* node, bool program) {
+    toml::value<std::string>* text = node == nullptr ? nullptr : node->as_string();
+    // A program without '/' may be a name on PATH.
+    if (text == nullptr || text->get().empty() || (program && text->get().find('/') == std::string::npos))
+      return;
+    *text = (folder / text->get()).lexically_normal().string();
+  };
+  for (const char* key : {"folder", "surface", "config"}) replace(table.get(key), false);
+  if (toml::array* command = table["command"].as_array(); command != nullptr && !command->empty())
+    replace(command->get(0), true);
+}
+
 }  // namespace
 
 std::string CaseFile::echo(const std::string& prefix) const {
@@ -85,6 +99,8 @@ std::string CaseFile::as_given(const std::string& table, const std::string& solv
   const toml::table* given = document_->root[table].as_table();
   toml::table copy = given ? *given : toml::table();
   copy.insert_or_assign("solver", solver);
+  make_absolute(copy, document_->folder());
+  if (toml::table* precice = copy["precice"].as_table()) make_absolute(*precice, document_->folder());
   const toml::table whole{{table, copy}};
   std::ostringstream text;
   text << toml::toml_formatter(whole) << "\n";

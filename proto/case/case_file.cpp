@@ -244,6 +244,9 @@ std::vector<double> CaseFile::numbers_at(const std::string& path) const {
   }
   return numbers;
 }
+bool CaseFile::is_right() const {
+  return document_->refused.empty();
+}
 bool CaseFile::only_declares() const {
   return document_->only_declares;
 }

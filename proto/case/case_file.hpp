@@ -50,6 +50,7 @@ struct TextKey {
   bool required = false;
   std::optional<std::string> paper = {};
   std::string instead = {};  // the key is an older name of this key of the table
+  bool path = false;         // below the case file's folder unless absolute; it need not exist yet
   std::string help = {};
 };
 struct ChoiceKey {
@@ -94,6 +95,7 @@ class CaseFile {
   /// number, flag, vector, box or text is remembered and the reading goes on. What decides how to read on
   /// ends it: a choice. A check across keys counts only where all keys are right.
   void read_all(const std::function<void()>& read);
+  bool is_right() const;  // nothing that has been read so far is refused
   /// Error for every key below `prefix` ("fluid"; empty: the whole file) that no declaration has touched,
   /// with did-you-mean. Call after all reading.
   void refuse_unknown(const std::string& prefix = {}) const;
@@ -101,7 +103,7 @@ class CaseFile {
   /// Resolved TOML of the declared keys below `prefix`, each marked with its origin.
   std::string echo(const std::string& prefix = {}) const;
   /// A top table as TOML, as the user gave it, with the changes of --set. For programs whose keys Strake does
-  /// not declare. `solver` replaces its key of that name.
+  /// not declare. `solver` replaces its key of that name. Paths that Strake knows become absolute.
   std::string as_given(const std::string& table, const std::string& solver) const;
   /// SHA-256 of the file's bytes, each --set string, and the bytes of every existing file that a text value
   /// names.

@@ -74,7 +74,7 @@ void CaseTable::text(const std::string& name, std::string& value, const TextKey&
     if (d.given(key.required, "\"<text>\"")) {
       const std::optional<std::string> given = as_text(d);
       if (!given) throw d.wrong(d.expected, d.name() + " = " + to_toml(to_toml(*d.node)));
-      value = *given;
+      value = key.path && !given->empty() ? absolute_below(document_->folder(), *given).string() : *given;
     } else if (d.takes_paper(key.paper.has_value())) {
       value = *key.paper;
     }

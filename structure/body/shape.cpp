@@ -70,6 +70,10 @@ PolygonFault polygon_fault(const Polygon& p, double spacing) {
   if (n < 3) return {fmt::format("it has {} corners", n), "give at least three"};
   for (std::size_t i = 0; i < n; ++i) {
     const double length = (following(p, i) - p[i]).norm();
+    if (length == 0)
+      return {fmt::format("the corner {} is given twice in a row{}", text(p[i]),
+                          i == n - 1 ? ", first and last" : ""),
+              i == n - 1 ? "leave the last corner out: the outline closes itself" : "leave one of them out"};
     if (length < shortest_edge * spacing)
       return {fmt::format(
                   "the edge from {} to {} is {:.3g} m long, the points of the surface stand {:.3g} m apart",

@@ -7,6 +7,7 @@
 #include "structure/case/rank_keys.hpp"
 #include "structure/case/shape_keys.hpp"
 #include "structure/case/solid_keys.hpp"
+#include "structure/case/tank_fit.hpp"
 #include "structure/failure/softening.hpp"
 #include "structure/particle/failure.hpp"
 #include "structure/particle/lattice.hpp"
@@ -98,8 +99,8 @@ void read_load_to_come(CaseFile& file, const CommonKeys& common, Parameters& p) 
   file.root()
       .table("fluid")
       .table("replay", "fluid.solver = replay")
-      .text("run", run, {.help = "run folder whose recorded interface force is played back"});
-  if (!run.empty()) p.load_run = file.folder() / run;
+      .text("run", run, {.path = true, .help = "run folder whose recorded interface force is played back"});
+  p.load_run = run;
 }
 
 void check_ccx(CaseTable structure, Parameters& p) {
@@ -291,6 +292,7 @@ bool is_constrained(const Parameters& p) {
 
 void check_together(CaseFile& file, const CommonKeys& common, CaseTable structure, Parameters& p) {
   check_ranks(structure, p);
+  if (file.is_right()) refuse_outside_tank(file, structure, common, p);  // not the form of a stand-in value
   if (common.interface == "volume" && p.kind != "particle")
     throw file.root()
         .table("coupling")
@@ -364,8 +366,9 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   read_failure(t.table("failure", "what breaks a body"), p.failure);
   CaseTable replay = t.table("replay", "structure.solver = replay");
   std::string run;
-  replay.text("run", run, {.help = "run folder whose recorded interface motion is played back"});
-  if (!run.empty()) p.replay_run = file.folder() / run;  // an absolute path stays itself
+  replay.text("run", run,
+              {.path = true, .help = "run folder whose recorded interface motion is played back"});
+  p.replay_run = run;
   if (kind == "replay" && run.empty() && !file.only_declares())
     throw replay.error("run", "the folder of a run with interface/*.h5",
                        "structure.replay.run = \"runs/plate_entry\"");

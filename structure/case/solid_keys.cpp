@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 namespace strake::structure {
 namespace {
@@ -306,6 +308,18 @@ std::vector<SolidBox> read_boxes(CaseTable t, const Parameters& p, std::vector<E
   return boxes;
 }
 
+/// Refuses a file by its ending, before it is read.
+void check_ending(const CaseTable& t, const std::filesystem::path& mesh) {
+  std::string ending = mesh.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (ending != ".msh" && ending != ".inp")
+    throw t.error("mesh",
+                  "a file that ends in .msh (Gmsh) or .inp (Abaqus), or in .stl for the closed surface of a "
+                  "rigid body in space",
+                  "save the mesh in one of these formats");
+}
+
 }  // namespace
 
 void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
@@ -331,6 +345,7 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
     read_surface_body(t, p, mesh, placing.scale * turn_of(placing), placing.move);
     return;
   }
+  if (!all && !mesh.empty()) check_ending(t, mesh);
   if (!all && !body)
     for (const char* key : {"part", "support"})
       if (t.has(key))

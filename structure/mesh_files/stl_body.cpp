@@ -2,6 +2,7 @@
 
 #include "proto/error.hpp"
 #include "proto/mesh_files/stl.hpp"
+#include "structure/mesh_files/self_cuts.hpp"
 #include "structure/mesh_files/shells.hpp"
 
 #include <Eigen/Geometry>
@@ -179,11 +180,27 @@ void check_edges(const Numbered& all, const std::string& file) {
          "unify the normals in the program that wrote the file");
 }
 
+/// Refuses a surface that goes through itself: what it encloses would be counted twice, or not at all.
+void check_cuts(const Numbered& all, const std::string& file) {
+  const Points& point = all.surface.point;
+  const double extent = (point.rowwise().maxCoeff() - point.rowwise().minCoeff()).maxCoeff();
+  const SelfCuts cuts = find_self_cuts(all.surface, merged * extent);
+  if (cuts.pairs == 0) return;
+  const auto number = [&](std::size_t k) { return all.number[static_cast<std::size_t>(cuts.first[k])]; };
+  throw Error(
+      ExitCode::case_file, file,
+      fmt::format("the surface cuts itself: {} pairs of triangles; the first, {} and {}, at {}", cuts.pairs,
+                  number(0), number(1), place_text(cuts.place)),
+      "unite overlapping bodies (a Boolean union) in the program that wrote the file, or let it repair "
+      "its mesh");
+}
+
 }  // namespace
 
 ClosedSurface read_stl_body(const std::filesystem::path& path) {
   Numbered all = merge_corners(read_stl(path), path.string());
   check_edges(all, path.string());
+  check_cuts(all, path.string());
   sort_shells(all.surface, path.string());
   return std::move(all.surface);
 }

@@ -115,9 +115,17 @@ void read_catenary(CaseTable table, const AttachmentKeys& keys, Reading reading,
 
 void read_fmu(CaseTable table, Reading reading, FmuKeys& keys) {
   const bool chosen = reading == Reading::chosen;
-  table.file("file", keys.file,
+  std::string file;
+  table.text("file", file,
              {.required = chosen,
-              .help = "co-simulation unit of FMI 3.0 (.fmu)"});
+              .path = true,
+              .help = "co-simulation unit of FMI 3.0 (.fmu), or the folder into which it was unpacked"});
+  keys.file = file;
+  std::error_code ignored;
+  if (chosen && !file.empty() && !std::filesystem::is_regular_file(keys.file, ignored) &&
+      !std::filesystem::is_directory(keys.file, ignored))
+    throw table.error("file", "an .fmu file, or the folder of an unpacked one",
+                      "relative paths start at the case file's folder; looked for " + file);
   table.texts("inputs", keys.inputs,
               {.help = "what it receives, a list of \"variable = displacement.y\" or \"velocity.x\", of the "
                        "second point \"displacement.y.2\""});

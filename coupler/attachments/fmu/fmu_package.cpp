@@ -11,10 +11,14 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
+#include <ctime>
+#include <fcntl.h>
 #include <fstream>
 #include <memory>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -116,6 +120,30 @@ class Unpacking {
   std::uint64_t largest_, total_ = 0;  // [bytes] of all entries together; unpacked so far
 };
 
+const std::string prefix = "strake-fmu-";
+
+/// An exclusive lock of a folder, which ends with its process however that ends; none: somebody has it.
+Descriptor lock_of(const fs::path& folder) {
+  Descriptor lock(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  if (lock.get() >= 0 && ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) lock = Descriptor();
+  return lock;
+}
+
+/// Removes our own folders that no process has locked. A young one may be about to be locked.
+void remove_abandoned(const fs::path& place) {
+  constexpr std::time_t young = 60;  // [s]
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(place, ignored)) {
+    if (!entry.path().filename().string().starts_with(prefix)) continue;
+    const Descriptor lock = lock_of(entry.path());
+    struct stat about {};
+    if (lock.get() < 0 || ::fstat(lock.get(), &about) != 0 || about.st_uid != ::geteuid()) continue;
+    if (std::time(nullptr) - about.st_mtime < young) continue;
+    std::error_code failed;
+    fs::remove_all(entry.path(), failed);
+  }
+}
+
 }  // namespace
 
 std::string fmu_platform() {
@@ -135,10 +163,13 @@ FmuPackage::FmuPackage(const fs::path& file, std::uint64_t largest) : file_(file
     return;
   }
   require_file(file, largest, file.string());
-  const fs::path place = fs::temp_directory_path(ignored);
-  std::string name = ((place.empty() ? fs::path("/tmp") : place) / "strake-fmu-XXXXXX").string();
+  fs::path place = fs::temp_directory_path(ignored);
+  if (place.empty()) place = "/tmp";
+  remove_abandoned(place);
+  std::string name = (place / (prefix + "XXXXXX")).string();
   if (::mkdtemp(name.data()) == nullptr) throw cannot_write(name, errno);
   folder_ = name;
+  lock_ = lock_of(folder_);
   temporary_ = true;
   try {
     Unpacking(file, folder_, largest).run();
@@ -151,6 +182,7 @@ FmuPackage::FmuPackage(const fs::path& file, std::uint64_t largest) : file_(file
 void FmuPackage::remove() {
   std::error_code ignored;
   if (std::exchange(temporary_, false)) fs::remove_all(folder_, ignored);
+  lock_ = Descriptor();
 }
 
 fs::path FmuPackage::library(const std::string& model_identifier) const {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/descriptor.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -7,7 +9,7 @@
 namespace strake {
 
 /// The folder of an FMU: one that is there, or a private temporary one into which the .fmu was unpacked, and
-/// which is removed at the end.
+/// which is removed at the end. The next one removes those of processes that were killed.
 class FmuPackage {
  public:
   /// Error(case_file) for what is no zip archive, is damaged, or has entries that lead out of the folder, are
@@ -29,6 +31,7 @@ class FmuPackage {
  private:
   std::filesystem::path file_, folder_;
   bool temporary_ = false;
+  Descriptor lock_;  // of the temporary folder: held as long as its process lives
 };
 
 /// The folder of `binaries` for this machine; empty on one that FMI 3.0 does not name.

@@ -155,7 +155,8 @@ TEST(InterfaceRecord, HoldsEveryOtherFieldByItsNameAndUnit) {
     for (int w = from; w < to; ++w) {
       const Window window = windows(to)[static_cast<std::size_t>(w)];
       recorder.append(window, displacement(window.t + window.dt), Points(), force(w),
-                      {scalar("temperature", "K", w)}, {scalar("temperature", "K", 2 * w)});
+                      {scalar("temperature", "K", w)}, {scalar("temperature", "K", 2 * w)},
+                      {{"force", "N", true, Eigen::MatrixXd::Constant(3, 3, -w)}});
     }
   };
   InterfaceRecorder recorder(folder.path(), strip(), initial, 4);
@@ -168,13 +169,35 @@ TEST(InterfaceRecord, HoldsEveryOtherFieldByItsNameAndUnit) {
   resumed.flush();
   const InterfaceRecord read = read_interface_record(folder.path());
   EXPECT_EQ(read.displacement.size(), 6u);
-  ASSERT_EQ(read.other.size(), 2u);
+  ASSERT_EQ(read.other.size(), 3u);
+  const auto& of_attachments = read.other.at("attachments.force").value;
+  ASSERT_EQ(of_attachments.size(), 6u) << "those before the resume and after it";
+  EXPECT_EQ(of_attachments[4], Eigen::MatrixXd::Constant(3, 3, -4));
   const auto& [unit, values] = read.other.at("fluid.temperature");
   EXPECT_EQ(unit, "K");
   ASSERT_EQ(values.size(), 6u);
   EXPECT_EQ(values[5], Eigen::MatrixXd::Constant(1, 3, 10));
   EXPECT_EQ(read.other.at("structure.temperature").value[3], Eigen::MatrixXd::Constant(1, 3, 3));
   EXPECT_EQ(read_archive_units(folder / "interface/000001.h5").at("force"), "N");
+}
+
+TEST(InterfaceRecord, OfOneBodyHasItsPartOfEveryField) {
+  InterfaceRecord whole;
+  whole.mesh.position = Points::Random(3, 5);
+  whole.mesh.faces = Eigen::MatrixXi(2, 3);
+  whole.mesh.faces << 0, 2, 3, 1, 3, 4;
+  whole.mesh.parts = {{"left", 0, 0}, {"right", 2, 1}};
+  whole.windows = {{0, 0.1}};
+  whole.displacement = whole.velocity = whole.force = {Points::Random(3, 5)};
+  whole.other["attachments.force"] = {"N", {Eigen::MatrixXd::Random(3, 5)}};
+  whole.other["structure.temperature"] = {"K", {Eigen::MatrixXd::Random(1, 5)}};
+  const InterfaceRecord right = whole.of_body("right", "runs/two");
+  ASSERT_EQ(right.other.size(), 2u);
+  EXPECT_EQ(right.other.at("attachments.force").unit, "N");
+  EXPECT_EQ(right.other.at("attachments.force").value.at(0),
+            whole.other.at("attachments.force").value[0].rightCols(3));
+  EXPECT_EQ(right.other.at("structure.temperature").value.at(0),
+            whole.other.at("structure.temperature").value[0].rightCols(3));
 }
 
 TEST(InterfaceRecord, OfFieldsWithoutMotionIsWrittenAndGoesOnButIsNotPlayed) {

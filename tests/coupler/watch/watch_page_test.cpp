@@ -1,12 +1,7 @@
-// The data that the page of a run gets, and the clients that its server answers.
-#include "coupler/watch/web/array_message.hpp"
-#include "coupler/watch/web/field_view.hpp"
-#include "coupler/watch/web/frame_cache.hpp"
-#include "coupler/watch/web/http_api.hpp"
+// What the page of a run is told, and the clients that its server answers.
 #include "coupler/watch/web/server.hpp"
 #include "proto/error.hpp"
-#include "proto/files/result_file.hpp"
-#include "tests/coupler/watch/watch_files.hpp"
+#include "tests/coupler/watch/page_fixture.hpp"
 
 #include <gtest/gtest.h>
 #include <httplib.h>  // last: it brings resolv.h, whose macro _res is a name of Eigen's
@@ -14,7 +9,6 @@
 #include <arpa/inet.h>
 #include <atomic>
 #include <chrono>
-#include <cstring>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <thread>
@@ -23,190 +17,6 @@
 
 namespace strake::watch {
 namespace {
-
-using Json = nlohmann::json;
-
-/// Two particles of water, one of the wall, one of the structure's.
-Frame water(double time) {
-  Frame frame;
-  frame.time = time;
-  frame.position = Points::Zero(3, 4);
-  frame.position.row(0) << 0, 1, 2, 3;
-  Eigen::MatrixXd pressure(1, 4), velocity = Eigen::MatrixXd::Zero(3, 4), kind(1, 4), id(1, 4);
-  pressure << 100, 200, 5000, 6000;
-  velocity.row(0) << 3, 0, 0, 0;
-  velocity.row(1) << 4, 0, 0, 0;
-  kind << 0, 0, 1, 3;
-  id << 7, 5, 9, 11;
-  frame.point_data = {
-      {"pressure", "Pa", pressure}, {"velocity", "m/s", velocity}, {"kind", "1", kind}, {"id", "1", id}};
-  return frame;
-}
-
-/// A square of one cell, moved down by a tenth of a metre, one corner bent by a hundredth.
-Frame plate(double time) {
-  Frame frame;
-  frame.time = time;
-  frame.position = Points::Zero(3, 4);
-  frame.position.row(0) << 0, 1, 1, 0;
-  frame.position.row(1) << 0, 0, 1, 1.01;
-  frame.cells = Eigen::MatrixXi(4, 1);
-  frame.cells << 0, 1, 2, 3;
-  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(3, 4);
-  u.row(1) << -0.1, -0.1, -0.1, -0.09;
-  frame.point_data = {{"displacement", "m", u}, {"von_mises", "Pa", Eigen::MatrixXd::Constant(1, 4, 5e6)}};
-  return frame;
-}
-
-/// As the page reads a message.
-struct Read {
-  explicit Read(std::string text) : bytes(std::move(text)) {
-    std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data(), sizeof length);
-    EXPECT_EQ((length + sizeof length) % 8, 0U);
-    head = Json::parse(bytes.substr(sizeof length, length));
-  }
-  template <typename T>
-  std::vector<T> array(const std::string& name) const {
-    if (!head["arrays"].contains(name)) return {};
-    const Json& place = head["arrays"][name];
-    EXPECT_EQ(place["at"].get<std::size_t>() % 8, 0U);
-    std::vector<T> values(place["count"].get<std::size_t>());
-    EXPECT_LE(place["at"].get<std::size_t>() + values.size() * sizeof(T), bytes.size());
-    if (!values.empty())
-      std::memcpy(values.data(), bytes.data() + place["at"].get<std::size_t>(), values.size() * sizeof(T));
-    return values;
-  }
-  std::string bytes;
-  Json head;
-};
-
-TEST(ArrayMessage, HoldsEveryArrayWhereItsHeadSays) {
-  for (const std::size_t n : {0, 1, 5, 1000}) {
-    ArrayMessage message;
-    message.head["note"] = std::string(n, 'x');
-    message.add("a", std::vector<float>(n, 1.5F));
-    message.add("b", std::vector<std::uint8_t>(3, 7));
-    message.add("c", std::vector<double>{1e300});
-    const Read read(message.bytes());
-    EXPECT_EQ(read.head["note"].get<std::string>().size(), n);
-    EXPECT_EQ(read.array<float>("a"), std::vector<float>(n, 1.5F));
-    EXPECT_EQ(read.array<std::uint8_t>("b"), (std::vector<std::uint8_t>{7, 7, 7}));
-    EXPECT_EQ(read.array<double>("c"), std::vector<double>{1e300});
-  }
-}
-
-TEST(FieldMessage, ShowsWaterAndWallsAndTakesTheRangeFromTheWater) {
-  const Read read(
-      field_message(water(0.5), {.side = "fluid", .field = "pressure", .dimension = 2, .keys = {}}).bytes());
-  EXPECT_EQ(read.array<float>("position"), (std::vector<float>{0, 0, 0, 1, 0, 0, 2, 0, 0}));
-  EXPECT_EQ(read.array<float>("value"), (std::vector<float>{100, 200, 5000}));
-  EXPECT_EQ(read.array<std::uint8_t>("kind"), (std::vector<std::uint8_t>{0, 0, 1}));
-  EXPECT_EQ(read.array<std::uint32_t>("index"), (std::vector<std::uint32_t>{0, 1, 2}));
-  EXPECT_EQ(read.head["time"], 0.5);
-  EXPECT_EQ(read.head["field"]["all"], (Json{100, 200}));
-  EXPECT_EQ(read.head["field"]["unit"], "Pa");
-  EXPECT_EQ(read.head["high"], (Json{2, 0, 0}));
-  const Read speed(
-      field_message(water(0), {.side = "fluid", .field = "speed", .dimension = 2, .keys = {}}).bytes());
-  EXPECT_EQ(speed.array<float>("value"), (std::vector<float>{5, 0, 0}));
-  const Read none(
-      field_message(water(0), {.side = "fluid", .field = "damage", .dimension = 2, .keys = {}}).bytes());
-  EXPECT_TRUE(none.array<float>("value").empty());
-  EXPECT_EQ(none.head["fields"][1]["name"], "speed");
-}
-
-TEST(FieldMessage, TellsABendFromTheMotionOfTheSupports) {
-  const Read read(field_message(plate(0.05), {.side = "structure",
-                                              .field = "von_mises",
-                                              .dimension = 2,
-                                              .keys = {{"structure.velocity", "[0, -2, 0]"}}})
-                      .bytes());
-  const auto bend = read.array<float>("bend");
-  ASSERT_EQ(bend.size(), 12U);
-  EXPECT_NEAR(bend[1], 0, 1e-7);
-  EXPECT_NEAR(bend[10], 0.01, 1e-7);
-  EXPECT_EQ(read.array<std::uint32_t>("triangle"), (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
-  EXPECT_EQ(read.array<std::uint32_t>("edge").size(), 8U);
-}
-
-TEST(FieldMessage, NamesTheBodiesWhereThereAreSeveral) {
-  const FieldRequest one = {.side = "structure", .field = "von_mises", .dimension = 2, .keys = {}};
-  EXPECT_EQ(Read(field_message(plate(0.05), one).bytes()).head["bodies"], Json::array());
-  FieldRequest two = one;
-  two.parts = {{.name = "left", .first_point = 0}, {.name = "right", .first_point = 2}};
-  const Frame frame = plate(0.05);
-  const Json bodies = Read(field_message(frame, two).bytes()).head["bodies"];
-  ASSERT_EQ(bodies.size(), 2U);
-  EXPECT_EQ(bodies[0]["name"], "left");
-  EXPECT_EQ(bodies[1]["name"], "right");
-  EXPECT_EQ(bodies[1]["first"], 2);
-  EXPECT_EQ(bodies[0]["low"][0], frame.position.leftCols(2).row(0).minCoeff());
-  EXPECT_EQ(bodies[1]["high"][1], frame.position.rightCols(2).row(1).maxCoeff());
-}
-
-TEST(SurfaceOf, LeavesOutWhatLiesBetweenTwoCells) {
-  Eigen::MatrixXi cells(8, 2);
-  cells.col(0) << 0, 1, 2, 3, 4, 5, 6, 7;
-  cells.col(1) << 4, 5, 6, 7, 8, 9, 10, 11;
-  const Surface two = surface_of(cells, 3);
-  EXPECT_EQ(two.triangle.size(), 3U * 2U * 10U);  // ten outer faces of two triangles
-  EXPECT_EQ(two.edge.size(), 2U * 20U);
-  Eigen::MatrixXi tetrahedron(4, 1);
-  tetrahedron << 0, 1, 2, 3;
-  EXPECT_EQ(surface_of(tetrahedron, 3).triangle.size(), 3U * 4U);
-  EXPECT_EQ(surface_of(tetrahedron, 2).triangle.size(), 3U * 2U);  // in the plane a quadrilateral
-}
-
-TEST(FrameCache, ListsWholeFramesAloneAndForgetsThoseThatAreGone) {
-  const RunFiles files;
-  FrameCache cache(files.path());
-  cache.update();
-  EXPECT_TRUE(cache.series("fluid").entries.empty());
-  FrameSeries series(files.path(), "fluid", 2);
-  series.write(water(0));
-  series.write(water(0.1));
-  put(files.path() / "frames" / "fluid-000002.h5.part", "half of a fr");
-  put(files.path() / "frames" / "fluid-000003.h5", "no HDF5 at all");
-  put(files.path() / "frames" / "notes.h5", "");
-  cache.update();
-  ASSERT_EQ(cache.series("fluid").entries.size(), 2U);
-  EXPECT_EQ(cache.series("fluid").entries[1].time, 0.1);
-  EXPECT_EQ(cache.read("fluid", 1)->time, 0.1);
-  EXPECT_EQ(cache.read("fluid", 1), cache.read("fluid", 1));  // kept
-  EXPECT_THROW(cache.read("fluid", 2), Error);
-  EXPECT_THROW(cache.read("fluid", 3), Error);
-  const auto generation = cache.series("fluid").generation;
-  series.write(water(0.2));
-  cache.update();
-  EXPECT_EQ(cache.series("fluid").entries.size(), 3U);
-  EXPECT_EQ(cache.series("fluid").generation, generation);
-  std::filesystem::remove(files.path() / "frames" / "fluid-000003.h5");  // which a resume would refuse
-  series.truncate(0.1);
-  cache.update();
-  EXPECT_EQ(cache.series("fluid").entries.size(), 2U);
-  EXPECT_GT(cache.series("fluid").generation, generation);
-}
-
-class PageOfARun : public testing::Test {
- protected:
-  PageOfARun() {
-    files.windows(8);
-    FrameSeries(files.path(), "fluid", 2).write(water(0.5));
-    put(files.path() / "coupler.log", "one\ntwo\nhalf a li");
-  }
-  Json json(const std::string& path, const HttpApi::Query& query = {}) {
-    const HttpApi::Answer answer = api.answer(path, query);
-    EXPECT_EQ(answer.status, 200) << answer.body;
-    return Json::parse(answer.body);
-  }
-  int status(const std::string& path, const HttpApi::Query& query = {}) {
-    return api.answer(path, query).status;
-  }
-
-  RunFiles files;
-  HttpApi api{files.path()};
-};
 
 TEST_F(PageOfARun, TellsWhatTheFilesHold) {
   const Json run = json("api/run");

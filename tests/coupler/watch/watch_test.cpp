@@ -251,7 +251,7 @@ TEST(ScreenLines, HoldStateProgressValuesAndStages) {
   for (const std::string& line : screen_lines(run, {.width = 120, .height = 30})) text += line + "\n";
   for (const char* part : {"a plate", "killed", "window 8   t 8 ms of 10 ms", " 80.0 %", "mid.y  -756.8 µm",
                            "largest 997.5 µm at 3 ms", "fluid.pressure 60 %", "structure.step 20 %",
-                           "exchange and the rest 20 %", "coupling   2 iterations   residual 1 nm"})
+                           "exchange and the rest 20 %", "coupling   2 iterations   residual 1.0e-09 m"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 

@@ -57,9 +57,7 @@ TEST(AntiPenetration, SeesPairsOverAPeriodicSeam) {
   state.position(0, left) -= 0.4 * l0;
   state.velocity(0, left) = -1;
   NeighbourSearch<2> search(2.1 * l0, 0, boundary.tank().periodic());
-  const auto account =
-      separate_particles<2>(state, boundary, search.update(state.position), p.scheme, dt, l0, mass);
-  EXPECT_EQ(account.pairs, 1);
+  separate_particles<2>(state, boundary, search.update(state.position), p.scheme, dt, l0, mass);
   // Two equal bodies with the restitution b: −(1−b)/2 and −(1+b)/2 of the speed.
   EXPECT_NEAR(state.velocity(0, left), -0.5 * (1 - p.scheme.restitution), 1e-12);
   EXPECT_NEAR(state.velocity(0, right), -0.5 * (1 + p.scheme.restitution), 1e-12);
@@ -87,8 +85,9 @@ TEST_P(AntiPenetrationRule, KeepsMomentumAndMakesNoEnergy) {
   disturb(scene);
   const Eigen::Vector2d before = scene.momentum();
   const double energy = scene.energy();
+  const Vectors<2> velocity = scene.state.velocity;
   const CollisionAccount<2> account = scene.separate();
-  ASSERT_GT(account.pairs, 100);
+  ASSERT_GT(((scene.state.velocity - velocity).colwise().squaredNorm().array() > 0).count(), 100);
   EXPECT_LT((scene.momentum() - before - account.on_water).norm(), 1e-12 * mass * 5 * 800);
   EXPECT_LT((account.on_water + account.on_walls).norm(), 1e-12);
   EXPECT_LE(scene.energy(), energy);

@@ -137,5 +137,34 @@ TEST(Toml, NumbersAreShortAndReadBack) {
     EXPECT_EQ(toml::parse("x = " + to_toml(x))["x"].value<double>(), x);
 }
 
+TEST(CaseEcho, PathsAreAbsoluteSoThatACopyElsewhereReadsTheSame) {
+  const TemporaryFolder folder;
+  put(folder / "case.toml", R"([structure]
+solver = "./spring.py"
+folder = "work"
+surface = "../skin.msh"
+title = "work"
+[structure.replay]
+run = "runs/earlier"
+[structure.precice]
+command = ["./bin/flap", "./input"]
+config = "/etc/precice.xml"
+)");
+  CaseFile file = CaseFile::load(folder / "case.toml");
+  std::string run;
+  file.root().table("structure").table("replay").text("run", run, {.path = true});
+  const std::string place = std::filesystem::absolute(folder.path()).lexically_normal().string();
+  EXPECT_EQ(run, place + "/runs/earlier");
+  EXPECT_NE(file.echo("structure").find("run = \"" + run + "\""), std::string::npos)
+      << file.echo("structure");
+  const std::string given = file.as_given("structure", "/opt/spring.py");
+  const std::string above = std::filesystem::path(place).parent_path().string();
+  const std::vector<std::string> lines = {
+      "folder = '" + place + "/work'", "surface = '" + above + "/skin.msh'", "title = 'work'",
+      "command = [ '" + place + "/bin/flap', './input' ]", "config = '/etc/precice.xml'"};
+  for (const std::string& line : lines)
+    EXPECT_NE(given.find(line), std::string::npos) << line << "\n" << given;
+}
+
 }  // namespace
 }  // namespace strake

@@ -49,6 +49,10 @@ TEST(Shape, WhatIsWrongWithAPolygonIsSaid) {
   EXPECT_NE(fault({{0, 0}, {0, 1}, {1, 1}, {1, 0}}).find("clockwise"), std::string::npos);
   EXPECT_NE(fault({{0, 0}, {1, 0}, {1.002, 0.001}, {0, 1}}).find("long"), std::string::npos);
   EXPECT_NE(fault({{0, 0}, {1, 0}, {0, 0.05}}).find("sharp"), std::string::npos);
+  EXPECT_EQ(fault({{0, 0}, {1, 0}, {1, 0}, {0, 1}}), "the corner (1, 0) is given twice in a row");
+  const PolygonFault closed = polygon_fault({{0, 0}, {1, 0}, {0, 1}, {0, 0}}, 0.01);
+  EXPECT_EQ(closed.problem, "the corner (0, 0) is given twice in a row, first and last");
+  EXPECT_EQ(closed.fix, "leave the last corner out: the outline closes itself");
 }
 
 TEST(Mass, PolygonsHaveTheirClosedForms) {

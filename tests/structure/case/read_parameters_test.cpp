@@ -225,5 +225,27 @@ TEST(StructureKeys, DeclarationsAloneAskForNothing) {
   EXPECT_GT(nothing.declared().size(), 40u);
 }
 
+TEST(StructureKeys, ABodyOutsideTheTankIsRefusedBeforeItIsBuilt) {
+  const std::vector<std::string> tank = {"fluid.tank=[[-1.0, -0.5], [1.0, 0.7]]"};
+  const auto with = [&tank](const std::string& set) { return std::vector<std::string>{tank[0], set}; };
+  EXPECT_EQ(complaint("rigid", with("structure.plate.bottom=[0.8, 0.012, 0]")), "") << "its end at the wall";
+  const std::string beside = complaint("rigid", with("structure.plate.bottom=[0.9, 0.012, 0]"));
+  EXPECT_NE(beside.find("a body inside the tank: it reaches from (0.7, 0.012) to (1.1, 0.032) m, the tank "
+                        "from (-1, -0.5) to (1, inf) m"),
+            std::string::npos)
+      << beside;
+  EXPECT_EQ(complaint("fem", with("structure.plate.bottom=[0, 0.7, 0]")), "") << "no lid";
+  EXPECT_NE(complaint("fem", {tank[0], "structure.plate.bottom=[0, 0.7, 0]", "fluid.open_top=false"}), "");
+  EXPECT_EQ(complaint("fem", {tank[0], "structure.plate.bottom=[2, 0, 0]", "fluid.solver=none"}), "");
+  EXPECT_EQ(complaint("fem", {tank[0], "structure.plate.bottom=[0.9, 0, 0]", "fluid.periodic=[\"x\"]"}), "");
+  const std::string with_z = "fluid.tank=[[-1.4, -0.5, 0.0], [0.52, 1.4, 0.0]]";
+  EXPECT_EQ(complaint("rigid", {with_z, "structure.plate.bottom=[0.3, 0.6, 0]"}), "");
+  EXPECT_NE(complaint("rigid", {with_z, "structure.plate.bottom=[0.4, 0.6, 0]"}), "");
+  const std::string polygon = "fluid.tank_polygon=[[-0.1, -1], [0.1, -1], [0.1, 1], [-0.1, 1]]";
+  EXPECT_NE(complaint("rigid", {polygon}), "");
+  EXPECT_EQ(complaint("rigid", {"fluid.tank_polygon=[[-1, -1, 0], [1, -1, 0], [1, 1, 0]]"}), "");
+  EXPECT_NE(complaint("rigid", {"fluid.tank_polygon=[[-0.1, -1, 0], [0.1, -1, 0], [0.1, 1, 0]]"}), "");
+}
+
 }  // namespace
 }  // namespace strake::structure

@@ -15,6 +15,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <numbers>
 
 namespace strake::structure {
 namespace {
@@ -242,6 +243,41 @@ TEST_F(Stl, SurfacesThatBoundNoBodyAreRefusedWithThePlace) {
   refuses(text(sheet + turned(sheet)), "encloses no volume");
   refuses(text(box({0, -1, -1}, {4, 3, 3}) + cube + box({1.5, 0.5, 0.5}, {2.5, 1.5, 1.5})),
           "lies inside 2 others");
+}
+
+/// The triangles of a ball of n rings and 2 n meridians.
+Facets ball(const Vector3d& centre, double radius, int n) {
+  const double step = std::numbers::pi / n;
+  const auto at = [&](int ring, int meridian) {
+    const double theta = ring * step, phi = meridian % (2 * n) * step, r = ring == n ? 0 : std::sin(theta);
+    return Vector3d(centre + radius * Vector3d(r * std::cos(phi), r * std::sin(phi), std::cos(theta)));
+  };
+  Facets facets;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < 2 * n; ++j) {
+      if (i < n - 1) facets.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      if (i > 0) facets.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return facets;
+}
+
+TEST_F(Stl, ASurfaceThatCutsItselfIsRefusedWithThePlace) {
+  refuses(text(cube + box({2.5, 0.5, 0.5}, {4, 1.5, 1.5})), "the surface cuts itself: ");
+  refuses(text(cube + box({1.5, 1.5, 1}, {2, 3, 1.5})),
+          "pairs of triangles; the first, 7 and 13, at (1.5, 2, 1)");
+  refuses(binary(ball({0, 0, 0}, 1, 40) + ball({1.9, 0, 0}, 1, 40)), "the surface cuts itself");
+  Facets pulled = cube;  // one corner of a single piece through the opposite face
+  for (Facet& facet : pulled)
+    for (Vector3d& X : facet)
+      if (X == Vector3d(3, 2, 2)) X = Vector3d(0.5, 0.5, 0.5);
+  refuses(text(pulled), "the surface cuts itself");
+}
+
+TEST_F(Stl, PiecesThatTouchOrLieNearAreRead) {
+  EXPECT_DOUBLE_EQ(volume_of(read(text(cube + box({3, 0.5, 0.5}, {4, 1.5, 1.5})))), 9);
+  EXPECT_DOUBLE_EQ(volume_of(read(text(cube + box({1.5, 2, 1}, {2.5, 3, 1.5})))), 8.5);
+  EXPECT_NEAR(volume_of(read(binary(ball({0, 0, 0}, 1, 40) + ball({2.001, 0, 0}, 1, 40)))),
+              8 * std::numbers::pi / 3, 0.04);
 }
 
 }  // namespace

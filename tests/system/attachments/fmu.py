@@ -55,6 +55,17 @@ with folder() as name:
     off = max(abs(a - b) for a, b in zip(ours["mooring.force.y [N/m]"], theirs["mooring.force.y [N/m]"]))
     expect(off < 1e-6 and max(map(abs, theirs["mooring.force.y [N/m]"])) > 1, f"a unit that is a spring pulls as a spring of ours: {off:.1e} N/m off")
     expect("mooring.mass(1).x [m]" in theirs, "its outputs are columns")
+    strake("report", runs / "unit", cwd=place)
+    expect("attachments.mooring.fmu.outputs" in (runs / "unit" / "report.html").read_text(), "the report names keys as --set does")
+
+    with zipfile.ZipFile(FMU) as packed:
+        packed.extractall(place / "unpacked")
+    run(place, "unit.toml", "--tag", "unpacked", "--set", "attachments.mooring.fmu.file=unpacked")
+    expect((runs / "unit-unpacked" / "history.csv").read_bytes() == (runs / "unit" / "history.csv").read_bytes(),
+           "a folder into which it was unpacked does as well")
+    done = strake("replay", runs / "unit", "--onto", "unit.toml", "--side", "structure", "--set", "end_time=0.03", cwd=place)
+    expect(done.returncode == 0, f"the recorded structure is played: exit {done.returncode}\n{done.stderr[-600:]}")
+    expect(not any(name.startswith("mooring") for name in columns(runs / "unit-replay")), "nothing is attached to a recorded structure")
 
     run(place, "unit.toml", "--tag", "parts", "--set", "run.checkpoint=1e-3", end=0.03)
     run(place, "unit.toml", "--tag", "parts", "--set", "run.checkpoint=1e-3", "--resume")

@@ -12,7 +12,7 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 from processes import *  # noqa: F403: the test's own vocabulary
 
 MESH = ROOT / "cases" / "wedge_elastic.msh"
-KINDS = {"plate": "", "wedge": "", "box": "", "bodies": "", "cylinder": "", "sphere": "", "mesh": f"--mesh {MESH}", "dam": ""}
+KINDS = {"plate": "", "wedge": "", "box": "", "bodies": "", "cylinder": "", "sphere": "", "mesh": f"--mesh {MESH}", "moored": "", "dam": ""}
 
 
 def units(place):
@@ -64,6 +64,14 @@ def without_fem(file):
     return [] if built else ["--set", "structure.solver=rigid"]
 
 
+def box_of_stl(low, high):
+    sides = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+    at = [" ".join(str((low, high)[k >> axis & 1][axis]) for axis in range(3)) for k in range(8)]
+    corners = [three for a, b, c, d in sides for three in ((a, b, c), (a, c, d))]
+    facets = ("facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {at[k]}\n" for k in three) + "endloop\nendfacet\n" for three in corners)
+    return "solid box\n" + "".join(facets) + "endsolid box\n"
+
+
 def options_arrive(place):
     made = strake("new", "wedge", "--angle", "20", "--speed", "7", "--width", "0.3", "--mass", "50", "--spacing", "0.01", "-o", "my.toml", cwd=place)
     case = tomllib.loads((place / "my.toml").read_text())
@@ -81,6 +89,13 @@ def options_arrive(place):
     strake("new", "mesh", "--mesh", ROOT / "cases" / "flag.msh", "-o", "off.toml", cwd=place)
     checked = strake("check", "off.toml", cwd=place)
     expect(checked.returncode == 0, f"a mesh away from the origin: exit {checked.returncode}\n{checked.stderr}")
+    stl = place / "box.stl"  # in mm, away from the origin along all axes
+    stl.write_text(box_of_stl((2000, 500, -4000), (2400, 700, -3500)))
+    made = strake("new", "mesh", "--mesh", "box.stl", "--scale", "0.001", "--spacing", "0.04", "-o", "box_stl.toml", cwd=place)
+    checked = strake("check", "box_stl.toml", cwd=place)
+    expect(checked.returncode == 0 and "mass 312 kg" in checked.stdout,
+           f"an STL file in mm, away from the origin: exit {checked.returncode}\n{made.stderr}{checked.stderr}")
+    expect("0.5 m wide, 0.2 m high" in (place / "box_stl.toml").read_text(), "its size stands in the file")
     (place / "below").mkdir()
     strake("new", "mesh", "--mesh", os.path.relpath(MESH, place), "-o", "below/hull.toml", cwd=place)
     checked = strake("check", "below/hull.toml", cwd=place)

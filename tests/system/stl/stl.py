@@ -83,8 +83,13 @@ with folder() as temporary:
 
     refused(["--set", "structure.solver=particle"], "an STL file holds a surface alone, and a particle structure deforms")
     refused(["--set", "structure.loaded_faces=bottom"], "have faces with names")
+    refused(["--set", "structure.placed.scale=1"], "structure.placed.scale = 0.001, if the file is in mm")
+    refused(["--set", "structure.placed.move=[0.5, 0, 0]", "--set", "fluid.spacing=0.002"],  # too large to be built by a check
+            "a body inside the tank: it reaches from (0.34, 0.001, -0.16) to (0.66, 0.321, 0.16) m")
     (place / "cube.stl").write_bytes(binary(triangles[:-1]))
     refused([], "cube.stl: the surface is not closed, edges with one triangle alone: 3; the first from (160, 1, -160) to (160, 1, 160), triangle 5")
     (place / "cube.stl").write_bytes(binary(triangles)[:-10])
     refused([], "cube.stl: a binary STL file of 12 triangles has 684 bytes, this one has 674: it is cut off")
+    (place / "cube.obj").write_text("")
+    refused(["--set", "structure.mesh=cube.obj"], "a file that ends in .msh (Gmsh) or .inp (Abaqus), or in .stl")
 finish()

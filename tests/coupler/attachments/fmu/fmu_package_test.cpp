@@ -2,7 +2,12 @@
 
 #include <zip.h>
 
+#include <chrono>
+#include <cstdlib>
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace strake {
 namespace {
@@ -45,6 +50,39 @@ TEST(FmuPackage, IsUnpackedAndRemoved) {
     EXPECT_EQ(about.st_mode & 0777, 0700u);
   }
   EXPECT_FALSE(std::filesystem::exists(folder));
+}
+
+/// A folder as a process leaves it that is killed; it was made an hour ago.
+std::filesystem::path left_over(const ScratchFolder& place, const std::string& name) {
+  std::filesystem::create_directories(place / name / "binaries");
+  std::ofstream(place / name / "modelDescription.xml") << "<x/>";
+  std::filesystem::last_write_time(place / name,
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+  return place / name;
+}
+
+TEST(FmuPackage, RemovesWhatAKilledProcessHasLeftAndNothingElse) {
+  const ScratchFolder place;
+  const char* before = std::getenv("TMPDIR");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("TMPDIR", (place / "").c_str(), 1);
+  const auto abandoned = left_over(place, "strake-fmu-aaaaaa"), used = left_over(place, "strake-fmu-bbbbbb"),
+             foreign = left_over(place, "strake-other");
+  const int lock = open(used.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
+  const FmuPackage first(packed_fmu);
+  std::filesystem::last_write_time(first.folder(),
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+  const FmuPackage second(packed_fmu);
+  EXPECT_FALSE(std::filesystem::exists(abandoned));
+  EXPECT_TRUE(std::filesystem::exists(used / "modelDescription.xml")) << "its process lives";
+  EXPECT_TRUE(std::filesystem::exists(foreign / "modelDescription.xml"));
+  EXPECT_TRUE(std::filesystem::exists(first.folder() / "modelDescription.xml")) << "in use here";
+  close(lock);
+  if (before == nullptr)
+    unsetenv("TMPDIR");
+  else
+    setenv("TMPDIR", kept.c_str(), 1);
 }
 
 TEST(FmuPackage, AFolderIsTakenAsItIs) {
