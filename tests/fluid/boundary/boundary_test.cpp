@@ -284,7 +284,8 @@ TEST(Boundary, DummiesContinueTheHydrostaticPressureAndTheBodysOwnAcceleration) 
 }
 
 TEST(Boundary, BodiesInTheWaterOrOutsideTheTankAreRefused) {
-  EXPECT_THROW(Scene(rectangle(-0.1, -0.05, 0.2, 0.02, l0)), Error);
+  const Scene inside(rectangle(-0.1, -0.05, 0.2, 0.02, l0));
+  EXPECT_THROW(inside.boundary.check_overlap(inside.state), Error);
   EXPECT_THROW(Scene(rectangle(-0.4, 0.05, 0.8, 0.02, l0)), Error);
 }
 
