@@ -15,8 +15,8 @@ constexpr std::int32_t rows_for_team = 6000, rows_for_making = 600;
 /// Number of sweeps on a last level that does not get smaller, one of scattered drops. Jacobi is nearly exact
 /// there.
 constexpr int last_sweeps = 4;
-
-}  // namespace
+/// Damping of the sweeps; of 0.9, 1.0 and 1.1 none took fewer iterations.
+constexpr double damping = 0.9;
 
 void transpose(const SparseRows& rows, std::int32_t columns, SparseRows& out) {
   out.start.assign(static_cast<std::size_t>(columns) + 1, 0);
@@ -34,6 +34,8 @@ void transpose(const SparseRows& rows, std::int32_t columns, SparseRows& out) {
       out.value[to] = rows.value[from];
     }
 }
+
+}  // namespace
 
 void join(const std::vector<SparseRows>& parts, SparseRows& whole) {
   whole.clear();
@@ -73,7 +75,7 @@ void CoarseLevel<dim>::prepare() {
     double off = 0;
     for (std::int32_t e = matrix.start[i]; e < matrix.start[i + 1]; ++e)
       off += std::abs(static_cast<double>(matrix.value[static_cast<std::size_t>(e)]));
-    inverse[i] = static_cast<float>(damped_inverse(diagonal[i], off, grid_damping));
+    inverse[i] = static_cast<float>(damped_inverse(diagonal[i], off, damping));
   }
 }
 

@@ -27,9 +27,6 @@ struct SparseRows {
   }
 };
 
-/// Swaps rows and columns.
-void transpose(const SparseRows& rows, std::int32_t columns, SparseRows& out);
-
 /// Joins the rows that each thread made of its part.
 void join(const std::vector<SparseRows>& parts, SparseRows& whole);
 
@@ -58,9 +55,6 @@ class RowGatherer {
   std::vector<std::int32_t> place_, column_;  // place_: of a column in this row, −1: none
   std::vector<double> value_;
 };
-
-/// Damping of the sweeps on grids; of 0.9, 1.0 and 1.1 none took fewer iterations.
-constexpr double grid_damping = 0.9;
 
 /// Returns the inverse of the diagonal, with Jacobi's damping ω. The sweep then contracts for any symmetric
 /// positive definite A: λ(D⁻¹A) <= 2 ω < 2 by Gershgorin's circles.

@@ -27,7 +27,6 @@ std::vector<std::int32_t> pieces_of(const Aggregates<dim>& pieces,
 template <int dim>
 void GridRanks<dim>::number(const RankedUnknowns<dim>& unknowns, Aggregates<dim>& pieces) {
   communicator_ = unknowns.communicator;
-  low_ = unknowns.low;
   number_own(pieces);
   number_foreign(pieces, exchange_corners(unknowns, pieces));
   number_beyond(pieces, exchange_corners(unknowns, pieces));
@@ -134,19 +133,13 @@ template <int dim>
 void GridRanks<dim>::build(const CoarseLevel<dim>& grid) {
   right_.resize(own_nodes_.size());
   solution_.resize(own_nodes_.size());
-  // Ranks count vertices from the same one, so that they leave out the same ones on the next grid.
-  place_.assign(own_nodes_.size(), {});
-  for (std::size_t k = 0; k < own_nodes_.size(); ++k)
-    for (std::size_t d = 0; d < dim; ++d)
-      place_[k][d] = low_[d] + grid.place[static_cast<std::size_t>(own_nodes_[k])][d];
   solver_->build({.first = first_,
                   .own = std::ssize(own_nodes_),
                   .number = number_,
                   .start = grid.matrix.start,
                   .column = grid.matrix.column,
                   .value = grid.matrix.value,
-                  .diagonal = grid.diagonal,
-                  .place = place_});
+                  .diagonal = grid.diagonal});
 }
 
 template <int dim>

@@ -36,13 +36,11 @@ class GridRanks {
 
   std::unique_ptr<SharedGrid> solver_;
   Communicator* communicator_ = nullptr;
-  GridPlace low_{};                      // bucket of the first cell
   std::int64_t first_ = 0;               // number of the first own vertex
   std::vector<std::int32_t> own_nodes_;  // in their order
   std::vector<std::int64_t> number_;     // for all ranks, of each local one
   Halo nodes_;
-  std::vector<GridPlace> place_;  // of the own vertices, as the next two
-  std::vector<float> right_, solution_;
+  std::vector<float> right_, solution_;  // of the own vertices
 };
 
 }  // namespace strake::fluid

@@ -4,7 +4,6 @@
 #include "fluid/pressure_solver/conjugate_gradients.hpp"
 #include "fluid/pressure_solver/grid_ranks.hpp"
 #include "fluid/pressure_solver/multilevel.hpp"
-#include "fluid/pressure_solver/ranked_levels.hpp"
 #include "fluid/pressure_solver/ranked_unknowns.hpp"
 #include "fluid/ranks/shared_grid.hpp"
 
@@ -15,16 +14,14 @@
 namespace strake::fluid {
 
 /// Solves the pressure equation on all ranks together, by conjugate gradients with the preconditioner of one
-/// rank. Each rank sweeps over its own particles; the first grid's equation is left to RankedLevels. The
+/// rank. Each rank sweeps over its own particles; the first grid's equation is left to a SharedGrid. The
 /// solution is that of one rank within the tolerance, and the same for any number of threads.
 template <int dim>
 class RankedPressure {
  public:
   /// spacing: l0 [m].
   RankedPressure(const Subdomain<dim>& own, std::unique_ptr<SharedGrid> grid, double spacing)
-      : subdomain_(own),
-        grid_(std::make_unique<RankedLevels>(own.communicator(), std::move(grid))),
-        spacing_(spacing) {}
+      : subdomain_(own), grid_(std::move(grid)), spacing_(spacing) {}
   /// Solves the equation of the local particles, whose own rows count. guess: of the pressure of each, copies
   /// included. may_be_sealed: blocks without P = 0 and without compressibility are looked for, and closed.
   /// solution: one pressure per particle, right for own ones. Returns whether there are such blocks.

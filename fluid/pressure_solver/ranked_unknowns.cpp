@@ -94,7 +94,6 @@ void RankedUnknowns<dim>::find_cells(const Subdomain<dim>& subdomain, const Vect
   for (std::size_t d = 0; d < dim; ++d) {
     const Slabs slabs = slabs_of(bucket, in_cells, d);
     cells[d] = slabs.count();
-    low[d] = slabs.first;
     product *= cells[d] + 2;
     // Single precision must not lift a place near the upper face into the next cell.
     const double most = 1 - std::max(1e-3, 2.5e-7 * cells[d]);

@@ -28,7 +28,6 @@ struct RankedUnknowns {
   /// Place of each of these in cells. Empty slabs of cells are left out, but for one.
   std::array<std::vector<float>, dim> at;
   std::array<std::int32_t, 3> cells{1, 1, 1};  // per axis
-  std::array<std::int32_t, 3> low{};           // bucket of the first cell
   bool has_grid = true;                        // else the water is too scattered for one, on some rank
 
   /// Reads the equation of local particles. own: the equation of this rank, where other rows are empty. grid:

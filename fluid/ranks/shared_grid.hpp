@@ -1,13 +1,9 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
 namespace strake::fluid {
-
-/// Vertex of a grid, counted along the axes.
-using GridPlace = std::array<std::int32_t, 3>;
 
 /// Parts of the rows of a matrix that is spread over ranks. Rows and columns have numbers that hold for all
 /// ranks; each rank owns the rows [first, first + own). Parts of one entry, from several ranks, are added.
@@ -17,8 +13,7 @@ struct SharedRows {
   std::span<const std::int32_t> start;   // of each local row in column and value, and one more
   std::span<const std::int32_t> column;  // local
   std::span<const float> value;
-  std::span<const float> diagonal;   // of each local row
-  std::span<const GridPlace> place;  // of the own rows; a vertex may have several
+  std::span<const float> diagonal;  // of each local row
 };
 
 /// Solves the equation of the pressure's first grid, which all ranks share. All of them call it together.
