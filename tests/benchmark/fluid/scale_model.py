@@ -10,7 +10,7 @@ The model, of a rank with n own particles:
   halo        g n b / B + m a        g: all ghosts over own; b: bytes of a ghost and step; m: messages; a: latency; B: of ghosts from the same
                                      node what two ranks reach, of those from other nodes the rank's part of the network
   sums        s L log2(ranks)        s: sums over all ranks in a step; L: one stage of such a sum
-  hypre       h n t                  h: what the pressure takes longer than on one rank, with BoomerAMG below two own levels, of t
+  hypre       h n t                  h: what the pressure takes longer than on one rank, with BoomerAMG in the place of own levels, of t
   grid        iterations k levels a  messages of a cycle of the grid, k on each level
   imbalance   (max/mean - 1) of the work falls as n^(-1/3): boxes end between buckets, and a bucket is so much of a box
 Efficiency is n t over the sum of all. Ghosts are those of a cube with neighbours on all sides.
@@ -38,12 +38,10 @@ RANKS_OF_NODE = 64
 NETWORK = 25e9 / RANKS_OF_NODE  # B/s of a rank
 # Measured by rank_scaling.py, two ranks on two processors.
 SECONDS_OF_PARTICLE = 5.3e-6  # a step of 2.5e5 particles in space, one thread
-# These two: times of 2 ranks on an idle machine, 0.55 and 0.10, less what later changes saved by samples of the processor's time (4 ranks,
-# 180 000 particles, against one rank). Measure them anew on an idle machine.
-GHOST_PART = 0.44             # (stages of 2 ranks but the pressure - half of one rank's) / ghosts of the first ring
-HYPRE_PART = 0.065            # (pressure of 2 ranks - half of one rank's) / half of a step: coarser grids, hypre, one more iteration
+GHOST_PART = 0.34             # (stages of 2 ranks but the pressure - half of one rank's) / ghosts of the first ring, 0.29 and 0.34
+HYPRE_PART = 0.13             # (pressure of 2 ranks - half of one rank's) / half of a step: set-up, cycles, one more iteration
 WITHIN_NODE = 2.6e9           # B/s of a rank: bytes sent over the stage `halo`
-CYCLE_MESSAGES, LEVELS = 8, 8  # of hypre's cycle on a level; levels of 6e5 rows. Those of own levels are in the counted messages
+CYCLE_MESSAGES, LEVELS = 8, 10  # of the grid's cycle on a level; levels of 4e7 rows
 
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
@@ -91,8 +89,8 @@ for ranks, total in ((64, 32e6), (512, 250e6), (2048, 1e9), (8192, 1e9)):
     step = useful + sum(parts.values())
     print(f"{ranks:6d} {total:10.1e} {n:9.0f} {100 * ghosts_of(n, 6.6):6.0f}% {step:6.2f} s {useful / step:11.2f}   "
           + ", ".join(f"{name} {100 * value / step:.1f} %" for name, value in parts.items()))
-print("\nNot in the model: layer particles of walls, which all ranks still have. A cubic tank of 1e9 particles has 2e7 of them; they must be divided first.")
+print("\nNot in the model: layer particles of walls. A rank has those near its water, and makes their list anew where the boxes change.")
 print("The memory of a node is assumed to serve all its ranks as it serves two.")
-print("Weakest assumption: the set-up of BoomerAMG on the last grid, 1/2300 of the particles, is counted as if it scaled as computing does. On")
-print("thousands of ranks it has levels of messages of its own, which were not counted here. And the water is still: where it moves, it is divided")
-print("anew in many steps. A division took 15 ms of a step of 350 ms, most of it for layer particles.")
+print("Weakest assumption: the set-up of BoomerAMG on the grid, 1/36 of the particles, is counted as if it scaled as computing does. On thousands of")
+print("ranks it has ten levels of messages of its own, which were not counted here. And the water is still: where it moves, it is divided anew in many")
+print("steps. A division takes 5 to 8 ms on two ranks with a step of 800 ms.")
