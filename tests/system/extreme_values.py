@@ -13,7 +13,7 @@ PATIENCE = 10  # seconds
 
 # (case, what is set, words that the message must contain)
 SIZES = [
-    ("plate_entry", ["structure.plate.length=400000"], ["structure.plate.length", "fix: structure.plate.length ="]),
+    ("plate_entry", ["structure.plate.length=400000"], ["structure.plate", "a body inside the tank", "fix: move or shorten the body"]),
     ("plate_entry", ["structure.plate.thickness=2e-9"], ["structure.plate.thickness", "at most", "or more"]),
     ("plate_entry", ["structure.plate.length=1e9"], ["structure.plate.length", "1e-9 to 1e6"]),
     ("plate_entry", ["fluid.spacing=1e-9"], ["fluid.spacing", "water particles", "or more"]),
