@@ -23,9 +23,10 @@ struct Place {
 struct Range {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   bool empty() const { return !(lo <= hi); }
+  /// -0 counts as 0.
   void add(double value) {
-    if (value < lo) lo = value;
-    if (value > hi) hi = value;
+    if (value < lo) lo = value + 0.0;
+    if (value > hi) hi = value + 0.0;
   }
   void add(const Range& other) {
     if (other.empty()) return;
