@@ -184,7 +184,6 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     double age = 0;             // of the configuration [s]
     std::vector<Motion> start;  // u* and ∇u* while the state has u**; else empty
   };
-
   /// Sums over one particle's neighbours, before they are stored.
   struct ParticleSums {
     double diagonal, volume, stiffness;  // Σ w_L, Σ W, Σ (2 r_e/r − 1)/r²
@@ -248,7 +247,6 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   double least_determinant() const {
     return least_squares_constants().singular * std::pow(dim / gradient_.n0, dim);
   }
-
   // Velocity.
   void fit_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
   template <bool seams>

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 
 namespace strake::fluid {
 namespace {
@@ -203,46 +202,6 @@ void ViscousStage<dim>::gather_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
     if (kind_ == Turbulence::statics) k[i] = model_.equilibrium(pr);
     close(i, g, k[i], pr, flow);
   }
-}
-
-/// Gives the ghosts in the first ring G, k, Pr and the number of neighbours of their owners. The stress
-/// follows. Those in the second ring have none.
-template <int dim>
-void ViscousStage<dim>::update_gradient(const ViscousFlow<dim>& flow, Eigen::VectorXd& k) {
-  struct Sent {
-    double g[dim * dim], k, production;
-    std::int64_t neighbours;
-  };
-  if (!flow.ranks.several()) return;
-  const bool advances = kind_ == Turbulence::k;
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < flow.walls.first; ++i) {
-    if (flow.ranks.owns(i)) continue;
-    neighbours_[static_cast<size_t>(i)] = -1;
-    if (kind_ == Turbulence::statics) k[i] = 0;
-    viscosity_[static_cast<size_t>(i)] = model_.kinematic_viscosity;
-    stress_[static_cast<size_t>(i)] = {};
-  }
-  flow.ranks.update_near(
-      sizeof(Sent),
-      [&](std::int32_t i, std::byte* to) {
-        const auto at = static_cast<size_t>(i);
-        Sent sent{.g = {}, .k = k[i], .production = production_[i], .neighbours = neighbours_[at]};
-        for (int a = 0; a < dim; ++a)
-          for (int b = 0; b < dim; ++b) sent.g[dim * a + b] = stress_[at].g(a, b);
-        std::memcpy(to, &sent, sizeof sent);
-      },
-      [&](std::int32_t i, const std::byte* from) {
-        Sent sent;
-        std::memcpy(&sent, from, sizeof sent);
-        Tensor<dim> g;
-        for (int a = 0; a < dim; ++a)
-          for (int b = 0; b < dim; ++b) g(a, b) = sent.g[dim * a + b];
-        neighbours_[static_cast<size_t>(i)] = static_cast<std::int32_t>(sent.neighbours);
-        production_[i] = sent.production;
-        if (!advances) k[i] = sent.k;
-        close(i, g, k[i], sent.production, flow);
-      });
 }
 
 // Computes ν_t by the model from its energy, and τ = (ν + ν_t)(G + Gᵀ) − (2/3) k I.
