@@ -10,8 +10,8 @@ namespace strake::fluid {
 
 namespace {
 
-/// Width of the ghosts [l0]: two buckets of the search's reach, 3.1 l0 and a skin of 0.2 l0.
-constexpr double ghost_width = 2 * 3.3;
+/// Width of the ghosts [l0]: two buckets, each a little wider than the search's radius.
+constexpr double ghost_width = 2 * 3.15;
 /// Bytes of a particle with its neighbours and its equation in the plane and in space, and of a process
 /// alone. Measured on still tanks of 1e5 to 5e5 particles, on 1 to 4 ranks.
 constexpr double plane = 1500, space = 3000, process = 80e6;

@@ -119,6 +119,7 @@ class NeighbourSearch {
   void invalidate();  // after set_state or re-ordering
   std::int64_t rebuilds() const { return rebuilds_; }
   const Periodic<dim>& periodic() const { return periodic_; }
+  double radius() const { return radius_; }         // [m]
   double reach() const { return radius_ + skin_; }  // [m]
   std::size_t bytes() const;                        // of all rows, candidates and scratch
 

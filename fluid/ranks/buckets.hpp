@@ -25,9 +25,9 @@ struct Wanting {
   bool near;
 };
 
-/// Cuts space into buckets as wide as the reach of the neighbour search, from the tank's corner. Along a
-/// periodic direction they are a little wider: a whole number of them repeats itself. Each bucket has one
-/// rank as its owner: the rank in whose box it lies.
+/// Cuts space into buckets a little wider than the radius of the neighbour search, from the tank's corner.
+/// Along a periodic direction they are a little wider: a whole number of them repeats itself. Each bucket has
+/// one rank as its owner: the rank in whose box it lies.
 template <int dim>
 class Buckets {
  public:

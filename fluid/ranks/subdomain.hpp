@@ -57,7 +57,7 @@ struct TankLayers {
 /// Sums over the neighbours of water are computed for own particles. What another sum reads of the ghosts is
 /// sent by their owners before (`update`). Ghosts of the first ring have rows; those of the second ring are
 /// in the rows of others, and have none. A layer particle beside own water has all its water. A particle
-/// stays in its bucket until one has left its own by more than a little: reach and width of a bucket differ
+/// stays in its bucket until one has left its own by more than a little: radius and width of a bucket differ
 /// by more than twice that.
 ///
 /// The local order is that of the whole, with gaps. So a sum over the neighbours of an own particle adds the
@@ -85,7 +85,7 @@ class Subdomain {
   /// the tank. Numbers the latter (State::id).
   void take_start(State<dim>&, std::int64_t water);
   /// Goes back to a division that was noted with that state.
-  void adopt(std::shared_ptr<const Division> division) { division_ = std::move(division); }
+  void adopt(std::shared_ptr<const Division>, const State<dim>&);
   /// Whether the part is that of a state that has just been read.
   bool is_read() const { return !division_->is_divided(); }
   /// Whether the water is to be divided anew: a particle has left its bucket. All ranks agree.
@@ -158,6 +158,7 @@ class Subdomain {
 
  private:
   void balance(State<dim>&) const;
+  bool set_boxes(const State<dim>&);
   const std::vector<Wanting>& wanted_by(const Bucket&);
   int owner_of(const Bucket& bucket) const {
     return Buckets<dim>::owner(bucket, boxes_, communicator_->rank());

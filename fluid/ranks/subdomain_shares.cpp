@@ -39,11 +39,15 @@ template <int dim>
 void Subdomain<dim>::take_share(State<dim>& state) {
   const auto [begin, end] = ranges_of_part().front();
   const std::int64_t water = end - begin, layers = state.position.cols() - water;
-  const bool divided = std::ssize(state.rank_buckets) == water + layers &&
-                       state.rank_boxes.size() == 6 * communicator_->size();
   const auto noted = [&](std::int64_t i) {
     return bucket_with(state.rank_buckets[static_cast<std::size_t>(i)]);
   };
+  bool divided = std::ssize(state.rank_buckets) == water + layers &&
+                 state.rank_boxes.size() == 6 * communicator_->size();
+  // A file of a program with buckets of another width has places far outside of them.
+  for (std::int64_t i = 0; divided && i < water + layers; ++i)
+    divided = buckets_.outside(state.position.col(i), noted(i)) <= 0.5;
+  divided = !communicator_->any(!divided);
   Division part;
   for (std::int64_t i = 0; i < water; ++i) {
     part.place.push_back(begin + i);
