@@ -1,11 +1,13 @@
 """Time of a step on ranks and on threads, weak and strong, and what the ranks say of themselves.
 
-usage: rank_scaling.py BUILD [--turns N] [--steps N] [--small]
+usage: rank_scaling.py BUILD [--turns N] [--steps N] [--small] [--series N ...]
 Still water in a box that fills whole cells of both grids, in the plane and in space. In turns on one machine, least of all turns:
   half   1 rank, 1 thread, half of the box        ranks  2 ranks, 1 thread each, the whole box
   one    1 rank, 1 thread, the whole box          threads  1 rank, 2 threads, the whole box
 Weak efficiency is half / ranks; the ranks against threads is ranks / threads. Wanted: weak 0.85 (pressure) and 0.80 (step),
-ranks / threads <= 1.11, CPU time of 4 ranks on 2 processors outside messages <= 1.15 of one."""
+ranks / threads <= 1.11, CPU time of 4 ranks on 2 processors outside messages <= 1.15 of one.
+With --series, on a machine with as many processors: N ranks with a box of N halves, and one rank with N threads and the same box;
+the boxes lie beside each other along x, in space along x and z."""
 import argparse
 import json
 import os
@@ -20,6 +22,7 @@ parser.add_argument("build", type=pathlib.Path)
 parser.add_argument("--turns", type=int, default=2)
 parser.add_argument("--steps", type=int, default=20)
 parser.add_argument("--small", action="store_true", help="an eighth of the particles, to try the script")
+parser.add_argument("--series", type=int, nargs="+", default=[], help="weak efficiency alone, on so many ranks and on so many threads")
 options = parser.parse_args()
 STRAKE = options.build.resolve() / "bin" / "strake"
 SPACING = 0.01
@@ -54,7 +57,7 @@ def run(folder, name, dimension, x, y, z, ranks, threads):
     allow = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     command = [STRAKE, "run", case, "--runs", folder / "runs", "--force", "--quiet", "--no-trace",
                "--set", f"fluid.ranks={ranks}", "--set", f"run.threads={threads}"]
-    if ranks > 2:
+    if ranks > os.cpu_count():
         command += ["--set", 'fluid.launcher="mpirun --oversubscribe --mca mpi_yield_when_idle 1 -n {ranks}"']
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, env=dict(os.environ, **allow), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -75,12 +78,48 @@ def least(results):
     return best
 
 
+def box_of(n, half, y, z):
+    """A box of n halves: along x, in space in equal parts along x and z; each length fills whole cells of both grids as far as it can."""
+    across = 1
+    while z > 1 and 4 * across * across <= n and n % (2 * across) == 0:
+        across *= 2
+    return half * (n // across), y, z * across
+
+
+def series(folder, space, half, y, z):
+    """Weak efficiency: N ranks, and N threads of one rank, on N halves."""
+    dimension = 2 if z == 1 else 3
+    print(f"{space}: {half * y * z} particles for each rank or thread; ms a step, least of {options.turns} turns of {options.steps} steps")
+    first = None
+    for n in options.series:
+        x, deep, wide = box_of(n, half, y, z)
+        for kind, ranks, threads in (("ranks", n, 1), ("threads", 1, n)):
+            if n == 1 and kind == "threads":
+                continue
+            best = least([run(folder, kind, dimension, x, deep, wide, ranks, threads) for turn in range(options.turns)])
+            stages = best["stages"]
+            together = stages["pressure"] + stages.get("halo", 0) + stages.get("waiting", 0)
+            first = first or (together, best["step"])
+            counts = best["ranks"]
+            print(f"  {n:3d} {kind:8} step {1e3 * best['step']:8.1f}  efficiency {first[1] / best['step']:.2f}   pressure with messages {1e3 * together:8.1f}  "
+                  f"{first[0] / together:.2f}   iterations {best['iterations']}"
+                  + "".join(f"  {stage} {1e3 * seconds:.1f}" for stage, seconds in sorted(stages.items(), key=lambda item: -item[1])), flush=True)
+            if counts and kind == "ranks":
+                busy = [rank["busy"] for rank in counts]
+                memory = [rank["memory_bytes"] / 2**20 for rank in counts]
+                print(f"      imbalance {max(busy) * len(busy) / sum(busy):.3f}, ghosts {100 * max(rank['ghosts'] / rank['particles'] for rank in counts):.0f} %, "
+                      f"memory of a rank {min(memory):.0f} to {max(memory):.0f} MiB", flush=True)
+
+
 with tempfile.TemporaryDirectory(prefix="strake-ranks-") as name:
     folder = pathlib.Path(name)
     for space, ((half, whole), y, z) in BOXES.items():
         if options.small:
             scale = 2 if space == "3-D" else 3
             half, whole, y, z = half // scale, whole // scale, y // scale, max(1, z // scale)
+        if options.series:
+            series(folder, space, half, y, z)
+            continue
         dimension = 2 if z == 1 else 3
         kinds = {"half": (half, 1, 1), "ranks": (whole, 2, 1), "one": (whole, 1, 1), "threads": (whole, 1, 2), "four": (whole, 4, 1)}
         found = {kind: [] for kind in kinds}
