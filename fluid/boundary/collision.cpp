@@ -41,50 +41,81 @@ bool any_within(const State<dim>& state, const Periodic<dim>& periodic, std::int
   return found != 0;
 }
 
-/// Pairs with a water particle i < j that are too close and approach each other, in order. owned: see
-/// `separate_particles`. A pair whose particle i is another rank's and has no row is taken from the row of j.
+/// Finds the pairs with a water particle i < j that are too close and approach each other, in order.
 template <int dim>
-std::vector<Pair> close_pairs(const State<dim>& state, const Periodic<dim>& periodic, std::int64_t water,
-                              const Neighbours& near, double distance, double of_water, double margin,
-                              std::span<const std::uint8_t> owned) {
-  constexpr std::int64_t block = 1024;
-  const std::int64_t blocks = (water + block - 1) / block;
-  std::vector<std::vector<Pair>> found(static_cast<std::size_t>(blocks));
-  const auto collide = [&](std::int64_t i, std::int64_t j) {
-    const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
-    const bool inside = j < water && !state.surface[static_cast<std::size_t>(i)] &&
-                        !state.surface[static_cast<std::size_t>(j)];
-    const double limit = inside ? of_water : distance;
-    return r.squaredNorm() < limit * limit && (state.velocity.col(i) - state.velocity.col(j)).dot(r) > 0;
-  };
-  bool out_of_order = false;
-#pragma omp parallel for schedule(static) reduction(|| : out_of_order)
-  for (std::int64_t b = 0; b < blocks; ++b) {
-    std::vector<Pair>& pairs = found[static_cast<std::size_t>(b)];
-    for (std::int64_t i = b * block; i < std::min(water, (b + 1) * block); ++i) {
-      const auto columns = near.row(i);
-      const auto inverses = near.inverses(i);
-      const auto later = std::upper_bound(columns.begin(), columns.end(), static_cast<std::int32_t>(i));
-      const auto lower = static_cast<std::size_t>(later - columns.begin());
-      const bool is_ghost = !owned.empty() && owned[static_cast<std::size_t>(i)] == 0;
-      const std::size_t first = is_ghost ? 0 : lower;
-      if (!any_within<dim>(state, periodic, i, columns.subspan(first), std::max(distance, of_water)))
-        continue;
-      for (std::size_t e = first; e < columns.size(); ++e) {
-        if (inverses[e] * margin < 1 || (e < lower && !near.row(columns[e]).empty())) continue;
+class ClosePairs {
+ public:
+  /// distance, of_water: of any pair, and of two particles inside the water [m].
+  ClosePairs(const State<dim>& state, const Boundary<dim>& boundary, double distance, double of_water)
+      : state_(state),
+        periodic_(boundary.tank().periodic()),
+        water_(boundary.water()),
+        distance_(distance),
+        of_water_(of_water) {}
+
+  /// margin: pairs farther apart when the rows were made are not tested [m]. A pair with a ghost is taken
+  /// from the row of the other. Pairs of ghosts count where they may pass a collision on to an own particle.
+  std::vector<Pair> find(const Neighbours& near, double margin, const CollidingRanks& ranks) const {
+    const auto& owned = ranks.owned;
+    const auto is_ghost = [&](std::int32_t k) {
+      return !owned.empty() && k < water_ && owned[static_cast<std::size_t>(k)] == 0;
+    };
+    std::vector<Pair> all = of_rows(near, margin, is_ghost, !owned.empty());
+    const auto with_ghost = [&](const Pair& pair) { return is_ghost(pair.i) || is_ghost(pair.j); };
+    if (ranks.ghosts && std::ranges::any_of(all, with_ghost)) {
+      const double reach = std::max(distance_, of_water_);
+      const std::vector<Pair> ghosts = of_rows(ranks.ghosts(reach), reach, is_ghost, false);
+      all.insert(all.end(), ghosts.begin(), ghosts.end());
+    }
+    if (!owned.empty())
+      std::ranges::sort(all, {}, [](const Pair& pair) { return std::pair(pair.i, pair.j); });
+    return all;
+  }
+
+ private:
+  bool collide(std::int64_t i, std::int64_t j) const {
+    const Vector<dim> r = periodic_.separation(state_.position.col(i), state_.position.col(j));
+    const bool inside = j < water_ && !state_.surface[static_cast<std::size_t>(i)] &&
+                        !state_.surface[static_cast<std::size_t>(j)];
+    const double limit = inside ? of_water_ : distance_;
+    return r.squaredNorm() < limit * limit && (state_.velocity.col(i) - state_.velocity.col(j)).dot(r) > 0;
+  }
+
+  /// Pairs of the rows of water: with the later columns, and with earlier ghosts where `with_earlier`.
+  template <class IsGhost>
+  std::vector<Pair> of_rows(const Neighbours& rows, double margin, const IsGhost& is_ghost,
+                            bool with_earlier) const {
+    constexpr std::int64_t block = 1024;
+    const std::int64_t blocks = (water_ + block - 1) / block;
+    std::vector<std::vector<Pair>> found(static_cast<std::size_t>(blocks));
+#pragma omp parallel for schedule(static)
+    for (std::int64_t b = 0; b < blocks; ++b) {
+      std::vector<Pair>& pairs = found[static_cast<std::size_t>(b)];
+      for (std::int64_t i = b * block; i < std::min(water_, (b + 1) * block); ++i) {
         const auto self = static_cast<std::int32_t>(i);
-        const auto [low, high] = std::minmax(self, columns[e]);
-        if (!collide(low, high)) continue;
-        pairs.push_back({low, high});
-        out_of_order = out_of_order || low != self;
+        const auto columns = rows.row(i);
+        const auto inverses = rows.inverses(i);
+        const auto later = std::upper_bound(columns.begin(), columns.end(), self);
+        const std::size_t first = with_earlier ? 0 : static_cast<std::size_t>(later - columns.begin());
+        if (!any_within<dim>(state_, periodic_, i, columns.subspan(first), std::max(distance_, of_water_)))
+          continue;
+        for (std::size_t e = first; e < columns.size(); ++e) {
+          if (inverses[e] * margin < 1 || (columns[e] < self && !is_ghost(columns[e]))) continue;
+          const auto [low, high] = std::minmax(self, columns[e]);
+          if (collide(low, high)) pairs.push_back({low, high});
+        }
       }
     }
+    std::vector<Pair> all;
+    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+    return all;
   }
-  std::vector<Pair> all;
-  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
-  if (out_of_order) std::ranges::sort(all, {}, [](const Pair& pair) { return std::pair(pair.i, pair.j); });
-  return all;
-}
+
+  const State<dim>& state_;
+  const Periodic<dim>& periodic_;
+  std::int64_t water_;
+  double distance_, of_water_;
+};
 
 template <int dim>
 void give(CollisionAccount<dim>& account, const Boundary<dim>& boundary, std::int64_t row,
@@ -175,8 +206,8 @@ void put_back(State<dim>& state, const Boundary<dim>& boundary, double spacing, 
 template <int dim>
 CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>& boundary,
                                          const Neighbours& near, const Scheme& scheme, double dt,
-                                         double spacing, double particle_mass,
-                                         std::span<const std::uint8_t> owned) {
+                                         double spacing, double particle_mass, const CollidingRanks& ranks) {
+  const auto& owned = ranks.owned;
   CollisionAccount<dim> account;
   account.on_points = Vectors<dim>::Zero(dim, boundary.points());
   const std::int64_t water = boundary.water();
@@ -188,7 +219,7 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
     // Rows of neighbours are those of the positions before the step. A pair that was farther apart than the
     // distance plus l0 is not tested.
     const auto pairs =
-        close_pairs<dim>(state, periodic, water, near, distance, of_water, distance + spacing, owned);
+        ClosePairs<dim>(state, boundary, distance, of_water).find(near, distance + spacing, ranks);
     std::vector<int> count;
     if (scheme.anti_penetration == AntiPenetration::average) {
       count.assign(static_cast<std::size_t>(state.position.cols()), 0);
@@ -233,9 +264,9 @@ CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&
 
 template CollisionAccount<2> separate_particles<2>(State<2>&, const Boundary<2>&, const Neighbours&,
                                                    const Scheme&, double, double, double,
-                                                   std::span<const std::uint8_t>);
+                                                   const CollidingRanks&);
 template CollisionAccount<3> separate_particles<3>(State<3>&, const Boundary<3>&, const Neighbours&,
                                                    const Scheme&, double, double, double,
-                                                   std::span<const std::uint8_t>);
+                                                   const CollidingRanks&);
 
 }  // namespace strake::fluid

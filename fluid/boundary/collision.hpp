@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 namespace strake::fluid {
@@ -20,6 +21,14 @@ struct CollisionAccount {
   Vector<dim> on_water = Vector<dim>::Zero();  // ΣJ: what the water got from bodies and tank
   std::int64_t inside = 0;                     // water particles found inside a body
   std::int64_t behind_walls = 0;               // found behind a wall of the tank
+};
+
+/// What several ranks need for collisions. owned: 1 for particles whose part the account takes; empty: all.
+/// ghosts: returns the pairs of the others among themselves and with layers, up to a distance [m]; they have
+/// no rows.
+struct CollidingRanks {
+  std::span<const std::uint8_t> owned = {};
+  std::function<const Neighbours&(double)> ghosts = {};
 };
 
 /// Separates pairs of particles nearer than `collision_distance` that approach each other (fluid/THEORY.md
@@ -35,11 +44,10 @@ struct CollisionAccount {
 /// creates energy. With the least-squares gradient two particles inside the water collide only below 0.7 l0.
 ///
 /// Afterwards a water particle inside a body is put 0.05 l0 outside its face, and one behind a wall of the
-/// tank on the face. Both lose their velocity into the face. owned: 1 for particles whose part the account
-/// takes; empty: all.
+/// tank on the face. Both lose their velocity into the face.
 template <int dim>
 CollisionAccount<dim> separate_particles(State<dim>& state, const Boundary<dim>&, const Neighbours& near,
                                          const Scheme&, double dt, double spacing, double particle_mass,
-                                         std::span<const std::uint8_t> owned = {});
+                                         const CollidingRanks& = {});
 
 }  // namespace strake::fluid

@@ -12,13 +12,10 @@
 
 namespace strake::fluid {
 
-/// Returns tan β of the angle between a face with the normal n and the surface of the water about particle i.
-/// The surface's normal is −Σ w r over the water and wet layers of the tank.
+/// Returns −Σ w r over the water and the wet layers of the tank about particle i. It points to the air.
 template <int dim>
-double LeastSquaresScheme<dim>::tangent_to_surface(const Boundary<dim>& boundary, const State<dim>& state,
-                                                   const Neighbours& far, std::int64_t i,
-                                                   const Vector<dim>& n) const {
-  const LeastSquaresConstants& tuned = least_squares_constants();
+Vector<dim> LeastSquaresScheme<dim>::to_air(const Boundary<dim>& boundary, const State<dim>& state,
+                                            const Neighbours& far, std::int64_t i) const {
   const auto columns = far.row(i);
   const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
   Vector<dim> out = Vector<dim>::Zero();
@@ -28,6 +25,25 @@ double LeastSquaresScheme<dim>::tangent_to_surface(const Boundary<dim>& boundary
     out -= std::max(0.0, w) *
            boundary.tank().periodic().separation(state.position.col(i), state.position.col(columns[e]));
   }
+  return out;
+}
+
+/// Computes `to_air` of the water beside bodies, and gives it to the ghosts, which have no rows.
+template <int dim>
+void LeastSquaresScheme<dim>::share_to_air(const Boundary<dim>& boundary, const State<dim>& state,
+                                           const Neighbours& far) {
+  wall_.to_air.setZero(dim, boundary.water());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < boundary.water(); ++i)
+    if (const auto columns = far.row(i); !columns.empty() && columns.back() >= boundary.first_of_bodies())
+      wall_.to_air.col(i) = to_air(boundary, state, far, i);
+  ranks_.update_near(wall_.to_air);
+}
+
+/// Returns tan β of the angle between a face with the normal n and the surface of water. out: to the air,
+/// along the surface's normal.
+static double tangent_to_surface(const auto& out, const auto& n) {
+  const LeastSquaresConstants& tuned = least_squares_constants();
   if (!(out.squaredNorm() > 0)) return tuned.steepest;
   const double cosine = -out.normalized().dot(n);
   if (!(cosine > 0)) return tuned.steepest;
@@ -50,7 +66,9 @@ double LeastSquaresScheme<dim>::passing_time(const Boundary<dim>& boundary, cons
     const double speed = std::max(approach, slip * tangent);
     return speed > 0 ? p_.spacing * tangent / speed : 0.0;
   };
-  return std::max(passing(tangent_to_surface(boundary, state, far, face.nearest, n)),
+  const Vector<dim> out = ranks_.several() ? Vector<dim>(wall_.to_air.col(face.nearest))
+                                           : to_air(boundary, state, far, face.nearest);
+  return std::max(passing(tangent_to_surface(out, n)),
                   film_.share[face.nearest] * passing(least_squares_constants().steepest));
 }
 
@@ -70,6 +88,7 @@ void LeastSquaresScheme<dim>::meet_faces(const Boundary<dim>& boundary, State<di
   if (!ranks_.any(!walls_.joined().empty())) return;
   wall_.meeting.clear();
   wall_.passing.setZero(state.position.cols() - boundary.water());
+  if (ranks_.several()) share_to_air(boundary, state, far);
   for (const auto& face : walls_.joined())
     wall_.passing[face.row - boundary.water()] = passing_time(boundary, state, far, face);
   ranks_.update_layers(wall_.passing, 0);
@@ -136,8 +155,10 @@ void LeastSquaresScheme<dim>::set_lag(const Boundary<dim>& boundary, State<dim>&
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                             \
-  template double LeastSquaresScheme<dim>::tangent_to_surface(                                              \
-      const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t, const Vector<dim>&) const;  \
+  template Vector<dim> LeastSquaresScheme<dim>::to_air(const Boundary<dim>&, const State<dim>&,             \
+                                                       const Neighbours&, std::int64_t) const;              \
+  template void LeastSquaresScheme<dim>::share_to_air(const Boundary<dim>&, const State<dim>&,              \
+                                                      const Neighbours&);                                   \
   template double LeastSquaresScheme<dim>::passing_time(                                                    \
       const Boundary<dim>&, const State<dim>&, const Neighbours&, const typename WallContact<dim>::Joined&) \
       const;                                                                                                \

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 // Computes what water in a film, a jet's tip or spray may do. Its neighbours lie nearly on one line (in
 // space: in one plane). Across that line ∇·u rests on few pairs, and most of what it says is the particle's
@@ -56,6 +58,8 @@ void LeastSquaresScheme<dim>::limit_film(State<dim>& state, const Neighbours& ne
 #pragma omp parallel for schedule(static)
   for (std::int64_t e = 0; e < count; ++e) {
     const std::int64_t i = film_.particles[static_cast<std::size_t>(e)];
+    film_.value[e] = state.pressure[i];
+    if (!ranks_.owns(i)) continue;  // its owner sends the pressure
     double firm = 0;
     for (const std::int32_t j : near.row(i)) {
       if (j >= film_.share.size()) break;
@@ -95,6 +99,47 @@ double LeastSquaresScheme<dim>::film_impulse(const Boundary<dim>& boundary, cons
   return divergence < 0 && response > 0 ? -film_.share[i] * divergence / (response * (1 + films)) : 0.0;
 }
 
+/// Gives λ and B⁻¹ of the films of other ranks, and lists the own neighbours of those that close.
+template <int dim>
+void LeastSquaresScheme<dim>::share_films(const Boundary<dim>& boundary, const Neighbours& near) {
+  film_.ghosts.clear();
+  if (!ranks_.several()) return;
+  constexpr std::size_t each = sizeof(double) + sizeof(Tensor<dim>);
+  const auto number_of = [&](std::int64_t i) {
+    return std::ranges::lower_bound(film_.particles, i) - film_.particles.begin();
+  };
+  ranks_.update_some([&](std::int32_t i) { return film_.share[i] > 0; }, each,
+                     [&](std::int32_t i, std::byte* to) {
+                       std::memcpy(to, &film_.value[number_of(i)], sizeof(double));
+                       std::memcpy(to + sizeof(double),
+                                   moments_.b_inverse[static_cast<std::size_t>(i)].data(),
+                                   sizeof(Tensor<dim>));
+                     },
+                     [&](std::int32_t i, const std::byte* from) {
+                       std::memcpy(&film_.value[number_of(i)], from, sizeof(double));
+                       std::memcpy(moments_.b_inverse[static_cast<std::size_t>(i)].data(),
+                                   from + sizeof(double), sizeof(Tensor<dim>));
+                     });
+  // A ghost has no row. Its own neighbours, which its owner has as ghosts, have it in theirs.
+  std::vector<std::uint8_t> closes(static_cast<std::size_t>(boundary.water()), 0);
+  bool any = false;
+  for (std::size_t f = 0; f < film_.particles.size(); ++f) {
+    const std::int64_t i = film_.particles[f];
+    if (ranks_.owns(i) || !(film_.value[static_cast<Eigen::Index>(f)] > 0)) continue;
+    closes[static_cast<std::size_t>(i)] = 1;
+    any = true;
+  }
+  if (!any) return;
+  for (std::int32_t j = 0; j < boundary.water(); ++j) {
+    if (!ranks_.owns(j)) continue;
+    const auto columns = near.row(j);
+    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e)
+      if (closes[static_cast<std::size_t>(columns[e])])
+        film_.ghosts.push_back({columns[e], j, near.inverses(j)[e]});
+  }
+  std::ranges::sort(film_.ghosts, {}, [](const FilmPair& pair) { return std::pair(pair.film, pair.other); });
+}
+
 /// Stops what closes in a film (F70). With a_j = w B_i⁻¹ r_ij/r² the divergence is ∇·u_i = Σ a_j·(u_j − u_i),
 /// and
 ///   u_j += λ_i a_j ,  u_i −= λ_i Σ a_j ,  λ_i = −φ_i ∇·u_i/(Σ|a_j|² + |Σ a_j|²)/(1 + Σ φ_j)
@@ -104,25 +149,31 @@ template <int dim>
 void LeastSquaresScheme<dim>::stop_films(const Boundary<dim>& boundary, State<dim>& state,
                                          const Neighbours& near) {
   const auto count = static_cast<std::int64_t>(film_.particles.size());
-  film_.value.resize(count);
+  film_.value.setZero(count);
 #pragma omp parallel for schedule(static)
   for (std::int64_t e = 0; e < count; ++e)
-    film_.value[e] = film_impulse(boundary, state, near, film_.particles[static_cast<std::size_t>(e)]);
+    if (const std::int64_t i = film_.particles[static_cast<std::size_t>(e)]; ranks_.owns(i))
+      film_.value[e] = film_impulse(boundary, state, near, i);
+  share_films(boundary, near);
+  auto of_ghost = film_.ghosts.cbegin();
   for (std::int64_t f = 0; f < count; ++f) {
     if (!(film_.value[f] > 0)) continue;
     const std::int64_t i = film_.particles[static_cast<std::size_t>(f)];
     const Tensor<dim>& inverse = moments_.b_inverse[static_cast<std::size_t>(i)];
-    const auto columns = near.row(i);
-    const auto inverses = near.inverses(i);
-    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
-      const std::int64_t j = columns[e];
-      const double w = (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+    const auto stop = [&](std::int64_t j, double inverse_length) {
+      const double w = (gradient_.radius * inverse_length - 1) * inverse_length * inverse_length;
       const Vector<dim> change =
           film_.value[f] * w *
           (inverse * boundary.tank().periodic().separation(state.position.col(i), state.position.col(j)));
       state.velocity.col(j) += change;
       state.velocity.col(i) -= change;
-    }
+    };
+    const auto columns = near.row(i);
+    const auto inverses = near.inverses(i);
+    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e)
+      stop(columns[e], inverses[e]);
+    for (; of_ghost != film_.ghosts.cend() && of_ghost->film == i; ++of_ghost)
+      stop(of_ghost->other, of_ghost->inverse);
   }
 }
 
@@ -130,6 +181,7 @@ void LeastSquaresScheme<dim>::stop_films(const Boundary<dim>& boundary, State<di
   template double film_share<dim>(const Tensor<dim>&);                                                     \
   template void LeastSquaresScheme<dim>::list_films();                                                     \
   template void LeastSquaresScheme<dim>::limit_film(State<dim>&, const Neighbours&);                       \
+  template void LeastSquaresScheme<dim>::share_films(const Boundary<dim>&, const Neighbours&);             \
   template void LeastSquaresScheme<dim>::stop_films(const Boundary<dim>&, State<dim>&, const Neighbours&); \
   template double LeastSquaresScheme<dim>::film_impulse(const Boundary<dim>&, const State<dim>&,           \
                                                         const Neighbours&, std::int64_t) const;

@@ -2,6 +2,11 @@
 
 #include "fluid/particles/state.hpp"
 
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <vector>
+
 namespace strake::fluid {
 
 /// Returns φ of (F69) from B = Σ_water w r⊗r/r² (fluid/THEORY.md, (F33)): 1 where the neighbours of a
@@ -11,5 +16,19 @@ namespace strake::fluid {
 /// inside the water is no film.
 template <int dim>
 double film_share(const Eigen::Matrix<double, dim, dim>& b);
+
+/// A film of another rank with an own neighbour. inverse: 1/|r| [1/m].
+struct FilmPair {
+  std::int32_t film, other;
+  double inverse;
+};
+
+/// Films, jets and spray (F69), (F70).
+struct Films {
+  Eigen::VectorXf share;                // φ
+  std::vector<std::int64_t> particles;  // with φ > 0, in order
+  Eigen::VectorXd value;                // scratch: one number of each of these
+  std::vector<FilmPair> ghosts;         // scratch of `stop_films`, sorted
+};
 
 }  // namespace strake::fluid

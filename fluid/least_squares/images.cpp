@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 // Pairs of water that are mirrored in a face (F72). A layer particle stands for p_i + q_ij, so it carries no
@@ -45,10 +46,36 @@ void LeastSquaresScheme<dim>::find_images(const Boundary<dim>& boundary, const S
   images_.faces.resize(static_cast<std::size_t>(water));
 #pragma omp parallel for schedule(static) reduction(|| : any)
   for (std::int64_t i = 0; i < water; ++i) {
+    if (!ranks_.owns(i)) continue;
     find_image_faces(boundary, state, far, i);
     any = any || images_.count[static_cast<std::size_t>(i)] > 0;
   }
   images_.any = ranks_.any(any);
+  if (images_.any) share_image_faces(boundary);
+}
+
+/// Gives the ghosts, which have no rows, the faces of their owners. All ranks have the layers of bodies in
+/// one order.
+template <int dim>
+void LeastSquaresScheme<dim>::share_image_faces(const Boundary<dim>& boundary) {
+  using Faces = std::array<typename Images::Face, dim>;
+  const auto first = static_cast<std::int32_t>(boundary.first_of_bodies());
+  ranks_.update_near(
+      sizeof(Faces) + 1,
+      [&](std::int32_t i, std::byte* to) {
+        const auto k = static_cast<std::size_t>(i);
+        Faces faces = images_.faces[k];
+        for (auto& face : faces) face.layer -= first;
+        std::memcpy(to, &faces, sizeof faces);
+        std::memcpy(to + sizeof faces, &images_.count[k], 1);
+      },
+      [&](std::int32_t i, const std::byte* from) {
+        const auto k = static_cast<std::size_t>(i);
+        Faces& faces = images_.faces[k];
+        std::memcpy(&faces, from, sizeof faces);
+        std::memcpy(&images_.count[k], from + sizeof faces, 1);
+        for (auto& face : faces) face.layer += first;
+      });
 }
 
 /// Finds the faces of particle i: of each direction that one whose middle is nearest, measured along the
@@ -203,6 +230,7 @@ void LeastSquaresScheme<dim>::add_images(const Neighbours& far, std::int64_t i) 
                                                      const Neighbours&);                                \
   template void LeastSquaresScheme<dim>::find_image_faces(const Boundary<dim>&, const State<dim>&,      \
                                                           const Neighbours&, std::int64_t);             \
+  template void LeastSquaresScheme<dim>::share_image_faces(const Boundary<dim>&);                       \
   template void LeastSquaresScheme<dim>::update_image_velocities();                                     \
   template void LeastSquaresScheme<dim>::find_image_velocities(const Boundary<dim>&, const State<dim>&, \
                                                                const Vector<dim>&, double);             \

@@ -128,9 +128,7 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
     if (ranks_.owns(i))
       fit_one(i);
     else
-      moments_.water_stop[static_cast<std::size_t>(i)] =
-          far.start()[static_cast<std::size_t>(i)] +
-          static_cast<std::int64_t>(water_pairs(far.row(i), water));
+      moments_.water_stop[static_cast<std::size_t>(i)] = far.start()[static_cast<std::size_t>(i)];
   ranks_.update_near(surface_.share);
   if (images_.any) {
     ranks_.update_near(surface_.normal);
@@ -141,10 +139,6 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
   }
   ranks_.update(film_.share);
   list_films();
-  // A film changes the velocity of its neighbours, so that the moments of ghosts in films are needed, too.
-  if (const auto without_row = ranks_.water_without_row(); ranks_.several())
-    for (const std::int64_t i : film_.particles)
-      if (!ranks_.owns(i) && !without_row[static_cast<std::size_t>(i)]) fit_one(i);
 }
 
 /// Sums of particle i over the water, eight pairs at a time.

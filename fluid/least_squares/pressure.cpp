@@ -34,7 +34,7 @@ void LeastSquaresScheme<dim>::share_rows(const Neighbours& far, PressureSystem& 
   system.diagonal.resize(water);
   system.right.resize(water);
   if (!ranks_.several()) return;
-  system.diagonal.setOnes();  // of ghosts
+  system.diagonal.setZero();  // of ghosts
   system.right.setZero();
 }
 

@@ -112,8 +112,18 @@ void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
   const StageClock clock(step.seconds, "density", step.ranks.communicator());
   air_ = &step.air;
   measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
-  ranks_.update(step.state.surface);
   follow_air(step.state, step.near_gradient(), step.boundary.water(), step.newly_connected);
+  std::uint8_t *const surface = step.state.surface.data(), *const air = step.state.air_connected.data();
+  ranks_.update(
+      2,
+      [&](std::int32_t i, std::byte* to) {
+        to[0] = std::byte{surface[i]};
+        to[1] = std::byte{air[i]};
+      },
+      [&](std::int32_t i, const std::byte* from) {
+        surface[i] = std::to_integer<std::uint8_t>(from[0]);
+        air[i] = std::to_integer<std::uint8_t>(from[1]);
+      });
 }
 
 template <int dim>

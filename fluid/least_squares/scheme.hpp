@@ -5,6 +5,7 @@
 #include "fluid/least_squares/compressible_layer.hpp"
 #include "fluid/least_squares/constants.hpp"
 #include "fluid/least_squares/face_images.hpp"
+#include "fluid/least_squares/film.hpp"
 #include "fluid/least_squares/surface_model.hpp"
 #include "fluid/mps/operators.hpp"
 #include "fluid/parameters/parameters.hpp"
@@ -139,6 +140,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     SingleVectors deferred_velocity;  // past the faces, left to the next steps [m/s]
     std::vector<Meeting> meeting;     // scratch of `meet_faces`
     Eigen::VectorXd passing;          // scratch: T of each layer particle newly wet [s]
+    Vectors<dim> to_air;              // scratch on several ranks: `to_air` of each water particle
   };
   using Images = FaceImages<dim>;
   /// The configuration at the start, where it is packed; else empty. Columns are those of State::id.
@@ -146,12 +148,6 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Vectors<dim> place;         // in the tank as the case gives it [m]
     Eigen::VectorXf deviation;  // δ of (F40)
     SingleVectors opening;      // m of (F37) under the level, else 0 [m]
-  };
-  /// Films, jets and spray (F69), (F70).
-  struct Films {
-    Eigen::VectorXf share;                // φ
-    std::vector<std::int64_t> particles;  // with φ > 0, in order
-    Eigen::VectorXd value;                // scratch: one number of each of these
   };
   enum class Limit : std::uint8_t { none, at_surface, tension };
   /// Terms of each water particle in (F40), of the last `assemble`.
@@ -209,6 +205,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
                          const Visit&) const;
   void add_images(const Neighbours& far, std::int64_t i);
   void find_image_velocities(const Boundary<dim>&, const State<dim>&, const Vector<dim>& steady, double dt);
+  void share_image_faces(const Boundary<dim>&);
   void update_image_velocities();
   double image_factor() const;
   /// Returns τ of (F72), the share of the free surface in particle i beside a face with the normal n.
@@ -236,6 +233,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   double start_share(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
   void list_films();
   void limit_film(State<dim>&, const Neighbours& near);
+  void share_films(const Boundary<dim>&, const Neighbours& near);
   void stop_films(const Boundary<dim>&, State<dim>&, const Neighbours& near);
   double film_impulse(const Boundary<dim>&, const State<dim>&, const Neighbours& near, std::int64_t i) const;
   void cover_layers(const Boundary<dim>&, const State<dim>&, const Neighbours& near);
@@ -277,8 +275,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     return (laplacian_.radius * far.inverse_of(pair) - 1) * walls_.projection(j, r).norm();
   }
   static void fade_lag(State<dim>&, std::int64_t i, double time);
-  double tangent_to_surface(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i,
-                            const Vector<dim>& n) const;
+  Vector<dim> to_air(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i) const;
+  void share_to_air(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   double passing_time(const Boundary<dim>&, const State<dim>&, const Neighbours& far,
                       const typename WallContact<dim>::Joined&) const;
   void meet_faces(const Boundary<dim>&, State<dim>&, const Neighbours& far);

@@ -14,10 +14,11 @@ void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State
   equation_.tension = false;
   // Rows are symmetric: water within reach of the free surface is in the surface's rows. All threads write
   // the same value.
-  surface_.in_reach.assign(static_cast<std::size_t>(water), 0);
+  // Ghosts have no rows, so that on several ranks all water looks for the surface in its own.
+  surface_.in_reach.assign(static_cast<std::size_t>(water), ranks_.several() ? 1 : 0);
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = 0; j < water; ++j) {
-    if (surface_.share[j] < 1) continue;
+    if (ranks_.several() || surface_.share[j] < 1) continue;
     for (const std::int32_t i : far.row(j)) {
       if (i >= water) break;
       std::atomic_ref(surface_.in_reach[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);

@@ -144,9 +144,7 @@ void Aggregates<dim>::find_sparse(double full) {
     const std::int32_t unknowns = cell_start_[here + 1] - cell_start_[here];
     if (unknowns == 0 || 2 * unknowns >= full) continue;
     for (int near = 0; near < around; ++near) {
-      const std::int64_t step =
-          (near / 9 - (dim == 3 ? 1 : 0)) * static_cast<std::int64_t>(count_[1]) * count_[0] +
-          (near / 3 % 3 - 1) * static_cast<std::int64_t>(count_[0]) + near % 3 - 1;
+      const std::int64_t step = step_to(near);
       std::uint8_t& other = density_[static_cast<std::size_t>(c + step)];  // the ring around is empty
       other = std::max<std::uint8_t>(other, step == 0 ? 2 : 1);
     }
@@ -163,8 +161,10 @@ std::int64_t Aggregates<dim>::cell_of(std::int64_t unknown) const {
 
 template <int dim>
 void Aggregates<dim>::split(const PressureSystem& system, CoarseLevel<dim>& level) {
+  if (ranked_) share_parts(system);
   split_cells(system);
   link_pieces(system);
+  if (ranked_) share_links();
   gather_vertices(level);
 }
 
@@ -190,7 +190,9 @@ void Aggregates<dim>::split_cells(const PressureSystem& system) {
     const std::int64_t begin = cell_start_[here], end = cell_start_[here + 1];
     first_piece_[here] = static_cast<std::int32_t>(piece_start.size());
     if (begin == end) continue;
-    if (is_whole(begin, end))
+    if (ranked_)
+      start_parts(begin, end);
+    else if (is_whole(begin, end))
       piece_start.push_back(static_cast<std::int32_t>(begin));
     else
       find_parts(system, begin, end);
@@ -240,14 +242,18 @@ void Aggregates<dim>::find_parts(const PressureSystem& system, std::int64_t begi
 template <int dim>
 void Aggregates<dim>::link_pieces(const PressureSystem& system) {
   links_.clear();
+  const std::vector<std::uint8_t> beside = ranked_ ? pieces_to_link() : std::vector<std::uint8_t>();
+  const std::vector<std::uint8_t>& linking = ranked_ ? beside : shared_cell_;
   for (std::int32_t p = 0; p < pieces(); ++p) {
-    if (!shared_cell_[static_cast<std::size_t>(p)]) continue;
+    if (!linking[static_cast<std::size_t>(p)]) continue;
     for (std::int32_t s = piece_start[static_cast<std::size_t>(p)];
          s < piece_start[static_cast<std::size_t>(p) + 1]; ++s) {
       const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(s)]);
       for (std::int64_t e = system.start[k]; e < system.stop[k]; ++e) {
         const std::int32_t q = piece_of[static_cast<std::size_t>(system.column[static_cast<std::size_t>(e)])];
         if (q == p || q < 0) continue;  // −1: of the second ring
+        if (!shared_cell_[static_cast<std::size_t>(p)] && !shared_cell_[static_cast<std::size_t>(q)])
+          continue;
         links_.emplace_back(p, q);
         links_.emplace_back(q, p);
       }

@@ -78,15 +78,27 @@ class Aggregates {
  private:
   using Link = std::pair<std::int32_t, std::int32_t>;
   std::int64_t cell_of(std::int64_t unknown) const;
+  /// From a cell to the one around it with that number.
+  std::int64_t step_to(int near) const {
+    return (near / 9 - (dim == 3 ? 1 : 0)) * static_cast<std::int64_t>(count_[1]) * count_[0] +
+           (near / 3 % 3 - 1) * static_cast<std::int64_t>(count_[0]) + near % 3 - 1;
+  }
   std::uint8_t density(std::int64_t unknown) const {
     return density_[static_cast<std::size_t>(cell_[static_cast<std::size_t>(unknown)])];
   }
   void sort_by_cell(std::span<const std::int32_t> sorted, double full);
   void find_sparse(double full);
   void split_cells(const PressureSystem&);
+  bool is_own_cell(std::int64_t begin) const {
+    return ranked_->owner[static_cast<std::size_t>(order[static_cast<std::size_t>(begin)])] == rank_;
+  }
+  void share_parts(const PressureSystem&);
+  void start_parts(std::int64_t begin, std::int64_t end);
   bool is_whole(std::int64_t begin, std::int64_t end) const;
   void find_parts(const PressureSystem&, std::int64_t begin, std::int64_t end);
   void link_pieces(const PressureSystem&);
+  std::vector<std::uint8_t> pieces_to_link() const;
+  void share_links();
   /// A piece at a vertex. corner: which corner of the piece's cell the vertex is. part: the connected set of
   /// the piece; −1: none.
   struct Member {
@@ -108,7 +120,8 @@ class Aggregates {
   std::vector<Link> links_;                      // between pieces of which one shares its cell, sorted
   const RankedUnknowns<dim>* ranked_ = nullptr;  // of the last sort; null: one rank
   int rank_ = 0;
-  std::vector<int> piece_owner_;  // on several ranks
+  std::vector<int> piece_owner_;    // on several ranks
+  std::vector<std::int32_t> part_;  // on several ranks: of each unknown, the number of its part in the cell
 };
 
 }  // namespace strake::fluid

@@ -41,7 +41,6 @@ void Multilevel<dim>::build(const PressureSystem& system, const RankedUnknowns<d
 template <int dim>
 void Multilevel<dim>::make_grid(const PressureSystem& system, int threads) {
   read_rows(system, threads);
-  read_copies();
   pieces_.split(system, grids_.finest());
   if (grid_ranks_) grid_ranks_->number(*unknowns_, pieces_);
   const auto n = static_cast<std::size_t>(system.size());

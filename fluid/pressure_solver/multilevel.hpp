@@ -53,7 +53,6 @@ class Multilevel {
   void solve_grid(const Team&);
   void update_copies(const Team&);
   void read_rows(const PressureSystem&, int threads);
-  void read_copies();
   Element element(std::int32_t piece) const;
   bool is_exact(std::int64_t i, std::int64_t j) const;
   void read_scattered_row(const PressureSystem&, std::int64_t k);

@@ -47,7 +47,10 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
   for (std::int64_t k = 0; k < n; ++k) {
     const auto row = static_cast<std::size_t>(k);
-    if (is_copy(k)) continue;
+    if (is_copy(k)) {  // its owner has the row
+      diagonal_[row] = inverse_[row] = excess_[row] = 0;
+      continue;
+    }
     const std::int64_t begin = system.start[row], end = system.stop[row];
     double sum = 0;
     std::array<float, 3> centre{}, cell{};
@@ -93,16 +96,6 @@ void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
     pieces_.own_cell_entries[row] = own;
     if (far > 0 || pieces_.is_near_sparse(k)) read_scattered_row(system, k);
   }
-}
-
-/// Gives the copies what `split` reads of their rows. They have no diagonal here.
-template <int dim>
-void Multilevel<dim>::read_copies() {
-  if (unknowns_ == nullptr) return;
-  for (std::size_t k = 0; k < diagonal_.size(); ++k)
-    if (is_copy(static_cast<std::int64_t>(k))) diagonal_[k] = inverse_[k] = excess_[k] = 0;
-  unknowns_->halo->update(*unknowns_->communicator, pieces_.touched.data());
-  unknowns_->halo->update(*unknowns_->communicator, pieces_.own_cell_entries.data());
 }
 
 /// Whether an entry enters the grid's equation without approximation, as w (P_i − P_j)(P_i − P_j)ᵀ. P are the
@@ -304,11 +297,9 @@ void Multilevel<dim>::assemble_grid(int threads) {
 }
 
 template void Multilevel<2>::read_rows(const PressureSystem&, int);
-template void Multilevel<2>::read_copies();
 template void Multilevel<2>::read_exact_entries(const PressureSystem&, int);
 template void Multilevel<2>::assemble_grid(int);
 template void Multilevel<3>::read_rows(const PressureSystem&, int);
-template void Multilevel<3>::read_copies();
 template void Multilevel<3>::read_exact_entries(const PressureSystem&, int);
 template void Multilevel<3>::assemble_grid(int);
 

@@ -22,18 +22,18 @@ class RankedPressure {
   /// spacing: l0 [m].
   RankedPressure(const Subdomain<dim>& own, std::unique_ptr<SharedGrid> grid, double spacing)
       : subdomain_(own), grid_(std::move(grid)), spacing_(spacing) {}
-  /// Solves the equation of the local particles, whose own rows count. guess: of the pressure of each, copies
-  /// included. may_be_sealed: blocks without P = 0 and without compressibility are looked for, and closed.
+  /// Solves the equation of the local particles, where copies have no rows, and zero as diagonal and right
+  /// side. guess: of the pressure of each, copies included. may_be_sealed: blocks without P = 0 and without
+  /// compressibility are looked for, and closed in the system.
   /// solution: one pressure per particle, right for own ones. Returns whether there are such blocks.
-  bool solve(const PressureSystem&, const Vectors<dim>& position, const Eigen::VectorXd& guess,
-             bool may_be_sealed, const Scheme&, PressureSolution& solution);
+  bool solve(PressureSystem&, const Vectors<dim>& position, const Eigen::VectorXd& guess, bool may_be_sealed,
+             const Scheme&, PressureSolution& solution);
 
  private:
   const Subdomain<dim>& subdomain_;
   GridRanks<dim> grid_;
   double spacing_;
   RankedUnknowns<dim> unknowns_;
-  PressureSystem own_, grid_rows_;
   Multilevel<dim> multilevel_;
   ConjugateGradients cg_;
 };

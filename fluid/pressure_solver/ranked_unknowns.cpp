@@ -1,7 +1,6 @@
 #include "fluid/pressure_solver/ranked_unknowns.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace strake::fluid {
 
@@ -46,43 +45,18 @@ Slabs slabs_of(const std::vector<Bucket>& bucket, std::span<const std::int32_t> 
 
 template <int dim>
 void RankedUnknowns<dim>::take(const PressureSystem& local, const Subdomain<dim>& subdomain,
-                               const Vectors<dim>& position, PressureSystem& own, PressureSystem& grid) {
-  const std::int64_t water = subdomain.local_water();
-  const auto n = static_cast<std::size_t>(water);
+                               const Vectors<dim>& position) {
+  const auto n = static_cast<std::size_t>(subdomain.local_water());
   communicator = &subdomain.communicator();
   halo = &subdomain.division().near;
   owner = subdomain.division().owner;
-  std::vector<std::uint8_t> near(n);
-  for (std::size_t i = 0; i < n; ++i) near[i] = subdomain.owns(static_cast<std::int64_t>(i)) ? 1 : 0;
-  for (const auto& list : halo->receive)
-    for (const std::int32_t i : list) near[static_cast<std::size_t>(i)] = 1;
-
-  for (PressureSystem* system : {&own, &grid}) {
-    if (system->size() != water) {
-      system->particle.resize(n);
-      std::iota(system->particle.begin(), system->particle.end(), 0);
-    }
-    system->start = local.start;
-    system->column = local.column;
-    system->value = local.value;
-    system->own.stop.resize(n);
-    system->stop = system->own.stop;
-  }
-  grid.diagonal = local.diagonal;
-  own.diagonal.resize(water);
-  own.right.resize(water);
-#pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    const bool is_own = subdomain.owns(k);
-    own.own.stop[i] = is_own ? local.stop[i] : local.start[i];
-    grid.own.stop[i] = near[i] ? local.stop[i] : local.start[i];
-    own.diagonal[k] = is_own ? local.diagonal[k] : 0;
-    own.right[k] = is_own ? local.right[k] : 0;
-  }
+  place = subdomain.division().place;
+  std::vector<std::uint8_t> has_neighbours(n);
+  for (std::size_t i = 0; i < n; ++i) has_neighbours[i] = local.start[i] < local.stop[i] ? 1 : 0;
+  halo->update(*communicator, has_neighbours.data());
   in_cells.clear();
   for (std::size_t i = 0; i < n; ++i)
-    if (near[i] && local.start[i] < local.stop[i]) in_cells.push_back(static_cast<std::int32_t>(i));
+    if (has_neighbours[i]) in_cells.push_back(static_cast<std::int32_t>(i));
   find_cells(subdomain, position);
 }
 

@@ -132,9 +132,9 @@ static Bytes described(const PressureSystem& system, const Parts& parts, std::sp
 }
 
 template <int dim>
-int close_sealed_blocks(PressureSystem& system, const RankedUnknowns<dim>& unknowns,
-                        std::span<const std::int64_t> place) {
+int close_sealed_blocks(PressureSystem& system, const RankedUnknowns<dim>& unknowns) {
   Communicator& communicator = *unknowns.communicator;
+  const std::span<const std::int64_t> place = unknowns.place;
   const Parts parts = connected_parts(system);
   if (!communicator.any(std::ranges::count(parts.held, 0) > 0)) return 0;
 
@@ -159,7 +159,7 @@ int close_sealed_blocks(PressureSystem& system, const RankedUnknowns<dim>& unkno
   return static_cast<int>(std::ranges::count_if(blocks, [](const auto& of) { return !of.second.held; }));
 }
 
-template int close_sealed_blocks<2>(PressureSystem&, const RankedUnknowns<2>&, std::span<const std::int64_t>);
-template int close_sealed_blocks<3>(PressureSystem&, const RankedUnknowns<3>&, std::span<const std::int64_t>);
+template int close_sealed_blocks<2>(PressureSystem&, const RankedUnknowns<2>&);
+template int close_sealed_blocks<3>(PressureSystem&, const RankedUnknowns<3>&);
 
 }  // namespace strake::fluid

@@ -3,14 +3,11 @@
 #include "fluid/pressure_solver/pressure_system.hpp"
 #include "fluid/pressure_solver/ranked_unknowns.hpp"
 
-#include <cstdint>
-#include <span>
-
 namespace strake::fluid {
 
-/// Does what `close_sealed_blocks` does on one rank, for blocks that may lie on several. place: of each local
-/// particle in the whole. All ranks call it together.
+/// Does what `close_sealed_blocks` does on one rank, for blocks that may lie on several. All ranks call it
+/// together.
 template <int dim>
-int close_sealed_blocks(PressureSystem&, const RankedUnknowns<dim>&, std::span<const std::int64_t> place);
+int close_sealed_blocks(PressureSystem&, const RankedUnknowns<dim>&);
 
 }  // namespace strake::fluid

@@ -241,10 +241,7 @@ void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
       if (near != std::byte{0}) sorted.near.receive[r].push_back(at);
     }
   }
-  sorted.outer.resize(sorted.place.size());
-  for (std::size_t k = 0; k < sorted.outer.size(); ++k) sorted.outer[k] = sorted.owned[k] ? 0 : 1;
-  for (const auto& list : sorted.near.receive)
-    for (const std::int32_t i : list) sorted.outer[static_cast<std::size_t>(i)] = 0;
+  for (const std::uint8_t owned : sorted.owned) sorted.ghost.push_back(owned ? 0 : 1);
   sorted.layer_number = std::move(next.layer_number);
   sorted.layer_bucket = std::move(next.layer_bucket);
   next = std::move(sorted);

@@ -22,11 +22,11 @@ namespace strake::fluid {
 /// Which particles a rank has, and who owns them. The water stands in the order of the whole, layer particles
 /// follow. With the state of this rank it is all that a rank needs to go on from there.
 struct Division {
-  std::vector<std::int64_t> place;  // of each water particle in the whole, ascending
-  std::vector<Bucket> bucket;       // of each water particle, when the water was divided
-  std::vector<int> owner;           // of each water particle
-  std::vector<std::uint8_t> owned;  // of each particle: by this rank
-  std::vector<std::uint8_t> outer;  // of each water particle: a ghost of the second ring, without a row
+  std::vector<std::int64_t> place;         // of each water particle in the whole, ascending
+  std::vector<Bucket> bucket;              // of each water particle, when the water was divided
+  std::vector<int> owner;                  // of each water particle
+  std::vector<std::uint8_t> owned;         // of each particle: by this rank
+  std::vector<std::uint8_t> ghost;         // of each water particle: it is another rank's, and has no row
   std::vector<std::int64_t> layer_number;  // of each layer particle in the whole, ascending
   std::vector<Bucket> layer_bucket;        // of each layer particle
   bool buckets_hold = false;               // they were read with the state
@@ -55,10 +55,10 @@ struct TankLayers {
 /// pairs.
 ///
 /// Sums over the neighbours of water are computed for own particles. What another sum reads of the ghosts is
-/// sent by their owners before (`update`). Ghosts of the first ring have rows; those of the second ring are
-/// in the rows of others, and have none. A layer particle beside own water has all its water. A particle
-/// stays in its bucket until one has left its own by more than a little: radius and width of a bucket differ
-/// by more than twice that.
+/// sent by their owners before (`update`). Ghosts are in the rows of others, and have none. The first ring
+/// has all neighbours of own water; with the second one a layer particle beside own water has all its water.
+/// A particle stays in its bucket until one has left its own by more than a little: radius and width of a
+/// bucket differ by more than twice that.
 ///
 /// The local order is that of the whole, with gaps. So a sum over the neighbours of an own particle adds the
 /// same numbers in the same order as on one rank, to the last bit.
@@ -198,8 +198,8 @@ class RankExchange {
   const Subdomain<dim>* subdomain() const { return own_; }
   bool several() const { return own_ != nullptr; }
   /// Water that is in the rows of others and has none on this rank: a mask, or empty.
-  std::span<const std::uint8_t> water_without_row() const {
-    return own_ ? std::span<const std::uint8_t>(own_->division().outer) : std::span<const std::uint8_t>();
+  std::span<const std::uint8_t> ghosts() const {
+    return own_ ? std::span<const std::uint8_t>(own_->division().ghost) : std::span<const std::uint8_t>();
   }
   /// Layer particles that are far from all water of this rank: a mask, or empty.
   std::span<const std::uint8_t> absent_layers() const {
@@ -227,6 +227,19 @@ class RankExchange {
   template <class Read, class Write>
   void update_near(std::size_t each, const Read& read, const Write& write) const {
     if (own_) own_->update_near(each, read, write);
+  }
+  /// The same for those alone of which counts(i) is true, on their owners and here.
+  template <class Counts, class Read, class Write>
+  void update_some(const Counts& counts, std::size_t each, const Read& read, const Write& write) const {
+    if (!own_) return;
+    const Halo& near = own_->division().near;
+    Halo some;
+    some.clear(own_->communicator().size());
+    for (std::size_t r = 0; r < near.send.size(); ++r) {
+      std::ranges::copy_if(near.send[r], std::back_inserter(some.send[r]), counts);
+      std::ranges::copy_if(near.receive[r], std::back_inserter(some.receive[r]), counts);
+    }
+    some.update(own_->communicator(), each, read, write);
   }
   /// Gives layer particles of bodies the values of their owners, see Subdomain.
   void gather_bodies(Vectors<dim>& column) const {

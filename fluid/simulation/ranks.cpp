@@ -202,6 +202,32 @@ void Simulation<dim>::Work::remove_lost_together() {
   }
 }
 
+template <int dim>
+CollidingRanks Simulation<dim>::Work::colliding_ranks() {
+  if (!step.subdomain) return {};
+  return {step.subdomain->division().owned,
+          [this](double distance) -> const Neighbours& { return pairs_of_ghosts(distance); }};
+}
+
+/// Returns the rows of the ghosts, with one another and with layers, at the present positions.
+template <int dim>
+const Neighbours& Simulation<dim>::Work::pairs_of_ghosts(double distance) {
+  if (!ghost_search) ghost_search.emplace(distance, 0.0, step.search.periodic());
+  const auto tags = step.boundary.tags(step.state, {}, step.ranks.absent_layers());
+  std::vector<std::uint8_t> tag(tags.begin(), tags.end());
+  for (std::int64_t i = 0; i < std::ssize(tag); ++i) {
+    auto& of = tag[static_cast<std::size_t>(i)];
+    if (i >= step.boundary.water())
+      of |= passive;
+    else if (step.ranks.owns(i))
+      of = absent;
+  }
+  ghost_search->invalidate();
+  return ghost_search->update(step.state.position, tag, [this](std::int32_t i, std::int32_t j) {
+    return step.boundary.keep(step.state, i, j, false);
+  });
+}
+
 /// Adds up the accounts of the collisions of all ranks, each of its own particles.
 template <int dim>
 void Simulation<dim>::Work::sum_collisions() {
@@ -293,6 +319,7 @@ Extreme Simulation<dim>::Work::largest_of_ranks(const Extreme& own, std::int64_t
   template void Simulation<dim>::Work::forget_ranks();                                          \
   template void Simulation<dim>::Work::remove_lost_together();                                  \
   template void Simulation<dim>::Work::sum_collisions();                                        \
+  template CollidingRanks Simulation<dim>::Work::colliding_ranks();                             \
   template typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_together();      \
   template typename Simulation<dim>::Work::Solved Simulation<dim>::Work::solve_on_first_rank();
 STRAKE_INSTANTIATE(2)

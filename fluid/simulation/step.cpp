@@ -220,9 +220,8 @@ void Simulation<dim>::Work::shift() {
   collisions = {};
   if (!step.substepping.is_over()) return;
   scheme->shift(step);
-  collisions = separate_particles<dim>(
-      step.state, step.boundary, step.near_density(), step.p.scheme, step.substepping.age(), step.p.spacing,
-      step.mass, step.subdomain ? step.subdomain->division().owned : std::span<const std::uint8_t>());
+  collisions = separate_particles<dim>(step.state, step.boundary, step.near_density(), step.p.scheme,
+                                       step.substepping.age(), step.p.spacing, step.mass, colliding_ranks());
   remove_lost();
   step.boundary.tank().wrap(step.state);
 }

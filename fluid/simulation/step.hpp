@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace strake::fluid {
@@ -49,6 +50,8 @@ struct Simulation<dim>::Work {
   void forget_ranks();  // that have written the state
   void remove_lost_together();
   void sum_collisions();
+  CollidingRanks colliding_ranks();
+  const Neighbours& pairs_of_ghosts(double distance);
   /// The largest of the ranks' extremes; of equal ones the first in the whole.
   Extreme largest_of_ranks(const Extreme&, std::int64_t place) const;
 
@@ -64,6 +67,7 @@ struct Simulation<dim>::Work {
   StepData<dim> step;
   std::unique_ptr<FluidScheme<dim>> scheme;
   std::unique_ptr<AirUnderBody<dim>> air;  // null: none is computed
+  std::optional<NeighbourSearch<dim>> ghost_search;
   ViscousStage<dim> viscous;
   PressureSystem system;
   PoissonSolver<dim> poisson;

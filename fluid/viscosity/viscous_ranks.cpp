@@ -49,6 +49,29 @@ void ViscousStage<dim>::update_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
       });
 }
 
+/// The same for sums one by one: ∇u and the number of neighbours.
+template <int dim>
+void ViscousStage<dim>::update_gradients(const ViscousFlow<dim>& flow, std::span<Tensor<dim>> gradient,
+                                         std::span<std::int32_t> neighbours) {
+  constexpr std::size_t size = sizeof(Tensor<dim>);
+  flow.ranks.update_near(
+      size + sizeof(std::int32_t),
+      [&](std::int32_t i, std::byte* to) {
+        std::memcpy(to, gradient[static_cast<size_t>(i)].data(), size);
+        std::memcpy(to + size, &neighbours[static_cast<size_t>(i)], sizeof(std::int32_t));
+      },
+      [&](std::int32_t i, const std::byte* from) {
+        std::memcpy(gradient[static_cast<size_t>(i)].data(), from, size);
+        std::memcpy(&neighbours[static_cast<size_t>(i)], from + size, sizeof(std::int32_t));
+      });
+}
+
+#define STRAKE_INSTANTIATE(dim)                                                                      \
+  template void ViscousStage<dim>::update_gradients(const ViscousFlow<dim>&, std::span<Tensor<dim>>, \
+                                                    std::span<std::int32_t>);
+STRAKE_INSTANTIATE(2)
+STRAKE_INSTANTIATE(3)
+#undef STRAKE_INSTANTIATE
 template void ViscousStage<2>::update_gradient(const ViscousFlow<2>&, Eigen::VectorXd&);
 template void ViscousStage<3>::update_gradient(const ViscousFlow<3>&, Eigen::VectorXd&);
 

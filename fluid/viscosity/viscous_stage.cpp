@@ -379,10 +379,10 @@ void ViscousStage<dim>::separate(const Parameters& parameters, const ViscousFlow
   const auto lattice = lattice_constants<dim>(scheme.radius_gradient, l0);
   std::vector<Tensor<dim>> correction;
   if (consistent(scheme)) correction = gradient_correction<dim>(flow.position, flow.near, lattice, masks);
-  const auto gradient =
-      velocity_gradient<dim>(flow.position, flow.velocity, flow.near, lattice, correction, masks);
+  auto gradient = velocity_gradient<dim>(flow.position, flow.velocity, flow.near, lattice, correction, masks);
   const SpsModel model = sps_model(parameters);
-  const auto counts = neighbour_counts(flow.near, lattice.radius);
+  auto counts = neighbour_counts(flow.near, lattice.radius);
+  update_gradients(flow, gradient, counts);
   SpsFields fields = sps_fields<dim>(gradient, counts, model, flow.wall_distance, masks);
   if (scheme.turbulence == Turbulence::k)
     advance_fields<dim>(flow, model, lattice, counts, dt, k, scratch_, fields);

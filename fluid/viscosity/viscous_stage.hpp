@@ -68,6 +68,8 @@ class ViscousStage {
   };
   void take_samples(const ViscousFlow<dim>&);
   void gather_gradient(const ViscousFlow<dim>&, Eigen::VectorXd& k);
+  static void update_gradients(const ViscousFlow<dim>&, std::span<Tensor<dim>> gradient,
+                               std::span<std::int32_t> neighbours);
   void update_gradient(const ViscousFlow<dim>&, Eigen::VectorXd& k);
   /// Of a ghost it computes the same numbers as of its owner: the machine's code is one.
   [[gnu::noinline]] void close(std::int64_t i, const Tensor<dim>& gradient, double energy, double production,

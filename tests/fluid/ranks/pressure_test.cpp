@@ -74,6 +74,14 @@ TEST(RankedPressure, IsThatOfOneRankUnderAPlate) {
                       .dt = 2e-5});
 }
 
+// Water above and below a plate that is thinner than the cells: they have two pieces each, also beside cuts.
+TEST(RankedPressure, IsThatOfOneRankOnBothSidesOfAThinPlate) {
+  expect_near(Flow<2>{.p = tank_case(1.6, 0.4, 0.01, 0.2),
+                      .body = rectangle(-0.4, -0.062, 0.8, 0.004, 0.01),
+                      .speed = 1,
+                      .dt = 2e-5});
+}
+
 TEST(RankedPressure, IsThatOfOneRankUnderABoxInSpace) {
   expect_near(Flow<3>{.p = basin(0.6, 0.24, 0.02, 0.1),
                       .body = box_surface({0, 0.004, 0}, {0.16, 0.04, 0.16}, 0.02),

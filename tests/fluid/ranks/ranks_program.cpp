@@ -81,8 +81,10 @@ std::string counts(MpiCommunicator& ranks) {
   const Subdomain<3>& part = *simulation.ranks().subdomain();
   const auto own = std::ranges::count(part.division().owner, ranks.rank());
   const auto size = static_cast<double>(ranks.size());
-  const std::int64_t ghosts = ranks.sum(part.local_water() - own), all = ranks.sum(std::int64_t{own}),
-                     outer = ranks.sum(std::ranges::count(part.division().outer, 1));
+  std::int64_t first_ring = 0;
+  for (const auto& list : part.division().near.receive) first_ring += std::ssize(list);
+  first_ring = ranks.sum(first_ring);
+  const std::int64_t ghosts = ranks.sum(part.local_water() - own), all = ranks.sum(std::int64_t{own});
   const double most = ranks.max(static_cast<double>(own)), mean = static_cast<double>(all) / size;
   const auto messages = ranks.max(static_cast<double>(after.messages - before.messages));
   const std::int64_t bytes = ranks.sum(after.bytes - before.bytes);
@@ -91,7 +93,7 @@ std::string counts(MpiCommunicator& ranks) {
       "\"imbalance\": {:.4f}, \"iterations\": {}, "
       "\"bytes\": {:.1f}, \"messages\": {:.1f}, \"sums\": {:.1f}}}",
       mean, static_cast<double>(ghosts) / static_cast<double>(all),
-      static_cast<double>(ghosts - outer) / static_cast<double>(all), most / mean, iterations,
+      static_cast<double>(first_ring) / static_cast<double>(all), most / mean, iterations,
       static_cast<double>(bytes) / static_cast<double>(ghosts) / box.steps, messages / box.steps,
       static_cast<double>(after.together - before.together) / box.steps);
 }

@@ -157,6 +157,16 @@ TEST(Ranks, EnergyOfTurbulenceInSpaceIsThatOfOneRankToTheLastBit) {
 }
 
 // Sixteen parts of a column; those in its middle are far from all walls.
+// With so large a distance the rows of the surface collide in chains, across cuts too. Ghosts pass collisions
+// on, though they have no rows.
+TEST(Ranks, ChainsOfCollisionsAcrossCutsAreThoseOfOneRank) {
+  Flow<2> flow{.p = tank_case(0.8, 0.2, 0.01, 0.2), .body = {}, .dt = 5e-4, .steps = 80};
+  flow.p.water.max[0] = -0.2;
+  flow.p.scheme.collision_distance = 1.02;
+  const State<2> one = on_one_rank(flow);
+  for (const int count : {2, 3, 4}) expect_same(on_ranks(flow, count), one, std::to_string(count) + " ranks");
+}
+
 TEST(Ranks, OneWithoutLayersComputesAsTheOthers) {
   Flow<2> flow{.p = tank_case(0.6, 0.6, 0.01, 0.1), .body = {}, .dt = 5e-4, .steps = 55};
   flow.p.gravity = {2, -9.81, 0};
