@@ -113,17 +113,21 @@ void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
   air_ = &step.air;
   measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
   follow_air(step.state, step.near_gradient(), step.boundary.water(), step.newly_connected);
-  std::uint8_t *const surface = step.state.surface.data(), *const air = step.state.air_connected.data();
-  ranks_.update(
-      2,
-      [&](std::int32_t i, std::byte* to) {
-        to[0] = std::byte{surface[i]};
-        to[1] = std::byte{air[i]};
-      },
-      [&](std::int32_t i, const std::byte* from) {
-        surface[i] = std::to_integer<std::uint8_t>(from[0]);
-        air[i] = std::to_integer<std::uint8_t>(from[1]);
-      });
+  share_surface(step.state);
+}
+
+/// Gives the ghosts, which have no rows, the marks of their owners: surface, and connected with the air.
+template <int dim>
+void LeastSquaresScheme<dim>::share_surface(State<dim>& state) const {
+  const auto read = [&](std::int32_t i, std::byte* to) {
+    to[0] = std::byte{state.surface[static_cast<std::size_t>(i)]};
+    to[1] = std::byte{state.air_connected[static_cast<std::size_t>(i)]};
+  };
+  const auto write = [&](std::int32_t i, const std::byte* from) {
+    state.surface[static_cast<std::size_t>(i)] = std::to_integer<std::uint8_t>(from[0]);
+    state.air_connected[static_cast<std::size_t>(i)] = std::to_integer<std::uint8_t>(from[1]);
+  };
+  ranks_.update(2, read, write);
 }
 
 template <int dim>

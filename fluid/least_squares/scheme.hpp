@@ -232,6 +232,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// it (F68).
   double start_share(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
   void list_films();
+  void share_surface(State<dim>&) const;
   void limit_film(State<dim>&, const Neighbours& near);
   void share_films(const Boundary<dim>&, const Neighbours& near);
   void stop_films(const Boundary<dim>&, State<dim>&, const Neighbours& near);

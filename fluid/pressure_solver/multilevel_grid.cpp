@@ -36,21 +36,18 @@ void store(std::array<std::vector<float>, entries>& moment, std::size_t row,
 template <int dim>
 void Multilevel<dim>::read_rows(const PressureSystem& system, int threads) {
   const std::int64_t n = system.size();
-  for (auto* v : {&diagonal_, &inverse_, &excess_}) v->resize(static_cast<std::size_t>(n));
-  for (auto& m : moment_) m.resize(static_cast<std::size_t>(n));
-  exact_row_.assign(static_cast<std::size_t>(n), -1);
+  const auto rows = static_cast<std::size_t>(n);
+  for (auto* v : {&diagonal_, &inverse_, &excess_}) unknowns_ ? v->assign(rows, 0) : v->resize(rows);
+  for (auto& m : moment_) m.resize(rows);
+  exact_row_.assign(rows, -1);
   const float* value = system.value.data();
   const std::int32_t* column = system.column.data();
   std::array<const float*, dim> at;
   for (std::size_t d = 0; d < dim; ++d) at[d] = pieces_.at[d].data();
-
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
   for (std::int64_t k = 0; k < n; ++k) {
     const auto row = static_cast<std::size_t>(k);
-    if (is_copy(k)) {  // its owner has the row
-      diagonal_[row] = inverse_[row] = excess_[row] = 0;
-      continue;
-    }
+    if (is_copy(k)) continue;
     const std::int64_t begin = system.start[row], end = system.stop[row];
     double sum = 0;
     std::array<float, 3> centre{}, cell{};

@@ -6,8 +6,8 @@ Still water in a box that fills whole cells of both grids, in the plane and in s
   one    1 rank, 1 thread, the whole box          threads  1 rank, 2 threads, the whole box
 Weak efficiency is half / ranks; the ranks against threads is ranks / threads. Wanted: weak 0.85 (pressure) and 0.80 (step),
 ranks / threads <= 1.11, CPU time of 4 ranks on 2 processors outside messages <= 1.15 of one.
-With --series, on a machine with as many processors: N ranks with a box of N halves, and one rank with N threads and the same box;
-the boxes lie beside each other along x, in space along x and z."""
+With --series, on a machine with as many processors: N ranks with a box of N halves, and one rank with N threads and the same box.
+The halves lie beside each other along x, in space along x and z."""
 import argparse
 import json
 import os
