@@ -1,11 +1,14 @@
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/new_case/case_lines.hpp"
+#include "coupler/new_case/case_size.hpp"
 #include "coupler/new_case/questions.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/number_text.hpp"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 #include <unistd.h>
 
@@ -52,8 +55,10 @@ ExitCode new_case(NewOptions options) {
             .string();
   const NewScene scene = kind.scene(answers);
   write_whole(out, case_file_text(kind.name, scene));
-  put(stdout, fmt::format("wrote {}\n  next  strake check {}\n        strake run {}\n", out.string(),
-                          out.string(), out.string()));
+  put(stdout, fmt::format("wrote {}\n  size  about {} particles; half the spacing, {:.3g} m: {}\n"
+                          "  next  strake check {}\n        strake run {}\n",
+                          out.string(), grouped(std::llround(particles_of(scene))), 0.5 * scene.spacing,
+                          cost_of_half(scene), out.string(), out.string()));
   return ExitCode::done;
 }
 

@@ -1,11 +1,11 @@
 #include "coupler/new_case/case_lines.hpp"
 
+#include "coupler/new_case/case_size.hpp"
 #include "coupler/new_case/scenes.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdlib>
 
 namespace strake {
@@ -15,15 +15,7 @@ constexpr std::size_t comment_column = 40;
 constexpr double frames_of_run = 50;  // of a run
 
 std::string corners_text(const NewScene& s, double top, double right) {
-  const double back = s.dimension == 3 ? s.left + s.across : 0,
-               front = s.dimension == 3 ? s.right + s.across : 0;
-  return fmt::format("[{}, {}]", toml_vector(s.left, s.bottom, back), toml_vector(right, top, front));
-}
-
-/// The next larger number of two digits.
-double two_digits(double x) {
-  const double unit = std::pow(10, std::floor(std::log10(x)) - 1);
-  return std::ceil(x / unit - 1e-9) * unit;
+  return fmt::format("[{}, {}]", toml_vector(s.left, s.bottom, s.back), toml_vector(right, top, s.front));
 }
 
 }  // namespace
@@ -83,7 +75,7 @@ std::string case_file_text(const std::string& kind, const NewScene& s) {
   lines.table("[fluid]")
       .key("dimension", fmt::format("{}", s.dimension),
            s.dimension == 2 ? "2: the plane, masses and forces are per metre of depth" : "3: space")
-      .number("spacing", s.spacing, "m, between particles; halve it to judge a result")
+      .number("spacing", s.spacing, "m, between particles; half of it, to judge a result: " + cost_of_half(s))
       .number("density", 1000, "kg/m^3, of the water")
       .number("kinematic_viscosity", 1e-6, "m^2/s, of the water")
       .key("gravity", "[0.0, -9.81, 0.0]", "m/s^2")

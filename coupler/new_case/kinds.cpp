@@ -41,7 +41,7 @@ NewKind mesh_kind() {
           {speed(5),
            mass(),
            {"scale", "1", "factor on the lengths of the file: 0.001 for one in mm", 1, 1e-6, 1e6},
-           spacing("width/80, in space width/30")},
+           spacing("width/80, in space what gives 100 000 particles")},
           true,
           mesh_scene};
 }

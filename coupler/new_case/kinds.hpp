@@ -32,8 +32,8 @@ struct NewScene {
   std::string title, physics;  // headline of the run; what is computed, in a sentence
   int dimension = 2;
   double spacing = 0;                       // [m] l0
-  double left = 0, right = 0;               // [m] walls of the tank along x; in three dimensions also along z
-  double across = 0;                        // [m] middle of the tank along z, less that along x
+  double left = 0, right = 0;               // [m] walls of the tank along x
+  double back = 0, front = 0;               // [m] the same along z, in three dimensions
   double bottom = 0, surface = 0, top = 0;  // [m] of tank and water; the surface lies under the body
   bool submerged = false;                   // the body stands in the water at the start
   double water_right = 0;                   // [m] where the water ends along x

@@ -102,6 +102,23 @@ def options_arrive(place):
     expect(checked.returncode == 0, f"a mesh is found from the case file's folder: exit {checked.returncode}\n{checked.stderr}")
 
 
+def space_is_small(place):
+    """A case of a body in space has about 100 000 particles whatever the body's shape, and says what a finer one costs."""
+    for shape, size in {"cube": (0.4, 0.3, 0.4), "hull": (20, 1.5, 3), "panel": (1, 0.02, 1)}.items():
+        (place / f"{shape}.stl").write_text(box_of_stl((0, 0, 0), size))
+        made = strake("new", "mesh", "--mesh", f"{shape}.stl", "-o", f"{shape}.toml", cwd=place)
+        expect(made.returncode == 0, f"new mesh of {shape}: exit {made.returncode}\n{made.stderr}")
+        text = (place / f"{shape}.toml").read_text()
+        costs = re.compile(r"half[^\n]*: ([\d.]+) times the particles, ([\d.]+) times the time")
+        expect(costs.search(made.stdout) and costs.search(text), f"{shape}: half the spacing's cost {made.stdout}")
+        checked = strake("check", f"{shape}.toml", cwd=place).stdout
+        counted = re.search(r"steps of ([\d ]+) particles: some [\d.]+ (?:s|min) on one core", checked)
+        expect(counted and 60e3 < float(counted.group(1).replace(" ", "")) < 120e3, f"{shape}: 60 000 to 120 000 particles\n{checked}")
+        expect("warning" not in checked, f"{shape}: no warning\n{checked}")
+        said = re.search(r"about ([\d ]+) particles", made.stdout)
+        expect(said and counted and said.group(1) == counted.group(1), f"{shape}: the console's number is that of check {made.stdout}")
+
+
 def refusals_help(place):
     before = (place / "wedge.toml").read_bytes()
     for words, code, said in (
@@ -169,6 +186,7 @@ with folder() as name:
     here = pathlib.Path(name)
     kinds_pass_check(here, units(here))
     options_arrive(here)
+    space_is_small(here)
     refusals_help(here)
     questions_are_asked(here)
     one_runs(here)
