@@ -5,6 +5,7 @@
 #include "coupler/new_case/questions.hpp"
 #include "proto/files/whole_file.hpp"
 #include "proto/number_text.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -55,6 +56,7 @@ ExitCode new_case(NewOptions options) {
             .string();
   const NewScene scene = kind.scene(answers);
   write_whole(out, case_file_text(kind.name, scene));
+  if (!scene.warning.empty()) put(stderr, fmt::format("  warning  {}\n", visible(scene.warning)));
   put(stdout, fmt::format("wrote {}\n  size  about {} particles; half the spacing, {:.3g} m: {}\n"
                           "  next  strake check {}\n        strake run {}\n",
                           out.string(), grouped(std::llround(particles_of(scene))), 0.5 * scene.spacing,

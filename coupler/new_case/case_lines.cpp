@@ -70,6 +70,7 @@ std::string case_file_text(const std::string& kind, const NewScene& s) {
       .comment(
           "its spacings resolve; `strake run FILE` runs it. Units are SI. `strake explain KEY` explains a "
           "key.");
+  if (!s.warning.empty()) lines.comment("Warning: " + s.warning);
   lines.text("title", s.title, "headline of the run")
       .number("end_time", two_digits(s.end_time), "s, " + s.end_reason);
   lines.table("[fluid]")

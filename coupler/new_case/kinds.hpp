@@ -41,6 +41,7 @@ struct NewScene {
   double window = 0;                        // [s] between exchanges; 0: Strake's choice
   std::string end_reason;                   // what has happened by then
   std::string body;                         // TOML of [structure] and its probes
+  std::string warning;                      // what to look at before a run; empty: nothing
 };
 
 /// A kind of case that `strake new` writes.

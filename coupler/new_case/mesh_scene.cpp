@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 
 namespace strake {
 namespace {
@@ -49,6 +51,24 @@ void move_to(const MeshExtent& mesh, double gap, NewScene& s) {
   for (double* height : {&s.bottom, &s.top}) *height += s.surface;
 }
 
+/// Warns of a body larger than any ship, which a file in mm gives where --scale is left out; empty for
+/// others.
+///
+/// Its longest, second and third length are compared with 500, 80 and 50 m. Prelude FLNG, the largest hull
+/// afloat, is 488 m long and 74 m wide. A section in the plane has no length of a ship: 80 and 50 m.
+std::string size_warning(std::array<double, 3> lengths, int dimension, double scale) {
+  constexpr std::array<double, 3> largest = {500, 80, 50};
+  std::sort(lengths.begin(), lengths.end(), std::greater<>());
+  const std::size_t first = dimension == 3 ? 0 : 1;
+  for (std::size_t k = 0; k + first < largest.size(); ++k)
+    if (lengths[k] > largest[k + first])
+      return fmt::format(
+          "the body is {:.4g} m {}, larger than any ship. If the file is in mm, write the case anew with "
+          "--scale {:g}.",
+          lengths[k], k + first == 0 ? "long" : "across", 0.001 * scale);
+  return {};
+}
+
 }  // namespace
 
 NewScene mesh_scene(const NewAnswers& answers) {
@@ -73,6 +93,7 @@ NewScene mesh_scene(const NewAnswers& answers) {
     s.spacing = chosen_spacing_or(spacing_in_space(s), answers, "body's width", width);
     round_up(s);
   }
+  s.warning = size_warning({wide_x, height, wide_z}, s.dimension, scale);
   const double gap = rigid_gap * s.spacing;
   move_to(mesh, gap, s);
   s.end_time = (gap + 0.5 * std::min(height, 0.5 * width)) / speed;

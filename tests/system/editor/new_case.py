@@ -119,6 +119,22 @@ def space_is_small(place):
         expect(said and counted and said.group(1) == counted.group(1), f"{shape}: the console's number is that of check {made.stdout}")
 
 
+def millimetres_are_warned_of(place):
+    """A body larger than any ship: the console and the case name --scale. One of a ship's size: they do not."""
+    for name, size, words, warns in (("mm", (400, 200, 500), "", True), ("long_mm", (1500, 60, 90), "", True), ("m", (400, 200, 500), "--scale 0.001", False),
+                                     ("ship", (60, 30, 330), "", False), ("cm", (40, 20, 50), "--scale 10", True)):
+        (place / f"{name}.stl").write_text(box_of_stl((0, 0, 0), size))
+        made = strake("new", "mesh", "--mesh", f"{name}.stl", *words.split(), "-o", f"size_{name}.toml", cwd=place)
+        hint = "--scale 0.01." if name == "cm" else "--scale 0.001."
+        for where, text in (("console", made.stdout + made.stderr), ("case", (place / f"size_{name}.toml").read_text())):
+            expect((hint in text and "larger than any ship" in text) == warns, f"{name}: warned of on the {where}: {warns}\n{made.stderr}")
+    section = place / "section.msh"  # in the plane, in mm
+    section.write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 300 0 0\n3 300 90 0\n4 0 90 0\n$EndNodes\n"
+                       "$Elements\n1\n1 3 2 1 1 1 2 3 4\n$EndElements\n")
+    made = strake("new", "mesh", "--mesh", "section.msh", "-o", "section.toml", cwd=place)
+    expect("300 m across" in made.stderr and made.returncode == 0, f"a section in mm: exit {made.returncode} {made.stderr}")
+
+
 def refusals_help(place):
     before = (place / "wedge.toml").read_bytes()
     for words, code, said in (
@@ -187,6 +203,7 @@ with folder() as name:
     kinds_pass_check(here, units(here))
     options_arrive(here)
     space_is_small(here)
+    millimetres_are_warned_of(here)
     refusals_help(here)
     questions_are_asked(here)
     one_runs(here)
