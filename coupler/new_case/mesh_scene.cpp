@@ -21,7 +21,7 @@ namespace {
 /// A square plate meets the water of such a tank, and of one 1.5 times as deep, with 1.3 % more impulse than
 /// that of open water (cases/VALIDATION.md, "Plates in space").
 void put_space_tank(NewScene& s, double wide_x, double wide_z, double height) {
-  const double narrow = std::min(wide_x, wide_z);
+  const double narrow = std::max(std::min(wide_x, wide_z), 0.1 * std::max(wide_x, wide_z));
   s.right = s.water_right = 0.5 * wide_x + narrow;
   s.left = -s.right;
   s.front = 0.5 * wide_z + narrow;

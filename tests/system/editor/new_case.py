@@ -104,7 +104,7 @@ def options_arrive(place):
 
 def space_is_small(place):
     """A case of a body in space has about 100 000 particles whatever the body's shape, and says what a finer one costs."""
-    for shape, size in {"cube": (0.4, 0.3, 0.4), "hull": (20, 1.5, 3), "panel": (1, 0.02, 1)}.items():
+    for shape, size in {"cube": (0.4, 0.3, 0.4), "hull": (20, 1.5, 3), "panel": (1, 0.02, 1), "blade": (0.02, 1, 1)}.items():
         (place / f"{shape}.stl").write_text(box_of_stl((0, 0, 0), size))
         made = strake("new", "mesh", "--mesh", f"{shape}.stl", "-o", f"{shape}.toml", cwd=place)
         expect(made.returncode == 0, f"new mesh of {shape}: exit {made.returncode}\n{made.stderr}")
