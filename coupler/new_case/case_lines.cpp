@@ -90,12 +90,9 @@ std::string case_file_text(const std::string& kind, const NewScene& s) {
   rest.table("[output]")
       .number("every", round_number(s.end_time / frames_of_run), "s, between frames of the fields");
   rest.table("[coupling.surface]");
-  if (s.window > 0)
-    rest.number("window", s.window, "s, between exchanges: nothing slams");
-  else
-    rest.comment(
-        "window = 1.0e-5                       # s, between exchanges; left out, it follows shape, speed "
-        "and spacing");
+  rest.comment(
+      "window = 1.0e-5                       # s, between exchanges; left out, it follows shape, speed "
+      "and spacing");
   return text + rest.str();
 }
 

@@ -38,7 +38,6 @@ struct NewScene {
   bool submerged = false;                   // the body stands in the water at the start
   double water_right = 0;                   // [m] where the water ends along x
   double end_time = 0;                      // [s]
-  double window = 0;                        // [s] between exchanges; 0: Strake's choice
   std::string end_reason;                   // what has happened by then
   std::string body;                         // TOML of [structure] and its probes
   std::string warning;                      // what to look at before a run; empty: nothing

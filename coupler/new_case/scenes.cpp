@@ -151,7 +151,6 @@ NewScene moored_scene(const NewAnswers& answers) {
   const double bottom = raised - s.spacing * std::round(0.5 * width / s.spacing);
   s.end_time = 4 * std::numbers::pi * std::sqrt(0.75 * width / gravity);
   s.end_reason = "about two periods of its heave";
-  s.window = round_number(s.end_time / 5000);
   CaseLines lines;
   lines.table("[structure]")
       .text("solver", "rigid", "rigid | replay | none, or the path of a program")
