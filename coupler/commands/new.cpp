@@ -54,7 +54,8 @@ ExitCode new_case(NewOptions options) {
             .lexically_normal()
             .lexically_relative(std::filesystem::absolute(out).lexically_normal().parent_path())
             .string();
-  const NewScene scene = kind.scene(answers);
+  NewScene scene = kind.scene(answers);
+  if (scene.warning.empty()) scene.warning = long_lengths(kind, answers);
   write_whole(out, case_file_text(kind.name, scene));
   if (!scene.warning.empty()) put(stderr, fmt::format("  warning  {}\n", visible(scene.warning)));
   put(stdout, fmt::format("wrote {}\n  size  about {} particles; half the spacing, {:.3g} m: {}\n"

@@ -118,7 +118,20 @@ const std::vector<NewKind>& new_kinds() {
 std::string out_of_bounds(const NewNumber& number, double value) {
   if (value >= number.min && value <= number.max) return {};
   if (!number.follows.empty() && value == 0) return {};
-  return fmt::format("expected {:g} to {:g} {}", number.min, number.max, number.unit);
+  return fmt::format("expected {:g} to {:g}{}", number.min, number.max,
+                     number.unit == "1" ? "" : " " + number.unit);
+}
+
+// 80 m: no ship is as wide, and no specimen. See size_warning for a body from a file.
+std::string long_lengths(const NewKind& kind, const NewAnswers& answers) {
+  constexpr double widest = 80;  // [m]
+  for (const NewNumber& number : kind.numbers)
+    if (const double x = answers.value(number.name);
+        number.unit == "m" && number.name != "spacing" && x > widest)
+      return fmt::format(
+          "{} is {:g} m, more than any ship is wide. Lengths are in m: --{} {:g} if it was meant in mm.",
+          number.name, x, number.name, 0.001 * x);
+  return {};
 }
 
 NewAnswers complete(const NewKind& kind, NewAnswers given, const std::string& command) {

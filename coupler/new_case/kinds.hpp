@@ -58,6 +58,8 @@ const std::vector<NewKind>& new_kinds();
 /// Completes the answers with defaults and refuses what lies outside the bounds; `command` is named in
 /// errors. Throws Error(command_line).
 NewAnswers complete(const NewKind&, NewAnswers given, const std::string& command);
+/// Warns of a length in m that was probably meant in mm; empty where there is none.
+std::string long_lengths(const NewKind&, const NewAnswers&);
 /// Says that a number is outside its bounds: "expected 1 to 85 deg"; empty where it is within.
 std::string out_of_bounds(const NewNumber&, double value);
 

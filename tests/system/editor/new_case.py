@@ -95,6 +95,8 @@ def options_arrive(place):
     checked = strake("check", "box_stl.toml", cwd=place)
     expect(checked.returncode == 0 and "mass 312 kg" in checked.stdout,
            f"an STL file in mm, away from the origin: exit {checked.returncode}\n{made.stderr}{checked.stderr}")
+    word = strake("new", "mesh", "box.stl", "--scale", "0.001", "-o", "word.toml", cwd=place)
+    expect(word.returncode == 0, f"the file without --mesh: exit {word.returncode} {word.stderr}")
     expect("0.5 m wide, 0.2 m high" in (place / "box_stl.toml").read_text(), "its size stands in the file")
     (place / "below").mkdir()
     strake("new", "mesh", "--mesh", os.path.relpath(MESH, place), "-o", "below/hull.toml", cwd=place)
@@ -128,6 +130,8 @@ def millimetres_are_warned_of(place):
         hint = "--scale 0.01." if name == "cm" else "--scale 0.001."
         for where, text in (("console", made.stdout + made.stderr), ("case", (place / f"size_{name}.toml").read_text())):
             expect((hint in text and "larger than any ship" in text) == warns, f"{name}: warned of on the {where}: {warns}\n{made.stderr}")
+    made = strake("new", "plate", "--length", "400", "--thickness", "20", "-o", "size_plate.toml", cwd=place)
+    expect("--length 0.4 if it was meant in mm" in made.stderr, f"a plate in mm: {made.stderr}")
     section = place / "section.msh"  # in the plane, in mm
     section.write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 300 0 0\n3 300 90 0\n4 0 90 0\n$EndNodes\n"
                        "$Elements\n1\n1 3 2 1 1 1 2 3 4\n$EndElements\n")
@@ -144,6 +148,7 @@ def refusals_help(place):
             ("plate --solver particle --thickness 0.0137 -o x.toml", 2, "--solver fem"), ("plate --solver fme -o x.toml", 2, "fem"),
             ("dam --height 9 -o x.toml", 2, "ten widths"), ("cylinder --mass -1 -o x.toml", 2, "expected 0.001"), ("mesh -o x.toml", 2, "--mesh"), ("mesh --mesh nothing.msh -o x.toml", 3, "nothing.msh"),
             (f"mesh --mesh {ROOT / 'README.md'} -o x.toml", 3, "no nodes"), ("wegde -o x.toml", 2, "did you mean wedge?"),
+            ("box.stl -o x.toml", 2, "strake new mesh box.stl"), ("mesh --mesh box.stl --scale 0 -o x.toml", 2, "expected 1e-06 to 1e+06: factor"),
             ("", 2, "expected a kind of case"), ("wedge -o none/x.toml", 6, "none")):
         refused = strake("new", *words.split(), cwd=place)
         expect(refused.returncode == code and said in refused.stderr, f"new {words}: exit {refused.returncode}, {refused.stderr.strip()}")
