@@ -53,7 +53,9 @@ std::optional<Wetted> wetted_at_end(const CaseView& view, const InterfaceMesh& b
                                     double level) {
   if (body.position.cols() == 0 || velocity.cols() != body.position.cols()) return std::nullopt;
   const double lowest = body.position.row(1).minCoeff(), speed = -velocity.row(1).minCoeff();
-  if (!(speed > 0) || lowest < level - 1e-9) return std::nullopt;
+  if (lowest < level - 1e-9) return std::nullopt;
+  if (speed < 0 && !view.moves_freely()) return Wetted{};  // driven upwards
+  if (!(speed > 0)) return std::nullopt;
   const double depth = speed * view.common.end_time - (lowest - level);
   if (!(depth > 0)) return Wetted{};
   const double rise = 0.5 * std::numbers::pi * depth, half = half_width_below(body, lowest + rise);
