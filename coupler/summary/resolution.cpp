@@ -120,23 +120,29 @@ std::vector<std::string> sensor_lines(const CaseView& view, const InterfaceMesh&
   return lines;
 }
 
-}  // namespace
-
-double half_width_below(const InterfaceMesh& body, double y) {
+/// Half the width along an axis of what a level water surface at height y would wet [m].
+double half_width_along(const InterfaceMesh& body, double y, Eigen::Index axis) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   const auto take = [&](double x) {
     low = std::min(low, x);
     high = std::max(high, x);
   };
   for (Eigen::Index k = 0; k < body.position.cols(); ++k)
-    if (body.position(1, k) <= y) take(body.position(0, k));
+    if (body.position(1, k) <= y) take(body.position(axis, k));
   for (Eigen::Index f = 0; f < body.faces.cols(); ++f)
     for (Eigen::Index k = 0; k < body.faces.rows(); ++k) {
       const Eigen::Vector3d a = body.position.col(body.faces(k, f)),
                             b = body.position.col(body.faces((k + 1) % body.faces.rows(), f));
-      if ((a.y() <= y) != (b.y() <= y)) take(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+      if ((a.y() <= y) != (b.y() <= y)) take(a[axis] + (y - a.y()) / (b.y() - a.y()) * (b[axis] - a[axis]));
     }
   return high > low ? 0.5 * (high - low) : 0;
+}
+
+}  // namespace
+
+double half_width_below(const InterfaceMesh& body, double y) {
+  const double along_x = half_width_along(body, y, 0);
+  return body.dimension == 3 ? std::min(along_x, half_width_along(body, y, 2)) : along_x;
 }
 
 double jet_thickness(double c, double slope) {
